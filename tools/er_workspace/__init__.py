@@ -1,0 +1,1 @@
+"""Workspace support behind ``./er``: environment, build and command dispatch; standard library only."""

@@ -1,0 +1,139 @@
+"""The commands of ``./er``: one table, and what hands over to the program behind each."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+
+from er_workspace import colcon, prerequisites, venv
+from er_workspace.environment import command_environment
+from er_workspace.layout import Layout, Stop, find_layout, work_root
+from er_workspace.process import locked, say
+
+#: command: (arguments, help, module it hands over to; None where there is a function below)
+COMMANDS: dict[str, tuple[str, str, str | None]] = {
+    "setup": ("[--clean]", "make or repair what the other commands need; --clean starts over", None),
+    "demo": ("[ARGS]", "the main job: find a hidden effect in a running ROS 2 graph", "er_bringup.demo"),
+    "test": ("[ARGS]", "the whole test suite; arguments go to pytest", None),
+    "run": ("PACKAGE EXECUTABLE [ARGS]", "start one node, as `ros2 run` does", None),
+    "up": ("[KEY:=VALUE ...]", "start the whole graph, as `ros2 launch er_bringup` does", "er_bringup.up"),
+    "record": ("OUT [ARGS]", "record a bag until Ctrl-C", "er_model_lab.record_command"),
+    "lab": ("COMMAND ...", "model lab: compare, diagnose, add, improve, plan, ...", "er_model_lab.cli"),
+    "doctor": ("[ARGS]", "check the running graph: types, QoS, rates, parameters", "er_bringup.doctor"),
+    "synth": ("[ARGS]", "compute observer and controller gains", "er_observers.synth"),
+    "bench": ("[ARGS]", "measure speed and latency", "er_model_lab.bench"),
+    "exec": ("PROGRAM [ARGS]", "any program in the workspace's environment", None),
+    "help": ("", "this list", None),
+}
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run one command; returns the exit status where the command does not take over the process."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    name, args = (argv[0], list(argv[1:])) if argv else ("help", [])
+    if name in ("-h", "--help", "help"):
+        print(_help())
+        return 0
+    try:
+        if name not in COMMANDS:
+            near = get_close_matches(name, COMMANDS, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(COMMANDS)}"
+            raise Stop(f"unknown command '{name}'; {hint}")
+        layout = find_layout(work_root(), os.environ)
+        if name == "setup":
+            return _setup(layout, args)
+        ensure(layout)
+        _hand_over(layout, name, args)
+    except Stop as error:
+        say(f"er: {error}")
+        return error.status
+    except KeyboardInterrupt:
+        say("er: interrupted")
+        return 130
+    return 0
+
+
+def ensure(layout: Layout, clean: bool = False) -> bool:
+    """Set up what is missing; returns whether there was anything to do."""
+    if not clean and not venv.broken(layout) and not venv.outdated(layout) and colcon.current(layout):
+        return False
+    prerequisites.use_ros_python(layout)
+    prerequisites.check()
+    with locked(layout.root) as lock:
+        layout.log.parent.mkdir(exist_ok=True)
+        layout.log.write_text("", encoding="utf-8")
+        if clean or venv.broken(layout) or venv.outdated(layout):
+            venv.make(layout, lock, clean)
+        if not colcon.current(layout):
+            colcon.build(layout, lock)
+    return True
+
+
+def _setup(layout: Layout, args: Sequence[str]) -> int:
+    unknown = [a for a in args if a != "--clean"]
+    if unknown:
+        raise Stop(f"setup: unknown argument '{unknown[0]}'; known: --clean")
+    start = time.monotonic()
+    done = ensure(layout, clean="--clean" in args)
+    source = f"ROS 2 at {layout.ros}" if layout.ros else "ROS 2 Jazzy from wheels"
+    what = f"set up in {time.monotonic() - start:.0f} s" if done else "nothing to do"
+    print(f"er: ready ({source}), {what}")
+    return 0
+
+
+def _hand_over(layout: Layout, name: str, args: list[str]) -> None:
+    """Replace this process by the program behind a command: signals and exit status are the program's."""
+    env = command_environment(layout, os.environ)
+    module = COMMANDS[name][2]
+    make: dict[str, Callable[[], list[str]]] = {
+        "test": lambda: _test_command(layout, args),
+        "run": lambda: _run_command(layout, args),
+        "exec": lambda: args,
+    }
+    command = [str(layout.python), "-m", module, *args] if module else make[name]()
+    if not command:
+        raise Stop(f"{name}: expected {COMMANDS[name][0]}")
+    if name == "test":
+        os.chdir(layout.root)
+        env["ROS_PYTHON_CHECK_FIELDS"] = "1"
+    sys.stdout.flush()
+    try:
+        os.execvpe(command[0], command, env)
+    except OSError as error:
+        raise Stop(f"{command[0]}: {error.strerror}") from None
+
+
+def _test_command(layout: Layout, args: list[str]) -> list[str]:
+    """Pytest on the paths among the arguments, or on every test folder where there is none."""
+    folders = [layout.root / "test", *(package / "test" for package in layout.packages().values())]
+    named = any((layout.root / a.split("::")[0]).exists() for a in args if not a.startswith("-"))
+    where = [] if named else [str(f.relative_to(layout.root)) for f in folders if f.is_dir()]
+    return [str(layout.python), "-m", "pytest", *args, *where]
+
+
+def _run_command(layout: Layout, args: list[str]) -> list[str]:
+    """Interpreter and script of a package's executable."""
+    packages = {n: layout.install / n / "lib" / n for n in layout.packages()}
+    if not args or args[0] not in packages:
+        found = f"unknown package '{args[0]}'" if args else "expected PACKAGE EXECUTABLE"
+        raise Stop(f"run: {found}; packages: {', '.join(n for n, p in packages.items() if _executables(p))}")
+    there = _executables(packages[args[0]])
+    if len(args) < 2 or args[1] not in there:
+        found = f"{args[0]} has no executable '{args[1]}'" if len(args) > 1 else "expected EXECUTABLE"
+        raise Stop(f"run: {found}; executables of {args[0]}: {', '.join(there) or 'none'}")
+    return [str(layout.python), str(packages[args[0]] / args[1]), *args[2:]]
+
+
+def _executables(folder: Path) -> list[str]:
+    return sorted(p.name for p in folder.glob("*") if p.is_file() and os.access(p, os.X_OK))
+
+
+def _help() -> str:
+    width = max(len(f"{n} {a}") for n, (a, _, _) in COMMANDS.items())
+    rows = [f"  {f'{n} {a}':<{width}}  {text}" for n, (a, text, _) in COMMANDS.items()]
+    return "\n".join(["./er COMMAND: semi-active dampers on ROS 2, and the model lab", *rows])

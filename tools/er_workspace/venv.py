@@ -1,0 +1,148 @@
+"""The Python environment ``.venv``: made from the pinned requirements, checked, and made anew when it is broken."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import uuid
+from typing import Any
+
+from er_workspace.layout import Layout
+from er_workspace.process import run_logged, step
+from er_workspace.wheels import repair_exports
+
+STATE = "er-state.json"
+PROBE = "import sys; print('%d.%d' % sys.version_info[:2])"
+
+
+def read_state(layout: Layout) -> dict[str, Any]:
+    """What the last complete set-up wrote into the environment; empty when there was none."""
+    try:
+        state = json.loads((layout.venv / STATE).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return state if isinstance(state, dict) else {}
+
+
+def requirements_hash(layout: Layout) -> str:
+    """Hash of the requirement files that apply."""
+    digest = hashlib.sha256()
+    for path in layout.requirements():
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def broken(layout: Layout) -> str:
+    """Why the environment must be made anew; empty when it need not."""
+    state = read_state(layout)
+    if not layout.venv.exists():
+        return "there is none"
+    if not state:
+        return "it was not finished"
+    if state.get("root") != str(layout.root):
+        return "the checkout was moved"
+    if state.get("ros") != str(layout.ros):
+        return "another ROS 2 is used"
+    if _version(layout) != state.get("python"):
+        return "its Python is gone or another one"
+    missing = sorted(set(state.get("inventory", ["?"])) - set(_inventory(layout)))
+    return f"{missing[0]} is gone" if missing else ""
+
+
+def outdated(layout: Layout) -> bool:
+    """Whether a healthy environment lacks a changed requirement."""
+    return read_state(layout).get("requirements") != requirements_hash(layout)
+
+
+def make(layout: Layout, lock: int, clean: bool) -> None:
+    """Make the environment, or bring a healthy one up to date."""
+    reason = "as asked" if clean else broken(layout)
+    if reason:
+        with step(f"making .venv ({reason}), Python {platform.python_version()}"):
+            _create(layout, lock)
+    identity = str(uuid.uuid4()) if reason else read_state(layout).get("identity", str(uuid.uuid4()))
+    (layout.venv / STATE).unlink(missing_ok=True)
+    for path in layout.requirements():
+        kind = "ROS 2 Jazzy wheels" if path.name == "jazzy.txt" else "Python packages"
+        with step(f"installing {_count(path)} {kind}"):
+            _install(layout, path, lock)
+    if layout.ros is None:
+        repair_exports(layout)
+    _write_state(layout, identity)
+
+
+def setup_environment() -> dict[str, str]:
+    """Environment of the set-up's own programs: nothing of another Python or ROS 2 leaks in."""
+    foreign = ("PYTHON", "AMENT_", "COLCON_", "CMAKE_", "ROS_", "RMW_", "_ROS_")
+    kept = {k: v for k, v in os.environ.items() if not k.startswith(foreign)}
+    kept.pop("LD_LIBRARY_PATH", None)
+    kept.pop("VIRTUAL_ENV", None)
+    return kept
+
+
+def _create(layout: Layout, lock: int) -> None:
+    shutil.rmtree(layout.venv, ignore_errors=True)
+    shared = ["--system-site-packages"] if layout.ros else []
+    command = [sys.executable, "-m", "venv", *shared, layout.venv]
+    run_logged(command, layout.log, setup_environment(), lock, "making .venv failed")
+    (layout.venv / "COLCON_IGNORE").touch()
+
+
+def _install(layout: Layout, requirements: Any, lock: int) -> None:
+    pip = [layout.python, "-m", "pip", "--disable-pip-version-check", "--no-input", "install"]
+    env = setup_environment()
+    # builds of the few source packages take the pinned setuptools as well
+    env["PIP_CONSTRAINT"] = str(layout.root / "requirements" / "lock.txt")
+    command = [*pip, "--no-deps", "--prefer-binary", "-r", requirements]
+    run_logged(command, layout.log, env, lock, f"installing {requirements.name} failed")
+
+
+def _count(requirements: Any) -> int:
+    lines = requirements.read_text(encoding="utf-8").splitlines()
+    old = sys.version_info < (3, 11)
+    other = 'python_version >= "3.11"' if old else 'python_version < "3.11"'
+    return sum(1 for line in lines if line and not line.startswith("#") and other not in line)
+
+
+def _version(layout: Layout) -> str:
+    # -S: without the environment's start-up hooks, which take ten times as long
+    command = [layout.python, "-I", "-S", "-c", PROBE]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return done.stdout.strip()
+
+
+def _inventory(layout: Layout) -> list[str]:
+    """Files and folders of the two upper levels of site-packages: what a damaged environment lacks."""
+    names = []
+    for site in sorted((layout.venv / "lib").glob("python3.*/site-packages")):
+        for top in os.scandir(site):
+            if top.name == "__pycache__":
+                continue
+            names.append(top.name)
+            if top.is_dir(follow_symlinks=False):
+                inner = (e.name for e in os.scandir(top.path) if e.name != "__pycache__")
+                names.extend(f"{top.name}/{name}" for name in inner)
+    return sorted(names)
+
+
+def _write_state(layout: Layout, identity: str) -> None:
+    state = {
+        "identity": identity,
+        "root": str(layout.root),
+        "ros": str(layout.ros),
+        "python": _version(layout),
+        "requirements": requirements_hash(layout),
+        "inventory": _inventory(layout),
+    }
+    path = layout.venv / STATE
+    partial = path.with_suffix(".tmp")
+    partial.write_text(json.dumps(state), encoding="utf-8")
+    partial.replace(path)
