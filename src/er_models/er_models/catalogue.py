@@ -1,0 +1,116 @@
+"""The one list of all effects, in the order in which they act within their stage."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from er_models.effect import Effect
+from er_models.effects.actuation import (
+    amplifier_lag,
+    dead_time,
+    duty_dead_band,
+    field_exponent,
+    rise_fall_asymmetry,
+    varying_time_constant,
+)
+from er_models.effects.core import bingham_yield, guo_yield, passive, response
+from er_models.effects.force import (
+    asymmetric_damping,
+    bouc_wen_hysteresis,
+    cavitation,
+    coulomb_friction,
+    end_stop,
+    field_stiffness,
+    field_viscosity,
+    fluid_inertia,
+    freeplay,
+    gas_spring,
+    mount_compliance,
+    position_dependent_damping,
+    preload,
+    quadratic_damping,
+    shear_thinning,
+    stribeck_friction,
+    viscoelastic_branch,
+)
+from er_models.effects.heat import effectiveness_fade, self_heating
+from er_models.effects.sensing import deflection_zero, force_delay, force_lag, velocity_lag
+from er_models.effects.vehicle import quarter_car
+from er_models.errors import UnknownName
+
+_MODULES = (
+    passive, guo_yield, bingham_yield, response,
+    deflection_zero, velocity_lag,
+    dead_time, duty_dead_band, field_exponent, amplifier_lag,
+    varying_time_constant, rise_fall_asymmetry,
+    self_heating, effectiveness_fade,
+    mount_compliance, freeplay,
+    preload, gas_spring, coulomb_friction, stribeck_friction, quadratic_damping,
+    asymmetric_damping, shear_thinning, position_dependent_damping, end_stop,
+    bouc_wen_hysteresis, viscoelastic_branch, fluid_inertia, field_viscosity, field_stiffness,
+    cavitation, force_lag, force_delay,
+    quarter_car,
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Catalogue:
+    """An ordered set of effects and the layout of their parameters and states in flat vectors."""
+
+    effects: tuple[Effect, ...]
+
+    offsets: dict[str, int] = field(init=False, compare=False)
+    slots: dict[str, int] = field(init=False, compare=False)
+    size: int = field(init=False, compare=False)
+    n_states: int = field(init=False, compare=False)
+
+    def __post_init__(self) -> None:
+        offsets: dict[str, int] = {}
+        slots: dict[str, int] = {}
+        at = slot = 0
+        for effect in self.effects:
+            if effect.name in offsets:
+                raise ValueError(f"effect '{effect.name}' is listed twice")
+            offsets[effect.name] = at
+            at += len(effect.parameters)
+            if effect.has_state:
+                slots[effect.name] = slot
+                slot += 1
+        object.__setattr__(self, "offsets", offsets)
+        object.__setattr__(self, "slots", slots)
+        object.__setattr__(self, "size", at)
+        object.__setattr__(self, "n_states", slot)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all effects."""
+        return tuple(e.name for e in self.effects)
+
+    def __getitem__(self, name: str) -> Effect:
+        for effect in self.effects:
+            if effect.name == name:
+                return effect
+        raise UnknownName("effect", name, self.names)
+
+    def index(self, name: str) -> int:
+        """Position of an effect; `UnknownName` if there is none."""
+        return self.effects.index(self[name])
+
+    def column(self, name: str, parameter: str) -> int:
+        """Place of a parameter in the flat parameter vector."""
+        effect = self[name]
+        if parameter not in effect.names:
+            raise UnknownName(f"parameter of {name}", parameter, effect.names)
+        return self.offsets[name] + effect.names.index(parameter)
+
+    def candidates(self) -> tuple[Effect, ...]:
+        """Effects that can be added to a model: all but the core terms and the unknowable ones."""
+        return tuple(e for e in self.effects if e.stage not in ("core", "vehicle") and e.knowable)
+
+    def extended(self, more: Iterable[Effect]) -> Catalogue:
+        """This catalogue with a user's own effects at its end."""
+        return Catalogue(self.effects + tuple(more))
+
+
+CATALOGUE = Catalogue(tuple(module.EFFECT for module in _MODULES))

@@ -1,0 +1,133 @@
+"""What a physical effect is: one equation, its parameters, and how it shows itself.
+
+An effect is a frozen record of plain scalar functions (hooks). The arguments of a hook are found by
+name: parameters of the effect, the signals below, and ``w``, the effect's own state. The same functions
+are compiled for simulation and fitting, traced for the documentation and differentiated for linearisation,
+so each equation stands in one place.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+Stage = Literal["core", "force", "actuation", "heat", "sensing", "vehicle"]
+
+SIGNALS: dict[str, str] = {
+    "x": "deflection of the damper, extension positive [m]",
+    "v": "deflection velocity [m/s]",
+    "a": "deflection acceleration [m/s2]",
+    "u": "duty after the actuation effects [1]",
+    "t": "time since the record began [s]",
+    "theta": "measured temperature above the reference [K]",
+    "stiffness_scale": "product of all stiffness scales [1]",
+    "viscous_scale": "product of all viscosity scales [1]",
+    "yield_scale": "product of all yield force scales [1]",
+    "tau_scale": "product of all response time scales [1]",
+    "k_0": "passive stiffness in force [N/m]",
+    "c_0": "passive damping in force [N s/m]",
+    "y": "yield force the field asks for, before its lag [N]",
+    "f_y": "yield force, after its lag [N]",
+    "f_d": "damper force [N]",
+    "z_t": "tyre deflection, wheel minus road, extension positive [m]",
+    "v_t": "tyre deflection velocity [m/s]",
+    "v_s": "absolute velocity of the sprung mass [m/s]",
+}
+
+HOOKS: dict[str, str] = {
+    "duty": "maps the duty on its way from the command to the fluid",
+    "shift_deflection": "maps the measured deflection to that of the damper",
+    "shift_velocity": "maps the measured velocity to that of the damper",
+    "stiffness_scale": "multiplies the passive stiffness",
+    "viscous_scale": "multiplies the passive damping",
+    "yield_scale": "multiplies the yield force",
+    "tau_scale": "multiplies the response time of the yield force",
+    "target": "adds to the yield force that the field asks for",
+    "force": "adds to the damper force",
+    "limit": "maps the damper force",
+    "relax": "gives (rate, drive) of the own state: w' = drive - rate * w",
+    "sense": "maps the damper force to the measured one",
+    "input_delay": "delays the duty",
+    "output_delay": "delays the measured force against the motion",
+    "spring_force": "adds to the force between the masses, beside the damper",
+    "tyre_force": "adds to the force between wheel and road",
+    "sprung_mass": "adds to the sprung mass",
+    "unsprung_mass": "adds to the unsprung mass",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Param:
+    """One parameter; low, high and starts are multiples of the natural scale of its unit.
+
+    The natural scale comes from the data or the model (`er_models.scales`), so that the same declaration
+    serves dampers that differ by a factor of 100 in force.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    neutral: float | None
+    starts: tuple[float, ...]
+    meaning: str
+    fitted: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Signature:
+    """How an effect shows itself and what would show it best."""
+
+    mark: str
+    plane: str
+    experiment: str
+    rivals: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Effect:
+    """A physical effect: equation hooks, parameters, signature and source.
+
+    `hooks` maps a key of `HOOKS` to a scalar function. `initial` tells where its state begins: at rest
+    (zero) or in equilibrium with the first sample.
+    """
+
+    name: str
+    stage: Stage
+    title: str
+    physics: str
+    parameters: tuple[Param, ...]
+    hooks: dict[str, Callable[..., object]]
+    signature: Signature
+    source: str
+    dissipative: bool = False
+    initial: Literal["equilibrium", "zero"] = "equilibrium"
+    knowable: bool = True
+    unknowable_because: str = ""
+    _names: tuple[str, ...] = field(init=False, default=())
+
+    def __post_init__(self) -> None:
+        names = tuple(p.name for p in self.parameters)
+        object.__setattr__(self, "_names", names)
+        for hook, function in self.hooks.items():
+            if hook not in HOOKS:
+                raise ValueError(f"{self.name}: unknown hook '{hook}', known: {', '.join(HOOKS)}")
+            for argument in inspect.signature(function).parameters:
+                if argument not in names and argument not in SIGNALS and argument != "w":
+                    raise ValueError(f"{self.name}.{hook}: argument '{argument}' is no parameter or signal")
+
+    @property
+    def has_state(self) -> bool:
+        """Whether the effect carries a state of its own."""
+        return "relax" in self.hooks
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters, in order."""
+        return self._names
+
+    def parameter(self, name: str) -> Param:
+        """Parameter of that name; `KeyError` if there is none."""
+        return self.parameters[self._names.index(name)]

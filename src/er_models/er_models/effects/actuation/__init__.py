@@ -1,0 +1,1 @@
+"""Effects between the duty command and the field in the fluid."""

@@ -1,0 +1,27 @@
+"""Rise and fall differ: the yield force falls with r tau."""
+
+from er_models.effect import Effect, Param, Signature
+
+
+def tau_scale(r: float, y: float, f_y: float) -> float:
+    """Factor on the response time [1]: r while the yield force shrinks, 1 while it grows."""
+    return r if (y - f_y) * f_y < 0.0 else 1.0
+
+
+EFFECT = Effect(
+    name="rise_fall_asymmetry",
+    stage="actuation",
+    title="Rise-fall asymmetry of the response",
+    physics="Chains break faster (or slower) than they form.",
+    parameters=(
+        Param("r", "1", 0.1, 5.0, 1.0, (1.4, 0.7), "time constant of the fall over that of the rise"),
+    ),
+    hooks={"tau_scale": tau_scale},
+    signature=Signature(
+        mark="residual pulses after the duty falls, other than after it rises",
+        plane="time",
+        experiment="square wave of duty on a large slow sine",
+        rivals=("varying_time_constant", "dead_time"),
+    ),
+    source="Koo, Goncalves and Ahmadian 2006; Choi et al. 1998",
+)

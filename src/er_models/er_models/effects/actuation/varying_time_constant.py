@@ -1,0 +1,27 @@
+"""Response time that depends on the duty: tau (1 + g u), the first terms of (1.21)."""
+
+from er_models.effect import Effect, Param, Signature
+
+
+def tau_scale(g: float, u: float) -> float:
+    """Factor on the response time [1]."""
+    return max(1.0 + g * u, 0.02)
+
+
+EFFECT = Effect(
+    name="varying_time_constant",
+    stage="actuation",
+    title="Varying time constant",
+    physics="Denser chains take longer to form: the response time grows with the duty.",
+    parameters=(
+        Param("g", "1/duty", -1.0, 50.0, 0.0, (1.0,), "relative growth of tau per duty"),
+    ),
+    hooks={"tau_scale": tau_scale},
+    signature=Signature(
+        mark="lag of the force after steps grows with the height of the step",
+        plane="time",
+        experiment="square waves of duty of different height",
+        rivals=("rise_fall_asymmetry", "amplifier_lag"),
+    ),
+    source="thesis (1.21), Table 1.4",
+)

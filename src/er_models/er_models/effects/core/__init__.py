@@ -1,0 +1,1 @@
+"""Terms every damper model is made of: passive force, yield force and its response time."""

@@ -1,0 +1,1 @@
+"""Effects that add to or shape the damper force."""

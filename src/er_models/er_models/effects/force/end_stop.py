@@ -1,0 +1,28 @@
+"""End stop: a bump rubber beyond |x| = x_b, with its own damping."""
+
+from er_models.effect import Effect, Param, Signature
+
+
+def force(k_b: float, x_b: float, x: float) -> float:
+    """Force of the bump rubber [N]; zero inside the free stroke."""
+    return k_b * (max(x - x_b, 0.0) - max(-x - x_b, 0.0))
+
+
+EFFECT = Effect(
+    name="end_stop",
+    stage="force",
+    title="End stop (bump rubber)",
+    physics="Near the end of the stroke a rubber stop is touched and its stiffness adds.",
+    parameters=(
+        Param("k_b", "N/m", 0.0, 50.0, 0.0, (2.0,), "stiffness of the stop"),
+        Param("x_b", "m", 0.2, 1.0, None, (0.6, 0.85), "free stroke to each side"),
+    ),
+    hooks={"force": force},
+    signature=Signature(
+        mark="residual only beyond a certain deflection, zero inside",
+        plane="force-deflection",
+        experiment="slow sine over the whole stroke",
+        rivals=("gas_spring",),
+    ),
+    source="Dixon 2007, ch. 4; bump rubber, bilinear form",
+)

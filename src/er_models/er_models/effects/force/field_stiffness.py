@@ -1,0 +1,27 @@
+"""Field-dependent stiffness: k_u u x."""
+
+from er_models.effect import Effect, Param, Signature
+
+
+def force(k_u: float, u: float, x: float) -> float:
+    """Extra elastic force under field [N]."""
+    return k_u * u * x
+
+
+EFFECT = Effect(
+    name="field_stiffness",
+    stage="force",
+    title="Field-dependent stiffness",
+    physics="Chains resist elastically before they yield: the damper stiffens under field.",
+    parameters=(
+        Param("k_u", "N/m/duty", -10.0, 20.0, 0.0, (0.2,), "stiffness per duty"),
+    ),
+    hooks={"force": force},
+    signature=Signature(
+        mark="slope of force-deflection grows with the duty",
+        plane="force-deflection",
+        experiment="large slow sine at several duties",
+        rivals=("field_viscosity", "gas_spring"),
+    ),
+    source="Choi and Han 2003; pre-yield modulus of the electrorheological fluid",
+)

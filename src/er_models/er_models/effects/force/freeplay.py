@@ -1,0 +1,39 @@
+"""Freeplay: the joint carries no force within a gap of +-b (play operator, smooth)."""
+
+from er_models.effect import Effect, Param, Signature
+
+
+def relax(b: float, v: float, w: float) -> tuple[float, float]:
+    """Rate [1/s] and drive [m/s] of the position in the gap: w' = v inside, 0 at its outer edge."""
+    outward = (abs(w) / (b + 1e-12)) ** 7 if v * w > 0.0 else 0.0
+    return outward * abs(v) / (b + 1e-12), v
+
+
+def shift_deflection(x: float, w: float) -> float:
+    """Deflection of the damper itself [m]."""
+    return x - w
+
+
+def limit(b: float, v: float, w: float, f_d: float) -> float:
+    """Force that the joint carries [N]."""
+    engaged = (min(abs(w) / (b + 1e-12), 1.0)) ** 8 if v * w > 0.0 else 0.0
+    return f_d * engaged if b > 1e-11 else f_d
+
+
+EFFECT = Effect(
+    name="freeplay",
+    stage="force",
+    title="Freeplay (backlash)",
+    physics="A worn joint must first cross its gap at every reversal before the damper works.",
+    parameters=(
+        Param("b", "m", 0.0, 0.3, 0.0, (0.01, 0.03), "half the gap"),
+    ),
+    hooks={"relax": relax, "shift_deflection": shift_deflection, "limit": limit},
+    signature=Signature(
+        mark="force stays near zero after each reversal for a fixed distance",
+        plane="force-deflection",
+        experiment="slow sine of small stroke at constant duty",
+        rivals=("mount_compliance", "bouc_wen_hysteresis"),
+    ),
+    source="Nordin and Gutman 2002, backlash survey",
+)

@@ -1,0 +1,28 @@
+"""Progressive gas spring: k_2 x^2 + k_3 x^3, the next terms of the polytropic gas law."""
+
+from er_models.effect import Effect, Param, Signature
+
+
+def force(k_2: float, k_3: float, x: float) -> float:
+    """Progressive part of the gas force [N]."""
+    return k_2 * x * x + k_3 * x * x * x
+
+
+EFFECT = Effect(
+    name="gas_spring",
+    stage="force",
+    title="Progressive gas spring",
+    physics="Compressing the gas raises its pressure more than in proportion; the same terms describe a cubic (hardening) spring.",
+    parameters=(
+        Param("k_2", "N/m2", -10.0, 10.0, 0.0, (0.2, -0.2), "quadratic stiffness"),
+        Param("k_3", "N/m3", -10.0, 10.0, 0.0, (0.2,), "cubic stiffness"),
+    ),
+    hooks={"force": force},
+    signature=Signature(
+        mark="residual curves in force-deflection, the same in both directions of motion",
+        plane="force-deflection",
+        experiment="slow sine over the whole stroke at zero duty",
+        rivals=("end_stop", "asymmetric_damping", "deflection_zero"),
+    ),
+    source="polytropic gas law; Duffing oscillator; Dixon 2007, The Shock Absorber Handbook, ch. 4",
+)

@@ -1,0 +1,1 @@
+"""Heat and ageing: effects that scale others as the damper works."""

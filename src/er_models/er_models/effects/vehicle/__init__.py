@@ -1,0 +1,1 @@
+"""Terms and effects of the car around the damper."""

@@ -1,0 +1,175 @@
+"""Model files: YAML with units, deviations and history; unknown keys and values out of bounds are refused."""
+
+from __future__ import annotations
+
+import math
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from er_models.catalogue import CATALOGUE, Catalogue
+from er_models.errors import InputError, UnknownName
+from er_models.model import Model
+from er_models.scales import Scales
+
+SCHEMA = "er_model 1"
+_KEYS = ("schema", "name", "source", "envelope", "rig", "damper", "effects", "history")
+_ENVELOPE = ("force", "deflection", "velocity", "duty")
+_VALUE_KEYS = ("value", "sd", "unit")
+
+
+def load_model(path: str | Path, catalogue: Catalogue = CATALOGUE) -> Model:
+    """Read a damper or vehicle model file.
+
+    Raises `InputError` naming file, key, expected and found: missing file, broken YAML, unknown key,
+    wrong unit, value out of bounds or not finite.
+    """
+    path = Path(path)
+    text = _mapping(path, "", _read(path))
+    for key in text:
+        if key not in _KEYS:
+            raise InputError(path, str(key), f"one of {', '.join(_KEYS)}", "an unknown key")
+    if text.get("schema") != SCHEMA:
+        raise InputError(path, "schema", f"'{SCHEMA}'", repr(text.get("schema")))
+    base = load_model(path.parent / str(text["damper"]), catalogue) if "damper" in text else None
+    scales = _scales(path, text) if "envelope" in text or base is None else base.scales
+    effects, deviations = _effects(path, _mapping(path, "effects", text.get("effects", {})), scales, catalogue)
+    return Model(
+        name=str(text.get("name", path.stem)),
+        effects={**(base.effects if base else {}), **effects},
+        scales=scales,
+        source=str(text.get("source", "")),
+        deviations={**(base.deviations if base else {}), **deviations},
+        history=tuple(text.get("history") or (base.history if base else ())),
+        rig=_numbers(path, "rig", text.get("rig") or (base.rig if base else {})),
+        catalogue=catalogue,
+    )
+
+
+def save_model(model: Model, path: str | Path) -> None:
+    """Write a model file, whole or not at all; readable again by `load_model`."""
+    effects: dict[str, Any] = {}
+    for name, values in model.effects.items():
+        effects[name] = {}
+        for q in model.catalogue[name].parameters:
+            entry: dict[str, Any] = {"value": float(values[q.name]), "unit": q.unit}
+            sd = model.deviations.get(name, {}).get(q.name)
+            if sd is not None and math.isfinite(sd):
+                entry["sd"] = float(sd)
+            effects[name][q.name] = entry
+    s = model.scales
+    document = {
+        "schema": SCHEMA,
+        "name": model.name,
+        "source": model.source,
+        "envelope": {k: float(getattr(s, k)) for k in _ENVELOPE},
+        "rig": dict(model.rig),
+        "effects": effects,
+        "history": [dict(h) for h in model.history],
+    }
+    text = yaml.safe_dump(document, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None)
+    write_whole(Path(path), text)
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a text file so that a reader sees the old or the new one, never half."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    except OSError as error:
+        raise InputError(path, "", "a folder that can be written to", error.strerror or error) from error
+    with os.fdopen(handle, "w", encoding="utf-8") as file:
+        file.write(text)
+    os.chmod(temporary, 0o644)
+    os.replace(temporary, path)
+
+
+def _read(path: Path) -> Any:
+    """Parsed YAML of a file."""
+    if not path.is_file():
+        raise InputError(path, "", "a model file", "no file" if not path.exists() else "a folder")
+    try:
+        return yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        mark = getattr(error, "problem_mark", None)
+        where = f"line {mark.line + 1}" if mark else ""
+        raise InputError(path, where, "valid YAML", getattr(error, "problem", None) or "no text") from error
+
+
+def _mapping(path: Path, key: str, found: Any) -> Mapping[str, Any]:
+    """A mapping, or one clear line."""
+    if not isinstance(found, dict):
+        raise InputError(path, key, "a mapping of names to values", type(found).__name__)
+    return found
+
+
+def _number(path: Path, key: str, found: Any) -> float:
+    """A finite number (or infinity where written as .inf), or one clear line."""
+    if isinstance(found, bool) or not isinstance(found, int | float) or math.isnan(found):
+        raise InputError(path, key, "a number", repr(found))
+    return float(found)
+
+
+def _numbers(path: Path, key: str, found: Any) -> dict[str, float]:
+    """A mapping of names to numbers."""
+    return {str(k): _number(path, f"{key}.{k}", v) for k, v in _mapping(path, key, found).items()}
+
+
+def _scales(path: Path, text: Mapping[str, Any]) -> Scales:
+    """The envelope of use."""
+    envelope = _numbers(path, "envelope", text.get("envelope"))
+    for key in _ENVELOPE:
+        if not envelope.get(key, 0.0) > 0.0 or not math.isfinite(envelope[key]):
+            raise InputError(path, f"envelope.{key}", "a number above 0", envelope.get(key, "nothing"))
+    for key in envelope:
+        if key not in _ENVELOPE:
+            raise InputError(path, f"envelope.{key}", f"one of {', '.join(_ENVELOPE)}", "an unknown key")
+    return Scales(**envelope)
+
+
+def _effects(
+    path: Path, text: Mapping[str, Any], scales: Scales, catalogue: Catalogue
+) -> tuple[dict[str, dict[str, float]], dict[str, dict[str, float]]]:
+    """Values and standard deviations of every effect named in the file."""
+    values: dict[str, dict[str, float]] = {}
+    deviations: dict[str, dict[str, float]] = {}
+    for name, entries in text.items():
+        try:
+            effect = catalogue[str(name)]
+        except UnknownName as error:
+            raise InputError(path, f"effects.{name}", "an effect of the catalogue", str(error)) from error
+        values[name], deviations[name] = {}, {}
+        entries = _mapping(path, f"effects.{name}", entries)
+        for key in entries:
+            if key not in effect.names:
+                expected = f"one of {', '.join(effect.names)}"
+                raise InputError(path, f"effects.{name}.{key}", expected, "an unknown key")
+        for q in effect.parameters:
+            where = f"effects.{name}.{q.name}"
+            if q.name not in entries:
+                raise InputError(path, where, f"a value in {q.unit}", "nothing")
+            value, sd = _value(path, where, entries[q.name], q.unit)
+            low, high = q.low * scales.of(q.unit), q.high * scales.of(q.unit)
+            if not (low <= value <= high) and value != q.neutral:
+                raise InputError(path, where, f"{low:.4g} to {high:.4g} {q.unit}", f"{value:.6g}")
+            values[name][q.name] = value
+            if sd is not None:
+                deviations[name][q.name] = sd
+    return values, deviations
+
+
+def _value(path: Path, where: str, found: Any, unit: str) -> tuple[float, float | None]:
+    """Value and standard deviation of a plain number or of {value, sd, unit}."""
+    if not isinstance(found, dict):
+        return _number(path, where, found), None
+    for key in found:
+        if key not in _VALUE_KEYS:
+            raise InputError(path, f"{where}.{key}", f"one of {', '.join(_VALUE_KEYS)}", "an unknown key")
+    if found.get("unit", unit) != unit:
+        raise InputError(path, f"{where}.unit", unit, found["unit"])
+    sd = _number(path, f"{where}.sd", found["sd"]) if "sd" in found else None
+    return _number(path, f"{where}.value", found.get("value")), sd

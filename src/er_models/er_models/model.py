@@ -1,0 +1,123 @@
+"""A damper or vehicle model: a list of effects with values, its envelope and where it comes from."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from er_models.catalogue import CATALOGUE, Catalogue
+from er_models.effect import HOOKS
+from er_models.kernel.compose import fingerprint, group
+from er_models.scales import Scales
+
+Array = NDArray[np.float64]
+Values = Mapping[str, Mapping[str, float]]
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """A model as the flat vectors that the kernel takes.
+
+    on (n_effects,) mask; p (n_parameters,) values; slots: states in use; at_rest (n_states,);
+    passes: how often a stage is swept, 2 where states drive one another.
+    """
+
+    on: NDArray[np.uint8]
+    p: Array
+    slots: NDArray[np.int64]
+    at_rest: NDArray[np.uint8]
+    passes: int
+
+
+@dataclass(frozen=True)
+class Model:
+    """Effects and their parameter values [SI], the envelope of use, and provenance.
+
+    `deviations` holds standard deviations of fitted values; `history` one entry per change the lab made.
+    """
+
+    name: str
+    effects: Values
+    scales: Scales
+    source: str = ""
+    deviations: Values = field(default_factory=dict)
+    history: tuple[Mapping[str, Any], ...] = ()
+    rig: Mapping[str, float] = field(default_factory=dict)
+    catalogue: Catalogue = CATALOGUE
+
+    def __post_init__(self) -> None:
+        for name, values in self.effects.items():
+            for parameter in values:
+                self.catalogue.column(name, parameter)
+
+    @property
+    def is_vehicle(self) -> bool:
+        """Whether the quarter car is part of the model."""
+        return "quarter_car" in self.effects
+
+    def value(self, effect: str, parameter: str) -> float:
+        """One parameter value [SI]."""
+        return float(self.effects[effect][parameter])
+
+    def with_effect(self, name: str, values: Mapping[str, float] | None = None) -> Model:
+        """This model with one effect more (or other values for it); neutral or first start by default."""
+        effect = self.catalogue[name]
+        full = {
+            q.name: float((values or {}).get(q.name, self.start(name, q.name))) for q in effect.parameters
+        }
+        return replace(self, effects={**self.effects, name: full})
+
+    def without_effect(self, name: str) -> Model:
+        """This model with one effect less."""
+        return replace(self, effects={k: v for k, v in self.effects.items() if k != name})
+
+    def start(self, effect: str, parameter: str, which: int = 0) -> float:
+        """Starting value of a parameter [SI], from the scales of this model."""
+        q = self.catalogue[effect].parameter(parameter)
+        return q.starts[min(which, len(q.starts) - 1)] * self.scales.of(q.unit)
+
+    def bounds(self, effect: str, parameter: str) -> tuple[float, float]:
+        """Bounds of a parameter [SI], from the scales of this model."""
+        q = self.catalogue[effect].parameter(parameter)
+        scale = self.scales.of(q.unit)
+        return q.low * scale, q.high * scale
+
+    def compiled(self) -> Compiled:
+        """Flat vectors for the kernel."""
+        c = self.catalogue
+        on = np.zeros(len(c.effects) + len(HOOKS), np.uint8)
+        p = np.zeros(c.size)
+        slots, rest, linked = [], np.zeros(max(c.n_states, 1), np.uint8), False
+        for i, effect in enumerate(c.effects):
+            if effect.name not in self.effects:
+                continue
+            on[i] = 1
+            for hook in effect.hooks:
+                on[group(c, hook)] |= effect.stage != "core"
+            for j, name in enumerate(effect.names):
+                p[c.offsets[effect.name] + j] = self.effects[effect.name][name]
+            if effect.has_state:
+                slots.append(c.slots[effect.name])
+                rest[slots[-1]] = effect.initial == "zero"
+                linked = linked or not _independent(effect.hooks["relax"])
+        linked = linked or ("response" in self.effects and len(slots) > 1)
+        return Compiled(on, p, np.array(slots, np.int64), rest, 2 if linked else 1)
+
+    def digest(self) -> str:
+        """Hash of what determines the behaviour: effects, values and equations."""
+        values = {k: dict(sorted(v.items())) for k, v in sorted(self.effects.items())}
+        text = json.dumps([values, fingerprint(self.catalogue)], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _independent(relax: Any) -> bool:
+    """Whether the state's equation knows no other state: it must not use f_y, f_d, y or w."""
+    import inspect
+
+    return not ({"f_y", "f_d", "w"} & set(inspect.signature(relax).parameters))

@@ -1,0 +1,42 @@
+"""Natural scales: what is large for this damper, from its data or its model.
+
+Bounds and starting values of all parameters are multiples of these, so that nothing in the library
+is tied to the size of one rig.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from er_models.errors import InputError
+
+
+@dataclass(frozen=True, slots=True)
+class Scales:
+    """Envelope of use: force [N], deflection [m], velocity [m/s], duty [1]; all positive."""
+
+    force: float
+    deflection: float
+    velocity: float
+    duty: float
+
+    @property
+    def acceleration(self) -> float:
+        """Acceleration of a sine with this deflection and velocity [m/s2]."""
+        return self.velocity**2 / self.deflection
+
+    def of(self, unit: str) -> float:
+        """Natural scale of a unit, e.g. ``N s/m`` -> force / velocity."""
+        f, x, v = self.force, self.deflection, self.velocity
+        table = {
+            "1": 1.0, "s": 1.0, "K": 1.0, "1/K": 1.0, "1/s": 1.0,
+            "N": f, "m": x, "m/s": v, "duty": self.duty, "1/duty": 1.0 / self.duty,
+            "N/m": f / x, "N s/m": f / v, "N/m2": f / x**2, "N/m3": f / x**3,
+            "N s2/m2": f / v**2, "N s/m3": f / (v * x**2), "kg": f / self.acceleration,
+            "1/m": 1.0 / x, "s/m": 1.0 / v, "m/N": x / f, "1/W": 1.0 / (f * v),
+            "N/duty": f / self.duty, "N s/m/duty": f / v / self.duty, "N/m/duty": f / x / self.duty,
+            "m/s2": self.acceleration, "W": f * v,
+        }  # fmt: skip
+        if unit not in table:
+            raise InputError("parameter", "unit", f"one of {', '.join(table)}", unit)
+        return table[unit]
