@@ -1,0 +1,1 @@
+"""Starts the whole graph: launch files, configuration, the demonstration and the graph check."""

@@ -1,0 +1,1 @@
+"""The model lab: reads measurements, compares a damper model with them and finds what is missing."""

@@ -1,0 +1,1 @@
+"""Observers of the damper force, and the offline synthesis of their gains."""
