@@ -1,0 +1,119 @@
+"""Loads measurements: finds the reader for each path, checks and repairs what it returns."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import yaml
+
+from er_model_lab.clean import clean
+from er_model_lab.provenance import fingerprint as fingerprint
+from er_model_lab.readers import csv, mf4, parquet, rosbag
+from er_model_lab.record import Record
+from er_models.errors import InputError
+
+Reader = Callable[[Path, Mapping[str, str] | None], list[Record]]
+
+READERS: dict[str, Reader] = {
+    ".csv": csv.read,
+    ".tsv": csv.read,
+    ".parquet": parquet.read,
+    ".mf4": mf4.read,
+    ".mcap": lambda path, _: rosbag.read(path),
+    ".db3": lambda path, _: rosbag.read(path),
+}
+"""Suffix to reader; a folder with metadata.yaml, .mcap or .db3 inside is a rosbag2 folder."""
+
+BAG_SUFFIXES = (".mcap", ".db3")
+NAMES_SUFFIX = ".names.yaml"
+
+
+def load(paths: Sequence[Path]) -> list[Record]:
+    """Records of all paths, checked and repaired, in the order given (folders sorted by name).
+
+    A file `DATA.names.yaml` beside a data file maps contract names to the names in that file.
+
+    Raises:
+        InputError: A path that is absent, of unknown kind, empty, damaged, or implausible.
+    """
+    if not paths:
+        raise InputError("DATA", "", "at least one file or folder", "none")
+    records = [piece for path in paths for raw in read(Path(path)) for piece in clean(raw)]
+    return _unique(records)
+
+
+def read(path: Path) -> list[Record]:
+    """Records of one path as stored: neither checked nor repaired."""
+    if not path.exists():
+        raise InputError(path, "", "a file or folder", "nothing there")
+    if path.is_dir():
+        return rosbag.read(path) if is_bag(path) else _read_folder(path)
+    reader = READERS.get(path.suffix.lower())
+    if reader is None:
+        raise InputError(path, "suffix", f"one of {', '.join(READERS)}", f"'{path.suffix}'")
+    if path.stat().st_size == 0:
+        raise InputError(path, "", "data", "an empty file")
+    return reader(path, _names(path))
+
+
+def is_bag(folder: Path) -> bool:
+    """Whether a folder is a rosbag2 recording."""
+    if (folder / "metadata.yaml").exists():
+        return True
+    return any(item.suffix in BAG_SUFFIXES for item in folder.iterdir())
+
+
+def _read_folder(folder: Path) -> list[Record]:
+    """Records of all readable files and recordings in a folder, sorted by name."""
+    items = sorted(folder.iterdir())
+    wanted = [
+        item
+        for item in items
+        if (item.is_dir() and is_bag(item)) or (item.is_file() and item.suffix.lower() in READERS)
+    ]
+    if not wanted:
+        inside = (
+            ", ".join(item.name + "/" * item.is_dir() for item in items[:8]) or "an empty folder"
+        )
+        raise InputError(
+            folder, "", f"files ending in {', '.join(READERS)}, or a rosbag2 folder", inside
+        )
+    return [record for item in wanted for record in read(item)]
+
+
+def _names(path: Path) -> Mapping[str, str] | None:
+    """Contract name to name in the file, from the YAML file beside it; None when there is none."""
+    beside = path.with_name(path.name + NAMES_SUFFIX)
+    if not beside.exists():
+        return None
+    try:
+        names = yaml.safe_load(beside.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise InputError(beside, "", "YAML", " ".join(str(error).split())) from None
+    if not isinstance(names, dict) or not all(
+        isinstance(key, str) and isinstance(value, str) for key, value in names.items()
+    ):
+        raise InputError(beside, "", "lines 'deflection: name in the file'", type(names).__name__)
+    return names
+
+
+def _unique(records: list[Record]) -> list[Record]:
+    """The records with equal names told apart by their folder, then by a number."""
+    by_folder = _renamed(records, lambda r, _: f"{Path(r.source).parent.name}/{r.name}")
+    return _renamed(by_folder, lambda r, number: f"{r.name}~{number}")
+
+
+def _renamed(records: list[Record], name: Callable[[Record, int], str]) -> list[Record]:
+    """The records, those that share a name renamed by it and their number among each other."""
+    counts = Counter(record.name for record in records)
+    seen: Counter[str] = Counter()
+    renamed = []
+    for record in records:
+        seen[record.name] += 1
+        if counts[record.name] > 1:
+            record = replace(record, name=name(record, seen[record.name]))
+        renamed.append(record)
+    return renamed

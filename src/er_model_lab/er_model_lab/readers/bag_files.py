@@ -1,0 +1,61 @@
+"""The files of a rosbag2 recording and what its metadata.yaml says about them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from er_models.errors import InputError
+
+
+def data_files(path: Path) -> list[Path]:
+    """Data files in the order of recording: their names are numbered without leading zeros."""
+    if path.is_file():
+        return [path]
+    files = [item for item in path.iterdir() if item.is_file() and _is_data(item)]
+    if not files:
+        raise InputError(path, "", "a .mcap or .db3 file beside metadata.yaml", "none")
+    return sorted(files, key=lambda item: (len(item.name), item.name))
+
+
+def _is_data(path: Path) -> bool:
+    """Whether a file holds messages, compressed as a whole or not."""
+    return path.suffix in (".mcap", ".db3") or path.name.endswith((".mcap.zstd", ".db3.zstd"))
+
+
+def missing_files(folder: Path, files: list[Path]) -> list[str]:
+    """A sentence for each file that metadata.yaml, where readable, lists and the folder lacks."""
+    have = {file.name for file in files}
+    listed = [Path(str(name)).name for name in _metadata(folder).get("relative_file_paths", [])]
+    return [
+        f"{name} is listed in metadata.yaml but missing" for name in listed if name not in have
+    ]
+
+
+def promised_count(file: Path, wants: Callable[[str], bool]) -> int:
+    """Messages that metadata.yaml promises on the wanted topics; 0 if it does not tell."""
+    info = _metadata(file.parent)
+    if len(info.get("relative_file_paths", [])) != 1:
+        return 0
+    try:
+        topics = [(t["topic_metadata"]["name"], int(t["message_count"])) for t in _topics(info)]
+    except (KeyError, TypeError, ValueError):
+        return 0
+    return sum(count for name, count in topics if wants(str(name)))
+
+
+def _topics(info: dict[str, Any]) -> list[dict[str, Any]]:
+    """The list of topics in the metadata."""
+    return list(info.get("topics_with_message_count", []))
+
+
+def _metadata(folder: Path) -> dict[str, Any]:
+    """Contents of metadata.yaml; empty when it is absent or damaged."""
+    try:
+        content = yaml.safe_load((folder / "metadata.yaml").read_text(encoding="utf-8"))
+        return dict(content["rosbag2_bagfile_information"])
+    except (OSError, yaml.YAMLError, KeyError, TypeError, ValueError):
+        return {}

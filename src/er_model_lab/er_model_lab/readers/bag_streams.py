@@ -1,0 +1,162 @@
+"""Messages of the contract's topics to arrays: which fields are kept, and when they count."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from er_model_lab.record import Array
+from er_models.errors import InputError
+
+Stamps = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A message field, the channel it becomes, and the flags that must be true for it to count."""
+
+    name: str
+    channel: str
+    flags: tuple[str, ...] = ("valid",)
+
+
+FIELDS: dict[str, tuple[Field, ...]] = {
+    "sensors/deflection": (
+        Field("deflection", "deflection"),
+        Field("velocity", "deflection_velocity", ("valid", "velocity_valid")),
+    ),
+    "sensors/acceleration": (
+        Field("sprung", "sprung_acceleration"),
+        Field("unsprung", "unsprung_acceleration"),
+    ),
+    "sensors/force": (Field("force", "damper_force"),),
+    "sensors/road": (Field("displacement", "road"),),
+    "pwm/applied": (Field("duty", "duty"),),
+}
+"""Topic to the fields of its message (er_damper_msgs); `force/<observer>` is handled likewise."""
+
+_TOPIC = re.compile(rf"^(?P<ns>.*?)/?(?P<key>{'|'.join(FIELDS)}|force/(?P<observer>\w+))$")
+
+FIRST_PASS_NS = 500_000_000
+"""A step back of the stamps beyond this is a restart, such as a simulation reset [ns]."""
+
+
+def fields_of(key: str) -> tuple[Field, ...]:
+    """Fields to keep of a topic (relative name)."""
+    if key in FIELDS:
+        return FIELDS[key]
+    return (Field("force", key.replace("/", "_")),)
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """One topic: stamps [ns] (N,) strictly increasing; channels (N,), NaN where not valid."""
+
+    key: str
+    stamps: Stamps
+    values: Mapping[str, Array]
+
+
+@dataclass(slots=True)
+class _Rows:
+    """Samples of a topic in order of arrival."""
+
+    stamps: list[int] = field(default_factory=list)
+    values: list[tuple[float, ...]] = field(default_factory=list)
+
+
+class Collector:
+    """Gathers samples by namespace and topic."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._rows: dict[tuple[str, str], _Rows] = {}
+        self._places: dict[str, tuple[str, str] | None] = {}
+
+    def copy(self) -> Collector:
+        """An independent collector with the same samples, to go back to when a file is damaged."""
+        other = Collector(self.path)
+        other._rows = {k: _Rows(list(r.stamps), list(r.values)) for k, r in self._rows.items()}
+        return other
+
+    def wants(self, topic: str) -> bool:
+        """Whether the topic is one of the contract's."""
+        return self._place(topic) is not None
+
+    def add(self, topic: str, kind: str, message: object) -> None:
+        """Take the fields of a message; `InputError` when they are not there."""
+        place = self._place(topic)
+        if place is None:
+            return
+        try:
+            when = _stamp_ns(message)
+            values = tuple(_value(message, wanted) for wanted in fields_of(place[1]))
+        except (AttributeError, TypeError, ValueError):
+            fields = ", ".join(("header", *(wanted.name for wanted in fields_of(place[1]))))
+            raise InputError(
+                self.path, f"topic {topic}", f"a message with {fields}", kind
+            ) from None
+        rows = self._rows.setdefault(place, _Rows())
+        rows.stamps.append(when)
+        rows.values.append(values)
+
+    def streams(self, notes: list[str]) -> dict[str, list[Stream]]:
+        """Streams of each namespace ('' is the root); disorder is repaired and noted."""
+        found: dict[str, list[Stream]] = {}
+        for (namespace, key), rows in sorted(self._rows.items()):
+            found.setdefault(namespace, []).append(_ordered(namespace, key, rows, notes))
+        # estimates without any measurement are nothing to compare with
+        return {ns: own for ns, own in found.items() if any(s.key in FIELDS for s in own)}
+
+    def _place(self, topic: str) -> tuple[str, str] | None:
+        """Namespace and relative topic name; None for topics outside the contract."""
+        if topic not in self._places:
+            match = _TOPIC.match(topic)
+            self._places[topic] = (match["ns"], match["key"]) if match else None
+        return self._places[topic]
+
+
+def _stamp_ns(message: Any) -> int:
+    """Header stamp [ns]."""
+    stamp = message.header.stamp
+    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+
+
+def _value(message: object, wanted: Field) -> float:
+    """A field as float, NaN when one of its flags is false."""
+    value = float(getattr(message, wanted.name))
+    return value if all(getattr(message, flag) for flag in wanted.flags) else float("nan")
+
+
+def _ordered(namespace: str, key: str, rows: _Rows, notes: list[str]) -> Stream:
+    """The stream with stamps strictly increasing; what lies behind a restart is left out."""
+    topic = f"{namespace}/{key}"
+    stamps = np.asarray(rows.stamps, dtype=np.int64)
+    values = np.asarray(rows.values, dtype=np.float64)
+    restart = np.flatnonzero(np.diff(stamps) < -FIRST_PASS_NS)
+    if restart.size:
+        k = int(restart[0]) + 1
+        notes.append(
+            f"{topic}: time jumps back after {k} messages; {stamps.size - k} behind it left out"
+        )
+        stamps, values = stamps[:k], values[:k]
+    late = int(np.count_nonzero(np.diff(stamps) < 0))
+    unique, first = np.unique(stamps, return_index=True)
+    if late:
+        notes.append(f"{topic}: {late} messages out of order, sorted by stamp")
+    if unique.size < stamps.size:
+        notes.append(
+            f"{topic}: {stamps.size - unique.size} messages with a repeated stamp dropped"
+        )
+    zero = int(unique.size > 1 and unique[0] == 0 and unique[1] > FIRST_PASS_NS)
+    if zero:
+        notes.append(f"{topic}: messages without a stamp dropped")
+    table = values[first][zero:]
+    channels = {wanted.channel: table[:, i] for i, wanted in enumerate(fields_of(key))}
+    return Stream(key, unique[zero:], channels)

@@ -1,0 +1,70 @@
+"""Times of a record's samples: how even they are, equal steps, and the slope of the deflection.
+
+Pure functions Record -> Record; each writes a note on what it changed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.signal import savgol_filter
+
+from er_model_lab.record import HELD, Array, Record
+
+JITTER = 0.10
+"""Largest deviation of a sample time from the median, as a share of it, that is left as it is."""
+
+
+def jitter(record: Record) -> float:
+    """Largest deviation of a sample time from the median, as a share of it."""
+    steps = np.diff(record.t)
+    return float(np.max(np.abs(steps - record.dt)) / record.dt)
+
+
+def even(record: Record, limit: float = JITTER) -> Record:
+    """Resample onto equal steps of the median sample time when the jitter exceeds `limit`.
+
+    Linear between samples; duty takes the value in force.
+    """
+    measured = jitter(record)
+    if measured <= limit:
+        return record
+    dt = record.dt
+    grid = record.t[0] + dt * np.arange(
+        int(np.floor((record.t[-1] - record.t[0]) / dt + 1e-6)) + 1
+    )
+    channels = {
+        name: at(record.t, samples, grid, name) for name, samples in record.channels.items()
+    }
+    note = (
+        f"sampling is uneven (jitter {100 * measured:.0f} % of {1e3 * dt:.4g} ms): "
+        f"{len(record)} samples resampled to {grid.size} at equal steps"
+    )
+    return replace(record, t=grid, channels=channels).noted(note)
+
+
+def at(t: Array, samples: Array, grid: Array, name: str) -> Array:
+    """Samples of a channel at other times (M,): the value in force for duty, linear otherwise."""
+    if name in HELD:
+        # a hair of tolerance, so that a grid point on a sample takes that sample
+        tolerance = 1e-6 * float(np.median(np.diff(t))) if t.size > 1 else 0.0
+        k = np.searchsorted(t, grid + tolerance, side="right") - 1
+        return np.asarray(samples[np.clip(k, 0, None)])
+    return np.asarray(np.interp(grid, t, samples))
+
+
+def with_velocity(record: Record) -> Record:
+    """Add the deflection's derivative when no velocity was measured.
+
+    Slope of a cubic fitted to 7 samples (Savitzky and Golay 1964): within 1 % up to 15 Hz for 200
+    Hz sampling, where a central difference is 4 % low, and with 28 % less noise.
+    """
+    if record.has("deflection_velocity") or not record.has("deflection") or len(record) < 7:
+        return record
+    x = record.channels["deflection"]
+    velocity = savgol_filter(x, 7, 3, deriv=1, delta=record.dt)
+    channels = {**record.channels, "deflection_velocity": velocity}
+    derived = (*record.derived, "deflection_velocity")
+    note = "deflection_velocity derived from the deflection (cubic through 7 samples)"
+    return replace(record, channels=channels, derived=derived).noted(note)
