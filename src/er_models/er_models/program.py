@@ -1,0 +1,148 @@
+"""Experiment programs: a road and a duty with duration and seed, from a YAML file.
+
+    schema: er_program 1
+    name: chirp                          # optional, the file's name by default
+    source: "thesis 3.6.1, scenario 1"   # optional
+    duration: 20.0                       # s; 0 means no end
+    seed: 0                              # optional; of a random road and random steps
+    road: {kind: chirp, amplitude: 0.004, f0: 0.0, f1: 10.0, sweep: 20.0}
+    duty: {kind: steps, low: 0.0, high: 0.3}
+
+The kinds and their settings are the tables `er_models.road.KINDS` and `er_models.duty.KINDS`. A
+road may hold `peak_velocity` instead of `factor`: `resolve` then scales it so that the passive car
+reaches that deflection velocity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from er_models.duty import KINDS as DUTIES
+from er_models.duty import profile as duty
+from er_models.errors import InputError
+from er_models.model import Model
+from er_models.road import FACTOR, profile
+from er_models.road import KINDS as ROADS
+from er_models.road.peak import factor_for_peak_velocity
+from er_models.spec import REQUIRED, Array, Kind, Number, Setting, Text, choose, settings
+
+__all__ = ["Program", "duty", "load_program", "parse_program", "resolve", "times"]
+
+SCHEMA = "er_program 1"
+PEAK_VELOCITY = Number(
+    "peak_velocity", "m/s", 0.0, 1e-6, 100.0, "peak deflection velocity of the passive car"
+)
+_TABLE: tuple[Setting, ...] = (
+    Text("schema", REQUIRED, f"'{SCHEMA}'", (SCHEMA,)),
+    Text("name", "", "name"),
+    Text("source", "", "where the program comes from"),
+    Number("duration", "s", REQUIRED, 0.0, 1e6, "duration; 0 for no end"),
+    Number("seed", "1", 0.0, 0.0, 2.0**32, "seed of what is random"),
+)
+
+
+@dataclass(frozen=True)
+class Program:
+    """Specs of road and duty as their `profile` takes them, duration [s] (0: no end), and seed."""
+
+    road: Mapping[str, object]
+    duty: Mapping[str, object]
+    duration: float
+    seed: int
+    name: str = ""
+    source: str = ""
+
+    def signals(self, t: Array) -> tuple[Array, Array]:
+        """Road [m] and duty [1] at the times t, each (n,); the duty has a seed of its own."""
+        return profile(self.road, t, self.seed), duty(self.duty, t, self.seed + 1)
+
+
+def times(duration: float, dt: float) -> Array:
+    """Sample times of a record [s], its last sample at the duration."""
+    return dt * np.arange(int(np.floor(duration / dt + 1e-9)) + 1, dtype=float)
+
+
+def resolve(program: Program, model: Model, dt: float) -> Program:
+    """The program with `peak_velocity`, if it asks for one, turned into a factor for this vehicle.
+
+    Raises `InputError` when the model is no vehicle or the road does not move it.
+    """
+    road = dict(program.road)
+    if "peak_velocity" not in road:
+        return program
+    peak = float(road.pop("peak_velocity"))  # type: ignore[arg-type]
+    t = times(program.duration or 60.0, dt)
+    road["factor"] = factor_for_peak_velocity(model, profile(road, t, program.seed), dt, peak)
+    return replace(program, road=road)
+
+
+def load_program(path: str | Path) -> Program:
+    """Read a program file.
+
+    Raises `InputError` naming file, key, expected and found: no file, broken YAML, unknown or
+    missing key, value out of bounds, recorded signal that cannot be read.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(
+            path, "", "a program file", "no file" if not path.exists() else "a folder"
+        )
+    try:
+        document = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        mark = getattr(error, "problem_mark", None)
+        where = f"line {mark.line + 1}" if mark else ""
+        raise InputError(
+            path, where, "valid YAML", getattr(error, "problem", None) or "no text"
+        ) from error
+    return parse_program(document, path)
+
+
+def parse_program(document: object, path: Path) -> Program:
+    """A program from the mapping in a program file; path: its name, and where its files lie."""
+    if not isinstance(document, Mapping):
+        raise InputError(path, "", "a mapping of names to values", type(document).__name__)
+    top = settings(_TABLE, document, path, also=("road", "duty"))
+    if top["seed"] != int(top["seed"]):
+        raise InputError(path, "seed", "a whole number", top["seed"])
+    return Program(
+        road=_spec(document, "road", ROADS, (FACTOR, PEAK_VELOCITY), path),
+        duty=_spec(document, "duty", DUTIES, (), path),
+        duration=top["duration"],
+        seed=int(top["seed"]),
+        name=top["name"] or path.stem,
+        source=top["source"],
+    )
+
+
+def _spec(
+    document: Mapping[Any, Any],
+    key: str,
+    kinds: Mapping[str, Kind],
+    more: tuple[Setting, ...],
+    path: Path,
+) -> dict[str, object]:
+    """One checked spec, its file made absolute, tried out at t = 0: a bad one fails here."""
+    found = document.get(key)
+    if found is None:
+        raise InputError(path, key, f"a mapping with kind: {', '.join(kinds)}", "nothing")
+    kind = choose(kinds, found, path, key)
+    values = settings((*kind.settings, *more), found, path, key)
+    if "peak_velocity" in found and "factor" in found:
+        raise InputError(path, f"{key}.peak_velocity", "either factor or peak_velocity", "both")
+    if values.get("file"):
+        values["file"] = str((path.parent / values["file"]).resolve())
+    try:
+        kind.make(values, np.zeros(1), 0)
+    except InputError as error:
+        inner = error.path if values.get("file") == error.path else path
+        name = error.key if inner != path else f"{key}.{error.key}"
+        raise InputError(inner, name, error.expected, error.found) from error
+    spec = {name: values[name] for name in found if name != "kind"}
+    return {"kind": kind.name, **spec}

@@ -1,0 +1,72 @@
+"""Random road of ISO 8608: spectrum Gd(n) = Gd(n0) (n / n0)^-2 with n0 = 0.1 cycles/m.
+
+ISO 8608:1995 (and 2016), Table C.1: the geometric mean of Gd(n0) is 16e-6 m3 for class A and four
+times more for each class after it; a class reaches from half to twice its mean. The exponent is 2,
+the spectrum one-sided and valid from 0.011 to 2.83 cycles/m, which are the limits here.
+
+The road is a sum of sines with random phases (Shinozuka and Jan 1972). Their frequencies stand one
+in each of `lines` cells, equally wide in log n and at a random place within the cell; a sine
+carries the power of its cell. So the road never repeats, needs no knowledge of the length of the
+record, and has the standard's power in every band however narrow the resonance of the car.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from er_models.errors import InputError
+from er_models.spec import Array, Kind, Number, Text
+
+CLASSES = "ABCDEFGH"
+N_0 = 0.1
+"""Reference spatial frequency [cycles/m]."""
+LINES = 1024
+_CHUNK = 512
+
+
+def mean_density(road_class: str) -> float:
+    """Geometric mean of Gd(n0) of a class [m3]."""
+    return 16e-6 * 4.0 ** CLASSES.index(road_class)
+
+
+@lru_cache(maxsize=32)
+def _lines(seed: int, low: float, high: float) -> tuple[Array, Array, Array]:
+    """Spatial frequency [cycles/m], amplitude over root Gd(n0) [m^-0.5], phase [rad]; (LINES,)."""
+    rng = np.random.default_rng(seed)
+    edges = np.geomspace(low, high, LINES + 1)
+    n = edges[:-1] * (edges[1:] / edges[:-1]) ** rng.random(LINES)
+    power = N_0**2 * (1.0 / edges[:-1] - 1.0 / edges[1:])
+    return n, np.sqrt(2.0 * power), rng.uniform(0.0, 2.0 * np.pi, LINES)
+
+
+def make(s: Mapping[str, Any], t: Array, seed: int) -> Array:
+    """Height [m], (n,), zero at t = 0 so that a car can start at rest on it."""
+    low, high = s["n_min"], s["n_max"]
+    if low >= high:
+        raise InputError("road", "n_min", f"less than n_max, {high:g} cycles/m", f"{low:g}")
+    n, root, phase = _lines(seed, low, high)
+    amplitude = np.sqrt(mean_density(s["road_class"])) * root
+    omega = 2.0 * np.pi * n * s["speed"]
+    height = np.empty(t.shape)
+    for i in range(0, t.size, _CHUNK):
+        height[i : i + _CHUNK] = (
+            np.sin(np.multiply.outer(t[i : i + _CHUNK], omega) + phase) @ amplitude
+        )
+    return height - float(np.sin(phase) @ amplitude)
+
+
+KIND = Kind(
+    "iso8608",
+    "random road of ISO 8608",
+    (
+        Text("road_class", "C", "class, A (very good) to H", tuple(CLASSES)),
+        Number("speed", "m/s", 60.0 / 3.6, 0.0, 150.0, "speed of the car"),
+        Number("n_min", "1/m", 0.011, 1e-4, 100.0, "lowest spatial frequency, in cycles/m"),
+        Number("n_max", "1/m", 2.83, 1e-4, 100.0, "highest spatial frequency, in cycles/m"),
+    ),
+    make,
+)
