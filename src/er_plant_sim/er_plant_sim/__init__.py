@@ -1,1 +1,1 @@
-"""A quarter car with a semi-active damper as a ROS 2 node: real time, simulated time or lockstep."""
+"""A quarter car with a semi-active damper as a ROS 2 node."""

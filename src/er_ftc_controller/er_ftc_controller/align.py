@@ -1,0 +1,52 @@
+"""Joins two topics of the same tick by their time of measurement, whichever comes first."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Generic, TypeVar
+
+A = TypeVar("A")
+B = TypeVar("B")
+
+DEPTH = 20
+"""Ticks kept while their partner is missing: 0.1 s at 200 Hz."""
+
+
+@dataclass(frozen=True)
+class Aligner(Generic[A, B]):
+    """Values that wait for their partner, by stamp [ns]; and how many never met it."""
+
+    left: Mapping[int, A] = field(default_factory=lambda: MappingProxyType({}))
+    right: Mapping[int, B] = field(default_factory=lambda: MappingProxyType({}))
+    unmatched: int = 0
+
+    def with_left(self, stamp: int, value: A) -> tuple[Aligner[A, B], tuple[A, B] | None]:
+        """Take a left value; the pair if its partner is there already."""
+        if stamp in self.right:
+            partner = self.right[stamp]
+            return self._after(stamp), (value, partner)
+        left, lost = _kept({**self.left, stamp: value})
+        return Aligner(left, self.right, self.unmatched + lost), None
+
+    def with_right(self, stamp: int, value: B) -> tuple[Aligner[A, B], tuple[A, B] | None]:
+        """Take a right value; the pair if its partner is there already."""
+        if stamp in self.left:
+            partner = self.left[stamp]
+            return self._after(stamp), (partner, value)
+        right, lost = _kept({**self.right, stamp: value})
+        return Aligner(self.left, right, self.unmatched + lost), None
+
+    def _after(self, stamp: int) -> Aligner[A, B]:
+        """What still waits once a pair was found: anything older never meets its partner."""
+        left = {k: v for k, v in self.left.items() if k > stamp}
+        right = {k: v for k, v in self.right.items() if k > stamp}
+        old = sum(k < stamp for k in (*self.left, *self.right))
+        return Aligner(left, right, self.unmatched + old)
+
+
+def _kept(waiting: dict[int, A]) -> tuple[dict[int, A], int]:
+    """The newest `DEPTH` values, and how many were dropped."""
+    extra = sorted(waiting)[:-DEPTH]
+    return {k: v for k, v in waiting.items() if k not in extra}, len(extra)
