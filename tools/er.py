@@ -5,7 +5,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from er_workspace.commands import main  # noqa: E402  (the path above makes it importable)
+from er_workspace.commands import main
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv[1:]))

@@ -19,7 +19,7 @@ def tree(folder: str) -> list[tuple[str, list[str]]]:
 setup(
     name=PACKAGE,
     version="0.1.0",
-    description="Starts the whole graph: launch files, configuration, the demonstration and the graph check.",
+    description="Starts the whole graph: launch files, configuration, demonstration, graph check.",
     license="Apache-2.0",
     maintainer="ER damper developers",
     maintainer_email="maintainers@er-damper.invalid",

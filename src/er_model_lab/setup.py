@@ -7,13 +7,23 @@ PACKAGE = "er_model_lab"
 setup(
     name=PACKAGE,
     version="0.1.0",
-    description="Compares a damper model with measurements, names the missing effect, adds it and shows the error fall.",
+    description="Compares a damper model with measurements and names the missing effect.",
     license="Apache-2.0",
     maintainer="ER damper developers",
     maintainer_email="maintainers@er-damper.invalid",
     python_requires=">=3.10",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed", "**/*.yaml", "**/*.json", "**/*.j2", "**/*.html", "**/*.css", "**/*.js"]},
+    package_data={
+        PACKAGE: [
+            "py.typed",
+            "**/*.yaml",
+            "**/*.json",
+            "**/*.j2",
+            "**/*.html",
+            "**/*.css",
+            "**/*.js",
+        ]
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml"]),

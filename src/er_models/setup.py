@@ -7,7 +7,7 @@ PACKAGE = "er_models"
 setup(
     name=PACKAGE,
     version="0.1.0",
-    description="Pure models of semi-active dampers and quarter cars: effects, composed dampers, roads, integrators. No ROS.",
+    description="Pure models of semi-active dampers and quarter cars, composed of effects.",
     license="Apache-2.0",
     maintainer="ER damper developers",
     maintainer_email="maintainers@er-damper.invalid",

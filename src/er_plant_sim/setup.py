@@ -7,7 +7,7 @@ PACKAGE = "er_plant_sim"
 setup(
     name=PACKAGE,
     version="0.1.0",
-    description="A quarter car with a semi-active damper as a ROS 2 node: real time, simulated time or lockstep.",
+    description="A quarter car with a semi-active damper as a ROS 2 node.",
     license="Apache-2.0",
     maintainer="ER damper developers",
     maintainer_email="maintainers@er-damper.invalid",

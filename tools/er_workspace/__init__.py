@@ -1,1 +1,1 @@
-"""Workspace support behind ``./er``: environment, build and command dispatch; standard library only."""
+"""Support behind ``./er``: environment, build, dispatch of commands; standard library only."""

@@ -12,7 +12,14 @@ from er_workspace.process import run_logged, step
 
 STAMP = ".er-stamp"
 FOUNDATION = ".er-foundation"
-PACKAGING = ("package.xml", "setup.py", "setup.cfg", "pyproject.toml", "CMakeLists.txt", "msg/*.msg")
+PACKAGING = (
+    "package.xml",
+    "setup.py",
+    "setup.cfg",
+    "pyproject.toml",
+    "CMakeLists.txt",
+    "msg/*.msg",
+)
 INSTALLED = ("resource/*", "launch/*", "config/**/*")
 
 
@@ -52,12 +59,14 @@ def build(layout: Layout, lock: int) -> None:
 
 
 def _command(layout: Layout) -> list[str | Path]:
-    bases = ["--base-paths", layout.root / "src", "--build-base", layout.build, "--install-base", layout.install]
-    python = layout.python
-    cmake = ["-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF", f"-DPython3_EXECUTABLE={python}"]
-    colcon = [python, layout.venv / "bin" / "colcon", "--log-base", layout.log.parent / "colcon"]
-    events = ["--event-handlers", "console_cohesion+", "parallel_status-"]
-    return [*colcon, "build", "--symlink-install", *bases, "--parallel-workers", "2", *events, "--cmake-args", *cmake]
+    colcon: list[str | Path] = [layout.python, layout.venv / "bin" / "colcon"]
+    colcon += ["--log-base", layout.log.parent / "colcon", "build", "--symlink-install"]
+    colcon += ["--base-paths", layout.root / "src"]
+    colcon += ["--build-base", layout.build, "--install-base", layout.install]
+    colcon += ["--parallel-workers", "2"]
+    colcon += ["--event-handlers", "console_cohesion+", "parallel_status-"]
+    colcon += ["--cmake-args", "-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF"]
+    return [*colcon, f"-DPython3_EXECUTABLE={layout.python}"]
 
 
 def _foundation(layout: Layout) -> str:
@@ -66,7 +75,7 @@ def _foundation(layout: Layout) -> str:
 
 
 def _content(layout: Layout) -> str:
-    """Hash of every file whose change needs a build; names alone of files that are installed as links."""
+    """Hash of every file whose change needs a build; names alone of files installed as links."""
     digest = hashlib.sha256()
     for package in layout.packages().values():
         for pattern in PACKAGING:

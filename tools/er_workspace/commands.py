@@ -17,14 +17,34 @@ from er_workspace.process import locked, say
 
 #: command: (arguments, help, module it hands over to; None where there is a function below)
 COMMANDS: dict[str, tuple[str, str, str | None]] = {
-    "setup": ("[--clean]", "make or repair what the other commands need; --clean starts over", None),
-    "demo": ("[ARGS]", "the main job: find a hidden effect in a running ROS 2 graph", "er_bringup.demo"),
+    "setup": (
+        "[--clean]",
+        "make or repair what the other commands need; --clean starts over",
+        None,
+    ),
+    "demo": (
+        "[ARGS]",
+        "the main job: find a hidden effect in a running ROS 2 graph",
+        "er_bringup.demo",
+    ),
     "test": ("[ARGS]", "the whole test suite; arguments go to pytest", None),
     "run": ("PACKAGE EXECUTABLE [ARGS]", "start one node, as `ros2 run` does", None),
-    "up": ("[KEY:=VALUE ...]", "start the whole graph, as `ros2 launch er_bringup` does", "er_bringup.up"),
+    "up": (
+        "[KEY:=VALUE ...]",
+        "start the whole graph, as `ros2 launch er_bringup` does",
+        "er_bringup.up",
+    ),
     "record": ("OUT [ARGS]", "record a bag until Ctrl-C", "er_model_lab.record_command"),
-    "lab": ("COMMAND ...", "model lab: compare, diagnose, add, improve, plan, ...", "er_model_lab.cli"),
-    "doctor": ("[ARGS]", "check the running graph: types, QoS, rates, parameters", "er_bringup.doctor"),
+    "lab": (
+        "COMMAND ...",
+        "model lab: compare, diagnose, add, improve, plan, ...",
+        "er_model_lab.cli",
+    ),
+    "doctor": (
+        "[ARGS]",
+        "check the running graph: types, QoS, rates, parameters",
+        "er_bringup.doctor",
+    ),
     "synth": ("[ARGS]", "compute observer and controller gains", "er_observers.synth"),
     "bench": ("[ARGS]", "measure speed and latency", "er_model_lab.bench"),
     "exec": ("PROGRAM [ARGS]", "any program in the workspace's environment", None),
@@ -33,7 +53,7 @@ COMMANDS: dict[str, tuple[str, str, str | None]] = {
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run one command; returns the exit status where the command does not take over the process."""
+    """Run one command; returns the exit status where the program does not take over."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     name, args = (argv[0], list(argv[1:])) if argv else ("help", [])
     if name in ("-h", "--help", "help"):
@@ -58,9 +78,14 @@ def main(argv: Sequence[str]) -> int:
     return 0
 
 
-def ensure(layout: Layout, clean: bool = False) -> bool:
+def ensure(layout: Layout, *, clean: bool = False) -> bool:
     """Set up what is missing; returns whether there was anything to do."""
-    if not clean and not venv.broken(layout) and not venv.outdated(layout) and colcon.current(layout):
+    if (
+        not clean
+        and not venv.broken(layout)
+        and not venv.outdated(layout)
+        and colcon.current(layout)
+    ):
         return False
     prerequisites.use_ros_python(layout)
     prerequisites.check()
@@ -68,7 +93,7 @@ def ensure(layout: Layout, clean: bool = False) -> bool:
         layout.log.parent.mkdir(exist_ok=True)
         layout.log.write_text("", encoding="utf-8")
         if clean or venv.broken(layout) or venv.outdated(layout):
-            venv.make(layout, lock, clean)
+            venv.make(layout, lock, clean=clean)
         if not colcon.current(layout):
             colcon.build(layout, lock)
     return True
@@ -87,7 +112,7 @@ def _setup(layout: Layout, args: Sequence[str]) -> int:
 
 
 def _hand_over(layout: Layout, name: str, args: list[str]) -> None:
-    """Replace this process by the program behind a command: signals and exit status are the program's."""
+    """Replace this process by the command's program: signals and exit status are the program's."""
     env = command_environment(layout, os.environ)
     module = COMMANDS[name][2]
     make: dict[str, Callable[[], list[str]]] = {
@@ -121,10 +146,13 @@ def _run_command(layout: Layout, args: list[str]) -> list[str]:
     packages = {n: layout.install / n / "lib" / n for n in layout.packages()}
     if not args or args[0] not in packages:
         found = f"unknown package '{args[0]}'" if args else "expected PACKAGE EXECUTABLE"
-        raise Stop(f"run: {found}; packages: {', '.join(n for n, p in packages.items() if _executables(p))}")
+        useful = ", ".join(n for n, p in packages.items() if _executables(p))
+        raise Stop(f"run: {found}; packages: {useful}")
     there = _executables(packages[args[0]])
     if len(args) < 2 or args[1] not in there:
-        found = f"{args[0]} has no executable '{args[1]}'" if len(args) > 1 else "expected EXECUTABLE"
+        found = (
+            f"{args[0]} has no executable '{args[1]}'" if len(args) > 1 else "expected EXECUTABLE"
+        )
         raise Stop(f"run: {found}; executables of {args[0]}: {', '.join(there) or 'none'}")
     return [str(layout.python), str(packages[args[0]] / args[1]), *args[2:]]
 

@@ -16,13 +16,16 @@ PATHS = ("PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "AMENT_PREFIX_PATH", "CMAKE_PR
 
 
 def base_environment(layout: Layout) -> dict[str, str]:
-    """Environment to build in: the .venv in front, and the ROS 2 of its wheels or of the prefix."""
+    """Environment to build in: the .venv in front, the ROS 2 of its wheels or of the prefix."""
     env = setup_environment()
     env["VIRTUAL_ENV"] = str(layout.venv)
     env["PATH"] = f"{layout.venv / 'bin'}{os.pathsep}{env.get('PATH', os.defpath)}"
     if layout.ros is not None:
         return _sourced(layout.ros / "setup.bash", env)
-    libraries = [layout.venv / "lib", *sorted((layout.venv / "lib").glob("python3.*/site-packages/ros_*.libs"))]
+    libraries = [
+        layout.venv / "lib",
+        *sorted((layout.venv / "lib").glob("python3.*/site-packages/ros_*.libs")),
+    ]
     env["LD_LIBRARY_PATH"] = os.pathsep.join(map(str, libraries))
     # the wheels would set LD_LIBRARY_PATH themselves and start the interpreter a second time
     env["_ROS_WHEELS_BOOTSTRAP_COMPLETE"] = "1"
@@ -48,7 +51,7 @@ def record(layout: Layout) -> None:
 
 
 def command_environment(layout: Layout, environ: Mapping[str, str]) -> dict[str, str]:
-    """Environment of a command: the caller's, with the workspace in front and other ROS 2 prefixes taken out."""
+    """Environment of a command: the caller's, the workspace in front, other ROS 2 taken out."""
     kept = json.loads((layout.install / FILE).read_text(encoding="utf-8"))
     foreign = [p for p in environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep) if p]
     env = {k: v for k, v in environ.items() if k not in ("PYTHONHOME", "VIRTUAL_ENV")}

@@ -9,7 +9,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 
-class Stop(Exception):
+class Stop(Exception):  # noqa: N818
     """Ends ``./er`` with one line on stderr and an exit status."""
 
     def __init__(self, line: str, status: int = 2) -> None:
@@ -19,7 +19,7 @@ class Stop(Exception):
 
 @dataclass(frozen=True)
 class Layout:
-    """Folders of one checkout; ``ros`` is the prefix of an installed ROS 2, None where there is none."""
+    """Folders of one checkout; ``ros`` is the prefix of an installed ROS 2, or None."""
 
     root: Path
     ros: Path | None
@@ -67,7 +67,7 @@ class Layout:
 
 
 def find_layout(root: Path, environ: Mapping[str, str]) -> Layout:
-    """Layout of the checkout at root; ``ER_ROS_PREFIX`` says where to look for an installed ROS 2."""
+    """Layout of the checkout; ``ER_ROS_PREFIX`` says where to look for an installed ROS 2."""
     prefix = Path(environ.get("ER_ROS_PREFIX") or "/opt/ros/jazzy")
     return Layout(root, prefix if (prefix / "setup.bash").is_file() else None)
 

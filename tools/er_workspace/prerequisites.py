@@ -1,4 +1,4 @@
-"""What must be on the machine before the set-up can start; one line for the first thing missing."""
+"""What must be on the machine before the set-up; one line for the first thing missing."""
 
 from __future__ import annotations
 
@@ -25,7 +25,9 @@ def check() -> None:
         import venv  # noqa: F401
     except ImportError:
         line = f"{sys.executable} cannot make environments (ensurepip or venv is missing)"
-        raise Stop(f"{line}; install it: sudo apt install python3-venv (or python{version}-venv)") from None
+        raise Stop(
+            f"{line}; install it: sudo apt install python3-venv (or python{version}-venv)"
+        ) from None
     headers = Path(sysconfig.get_path("include"))
     if not (headers / "Python.h").is_file():
         line = f"{headers / 'Python.h'} is missing"

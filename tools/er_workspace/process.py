@@ -41,8 +41,9 @@ def step(title: str) -> Iterator[None]:
 def locked(root: Path) -> Iterator[int]:
     """Hold the checkout's lock; yields its descriptor.
 
-    The lock lies on the folder itself: there is no file to lose. Children that inherit the descriptor keep it locked
-    when this process is killed, so nobody starts over while an orphan is still writing.
+    The lock lies on the folder itself: there is no file to lose. Children that inherit the
+    descriptor keep it locked when this process is killed, so nobody starts over while an orphan
+    is still writing.
     """
     descriptor = os.open(root, os.O_RDONLY | os.O_DIRECTORY)
     try:
@@ -62,7 +63,7 @@ def run_logged(
     """Run a command with its output appended to log.
 
     Raises:
-        Stop: the command failed; the line says what, the most telling line of the output, and the log's path.
+        Stop: the command failed; says what, the output's most telling line, and the log's path.
     """
     log.parent.mkdir(parents=True, exist_ok=True)
     with log.open("a", encoding="utf-8") as sink:
@@ -101,7 +102,10 @@ def _telling_line(log: Path, begin: int) -> str:
         source.seek(begin)
         text = source.read().decode(errors="replace")
     lines = [line.strip() for line in text.splitlines() if line.strip()]
-    if any("Failed to establish a new connection" in l or "Name or service not known" in l for l in lines):
+    if any(
+        "Failed to establish a new connection" in line or "Name or service not known" in line
+        for line in lines
+    ):
         return "no network"
     errors = [line for line in lines if re.search(r"\berror\b", line, re.IGNORECASE)]
     return (errors or lines[-1:] or ["no output"])[0][:200]

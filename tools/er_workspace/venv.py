@@ -1,4 +1,4 @@
-"""The Python environment ``.venv``: made from the pinned requirements, checked, and made anew when it is broken."""
+"""The Python environment ``.venv``: made from pinned requirements, made anew when broken."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import uuid
+from pathlib import Path
 from typing import Any
 
 from er_workspace.layout import Layout
@@ -59,13 +60,15 @@ def outdated(layout: Layout) -> bool:
     return read_state(layout).get("requirements") != requirements_hash(layout)
 
 
-def make(layout: Layout, lock: int, clean: bool) -> None:
+def make(layout: Layout, lock: int, *, clean: bool) -> None:
     """Make the environment, or bring a healthy one up to date."""
     reason = "as asked" if clean else broken(layout)
     if reason:
         with step(f"making .venv ({reason}), Python {platform.python_version()}"):
             _create(layout, lock)
-    identity = str(uuid.uuid4()) if reason else read_state(layout).get("identity", str(uuid.uuid4()))
+    identity = (
+        str(uuid.uuid4()) if reason else read_state(layout).get("identity", str(uuid.uuid4()))
+    )
     (layout.venv / STATE).unlink(missing_ok=True)
     for path in layout.requirements():
         kind = "ROS 2 Jazzy wheels" if path.name == "jazzy.txt" else "Python packages"
@@ -88,12 +91,12 @@ def setup_environment() -> dict[str, str]:
 def _create(layout: Layout, lock: int) -> None:
     shutil.rmtree(layout.venv, ignore_errors=True)
     shared = ["--system-site-packages"] if layout.ros else []
-    command = [sys.executable, "-m", "venv", *shared, layout.venv]
+    command: list[str | Path] = [sys.executable, "-m", "venv", *shared, layout.venv]
     run_logged(command, layout.log, setup_environment(), lock, "making .venv failed")
     (layout.venv / "COLCON_IGNORE").touch()
 
 
-def _install(layout: Layout, requirements: Any, lock: int) -> None:
+def _install(layout: Layout, requirements: Path, lock: int) -> None:
     pip = [layout.python, "-m", "pip", "--disable-pip-version-check", "--no-input", "install"]
     env = setup_environment()
     # builds of the few source packages take the pinned setuptools as well
@@ -102,7 +105,7 @@ def _install(layout: Layout, requirements: Any, lock: int) -> None:
     run_logged(command, layout.log, env, lock, f"installing {requirements.name} failed")
 
 
-def _count(requirements: Any) -> int:
+def _count(requirements: Path) -> int:
     lines = requirements.read_text(encoding="utf-8").splitlines()
     old = sys.version_info < (3, 11)
     other = 'python_version >= "3.11"' if old else 'python_version < "3.11"'
@@ -111,7 +114,7 @@ def _count(requirements: Any) -> int:
 
 def _version(layout: Layout) -> str:
     # -S: without the environment's start-up hooks, which take ten times as long
-    command = [layout.python, "-I", "-S", "-c", PROBE]
+    command: list[str | Path] = [layout.python, "-I", "-S", "-c", PROBE]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
     except (OSError, subprocess.TimeoutExpired):
@@ -120,7 +123,7 @@ def _version(layout: Layout) -> str:
 
 
 def _inventory(layout: Layout) -> list[str]:
-    """Files and folders of the two upper levels of site-packages: what a damaged environment lacks."""
+    """The two upper levels of site-packages: what a damaged environment lacks."""
     names = []
     for site in sorted((layout.venv / "lib").glob("python3.*/site-packages")):
         for top in os.scandir(site):

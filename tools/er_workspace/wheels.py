@@ -1,4 +1,4 @@
-"""Repairs of the ROS 2 wheels: their CMake files name folders of the machine they were built on."""
+"""Repairs of the ROS 2 wheels: their CMake files name folders of the build machine."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PYTHON = re.compile(r"/opt/python/[^/;\"\s]+/include/python3\.\d+")
 
 
 def repair(text: str, python_include: str, numpy_include: str) -> str:
-    """Text of a CMake file with this machine's include folders; repairing twice changes nothing more."""
+    """Text of a CMake file with this machine's include folders; a second time changes nothing."""
     text = NUMPY.sub(lambda _: numpy_include, text)
     return PYTHON.sub(lambda _: python_include, text)
 

@@ -1,1 +1,1 @@
-"""Starts the whole graph: launch files, configuration, the demonstration and the graph check."""
+"""Starts the whole graph: launch files, configuration, demonstration, graph check."""

@@ -1,1 +1,1 @@
-"""What every node shares: spinning, parameters, quality of service, typed message builders, clocks, stamp checks."""
+"""What every node shares: spinning, parameters, quality of service, builders, clocks, stamps."""

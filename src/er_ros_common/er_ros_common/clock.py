@@ -1,0 +1,54 @@
+"""Time: steady timers for control, and stamps to and from nanoseconds and seconds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+from builtin_interfaces.msg import Time
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.timer import Timer
+
+SECOND: Final = 1_000_000_000
+#: seconds of a stamp are a signed 32-bit integer
+LAST_SECOND: Final = 2**31 - 1
+
+
+def steady_timer(node: Node, period: float, callback: Callable[[], None]) -> Timer:
+    """Timer [s] that keeps its period when the system's clock is set; on /clock when simulated."""
+    simulated = bool(node.get_parameter("use_sim_time").value)
+    clock = node.get_clock() if simulated else Clock(clock_type=ClockType.STEADY_TIME)
+    return node.create_timer(period, callback, clock=clock)
+
+
+def now(node: Node) -> int:
+    """Time of the node's clock [ns]: the system's, or /clock when use_sim_time is true."""
+    return int(node.get_clock().now().nanoseconds)
+
+
+def to_stamp(nanoseconds: int) -> Time:
+    """Stamp of a time [ns] since the clock's start.
+
+    Raises:
+        ValueError: before the start or beyond what a stamp can hold.
+    """
+    second, rest = divmod(int(nanoseconds), SECOND)
+    if not 0 <= second <= LAST_SECOND:
+        raise ValueError(f"a stamp holds 0 to {LAST_SECOND} s, not {second} s")
+    return Time(sec=second, nanosec=rest)
+
+
+def from_stamp(stamp: Time) -> int:
+    """Time of a stamp [ns]."""
+    return int(stamp.sec) * SECOND + int(stamp.nanosec)
+
+
+def to_seconds(stamp: Time) -> float:
+    """Time of a stamp [s], good to about 0.2 us for today's dates: keep ns for differences."""
+    return from_stamp(stamp) / SECOND
+
+
+def from_seconds(seconds: float) -> Time:
+    """Stamp of a time [s] since the clock's start."""
+    return to_stamp(round(seconds * SECOND))

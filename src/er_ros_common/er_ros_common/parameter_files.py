@@ -1,0 +1,142 @@
+"""What ROS does not say about parameter files: where a value is from, that a file was not for us.
+
+Without these checks a file for another node name is ignored in silence, a mixed list such as
+``[1.0, 2]`` ends the process before the node exists, and a nested list is a message from the
+inside of the YAML parser. No ROS here.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import zip_longest
+from pathlib import Path
+
+import yaml
+from er_models.errors import InputError
+
+BODY = "ros__parameters"
+COMMAND_LINE = "command line"
+
+
+def origins(argv: Sequence[str], full_name: str) -> dict[str, str]:
+    """Where each parameter of a node was given: name to file or command line; later ones win.
+
+    Raises:
+        InputError: a file is missing, is no parameter file, or has nothing for this node.
+    """
+    found: dict[str, str] = {}
+    for flag, value in _ros_arguments(argv):
+        if flag == "--params-file":
+            found.update(dict.fromkeys(_for_node(Path(value), full_name), value))
+        elif flag in ("-p", "--param"):
+            found[value.split(":=")[0].rpartition(":")[2]] = COMMAND_LINE
+    return found
+
+
+def check_files(argv: Sequence[str]) -> None:
+    """Refuse parameter files that ROS would end the process over, with a line that says where.
+
+    Raises:
+        InputError: missing or unreadable file, nested or mixed list, no ``ros__parameters``.
+    """
+    for flag, value in _ros_arguments(argv):
+        if flag == "--params-file":
+            _check_file(Path(value))
+
+
+def _ros_arguments(argv: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """Pairs of flag and value between ``--ros-args`` and ``--``."""
+    inside = False
+    for flag, value in zip_longest(argv, argv[1:], fillvalue=""):
+        if flag in ("--ros-args", "--"):
+            inside = flag == "--ros-args"
+        elif inside and flag.startswith("-"):
+            yield flag, value
+
+
+def _check_file(path: Path) -> None:
+    try:
+        root = yaml.compose(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(path, "", "a readable parameter file", error.strerror) from None
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        line = getattr(getattr(error, "problem_mark", None), "line", 0) + 1
+        raise InputError(path, f"line {line}", "YAML", getattr(error, "problem", None)) from None
+    if not isinstance(root, yaml.MappingNode) or not list(_bodies(root, "")):
+        raise InputError(path, BODY, "/** or a node's name, then ros__parameters", "none")
+    for _, body in _bodies(root, ""):
+        _check_lists(path, body, "")
+
+
+def _bodies(node: yaml.MappingNode, prefix: str) -> Iterator[tuple[str, yaml.MappingNode]]:
+    """Node-name patterns and the mapping below their ``ros__parameters``."""
+    for key, value in node.value:
+        if key.value == BODY and isinstance(value, yaml.MappingNode):
+            yield prefix or "/", value
+        elif isinstance(value, yaml.MappingNode) and key.value != BODY:
+            yield from _bodies(value, f"{prefix}/{key.value.strip('/')}")
+
+
+def _check_lists(path: Path, body: yaml.MappingNode, prefix: str) -> None:
+    for key, value in body.value:
+        name = f"{prefix}{key.value}"
+        if isinstance(value, yaml.MappingNode):
+            _check_lists(path, value, f"{name}.")
+        elif isinstance(value, yaml.SequenceNode):
+            if any(not isinstance(entry, yaml.ScalarNode) for entry in value.value):
+                raise InputError(
+                    path, name, "a flat list (a matrix row by row)", "a list in a list"
+                )
+            kinds = sorted({_kind(entry) for entry in value.value})
+            if len(kinds) > 1:
+                expected = "entries of one type (2.0, not 2, among decimals)"
+                raise InputError(path, name, expected, " and ".join(kinds))
+
+
+def _kind(entry: yaml.ScalarNode) -> str:
+    """Type of a list entry as ROS reads it: 1e-3 is a number, which it is not in YAML 1.1."""
+    if entry.style in ("'", '"'):
+        return "text"
+    if re.fullmatch(r"[-+]?(0x[0-9a-fA-F]+|\d+)", entry.value):
+        return "integer"
+    if re.fullmatch(r"[-+]?(\d+\.\d*|\.?\d+)([eE][-+]?\d+)?|[-+]?\.(inf|nan)", entry.value, re.I):
+        return "decimal"
+    return (
+        "true/false"
+        if entry.value.lower() in ("true", "false", "yes", "no", "on", "off")
+        else "text"
+    )
+
+
+def _for_node(path: Path, full_name: str) -> set[str]:
+    """Names a file gives to the node."""
+    root = yaml.compose(path.read_text(encoding="utf-8"))
+    assert isinstance(root, yaml.MappingNode)
+    patterns = [pattern for pattern, _ in _bodies(root, "")]
+    bodies = [body for pattern, body in _bodies(root, "") if matches(pattern, full_name)]
+    if not bodies:
+        found = ", ".join(sorted(set(patterns)))
+        raise InputError(
+            path, found, f"parameters for {full_name} (or /** for any node)", "another node's"
+        )
+    names: set[str] = set()
+    for body in bodies:
+        names.update(_flat(body, ""))
+    return names
+
+
+def _flat(body: yaml.MappingNode, prefix: str) -> Iterator[str]:
+    for key, value in body.value:
+        if isinstance(value, yaml.MappingNode):
+            yield from _flat(value, f"{prefix}{key.value}.")
+        else:
+            yield f"{prefix}{key.value}"
+
+
+def matches(pattern: str, full_name: str) -> bool:
+    """Whether a node-name pattern applies: ``*`` is one part of the name, ``**`` any number."""
+    parts = [p for p in pattern.split("/") if p]
+    wild: Mapping[str, str] = {"**": r"(/[^/]+)*", "*": r"/[^/]+"}
+    expression = "".join(wild.get(p, "/" + re.escape(p)) for p in parts)
+    return re.fullmatch(expression, full_name) is not None

@@ -1,0 +1,112 @@
+"""Declares a parameter dataclass on a node: checked once, read-only unless marked dynamic."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, TypeVar
+
+from er_models.errors import InputError
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from er_ros_common.parameter_files import origins
+from er_ros_common.parameter_table import REQUIRED, Spec, build, check, expectation, param, specs
+
+__all__ = ["REQUIRED", "declare", "param"]
+
+P = TypeVar("P")
+#: parameters that rclpy itself declares on every node
+BUILT_IN = ("use_sim_time", "start_type_description_service")
+
+
+def declare(
+    node: Node,
+    table: type[P],
+    on_change: Callable[[P], None] | None = None,
+    argv: Sequence[str] | None = None,
+) -> P:
+    """Declare the table's parameters and return them with what the user gave.
+
+    Args:
+        node: the node that owns the parameters.
+        table: frozen dataclass whose fields are made with `param`.
+        on_change: called with the new parameters after a dynamic one was set.
+        argv: command line that the node was started with; None means the process's own.
+
+    Raises:
+        InputError: unknown name, wrong type, not finite, out of bounds, or required and not given;
+            it names the file (or the command line), the parameter, what was expected and found.
+    """
+    given = {
+        name: parameter.value
+        for name, parameter in _overrides(node).items()
+        if name not in BUILT_IN and not name.startswith("qos_overrides.")
+    }
+    where = origins(sys.argv[1:] if argv is None else argv, node.get_fully_qualified_name())
+    current = build(table, given, where)
+    for spec in specs(table):
+        _declare_one(node, spec, getattr(current, spec.attribute))
+    _guard(node, table, current, on_change)
+    return current
+
+
+def _overrides(node: Node) -> dict[str, Parameter]:
+    """What the command line, files and the constructor give; rclpy has no public way to ask."""
+    found: dict[str, Parameter] = node._parameter_overrides
+    return found
+
+
+def _declare_one(node: Node, spec: Spec, value: Any) -> None:
+    descriptor = ParameterDescriptor(
+        description=f"{spec.text} [{spec.unit}]",
+        additional_constraints=expectation(spec),
+        read_only=not spec.dynamic,
+        # rclpy takes the type from the value, and an empty list has none
+        dynamic_typing=value == (),
+    )
+    if spec.kind is float and math.isfinite(spec.high - spec.low):
+        descriptor.floating_point_range = [
+            FloatingPointRange(from_value=spec.low, to_value=spec.high)
+        ]
+    if spec.kind is int and math.isfinite(spec.high - spec.low):
+        low, high = int(spec.low), int(spec.high)
+        descriptor.integer_range = [IntegerRange(from_value=low, to_value=high, step=1)]
+    plain = list(value) if isinstance(value, tuple) else value
+    node.declare_parameter(spec.name, plain, descriptor, ignore_override=True)
+
+
+def _guard(node: Node, table: type[P], start: P, on_change: Callable[[P], None] | None) -> None:
+    """Check every later change before it takes place, and tell the node after it did."""
+    known = {spec.name: spec for spec in specs(table)}
+    current = [start]
+
+    def before(parameters: list[Parameter]) -> SetParametersResult:
+        try:
+            for parameter in parameters:
+                if parameter.name in known:
+                    check(known[parameter.name], parameter.value, node.get_fully_qualified_name())
+        except InputError as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def after(parameters: list[Parameter]) -> None:
+        ours = [(known[p.name], p.value) for p in parameters if p.name in known]
+        changed = {spec.attribute: check(spec, value, "") for spec, value in ours}
+        if not changed:
+            return
+        new: Any = replace(current[0], **changed)  # type: ignore[type-var]
+        current[0] = new
+        if on_change is not None:
+            on_change(new)
+
+    node.add_on_set_parameters_callback(before)
+    node.add_post_set_parameters_callback(after)

@@ -1,0 +1,35 @@
+"""Quality of service of every kind of topic.
+
+Publishers of measurements are reliable and subscribers best effort (REP-2003): whoever needs every
+sample can ask for it, and nobody is slowed down by who does not. No deadline and no lifespan:
+asking for one cuts the connection to bags and to publishers that offer none.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+
+def _profile(depth: int, *, reliable: bool, latched: bool = False) -> QoSProfile:
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
+
+
+#: measurements and estimates at 200 Hz, publisher
+SENSOR_PUBLISHER: Final = _profile(10, reliable=True)
+#: measurements and estimates at 200 Hz, subscriber: the newest few
+SENSOR_SUBSCRIBER: Final = _profile(5, reliable=False)
+#: duty asked for, both ends: the newest only, an old command must not be queued
+COMMAND: Final = _profile(1, reliable=True)
+#: health of a node and what it was loaded with, both ends: late joiners get the last one
+STATUS: Final = _profile(1, reliable=True, latched=True)
+#: /diagnostics and /clock publishers, as in the rest of ROS 2
+DIAGNOSTICS: Final = _profile(10, reliable=True)
+#: a recorder: every sample, with half a second in hand at 200 Hz on six topics of a stalled disk
+RECORDER: Final = _profile(1000, reliable=True)

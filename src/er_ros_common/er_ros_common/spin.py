@@ -1,0 +1,163 @@
+"""Running nodes: one way to spin, one way to start and to stop.
+
+``executor.spin()`` of the events executor runs no callback at all in the PyPI wheels (rclpy
+7.1.6), and the default executor costs two to six times the processor time; `spin` hides both.
+"""
+
+from __future__ import annotations
+
+import gc
+import re
+import signal
+import sys
+from collections.abc import Callable, Sequence
+from types import FrameType
+from typing import Any
+
+import rclpy
+from er_models.errors import ErError
+from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError
+from rclpy.exceptions import ROSInterruptException
+from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+from rclpy.utilities import remove_ros_args
+
+from er_ros_common.help import Card, render
+from er_ros_common.parameter_files import check_files
+
+#: an idle node looks at its signals this often [s]
+ATTENTION = 0.1
+BAD_USAGE = 2
+Nodes = Node | Sequence[Node]
+
+
+class Stopped:
+    """Set by the first SIGINT or SIGTERM; a second one ends the process at once."""
+
+    def __init__(self) -> None:
+        """Nothing has arrived yet."""
+        self.signal = 0
+        self._before: dict[int, Any] = {}
+
+    def __enter__(self) -> Stopped:
+        """Start to watch."""
+        for number in (signal.SIGINT, signal.SIGTERM):
+            self._before[number] = signal.signal(number, self._on_signal)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Give the signals back."""
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def _on_signal(self, number: int, _: FrameType | None) -> None:
+        self.signal = number
+        for again in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(again, signal.SIG_DFL)
+
+
+def make_executor(node: Node, kind: str = "events") -> Executor:
+    """Events executor where there is one, else the single-threaded one with one line saying so."""
+    if kind == "events":
+        try:
+            from rclpy.experimental.events_executor import EventsExecutor
+        except ImportError:
+            node.get_logger().info(
+                "no events executor in this rclpy: using the single-threaded one"
+            )
+        else:
+            return EventsExecutor()
+    return SingleThreadedExecutor()
+
+
+def spin(nodes: Nodes, stopped: Stopped | None = None, kind: str = "events") -> None:
+    """Run callbacks until a signal arrives or the context ends; returns, whichever it was.
+
+    Args:
+        nodes: one node or several that share one thread.
+        stopped: signals to look at; None watches SIGINT and SIGTERM itself (main thread only).
+        kind: "events" or "single".
+    """
+    if stopped is None:
+        with Stopped() as own:
+            spin(nodes, own, kind)
+        return
+    each = [nodes] if isinstance(nodes, Node) else list(nodes)
+    executor = make_executor(each[0], kind)
+    for node in each:
+        executor.add_node(node)
+    # what was made so far stays for good: the collector need not look at it in the loop
+    gc.collect()
+    gc.freeze()
+    never: Future = Future()
+    try:
+        while not stopped.signal and rclpy.ok():
+            executor.spin_until_future_complete(never, timeout_sec=ATTENTION)
+    except (ExternalShutdownException, ROSInterruptException, KeyboardInterrupt):
+        pass
+    except RCLError:
+        # the context may end while a callback publishes
+        if rclpy.ok():
+            raise
+    finally:
+        for node in each:
+            executor.remove_node(node)
+        executor.shutdown(timeout_sec=0.0)
+
+
+def run(factory: Callable[[], Nodes], card: Card, args: Sequence[str] | None = None) -> int:
+    """Main program of a node executable; returns the exit status.
+
+    0 after SIGINT or SIGTERM, 2 with one line for bad usage or bad parameters, an `ErError`'s own
+    status otherwise. A node may have a method ``on_stop()``: it is called before the node is
+    destroyed, while it can still publish.
+    """
+    argv = list(sys.argv[1:] if args is None else args)
+    if any(a in ("-h", "--help") for a in argv):
+        print(render(card))
+        return 0
+    try:
+        check_files(argv)
+        plain = remove_ros_args(["", *argv])[1:]
+        if plain:
+            raise ErError(
+                f"unknown argument '{plain[0]}'; ROS arguments follow --ros-args, see --help"
+            )
+        with Stopped() as stopped:
+            rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
+            try:
+                _live(factory, stopped)
+            finally:
+                rclpy.try_shutdown()
+    except ErError as error:
+        return _complain(card, str(error), error.exit_status)
+    except UnknownROSArgsError as error:
+        return _complain(card, f"unknown ROS argument {error}", BAD_USAGE)
+    except RCLError as error:
+        # where in rcl's sources it was found helps nobody
+        return _complain(card, re.sub(r", at /\S+:\d+", "", str(error)), BAD_USAGE)
+    return 0
+
+
+def _live(factory: Callable[[], Nodes], stopped: Stopped) -> None:
+    """Make the nodes, spin them, stop them."""
+    made = factory()
+    each = [made] if isinstance(made, Node) else list(made)
+    try:
+        if not stopped.signal:
+            spin(each, stopped)
+    finally:
+        for node in each:
+            on_stop = getattr(node, "on_stop", None)
+            if on_stop is not None:
+                on_stop()
+        for node in each:
+            node.destroy_node()
+
+
+def _complain(card: Card, text: str, status: int) -> int:
+    line = " ".join(text.split())
+    sys.stderr.write(f"{card.executable}: {line}\n")
+    return status

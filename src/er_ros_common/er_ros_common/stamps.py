@@ -1,0 +1,126 @@
+"""Checks of incoming stamps: what to use, to drop, when to start over. The clock is an input."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+
+SECOND = 1_000_000_000
+
+
+class Verdict(Enum):
+    """What a stamp means for the sample and for the state carried over from the one before."""
+
+    FRESH = "fresh"
+    FIRST = "first"
+    GAP = "gap"
+    JUMPED_BACK = "jumped back"
+    DUPLICATE = "duplicate"
+    OUT_OF_ORDER = "out of order"
+    STALE = "stale"
+    FUTURE = "future"
+    ZERO = "zero"
+
+    @property
+    def use(self) -> bool:
+        """Whether the sample may be used."""
+        return self in (Verdict.FRESH, Verdict.FIRST, Verdict.GAP, Verdict.JUMPED_BACK)
+
+    @property
+    def restart(self) -> bool:
+        """Whether a state carried over from the sample before is void."""
+        return self in (Verdict.FIRST, Verdict.GAP, Verdict.JUMPED_BACK)
+
+
+@dataclass(frozen=True, slots=True)
+class StampLimits:
+    """When a stamp is refused.
+
+    Attributes:
+        stale: greatest age on arrival [s].
+        future: greatest lead over the clock [s].
+        gap: longest step that a state may be carried over [s]; 10 periods at 200 Hz.
+        back: a stamp older than the last one by more than this [s] is a restart of time (a bag
+            that loops, a simulation that was reset), by less it is a straggler.
+    """
+
+    stale: float = 0.020
+    future: float = 0.005
+    gap: float = 0.050
+    back: float = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class StampState:
+    """Last accepted stamp [ns] and sequence number, and the counts since the start."""
+
+    stamp: int = 0
+    seq: int = 0
+    received: int = 0
+    used: int = 0
+    lost: int = 0
+    duplicate: int = 0
+    out_of_order: int = 0
+    stale: int = 0
+    future: int = 0
+    zero_stamp: int = 0
+    resets: int = 0
+
+
+_COUNTER = {
+    Verdict.DUPLICATE: "duplicate",
+    Verdict.OUT_OF_ORDER: "out_of_order",
+    Verdict.STALE: "stale",
+    Verdict.FUTURE: "future",
+    Verdict.ZERO: "zero_stamp",
+}
+
+
+def check_stamp(
+    limits: StampLimits, state: StampState, stamp: int, seq: int = 0, now: int | None = None
+) -> tuple[StampState, Verdict]:
+    """Judge one stamp.
+
+    Args:
+        limits: when to refuse.
+        state: after the message before; `StampState()` at the start.
+        stamp: of the message [ns].
+        seq: of the message; 0 when it has none.
+        now: time of arrival on the same clock [ns]; None where age means nothing, as in a bag.
+
+    Returns:
+        The next state and the verdict. A refused sample changes nothing but the counts.
+    """
+    verdict = _verdict(limits, state, stamp, now)
+    if not verdict.use:
+        name = _COUNTER[verdict]
+        counts = {"received": state.received + 1, name: getattr(state, name) + 1}
+        return replace(state, **counts), verdict
+    missing = 0 if verdict in (Verdict.FIRST, Verdict.JUMPED_BACK) else seq - state.seq - 1
+    following = replace(
+        state,
+        stamp=stamp,
+        seq=seq,
+        received=state.received + 1,
+        used=state.used + 1,
+        lost=state.lost + (max(missing, 0) if seq and state.seq else 0),
+        resets=state.resets + (verdict in (Verdict.GAP, Verdict.JUMPED_BACK)),
+    )
+    return following, verdict
+
+
+def _verdict(limits: StampLimits, state: StampState, stamp: int, now: int | None) -> Verdict:
+    if stamp <= 0:
+        return Verdict.ZERO
+    if now is not None and stamp - now > limits.future * SECOND:
+        return Verdict.FUTURE
+    if now is not None and now - stamp > limits.stale * SECOND:
+        return Verdict.STALE
+    if state.used == 0:
+        return Verdict.FIRST
+    step = stamp - state.stamp
+    if step == 0:
+        return Verdict.DUPLICATE
+    if step < 0:
+        return Verdict.JUMPED_BACK if -step > limits.back * SECOND else Verdict.OUT_OF_ORDER
+    return Verdict.GAP if step > limits.gap * SECOND else Verdict.FRESH

@@ -1,0 +1,76 @@
+"""The graph's topics: relative name, type, rate and quality of service, each written down once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.qos import QoSProfile
+from rosgraph_msgs.msg import Clock
+
+from er_damper_msgs.msg import (
+    DamperForce,
+    FaultEstimate,
+    NodeStatus,
+    PwmDuty,
+    RoadDisplacement,
+    SuspensionAcceleration,
+    SuspensionDeflection,
+)
+from er_ros_common import qos
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """One topic: what it carries, how often [Hz], and the quality of service of either end."""
+
+    name: str
+    type: type[Any]
+    text: str
+    rate: float
+    publisher: QoSProfile
+    subscriber: QoSProfile
+
+    @property
+    def type_name(self) -> str:
+        """Type as in `ros2 topic info`."""
+        package = self.type.__module__.split(".")[0]
+        return f"{package}/msg/{self.type.__name__}"
+
+
+def _sensor(name: str, kind: type[Any], text: str) -> Topic:
+    return Topic(name, kind, text, 200.0, qos.SENSOR_PUBLISHER, qos.SENSOR_SUBSCRIBER)
+
+
+ACCELERATION: Final = _sensor(
+    "sensors/acceleration", SuspensionAcceleration, "sprung and unsprung acceleration [m/s2]"
+)
+DEFLECTION: Final = _sensor(
+    "sensors/deflection", SuspensionDeflection, "deflection [m] and its velocity [m/s]"
+)
+FORCE: Final = _sensor("sensors/force", DamperForce, "measured damper force [N]")
+ROAD: Final = _sensor("sensors/road", RoadDisplacement, "road displacement [m]")
+PWM_APPLIED: Final = _sensor("pwm/applied", PwmDuty, "duty after all limits [1]")
+PWM_COMMAND: Final = Topic(
+    "pwm/command", PwmDuty, "duty asked for [1]", 200.0, qos.COMMAND, qos.COMMAND
+)
+FORCE_UNIFIED: Final = _sensor("force/unified", DamperForce, "force of the unified observer [N]")
+FORCE_POLYTOPIC: Final = _sensor(
+    "force/nlpv_polytopic", DamperForce, "force of the polytopic NLPV observer [N]"
+)
+FORCE_GRIDDING: Final = _sensor(
+    "force/nlpv_gridding", DamperForce, "force of the gridding NLPV observer [N]"
+)
+FAULT: Final = _sensor("fault/estimate", FaultEstimate, "effectiveness f1, f2, f3 [1]")
+STATUS: Final = Topic("~/status", NodeStatus, "health of the node", 10.0, qos.STATUS, qos.STATUS)
+DIAGNOSTICS: Final = Topic(
+    "/diagnostics", DiagnosticArray, "health of the node", 1.0, qos.DIAGNOSTICS, qos.DIAGNOSTICS
+)
+CLOCK: Final = Topic(
+    "/clock", Clock, "simulated time", 200.0, qos.DIAGNOSTICS, qos.SENSOR_SUBSCRIBER
+)
+
+#: what a bag needs to compare a model with a measurement
+MEASUREMENTS: Final = (ACCELERATION, DEFLECTION, FORCE, ROAD, PWM_COMMAND, PWM_APPLIED)
+ESTIMATES: Final = (FORCE_UNIFIED, FORCE_POLYTOPIC, FORCE_GRIDDING, FAULT)
