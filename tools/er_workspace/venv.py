@@ -97,11 +97,18 @@ def _create(layout: Layout, lock: int) -> None:
 
 
 def _install(layout: Layout, requirements: Path, lock: int) -> None:
-    pip = [layout.python, "-m", "pip", "--disable-pip-version-check", "--no-input", "install"]
+    pip: list[str | Path] = [
+        layout.python,
+        "-m",
+        "pip",
+        "--disable-pip-version-check",
+        "--no-input",
+        "install",
+    ]
     env = setup_environment()
     # builds of the few source packages take the pinned setuptools as well
     env["PIP_CONSTRAINT"] = str(layout.root / "requirements" / "lock.txt")
-    command = [*pip, "--no-deps", "--prefer-binary", "-r", requirements]
+    command: list[str | Path] = [*pip, "--no-deps", "--prefer-binary", "-r", requirements]
     run_logged(command, layout.log, env, lock, f"installing {requirements.name} failed")
 
 
