@@ -1,0 +1,79 @@
+"""What a hidden effect is: a name, a row of parameters, and how to draw them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from test.blind.jit import Array
+from test.blind.slots import N_COLUMNS
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What the undisturbed damper does on the roads of the case; effects are placed by it.
+
+    Attributes:
+        deflection: all records joined, (n,) [m].
+        hydraulic: viscous and field force, (n,) [N].
+        base: k0 [N/m], c0 [N.s/m], fc [N], k1 [1/m], c1 [s/m], tau [s].
+        seconds: length of a record [s].
+    """
+
+    deflection: Array
+    hydraulic: Array
+    base: Array
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One hidden effect.
+
+    Attributes:
+        name: contract name, or ``outside:<kind>``.
+        slot: row of the effect table.
+        columns: symbol and unit of each parameter; the first is the strength, neutral at zero.
+        typical: strength where the calibration starts.
+        least, most: range of the strength's magnitude.
+        draw: the other parameters from a generator and the scene.
+        most_negative: largest magnitude of a negative strength; zero where it must be positive.
+        hides_in_bias: the effect equals a force offset, so the base must be refitted without one.
+    """
+
+    name: str
+    slot: int
+    columns: tuple[tuple[str, str], ...]
+    typical: float
+    least: float
+    most: float
+    draw: Callable[[np.random.Generator, Scene], tuple[float, ...]]
+    most_negative: float = 0.0
+    hides_in_bias: bool = False
+
+    def row(self, strength: float, shape: tuple[float, ...]) -> Array:
+        """Row of the effect table, (N_COLUMNS,)."""
+        row = np.zeros(N_COLUMNS)
+        row[0] = strength
+        row[1 : 1 + len(shape)] = shape
+        return row
+
+    def named(self, row: Array) -> dict[str, dict[str, float | str]]:
+        """Parameters by symbol with unit, for the sealed truth."""
+        return {
+            symbol: {"value": float(value), "unit": unit}
+            for (symbol, unit), value in zip(self.columns, row, strict=False)
+        }
+
+
+def nothing(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
+    """For effects that have a strength and no other parameter."""
+    del rng, scene
+    return ()
+
+
+def between(rng: np.random.Generator, low: float, high: float) -> float:
+    """A number drawn evenly on a logarithmic scale; both ends positive."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))

@@ -1,0 +1,131 @@
+"""From the fine trajectory to what the instruments record at 200 Hz, without and with noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from test.blind import roads
+from test.blind.integrate import LEAD_SAMPLES, SAMPLE, STEP, SUBSTEPS
+from test.blind.jit import Array
+from test.blind.plant import Motion
+from test.blind.slots import (
+    DEFLECTION_ZERO,
+    FORCE_DELAY,
+    FORCE_LAG,
+    OAS,
+    OAU,
+    OF,
+    OUT_CROSSTALK,
+    OUT_DRIFT,
+    OUT_HUM,
+    OUT_RESONANCE,
+    OV,
+    OX,
+    VELOCITY_LAG,
+)
+from test.blind.truth import outside_signal, sensing
+
+COLUMNS = (
+    "t",
+    "road",
+    "deflection",
+    "deflection_velocity",
+    "duty",
+    "damper_force",
+    "sprung_acceleration",
+    "unsprung_acceleration",
+)
+NoiseKind = Literal["white", "ar1"]
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Standard deviations of the instruments' noise [SI]; the force may be coloured.
+
+    Attributes:
+        force, velocity, deflection, acceleration: [N], [m/s], [m], [m/s2].
+        kind: white, or first-order autoregressive force noise of the same variance.
+        memory: correlation of the coloured noise from one sample to the next.
+    """
+
+    force: float = 0.15
+    velocity: float = 1e-3
+    deflection: float = 20e-6
+    acceleration: float = 0.025
+    kind: NoiseKind = "white"
+    memory: float = 0.5
+
+
+def _force_channel(fine: Array, motion: Motion, table: Array) -> Array:
+    """Force [N] at every sample of the simulation, instruments' effects included."""
+    force = fine[:, OF]
+    if table[OUT_RESONANCE, 0] != 0.0:
+        row = table[OUT_RESONANCE]
+        force = force + row[0] * (outside_signal.frame(force, STEP, row[1], row[2]) - force)
+    if table[FORCE_LAG, 0] != 0.0:
+        force = sensing.lagged(force, STEP, table[FORCE_LAG, 0])
+    fine_t = np.arange(force.size) * STEP
+    at = np.arange(motion.duty.size) * SAMPLE
+    sampled = np.interp(at - table[FORCE_DELAY, 0], fine_t, force)
+    if table[OUT_HUM, 0] != 0.0:
+        sampled = sampled + outside_signal.hum(at, table[OUT_HUM])
+    if table[OUT_CROSSTALK, 0] != 0.0:
+        sampled = sampled + outside_signal.crosstalk(motion.duty, SAMPLE, table[OUT_CROSSTALK])
+    if table[OUT_DRIFT, 0] != 0.0:
+        walk = np.random.default_rng([int(table[OUT_DRIFT, 1]), motion.burst_seed])
+        sampled = sampled + outside_signal.drift(at.size, table[OUT_DRIFT, 0], walk)
+    return np.asarray(sampled)
+
+
+def _velocity_channel(fine: Array, table: Array) -> Array:
+    velocity = fine[:, OV]
+    lag = table[VELOCITY_LAG, 0]
+    if lag != 0.0:
+        velocity = sensing.lagged(sensing.lagged(velocity, STEP, lag), STEP, 0.2 * lag)
+    return velocity[:-1:SUBSTEPS]
+
+
+def noiseless(fine: Array, motion: Motion, table: Array, seconds: float) -> dict[str, Array]:
+    """Contract columns without noise, each (round(seconds / SAMPLE),)."""
+    n = round(seconds / SAMPLE)
+    keep = slice(LEAD_SAMPLES, LEAD_SAMPLES + n)
+    half = motion.drive[: -1 : 2 * SUBSTEPS, 0]
+    road = half if motion.rig == "car" else np.zeros(half.size)
+    every = fine[:-1:SUBSTEPS]
+    return {
+        "t": np.arange(n) * SAMPLE,
+        "road": road[keep],
+        "deflection": every[keep, OX] + table[DEFLECTION_ZERO, 0],
+        "deflection_velocity": _velocity_channel(fine, table)[keep],
+        "duty": motion.duty[keep],
+        "damper_force": _force_channel(fine, motion, table)[keep],
+        "sprung_acceleration": every[keep, OAS],
+        "unsprung_acceleration": every[keep, OAU],
+    }
+
+
+def with_noise(clean: dict[str, Array], noise: Noise, rng: np.random.Generator) -> dict[str, Array]:
+    """The same columns with the instruments' noise; time, road and duty are known exactly."""
+    n = clean["t"].size
+    draws = rng.standard_normal((5, n))
+    force = draws[0].copy()
+    if noise.kind == "ar1":
+        fresh = np.sqrt(1.0 - noise.memory**2)
+        for k in range(1, n):
+            force[k] = noise.memory * force[k - 1] + fresh * draws[0, k]
+    added = {
+        "damper_force": noise.force * force,
+        "deflection_velocity": noise.velocity * draws[1],
+        "deflection": noise.deflection * draws[2],
+        "sprung_acceleration": noise.acceleration * draws[3],
+        "unsprung_acceleration": noise.acceleration * draws[4],
+    }
+    return {name: value + added.get(name, 0.0) for name, value in clean.items()}
+
+
+def simulated_seconds(motion: Motion) -> float:
+    """Length of the record a motion was made for [s]."""
+    return (motion.duty.size - roads.n_samples(0.0)) * SAMPLE

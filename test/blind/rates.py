@@ -1,0 +1,186 @@
+"""Rates of all states: car or imposed motion, joint, field force, and the states of effects."""
+
+from __future__ import annotations
+
+import math
+
+from test.blind import rod
+from test.blind.jit import Array, inner
+from test.blind.slots import (
+    AM1,
+    AM2,
+    AMPLIFIER,
+    C0,
+    C1,
+    CAVITATION,
+    FADE,
+    FC,
+    FER,
+    FLD,
+    HEATING,
+    HYS,
+    HYSTERESIS,
+    INERTIA,
+    K1,
+    KS,
+    KT,
+    MS,
+    MU,
+    MX1,
+    MX2,
+    TAU,
+    TF,
+    TW,
+    VD,
+    VISCOELASTIC,
+    VOID,
+    VS,
+    VU,
+    XD,
+    ZS,
+    ZU,
+)
+from test.blind.truth import (
+    actuation,
+    bouc_wen_hysteresis,
+    cavitation,
+    effectiveness_fade,
+    joint,
+    response,
+    self_heating,
+)
+
+
+@inner
+def _imbalance(
+    speed: float,
+    x: float,
+    v: float,
+    burst: float,
+    y: Array,
+    memory: Array,
+    P: Array,
+    base: Array,
+) -> float:
+    """Rod force less joint force [N] if the damper moves at ``speed`` while the car moves at v."""
+    rod_force = rod.force(y[XD], speed, burst, y, memory, P, base)
+    return rod_force - joint.force(x - y[XD], v - speed, P)
+
+
+@inner
+def joint_velocity(
+    x: float, v: float, burst: float, y: Array, memory: Array, P: Array, base: Array
+) -> float:
+    """Velocity [m/s] at which rod and joint carry one force: bracketed regula falsi (Illinois)."""
+    low, high = v, v
+    at_low = _imbalance(low, x, v, burst, y, memory, P, base)
+    at_high = at_low
+    step = -at_low / base[C0] * 1.05
+    for _ in range(12):
+        if abs(at_high) < 1e-9:
+            return float(high)
+        high = low + step
+        at_high = _imbalance(high, x, v, burst, y, memory, P, base)
+        if at_high * at_low <= 0.0:
+            break
+        low, at_low = high, at_high
+    for _ in range(40):
+        middle = high - at_high * (high - low) / (at_high - at_low)
+        at = _imbalance(middle, x, v, burst, y, memory, P, base)
+        if abs(at) < 1e-9:
+            return float(middle)
+        if at * at_high < 0.0:
+            low, at_low = high, at_high
+        else:
+            at_low *= 0.5
+        high, at_high = middle, at
+    return float(high)
+
+
+@inner
+def field_rates(
+    t: float, x: float, v: float, u: float, y: Array, dy: Array, P: Array, base: Array
+) -> None:
+    """Amplifier, field and yield force from the duty u that has reached the amplifier."""
+    lag = P[AMPLIFIER, 0]
+    if lag != 0.0:
+        dy[AM1] = (u - y[AM1]) / lag
+        dy[AM2] = (y[AM1] - y[AM2]) / (0.15 * lag)
+        u = y[AM2]
+    h = actuation.field(u, P)
+    dy[FLD] = (h - y[FLD]) / base[TAU]
+    level = base[FC] * h * effectiveness_fade.factor(t, P[FADE, 0], P[FADE, 1], P[FADE, 2])
+    level *= self_heating.yield_force(y[TF], P[HEATING, 0], P[HEATING, 1])
+    target = level * math.tanh(base[K1] * x + base[C1] * v)
+    tau = response.time_constant(base[TAU], u, y[FER], target, P)
+    dy[FER] = (target - y[FER]) / tau
+
+
+@inner
+def inner_rates(
+    t: float, x: float, v: float, y: Array, dy: Array, P: Array, base: Array
+) -> None:
+    """States of effects that ride on the rod's travel: bristle, branches, void, heat."""
+    j = HYSTERESIS
+    dy[HYS] = bouc_wen_hysteresis.rate(y[HYS], v, P[j, 0], P[j, 1], P[j, 2], P[j, 3], P[j, 4])
+    if P[VISCOELASTIC, 0] != 0.0:
+        dy[MX1] = (x - y[MX1]) / P[VISCOELASTIC, 2]
+        dy[MX2] = 4.0 * (x - y[MX2]) / P[VISCOELASTIC, 2]
+    if P[CAVITATION, 0] == 0.0 and P[HEATING, 0] == 0.0:
+        return
+    filled = rod.hydraulic(x, v, y, P, base)
+    dy[VOID] = cavitation.rate(filled, y[VOID], base[C0], P[CAVITATION, 0], P[CAVITATION, 1])
+    if P[HEATING, 0] != 0.0:
+        power = max(filled * v, 0.0) if t >= 0.0 else 0.0
+        flow = P[HEATING, 3] * (y[TF] - y[TW])
+        dy[TF] = (power - flow) / P[HEATING, 2]
+        dy[TW] = (flow - P[HEATING, 5] * y[TW]) / P[HEATING, 4]
+
+
+@inner
+def damper(
+    t: float,
+    x: float,
+    v: float,
+    u: float,
+    burst: float,
+    y: Array,
+    dy: Array,
+    memory: Array,
+    P: Array,
+    base: Array,
+) -> float:
+    """Force at the joint [N] without outer inertia; fills the rates of the damper's states."""
+    if not joint.present(P):
+        field_rates(t, x, v, u, y, dy, P, base)
+        inner_rates(t, x, v, y, dy, P, base)
+        return rod.force(x, v, burst, y, memory, P, base)
+    mass = P[INERTIA, 0]
+    if mass == 0.0:
+        speed = joint_velocity(x, v, burst, y, memory, P, base)
+    else:
+        speed = y[VD]
+    pull = joint.force(x - y[XD], v - speed, P)
+    if mass != 0.0:
+        dy[VD] = (pull - rod.force(y[XD], speed, burst, y, memory, P, base)) / mass
+    dy[XD] = speed
+    field_rates(t, y[XD], speed, u, y, dy, P, base)
+    inner_rates(t, y[XD], speed, y, dy, P, base)
+    return pull
+
+
+@inner
+def car(
+    force: float, road: float, y: Array, dy: Array, P: Array, masses: Array
+) -> float:
+    """Fill the car's rates, thesis (2.5); returns the damper force with outer inertia [N]."""
+    mass = 0.0 if joint.present(P) else P[INERTIA, 0]
+    spring = masses[KS] * (y[ZS] - y[ZU])
+    tyre = masses[KT] * (y[ZU] - road)
+    mobility = 1.0 / masses[MS] + 1.0 / masses[MU]
+    free = -(spring + force) * mobility + tyre / masses[MU]
+    total = force + mass * free / (1.0 + mass * mobility)
+    dy[ZS], dy[ZU] = y[VS], y[VU]
+    dy[VS] = -(spring + total) / masses[MS]
+    dy[VU] = (spring + total - tyre) / masses[MU]
+    return float(total)
