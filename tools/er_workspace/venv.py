@@ -108,7 +108,7 @@ def _install(layout: Layout, requirements: Path, lock: int) -> None:
     env = setup_environment()
     # builds of the few source packages take the pinned setuptools as well
     env["PIP_CONSTRAINT"] = str(layout.root / "requirements" / "lock.txt")
-    command: list[str | Path] = [*pip, "--no-deps", "--prefer-binary", "-r", requirements]
+    command: list[str | Path] = [*pip, "--no-deps", "--no-compile", "-r", requirements]
     run_logged(command, layout.log, env, lock, f"installing {requirements.name} failed")
 
 
