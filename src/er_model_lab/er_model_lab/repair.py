@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from er_model_lab.record import HELD, Record, is_core
+from er_model_lab.record import HELD, Array, Record, is_core
 
 SHORT_GAP = 5
 """Samples; gaps up to this length are bridged, longer ones split the record."""
@@ -87,28 +87,28 @@ def bridge(record: Record, limit: int = SHORT_GAP) -> Record:
     channels = dict(record.channels)
     notes = []
     for name, samples in record.channels.items():
-        if not is_core(name):
-            continue
-        runs = [
-            (i, j)
-            for i, j in nan_runs(np.isnan(samples))
-            if j - i <= limit and i > 0 and j < len(record)
-        ]
+        runs = _short_runs(record, samples, limit) if is_core(name) else []
         if not runs:
             continue
         filled = samples.copy()
         for i, j in runs:
-            filled[i:j] = (
-                samples[i - 1]
-                if name in HELD
-                else np.interp(record.t[i:j], record.t[[i - 1, j]], samples[[i - 1, j]])
-            )
+            ends = [i - 1, j]
+            linear = np.interp(record.t[i:j], record.t[ends], samples[ends])
+            filled[i:j] = samples[i - 1] if name in HELD else linear
         channels[name] = filled
-        total = sum(j - i for i, j in runs)
-        notes.append(
-            f"{name}: {_count(total, 'missing sample')} bridged in {_count(len(runs), 'gap')}"
-        )
+        missing = _count(sum(j - i for i, j in runs), "missing sample")
+        notes.append(f"{name}: {missing} bridged in {_count(len(runs), 'gap')}")
     return replace(record, channels=channels).noted(*notes) if notes else record
+
+
+def _short_runs(record: Record, samples: Array, limit: int) -> list[tuple[int, int]]:
+    """Runs [i, j) of missing samples, valid on both sides and short in time as well as in rows."""
+    longest = (limit + 1.5) * record.dt if len(record) > 1 else 0.0
+    return [
+        (i, j)
+        for i, j in nan_runs(np.isnan(samples))
+        if i > 0 and j < len(record) and record.t[j] - record.t[i - 1] <= longest
+    ]
 
 
 def nan_runs(missing: Mask) -> list[tuple[int, int]]:

@@ -46,6 +46,9 @@ _TOPIC = re.compile(rf"^(?P<ns>.*?)/?(?P<key>{'|'.join(FIELDS)}|force/(?P<observ
 FIRST_PASS_NS = 500_000_000
 """A step back of the stamps beyond this is a restart, such as a simulation reset [ns]."""
 
+RESTART_MESSAGES = 20
+"""Most of as many messages behind a step back must be in the past too, or they are mere strays."""
+
 
 def fields_of(key: str) -> tuple[Field, ...]:
     """Fields to keep of a topic (relative name)."""
@@ -122,7 +125,7 @@ class Collector:
         return self._places[topic]
 
 
-def _stamp_ns(message: Any) -> int:
+def _stamp_ns(message: Any) -> int:  # noqa: ANN401 - its type is known only from the bag
     """Header stamp [ns]."""
     stamp = message.header.stamp
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
@@ -135,28 +138,47 @@ def _value(message: object, wanted: Field) -> float:
 
 
 def _ordered(namespace: str, key: str, rows: _Rows, notes: list[str]) -> Stream:
-    """The stream with stamps strictly increasing; what lies behind a restart is left out."""
+    """The stream with stamps strictly increasing; what was left out or sorted is noted."""
     topic = f"{namespace}/{key}"
     stamps = np.asarray(rows.stamps, dtype=np.int64)
-    values = np.asarray(rows.values, dtype=np.float64)
-    restart = np.flatnonzero(np.diff(stamps) < -FIRST_PASS_NS)
-    if restart.size:
-        k = int(restart[0]) + 1
-        notes.append(
-            f"{topic}: time jumps back after {k} messages; {stamps.size - k} behind it left out"
-        )
-        stamps, values = stamps[:k], values[:k]
+    keep, why = _first_pass(stamps)
+    notes += [f"{topic}: {sentence}" for sentence in why]
+    stamps, values = stamps[keep], np.asarray(rows.values, dtype=np.float64)[keep]
     late = int(np.count_nonzero(np.diff(stamps) < 0))
     unique, first = np.unique(stamps, return_index=True)
     if late:
-        notes.append(f"{topic}: {late} messages out of order, sorted by stamp")
+        notes.append(f"{topic}: {messages(late)} out of order, sorted by stamp")
     if unique.size < stamps.size:
-        notes.append(
-            f"{topic}: {stamps.size - unique.size} messages with a repeated stamp dropped"
-        )
-    zero = int(unique.size > 1 and unique[0] == 0 and unique[1] > FIRST_PASS_NS)
-    if zero:
-        notes.append(f"{topic}: messages without a stamp dropped")
-    table = values[first][zero:]
-    channels = {wanted.channel: table[:, i] for i, wanted in enumerate(fields_of(key))}
-    return Stream(key, unique[zero:], channels)
+        repeats = messages(stamps.size - unique.size)
+        notes.append(f"{topic}: {repeats} with a repeated stamp dropped")
+    channels = {wanted.channel: values[first, i] for i, wanted in enumerate(fields_of(key))}
+    return Stream(key, unique, channels)
+
+
+def _first_pass(stamps: Stamps) -> tuple[Stamps, list[str]]:
+    """Indices to keep, and why others are left out: no stamp, a stray stamp, a restart of time."""
+    why = []
+    index = np.arange(stamps.size)
+    # simulated time may begin at zero, so a first zero counts when the next stamp follows closely
+    zero = stamps == 0
+    if zero.size > 1 and stamps[1] <= FIRST_PASS_NS:
+        zero[0] = False
+    if zero.any():
+        why.append(f"{messages(int(zero.sum()))} without a stamp dropped")
+        index = index[~zero]
+    own = stamps[index]
+    past = np.maximum.accumulate(own) - own > FIRST_PASS_NS
+    if past.any():
+        k = int(np.argmax(past))
+        if float(past[k : k + RESTART_MESSAGES].mean()) > 0.5 and past[k:].sum() > 1:
+            why.append(f"time jumps back after {messages(k)}; {own.size - k} behind it left out")
+            index = index[:k]
+        else:
+            why.append(f"{messages(int(past.sum()))} with a stamp far in the past dropped")
+            index = index[~past]
+    return index.astype(np.int64), why
+
+
+def messages(count: int) -> str:
+    """`1 message`, `2 messages`."""
+    return f"{count} message" + ("" if count == 1 else "s")

@@ -99,23 +99,25 @@ def resolve(
         UnknownName: A key of `names` that is no channel.
     """
     cells = _renamed(path, [split_header(cell) for cell in header], names or {})
-    present = {name for name, _ in cells}
-    columns: list[Column] = []
-    ignored: list[str] = []
-    for index, (name, unit) in enumerate(cells):
-        if name == TIME or unit_of(name) is not None:
-            if any(column.name == name for column in columns):
-                raise InputError(path, f"column '{name}'", "one column of that name", "two")
-            columns.append(Column(index, name, factor_to_si(path, name, unit), unit))
-            continue
-        meant = nearest(name)
-        if meant is not None and meant not in present:
-            raise InputError(path, "columns", f"'{meant}'", f"'{name}' (did you mean '{meant}'?)")
-        ignored.append(name)
-    _check(path, columns, cells, needs_time)
-    return columns, [
-        f"column '{name}' is not a channel and was left out" for name in ignored if name
+    columns = [
+        Column(index, name, factor_to_si(path, name, unit), unit)
+        for index, (name, unit) in enumerate(cells)
+        if name == TIME or unit_of(name) is not None
     ]
+    ignored = _ignored(path, cells, {column.name for column in columns})
+    _check(path, columns, cells, needs_time=needs_time)
+    return columns, [f"column '{name}' is not a channel and was left out" for name in ignored]
+
+
+def _ignored(path: Path, cells: list[tuple[str, str]], read: set[str]) -> list[str]:
+    """Names of columns that are left out; `InputError` for one that a channel is missing from."""
+    others = [name for name, _ in cells if name and name not in read]
+    for name in others:
+        meant = nearest(name)
+        if meant is not None and meant not in read:
+            found = f"'{name}' (did you mean '{meant}'?)"
+            raise InputError(path, "columns", f"'{meant}'", found)
+    return others
 
 
 def to_si(column: Column, samples: Array) -> tuple[Array, list[str]]:
@@ -136,26 +138,29 @@ def _renamed(
     path: Path, cells: list[tuple[str, str]], names: Mapping[str, str]
 ) -> list[tuple[str, str]]:
     """Header cells with the file's own names replaced by the contract's."""
-    cells = list(cells)
+    renamed = list(cells)
     for channel, own in names.items():
         if channel != TIME and unit_of(channel) is None:
             raise UnknownName("channel", channel, (TIME, *CHANNELS))
         own_name, own_unit = split_header(own)
         hits = [i for i, (name, _) in enumerate(cells) if name in (own, own_name)]
         if not hits:
-            raise InputError(
-                path, f"column for '{channel}'", f"'{own}'", ", ".join(n for n, _ in cells)
-            )
-        cells[hits[0]] = (channel, own_unit or cells[hits[0]][1])
-    return cells
+            found = ", ".join(name for name, _ in cells)
+            raise InputError(path, f"column for '{channel}'", f"'{own}'", found)
+        renamed[hits[0]] = (channel, own_unit or cells[hits[0]][1])
+    return renamed
 
 
 def _check(
-    path: Path, columns: list[Column], cells: list[tuple[str, str]], needs_time: bool
+    path: Path, columns: list[Column], cells: list[tuple[str, str]], *, needs_time: bool
 ) -> None:
-    """Refuse a table without time or without any channel of the contract."""
+    """Refuse a table without time, without any channel of the contract, or with one twice."""
     found = ", ".join(name for name, _ in cells[:12]) or "nothing"
     names = {column.name for column in columns}
+    for name in names:
+        number = sum(column.name == name for column in columns)
+        if number > 1:
+            raise InputError(path, f"column '{name}'", "one column of that name", number)
     if needs_time and TIME not in names:
         raise InputError(path, "columns", "a column 't' [s]", found)
     if not names & set(CHANNELS):

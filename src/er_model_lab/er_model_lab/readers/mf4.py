@@ -6,20 +6,25 @@ first contract channel); channels on other axes are brought to it, which is note
 
 from __future__ import annotations
 
+import gc
+import sys
 from collections.abc import Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from er_model_lab.provenance import digest_files
+from er_model_lab.provenance import digest_bytes
 from er_model_lab.readers.columns import Column, resolve, split_header, to_si
-from er_model_lab.record import CHANNELS, Array, Record
+from er_model_lab.record import CHANNELS, HELD, Array, Record
 from er_model_lab.sampling import at
-from er_models.errors import InputError
+from er_models.errors import ErError, InputError
 
 if TYPE_CHECKING:
     from asammdf import MDF
+
+MAGIC = b"MDF     4"
 
 BASE = ("deflection", *(name for name in CHANNELS if name not in ("deflection", "temperature")))
 """Whose time axis the record takes: the first of these that is there."""
@@ -35,17 +40,14 @@ def read(path: Path, names: Mapping[str, str] | None = None) -> list[Record]:
     Raises:
         InputError: Damaged file, no channel of the contract, a name that occurs twice.
     """
-    from asammdf import MDF
-    from asammdf.blocks.utils import MdfException
-
-    digest = digest_files([path])
-    try:
-        with MDF(path) as mdf:
-            columns, own, notes = _columns(path, mdf, names or {})
-            signals = {c.name: _signal(path, mdf, c, own[c.index], notes) for c in columns}
-    except (MdfException, ValueError, KeyError, IndexError, OSError, EOFError, TypeError) as error:
-        found = (str(error).splitlines() or [type(error).__name__])[0]
-        raise InputError(path, "", "an MDF 4 file", found) from None
+    data = path.read_bytes()
+    if not data.startswith(MAGIC):
+        raise InputError(
+            path, "", f"an MDF 4 file (beginning with '{MAGIC.decode()}')", "other data"
+        )
+    signals, notes, failure = _signals(path, data, names or {})
+    if failure:
+        raise InputError(path, "", "a whole MDF 4 file", f"a damaged one ({failure})")
     base = next((name for name in BASE if name in signals), next(iter(signals)))
     t = signals[base][0]
     channels = {}
@@ -54,7 +56,33 @@ def read(path: Path, names: Mapping[str, str] | None = None) -> list[Record]:
         channels[name] = samples if same else _onto(own_t, samples, t, name)
         if not same:
             notes.append(f"{name} is sampled at other times and was brought to those of {base}")
-    return [Record(path.stem, t, channels, tuple(notes), True, str(path), digest)]
+    return [Record(path.stem, t, channels, tuple(notes), True, str(path), digest_bytes(data))]
+
+
+def _signals(
+    path: Path, data: bytes, names: Mapping[str, str]
+) -> tuple[dict[str, tuple[Array, Array]], list[str], str]:
+    """Times and samples by channel, notes, and why the file cannot be read ('' if it can)."""
+    from asammdf import MDF
+
+    hook = sys.unraisablehook
+    # a half-read file object complains once more when it is destroyed: one message is enough
+    sys.unraisablehook = lambda _: None
+    failure = ""
+    try:
+        with MDF(BytesIO(data)) as mdf:
+            columns, own, notes = _columns(path, mdf, names)
+            signals = {c.name: _signal(path, mdf, c, own[c.index], notes) for c in columns}
+            return signals, notes, ""
+    except ErError:
+        raise
+    except Exception as error:  # damaged blocks raise whatever their bytes provoke
+        failure = (str(error).splitlines() or [type(error).__name__])[0]
+    finally:
+        if failure:
+            gc.collect()
+        sys.unraisablehook = hook
+    return {}, [], failure
 
 
 def _columns(
@@ -109,5 +137,7 @@ def _onto(own_t: Array, samples: Array, t: Array, name: str) -> Array:
     """Samples at times t, NaN outside the channel's own time span."""
     if own_t.size == 0:
         return np.full(t.size, np.nan)
-    inside = (t >= own_t[0] - 1e-9) & (t <= own_t[-1] + 1e-9)
+    # a held value stays in force for one more period
+    after = float(np.median(np.diff(own_t))) if name in HELD and own_t.size > 1 else 0.0
+    inside = (t >= own_t[0] - 1e-9) & (t <= own_t[-1] + after + 1e-9)
     return np.asarray(np.where(inside, at(own_t, samples, t, name), np.nan))

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from itertools import pairwise
 from math import gcd
 from pathlib import Path
@@ -20,8 +20,8 @@ from pathlib import Path
 import numpy as np
 from scipy.signal import resample_poly
 
-from er_model_lab.provenance import digest_bytes
 from er_model_lab.readers.imported import centred, check_dissipates
+from er_model_lab.readers.mts_text import Acquisition, parse
 from er_model_lab.record import Array, Record
 from er_models.errors import InputError, UnknownName
 
@@ -35,20 +35,9 @@ SOURCE = "github.com/DanielMaurelE/vRTHS_AMBC_MRdamper 08753ff"
 TURNED = "deflection and force turned round: the machine counts compression positive"
 LICENCE = "MIT (c) 2022 mequiroz"
 TRAINING = ("ME2mm5Hz", "ME5mm3Hz", "ME25mm0x25Hz", "ME25mm0x5Hz")
-HEADER_LINES = 7
 
 _SINE = re.compile(r"^ME\d+mm[\dx]+Hz$")
 _SWEEP = re.compile(r"^15Hz(?P<current>[\d.]+)A$")
-
-
-@dataclass(frozen=True, slots=True)
-class Acquisition:
-    """A file as written: rate [Hz], channels (N, C) in raw units, first row of each run."""
-
-    rate: float
-    raw: Array
-    starts: tuple[int, ...]
-    digest: str
 
 
 def split(name: str) -> str:
@@ -76,55 +65,18 @@ def read(path: Path, rate: float = 200.0) -> list[Record]:
     Raises:
         InputError: Another layout or number of runs, or forces in another order than currents.
     """
-    acquisition = parse(path)
-    force_column, motion_column = (0, 1) if acquisition.rate == 200.0 else (1, 0)
-    motion = METRES_PER_UNIT * acquisition.raw[:, motion_column]
-    force = NEWTONS_PER_UNIT * acquisition.raw[:, force_column]
-    currents = _currents(path, len(acquisition.starts))
-    edges = (*acquisition.starts, motion.size)
-    runs = []
-    for current, i, j in zip(currents, edges[:-1], edges[1:], strict=True):
-        name = f"{path.stem.removesuffix(f'{current:g}A')}-{current:g}A"
-        runs.append(_run(path, name, current, -motion[i:j], -force[i:j], acquisition, rate))
+    acquired = parse(path)
+    force_column, motion_column = (0, 1) if acquired.rate == 200.0 else (1, 0)
+    motion = METRES_PER_UNIT * acquired.raw[:, motion_column]
+    force = NEWTONS_PER_UNIT * acquired.raw[:, force_column]
+    currents = _currents(path, len(acquired.starts))
+    edges = pairwise((*acquired.starts, motion.size))
+    runs = [
+        _run(path, current, -motion[i:j], -force[i:j], acquired)
+        for current, (i, j) in zip(currents, edges, strict=True)
+    ]
     _check_order(path, runs)
-    return runs
-
-
-def parse(path: Path) -> Acquisition:
-    """The text file as numbers; `InputError` naming the line that is not as expected."""
-    data = path.read_bytes()
-    lines = data.decode("utf-8", errors="replace").splitlines()
-    if len(lines) <= HEADER_LINES or not lines[0].startswith("Header Size"):
-        raise InputError(
-            path, "line 1", "'Header Size: 7' and samples", lines[0][:40] if lines else "nothing"
-        )
-    rate = _header_rate(path, lines[3])
-    channels = lines[6].count("CHANNEL")
-    rows: list[list[float]] = []
-    starts = [0]
-    for number, line in enumerate(lines[HEADER_LINES:]):
-        cells = line.split(",")
-        try:
-            rows.append([float(cell) for cell in cells[2 : 2 + channels]])
-            counted = int(cells[0])
-        except ValueError:
-            counted = -1
-        if counted != number + 1 or len(rows[-1]) != channels:
-            where = f"line {number + HEADER_LINES + 1}"
-            raise InputError(
-                path, where, f"sample {number + 1} with {channels} channels", line[:60]
-            )
-        if any("Resume" in cell for cell in cells[2 + channels :]):
-            starts.append(number)
-    return Acquisition(rate, np.asarray(rows), tuple(starts), digest_bytes(data))
-
-
-def _header_rate(path: Path, line: str) -> float:
-    """Sampling rate [Hz] from the fourth header line."""
-    key, _, value = line.partition(":")
-    if key != "Sampling Rate" or not value.strip().isdigit() or int(value) % 100:
-        raise InputError(path, "line 4", "'Sampling Rate: 200' or 1000", line[:60])
-    return float(value)
+    return [_resampled(run, acquired.rate, rate) for run in runs]
 
 
 def _currents(path: Path, runs: int) -> Sequence[float]:
@@ -140,44 +92,23 @@ def _currents(path: Path, runs: int) -> Sequence[float]:
     return currents
 
 
-def _run(
-    path: Path,
-    name: str,
-    current: float,
-    x: Array,
-    force: Array,
-    acquisition: Acquisition,
-    rate: float,
-) -> Record:
-    """One run as a record: resampled, zero at the centre of the stroke, duty constant."""
-    notes = [
+def _run(path: Path, current: float, x: Array, force: Array, acquired: Acquisition) -> Record:
+    """One run at the rate of its file: zero at the centre of the stroke, duty constant."""
+    x, note = centred(x)
+    notes = (
         TURNED,
         f"duty is the current of the run, {current:g} A, by its place; 1 = {FULL_CURRENT:g} A",
-        _standstill(x, acquisition.rate),
-    ]
-    if rate != acquisition.rate:
-        x, force = (
-            _resampled(path, x, acquisition.rate, rate),
-            _resampled(path, force, acquisition.rate, rate),
-        )
-        notes.append(
-            f"{acquisition.rate:g} Hz brought to {rate:g} Hz behind a zero-phase anti-alias filter"
-        )
-    x, note = centred(x)
-    channels = {
-        "deflection": x,
-        "duty": np.full(x.size, current / FULL_CURRENT),
-        "damper_force": force,
-    }
+        _standstill(x, acquired.rate),
+        note,
+    )
     record = Record(
-        name,
-        np.arange(x.size) / rate,
-        channels,
-        (*notes, note),
-        True,
-        f"{SOURCE} {path.name}",
-        acquisition.digest,
-        {"duty": f"1 = {FULL_CURRENT:g} A"},
+        f"{path.stem.removesuffix(f'{current:g}A')}-{current:g}A",
+        np.arange(x.size) / acquired.rate,
+        {"deflection": x, "duty": np.full(x.size, current / FULL_CURRENT), "damper_force": force},
+        notes,
+        source=f"{SOURCE} {path.name}",
+        digest=acquired.digest,
+        scales={"duty": f"1 = {FULL_CURRENT:g} A"},
         licence=LICENCE,
     )
     check_dissipates(record, path)
@@ -193,14 +124,22 @@ def _standstill(x: Array, rate: float, threshold: float = 2e-4) -> str:
     return f"the machine stands still before {first:.2f} s and after {last:.2f} s"
 
 
-def _resampled(path: Path, samples: Array, old: float, new: float) -> Array:
-    """Samples at another rate; the FIR filter is symmetric, so nothing is delayed."""
+def _resampled(record: Record, old: float, new: float) -> Record:
+    """The run at another rate [Hz]; the FIR filter is symmetric, so nothing is delayed."""
+    if new == old:
+        return record
     if new <= 0.0 or new != round(new):
-        raise InputError(path, "rate", "a whole number of Hz above 0", new)
+        raise InputError(record.source, "rate", "a whole number of Hz above 0", new)
     common = gcd(round(old), round(new))
-    return np.asarray(
-        resample_poly(samples, round(new) // common, round(old) // common, padtype="line")
-    )
+    up, down = round(new) // common, round(old) // common
+    channels = {
+        name: resample_poly(record.channels[name], up, down, padtype="line")
+        for name in ("deflection", "damper_force")
+    }
+    n = channels["deflection"].size
+    channels["duty"] = np.full(n, record.channels["duty"][0])
+    note = f"{old:g} Hz brought to {new:g} Hz behind a zero-phase anti-alias filter"
+    return replace(record, t=np.arange(n) / new, channels=channels).noted(note)
 
 
 def _check_order(path: Path, runs: list[Record]) -> None:

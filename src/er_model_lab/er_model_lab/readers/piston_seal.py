@@ -17,7 +17,7 @@ import numpy as np
 
 from er_model_lab.provenance import digest_bytes
 from er_model_lab.readers.imported import centred, check_dissipates
-from er_model_lab.record import Record
+from er_model_lab.record import Array, Record
 from er_models.errors import InputError
 
 FULL_PRESSURE = 7.0
@@ -40,38 +40,42 @@ def read(path: Path) -> list[Record]:
     if found is None or not 0.0 < float(found["bar"]) <= FULL_PRESSURE:
         raise InputError(path, "name", "<seal>_<pressure up to 7>bar.csv", path.name)
     data = path.read_bytes()
-    try:
-        table = np.loadtxt(data.decode().splitlines(), delimiter="\t", ndmin=2)
-    except (ValueError, UnicodeDecodeError) as error:
-        raise InputError(
-            path, "", "a table of numbers, tab separated", str(error).splitlines()[0]
-        ) from None
-    if table.shape[1] != COLUMNS:
-        raise InputError(path, "columns", f"{COLUMNS} without a header", table.shape[1])
-    table = table[1:]
+    table = _table(path, data)[1:]
     deflection, note = centred(-1e-3 * table[:, POSITION_MM])
-    duty = float(found["bar"]) / FULL_PRESSURE
+    channels = {
+        "deflection": deflection,
+        "duty": np.full(len(table), float(found["bar"]) / FULL_PRESSURE),
+        "damper_force": -table[:, FORCE_N],
+        "pressure": PASCAL_PER_BAR * table[:, PRESSURE_BAR],
+    }
+    notes = (
+        "the first row is a tare and was left out",
+        "deflection and force turned round: the rig counts compression positive",
+        f"duty is the nominal pressure, {found['bar']} bar; 1 = {FULL_PRESSURE:g} bar; "
+        "the measured one is the channel 'pressure'",
+        note,
+    )
     record = Record(
         path.stem,
         1e-3 * table[:, TIME_MS],
-        {
-            "deflection": deflection,
-            "duty": np.full(len(table), duty),
-            "damper_force": -table[:, FORCE_N],
-            "pressure": PASCAL_PER_BAR * table[:, PRESSURE_BAR],
-        },
-        (
-            "the first row is a tare and was left out",
-            "deflection and force turned round: the rig counts compression positive",
-            f"duty is the nominal pressure, {found['bar']} bar; 1 = {FULL_PRESSURE:g} bar; "
-            "the measured one is the channel 'pressure'",
-            note,
-        ),
-        True,
-        f"{SOURCE} {path.name}",
-        digest_bytes(data),
-        {"duty": f"1 = {FULL_PRESSURE:g} bar"},
+        channels,
+        notes,
+        source=f"{SOURCE} {path.name}",
+        digest=digest_bytes(data),
+        scales={"duty": f"1 = {FULL_PRESSURE:g} bar"},
         licence=LICENCE,
     )
     check_dissipates(record, path)
     return [record]
+
+
+def _table(path: Path, data: bytes) -> Array:
+    """The numbers of a file (N, 7)."""
+    try:
+        table = np.loadtxt(data.decode().splitlines(), delimiter="\t", ndmin=2)
+    except (ValueError, UnicodeDecodeError) as error:
+        found = str(error).splitlines()[0]
+        raise InputError(path, "", "a table of numbers, tab separated", found) from None
+    if table.shape[1] != COLUMNS or len(table) < 2:
+        raise InputError(path, "columns", f"{COLUMNS} without a header", table.shape[1])
+    return np.asarray(table)

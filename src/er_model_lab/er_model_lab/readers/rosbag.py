@@ -69,7 +69,7 @@ def read(path: Path) -> list[Record]:
     for namespace, own in sorted(streams.items()):
         name = path.stem + (namespace if len(streams) > 1 else "")
         for record in align(name, own, str(path), digest):
-            records.append(_marked(record, notes, not bag.damage))
+            records.append(_marked(record, notes, whole=not bag.damage))
     if not records:
         raise InputError(
             path, "header stamps", "sensor topics that overlap in time", "; ".join(notes) or "none"
@@ -77,7 +77,7 @@ def read(path: Path) -> list[Record]:
     return records
 
 
-def _marked(record: Record, notes: tuple[str, ...], whole: bool) -> Record:
+def _marked(record: Record, notes: tuple[str, ...], *, whole: bool) -> Record:
     """The record with the notes of the whole bag, incomplete if the bag was damaged."""
     return replace(record, notes=notes + record.notes, complete=record.complete and whole)
 
@@ -122,23 +122,24 @@ def _read_file(bag: Bag, file: Path) -> None:
 
 def _read_ordinary(bag: Bag, path: Path) -> str:
     """Read with the ordinary reader; returns '' or why it failed (also when it fails half-way)."""
+    read, promised = 0, 0
     try:
         with AnyReader([path]) as reader:
             wanted = [c for c in reader.connections if bag.collector.wants(c.topic)]
+            promised = sum(c.msgcount for c in wanted)
             bag.topics.update({c.topic: 0 for c in reader.connections})
             # an empty selection would mean all topics to the reader
             for connection, _, raw in reader.messages(wanted) if wanted else ():
-                bag.topics[connection.topic] += 1
-                bag.collector.add(
-                    connection.topic,
-                    connection.msgtype,
-                    reader.deserialize(raw, connection.msgtype),
-                )
+                topic, kind = connection.topic, connection.msgtype
+                bag.collector.add(topic, kind, reader.deserialize(raw, kind))
+                bag.topics[topic] += 1
+                read += 1
     except ErError:
         raise
     except Exception as error:  # damaged bags raise errors of sqlite, YAML, zstd, struct ...
         return _reason(error)
-    return ""
+    # a chunk that lost its thread inside ends early without any error
+    return "" if read >= promised else f"{read} of {promised} messages are readable"
 
 
 def _reason(error: Exception) -> str:

@@ -27,6 +27,10 @@ from er_models.errors import InputError
 
 FULL_VOLTAGE = 3.212
 SOURCE = "github.com/labcontrol-data/mr-damper e42439f, doi 10.5281/zenodo.4445334"
+TURNED = "deflection and force turned round: the rig counts compression positive"
+VELOCITY_NOT_USED = (
+    "the velocity in the file is a backward difference, half a sample late: unused"
+)
 LICENCE = "MIT (c) 2021 Labcontrol"
 
 LEVELS: tuple[tuple[str, float | None], ...] = (
@@ -38,6 +42,9 @@ LEVELS: tuple[tuple[str, float | None], ...] = (
     (r"ensaio\.vali\.A\.\d+", None),
 )
 """File name (without .mat) to voltage [V]; None where it is not stated."""
+
+VARIABLES = ("dist", "forc", "Tout")
+"""Displacement [mm], force [N] and time [s] in a file."""
 
 SPEED_BAND = (0.015, 0.025)
 """Speeds at which forces are compared to infer a voltage [m/s]: every run passes through them."""
@@ -62,23 +69,16 @@ def read(path: Path, known: Sequence[tuple[float, float]] = ()) -> list[Record]:
     channels = {"deflection": deflection, "damper_force": -force}
     if voltage is not None:
         channels["duty"] = np.full(t.size, min(voltage / FULL_VOLTAGE, 1.0))
-    notes = (
-        "deflection and force turned round: the rig counts compression positive",
-        _duty_note(voltage, inferred),
-        "the velocity in the file is a backward difference, half a sample late: not used",
-        note,
-    )
     record = Record(
         path.stem,
         t,
         channels,
-        notes,
-        True,
-        f"{SOURCE} {path.name}",
-        digest_files([path]),
-        {"duty": f"1 = {FULL_VOLTAGE:g} V"},
-        ("duty",) if inferred else (),
-        LICENCE,
+        (TURNED, _duty_note(voltage, inferred=inferred), VELOCITY_NOT_USED, note),
+        source=f"{SOURCE} {path.name}",
+        digest=digest_files([path]),
+        scales={"duty": f"1 = {FULL_VOLTAGE:g} V"},
+        derived=("duty",) if inferred else (),
+        licence=LICENCE,
     )
     check_dissipates(record, path)
     return [record]
@@ -110,7 +110,7 @@ def stated_voltage(path: Path) -> float | None:
 def plateau(x: Array, force: Array, t: Array) -> float:
     """Half the distance between the forces of the two directions at about 20 mm/s [N].
 
-    It rises strictly with the voltage and hardly depends on stroke or frequency (spread 2-6 %).
+    It rises strictly with the voltage and hardly depends on stroke or frequency (spread within 10 %).
     """
     velocity = savgol_filter(x, 7, 3, deriv=1, delta=float(np.median(np.diff(t))))
     low, high = SPEED_BAND
@@ -126,14 +126,14 @@ def infer_voltage(force: float, known: Sequence[tuple[float, float]]) -> float:
     return float(np.interp(force, medians, levels))
 
 
-def _duty_note(voltage: float | None, inferred: bool) -> str:
+def _duty_note(voltage: float | None, *, inferred: bool) -> str:
     """Where the duty comes from."""
     if voltage is None:
         return "the voltage of this run is not stated: no duty"
     if inferred:
         return (
-            f"the voltage is not stated: {voltage:.2f} V (about 0.05 V uncertain) inferred from the "
-            "force, by the runs of known voltage; no evidence on the field"
+            f"the voltage is not stated: {voltage:.2f} V (within 0.15 V), inferred from the"
+            " force by the runs of known voltage; this run is no evidence on the field"
         )
     return f"duty is the voltage of the run, {voltage:g} V; 1 = {FULL_VOLTAGE:g} V"
 
@@ -142,20 +142,18 @@ def _variables(path: Path) -> tuple[Array, Array, Array]:
     """Displacement [m], force [N] and time [s] as stored."""
     try:
         stored = loadmat(path)
-        x, force, t = (
-            np.asarray(stored[key], dtype=np.float64).ravel() for key in ("dist", "forc", "Tout")
-        )
-    except KeyError as error:
-        raise InputError(path, "variables", "dist, forc, Tout", f"no {error}") from None
-    except (ValueError, TypeError, OSError, NotImplementedError) as error:
-        raise InputError(
-            path, "", "a MATLAB 5 file", (str(error).splitlines() or ["nothing"])[0]
-        ) from None
+    except Exception as error:  # damaged files raise errors of scipy, zlib, struct ...
+        found = (str(error).splitlines() or [type(error).__name__])[0]
+        raise InputError(path, "", "a MATLAB 5 file", found) from None
+    missing = [key for key in VARIABLES if key not in stored]
+    if missing:
+        raise InputError(path, "variables", ", ".join(VARIABLES), f"no {', '.join(missing)}")
+    x, force, t = (np.asarray(stored[key], dtype=np.float64).ravel() for key in VARIABLES)
     if not x.size == force.size == t.size:
         raise InputError(
             path,
             "variables",
-            "dist, forc, Tout of one length",
+            "equal lengths",
             f"{x.size}, {force.size}, {t.size}",
         )
     return 1e-3 * x, force, t
