@@ -1,0 +1,177 @@
+"""The Skyhook controller node: answers every sample with a duty; see `er_ftc_controller.skyhook`.
+
+Where samples stay away it asks for the safe duty, and once more when it is stopped: the last
+command is never the last thing that was right some time ago.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from time import monotonic, perf_counter
+
+from er_ros_common.builders import Tick
+from er_ros_common.clock import from_stamp, now
+from er_ros_common.graph_check import watch
+from er_ros_common.health import Health, Report
+from er_ros_common.help import Card
+from er_ros_common.parameters import REQUIRED, declare, param
+from er_ros_common.spin import run
+from er_ros_common.stamps import StampLimits, StampState, check_stamp
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+
+from er_damper_msgs.msg import NodeStatus, PwmDuty, SuspensionAcceleration, SuspensionDeflection
+from er_ftc_controller import skyhook
+from er_ftc_controller.align import Aligner
+from er_ros_common import builders, topics
+
+WATCH_PERIOD = 0.01
+"""How often the silence of the inputs is looked at [s]."""
+INPUTS = (topics.ACCELERATION, topics.DEFLECTION)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SkyhookParameters:
+    """Parameters of the node."""
+
+    u_min: float = param(REQUIRED, low=0.0, high=1.0, text="duty where field would push the body")
+    u_max: float = param(REQUIRED, low=0.0, high=1.0, text="duty where field brakes the body")
+    safe_duty: float = param(REQUIRED, low=0.0, high=1.0, text="duty without usable samples")
+    corner_frequency: float = param(
+        REQUIRED, unit="Hz", low=0.001, high=5.0, text="leak of the velocity integral"
+    )
+    timeout: float = param(
+        0.05, unit="s", low=0.005, high=1.0, text="silence of the inputs that makes it safe"
+    )
+    max_age: float = param(
+        0.02,
+        unit="s",
+        low=0.0,
+        high=1.0,
+        text="oldest sample that is used; 0: any (simulated time)",
+    )
+
+
+class SkyhookController(Node):
+    """Joins acceleration and deflection of a tick and publishes the duty for it."""
+
+    def __init__(self) -> None:
+        super().__init__("skyhook_controller")
+        self.p = p = declare(self, SkyhookParameters)
+        self.law = skyhook.Skyhook(p.u_min, p.u_max, p.corner_frequency, gap=p.timeout)
+        self.limits = StampLimits(stale=p.max_age, gap=p.timeout)
+        self.state, self.stamps = skyhook.START, StampState()
+        self.pairs: Aligner[float, float] = Aligner()
+        self.unusable, self.safe, self.last, self.heard_at = 0, False, Tick(0, 0), 0.0
+        self.problems: tuple[str, ...] = ()
+        command = topics.PWM_COMMAND
+        self.command = self.create_publisher(PwmDuty, command.name, command.publisher)
+        for topic, heard in zip(INPUTS, (self.on_acceleration, self.on_deflection), strict=True):
+            self.create_subscription(topic.type, topic.name, heard, topic.subscriber)
+        self.health = Health(self, self.report)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(WATCH_PERIOD, self.on_watch, clock=steady)
+        self.create_timer(1.0, self.on_second, clock=steady)
+
+    def on_acceleration(self, message: SuspensionAcceleration) -> None:
+        """Half of a sample."""
+        if not message.valid:
+            self.unusable += 1
+            return
+        stamp = from_stamp(message.header.stamp)
+        self.pairs, pair = self.pairs.with_left(stamp, message.sprung)
+        if pair is not None:
+            self.on_sample(Tick(stamp, message.seq), *pair)
+
+    def on_deflection(self, message: SuspensionDeflection) -> None:
+        """The other half."""
+        if not (message.valid and message.velocity_valid):
+            self.unusable += 1
+            return
+        stamp = from_stamp(message.header.stamp)
+        self.pairs, pair = self.pairs.with_right(stamp, message.velocity)
+        if pair is not None:
+            self.on_sample(Tick(stamp, message.seq), *pair)
+
+    def on_sample(self, tick: Tick, acceleration: float, velocity: float) -> None:
+        """Answer one sample."""
+        began = perf_counter()
+        arrival = now(self) if self.p.max_age else None
+        self.stamps, verdict = check_stamp(self.limits, self.stamps, tick.stamp, tick.seq, arrival)
+        sample = skyhook.Sample(1e-9 * tick.stamp, acceleration, velocity)
+        if not verdict.use or not skyhook.usable(sample):
+            self.unusable += verdict.use
+            return
+        self.state, command = skyhook.step(self.law, self.state, sample)
+        self.last, self.safe, self.heard_at = tick, False, monotonic()
+        duty = builders.pwm_duty(tick, command.duty, source=PwmDuty.SOURCE_NOMINAL)
+        self.command.publish(duty)
+        self.health.meter.step(perf_counter() - began)
+
+    def on_watch(self) -> None:
+        """Ask for the safe duty while the inputs are silent."""
+        if self.heard_at and monotonic() - self.heard_at > self.p.timeout:
+            self.safe = True
+            self.publish_safe()
+
+    def publish_safe(self) -> None:
+        """The safe duty, from now on."""
+        message = builders.pwm_duty(
+            Tick(max(now(self), self.last.stamp), self.last.seq),
+            self.p.safe_duty,
+            source=PwmDuty.SOURCE_SAFE,
+            status=PwmDuty.STATUS_LOST,
+        )
+        self.command.publish(message)
+
+    def on_second(self) -> None:
+        """Look at the graph."""
+        found = watch(self, (*INPUTS, topics.PWM_COMMAND))
+        self.problems = tuple(f"{p.topic}: {p.text}" for p in found)
+
+    def report(self) -> Report:
+        """Health of the controller."""
+        mode, status, reason = "running", NodeStatus.STATUS_OK, ""
+        if not self.heard_at:
+            mode, status, reason = "waiting", NodeStatus.STATUS_INITIALIZING, "no sample yet"
+        elif self.safe:
+            mode, status = "safe", NodeStatus.STATUS_LOST
+            reason = f"no usable sample for {self.p.timeout:g} s: safe duty"
+        values = {
+            "sprung velocity [m/s]": f"{self.state.velocity:.4f}",
+            "halves without partner": self.pairs.unmatched,
+        }
+        return Report(
+            mode,
+            status,
+            reason,
+            stamps=self.stamps,
+            invalid=self.unusable,
+            valid=mode == "running",
+            values=values,
+            problems=self.problems,
+        )
+
+    def on_stop(self) -> None:
+        """Leave the safe duty behind."""
+        self.publish_safe()
+
+
+CARD = Card(
+    package="er_ftc_controller",
+    executable="skyhook_controller",
+    text="Two-state Skyhook (3.81): full field where the damper brakes the body.",
+    parameters=SkyhookParameters,
+    subscribes=INPUTS,
+    publishes=(topics.PWM_COMMAND, topics.STATUS, topics.DIAGNOSTICS),
+)
+
+
+def main() -> None:
+    """Entry point of the executable."""
+    sys.exit(run(SkyhookController, CARD))
+
+
+if __name__ == "__main__":
+    main()

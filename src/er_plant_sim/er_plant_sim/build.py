@@ -1,0 +1,96 @@
+"""From the parameters of the plant node to the rig they describe."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from er_models.errors import InputError
+from er_models.files import load_model
+from er_models.model import Model
+from er_models.program import SCHEMA, Program, load_program, parse_program, resolve
+
+from er_plant_sim.duty_gate import Gate
+from er_plant_sim.noise import Errors, Noise
+from er_plant_sim.rig import Rig
+from er_plant_sim.settings import PlantParameters, program_values
+from er_plant_sim.simulator import damper_replaced, simulator
+
+LONGEST = 120.0
+"""As much of a program is looked at to scale its road to a peak velocity [s]."""
+
+
+def build(p: PlantParameters) -> Rig:
+    """The rig of these parameters.
+
+    Raises:
+        InputError: A file cannot be used, or parameters contradict one another.
+    """
+    _consistent(p)
+    model, program, dt = load_plant_model(p), load_given_program(p), 1.0 / p.rate
+    noise = Noise(_errors(p, "noise"), _errors(p, "bias"), program.seed)
+    gate = Gate(
+        duty_min=model.rig.get("duty_min", 0.0),
+        duty_max=model.rig.get("duty_max", 1.0),
+        safe_duty=p.safe_duty,
+        timeout=p.command_timeout,
+        slew=p.duty_slew or math.inf,
+    )
+    # a road scaled to a peak velocity means the vehicle as it is known, not what is hidden in it
+    known = load_model(p.model_file)
+    bounded = replace(program, duration=min(program.duration or LONGEST, LONGEST))
+    program = replace(program, road=resolve(bounded, known, dt).road)
+    return Rig(simulator(model, dt, noise), gate, program, p.duty_source == "program")
+
+
+def load_plant_model(p: PlantParameters) -> Model:
+    """The vehicle, with the damper of another file where one is given."""
+    vehicle = load_model(p.model_file)
+    if not p.damper_file:
+        return vehicle
+    return damper_replaced(vehicle, load_model(p.damper_file))
+
+
+def load_given_program(p: PlantParameters) -> Program:
+    """The program of the file, with what the parameters say on top."""
+    road, duty = program_values(p, "road"), program_values(p, "duty")
+    base = load_program(p.program_file) if p.program_file else None
+    if base is None and "kind" not in road:
+        expected = "a program file, or road.kind"
+        raise InputError("parameters", "program_file", expected, "neither")
+    document: dict[str, Any] = {
+        "schema": SCHEMA,
+        "name": base.name if base else "parameters",
+        "duration": base.duration if base else 0.0,
+        "seed": base.seed if base else 0,
+        "road": _merged(base.road if base else {}, road),
+        "duty": _merged(base.duty if base else {"kind": "constant"}, duty),
+    }
+    program = parse_program(document, Path("parameters"))
+    if p.duration >= 0.0:
+        program = replace(program, duration=p.duration)
+    return program if p.seed < 0 else replace(program, seed=p.seed)
+
+
+def _merged(base: Any, given: dict[str, Any]) -> dict[str, Any]:
+    """Settings of the base with the given ones on top; of another kind nothing is kept."""
+    listed = {k: list(v) if isinstance(v, tuple) else v for k, v in given.items()}
+    return listed if "kind" in listed else {**base, **listed}
+
+
+def _errors(p: PlantParameters, prefix: str) -> Errors:
+    names = ("sprung", "unsprung", "deflection", "velocity", "force")
+    return Errors(*(getattr(p, f"{prefix}_{name}") for name in names))
+
+
+def _consistent(p: PlantParameters) -> None:
+    """Refuse combinations that cannot run."""
+    unpaced = p.rate_factor == 0.0
+    if unpaced and not (p.mode == "lockstep" and p.duty_source == "topic"):
+        expected = "above 0 (0 only in lockstep with duty_source topic)"
+        raise InputError("parameters", "rate_factor", expected, "0")
+    if p.mode == "realtime" and p.rate_factor != 1.0:
+        found = f"{p.rate_factor:g}"
+        raise InputError("parameters", "rate_factor", "1 in mode realtime", found)

@@ -1,0 +1,60 @@
+"""Everything the plant publishes at 200 Hz, made once."""
+
+from __future__ import annotations
+
+import math
+
+from er_ros_common.builders import Tick
+from er_ros_common.clock import to_stamp
+from er_ros_common.topics import Topic
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rosgraph_msgs.msg import Clock
+
+from er_plant_sim import ros_msgs
+from er_plant_sim.duty_gate import Applied
+from er_plant_sim.simulator import Measurement
+from er_ros_common import topics
+
+CLOCK_RATE = 200.0
+"""Most messages per second on /clock: more costs every listener dearly."""
+ACKNOWLEDGED = Duration(seconds=1.0)
+"""Time the subscribers get to take the last messages."""
+
+
+class Outlet:
+    """Publishers of the measurements, the applied duty and, in simulated time, of /clock."""
+
+    def __init__(self, node: Node, *, force_sd: float, clock_rate: float) -> None:
+        def made(topic: Topic) -> Publisher:
+            return node.create_publisher(topic.type, topic.name, topic.publisher)
+
+        self.force_sd = force_sd
+        self.acceleration, self.deflection = made(topics.ACCELERATION), made(topics.DEFLECTION)
+        self.force, self.road = made(topics.FORCE), made(topics.ROAD)
+        self.applied = made(topics.PWM_APPLIED)
+        self.every = math.ceil(clock_rate / CLOCK_RATE)
+        self.clock = made(topics.CLOCK) if clock_rate else None
+
+    def send(self, tick: Tick, measured: Measurement) -> None:
+        """Publish one tick's measurements, simulated time first."""
+        if self.clock is not None and tick.seq % self.every == 0:
+            self.clock.publish(Clock(clock=to_stamp(tick.stamp)))
+        self.acceleration.publish(ros_msgs.acceleration(tick, measured))
+        self.deflection.publish(ros_msgs.deflection(tick, measured))
+        self.force.publish(ros_msgs.force(tick, measured, self.force_sd))
+        self.road.publish(ros_msgs.road(tick, measured))
+
+    def send_applied(self, tick: Tick, duty: Applied) -> None:
+        """Publish the duty in force from this tick on."""
+        self.applied.publish(ros_msgs.applied(tick, duty))
+
+    def subscribers(self) -> int:
+        """Subscribers of both kinds of motion sensor, the smaller number."""
+        return min(p.get_subscription_count() for p in (self.acceleration, self.deflection))
+
+    def flush(self) -> None:
+        """Wait until reliable subscribers have taken the last messages."""
+        for publisher in (self.acceleration, self.deflection, self.force, self.road, self.applied):
+            publisher.wait_for_all_acked(ACKNOWLEDGED)

@@ -1,0 +1,161 @@
+"""The plant node: a quarter car on a road, measured at every tick; see `er_plant_sim.rig`.
+
+Three modes. realtime: an absolute schedule on the steady clock, stamps of the system clock.
+sim_time: the same schedule, slower or faster, and the plant drives /clock. lockstep: a tick waits
+for the command that answers its sample, so that a run repeats exactly however fast the machine is.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+from time import monotonic, perf_counter
+
+from er_ros_common.builders import Tick
+from er_ros_common.graph_check import Problem, watch
+from er_ros_common.health import Health, Report
+from er_ros_common.parameters import declare
+from er_ros_common.spin import run
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+
+from er_damper_msgs.msg import NodeStatus, PwmDuty
+from er_plant_sim import rig as plant
+from er_plant_sim.build import build
+from er_plant_sim.duty_gate import Command, Reason
+from er_plant_sim.nodes.card import CARD
+from er_plant_sim.nodes.drive import Answered, Timed
+from er_plant_sim.nodes.outlet import Outlet
+from er_plant_sim.nodes.pace import Pace
+from er_plant_sim.settings import PlantParameters, table
+from er_ros_common import topics
+
+WAKE_PERIOD = 0.01
+"""Period of the timer where commands, not time, set the pace [s]."""
+
+
+class PlantNode(Node):
+    """Runs the rig; duties come from the program or from pwm/command."""
+
+    def __init__(self) -> None:
+        super().__init__("plant")
+        p: PlantParameters = declare(self, table(self._parameter_overrides))
+        self.p, self.rig = p, build(p)
+        self.state = plant.start(self.rig)
+        self.tick, self.applied = Tick(0, 0), None  # type: Tick, Applied | None
+        self.problems: list[Problem] = []
+        self.made_at, self.running = monotonic(), False
+        self.over, self.step_began = False, 0.0
+        clock_rate = p.rate * p.rate_factor if p.mode == "sim_time" else 0.0
+        self.out = Outlet(self, force_sd=p.noise_force, clock_rate=clock_rate)
+        self.pace = Pace(self.rig.dt, p.rate_factor or 1.0, real=p.mode == "realtime")
+        self.drive = self._drive()
+        if not self.rig.programmed:
+            command = topics.PWM_COMMAND
+            self.create_subscription(PwmDuty, command.name, self.on_command, command.subscriber)
+        model_id = self.rig.sim.plant.model.digest()
+        self.health = Health(self, self.report, deadline=self.rig.dt, model_id=model_id)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        period = self.rig.dt / p.rate_factor if p.rate_factor else WAKE_PERIOD
+        self.create_timer(period, self.on_time, clock=steady)
+        self.create_timer(1.0, self.on_second, clock=steady)
+
+    def _drive(self) -> Timed | Answered:
+        if self.p.mode == "lockstep" and not self.rig.programmed:
+            paced = self.p.rate_factor > 0.0
+            return Answered(self.pace, self.sense, self.act, paced=paced)
+        return Timed(self.pace, self.sense, self.act)
+
+    def on_time(self) -> None:
+        """Begin once everybody is there, then run what is due."""
+        if self.over:
+            return
+        if self.running:
+            self.drive.on_time()
+        elif self._everybody_there():
+            self.running = True
+            self.pace.restart()
+
+    def _everybody_there(self) -> bool:
+        """Whether the graph is complete, or waiting for it took too long."""
+        commanded = self.rig.programmed or self.count_publishers(topics.PWM_COMMAND.name) > 0
+        if self.out.subscribers() >= self.p.wait_for and (commanded or not self.p.wait_for):
+            return True
+        if monotonic() - self.made_at < self.p.start_timeout:
+            return False
+        here, wanted = self.out.subscribers(), self.p.wait_for
+        self.get_logger().warning(f"starting with {here} subscribers, waited for {wanted}")
+        return True
+
+    def sense(self, place: int) -> int:
+        """Publish this tick's measurement; returns its seq."""
+        self.step_began = perf_counter()
+        number = self.state.sim.tick
+        self.tick = Tick(self.pace.stamp(place, number), number)
+        self.out.send(self.tick, plant.sense(self.rig, self.state))
+        return number
+
+    def act(self) -> bool:
+        """Publish the duty of this tick and go on to the next; false after the last."""
+        conflict = any(problem.kind == "two publishers" for problem in self.problems)
+        self.state, self.applied = plant.decide(self.rig, self.state, conflict=conflict)
+        self.out.send_applied(self.tick, self.applied)
+        self.state = plant.advance(self.rig, self.state)
+        self.health.meter.step(perf_counter() - self.step_began)
+        if plant.finished(self.rig, self.state):
+            self._finish()
+        return not self.over
+
+    def _finish(self) -> None:
+        """End the node as Ctrl-C would: an exception would end it with a traceback."""
+        self.get_logger().info(f"finished after {self.tick.seq} ticks")
+        self.over = True
+        signal.raise_signal(signal.SIGINT)
+
+    def on_command(self, message: PwmDuty) -> None:
+        """Take a command; in lockstep it is what the next tick waits for."""
+        seq, now = int(message.seq), self.state.sim.tick
+        # the age of a command is that of the sample it answers, as far as it names one
+        t = (seq if 0 < seq <= now else now) * self.rig.dt
+        command = Command(t, seq, float(message.duty), int(message.source))
+        self.state = plant.receive(self.rig, self.state, command, valid=bool(message.valid))
+        if self.running and not self.over:
+            self.drive.on_command(seq)
+
+    def on_second(self) -> None:
+        """Look at the graph, and whether the system clock was set."""
+        self.problems = watch(self, (*topics.MEASUREMENTS,))
+        self.pace.follow_clock()
+
+    def report(self) -> Report:
+        """Health of the plant."""
+        mode, status, reason = "running", NodeStatus.STATUS_OK, ""
+        if not self.running:
+            mode, status = "waiting", NodeStatus.STATUS_INITIALIZING
+            reason = f"for {self.p.wait_for} subscribers of every measurement"
+        elif self.applied and self.applied.reason not in (Reason.COMMAND, Reason.PROGRAM):
+            mode, status = "safe", NodeStatus.STATUS_DEGRADED
+            reason = f"safe duty: {self.applied.reason.value}"
+        values = {
+            "duty": f"{self.state.gate.duty:.4f}",
+            "duties limited": self.state.gate.limited,
+            "commands refused": self.state.gate.refused,
+            "answers missed": self.drive.timeouts,
+            "ticks given up": self.pace.progress.skipped,
+            "clock steps": self.pace.clock_steps,
+        }
+        problems = tuple(f"{p.topic}: {p.text}" for p in self.problems)
+        return Report(mode, status, reason, values=values, problems=problems)
+
+    def on_stop(self) -> None:
+        """Let subscribers take the last messages."""
+        self.out.flush()
+
+
+def main() -> None:
+    """Entry point of the executable."""
+    sys.exit(run(PlantNode, CARD))
+
+
+if __name__ == "__main__":
+    main()

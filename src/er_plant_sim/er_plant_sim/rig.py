@@ -1,0 +1,115 @@
+"""The whole rig without ROS: program, duty gate, plant and sensors, one tick after the other.
+
+    measurement = sense(rig, state)            # at t_k, published at once
+    state, applied = decide(rig, state, ...)   # the duty of [t_k, t_{k+1})
+    state = advance(rig, state)                # to t_{k+1}
+
+Time is the tick times the sample time; nothing here knows a clock.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from er_models.program import Program
+from numpy.typing import NDArray
+
+from er_plant_sim import duty_gate, simulator
+from er_plant_sim.duty_gate import Applied, Command, Gate, GateState
+from er_plant_sim.simulator import Measurement, SimState, Simulator
+
+Array = NDArray[np.float64]
+
+BLOCK = 64
+"""Ticks for which road and duty are computed at once."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """Simulator, limits of the duty, and the program of road and duty (peak velocity resolved).
+
+    programmed: the duty is that of the program; otherwise commands are waited for.
+    """
+
+    sim: Simulator
+    gate: Gate
+    program: Program
+    programmed: bool
+
+    @property
+    def dt(self) -> float:
+        """Sample time [s]."""
+        return self.sim.dt
+
+
+class RigState(NamedTuple):
+    """State of the plant and of the duty gate."""
+
+    sim: SimState
+    gate: GateState
+
+
+def start(rig: Rig) -> RigState:
+    """The first tick: the car stood at rest until one sample ago, with the safe or first duty."""
+    duty = wanted_duty(rig, 0) if rig.programmed else rig.gate.safe_duty
+    gate = GateState(min(max(duty, rig.gate.duty_min), rig.gate.duty_max), 0.0)
+    at_rest = simulator.at_rest(rig.sim, road(rig, 0), gate.duty)
+    return RigState(simulator.advance(rig.sim, at_rest, road(rig, 1), gate.duty), gate)
+
+
+def sense(rig: Rig, state: RigState) -> Measurement:
+    """What the sensors read at this tick."""
+    return simulator.measure(rig.sim, state.sim)
+
+
+def receive(rig: Rig, state: RigState, command: Command, *, valid: bool) -> RigState:
+    """Take a command of the duty; not where the program says the duty."""
+    if rig.programmed:
+        return state
+    return state._replace(gate=duty_gate.receive(state.gate, command, valid=valid))
+
+
+def decide(rig: Rig, state: RigState, *, conflict: bool = False) -> tuple[RigState, Applied]:
+    """The duty from this tick until the next; conflict: several publishers command it."""
+    t = time(rig, state)
+    if rig.programmed:
+        wanted = wanted_duty(rig, state.sim.tick)
+        gate, applied = duty_gate.program(rig.gate, state.gate, t, wanted)
+    else:
+        gate, applied = duty_gate.step(rig.gate, state.gate, t, conflict=conflict)
+    return state._replace(gate=gate), applied
+
+
+def advance(rig: Rig, state: RigState) -> RigState:
+    """The state at the next tick, with the duty that was decided."""
+    height = road(rig, state.sim.tick + 1)
+    return state._replace(sim=simulator.advance(rig.sim, state.sim, height, state.gate.duty))
+
+
+def time(rig: Rig, state: RigState) -> float:
+    """Time of the tick since the start [s]."""
+    return state.sim.tick * rig.dt
+
+
+def finished(rig: Rig, state: RigState) -> bool:
+    """Whether the program is over."""
+    return 0.0 < rig.program.duration < time(rig, state) - 1e-9
+
+
+def road(rig: Rig, tick: int) -> float:
+    """Height of the road at a tick [m]."""
+    return float(_signals(rig, tick // BLOCK)[0][tick % BLOCK])
+
+
+def wanted_duty(rig: Rig, tick: int) -> float:
+    """Duty the program asks for from a tick on [1]."""
+    return float(_signals(rig, tick // BLOCK)[1][tick % BLOCK])
+
+
+@lru_cache(maxsize=4)
+def _signals(rig: Rig, block: int) -> tuple[Array, Array]:
+    """Road and duty of one block of ticks, each (BLOCK,)."""
+    return rig.program.signals(rig.dt * np.arange(block * BLOCK, (block + 1) * BLOCK))

@@ -1,0 +1,129 @@
+"""Parameters of the plant node; those of the program come from its kinds. No ROS here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, fields, make_dataclass
+from difflib import get_close_matches
+from typing import Any
+
+from er_models.duty import KINDS as DUTIES
+from er_models.errors import InputError
+from er_models.road import FACTOR
+from er_models.road import KINDS as ROADS
+from er_models.spec import Series, Setting, Text
+from er_ros_common.parameter_table import REQUIRED, param
+
+MODES = ("realtime", "sim_time", "lockstep")
+_DOT = "__"
+"""Stands for the dot of a parameter's name in the name of a field."""
+
+
+def _deviation(sensor: str, unit: str) -> Any:
+    text = f"standard deviation of the noise of the {sensor}"
+    return param(0.0, unit=unit, low=0.0, high=1e3, name=f"noise.{sensor}", text=text)
+
+
+def _bias(sensor: str, unit: str) -> Any:
+    text = f"constant error of the {sensor}"
+    return param(0.0, unit=unit, low=-1e3, high=1e3, name=f"bias.{sensor}", text=text)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlantParameters:
+    """Every parameter of the plant but those of the program (`road.*`, `duty.*`)."""
+
+    model_file: str = param(REQUIRED, text="model of the vehicle")
+    damper_file: str = param("", text="model whose damper replaces that of the vehicle")
+    program_file: str = param("", text="program of road and duty; road.* and duty.* override it")
+    duration: float = param(
+        -1.0, unit="s", low=-1.0, high=1e6, text="-1: as the program says, 0: no end"
+    )
+    seed: int = param(-1, low=-1, high=2**31, text="of road, duty and noise; -1: the program's")
+    mode: str = param("realtime", choices=MODES, text="who sets the pace")
+    rate: float = param(200.0, unit="Hz", low=10.0, high=2000.0, text="samples per second")
+    rate_factor: float = param(
+        1.0, low=0.0, high=50.0, text="speed of simulated time; 0: as fast as commands come"
+    )
+    duty_source: str = param("program", choices=("program", "topic"), text="who says the duty")
+    safe_duty: float = param(REQUIRED, low=0.0, high=1.0, text="duty without a fresh command")
+    command_timeout: float = param(
+        0.05, unit="s", low=0.005, high=1.0, text="age at which a command is no longer held"
+    )
+    duty_slew: float = param(
+        0.0, unit="1/s", low=0.0, high=1e4, text="fastest change of the duty; 0: no limit"
+    )
+    wait_for: int = param(
+        0, low=0, high=20, text="subscribers of every measurement to wait for before starting"
+    )
+    start_timeout: float = param(
+        10.0, unit="s", low=0.0, high=600.0, text="how long to wait for them at most"
+    )
+    noise_sprung: float = _deviation("sprung_acceleration", "m/s2")
+    noise_unsprung: float = _deviation("unsprung_acceleration", "m/s2")
+    noise_deflection: float = _deviation("deflection", "m")
+    noise_velocity: float = _deviation("deflection_velocity", "m/s")
+    noise_force: float = _deviation("force", "N")
+    bias_sprung: float = _bias("sprung_acceleration", "m/s2")
+    bias_unsprung: float = _bias("unsprung_acceleration", "m/s2")
+    bias_deflection: float = _bias("deflection", "m")
+    bias_velocity: float = _bias("deflection_velocity", "m/s")
+    bias_force: float = _bias("force", "N")
+
+
+def table(given: Iterable[str]) -> type[Any]:
+    """The parameter dataclass with those program settings that are given.
+
+    Which settings a road or duty has depends on its kind, so only what the user names is declared.
+
+    Raises:
+        InputError: No road and no duty has a setting of that name.
+    """
+    given, known = tuple(given), _program_settings()
+    for name in given:
+        if name.startswith(("road.", "duty.")) and name not in known:
+            near = get_close_matches(name, known, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(known)}"
+            expected = f"a setting of a road or duty ({hint})"
+            raise InputError("parameters", name, expected, "an unknown name")
+    more = [(name, known[name]) for name in sorted(given) if name in known]
+    items = [(_attribute(name), kind, declared) for name, (kind, declared) in more]
+    return make_dataclass(
+        "PlantParameters", items, bases=(PlantParameters,), frozen=True, kw_only=True
+    )
+
+
+def _program_settings() -> dict[str, tuple[Any, Any]]:
+    """ROS parameter name to type and declaration, for every setting of every road and duty."""
+    found: dict[str, tuple[Any, Any]] = {}
+    for prefix, kinds, common in (("road", ROADS, (FACTOR,)), ("duty", DUTIES, ())):
+        words = f"kind of {prefix}"
+        name = f"{prefix}.kind"
+        found[name] = (str, param(REQUIRED, name=name, choices=tuple(kinds), text=words))
+        for kind in kinds.values():
+            for setting in (*kind.settings, *common):
+                name = f"{prefix}.{setting.name}"
+                found[name] = _declared(name, setting)
+    return found
+
+
+def _declared(name: str, setting: Setting) -> tuple[Any, Any]:
+    """Type and declaration of a setting; its bounds are checked with the program."""
+    if isinstance(setting, Text):
+        return str, param(REQUIRED, name=name, text=setting.meaning)
+    kind = tuple[float, ...] if isinstance(setting, Series) else float
+    return kind, param(REQUIRED, name=name, unit=setting.unit, text=setting.meaning)
+
+
+def program_values(parameters: PlantParameters, prefix: str) -> dict[str, Any]:
+    """The given settings of the road or duty, by name."""
+    start = f"{prefix}{_DOT}"
+    return {
+        item.name.removeprefix(start): getattr(parameters, item.name)
+        for item in fields(parameters)
+        if item.name.startswith(start)
+    }
+
+
+def _attribute(name: str) -> str:
+    return name.replace(".", _DOT)

@@ -1,0 +1,114 @@
+"""What ROS 2 says nothing about: other types, incompatible ends, two publishers of a topic.
+
+With Fast DDS a topic of two types, or a subscription that asks for more than the publisher offers,
+is silent: no data and no error. The check is pure; `endpoints` turns what the graph reports into
+its input.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+from er_ros_common.topics import Topic
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoint:
+    """One publisher or subscription as the graph shows it."""
+
+    node: str
+    type_name: str
+    reliable: bool
+    latched: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One thing wrong with a topic, and what to do about it."""
+
+    topic: str
+    kind: str
+    text: str
+    cure: str
+
+
+def check_topic(
+    topic: Topic,
+    name: str,
+    publishers: Sequence[Endpoint],
+    subscribers: Sequence[Endpoint],
+    *,
+    single: bool = True,
+) -> list[Problem]:
+    """Problems of one topic with the given full name; single: more than one publisher is wrong."""
+    found = [_other_type(topic, name, end) for end in (*publishers, *subscribers)]
+    found += [
+        _too_demanding(name, sender, taker) for sender in publishers for taker in subscribers
+    ]
+    if single and len(publishers) > 1:
+        who = ", ".join(sorted(end.node for end in publishers))
+        found.append(
+            Problem(
+                name,
+                "two publishers",
+                f"{len(publishers)} nodes publish it: {who}",
+                "stop all but one",
+            )
+        )
+    return [problem for problem in found if problem is not None]
+
+
+def endpoints(node: Node, name: str) -> tuple[list[Endpoint], list[Endpoint]]:
+    """Publishers and subscriptions of a topic that this node knows of."""
+    publishers = [_endpoint(info) for info in node.get_publishers_info_by_topic(name)]
+    subscribers = [_endpoint(info) for info in node.get_subscriptions_info_by_topic(name)]
+    return publishers, subscribers
+
+
+def watch(node: Node, topics: Sequence[Topic], *, single: bool = True) -> list[Problem]:
+    """Problems of the topics a node takes part in, by relative name: for its diagnostics."""
+    found: list[Problem] = []
+    for topic in topics:
+        name = node.resolve_topic_name(topic.name)
+        found += check_topic(topic, name, *endpoints(node, name), single=single)
+    return found
+
+
+def _endpoint(info: TopicEndpointInfo) -> Endpoint:
+    profile = info.qos_profile
+    return Endpoint(
+        node=f"{info.node_namespace.rstrip('/')}/{info.node_name}",
+        type_name=info.topic_type,
+        reliable=profile.reliability == ReliabilityPolicy.RELIABLE,
+        latched=profile.durability == DurabilityPolicy.TRANSIENT_LOCAL,
+    )
+
+
+def _other_type(topic: Topic, name: str, end: Endpoint) -> Problem | None:
+    if end.type_name == topic.type_name:
+        return None
+    text = f"{end.node} uses {end.type_name}, expected {topic.type_name}"
+    return Problem(
+        name,
+        "other type",
+        text,
+        f"remap the topic of {end.node}, or build it against the same messages",
+    )
+
+
+def _too_demanding(name: str, sender: Endpoint, taker: Endpoint) -> Problem | None:
+    for asked, offered, word in (
+        (taker.reliable, sender.reliable, "reliable"),
+        (taker.latched, sender.latched, "transient local"),
+    ):
+        if asked and not offered:
+            text = f"{taker.node} asks for {word}, {sender.node} does not offer it: no data flows"
+            return Problem(
+                name, "incompatible QoS", text, f"offer {word} in {sender.node}, or ask for less"
+            )
+    return None
