@@ -147,6 +147,10 @@ def test_small_jitter_is_left_and_large_jitter_resampled() -> None:
     shaken = np.sort(raw.t + random.uniform(-0.04, 0.04, N) * DT)
     (kept,) = clean(replace(raw, t=shaken))
     np.testing.assert_array_equal(kept.t, shaken)
+    # steps of 1.06 and 0.94 of the nominal one, the median being the longer
+    slightly_more = raw.t + np.where(np.arange(N) % 2, 0.06, 0.0) * DT
+    (even,) = clean(replace(raw, t=slightly_more))
+    assert any("jitter 11 %" in note for note in even.notes)
     shaken = raw.t + random.uniform(-0.3, 0.3, N) * DT
     true = {"deflection": 5e-3 * np.sin(2 * np.pi * 2.0 * shaken)}
     (even,) = clean(Record("run", shaken, true))

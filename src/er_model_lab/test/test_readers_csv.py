@@ -313,6 +313,11 @@ def test_a_failed_write_leaves_the_old_file(tmp_path: Path) -> None:
         write_csv(broken, path)
     assert path.read_text() == "precious"
     assert [p.name for p in tmp_path.iterdir() if p.name.endswith(".part")] == []
+    # a hard link still shows the old file, because the new one took its place and not its blocks
+    (tmp_path / "link").hardlink_to(path)
+    write_csv(record, path)
+    assert (tmp_path / "link").read_text() == "precious"
+    assert path.read_text().startswith("# er_record")
 
 
 def test_every_channel_of_the_contract_has_a_unit() -> None:

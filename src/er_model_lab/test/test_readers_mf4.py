@@ -51,6 +51,15 @@ def test_units_are_converted_and_channels_brought_to_one_time_axis(tmp_path: Pat
     assert record.has("deflection_velocity")
 
 
+def test_a_channel_that_starts_later_cuts_the_record_and_is_not_invented(tmp_path: Path) -> None:
+    late = T[200:] + 0.001
+    groups = [signal("deflection", X)], [signal("damper_force", np.full(late.size, 7.0), t=late)]
+    (record,) = load([save(tmp_path / "car.mf4", *groups)])
+    assert record.t[0] == pytest.approx(T[201])
+    assert not record.complete
+    np.testing.assert_allclose(record.channels["damper_force"], 7.0)
+
+
 def test_other_names_are_given_by_a_names_file(tmp_path: Path) -> None:
     path = save(tmp_path / "car.mf4", [signal("Susp_FL_Defl", 1e3 * X, "mm")])
     with pytest.raises(InputError, match=r"columns.*deflection"):

@@ -346,6 +346,22 @@ def test_a_zeroed_block_inside_an_mcap_costs_only_its_chunk(
         check_values(piece, first=round(piece.t[0] / 0.005))
 
 
+def test_messages_that_vanish_without_an_error_are_missed(tmp_path: Path) -> None:
+    path = record_bag(tmp_path / "bag", ticks(3000))
+    file = next(path.glob("*.mcap"))
+    data = bytearray(file.read_bytes())
+    start, length = chunks(bytes(data))[1]
+    at, end = start + 40, start + length
+    # zeros read as empty records of 9 bytes: an erased tail that ends evenly raises no error
+    while (end - at) % 9 or at < start + length * 3 // 4:
+        at += 9 + struct.unpack_from("<Q", data, at + 1)[0]
+    data[at:end] = bytes(end - at)
+    file.write_bytes(data)
+    pieces = load([path])
+    assert not pieces[0].complete
+    assert any("messages are readable" in note for note in pieces[0].notes)
+
+
 def test_a_cut_sqlite_bag_is_named_and_gives_what_it_can(tmp_path: Path) -> None:
     path = record_bag(tmp_path / "bag", ticks(2000), StoragePlugin.SQLITE3)
     file = next(path.glob("*.db3"))

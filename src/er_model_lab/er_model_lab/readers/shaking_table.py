@@ -28,9 +28,7 @@ from er_models.errors import InputError
 FULL_VOLTAGE = 3.212
 SOURCE = "github.com/labcontrol-data/mr-damper e42439f, doi 10.5281/zenodo.4445334"
 TURNED = "deflection and force turned round: the rig counts compression positive"
-VELOCITY_NOT_USED = (
-    "the velocity in the file is a backward difference, half a sample late: unused"
-)
+VELOCITY_NOT_USED = "the velocity in the file is a backward difference, half a sample late: unused"
 LICENCE = "MIT (c) 2021 Labcontrol"
 
 LEVELS: tuple[tuple[str, float | None], ...] = (
@@ -110,7 +108,7 @@ def stated_voltage(path: Path) -> float | None:
 def plateau(x: Array, force: Array, t: Array) -> float:
     """Half the distance between the forces of the two directions at about 20 mm/s [N].
 
-    It rises strictly with the voltage and hardly depends on stroke or frequency (spread within 10 %).
+    It rises strictly with the voltage and hardly depends on the stroke (spread within 10 %).
     """
     velocity = savgol_filter(x, 7, 3, deriv=1, delta=float(np.median(np.diff(t))))
     low, high = SPEED_BAND
