@@ -38,6 +38,7 @@ def load(paths: Sequence[Path]) -> list[Record]:
 
     Raises:
         InputError: A path that is absent, of unknown kind, empty, damaged, or implausible.
+        MissingChannel: A recording without any sensor topic.
     """
     if not paths:
         raise InputError("DATA", "", "at least one file or folder", "none")

@@ -17,7 +17,7 @@ from rosbags.typesys.store import Typestore
 
 from er_model_lab.load import load
 from er_model_lab.record import Record
-from er_models.errors import InputError
+from er_models.errors import InputError, MissingChannel
 
 DEFINITIONS = Path(__file__).parents[2] / "er_damper_msgs" / "msg"
 TICK = 5_000_000
@@ -430,7 +430,10 @@ def test_other_topics_and_other_messages_are_named(tmp_path: Path) -> None:
             writer.write(link, START, STORE.serialize_cdr(message, kind))
         return path
 
-    with pytest.raises(InputError, match=r"a: topics: .*found /chatter"):
+    with pytest.raises(
+        MissingChannel, match=r"a: .*sensors/deflection.*present: /chatter"
+    ) as caught:
         load([write(tmp_path / "a", "/chatter", "std_msgs/msg/Float64")])
+    assert caught.value.exit_status == 4
     with pytest.raises(InputError, match=r"topic /sensors/force: .*std_msgs/msg/Float64"):
         load([write(tmp_path / "b", "/sensors/force", "std_msgs/msg/Float64")])

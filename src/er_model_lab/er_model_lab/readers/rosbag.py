@@ -28,7 +28,7 @@ from er_model_lab.readers.bag_files import data_files, missing_files, promised_c
 from er_model_lab.readers.bag_streams import Collector
 from er_model_lab.readers.mcap_salvage import salvage
 from er_model_lab.record import Record
-from er_models.errors import ErError, InputError
+from er_models.errors import ErError, InputError, MissingChannel
 
 Decode = Callable[[bytes, str], object]
 
@@ -48,7 +48,8 @@ def read(path: Path) -> list[Record]:
     """Records of a rosbag2 folder or of a single `.mcap` or `.db3` file.
 
     Raises:
-        InputError: No data file, no topic of the contract, or nothing readable at all.
+        InputError: No data file, or nothing readable in it.
+        MissingChannel: A whole recording without sensor topics (exit status 4).
     """
     files = data_files(path)
     bag = Bag(path, Collector(path))
@@ -58,11 +59,7 @@ def read(path: Path) -> list[Record]:
         _read_file(bag, path)
     streams = bag.collector.streams(bag.notes)
     if not streams:
-        seen = ", ".join(list(bag.topics)[:8]) or "no message"
-        reason = f"; {'; '.join(bag.damage)}" if bag.damage else ""
-        raise InputError(
-            path, "topics", "sensors/deflection, sensors/force ... with messages", seen + reason
-        )
+        raise _nothing(bag)
     digest = digest_files(files)
     notes = (*bag.notes, *bag.damage)
     records = []
@@ -75,6 +72,15 @@ def read(path: Path) -> list[Record]:
             path, "header stamps", "sensor topics that overlap in time", "; ".join(notes) or "none"
         )
     return records
+
+
+def _nothing(bag: Bag) -> ErError:
+    """The error for a recording without a single sample of the contract's sensors."""
+    if bag.topics and not bag.damage:
+        present = tuple(sorted(bag.topics))
+        return MissingChannel(bag.path, "sensors/deflection", "to know the motion", present)
+    found = "; ".join(bag.damage) or "no message"
+    return InputError(bag.path, "topics", "sensors/deflection, sensors/force ...", found)
 
 
 def _marked(record: Record, notes: tuple[str, ...], *, whole: bool) -> Record:
