@@ -1,0 +1,244 @@
+"""The recorder node: writes the graph's topics into a rosbag2 recording and counts what was lost.
+
+Messages are stored as they came, undecoded. The recording also holds, as custom data: the hashes
+of models and gains, the parameters of all nodes, versions, and for each topic what was received
+and lost.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from time import monotonic, time_ns
+
+from er_models.errors import ErError, MissingChannel
+from er_ros_common.health import Health, Report
+from er_ros_common.help import Card
+from er_ros_common.parameters import REQUIRED, declare, param
+from er_ros_common.spin import run
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.serialization import deserialize_message
+from rosbags.interfaces import Connection
+
+from er_damper_msgs.msg import NodeStatus
+from er_model_lab.bag_writer import STORAGES, BagWriter
+from er_model_lab.message_count import Count, count, header_of
+from er_model_lab.nodes.parameter_reader import ParameterReader
+from er_model_lab.nodes.selection import Selection, message_class, offers, profile
+from er_model_lab.versions import versions
+from er_ros_common import topics
+
+SCHEMA = "er_bag 1"
+LOOK_PERIOD, FLUSH_PERIOD = 0.1, 1.0
+OURS = "er_damper_msgs/msg/"
+DISK_FULL = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecorderParameters:
+    """Parameters of the node."""
+
+    out: str = param(REQUIRED, text="folder to be made for the recording")
+    storage: str = param("mcap", choices=tuple(STORAGES), text="format of the recording")
+    topics: tuple[str, ...] = param((), text="topics to record; none: those of the contract")
+    all: bool = param(False, text="record every topic of the graph")
+    duration: float = param(
+        0.0, unit="s", low=0.0, high=1e6, text="stop after this time; 0: when told to"
+    )
+
+
+class Recorder(Node):
+    """Subscribes to what it is to record as soon as it appears."""
+
+    def __init__(self) -> None:
+        super().__init__("recorder")
+        self.p = declare(self, RecorderParameters)
+        self.bag = BagWriter(Path(self.p.out), self.p.storage)
+        self.selection = Selection(self, self.p.topics, everything=self.p.all)
+        self.parameters = ParameterReader(self, self._inside)
+        self.taken: dict[str, str] = {}
+        self.counts: dict[str, Count] = {}
+        self.ids: dict[str, tuple[str, str]] = {}
+        self.problems: list[str] = []
+        self.failure: ErError | None = None
+        self.began, self.stopping = monotonic(), False
+        self.health = Health(self, self.report, deadline=0.05)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(LOOK_PERIOD, self.on_look, clock=steady)
+        self.create_timer(FLUSH_PERIOD, self.on_flush, clock=steady)
+        self.on_look()
+
+    def _inside(self, full: str) -> bool:
+        return self.p.all or full.startswith(f"{self.selection.namespace}/")
+
+    def on_look(self) -> None:
+        """Subscribe to what appeared; stop when the time is over."""
+        for name, type_name in self.selection.offered().items():
+            if name not in self.taken:
+                self.take(name, type_name)
+        if self.p.duration and monotonic() - self.began > self.p.duration and not self.stopping:
+            self.stop()
+
+    def take(self, name: str, type_name: str) -> None:
+        """Subscribe to one topic, unless nobody publishes it yet and nothing is known about it."""
+        publishers = self.get_publishers_info_by_topic(name)
+        if not publishers and name not in self.selection.types:
+            return
+        self.taken[name] = type_name
+        kind = message_class(type_name)
+        if kind is None:
+            self.problem(f"{name} is not recorded: {type_name.split('/')[0]} is not installed")
+            return
+        asked = profile(publishers)
+        heard = _Heard(self, name, type_name)
+        self.create_subscription(kind, name, heard.on_message, asked, raw=True)
+
+    def problem(self, text: str) -> None:
+        """Say once what is wrong and keep it for the report."""
+        if text not in self.problems:
+            self.problems.append(text)
+            self.get_logger().warning(text)
+
+    def on_flush(self) -> None:
+        """Bring the recording to disk, and look for nodes and wrong types."""
+        self.guarded(self.bag.flush)
+        self.parameters.look()
+        for name, kinds in self.get_topic_names_and_types():
+            other = [kind for kind in kinds if kind != self.taken.get(name, kind)]
+            if other:
+                self.problem(f"{name} also has type {', '.join(other)}: those are not recorded")
+
+    def guarded(self, action: Callable[[], None]) -> None:
+        """Write; where the disk refuses, stop with one line instead of a traceback."""
+        try:
+            action()
+        except OSError as error:
+            if self.failure is None:
+                self.failure = ErError(f"{self.p.out}: cannot be written: {error.strerror}")
+                self.stop()
+
+    def note_status(self, name: str, data: bytes) -> None:
+        """Keep which model and gains a node works with."""
+        said = deserialize_message(data, NodeStatus)
+        self.ids[said.node or name] = (said.model_id, said.gains_id)
+
+    def stop(self) -> None:
+        """End the node as Ctrl-C would."""
+        self.stopping = True
+        signal.raise_signal(signal.SIGINT)
+
+    def report(self) -> Report:
+        """Health of the recorder."""
+        lost = sum(c.lost for c in self.counts.values())
+        values = {"messages": self.bag.messages, "topics": len(self.counts), "lost": lost}
+        status = NodeStatus.STATUS_DEGRADED if lost else NodeStatus.STATUS_OK
+        reason = f"{lost} messages lost" if lost else ""
+        mode = "recording" if self.counts else "waiting"
+        return Report(mode, status, reason, values=values, problems=tuple(self.problems))
+
+    def on_stop(self) -> None:
+        """Close the recording with what is known about it; one without messages is not kept."""
+        if not self.bag.messages:
+            self.bag.discard()
+            wanted = ", ".join(self.selection.types or self.selection.names or ("any topic",))
+            self.failure = self.failure or MissingChannel(
+                self.p.out, wanted, "to record anything", tuple(self.taken)
+            )
+            return
+        self.guarded(lambda: self.bag.close(self.custom()))
+        lost = {name: c.lost for name, c in self.counts.items() if c.lost}
+        words = ", ".join(f"{name} {n}" for name, n in sorted(lost.items())) or "nothing"
+        written = f"{self.bag.messages} messages of {len(self.counts)} topics"
+        self.get_logger().info(f"{self.p.out}: {written}, lost {words}")
+
+    def custom(self) -> dict[str, object]:
+        """What is known about the whole recording."""
+        own = {key: value for key, value in asdict(self.p).items() if key != "out"}
+        everybody = self.parameters.found | {self.get_fully_qualified_name(): own}
+        return {
+            "schema": SCHEMA,
+            "models": {node: model for node, (model, _) in self.ids.items() if model},
+            "gains": {node: gains for node, (_, gains) in self.ids.items() if gains},
+            "parameters": everybody,
+            "versions": versions(),
+            "messages": {
+                name: {k: v for k, v in c._asdict().items() if k != "last"}
+                for name, c in self.counts.items()
+            },
+            "problems": self.problems,
+        }
+
+
+class _Heard:
+    """One subscription; its topic enters the recording with the first message."""
+
+    def __init__(self, node: Recorder, name: str, type_name: str) -> None:
+        self.node, self.name, self.type_name = node, name, type_name
+        self.counted = type_name.startswith(OURS)
+        self.is_status = type_name == topics.STATUS.type_name
+        self.topic: Connection | None = None
+
+    def on_message(self, data: bytes) -> None:
+        """Write one message with the time at which it was received.
+
+        That time is taken here: the events executor of the wheels fails on callbacks that ask for
+        the message's info.
+        """
+        if self.node.stopping:
+            return
+        received = time_ns()
+        if self.topic is None:
+            self.topic = self._announced()
+        topic = self.topic
+        self.node.guarded(partial(self.node.bag.write, topic, received, data))
+        state = self.node.counts.get(self.name, Count())
+        header = header_of(data) if self.counted else None
+        self.node.counts[self.name] = count(state, header.seq if header else 0)
+        if self.is_status:
+            self.node.note_status(self.name, data)
+
+    def _announced(self) -> Connection:
+        publishers = self.node.get_publishers_info_by_topic(self.name)
+        return self.node.bag.topic(self.name, self.type_name, offers(publishers))
+
+
+CARD = Card(
+    package="er_model_lab",
+    executable="recorder",
+    text="Records topics into a rosbag2 folder (MCAP or sqlite3) until it is stopped.",
+    parameters=RecorderParameters,
+    subscribes=(*topics.MEASUREMENTS, *topics.ESTIMATES, topics.STATUS, topics.DIAGNOSTICS),
+    publishes=(topics.STATUS,),
+)
+
+
+def record(args: Sequence[str] | None = None) -> int:
+    """Run the recorder with these arguments; returns the exit status."""
+    made: list[Recorder] = []
+
+    def factory() -> Recorder:
+        made.append(Recorder())
+        return made[0]
+
+    # a terminal that is closed ends the recording as properly as Ctrl-C does
+    signal.signal(signal.SIGHUP, lambda *_: signal.raise_signal(signal.SIGTERM))
+    status = run(factory, CARD, args)
+    failure = made[0].failure if made else None
+    if status == 0 and failure is not None:
+        sys.stderr.write(f"{CARD.executable}: {failure}\n")
+        return failure.exit_status if isinstance(failure, MissingChannel) else DISK_FULL
+    return status
+
+
+def main() -> None:
+    """Entry point of the executable."""
+    sys.exit(record())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,100 @@
+"""Which topics a recorder takes, and how it subscribes to them."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+from rosbags.interfaces import (
+    Qos,
+    QosDurability,
+    QosHistory,
+    QosLiveliness,
+    QosReliability,
+    QosTime,
+)
+
+from er_ros_common import qos, topics
+
+ENDINGS = ("/status", "/gain_info", "/model_info")
+"""Of the topics that nodes keep below their own name."""
+
+
+class Selection:
+    """The contract's topics in the namespace of a node, or given names, or everything."""
+
+    def __init__(self, node: Node, names: tuple[str, ...], *, everything: bool) -> None:
+        self.node, self.everything = node, everything
+        self.namespace = node.get_namespace().rstrip("/")
+        known = (*topics.MEASUREMENTS, *topics.ESTIMATES)
+        self.types = {} if names else {self.full(t.name): t.type_name for t in known}
+        self.names = {self.full(name) for name in names}
+
+    def full(self, name: str) -> str:
+        """Name of a topic after remapping, in the node's namespace."""
+        return str(self.node.resolve_topic_name(name))
+
+    def wants(self, name: str) -> bool:
+        """Whether a topic on the graph is to be recorded."""
+        if self.everything:
+            return True
+        if self.names:
+            return name in self.names
+        inside = name.startswith(f"{self.namespace}/")
+        own = name.removeprefix(f"{self.namespace}/")
+        listed = name in self.types or own.startswith("force/") or name == topics.DIAGNOSTICS.name
+        return listed or (inside and own.endswith(ENDINGS))
+
+    def offered(self) -> dict[str, str]:
+        """Wanted topics to their type: those known beforehand, and those on the graph now."""
+        found = dict(self.types)
+        for name, kinds in self.node.get_topic_names_and_types():
+            if self.wants(name) and name not in found:
+                found[name] = kinds[0]
+        return found
+
+
+def message_class(type_name: str) -> Any:
+    """Python class of a type (`package/msg/Name`); None where its package is missing."""
+    package, _, name = type_name.partition("/msg/")
+    try:
+        return getattr(import_module(f"{package}.msg"), name, None)
+    except ImportError:
+        return None
+
+
+def profile(publishers: list[TopicEndpointInfo]) -> QoSProfile:
+    """What a recorder asks for: as much as every publisher there is offers."""
+    each = [info.qos_profile for info in publishers]
+    reliable = all(p.reliability == ReliabilityPolicy.RELIABLE for p in each)
+    latched = bool(each) and all(p.durability == DurabilityPolicy.TRANSIENT_LOCAL for p in each)
+    return QoSProfile(
+        history=qos.RECORDER.history,
+        depth=qos.RECORDER.depth,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
+
+
+def offers(publishers: list[TopicEndpointInfo]) -> list[Qos]:
+    """The publishers' quality of service in the form a bag stores."""
+    return [_stored(info.qos_profile) for info in publishers]
+
+
+def _stored(p: QoSProfile) -> Qos:
+    # the graph does not report history and depth: unknown, as rosbag2 writes it
+    forever = QosTime(9223372036, 854775807)
+    return Qos(
+        QosHistory.UNKNOWN,
+        0,
+        QosReliability(int(p.reliability)),
+        QosDurability(int(p.durability)),
+        forever,
+        forever,
+        QosLiveliness.AUTOMATIC,
+        forever,
+        avoid_ros_namespace_conventions=False,
+    )
