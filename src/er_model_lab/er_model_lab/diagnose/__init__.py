@@ -1,0 +1,1 @@
+"""Which effect is missing: candidates, calibrated null, noise floor, ties, search and verdict."""

@@ -1,0 +1,156 @@
+"""Every effect of the catalogue, refitted together with the model, and what it gains on data left out.
+
+Screening only chooses where the refit starts. It never ranks: the direction most correlated with the
+residual is often an impostor.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from er_model_lab.fit import Fit, cross_validated, fit, free_parameters
+from er_model_lab.prepare import Problem
+from er_models.effect import Effect
+from er_models.model import Array, Model
+from er_models.predict import predict, predict_many
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One effect added to the model and refitted.
+
+    residual (n,): predicted without each sample's block; losses (folds,): mean square per block;
+    kept: share of the effect's direction that the model cannot absorb; reach: size of the change
+    it makes at its start value over the white noise.
+    """
+
+    effects: tuple[str, ...]
+    fit: Fit
+    residual: Array
+    losses: Array
+    mse: float
+    kept: float
+    reach: float
+
+    @property
+    def name(self) -> str:
+        """The effect added last."""
+        return self.effects[-1]
+
+
+def baseline(model: Model, problem: Problem) -> Candidate:
+    """The model as it is, refitted."""
+    fitted = fit(model, problem)
+    residual, losses = cross_validated(fitted, problem)
+    mse = float(np.mean(residual[problem.train] ** 2))
+    return Candidate((), fitted, residual, losses, mse, 1.0, float("inf"))
+
+
+def missing(model: Model) -> tuple[Effect, ...]:
+    """Effects that could be added: all candidates of the catalogue the model does not hold."""
+    core = tuple(e for e in model.catalogue.effects if e.name == "response")
+    return tuple(e for e in core + model.catalogue.candidates() if e.name not in model.effects)
+
+
+def starts(effect: Effect, model: Model, problem: Problem) -> list[dict[str, float]]:
+    """Combinations of starting values of an effect [SI], at most eight."""
+    scales = problem.scales
+    grids = [[s * scales.of(q.unit) for s in q.starts] for q in effect.parameters]
+    points = list(itertools.islice(itertools.product(*grids), 8))
+    return [dict(zip(effect.names, point, strict=True)) for point in points]
+
+
+def _amplitudes(effect: Effect) -> list[int]:
+    """Places of the parameters that switch the effect on: those with a finite neutral value."""
+    return [i for i, q in enumerate(effect.parameters) if q.neutral is not None and np.isfinite(q.neutral)]
+
+
+def screen(base: Candidate, effect: Effect, problem: Problem) -> tuple[dict[str, float], float, float, float]:
+    """Best starting values, kept fraction, reach, and linearised gain of an effect [N2]."""
+    model, train = base.fit.model, problem.train
+    points = starts(effect, model, problem)
+    grown = model.with_effect(effect.name, points[0])
+    offset = model.catalogue.offsets[effect.name]
+    vectors = np.tile(grown.compiled().p, (len(points), 1))
+    for row, point in zip(vectors, points, strict=True):
+        row[offset : offset + len(effect.names)] = [point[n] for n in effect.names]
+    base_force = problem.force - base.fit.residual
+    directions = (predict_many(grown, vectors, problem.motion) - base_force)[:, train].T
+    directions = np.nan_to_num(directions)
+    j, r = base.fit.jacobian[train], base.fit.residual[train]
+    absorbed = j @ np.linalg.lstsq(j, directions, rcond=1e-10)[0]
+    outside = directions - absorbed
+    power = np.sum(outside**2, axis=0)
+    size = np.sum(directions**2, axis=0)
+    gains = np.where(power > 1e-12 * np.maximum(size, 1e-300), (outside.T @ r) ** 2 / np.maximum(power, 1e-300), 0)
+    best = int(np.argmax(gains))
+    kept = float(np.sqrt(np.max(power / np.maximum(size, 1e-300))))
+    reach = float(np.sqrt(np.max(power) / train.sum()) / max(problem.sd_force, 1e-12))
+    amplitude = float(outside[:, best] @ r / max(power[best], 1e-300))
+    return _scaled(points[best], effect, amplitude, problem), kept, reach, float(gains[best] / train.sum())
+
+
+def _scaled(point: dict[str, float], effect: Effect, amplitude: float, problem: Problem) -> dict[str, float]:
+    """Start with its amplitudes moved towards the size that fits the residual in a straight line."""
+    out = dict(point)
+    factor = float(np.clip(amplitude, -3.0, 3.0))
+    for i in _amplitudes(effect):
+        q = effect.parameters[i]
+        scale, neutral = problem.scales.of(q.unit), q.neutral or 0.0
+        value = neutral * scale + factor * (point[q.name] - neutral * scale)
+        low, high = q.low * scale, q.high * scale
+        inside = min(max(value, low), high)
+        out[q.name] = point[q.name] if inside in (low, high) else inside
+    return out
+
+
+def refit(base: Candidate, effect: Effect, problem: Problem, *, max_iter: int = 10) -> Candidate:
+    """Add one effect to a fitted model, refit everything, and cross-validate.
+
+    The result is never worse in training than the model without the effect.
+    """
+    values, kept, reach, _ = screen(base, effect, problem)
+    fitted = fit(base.fit.model.with_effect(effect.name, values), problem, max_iter=max_iter)
+    residual, losses = cross_validated(fitted, problem)
+    mse = float(np.mean(residual[problem.train] ** 2))
+    return Candidate((*base.effects, effect.name), fitted, residual, losses, mse, kept, reach)
+
+
+def refit_all(
+    base: Candidate,
+    problem: Problem,
+    effects: Iterable[Effect] | None = None,
+    tick: Callable[[str], None] | None = None,
+) -> list[Candidate]:
+    """Every missing effect refitted, best held-out error first."""
+    found = []
+    for effect in effects if effects is not None else missing(base.fit.model):
+        found.append(refit(base, effect, problem))
+        if tick:
+            tick(effect.name)
+    return sorted(found, key=lambda c: c.mse)
+
+
+def effect_size(base: Candidate, candidate: Candidate) -> float:
+    """Root of the fall of the mean squared error on left-out data [N]; negative where it rises."""
+    fall = base.mse - candidate.mse
+    return float(np.sign(fall) * np.sqrt(abs(fall)))
+
+
+def without(candidate: Candidate, name: str, problem: Problem) -> Candidate:
+    """A fitted model with one of its added effects taken out again and refitted."""
+    model = candidate.fit.model.without_effect(name)
+    fitted = fit(model, problem, free_parameters(model))
+    residual, losses = cross_validated(fitted, problem)
+    mse = float(np.mean(residual[problem.train] ** 2))
+    kept = tuple(e for e in candidate.effects if e != name)
+    return Candidate(kept, fitted, residual, losses, mse, 1.0, float("inf"))
+
+
+def force_of(candidate: Candidate, problem: Problem) -> Array:
+    """Predicted force (n,) of a fitted candidate [N]."""
+    return predict(candidate.fit.model, problem.motion)

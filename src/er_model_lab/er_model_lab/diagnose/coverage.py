@@ -1,0 +1,73 @@
+"""What the data exercise: the ranges visited, and what cannot be learnt for want of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from er_model_lab.prepare import Problem
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Ranges of the data, what blocks a verdict, and hints on what to record next.
+
+    tones: number of frequencies that carry 95 % of the motion; levels: distinct duties held.
+    """
+
+    deflection: float
+    velocity: float
+    duty: tuple[float, float]
+    duty_levels: int
+    duty_steps: int
+    tones: int
+    seconds: float
+    temperature: float
+    blocking: tuple[str, ...]
+    hints: tuple[str, ...]
+
+
+def coverage(problem: Problem) -> Coverage:
+    """Measure what the records exercise."""
+    m = problem.motion
+    u = m.u
+    levels = len(np.unique(np.round(u, 2)))
+    steps = int(np.sum(np.abs(np.diff(u)) > 0.01))
+    tones = _tones(problem)
+    seconds = float(problem.used.sum() * m.dt)
+    blocking, hints = [], []
+    if seconds < 5.0:
+        blocking.append(f"only {seconds:.1f} s of usable data: record at least 20 s")
+    if tones <= 2:
+        blocking.append(
+            "the motion is a single tone: effects of velocity, deflection and acceleration cannot be told apart; "
+            "record several frequencies or a sweep"
+        )
+    if steps == 0:
+        hints.append("the duty never changes: effects of the actuation cannot be seen; record steps of the duty")
+    if np.max(np.abs(m.v)) > 0 and np.std(u) > 0:
+        correlation = abs(float(np.corrcoef(u, np.abs(m.v))[0, 1]))
+        if correlation > 0.9:
+            hints.append("the duty follows the velocity: record with a duty that does not depend on the motion")
+    return Coverage(
+        float(np.max(np.abs(m.x))), float(np.max(np.abs(m.v))), (float(u.min()), float(u.max())), levels, steps,
+        tones, seconds, float(np.ptp(m.theta)), tuple(blocking), tuple(hints),
+    )  # fmt: skip
+
+
+def _tones(problem: Problem) -> int:
+    """Number of spectral lines that carry 95 % of the velocity, over all records."""
+    total: list[float] = []
+    m = problem.motion
+    for i, j in zip(m.starts[:-1], m.starts[1:], strict=True):
+        v = m.v[i:j] - m.v[i:j].mean()
+        power = np.abs(np.fft.rfft(v * np.hanning(v.size))) ** 2
+        frequency = np.fft.rfftfreq(v.size, m.dt)
+        width = max(4.0 / (v.size * m.dt), 0.1)
+        bins = np.bincount((frequency / width).astype(int), weights=power)
+        order = np.sort(bins)[::-1]
+        share = np.cumsum(order) / max(order.sum(), 1e-300)
+        needed = int(np.searchsorted(share, 0.95)) + 1
+        total += [float(np.argmax(bins))] if needed <= 2 else list(np.argsort(bins)[::-1][:needed].astype(float))
+    return len(set(total))

@@ -1,0 +1,133 @@
+"""What no model of these inputs could explain: the noise floor, from several sides.
+
+A gradient-boosted regression on motion, duty, their recent past and slow quantities tries to predict
+what a model leaves, judged on stretches it has not seen. What it explains some model could explain.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import lfilter
+from sklearn.ensemble import HistGradientBoostingRegressor
+
+from er_model_lab.diagnose.candidates import Candidate
+from er_model_lab.prepare import Problem
+from er_models.model import Array
+
+MAX_SAMPLES = 6000
+FEATURES = (
+    "deflection", "velocity", "acceleration", "duty", "duty 20 ms ago", "duty 60 ms ago", "velocity 10 ms ago",
+    "velocity 30 ms ago", "model force", "yield force lagged", "time", "dissipated power, slow",
+    "deflection at last reversal", "duty change, recent", "deflection 50 ms ago",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Floor:
+    """Noise floor [N] and its parts.
+
+    floor: root of the smallest mean square left on unseen data; white: white force noise; input_error: from
+    the sensors of the motion; explained: share of the residual that boosted trees explain; importance: of
+    each feature, by name; line: (frequency [Hz], amplitude [N], share) of the strongest spectral line.
+    """
+
+    floor: float
+    white: float
+    input_error: float
+    explained: float
+    importance: dict[str, float]
+    line: tuple[float, float, float]
+
+
+def features(problem: Problem, force: Array) -> Array:
+    """Inputs (n, features) of the regression, in the order of `FEATURES`."""
+    m = problem.motion
+    dt, u = m.dt, m.u
+
+    def ago(y: Array, seconds: float) -> Array:
+        k = max(int(round(seconds / dt)), 1)
+        return np.concatenate([np.full(k, y[0]), y[:-k]])
+
+    def slow(y: Array, seconds: float) -> Array:
+        c = np.exp(-dt / seconds)
+        return np.asarray(lfilter([1.0 - c], [1.0, -c], y))
+
+    reversal = np.zeros(m.n)
+    turns = np.flatnonzero(np.diff(np.sign(m.v)) != 0)
+    if turns.size:
+        place = np.searchsorted(turns, np.arange(m.n)) - 1
+        reversal = np.where(place >= 0, m.x[turns[np.maximum(place, 0)]], m.x[0])
+    gate = slow(u * np.sign(m.v), 0.03)
+    columns = [
+        m.x, m.v, m.a, u, ago(u, 0.02), ago(u, 0.06), ago(m.v, 0.01), ago(m.v, 0.03), force, gate, m.t,
+        slow(np.abs(force * m.v), 15.0), reversal, u - slow(u, 0.05), ago(m.x, 0.05),
+    ]  # fmt: skip
+    return np.stack(columns, axis=1)
+
+
+def boosted(problem: Problem, residual: Array, force: Array, seed: int) -> tuple[float, Array, Array]:
+    """Share of the residual explained on unseen stretches, its prediction, and rows used."""
+    rows = np.flatnonzero(problem.train)
+    rows = rows[:: max(1, rows.size // MAX_SAMPLES)]
+    inputs, target = features(problem, force)[rows], residual[rows]
+    groups = (rows // max(int(round(1.0 / problem.motion.dt)), 1)) % 4
+    out = np.zeros(rows.size)
+    for k in range(4):
+        train = groups != k
+        trees = HistGradientBoostingRegressor(
+            max_iter=80, learning_rate=0.08, max_leaf_nodes=12, min_samples_leaf=30, l2_regularization=1.0,
+            random_state=seed,
+        )  # fmt: skip
+        out[~train] = trees.fit(inputs[train], target[train]).predict(inputs[~train])
+    share = 1.0 - float(np.mean((target - out) ** 2) / max(np.mean(target**2), 1e-300))
+    return share, out, rows
+
+
+def importance(problem: Problem, residual: Array, force: Array, seed: int) -> dict[str, float]:
+    """Which inputs the unexplained part depends on: loss of explained variance when one is shuffled."""
+    rows = np.flatnonzero(problem.train)
+    rows = rows[:: max(1, rows.size // MAX_SAMPLES)]
+    inputs, target = features(problem, force)[rows], residual[rows]
+    test = (rows // max(int(round(1.0 / problem.motion.dt)), 1)) % 4 == 0
+    trees = HistGradientBoostingRegressor(max_iter=80, max_leaf_nodes=12, min_samples_leaf=30, random_state=seed)
+    trees.fit(inputs[~test], target[~test])
+    rng = np.random.default_rng(seed)
+    base = float(np.mean((target[test] - trees.predict(inputs[test])) ** 2))
+    out = {}
+    for i, name in enumerate(FEATURES):
+        shuffled = inputs[test].copy()
+        shuffled[:, i] = rng.permutation(shuffled[:, i])
+        worse = float(np.mean((target[test] - trees.predict(shuffled)) ** 2))
+        out[name] = (worse - base) / max(float(np.mean(target[test] ** 2)), 1e-300)
+    return dict(sorted(out.items(), key=lambda kv: -kv[1]))
+
+
+def spectral_line(problem: Problem, residual: Array) -> tuple[float, float, float]:
+    """Frequency, amplitude and share of variance of the strongest line, if it stands out; else zeros."""
+    starts = problem.motion.starts
+    k = int(np.argmax(np.diff(starts)))
+    y = residual[starts[k] : starts[k + 1]][60:]
+    if y.size < 256:
+        return 0.0, 0.0, 0.0
+    spectrum = np.abs(np.fft.rfft((y - y.mean()) * np.hanning(y.size))) ** 2
+    peak = int(np.argmax(spectrum[2:])) + 2
+    around = np.concatenate([spectrum[max(peak - 40, 2) : max(peak - 4, 2)], spectrum[peak + 5 : peak + 41]])
+    if around.size < 10 or spectrum[peak] < 40.0 * np.median(around):
+        return 0.0, 0.0, 0.0
+    line = spectrum[max(peak - 2, 0) : peak + 3].sum()
+    share = float(line / spectrum.sum())
+    frequency = peak / (y.size * problem.motion.dt)
+    return float(frequency), float(np.sqrt(2.0 * share * np.var(y))), share
+
+
+def noise_floor(problem: Problem, best: Candidate, input_error: float, seed: int) -> Floor:
+    """Floor under the best model found so far."""
+    force = problem.force - best.fit.residual
+    share, _, _ = boosted(problem, best.residual, force, seed)
+    share = max(share, 0.0)
+    weights = importance(problem, best.residual, force, seed) if share > 0.03 else {}
+    left = best.mse * (1.0 - share)
+    line = spectral_line(problem, best.residual)
+    return Floor(float(np.sqrt(left)), problem.sd_force, input_error, share, weights, line)

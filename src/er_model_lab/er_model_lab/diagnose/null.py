@@ -1,0 +1,102 @@
+"""How large an effect appears by chance when the model is complete.
+
+The current model is taken as the truth: its motion gets the noise of every sensor, is fused again, and
+the force gets noise of the size and colour that the best model leaves. The largest effect size over
+the whole catalogue is recorded (Westfall and Young 1993), so that asking thirty questions costs nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from er_model_lab.diagnose.candidates import Candidate
+from er_model_lab.fuse import Channels, fuse
+from er_model_lab.prepare import FOLDS, Problem
+from er_models.model import Array
+from er_models.predict import join, predict
+
+
+@dataclass(frozen=True)
+class Null:
+    """Largest effect sizes [N] by chance, one per replicate; input_error: force error from the motion [N]."""
+
+    maxima: Array
+    input_error: float
+    force_noise: float
+    colour: float
+
+    def threshold(self, level: float = 0.05, factor: float = 1.3) -> float:
+        """Effect size that chance passes with this probability, with a safety factor [N]."""
+        return factor * float(np.quantile(self.maxima, 1.0 - level)) if self.maxima.size else 0.0
+
+    def p_value(self, size: float) -> float:
+        """Share of complete models in which chance alone does as well, never below 1 / (replicates + 1)."""
+        return float((1 + np.sum(self.maxima >= size)) / (self.maxima.size + 1))
+
+
+def simulate_null(base: Candidate, rivals: list[Candidate], problem: Problem, seed: int, replicates: int = 16) -> Null:
+    """Replicates of `problem` under the fitted model, scored for every rival by one linear step."""
+    rng = np.random.default_rng(seed)
+    truth = predict(base.fit.model, problem.motion)
+    wobble = np.array([_input_error(base, problem, truth, rng) for _ in range(replicates)])
+    scored = problem.train
+    input_error = float(np.sqrt(np.mean(wobble[:, scored] ** 2))) if replicates else 0.0
+    noise, colour = _force_noise(rivals[0] if rivals else base, problem, input_error)
+    errors = wobble + np.array([_coloured(rng, truth.size, noise, colour) for _ in range(replicates)])
+    start = _linear_losses(base.fit.jacobian, errors, problem)
+    best = np.zeros(replicates)
+    for rival in rivals:
+        gain = start - _linear_losses(rival.fit.jacobian, errors, problem)
+        best = np.maximum(best, np.sqrt(np.maximum(gain, 0.0)))
+    return Null(best, input_error, noise, colour)
+
+
+def _input_error(base: Candidate, problem: Problem, truth: Array, rng: np.random.Generator) -> Array:
+    """Force error (n,) that one draw of the sensors' noise causes through the fused motion."""
+    parts = []
+    for r, (channels, fused) in enumerate(zip(problem.raw, problem.fused, strict=True)):
+        noise = problem.noise
+        clean = np.stack([fused.x, fused.v - noise.lag * fused.a, fused.a], axis=1)
+        sd = np.array([noise.x, noise.v, noise.a])
+        again = fuse(Channels(channels.dt, clean + rng.standard_normal(clean.shape) * sd, channels.has, channels.activity), noise)
+        i, j = problem.motion.starts[r], problem.motion.starts[r + 1]
+        m = problem.motion
+        parts.append(replace(m, x=again.x, v=again.v, a=again.a, u=m.u[i:j], theta=m.theta[i:j], starts=np.array([0, j - i])))
+    return truth - predict(base.fit.model, join(parts))
+
+
+def _force_noise(best: Candidate, problem: Problem, input_error: float) -> tuple[float, float]:
+    """Size [N] and lag-one correlation of the force noise, from what the best rival leaves."""
+    r = best.fit.residual[problem.train]
+    left = float(np.mean(r**2)) - input_error**2
+    size = float(np.sqrt(max(left, problem.sd_force**2, 1e-24)))
+    colour = float(np.clip(np.mean(r[1:] * r[:-1]) / max(np.mean(r**2), 1e-300), 0.0, 0.9))
+    return size, min(colour, 0.5)
+
+
+def _coloured(rng: np.random.Generator, n: int, size: float, colour: float) -> Array:
+    """First-order autoregressive noise (n,)."""
+    from scipy.signal import lfilter
+
+    white = rng.standard_normal(n) * np.sqrt(1.0 - colour**2)
+    return np.asarray(size * lfilter([1.0], [1.0, -colour], white))
+
+
+def _linear_losses(jacobian: Array, errors: Array, problem: Problem) -> Array:
+    """Cross-validated mean squares (replicates,) of error series after a linear fit on all columns."""
+    train = problem.train
+    size = np.sqrt(np.mean(jacobian[train] ** 2, axis=0))
+    j = jacobian[:, size > 1e-12 * max(float(size.max(initial=0.0)), 1e-300)]
+    j = j / np.sqrt(np.mean(j[train] ** 2, axis=0))
+    h = j[train].T @ j[train]
+    g = j[train].T @ errors[:, train].T
+    ridge = 1e-9 * np.trace(h) / max(h.shape[0], 1) * np.eye(h.shape[0])
+    total = np.zeros(errors.shape[0])
+    for b in range(FOLDS):
+        rows = problem.fold == b
+        jb, eb = j[rows], errors[:, rows].T
+        theta = np.linalg.solve(h - jb.T @ jb + ridge, g - jb.T @ eb)
+        total += np.sum((eb - jb @ theta) ** 2, axis=0)
+    return np.asarray(total / train.sum())

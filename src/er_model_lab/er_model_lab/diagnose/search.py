@@ -1,0 +1,140 @@
+"""Which effects to add: forward one at a time, pairs where one is not enough, backward, and ties."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from er_model_lab.diagnose.candidates import Candidate, effect_size, refit, refit_all, without
+from er_model_lab.diagnose.null import Null, simulate_null
+from er_model_lab.prepare import Problem
+from er_models.model import Array
+
+SENSING_FIRST = ("force_delay", "force_lag", "velocity_lag", "deflection_zero", "preload")
+SMALLEST_SHARE = 0.1
+"""An effect smaller than this share of the noise is not worth a name."""
+PAIRS_OF = 6
+"""Pairs are tried among this many best singles."""
+MOST_EFFECTS = 3
+
+
+@dataclass(frozen=True)
+class Round:
+    """One step of the search: where it began, every candidate, the null, and what was taken."""
+
+    base: Candidate
+    candidates: list[Candidate]
+    null: Null
+    threshold: float
+    taken: Candidate | None
+    ties: list[str]
+
+
+def threshold(null: Null, floor: float) -> float:
+    """Smallest effect size that counts [N]."""
+    return max(null.threshold(), SMALLEST_SHARE * floor)
+
+
+def passes(base: Candidate, candidate: Candidate, problem: Problem, limit: float) -> bool:
+    """Whether an effect is there: large, steady over blocks, and not at an absurd value.
+
+    The fall must exceed the limit, be positive in most blocks, and have a paired t above 3.
+    """
+    if effect_size(base, candidate) <= limit:
+        return False
+    gains = base.losses - candidate.losses
+    t = float(gains.mean() / max(gains.std(ddof=1) / np.sqrt(gains.size), 1e-300))
+    return (t > 3.0 or float(np.mean(gains > 0)) >= 0.8) and bool(np.sum(gains > 0) >= gains.size / 2)
+
+
+def block_t(better: Candidate, worse: Candidate, problem: Problem) -> float:
+    """Paired t of the squared errors of two candidates over one-second blocks; positive: `better` is."""
+    rows = problem.train
+    d = worse.residual[rows] ** 2 - better.residual[rows] ** 2
+    length = max(int(round(1.0 / problem.motion.dt)), 1)
+    means: Array = d[: d.size // length * length].reshape(-1, length).mean(axis=1)
+    spread = float(means.std(ddof=1)) / np.sqrt(means.size)
+    return float(means.mean() / max(spread, 1e-300))
+
+
+def complexity(candidate: Candidate) -> tuple[int, int]:
+    """Parameters in use, and whether it is physics (1) or a sensor (0): fewer and sensor first."""
+    model = candidate.fit.model
+    inner = sum(
+        1
+        for (effect, _), bound in zip(candidate.fit.free, candidate.fit.at_bound, strict=True)
+        if effect in candidate.effects and not bound
+    )
+    return inner, 0 if model.catalogue[candidate.name].stage == "sensing" else 1
+
+
+def tied(base: Candidate, candidates: list[Candidate], problem: Problem, limit: float) -> list[Candidate]:
+    """Candidates the data cannot tell from the best one, simplest first.
+
+    A tie needs nearly the same effect size, and a paired difference within 2 standard errors or a
+    difference in force too small to matter. Nested forms of one force are no tie: the simpler stands for both.
+    """
+    best = candidates[0]
+    size = effect_size(base, best)
+    near = [best]
+    for other in candidates[1:]:
+        if not passes(base, other, problem, limit) or effect_size(base, other) < 0.85 * size:
+            continue
+        gap = np.sqrt(max(other.mse - best.mse, 0.0))
+        if gap < 0.5 * limit or block_t(best, other, problem) < 2.0:
+            near.append(other)
+    return sorted(near, key=complexity)
+
+
+def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
+    """Whether two candidates make nearly the same force, so that one contains the other."""
+    rows = problem.train
+    change = simple.fit.residual[rows] - rich.fit.residual[rows]
+    return bool(np.mean(change**2) < 0.01 * max(np.mean(simple.residual[rows] ** 2), 1e-300))
+
+
+def one_round(
+    base: Candidate, problem: Problem, seed: int, replicates: int, tick: Callable[[str], None] | None = None
+) -> Round:
+    """Refit every missing effect, calibrate, and choose the best or nothing."""
+    candidates = refit_all(base, problem, tick=tick)
+    null = simulate_null(base, candidates, problem, seed, replicates)
+    limit = threshold(null, np.sqrt(min(candidates[0].mse, base.mse)))
+    able = [c for c in candidates if passes(base, c, problem, limit)]
+    if not able:
+        return Round(base, candidates, null, limit, None, [])
+    group = tied(base, able, problem, limit)
+    taken = group[0]
+    ties = [c.name for c in group if c is taken or not nested(taken, c, problem)]
+    return Round(base, candidates, null, limit, taken, ties)
+
+
+def try_pairs(step: Round, problem: Problem, target: float) -> Candidate | None:
+    """Best pair among the best singles, when it reaches the target mean square and beats the best single."""
+    model = step.base.fit.model
+    names = [c.name for c in step.candidates if effect_size(step.base, c) > 0][:PAIRS_OF]
+    singles = {c.name: c for c in step.candidates}
+    best: Candidate | None = None
+    for first, second in itertools.combinations(names, 2):
+        pair = refit(singles[first], model.catalogue[second], problem)
+        if best is None or pair.mse < best.mse:
+            best = pair
+    top = step.taken or step.candidates[0]
+    if best is None or best.mse > target or effect_size(top, best) < step.threshold:
+        return None
+    return best
+
+
+def prune(candidate: Candidate, problem: Problem, limit: float) -> Candidate:
+    """Take out every added effect that is no longer needed, weakest first."""
+    current = candidate
+    while len(current.effects) > 1:
+        trials = [without(current, name, problem) for name in current.effects]
+        easiest = min(trials, key=lambda c: c.mse)
+        if effect_size(easiest, current) > limit:
+            return current
+        current = easiest
+    return current

@@ -1,0 +1,168 @@
+"""The verdict: exactly one of six, with the numbers behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from er_model_lab.diagnose.candidates import Candidate, baseline, effect_size
+from er_model_lab.diagnose.coverage import Coverage, coverage
+from er_model_lab.diagnose.floor import Floor, noise_floor
+from er_model_lab.diagnose.null import Null
+from er_model_lab.diagnose.search import MOST_EFFECTS, Round, one_round, prune, try_pairs
+from er_model_lab.prepare import Problem
+from er_models.model import Model
+
+Name = Literal["adequate", "missing_effect", "ambiguous", "partial", "unknown_effect", "insufficient_data"]
+
+ENOUGH = 0.8
+"""Share of the explainable error that a named effect must explain."""
+HELPS = 0.2
+"""Share above which an effect is said to help."""
+VISIBLE = 0.05
+"""Share of the residual that boosted trees must explain before something unknown is claimed."""
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Result of a diagnosis; `rounds` holds every step of the search."""
+
+    verdict: Name
+    effects: tuple[str, ...]
+    alternatives: tuple[tuple[str, ...], ...]
+    base: Candidate
+    best: Candidate
+    rounds: tuple[Round, ...]
+    floor: Floor
+    null: Null
+    explainable: float
+    explained: float
+    coverage: Coverage
+    reasons: tuple[str, ...]
+
+    @property
+    def model(self) -> Model:
+        """The model with the named effects, refitted."""
+        return self.best.fit.model
+
+
+def diagnose(
+    model: Model,
+    problem: Problem,
+    *,
+    seed: int = 0,
+    replicates: int = 16,
+    tick: Callable[[str], None] | None = None,
+) -> Diagnosis:
+    """Refit the model, then find which effects are missing and how sure that is."""
+    cover = coverage(problem)
+    base = baseline(model, problem)
+    rounds = [one_round(base, problem, seed, replicates, tick)]
+    best = rounds[0].taken or base
+    floor = noise_floor(problem, _leader(rounds[0]), rounds[0].null.input_error, seed)
+    best, rounds, floor = _grow(best, rounds, floor, problem, seed, replicates, tick)
+    if len(best.effects) > 1:
+        best = prune(best, problem, rounds[0].threshold)
+    limit = floor.floor**2
+    explainable = max(1.0 - limit / base.mse, 0.0)
+    explained = (base.mse - best.mse) / max(base.mse - limit, 1e-12 * base.mse)
+    ties = _alternatives(best, rounds)
+    name, reasons = _decide(base, best, rounds, floor, explainable, explained, ties, cover)
+    if name in ("adequate", "insufficient_data"):
+        best, ties = base, ()
+    if name == "unknown_effect":
+        best, ties = base, ()
+    return Diagnosis(
+        name, best.effects, ties, base, best, tuple(rounds), floor, rounds[0].null, explainable,
+        float(explained) if best is not base else 0.0, cover, tuple(reasons),
+    )  # fmt: skip
+
+
+def _leader(step: Round) -> Candidate:
+    """The candidate with the smallest error of a round, or its beginning."""
+    return min([step.base, *step.candidates], key=lambda c: c.mse)
+
+
+def _grow(
+    best: Candidate, rounds: list[Round], floor: Floor, problem: Problem, seed: int, replicates: int,
+    tick: Callable[[str], None] | None,
+) -> tuple[Candidate, list[Round], Floor]:  # fmt: skip
+    """Add further effects while each explains most of what is left."""
+    first = rounds[0]
+    while best.effects and len(best.effects) < MOST_EFFECTS:
+        left = best.mse - floor.floor**2
+        if left < 0.05 * best.mse and not _something_left(best, rounds[-1], floor):
+            break
+        step = one_round(best, problem, seed + len(rounds), replicates, tick)
+        leader = _leader(step)
+        deeper = noise_floor(problem, leader, step.null.input_error, seed)
+        floor = deeper if deeper.floor < floor.floor else floor
+        if step.taken is None:
+            break
+        gain = best.mse - step.taken.mse
+        if gain < 0.5 * max(best.mse - floor.floor**2, 1e-300):
+            break
+        rounds.append(step)
+        best = step.taken
+    explained = (first.base.mse - best.mse) / max(first.base.mse - floor.floor**2, 1e-300)
+    if explained < ENOUGH and explained >= 0.0 and len(best.effects) < 2 and floor.explained > VISIBLE:
+        target = first.base.mse - ENOUGH * (first.base.mse - floor.floor**2)
+        pair = try_pairs(first, problem, target)
+        if pair is not None:
+            best = pair
+    return best, rounds, floor
+
+
+def _something_left(best: Candidate, step: Round, floor: Floor) -> bool:
+    """Whether the residual of the best model still holds a part worth a further round."""
+    return floor.explained > VISIBLE
+
+
+def _alternatives(best: Candidate, rounds: list[Round]) -> tuple[tuple[str, ...], ...]:
+    """Groups the data cannot tell apart, for the effects that were kept."""
+    groups = []
+    for step in rounds:
+        if step.taken is not None and step.taken.name in best.effects and len(step.ties) > 1:
+            groups.append(tuple(step.ties))
+    return tuple(groups)
+
+
+def _decide(
+    base: Candidate, best: Candidate, rounds: list[Round], floor: Floor, explainable: float, explained: float,
+    ties: tuple[tuple[str, ...], ...], cover: Coverage,
+) -> tuple[Name, list[str]]:  # fmt: skip
+    """The verdict and its reasons in plain sentences."""
+    size = effect_size(base, best)
+    reasons = [f"root mean square error {np.sqrt(base.mse):.3g} N after refitting, noise floor {floor.floor:.3g} N"]
+    unexplained = floor.explained > VISIBLE or floor.line[2] > VISIBLE
+    if not best.effects:
+        if cover.blocking:
+            return "insufficient_data", reasons + list(cover.blocking)
+        if unexplained or explainable > 2 * VISIBLE:
+            reasons.append("no known effect passes, yet the residual can be predicted from the inputs")
+            return "unknown_effect", reasons
+        reasons.append(f"no effect exceeds what chance gives in a complete model ({rounds[0].threshold:.3g} N)")
+        return "adequate", reasons
+    line_share = floor.line[2]
+    explained_all = explained * (1.0 - line_share)
+    reasons.append(f"{' and '.join(best.effects)} lower the error by {size:.3g} N, {explained:.0%} of what is explainable")
+    if explained_all >= ENOUGH:
+        if any(len(group) > 1 for group in ties):
+            reasons.append("the data cannot tell some effects apart")
+            return "ambiguous", reasons
+        if cover.blocking:
+            return "ambiguous", reasons + list(cover.blocking)
+        return "missing_effect", reasons
+    if explained >= HELPS:
+        reasons.append("a part remains that no known effect explains")
+        return "partial", reasons
+    reasons.append("what the known effects explain is too little to be the cause")
+    return "unknown_effect", reasons
+
+
+def with_replaced_null(diagnosis: Diagnosis, null: Null) -> Diagnosis:
+    """The diagnosis with another null, for calibration studies."""
+    return replace(diagnosis, null=null)

@@ -1,0 +1,194 @@
+"""Bounded least squares of model parameters on the damper force (Levenberg-Marquardt, all cores).
+
+The Jacobian comes from one batch of predictions. Blocks of the normal equations are kept, so that
+cross-validation costs one linear solve per block instead of a refit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from er_model_lab.prepare import FOLDS, Problem
+from er_models.model import Array, Model
+from er_models.predict import predict, predict_many
+from er_models.scales import Scales
+
+Free = tuple[tuple[str, str], ...]
+
+
+def free_parameters(model: Model) -> Free:
+    """All fitted parameters of a model's effects; the car itself is not fitted to a damper force."""
+    return tuple(
+        (name, q.name)
+        for name in model.effects
+        if model.catalogue[name].stage != "vehicle"
+        for q in model.catalogue[name].parameters
+        if q.fitted
+    )
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted model.
+
+    residual (n,): measured minus predicted [N]; jacobian (n, p): force per scaled parameter; scale (p,);
+    covariance (p, p) of the scaled parameters from blocks; at_bound (p,) mask.
+    """
+
+    model: Model
+    free: Free
+    theta: Array
+    scale: Array
+    residual: Array
+    jacobian: Array
+    at_bound: NDArray[np.bool_]
+    iterations: int
+
+    def mse(self, mask: NDArray[np.bool_]) -> float:
+        """Mean squared residual over a mask [N2]."""
+        return float(np.mean(self.residual[mask] ** 2))
+
+
+class Box:
+    """Scaled box of the free parameters of a model."""
+
+    def __init__(self, model: Model, free: Free, scales: Scales) -> None:
+        self.model, self.free = model, free
+        c = model.catalogue
+        params = [c[e].parameter(p) for e, p in free]
+        self.columns = np.array([c.column(e, p) for e, p in free], int)
+        self.scale = np.array([scales.of(q.unit) for q in params])
+        self.low = np.array([q.low for q in params])
+        self.high = np.array([q.high for q in params])
+        self.size = np.array([max([abs(s) for s in q.starts if np.isfinite(s)] + [1e-3]) for q in params])
+
+    def start(self) -> Array:
+        """Scaled values of the model, moved into the box."""
+        values = np.array([self.model.effects[e][p] for e, p in self.free], float) / self.scale
+        return np.clip(np.where(np.isfinite(values), values, self.high), self.low, self.high)
+
+    def vectors(self, thetas: Array) -> Array:
+        """Flat parameter vectors (m, n_parameters) of scaled points (m, p)."""
+        base = self.model.compiled().p
+        out = np.tile(base, (thetas.shape[0], 1))
+        out[:, self.columns] = thetas * self.scale
+        return out
+
+    def model_at(self, theta: Array) -> Model:
+        """The model with these scaled values."""
+        effects = {k: dict(v) for k, v in self.model.effects.items()}
+        for (e, p), value in zip(self.free, theta * self.scale, strict=True):
+            effects[e][p] = float(value)
+        return replace(self.model, effects=effects)
+
+
+def fit(model: Model, problem: Problem, free: Free | None = None, *, max_iter: int = 20, tol: float = 1e-4) -> Fit:
+    """Fit the free parameters (all by default) to the training samples, starting from the model's values."""
+    box = Box(model, free if free is not None else free_parameters(model), problem.scales)
+    theta, train = box.start(), problem.train
+    y = problem.force
+    f = predict(box.model_at(theta), problem.motion)
+    cost = float(np.mean((y - f)[train] ** 2))
+    damping, rounds = 1e-3, 0
+    jacobian = np.empty((y.shape[0], 0))
+    for rounds in range(1, max_iter + 1):
+        jacobian = _jacobian(box, theta, f, problem)
+        j, r = jacobian[train], (y - f)[train]
+        h, g = j.T @ j / r.size, j.T @ r / r.size
+        trials = _trials(h, g, theta, box, damping)
+        forces = predict_many(box.model, box.vectors(trials), problem.motion)
+        costs = np.mean((y - forces)[:, train] ** 2, axis=1)
+        costs = np.where(np.isfinite(costs), costs, np.inf)
+        best = int(np.argmin(costs))
+        if costs[best] >= cost * (1.0 - 1e-9):
+            if damping > 1e4:
+                break
+            damping *= 30.0
+            continue
+        gain = 1.0 - costs[best] / cost
+        theta, f, cost = trials[best], forces[best], float(costs[best])
+        damping = max(damping * (0.1, 1.0, 10.0)[best], 1e-7)
+        if gain < tol:
+            break
+    jacobian = _jacobian(box, theta, f, problem)
+    edge = (theta <= box.low + 1e-9 * box.size) | (theta >= box.high - 1e-9 * np.abs(box.high))
+    return Fit(box.model_at(theta), box.free, theta, box.scale, y - f, jacobian, edge, rounds)
+
+
+def _steps(box: Box, theta: Array) -> Array:
+    """Difference steps in scaled units, pointing into the box."""
+    step = 1e-4 * np.maximum(np.abs(theta), 0.1 * box.size)
+    return np.asarray(np.where(theta + step > box.high, -step, step))
+
+
+def _jacobian(box: Box, theta: Array, f: Array, problem: Problem) -> Array:
+    """Derivative of the force (n, p) by scaled parameters, one batch of predictions."""
+    step = _steps(box, theta)
+    forces = predict_many(box.model, box.vectors(theta + np.diag(step)), problem.motion)
+    return np.asarray(np.nan_to_num((forces - f).T / step))
+
+
+def _trials(h: Array, g: Array, theta: Array, box: Box, damping: float) -> Array:
+    """Three damped Gauss-Newton points inside the box; parameters pushed against a bound are held."""
+    held = ((theta <= box.low) & (g < 0)) | ((theta >= box.high) & (g > 0))
+    points = []
+    for factor in (0.1, 1.0, 10.0):
+        a = h + np.diag(damping * factor * np.diag(h) + 1e-14 * np.trace(h) / len(g))
+        rhs = np.where(held, 0.0, g)
+        a = np.where(held[:, None] | held[None, :], np.diag(np.diag(a) + 1e-300), a)
+        step = np.linalg.lstsq(a, rhs, rcond=1e-13)[0]
+        limit = 5.0 * np.maximum(np.abs(theta), box.size)
+        points.append(np.clip(theta + np.clip(step, -limit, limit), box.low, box.high))
+    return np.array(points)
+
+
+def cross_validated(fitted: Fit, problem: Problem) -> tuple[Array, Array]:
+    """Residual (n,) predicted without each block, and mean squared error per block (FOLDS,).
+
+    One Gauss-Newton step from the full fit leaves a block out: (H - H_b) d = g - g_b.
+    """
+    inner = ~fitted.at_bound
+    j_all = fitted.jacobian[:, inner]
+    train = problem.train
+    r = fitted.residual.copy()
+    h = j_all[train].T @ j_all[train]
+    ridge = 1e-10 * np.trace(h) / max(h.shape[0], 1) * np.eye(h.shape[0])
+    g = j_all[train].T @ r[train]
+    losses = np.zeros(FOLDS)
+    for b in range(FOLDS):
+        rows = problem.fold == b
+        j, e = j_all[rows], fitted.residual[rows]
+        step = np.linalg.solve(h - j.T @ j + ridge, g - j.T @ e) if j.shape[1] else np.zeros(0)
+        r[rows] = e - j @ step
+        losses[b] = float(np.mean(r[rows] ** 2))
+    return r, losses
+
+
+def covariance(fitted: Fit, problem: Problem) -> Array:
+    """Covariance (p, p) of the parameters [SI], robust to correlated errors: sandwich over one-second blocks."""
+    train = np.flatnonzero(problem.train)
+    inner = np.flatnonzero(~fitted.at_bound)
+    j, r = fitted.jacobian[train][:, inner], fitted.residual[train]
+    h = j.T @ j
+    inverse = np.linalg.pinv(h, rcond=1e-12)
+    length = max(int(round(1.0 / problem.motion.dt)), 1)
+    blocks = train // length
+    edges = np.flatnonzero(np.diff(blocks)) + 1
+    scores = np.add.reduceat(j * r[:, None], np.concatenate([[0], edges]), axis=0)
+    m = scores.shape[0]
+    meat = scores.T @ scores * (m / max(m - inner.size, 1))
+    out = np.full((fitted.theta.size,) * 2, np.nan)
+    out[np.ix_(inner, inner)] = inverse @ meat @ inverse * np.outer(fitted.scale[inner], fitted.scale[inner])
+    return out
+
+
+def with_deviations(fitted: Fit, problem: Problem) -> Model:
+    """The fitted model with standard deviations; infinite where the data say nothing."""
+    variance = np.diag(covariance(fitted, problem))
+    deviations = {k: dict(v) for k, v in fitted.model.deviations.items()}
+    for (effect, name), value in zip(fitted.free, variance, strict=True):
+        deviations.setdefault(effect, {})[name] = float(np.sqrt(value)) if value >= 0 else float("inf")
+    return replace(fitted.model, deviations=deviations)

@@ -1,0 +1,271 @@
+r"""Kinematic fusion: deflection, velocity and both accelerometers into one consistent motion.
+
+The state [x, v, a, j, b] (j: jerk, b: bias of the relative accelerometer) is driven by white snap,
+
+.. math:: x' = v, \quad v' = a, \quad a' = j, \quad j' = \text{white}(q_k), \quad b' = 0
+
+and is measured by whatever channels there are: x, the velocity channel v - T_v a (T_v: its lag), and
+a + b. Between kinks the acceleration is smooth and can be integrated far better than by a straight line;
+at a kink (a gate that closes, a friction that reverses) the intensity q_k rises with the third difference
+of the data, so that nothing is smoothed away. Noise levels, intensity and lag are found by maximum
+likelihood; a Rauch-Tung-Striebel smoother gives motion and covariance.
+
+Why: the gate of an electrorheological damper is 2 mm/s wide. Velocity noise of 1 mm/s makes wrong
+effects look true; fused motion is five times cleaner.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Standard deviations of the channels (x [m], v [m/s], a [m/s2]), snap intensity and velocity lag [s]."""
+
+    x: float
+    v: float
+    a: float
+    snap: float
+    lag: float = 0.0
+    lag_sd: float = float("inf")
+
+
+@dataclass(frozen=True)
+class Fused:
+    """Motion (n,) with standard deviations, noise levels, accelerometer bias [m/s2] and channels used."""
+
+    x: Array
+    v: Array
+    a: Array
+    sd_x: float
+    sd_v: float
+    sd_a: float
+    noise: Noise
+    bias: float
+    bias_sd: float
+    channels: tuple[str, ...]
+    score: float
+
+
+@njit(cache=True)
+def _solve_gain(p, h, r, m, gain):
+    """Innovation variance and gain (4,) of one scalar measurement with row h (4,)."""
+    s = r
+    for i in range(m):
+        ph = 0.0
+        for j in range(m):
+            ph += p[i, j] * h[j]
+        gain[i] = ph
+        s += h[i] * ph
+    for i in range(m):
+        gain[i] /= s
+    return s
+
+
+@njit(cache=True)
+def _transition(dt):
+    """Transition matrix (5, 5) over one sample."""
+    f = np.eye(5)
+    f[0, 1] = f[1, 2] = f[2, 3] = dt
+    f[0, 2] = f[1, 3] = dt**2 / 2.0
+    f[0, 3] = dt**3 / 6.0
+    return f
+
+
+@njit(cache=True)
+def _diffusion(dt):
+    """Covariance (5, 5) that white snap of unit intensity adds over one sample."""
+    q = np.zeros((5, 5))
+    factorial = (1.0, 1.0, 2.0, 6.0)
+    for i in range(4):
+        for j in range(4):
+            m, n = 3 - i, 3 - j
+            q[i, j] = dt ** (m + n + 1) / ((m + n + 1) * factorial[m] * factorial[n])
+    return q
+
+
+@njit(cache=True)
+def _filter(dt, zs, has, rows, variances, q, bias_var, activity, spread, xs, ps, xp, pp):
+    """Kalman filter over (n, 3) measurements, scalar updates; returns the log likelihood."""
+    n = zs.shape[0]
+    m = 5
+    x = np.zeros(m)
+    f, d = _transition(dt), _diffusion(dt)
+    p = np.zeros((m, m))
+    for i in range(4):
+        p[i, i] = spread[i]
+    p[4, 4] = bias_var
+    gain = np.zeros(m)
+    ll = 0.0
+    for k in range(n):
+        if k > 0:
+            x = f @ x
+            p = f @ p @ f.T + q * activity[k] * d
+        xp[k] = x
+        pp[k] = p
+        for c in range(3):
+            if not has[c]:
+                continue
+            h = rows[c]
+            s = _solve_gain(p, h, variances[c], m, gain)
+            e = zs[k, c]
+            for i in range(m):
+                e -= h[i] * x[i]
+            if k > 7:
+                ll -= 0.5 * (np.log(s) + e * e / s)
+            for i in range(m):
+                x[i] += gain[i] * e
+            for i in range(m):
+                for j in range(i, m):
+                    value = p[i, j] - gain[i] * gain[j] * s
+                    p[i, j] = value
+                    p[j, i] = value
+        xs[k] = x
+        ps[k] = p
+    return ll
+
+
+@njit(cache=True)
+def _smooth(dt, xs, ps, xp, pp):
+    """Rauch-Tung-Striebel backward pass, in place in xs and ps."""
+    f = _transition(dt)
+    for k in range(xs.shape[0] - 2, -1, -1):
+        c = np.linalg.solve(pp[k + 1], f @ ps[k]).T
+        xs[k] = xs[k] + c @ (xs[k + 1] - xp[k + 1])
+        ps[k] = ps[k] + c @ (ps[k + 1] - pp[k + 1]) @ c.T
+
+
+@dataclass(frozen=True)
+class Channels:
+    """Measurements (n, 3) with the channels there are, on a uniform grid."""
+
+    dt: float
+    z: Array
+    has: NDArray[np.uint8]
+    activity: Array
+
+    def first(self, n: int) -> Channels:
+        """The first n samples."""
+        return replace(self, z=self.z[:n], activity=self.activity[:n])
+
+
+def _run(ch: Channels, noise: Noise) -> tuple[float, Array, Array, Array, Array]:
+    """Filter pass: log likelihood and the arrays the smoother needs."""
+    n = ch.z.shape[0]
+    rows = np.zeros((3, 5))
+    rows[0, 0] = rows[1, 1] = rows[2, 2] = 1.0
+    rows[1, 2] = -noise.lag
+    rows[2, 4] = 1.0
+    xs, xp = np.empty((n, 5)), np.empty((n, 5))
+    ps, pp = np.empty((n, 5, 5)), np.empty((n, 5, 5))
+    variances = np.array([noise.x, noise.v, noise.a]) ** 2
+    bias_var = (10.0 * noise.a) ** 2 if ch.has[2] else 1e-18
+    scores = _filter(
+        ch.dt, ch.z, ch.has, rows, variances, noise.snap, bias_var, ch.activity, _spread(ch), xs, ps, xp, pp
+    )
+    return float(scores), xs, ps, xp, pp
+
+
+def _spread(ch: Channels) -> Array:
+    """Variance (4,) of the unknown state at the first sample: the size of what was measured."""
+    size = np.mean(ch.z**2, axis=0) + 1e-12
+    v2 = size[1] if ch.has[1] else np.mean(np.diff(ch.z[:, 0]) ** 2) / ch.dt**2
+    a2 = size[2] if ch.has[2] else v2 / (10.0 * ch.dt) ** 2
+    x2 = size[0] if ch.has[0] else v2
+    return np.asarray(100.0 * np.array([x2, v2, a2, a2 / (5.0 * ch.dt) ** 2]))
+
+
+def _start(ch: Channels) -> Noise:
+    """Starting noise levels from the calm quarter of the third differences of each channel."""
+    rough = []
+    for c in range(3):
+        d = np.abs(np.diff(ch.z[:, c], 3))
+        rough.append(max(float(np.quantile(d, 0.25)) / 0.3186 / np.sqrt(20.0), 1e-9))
+    order = 0 if ch.has[2] else (1 if ch.has[1] else 2)
+    best = ch.z[:, 2 - order]
+    snap = float(np.mean(np.diff(best, 2 + order) ** 2) / ch.dt ** (3 + 2 * order))
+    return Noise(rough[0], rough[1], rough[2], max(snap, 1e-9))
+
+
+def estimate_noise(ch: Channels, free_lag: bool) -> Noise:
+    """Maximum likelihood noise levels, and the lag of the velocity channel when free."""
+    start = _start(ch)
+    names = [n for n, h in zip(("x", "v", "a"), ch.has, strict=True) if h] + ["snap"]
+    origin = np.log([getattr(start, n) for n in names])
+    lag_scale = ch.dt
+    with_lag = free_lag and bool(ch.has[1]) and bool(ch.has[0] or ch.has[2])
+    point = np.append(origin, 0.0) if with_lag else origin
+
+    def noise_at(theta: Array) -> Noise:
+        values = dict(zip(names, np.exp(np.clip(theta[: len(names)], -40, 40)), strict=True))
+        lag = float(np.clip(theta[-1], -20, 20)) * lag_scale if with_lag else 0.0
+        return replace(start, lag=lag, **{k: float(v) for k, v in values.items()})
+
+    def cost(theta: Array) -> float:
+        ll = _run(ch, noise_at(theta))[0]
+        return -ll if np.isfinite(ll) else 1e30
+
+    simplex = np.vstack([point, point + 0.7 * np.eye(point.size)])
+    best = minimize(cost, point, method="Nelder-Mead", options={
+        "initial_simplex": simplex, "maxfev": 40 * point.size, "xatol": 0.02, "fatol": 0.5,
+    })  # fmt: skip
+    noise = noise_at(best.x)
+    return _with_lag_sd(best.x, cost, noise, lag_scale) if with_lag else noise
+
+
+def _with_lag_sd(theta: Array, cost: object, noise: Noise, scale: float) -> Noise:
+    """Standard deviation of the lag from the curvature of the likelihood."""
+    step = np.zeros_like(theta)
+    step[-1] = 0.05
+    curvature = (cost(theta + step) - 2.0 * cost(theta) + cost(theta - step)) / 0.05**2  # type: ignore[operator]
+    return replace(noise, lag_sd=scale / np.sqrt(curvature) if curvature > 0 else float("inf"))
+
+
+def channels_of(dt: float, x: Array | None, v: Array | None, a: Array | None) -> Channels:
+    """Pack the channels there are; at least deflection or velocity is needed."""
+    n = next(c.shape[0] for c in (x, v, a) if c is not None)
+    z = np.zeros((n, 3))
+    has = np.zeros(3, np.uint8)
+    for c, channel in enumerate((x, v, a)):
+        if channel is not None:
+            z[:, c] = channel
+            has[c] = 1
+    return Channels(dt, z, has, _activity(a) if a is not None else np.ones(n))
+
+
+def _activity(a: Array) -> Array:
+    """Relative local snap intensity (n,), from the third difference of the acceleration less its noise."""
+    third = np.diff(a, 3) ** 2
+    noise = float(np.quantile(third, 0.25)) / 0.1015
+    local = np.zeros(a.shape[0])
+    local[2 : 2 + third.size] = np.convolve(third, np.ones(4) / 4.0, "same")
+    local = np.maximum(local - noise, 0.005 * max(float(local.mean()), 1e-30))
+    return np.asarray(local / local.mean())
+
+
+def fuse(
+    ch: Channels, noise: Noise | None = None, *, free_lag: bool = True, limit: int = 3000
+) -> Fused:
+    """Smoothed motion of one record; noise levels are estimated on its first `limit` samples when not given."""
+    noise = noise or estimate_noise(ch.first(limit), free_lag)
+    ll, xs, ps, xp, pp = _run(ch, noise)
+    _smooth(ch.dt, xs, ps, xp, pp)
+    names = tuple(
+        n
+        for n, h in zip(("deflection", "deflection_velocity", "acceleration"), ch.has, strict=True)
+        if h
+    )
+    sd = np.sqrt(np.maximum(ps.diagonal(axis1=1, axis2=2), 0.0).mean(axis=0))
+    return Fused(
+        x=np.ascontiguousarray(xs[:, 0]), v=np.ascontiguousarray(xs[:, 1]), a=np.ascontiguousarray(xs[:, 2]),
+        sd_x=float(sd[0]), sd_v=float(sd[1]), sd_a=float(sd[2]), noise=noise,
+        bias=float(xs[-1, 4]), bias_sd=float(np.sqrt(max(ps[-1, 4, 4], 0.0))), channels=names, score=ll / ch.z.shape[0],
+    )  # fmt: skip

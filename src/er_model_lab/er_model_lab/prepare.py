@@ -1,0 +1,195 @@
+"""From records to a fitting problem: fused motion, measured force, and who may see which sample.
+
+Held-out samples are never used for fitting or for choosing an effect; they only score the result.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from er_model_lab.fuse import Channels, Fused, Noise, channels_of, estimate_noise, fuse
+from er_model_lab.record import Record
+from er_models.errors import InputError, MissingChannel
+from er_models.predict import Motion, join
+from er_models.scales import Scales
+
+Array = NDArray[np.float64]
+
+WARM_UP = 0.3
+"""Time at the start of each record in which unknown initial states fade [s]; not scored."""
+FOLDS = 12
+"""Blocks for cross-validation."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A data set ready for prediction and fitting; all arrays (n,), records laid end to end.
+
+    force: measured [N]; fold: block of each training sample, -1 elsewhere; held_out: mask of samples that
+    only score; raw: measured channels before fusion; fused: per record; sd_force: white noise of the force.
+    """
+
+    motion: Motion
+    force: Array
+    fold: NDArray[np.int64]
+    held_out: NDArray[np.bool_]
+    raw: tuple[Channels, ...]
+    fused: tuple[Fused, ...]
+    noise: Noise
+    names: tuple[str, ...]
+    notes: tuple[str, ...]
+    complete: bool
+    sd_force: float
+    velocity_lag: tuple[float, float]
+
+    @property
+    def train(self) -> NDArray[np.bool_]:
+        """Mask of the training samples."""
+        return self.fold >= 0
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """Mask of all scored samples."""
+        return self.train | self.held_out
+
+    @property
+    def scales(self) -> Scales:
+        """Envelope of the data: robust peaks of force, deflection, velocity and duty."""
+        m = self.motion
+
+        def peak(y: Array) -> float:
+            return float(max(np.quantile(np.abs(y - np.median(y)), 0.995), 1e-9))
+
+        return Scales(peak(self.force), peak(m.x), peak(m.v), float(max(m.u.max(), 1e-3)))
+
+
+def prepare(records: list[Record], *, velocity_lag: float | None = None) -> Problem:
+    """Fuse and split records; needs damper_force, and deflection or its velocity.
+
+    velocity_lag: known lag of the velocity channel [s]; None estimates it and keeps it as evidence only.
+
+    Raises:
+        MissingChannel: Without force, or without both deflection and velocity.
+        InputError: When there is not enough data to split.
+    """
+    if not records:
+        raise InputError("DATA", "", "at least one record", "none")
+    dt = max(r.dt for r in records)
+    raw = tuple(_channels(r, dt) for r in records)
+    noise = estimate_noise(raw[0].first(3000), free_lag=False)
+    lag, lag_sd = _lag_evidence(raw[0]) if velocity_lag is None else (velocity_lag, 0.0)
+    if velocity_lag is not None:
+        noise = replace(estimate_noise(raw[0].first(3000), free_lag=True), lag=velocity_lag)
+    fused = tuple(fuse(c, noise) for c in raw)
+    force = [_resampled(r, "damper_force", dt) for r in records]
+    motion = join([_motion(r, f, dt) for r, f in zip(records, fused, strict=True)])
+    fold, held_out = split(motion.starts, dt)
+    y = np.concatenate(force)
+    return Problem(
+        motion=motion, force=y, fold=fold, held_out=held_out, raw=raw, fused=fused, noise=noise,
+        names=tuple(r.name for r in records),
+        notes=tuple(n for r in records for n in r.notes) + _losses(records[0]),
+        complete=all(r.complete for r in records), sd_force=white_noise(force), velocity_lag=(lag, lag_sd),
+    )  # fmt: skip
+
+
+def split(starts: NDArray[np.int64], dt: float) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Fold of each training sample (-1: not used) and mask of the held-out samples.
+
+    Three records or more: the last quarter of them, at least one, is held out whole. Otherwise every
+    third of some ten stretches of each record, with a guard on both sides.
+    """
+    n, records = int(starts[-1]), len(starts) - 1
+    fold = np.full(n, -1, np.int64)
+    held = np.zeros(n, bool)
+    guard = int(round(0.25 / dt))
+    first_held = records - max(1, records // 4) if records >= 3 else records
+    for r in range(records):
+        i, j = int(starts[r]) + int(round(WARM_UP / dt)), int(starts[r + 1])
+        if j - i < 8:
+            continue
+        if r >= first_held:
+            held[i:j] = True
+            continue
+        if records >= 3:
+            fold[i:j] = 0
+            continue
+        edges = np.linspace(i, j, 11).astype(int)
+        for b, (lo, hi) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
+            if b % 3 == 2:
+                held[min(lo + guard, hi) : hi] = True
+            else:
+                fold[lo : max(hi - guard, lo)] = 0
+    order = np.flatnonzero(fold >= 0)
+    if order.size < 100 or held.sum() < 30:
+        raise InputError("DATA", "length", "at least 150 samples to fit and to hold out", n)
+    fold[order] = np.arange(order.size) * FOLDS // order.size
+    return fold, held
+
+
+def white_noise(forces: list[Array]) -> float:
+    """White part of the force noise [N], from second differences where the force is calm."""
+    d = np.concatenate([np.diff(f, 3) for f in forces])
+    calm = np.abs(d) <= np.quantile(np.abs(d), 0.5)
+    return float(np.quantile(np.abs(d), 0.25) / 0.3186 / np.sqrt(20.0)) if calm.any() else 0.0
+
+
+def _channels(record: Record, dt: float) -> Channels:
+    """The motion channels a record has, on the common grid."""
+    if not (record.has("deflection") or record.has("deflection_velocity")):
+        raise MissingChannel(
+            record.source or record.name, "deflection", "to know the motion", tuple(record.channels)
+        )
+    both = record.has("sprung_acceleration") and record.has("unsprung_acceleration")
+    a = None
+    if both:
+        a = _resampled(record, "sprung_acceleration", dt) - _resampled(record, "unsprung_acceleration", dt)
+    v = None
+    if record.has("deflection_velocity") and "deflection_velocity" not in record.derived:
+        v = _resampled(record, "deflection_velocity", dt)
+    x = _resampled(record, "deflection", dt) if record.has("deflection") else None
+    return channels_of(dt, x, v, a)
+
+
+def _resampled(record: Record, channel: str, dt: float) -> Array:
+    """A channel on the common grid; averaged over the longer step when the grid is coarser."""
+    y = record.need(channel, "to compare the damper force")
+    ratio = dt / record.dt
+    if abs(ratio - 1.0) < 0.01:
+        return np.asarray(y)
+    width = max(int(round(ratio)), 1)
+    smooth = np.convolve(y, np.ones(width) / width, "same") if width > 1 and channel != "duty" else y
+    grid = np.arange(record.t[0], record.t[-1], dt)
+    return np.asarray(np.interp(grid, record.t, smooth))
+
+
+def _motion(record: Record, fused: Fused, dt: float) -> Motion:
+    """Inputs of the damper model of one record."""
+    n = fused.x.shape[0]
+    u = _resampled(record, "duty", dt) if record.has("duty") else np.zeros(n)
+    theta = np.zeros(n)
+    if record.has("temperature"):
+        theta = _resampled(record, "temperature", dt)
+        theta = theta - theta[0]
+    return Motion(dt, fused.x, fused.v, fused.a, np.ascontiguousarray(u), theta, np.array([0, n]))
+
+
+def _lag_evidence(channels: Channels) -> tuple[float, float]:
+    """Lag of the velocity channel against deflection and accelerometers, with its standard deviation [s]."""
+    if not (channels.has[1] and (channels.has[0] or channels.has[2])):
+        return 0.0, float("inf")
+    noise = estimate_noise(channels.first(3000), free_lag=True)
+    return noise.lag, noise.lag_sd
+
+
+def _losses(record: Record) -> tuple[str, ...]:
+    """What is lost without some channels."""
+    notes = []
+    if not (record.has("sprung_acceleration") and record.has("unsprung_acceleration")):
+        notes.append("without both accelerations the velocity is known less well: effects near zero velocity blur")
+    if not record.has("duty"):
+        notes.append("no duty channel: taken as 0, effects of the field cannot be seen")
+    return tuple(notes)
