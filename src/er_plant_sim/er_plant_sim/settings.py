@@ -53,8 +53,12 @@ class PlantParameters:
     duty_slew: float = param(
         0.0, unit="1/s", low=0.0, high=1e4, text="fastest change of the duty; 0: no limit"
     )
-    wait_for: int = param(
-        0, low=0, high=20, text="subscribers of every measurement to wait for before starting"
+    wait_for: tuple[int, ...] = param(
+        (0,) * 5,
+        length=5,
+        low=0,
+        high=100,
+        text="subscribers to wait for of acceleration, deflection, force, road, applied duty",
     )
     start_timeout: float = param(
         10.0, unit="s", low=0.0, high=600.0, text="how long to wait for them at most"

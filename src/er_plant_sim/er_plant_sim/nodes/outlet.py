@@ -50,11 +50,14 @@ class Outlet:
         """Publish the duty in force from this tick on."""
         self.applied.publish(ros_msgs.applied(tick, duty))
 
-    def subscribers(self) -> int:
-        """Subscribers of both kinds of motion sensor, the smaller number."""
-        return min(p.get_subscription_count() for p in (self.acceleration, self.deflection))
+    def subscribers(self) -> tuple[int, ...]:
+        """Subscribers of acceleration, deflection, force, road, applied duty."""
+        return tuple(publisher.get_subscription_count() for publisher in self._all())
+
+    def _all(self) -> tuple[Publisher, ...]:
+        return (self.acceleration, self.deflection, self.force, self.road, self.applied)
 
     def flush(self) -> None:
         """Wait until reliable subscribers have taken the last messages."""
-        for publisher in (self.acceleration, self.deflection, self.force, self.road, self.applied):
+        for publisher in self._all():
             publisher.wait_for_all_acked(ACKNOWLEDGED)

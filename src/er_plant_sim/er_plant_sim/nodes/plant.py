@@ -78,12 +78,15 @@ class PlantNode(Node):
 
     def _everybody_there(self) -> bool:
         """Whether the graph is complete, or waiting for it took too long."""
+        wanted = self.p.wait_for
+        here = self.out.subscribers()
         commanded = self.rig.programmed or self.count_publishers(topics.PWM_COMMAND.name) > 0
-        if self.out.subscribers() >= self.p.wait_for and (commanded or not self.p.wait_for):
+        if not any(wanted):
+            return True
+        if commanded and all(n >= m for n, m in zip(here, wanted, strict=True)):
             return True
         if monotonic() - self.made_at < self.p.start_timeout:
             return False
-        here, wanted = self.out.subscribers(), self.p.wait_for
         self.get_logger().warning(f"starting with {here} subscribers, waited for {wanted}")
         return True
 
@@ -132,7 +135,7 @@ class PlantNode(Node):
         mode, status, reason = "running", NodeStatus.STATUS_OK, ""
         if not self.running:
             mode, status = "waiting", NodeStatus.STATUS_INITIALIZING
-            reason = f"for {self.p.wait_for} subscribers of every measurement"
+            reason = f"for {list(self.p.wait_for)} subscribers of its topics"
         elif self.applied and self.applied.reason not in (Reason.COMMAND, Reason.PROGRAM):
             mode, status = "safe", NodeStatus.STATUS_DEGRADED
             reason = f"safe duty: {self.applied.reason.value}"

@@ -1,0 +1,61 @@
+"""Arguments of the launch file and of `er up`, KEY:=VALUE, written down once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Argument:
+    """One argument; kind is what its text must mean."""
+
+    name: str
+    default: str
+    meaning: str
+    choices: tuple[str, ...] = ()
+    kind: type[str] | type[int] | type[float] = str
+
+    @property
+    def expected(self) -> str:
+        """What a value must be, in words."""
+        if self.choices:
+            return f"one of {', '.join(self.choices)}"
+        return {int: "an integer", float: "a number", str: "a text"}[self.kind]
+
+
+ARGUMENTS = (
+    Argument("namespace", "", "namespace of the corner, for instance front_left"),
+    Argument("model", "inove_quarter_car", "vehicle model: a file, or a name in config/vehicles"),
+    Argument("damper", "", "model whose damper is put into the plant: an effect can hide there"),
+    Argument("program", "iso_steps", "road and duty: a file, or a name in config/experiments"),
+    Argument("duration", "-1", "s; -1: as the program says, 0: until Ctrl-C", kind=float),
+    Argument("seed", "-1", "of road, duty and sensor noise; -1: the program's", kind=int),
+    Argument(
+        "mode", "realtime", "who sets the pace", choices=("realtime", "sim_time", "lockstep")
+    ),
+    Argument(
+        "rate_factor", "1.0", "speed of simulated time; 0 in lockstep: no waiting", kind=float
+    ),
+    Argument("controller", "skyhook", "controller to run", choices=("skyhook", "none")),
+    Argument("duty", "command", "who says the duty of the plant", choices=("command", "program")),
+    Argument("observers", "nlpv_polytopic", "observers with commas between, or none"),
+    Argument("gains", "", "gains: a file, or a name in config/gains; by default the observer's"),
+    Argument("record", "", "folder to be made for a recording; by default nothing is recorded"),
+    Argument("storage", "mcap", "format of the recording", choices=("mcap", "sqlite3")),
+    Argument("plant_params", "", "parameter file for the plant, over config/nodes/plant.yaml"),
+)
+
+
+def table() -> str:
+    """The arguments as text, one a line, with what each may be and its default."""
+    rows = [(a.name, a.meaning, _allowed(a), f"default '{a.default}'") for a in ARGUMENTS]
+    widths = [max(len(row[i]) for row in rows) for i in range(3)]
+    lines = (
+        "  ".join([*(c.ljust(w) for c, w in zip(row, widths, strict=False)), row[3]])
+        for row in rows
+    )
+    return "\n".join(f"  {line}" for line in lines)
+
+
+def _allowed(argument: Argument) -> str:
+    return "" if argument.kind is str and not argument.choices else argument.expected

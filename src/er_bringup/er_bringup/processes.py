@@ -1,0 +1,101 @@
+"""Child processes with prefixed output, stopped in order and never left behind."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Mapping, Sequence
+from time import monotonic, sleep
+from typing import IO
+
+PATIENCE = 8.0
+"""Time to end after SIGINT; a recorder may have to write its index [s]."""
+LAST_PATIENCE = 2.0
+"""Time to end after SIGTERM, before SIGKILL [s]."""
+POLL = 0.02
+KILLED = 128
+"""Exit status of a process ended by signal n is this plus n, as shells say it."""
+_PR_SET_PDEATHSIG = 1
+
+
+class Child:
+    """One running process; its lines appear on `out` behind its label."""
+
+    def __init__(self, label: str, argv: Sequence[str], out: IO[str]) -> None:
+        self.label, self.stopped = label, False
+        # a session of its own: Ctrl-C on the terminal reaches it through us, once
+        self.process = subprocess.Popen(
+            argv,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            start_new_session=True,
+            preexec_fn=_end_with_parent if sys.platform == "linux" else None,
+        )
+        self._reader = threading.Thread(target=self._copy, args=(out,), daemon=True)
+        self._reader.start()
+
+    def _copy(self, out: IO[str]) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            out.write(f"[{self.label}] {line.rstrip()}\n")
+            out.flush()
+
+    @property
+    def status(self) -> int | None:
+        """Exit status, None while it runs; 128 + n where signal n ended it."""
+        code = self.process.poll()
+        return code if code is None or code >= 0 else KILLED - code
+
+    def send(self, number: int) -> None:
+        """Send a signal, unless it has ended."""
+        if self.process.poll() is None:
+            self.process.send_signal(number)
+
+    def finish(self) -> None:
+        """Wait for the last lines of an ended process."""
+        self._reader.join(timeout=2.0)
+
+
+def stop(children: Sequence[Child]) -> None:
+    """End all of these: Ctrl-C, then SIGTERM, then SIGKILL for the whole session."""
+    for number, patience in ((signal.SIGINT, PATIENCE), (signal.SIGTERM, LAST_PATIENCE)):
+        for child in children:
+            child.send(number)
+        if _ended(children, patience):
+            break
+    for child in children:
+        if child.status is None:
+            os.killpg(child.process.pid, signal.SIGKILL)
+            child.process.wait()
+        child.finish()
+
+
+def worst(statuses: Mapping[str, int]) -> int:
+    """The exit status that says most: the largest."""
+    return max(statuses.values(), default=0)
+
+
+def _ended(children: Sequence[Child], patience: float) -> bool:
+    """Whether all ended within this time [s]."""
+    until = monotonic() + patience
+    while any(child.status is None for child in children):
+        if monotonic() > until:
+            return False
+        sleep(POLL)
+    return True
+
+
+_LIBC = ctypes.CDLL(None, use_errno=True) if sys.platform == "linux" else None
+
+
+def _end_with_parent() -> None:
+    """Runs in the child: have the kernel send SIGTERM when the parent ends, however it ends."""
+    if _LIBC is not None:
+        _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)

@@ -1,0 +1,126 @@
+"""``er up``: starts the graph without ros2 launch, with the same arguments and command lines.
+
+It ends with the plant, or with the first node that fails, or on Ctrl-C; the recorder is stopped
+last, so that a recording holds how everything ended. The exit status is the worst of all nodes.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from time import sleep
+from types import FrameType
+from typing import IO
+
+from ament_index_python.packages import (
+    PackageNotFoundError,
+    get_package_prefix,
+    get_package_share_directory,
+)
+from er_models.errors import ErError, InputError
+
+from er_bringup.arguments import table
+from er_bringup.graph import PLANT, RECORDER, NodeSpec, complete, nodes, parse
+from er_bringup.processes import KILLED, POLL, Child, stop, worst
+
+USAGE = f"""usage: er up [KEY:=VALUE ...]
+
+Starts plant, observers, controller and recorder as processes; ends with the plant or on Ctrl-C.
+
+{table()}"""
+STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def configuration() -> Path:
+    """Folder of models, programs, gains and parameter files."""
+    try:
+        return Path(get_package_share_directory("er_bringup")) / "config"
+    except PackageNotFoundError:
+        return Path(os.path.realpath(__file__)).parents[1] / "config"
+
+
+def executable(spec: NodeSpec) -> str:
+    """Path of a node's program.
+
+    Raises:
+        InputError: The package is not installed, or has no such program.
+    """
+    try:
+        folder = Path(get_package_prefix(spec.package)) / "lib" / spec.package
+    except PackageNotFoundError:
+        raise InputError(spec.package, "", "an installed package", "none") from None
+    path = folder / spec.executable
+    if not path.is_file():
+        raise InputError(path, "", "a program", "no file")
+    return str(path)
+
+
+def argv(spec: NodeSpec) -> list[str]:
+    """The whole command line of a node."""
+    return [executable(spec), *spec.arguments()]
+
+
+def run(
+    given: Mapping[str, str],
+    out: IO[str] | None = None,
+    stopping: Callable[[], bool] = lambda: False,
+) -> dict[str, int]:
+    """Run the graph until it ends or `stopping` says so; returns the exit status of every node.
+
+    Args:
+        given: arguments, complete or not.
+        out: where the nodes' lines go; None: standard output.
+        stopping: asked again and again; true ends the graph.
+
+    Raises:
+        InputError: An argument, a file or a package is wrong; nothing was started then.
+    """
+    specs = nodes(complete(given), configuration())
+    commands = [(spec.executable, argv(spec)) for spec in specs]
+    children: list[Child] = []
+    try:
+        children += (Child(label, command, out or sys.stdout) for label, command in commands)
+        while not stopping() and not _over(children):
+            sleep(POLL)
+    finally:
+        stop([child for child in children if child.label != RECORDER])
+        stop([child for child in children if child.label == RECORDER])
+    return {child.label: child.status or 0 for child in children}
+
+
+def _over(children: Sequence[Child]) -> bool:
+    """Whether the plant ended or a node failed; one that was killed may be replaced."""
+    ended = {child.label: child.status for child in children if child.status is not None}
+    failed = any(0 < status < KILLED for status in ended.values())
+    return PLANT in ended or failed or len(ended) == len(children)
+
+
+def main() -> None:
+    """Entry point of the command."""
+    given = sys.argv[1:]
+    if any(word in ("-h", "--help", "--show-args", "-s") for word in given):
+        print(USAGE)  # noqa: T201  (the answer to --help)
+        sys.exit(0)
+    told: list[int] = []
+
+    def tell(number: int, _: FrameType | None) -> None:
+        told.append(number)
+
+    for number in STOPS:
+        signal.signal(number, tell)
+    try:
+        statuses = run(parse(given), stopping=lambda: bool(told))
+    except ErError as error:
+        sys.stderr.write(f"er up: {error}\n")
+        sys.exit(error.exit_status)
+    for label, status in statuses.items():
+        if status:
+            sys.stderr.write(f"er up: {label} ended with exit status {status}\n")
+    sys.exit(worst(statuses))
+
+
+if __name__ == "__main__":
+    main()
