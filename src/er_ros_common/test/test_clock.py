@@ -1,0 +1,26 @@
+"""Stamps to and from numbers; the steady timer is covered by test_spin."""
+
+from __future__ import annotations
+
+import pytest
+from builtin_interfaces.msg import Time
+
+from er_ros_common import clock
+
+
+@pytest.mark.parametrize(
+    "nanoseconds", [0, 1, 999_999_999, 1_000_000_000, 1_795_000_000_123_456_789]
+)
+def test_nanoseconds_survive_the_stamp(nanoseconds: int) -> None:
+    assert clock.from_stamp(clock.to_stamp(nanoseconds)) == nanoseconds
+
+
+def test_seconds() -> None:
+    assert clock.to_seconds(Time(sec=12, nanosec=250_000_000)) == 12.25
+    assert clock.from_seconds(12.25) == Time(sec=12, nanosec=250_000_000)
+
+
+@pytest.mark.parametrize("nanoseconds", [-1, 2**31 * 1_000_000_000])
+def test_times_a_stamp_cannot_hold_are_refused(nanoseconds: int) -> None:
+    with pytest.raises(ValueError, match="a stamp holds"):
+        clock.to_stamp(nanoseconds)

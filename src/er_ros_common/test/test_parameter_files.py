@@ -1,0 +1,88 @@
+"""Parameter files: what ROS ignores or dies of is said in one line; values are traced."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from er_models.errors import InputError
+from er_ros_common.parameter_files import check_files, matches, origins
+
+
+def argv(path: Path) -> list[str]:
+    """Command line that passes a parameter file."""
+    return ["--ros-args", "-r", "__ns:=/fl", "--params-file", str(path)]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "expected /\\*\\* or a node's name, then ros__parameters, found none"),
+        ("/**:\n  rate: 1.0\n", "then ros__parameters, found none"),
+        ("/**: [\n", "line 2: expected YAML"),
+        ("/**:\n  ros__parameters:\n    g: [1.0, 2]\n", "g: expected entries of one type"),
+        (
+            "/**:\n  ros__parameters:\n    a:\n      g: [[1.0], [2.0]]\n",
+            "a.g: expected a flat list",
+        ),
+        ("/**:\n  ros__parameters:\n    g: ['1', 2]\n", "found integer and text"),
+    ],
+)
+def test_file_that_would_end_the_process_is_refused(
+    tmp_path: Path, text: str, message: str
+) -> None:
+    path = tmp_path / "p.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=message) as caught:
+        check_files(argv(path))
+    assert str(caught.value).startswith(str(path))
+
+
+def test_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"none\.yaml: expected a readable parameter file"):
+        check_files(argv(tmp_path / "none.yaml"))
+
+
+@pytest.mark.parametrize("entries", ["1.0, 2.5, 1e-3, .5, -2.0", "1, -2, 0x10", "a, 'b', \"c\""])
+def test_lists_of_one_type_pass(tmp_path: Path, entries: str) -> None:
+    path = tmp_path / "p.yaml"
+    path.write_text(f"/**:\n  ros__parameters:\n    g: [{entries}]\n", encoding="utf-8")
+    check_files(argv(path))
+
+
+def test_values_are_traced_and_the_later_one_wins(tmp_path: Path) -> None:
+    path = tmp_path / "p.yaml"
+    text = "/**:\n  ros__parameters:\n    rate: 1.0\n    noise: {force: 0.1}\n    seed: 3\n"
+    path.write_text(text, encoding="utf-8")
+    found = origins([*argv(path), "-p", "rate:=2.0"], "/fl/plant")
+    assert found == {"rate": "command line", "noise.force": str(path), "seed": str(path)}
+
+
+def test_file_for_another_node_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "p.yaml"
+    path.write_text("observer:\n  ros__parameters:\n    rate: 1.0\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"expected parameters for /fl/plant"):
+        origins(argv(path), "/fl/plant")
+
+
+def test_arguments_after_the_ros_ones_are_not_read(tmp_path: Path) -> None:
+    check_files(["--ros-args", "-p", "a:=1", "--", "--params-file", str(tmp_path / "none.yaml")])
+
+
+@pytest.mark.parametrize(
+    ("pattern", "full_name", "applies"),
+    [
+        ("/**", "/plant", True),
+        ("/**", "/a/b/plant", True),
+        ("/**/plant", "/a/b/plant", True),
+        ("/**/plant", "/a/b/planter", False),
+        ("/*/plant", "/a/plant", True),
+        ("/*/plant", "/a/b/plant", False),
+        ("/plant", "/plant", True),
+        ("/plant", "/a/plant", False),
+        ("/a.b", "/axb", False),
+    ],
+)
+def test_node_name_patterns(pattern: str, full_name: str, applies: bool) -> None:
+    assert matches(pattern, full_name) is applies
