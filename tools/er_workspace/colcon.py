@@ -41,6 +41,7 @@ def build(layout: Layout, lock: int) -> None:
     if not mark.is_file() or mark.read_text(encoding="utf-8") != foundation:
         shutil.rmtree(layout.build, ignore_errors=True)
         shutil.rmtree(layout.install, ignore_errors=True)
+    shutil.rmtree(layout.log.parent / "colcon", ignore_errors=True)
     _drop_removed(layout)
     layout.build.mkdir(exist_ok=True)
     mark.unlink(missing_ok=True)

@@ -60,8 +60,12 @@ def command_environment(layout: Layout, environ: Mapping[str, str]) -> dict[str,
         theirs = [p for p in environ.get(name, "").split(os.pathsep) if p and p not in own]
         if name in ("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH"):
             theirs = []
-        outside = [p for p in theirs if not any(Path(p).is_relative_to(f) for f in foreign)]
-        env[name] = os.pathsep.join([*own, *outside]) if name in PATHS else value
+        elif name in ("PYTHONPATH", "LD_LIBRARY_PATH"):
+            theirs = [p for p in theirs if not any(Path(p).is_relative_to(f) for f in foreign)]
+        env[name] = os.pathsep.join([*own, *theirs]) if name in PATHS else value
+    if layout.ros is None:
+        # the wheels bring Fast DDS only
+        env.pop("RMW_IMPLEMENTATION", None)
     env.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     return env
 

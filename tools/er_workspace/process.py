@@ -106,6 +106,6 @@ def _telling_line(log: Path, begin: int) -> str:
         "Failed to establish a new connection" in line or "Name or service not known" in line
         for line in lines
     ):
-        return "no network"
+        return "no network, the package index cannot be reached"
     errors = [line for line in lines if re.search(r"\berror\b", line, re.IGNORECASE)]
     return (errors or lines[-1:] or ["no output"])[0][:200]

@@ -83,15 +83,17 @@ def setup_environment() -> dict[str, str]:
     """Environment of the set-up's own programs: nothing of another Python or ROS 2 leaks in."""
     foreign = ("PYTHON", "AMENT_", "COLCON_", "CMAKE_", "ROS_", "RMW_", "_ROS_")
     kept = {k: v for k, v in os.environ.items() if not k.startswith(foreign)}
-    kept.pop("LD_LIBRARY_PATH", None)
-    kept.pop("VIRTUAL_ENV", None)
+    for name in ("LD_LIBRARY_PATH", "VIRTUAL_ENV", "PIP_USER", "PIP_TARGET", "PIP_PREFIX"):
+        kept.pop(name, None)
     return kept
 
 
 def _create(layout: Layout, lock: int) -> None:
     shutil.rmtree(layout.venv, ignore_errors=True)
     shared = ["--system-site-packages"] if layout.ros else []
-    command: list[str | Path] = [sys.executable, "-m", "venv", *shared, layout.venv]
+    # not sys.executable: ./er may have been started with this very environment activated
+    base = getattr(sys, "_base_executable", sys.executable)
+    command: list[str | Path] = [base, "-m", "venv", *shared, layout.venv]
     run_logged(command, layout.log, setup_environment(), lock, "making .venv failed")
     (layout.venv / "COLCON_IGNORE").touch()
 
