@@ -1,0 +1,239 @@
+"""The checkout itself: ./er says what is wrong in one line, packages and messages are well described."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGES = sorted(path.parent for path in ROOT.glob("src/*/package.xml"))
+MESSAGES = sorted(ROOT.glob("src/er_damper_msgs/msg/*.msg"))
+LOCK = ROOT / "requirements" / "lock.txt"
+
+#: keys of the rosdep database (and ROS packages of Jazzy) that manifests may name besides our own packages
+ROSDEP_KEYS = {
+    "ament_cmake",
+    "builtin_interfaces",
+    "diagnostic_msgs",
+    "launch",
+    "launch_ros",
+    "lifecycle_msgs",
+    "python3-jinja2",
+    "python3-matplotlib",
+    "python3-numpy",
+    "python3-pytest",
+    "python3-scipy",
+    "python3-yaml",
+    "rcl_interfaces",
+    "rclpy",
+    "ros2launch",
+    "rosgraph_msgs",
+    "rosidl_default_generators",
+    "rosidl_default_runtime",
+    "sensor_msgs",
+    "std_msgs",
+    "std_srvs",
+}
+
+#: a field, its type, its name and the comment behind it
+FIELD = re.compile(r"^(?P<type>[\w/]+)\s+(?P<name>[a-z]\w*)\s*(#\s*(?P<comment>.*))?$")
+CONSTANT = re.compile(r"^uint8\s+(?P<name>[A-Z]\w*)=(?P<value>\d+)\s+#\s*\S")
+UNIT = re.compile(r"\[(m|m/s|m/s2|N|s|Hz|1|-)\]")
+
+
+def er(*args: str, timeout: float = 60.0) -> subprocess.CompletedProcess[str]:
+    """Run ./er from another folder."""
+    return subprocess.run(
+        [str(ROOT / "er"), *args],
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        cwd="/",
+        stdin=subprocess.DEVNULL,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize(
+    ("args", "message"),
+    [
+        (["lba"], "er: unknown command 'lba'; did you mean lab?"),
+        (["frobnicate"], "er: unknown command 'frobnicate'; known: setup, demo, test, run"),
+        (["setup", "--fast"], "er: setup: unknown argument '--fast'; known: --clean"),
+        (["run"], "er: run: expected PACKAGE EXECUTABLE; packages: "),
+        (["run", "er_plant"], "er: run: unknown package 'er_plant'; packages: er_"),
+        (["run", "er_plant_sim"], "er: run: expected EXECUTABLE; executables of er_plant_sim: "),
+        (
+            ["run", "er_plant_sim", "plan"],
+            "er: run: er_plant_sim has no executable 'plan'; executables of er_plant_sim: plant",
+        ),
+        (["run", "er_damper_msgs", "x"], "executables of er_damper_msgs: none"),
+        (["exec"], "er: exec: expected PROGRAM [ARGS]"),
+        (["exec", "no-such-program"], "er: no-such-program: No such file or directory"),
+    ],
+)
+def test_bad_usage_is_one_line_and_status_2(args: list[str], message: str) -> None:
+    done = er(*args)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert message in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("args", [[], ["help"], ["--help"], ["-h"]])
+def test_help_names_every_command_in_one_line_each(args: list[str]) -> None:
+    done = er(*args)
+    assert done.returncode == 0
+    rows = [line.split()[0] for line in done.stdout.splitlines() if line.startswith("  ")]
+    wanted = ["setup", "demo", "test", "run", "up", "record", "lab", "doctor", "synth", "bench"]
+    assert rows == [*wanted, "exec", "help"]
+
+
+def test_second_setup_is_one_line_and_takes_under_3_seconds() -> None:
+    er("setup", timeout=600.0)
+    begin = time.monotonic()
+    done = er("setup")
+    assert time.monotonic() - begin < 3.0
+    assert done.returncode == 0
+    assert done.stdout.startswith("er: ready (")
+    assert done.stdout.count("\n") == 1
+    assert done.stderr == ""
+
+
+def test_exit_status_and_signals_are_those_of_the_program() -> None:
+    assert er("exec", "python", "-c", "raise SystemExit(7)").returncode == 7
+    script = "import os, signal; print(os.getpid(), flush=True); signal.pause()"
+    child = subprocess.Popen(
+        [str(ROOT / "er"), "exec", "python", "-c", script], stdout=subprocess.PIPE, text=True
+    )
+    assert child.stdout is not None
+    with child.stdout:
+        # no process in between that could swallow a signal
+        assert int(child.stdout.readline()) == child.pid
+        child.send_signal(signal.SIGTERM)
+        assert child.wait(timeout=10) == -signal.SIGTERM
+
+
+def test_commands_see_the_messages_and_keep_ros_to_this_machine() -> None:
+    script = (
+        "import os, er_damper_msgs.msg, rclpy; "
+        "print(os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'], os.environ.get('ROS_DOMAIN_ID'))"
+    )
+    assert er("exec", "python", "-c", script).stdout.split()[0] in ("LOCALHOST", "SUBNET", "OFF")
+    env = {k: v for k, v in os.environ.items() if not k.startswith("ROS_")}
+    command = [str(ROOT / "er"), "exec", "python", "-c", script]
+    done = subprocess.run(
+        command, env=env | {"ROS_DOMAIN_ID": "7"}, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "LOCALHOST 7\n"
+
+
+def test_installed_python_is_the_source_itself() -> None:
+    done = er("exec", "python", "-c", "import er_ros_common; print(er_ros_common.__file__)")
+    found = Path(os.path.realpath(done.stdout.strip()))
+    assert found == ROOT / "src/er_ros_common/er_ros_common/__init__.py"
+
+
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda p: p.name)
+def test_manifest_is_format_3_and_names_rosdep_keys_only(package: Path) -> None:
+    root = ElementTree.parse(package / "package.xml").getroot()
+    assert root.get("format") == "3"
+    assert root.findtext("name") == package.name
+    assert root.findtext("license") == "Apache-2.0"
+    assert (root.findtext("description") or "").strip()
+    depends = {(e.text or "").strip() for e in root if e.tag.endswith("depend")}
+    unknown = depends - ROSDEP_KEYS - {p.name for p in PACKAGES}
+    assert not unknown
+
+
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda p: p.name)
+def test_ros_packages_that_the_code_imports_are_declared(package: Path) -> None:
+    declared = (package / "package.xml").read_text(encoding="utf-8")
+    ours = {p.name for p in PACKAGES} - {package.name}
+    ros = {k for k in ROSDEP_KEYS if not k.startswith(("python3-", "ament", "rosidl", "ros2"))}
+    text = "\n".join(
+        path.read_text(encoding="utf-8") for path in (package / package.name).rglob("*.py")
+    )
+    imported = set(re.findall(r"^\s*(?:from|import) (\w+)", text, re.MULTILINE))
+    missing = {n for n in imported & (ours | ros) if f"depend>{n}<" not in declared}
+    assert not missing
+
+
+@pytest.mark.parametrize("package", PACKAGES, ids=lambda p: p.name)
+def test_every_folder_with_code_is_a_package(package: Path) -> None:
+    folders = {path.parent for path in (package / package.name).rglob("*.py")}
+    assert not [str(f) for f in folders if not (f / "__init__.py").is_file()]
+
+
+@pytest.mark.parametrize("path", MESSAGES, ids=lambda p: p.stem)
+def test_every_field_has_a_unit_and_says_when_it_is_valid(path: Path) -> None:
+    fields = {}
+    for line in path.read_text(encoding="utf-8").splitlines():
+        found = FIELD.match(line)
+        if found:
+            fields[found["name"]] = (found["type"], found["comment"] or "")
+    assert {"header", "seq", "status", "valid"} <= set(fields)
+    for name, (kind, comment) in fields.items():
+        assert UNIT.search(comment), f"{name}: no unit in '{comment}'"
+        if kind == "float64" and path.stem != "NodeStatus":
+            assert "valid" in comment, f"{name}: does not say when it is valid"
+
+
+@pytest.mark.parametrize("path", MESSAGES, ids=lambda p: p.stem)
+def test_streams_hold_numbers_only(path: Path) -> None:
+    kinds = {
+        found["type"]
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if (found := FIELD.match(line))
+    }
+    fixed = {"std_msgs/Header", "uint8", "uint64", "float64", "bool"}
+    assert kinds <= (fixed | {"string"} if path.stem == "NodeStatus" else fixed)
+
+
+def test_status_constants_are_the_same_in_every_message() -> None:
+    tables = []
+    for path in MESSAGES:
+        found = (CONSTANT.match(line) for line in path.read_text(encoding="utf-8").splitlines())
+        tables.append({m["name"]: m["value"] for m in found if m and m["name"].startswith("STATUS")})
+    assert tables[0]
+    assert all(table == tables[0] for table in tables)
+
+
+def test_signs_are_written_down() -> None:
+    text = {path.stem: path.read_text(encoding="utf-8") for path in MESSAGES}
+    assert "positive in extension" in text["SuspensionDeflection"]
+    assert "positive resists extension" in text["DamperForce"]
+    assert "gravity removed" in text["SuspensionAcceleration"]
+    assert "REP-145" in text["SuspensionAcceleration"]
+
+
+def test_everything_asked_for_is_pinned() -> None:
+    def names(path: Path) -> set[str]:
+        lines = [line.split("#")[0] for line in path.read_text(encoding="utf-8").splitlines()]
+        found = {re.split(r"[=<>;\s]", line.strip())[0].lower() for line in lines if line.strip()}
+        return {name.replace("_", "-") for name in found}
+
+    assert not names(ROOT / "requirements" / "base.txt") - names(LOCK)
+    for path in (LOCK, ROOT / "requirements" / "jazzy.txt"):
+        lines = path.read_text(encoding="utf-8").splitlines()
+        loose = [line for line in lines if line and line[0] != "#" and "==" not in line]
+        assert not loose, f"{path.name}: {loose}"
+        assert "/" not in "".join(line for line in lines if not line.startswith("#"))
+
+
+def test_this_python_has_what_the_lock_file_says() -> None:
+    from importlib.metadata import version
+
+    for name in ("numpy", "scipy", "numba", "setuptools", "pytest"):
+        pins = re.findall(rf"^{name}==(\S+)(.*)$", LOCK.read_text(encoding="utf-8"), re.MULTILINE)
+        old = sys.version_info < (3, 11)
+        fitting = [pin for pin, marker in pins if not marker or ("<" in marker) is old]
+        assert version(name) in fitting
