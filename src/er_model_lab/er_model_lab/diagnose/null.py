@@ -20,10 +20,15 @@ from er_models.predict import join, predict
 
 @dataclass(frozen=True)
 class Null:
-    """Largest effect sizes [N] by chance, one per replicate; input_error: force error from the motion [N]."""
+    """Largest effect sizes [N] by chance, one per replicate.
+
+    input_error: force error [N] that the motion sensors cause on the training samples, and on the held-out ones;
+    force_noise [N] with its lag-one correlation `colour`.
+    """
 
     maxima: Array
     input_error: float
+    input_error_held_out: float
     force_noise: float
     colour: float
 
@@ -41,8 +46,8 @@ def simulate_null(base: Candidate, rivals: list[Candidate], problem: Problem, se
     rng = np.random.default_rng(seed)
     truth = predict(base.fit.model, problem.motion)
     wobble = np.array([_input_error(base, problem, truth, rng) for _ in range(replicates)])
-    scored = problem.train
-    input_error = float(np.sqrt(np.mean(wobble[:, scored] ** 2))) if replicates else 0.0
+    input_error = float(np.sqrt(np.mean(wobble[:, problem.train] ** 2)))
+    held_out = float(np.sqrt(np.mean(wobble[:, problem.held_out] ** 2)))
     noise, colour = _force_noise(rivals[0] if rivals else base, problem, input_error)
     errors = wobble + np.array([_coloured(rng, truth.size, noise, colour) for _ in range(replicates)])
     start = _linear_losses(base.fit.jacobian, errors, problem)
@@ -50,7 +55,7 @@ def simulate_null(base: Candidate, rivals: list[Candidate], problem: Problem, se
     for rival in rivals:
         gain = start - _linear_losses(rival.fit.jacobian, errors, problem)
         best = np.maximum(best, np.sqrt(np.maximum(gain, 0.0)))
-    return Null(best, input_error, noise, colour)
+    return Null(best, input_error, held_out, noise, colour)
 
 
 def _input_error(base: Candidate, problem: Problem, truth: Array, rng: np.random.Generator) -> Array:

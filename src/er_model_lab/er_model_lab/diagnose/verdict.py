@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -58,7 +58,6 @@ def diagnose(
     tick: Callable[[str], None] | None = None,
 ) -> Diagnosis:
     """Refit the model, then find which effects are missing and how sure that is."""
-    cover = coverage(problem)
     base = baseline(model, problem)
     rounds = [one_round(base, problem, seed, replicates, tick)]
     best = rounds[0].taken or base
@@ -66,14 +65,18 @@ def diagnose(
     best, rounds, floor = _grow(best, rounds, floor, problem, seed, replicates, tick)
     if len(best.effects) > 1:
         best = prune(best, problem, rounds[0].threshold)
+    return judge(base, best, rounds, floor, problem)
+
+
+def judge(base: Candidate, best: Candidate, rounds: list[Round], floor: Floor, problem: Problem) -> Diagnosis:
+    """The verdict on what a search found."""
+    cover = coverage(problem)
     limit = floor.floor**2
     explainable = max(1.0 - limit / base.mse, 0.0)
     explained = (base.mse - best.mse) / max(base.mse - limit, 1e-12 * base.mse)
     ties = _alternatives(best, rounds)
     name, reasons = _decide(base, best, rounds, floor, explainable, explained, ties, cover)
-    if name in ("adequate", "insufficient_data"):
-        best, ties = base, ()
-    if name == "unknown_effect":
+    if name in ("adequate", "insufficient_data", "unknown_effect"):
         best, ties = base, ()
     return Diagnosis(
         name, best.effects, ties, base, best, tuple(rounds), floor, rounds[0].null, explainable,
@@ -162,7 +165,3 @@ def _decide(
     reasons.append("what the known effects explain is too little to be the cause")
     return "unknown_effect", reasons
 
-
-def with_replaced_null(diagnosis: Diagnosis, null: Null) -> Diagnosis:
-    """The diagnosis with another null, for calibration studies."""
-    return replace(diagnosis, null=null)

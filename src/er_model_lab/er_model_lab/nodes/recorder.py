@@ -16,8 +16,10 @@ from pathlib import Path
 from time import monotonic, time_ns
 
 from er_models.errors import ErError, MissingChannel
+from er_ros_common.graph_check import compatible
 from er_ros_common.health import Health, Report
 from er_ros_common.help import Card
+from er_ros_common.parameter_reader import ParameterReader
 from er_ros_common.parameters import REQUIRED, declare, param
 from er_ros_common.spin import run
 from rclpy.clock import Clock, ClockType
@@ -28,10 +30,9 @@ from rosbags.interfaces import Connection
 from er_damper_msgs.msg import NodeStatus
 from er_model_lab.bag_writer import STORAGES, BagWriter
 from er_model_lab.message_count import Count, count, header_of
-from er_model_lab.nodes.parameter_reader import ParameterReader
-from er_model_lab.nodes.selection import Selection, message_class, offers, profile
+from er_model_lab.nodes.selection import Selection, message_class, offers
 from er_model_lab.versions import versions
-from er_ros_common import topics
+from er_ros_common import qos, topics
 
 SCHEMA = "er_bag 1"
 LOOK_PERIOD, FLUSH_PERIOD = 0.1, 1.0
@@ -94,7 +95,7 @@ class Recorder(Node):
         if kind is None:
             self.problem(f"{name} is not recorded: {type_name.split('/')[0]} is not installed")
             return
-        asked = profile(publishers)
+        asked = compatible(publishers, qos.RECORDER.depth)
         heard = _Heard(self, name, type_name)
         self.create_subscription(kind, name, heard.on_message, asked, raw=True)
 

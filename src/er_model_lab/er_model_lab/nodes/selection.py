@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import Any
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rosbags.interfaces import (
     Qos,
@@ -17,7 +17,7 @@ from rosbags.interfaces import (
     QosTime,
 )
 
-from er_ros_common import qos, topics
+from er_ros_common import topics
 
 ENDINGS = ("/status", "/gain_info", "/model_info")
 """Of the topics that nodes keep below their own name."""
@@ -64,19 +64,6 @@ def message_class(type_name: str) -> Any:
         return getattr(import_module(f"{package}.msg"), name, None)
     except ImportError:
         return None
-
-
-def profile(publishers: list[TopicEndpointInfo]) -> QoSProfile:
-    """What a recorder asks for: as much as every publisher there is offers."""
-    each = [info.qos_profile for info in publishers]
-    reliable = all(p.reliability == ReliabilityPolicy.RELIABLE for p in each)
-    latched = bool(each) and all(p.durability == DurabilityPolicy.TRANSIENT_LOCAL for p in each)
-    return QoSProfile(
-        history=qos.RECORDER.history,
-        depth=qos.RECORDER.depth,
-        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
-    )
 
 
 def offers(publishers: list[TopicEndpointInfo]) -> list[Qos]:

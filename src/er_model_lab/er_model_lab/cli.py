@@ -1,0 +1,203 @@
+"""Command line of the model lab: `er lab COMMAND`, or `er-lab COMMAND`."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+
+from er_model_lab.import_app import register
+from er_models.errors import ErError, InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from er_model_lab.commands import Outcome
+    from er_model_lab.study import Tick
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    help="Compare a damper model with measurements, find the missing effect, add it, watch the error fall.",
+)
+register(app)
+
+Data = Annotated[list[Path], typer.Argument(help="rosbag2 folder, .mcap, .csv, .parquet, .mf4, or a folder of them.")]
+ModelFile = Annotated[Path, typer.Option("--model", help="Model file (YAML), e.g. config/dampers/inove_guo.yaml.")]
+Json = Annotated[Path | None, typer.Option("--json", help="Write the machine-readable result here.")]
+Report = Annotated[Path | None, typer.Option("--report", help="Write a self-contained HTML report into this folder.")]
+Level = Annotated[str, typer.Option(help="damper: force from measured motion and duty; vehicle: motion from road and duty.")]
+Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
+Out = Annotated[Path, typer.Option("--out", help="New model file.")]
+
+
+@app.command()
+def compare(data: Data, model: ModelFile, json_file: Json = None, report: Report = None, level: Level = "damper", seed: Seed = 0) -> None:
+    """Predict and compare: errors, and where the model fails."""
+    from er_model_lab import commands
+
+    if level == "vehicle":
+        from er_model_lab.vehicle import compare as compare_vehicle
+
+        _run(lambda: compare_vehicle(data, model, seed), json_file, report)
+        return
+    _damper_only(level, "compare")
+    _run(lambda: commands.compare(data, model, seed), json_file, report)
+
+
+@app.command()
+def diagnose(data: Data, model: ModelFile, json_file: Json = None, report: Report = None, level: Level = "damper", seed: Seed = 0) -> None:
+    """Refit the model, then say which effect is missing, with evidence."""
+    from er_model_lab import commands
+
+    def work() -> Outcome:
+        _damper_only(level, "diagnose")
+        with _progress("trying effects") as tick:
+            return commands.diagnose(data, model, seed, tick)
+
+    _run(work, json_file, report)
+
+
+@app.command()
+def add(
+    effect: Annotated[str, typer.Argument(help="Effect of the catalogue; `lab effects` lists them.")],
+    data: Data, model: ModelFile, out: Out, json_file: Json = None, report: Report = None, level: Level = "damper", seed: Seed = 0,
+) -> None:  # fmt: skip
+    """Add one effect, refit everything, and show the error before and after."""
+    from er_model_lab import commands
+
+    def work() -> Outcome:
+        _damper_only(level, "add")
+        with _progress(f"adding {effect}") as tick:
+            return commands.add(data, model, effect, out, seed, tick)
+
+    _run(work, json_file, report, out)
+
+
+@app.command()
+def improve(data: Data, model: ModelFile, out: Out, json_file: Json = None, report: Report = None, level: Level = "damper", seed: Seed = 0) -> None:
+    """Diagnose and add, again and again, until the model is adequate or nothing known helps."""
+    from er_model_lab import commands
+
+    def work() -> Outcome:
+        _damper_only(level, "improve")
+        with _progress("trying effects") as tick:
+            return commands.improve(data, model, out, seed, tick)
+
+    _run(work, json_file, report, out)
+
+
+@app.command()
+def effects(
+    effect: Annotated[str | None, typer.Argument(help="Show the card of this effect.")] = None,
+    json_file: Json = None,
+) -> None:
+    """The catalogue of effects, or the card of one."""
+    from er_model_lab.effects_command import card, table
+
+    try:
+        result, text = card(effect) if effect else table()
+        _write_json(json_file, result)
+        Console().print(text)
+    except ErError as error:
+        _fail(error)
+
+
+def _damper_only(level: str, command: str) -> None:
+    """Levels other than damper are refused in words."""
+    if level == "vehicle":
+        raise InputError("--level", "", f"damper (lab {command} works on the damper force)", "vehicle")
+    if level != "damper":
+        raise InputError("--level", "", "damper or vehicle", level)
+
+
+def _run(work: Callable[[], Outcome], json_file: Path | None, report: Path | None, out: Path | None = None) -> None:
+    """Do the work, write what was asked for, print one screen, and exit with the contract's status."""
+    try:
+        outcome = work()
+        _write_json(json_file, outcome.result)
+        page = _write_report(report, outcome)
+        _print(outcome, page, out)
+    except ErError as error:
+        _fail(error)
+    except KeyboardInterrupt:
+        typer.echo("interrupted: nothing was written", err=True)
+        raise typer.Exit(130) from None
+    if not outcome.complete:
+        typer.echo("the data were incomplete: see the notes", err=True)
+        raise typer.Exit(3)
+
+
+def _print(outcome: Outcome, page: Path | None, out: Path | None) -> None:
+    """One screen of summary."""
+    from er_model_lab.terminal import summary
+
+    Console().print(summary(outcome.view))
+    if out:
+        typer.echo(f"new model: {out}")
+    if page:
+        typer.echo(f"report: {page}")
+
+
+def _write_report(folder: Path | None, outcome: Outcome) -> Path | None:
+    """The HTML report, when asked for."""
+    if folder is None:
+        return None
+    from er_model_lab.report.page import write_report
+
+    return write_report(outcome.view, folder)
+
+
+def _write_json(path: Path | None, result: Any) -> None:
+    """The result as JSON, whole or not at all."""
+    if path is not None:
+        from er_models.files import write_whole
+
+        write_whole(path, json.dumps(result, indent=1, allow_nan=False) + "\n")
+
+
+def _fail(error: ErError) -> None:
+    """One clear line and the error's exit status."""
+    typer.echo(" ".join(str(error).split()), err=True)
+    raise typer.Exit(error.exit_status) from None
+
+
+@contextmanager
+def _progress(title: str) -> Iterator[Tick | None]:
+    """A progress bar with the effect being tried, on a terminal only."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+    from er_models.catalogue import CATALOGUE
+
+    total = len(CATALOGUE.candidates())
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=total)
+        done = [0]
+
+        def tick(effect: str) -> None:
+            done[0] += 1
+            if done[0] > total:
+                done[0] = 1
+            bar.update(task, completed=done[0], description=f"{title}: {effect}")
+
+        yield tick
+
+
+def main() -> None:
+    """Entry point; `-h` works everywhere."""
+    app()
+
+
+if __name__ == "__main__":
+    main()

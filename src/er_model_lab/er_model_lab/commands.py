@@ -1,0 +1,184 @@
+"""What each command of the lab does, apart from how it is called."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from er_model_lab.compare import region_tables, worst
+from er_model_lab.diagnose.candidates import baseline
+from er_model_lab.diagnose.floor import noise_floor
+from er_model_lab.diagnose.null import simulate_null
+from er_model_lab.load import fingerprint, load
+from er_model_lab.present import clean, compare_json, diagnosis_json, headline, study_view, views
+from er_model_lab.record import Record
+from er_model_lab.study import Study, Tick, add_effect, as_given, final_model, investigate, on_fused, open_problem
+from er_model_lab.versions import versions
+from er_model_lab.view import View
+from er_models.errors import ErError, InputError
+from er_models.files import load_model, save_model
+from er_models.model import Model
+
+MOST_PASSES = 3
+"""How often `improve` diagnoses the model it has just improved."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Result of a command: the contract's JSON, what to draw, and the new model if there is one."""
+
+    result: dict[str, Any]
+    view: View
+    model: Model | None
+    complete: bool
+
+
+def read(data: list[Path]) -> list[Record]:
+    """Records of all paths; `InputError` when there are none."""
+    records = load(data)
+    if not records:
+        raise InputError(data[0], "", "at least one record", "none")
+    return records
+
+
+def provenance(records: list[Record], model: Path, seed: int) -> dict[str, Any]:
+    """Where a result comes from: data, model, seed and versions."""
+    return {
+        "data": fingerprint(records), "records": [r.name for r in records], "model_file": str(model),
+        "model": load_model(model).digest(), "seed": seed, "versions": versions(),
+    }  # fmt: skip
+
+
+def compare(data: list[Path], model_file: Path, seed: int) -> Outcome:
+    """Predict with the model as it is, and say where it fails."""
+    model, records = load_model(model_file), read(data)
+    problem, _ = open_problem(records, model)
+    given = as_given(model, problem)
+    base = baseline(on_fused(model), problem)
+    null = simulate_null(base, [], problem, seed, replicates=4)
+    floor = noise_floor(problem, base, null.input_error, seed)
+    mse = float(np.mean(given[problem.used] ** 2))
+    explainable = max(1.0 - floor.floor**2 / mse, 0.0)
+    tables = region_tables(problem, given, seed)
+    result = compare_json(problem, given, floor.floor, explainable, worst(tables))
+    result |= {"command": "compare", "model": model.name, "rmse_refitted": float(np.sqrt(base.mse))}
+    view = View(
+        command="compare", model=model.name, headline=headline(result["rmse"], floor.floor), result=clean(result),
+        records=views(problem, problem.force - given, None), regions=tables, notes=problem.notes,
+        provenance=provenance(records, model_file, seed),
+    )  # fmt: skip
+    return Outcome(clean(result), view, None, problem.complete)
+
+
+def diagnose(data: list[Path], model_file: Path, seed: int, tick: Tick | None = None) -> Outcome:
+    """Refit, then say which effect is missing."""
+    model, records = load_model(model_file), read(data)
+    study = investigate(records, model, seed=seed, tick=tick)
+    return _outcome("diagnose", study, final_model(study), records, model_file, seed)
+
+
+def add(data: list[Path], model_file: Path, effect: str, out: Path, seed: int, tick: Tick | None = None) -> Outcome:
+    """Add one effect, refit everything, and write the new model."""
+    model, records = load_model(model_file), read(data)
+    _may_add(model, effect)
+    _may_write(out, model_file)
+    study = add_effect(records, model, effect, seed=seed, tick=tick)
+    grown = _with_history(final_model(study), model, study, records, seed, out)
+    outcome = _outcome("add", study, grown, records, model_file, seed)
+    save_model(grown, out)
+    return outcome
+
+
+def improve(data: list[Path], model_file: Path, out: Path, seed: int, tick: Tick | None = None) -> Outcome:
+    """Diagnose and add until the model is adequate or nothing known helps."""
+    model, records = load_model(model_file), read(data)
+    _may_write(out, model_file)
+    current, studies = model, list[Study]()
+    for n in range(MOST_PASSES):
+        study = investigate(records, current, seed=seed + 1000 * n, tick=tick)
+        studies.append(study)
+        if not study.diagnosis.effects:
+            break
+        current = _with_history(final_model(study), current, study, records, seed, out)
+        if study.diagnosis.verdict != "partial":
+            break
+    outcome = _improved(studies, current, records, model_file, seed)
+    save_model(current, out)
+    return outcome
+
+
+def _improved(studies: list[Study], model: Model, records: list[Record], model_file: Path, seed: int) -> Outcome:
+    """The outcome of several passes as one fall of the error."""
+    first, last = studies[0], studies[-1]
+    outcome = _outcome("improve", first, model, records, model_file, seed)
+    result = outcome.result
+    for study in studies[1:]:
+        more = clean(diagnosis_json(study, model))
+        result["steps"] += more["steps"][1:]
+        result["effects"] += [e for e in more["effects"] if e not in result["effects"]]
+        result["rmse_after"], result["noise_floor"] = more["rmse_after"], more["noise_floor"]
+    final = last.diagnosis
+    adequate = final.verdict in ("adequate", "missing_effect", "ambiguous")
+    result["final_verdict"] = "adequate" if adequate else final.verdict
+    if len(studies) > 1 and result["verdict"] == "partial" and adequate:
+        result["verdict"] = "missing_effect"
+    view = replace(outcome.view, result=result)
+    if len(studies) > 1:
+        after = last.problem.force - last.diagnosis.best.fit.residual
+        before = first.problem.force - first.diagnosis.base.fit.residual
+        view = replace(view, records=views(last.problem, before, after))
+    return Outcome(result, view, model, outcome.complete)
+
+
+def _outcome(
+    command: str, study: Study, model: Model, records: list[Record], model_file: Path, seed: int
+) -> Outcome:
+    """JSON and view of a study."""
+    result = {"command": command, **diagnosis_json(study, model)}
+    origin = provenance(records, model_file, seed)
+    result["provenance"] = origin
+    result = clean(result)
+    return Outcome(result, study_view(command, study, result, seed, origin), model, study.problem.complete)
+
+
+def _may_add(model: Model, effect: str) -> None:
+    """An effect must exist, be knowable, and not be in the model yet."""
+    known = model.catalogue[effect]
+    if not known.knowable:
+        raise ErError(f"{effect} cannot be known from these channels: {known.unknowable_because}")
+    if effect in model.effects:
+        raise ErError(f"{effect} is already part of the model '{model.name}'")
+    if known.stage == "vehicle":
+        raise ErError(f"{effect} acts in the vehicle, not in the damper: it cannot be added to a damper model")
+
+
+def _may_write(out: Path, model_file: Path) -> None:
+    """The new model must not overwrite the one it comes from."""
+    if out.exists() and out.resolve() == model_file.resolve():
+        raise InputError(out, "--out", "another file than --model", "the same file")
+    if out.is_dir():
+        raise InputError(out, "--out", "a file name", "a folder")
+
+
+def _with_history(
+    grown: Model, before: Model, study: Study, records: list[Record], seed: int, out: Path
+) -> Model:
+    """The grown model under its new name, with one entry of history more."""
+    found = study.diagnosis
+    result: Mapping[str, Any] = clean(diagnosis_json(study, grown))
+    entry = {
+        "added": [e for e in grown.effects if e not in before.effects],
+        "verdict": found.verdict,
+        "data": fingerprint(records),
+        "records": [r.name for r in records],
+        "seed": seed,
+        "rmse_held_out": {"before": result["rmse"]["held_out"], "after": result["rmse_after"]["held_out"]},
+        "noise_floor": result["noise_floor"],
+        "from": before.name,
+    }
+    source = f"fitted to {len(records)} records, beginning from '{before.name}' ({before.source})"
+    return replace(grown, name=out.stem, source=source, history=(*before.history, entry))

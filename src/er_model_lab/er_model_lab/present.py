@@ -1,0 +1,298 @@
+"""Fills the contract's JSON and the views that reports and terminals draw."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from er_model_lab.compare import errors, region_tables
+from er_model_lab.diagnose.candidates import Candidate, effect_size
+from er_model_lab.diagnose.search import Round
+from er_model_lab.diagnose.verdict import Diagnosis
+from er_model_lab.fit import with_deviations
+from er_model_lab.prepare import Problem
+from er_model_lab.study import Study
+from er_model_lab.view import CandidateView, RecordView, View
+from er_models.model import Array, Model
+
+SHOWN = 12
+"""Candidates that get an evidence card."""
+POINTS = 600
+"""Points of a signature picture."""
+
+
+def clean(value: Any) -> Any:
+    """JSON without infinities and NaN: they become null."""
+    if isinstance(value, Mapping):
+        return {str(k): clean(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [clean(v) for v in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    if isinstance(value, np.integer):
+        return int(value)
+    return value
+
+
+def parameters(model: Model, effect: str) -> dict[str, list[Any]]:
+    """Values of an effect: {name: [value, standard deviation, unit]}."""
+    out = {}
+    for q in model.catalogue[effect].parameters:
+        sd = model.deviations.get(effect, {}).get(q.name, float("inf"))
+        out[q.name] = [float(model.effects[effect][q.name]), float(sd), q.unit]
+    return out
+
+
+def entry(candidate: Candidate, step: Round, found: Diagnosis, problem: Problem) -> dict[str, Any]:
+    """One entry of `candidates` in the contract's JSON."""
+    name = candidate.name
+    model = with_deviations(candidate.fit, problem)
+    size = effect_size(step.base, candidate)
+    status, rivals = _status(candidate, step, found)
+    return {
+        "effect": name,
+        "rmse_held_out": errors(problem, candidate.fit.residual, problem.held_out).rmse,
+        "rmse_cross_validated": float(np.sqrt(candidate.mse)),
+        "evidence": size,
+        "threshold": step.threshold,
+        "p_value": step.null.p_value(size),
+        "parameters": parameters(model, name),
+        "status": status,
+        "confounded_with": rivals,
+        "kept_fraction": candidate.kept,
+        "explains": (step.base.mse - candidate.mse) / max(step.base.mse - found.floor.floor**2, 1e-12 * step.base.mse),
+    }
+
+
+def _status(candidate: Candidate, step: Round, found: Diagnosis) -> tuple[str, list[str]]:
+    """Status of a candidate, and what it cannot be told from."""
+    name = candidate.name
+    for group in found.alternatives:
+        if name in group:
+            return "confounded", [other for other in group if other != name]
+    if name in found.effects:
+        return "present", []
+    if candidate.kept < 0.02 or candidate.reach < 0.02:
+        return "not_excited", []
+    return "absent", []
+
+
+def reason(candidate: Candidate, step: Round, found: Diagnosis) -> str:
+    """Why a candidate was taken or not, in one sentence."""
+    size = effect_size(step.base, candidate)
+    if candidate.name in found.effects:
+        return f"taken: lowers the error on unseen data by {size:.3g} N, chance reaches {step.threshold:.3g} N"
+    if candidate.kept < 0.02:
+        return "these data cannot show it: the model absorbs it completely"
+    if candidate.reach < 0.02:
+        return "not excited: in these data it would change the force by less than the noise"
+    if size <= step.threshold:
+        return f"not needed: {max(size, 0.0):.3g} N, chance alone reaches {step.threshold:.3g} N"
+    taken = step.taken.name if step.taken else "none"
+    return f"helps by {size:.3g} N, but {taken} explains the error better"
+
+
+def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
+    """The contract's JSON of `diagnose`, `add` and `improve`."""
+    found, problem = study.diagnosis, study.problem
+    first = found.rounds[0]
+    entries = [entry(c, first, found, problem) for c in first.candidates]
+    for step in found.rounds[1:]:
+        known = {e["effect"] for e in entries}
+        entries += [entry(c, step, found, problem) for c in step.candidates if c.name not in known]
+    if study.lag:
+        entries = [e for e in entries if e["effect"] != "velocity_lag"]
+        entries.insert(0, _lag_entry(study))
+    order = {name: i for i, name in enumerate(found.effects)}
+    entries.sort(key=lambda e: (order.get(e["effect"], len(order)), e["rmse_cross_validated"]))
+    before = found.base.fit.residual
+    after = found.best.fit.residual
+    train, held = errors(problem, before, problem.train), errors(problem, before, problem.held_out)
+    return {
+        "verdict": found.verdict,
+        "effects": list(found.effects),
+        "alternatives": [list(group) for group in found.alternatives],
+        "noise_floor": noise_floor_held_out(found, problem),
+        "noise_floor_train": found.floor.floor,
+        "rmse": {"train": train.rmse, "held_out": held.rmse},
+        "nrmse": {"train": train.nrmse, "held_out": held.nrmse},
+        "rmse_as_given": errors(problem, study.given, problem.used).rmse,
+        "rmse_after": {
+            "train": errors(problem, after, problem.train).rmse,
+            "held_out": errors(problem, after, problem.held_out).rmse,
+        },
+        "explainable": found.explainable,
+        "explained": found.explained,
+        "candidates": entries,
+        "steps": steps(study),
+        "reasons": list(found.reasons),
+        "unexplained": {
+            "share": found.floor.explained,
+            "depends_on": {k: v for k, v in list(found.floor.importance.items())[:5] if v > 0.01},
+            "line": dict(zip(("frequency", "amplitude", "share"), found.floor.line, strict=True)),
+        },
+        "noise": {
+            "force_white": found.floor.white, "input_error": found.floor.input_error,
+            "motion": {"deflection": problem.noise.x, "velocity": problem.noise.v, "acceleration": problem.noise.a},
+            "fused_velocity_sd": float(np.mean([f.sd_v for f in problem.fused])),
+        },
+        "coverage": {
+            "hints": list(found.coverage.hints), "blocking": list(found.coverage.blocking),
+            "velocity": found.coverage.velocity, "deflection": found.coverage.deflection,
+            "duty": list(found.coverage.duty), "tones": found.coverage.tones,
+        },
+        "model": model_after.name,
+        "notes": list(problem.notes),
+        "complete": problem.complete,
+    }  # fmt: skip
+
+
+def noise_floor_held_out(found: Diagnosis, problem: Problem) -> float:
+    """Noise floor on the held-out samples [N].
+
+    Errors of the motion sensors weigh differently on another road: the part of the floor that they cause
+    is moved by the ratio found when simulating them; the rest is the noise of the force.
+    """
+    force2 = max(found.floor.floor**2 - found.floor.input_error**2, problem.sd_force**2)
+    ratio = found.null.input_error_held_out / max(found.null.input_error, 1e-300)
+    return float(np.sqrt(force2 + (found.floor.input_error * ratio) ** 2))
+
+
+def _lag_entry(study: Study) -> dict[str, Any]:
+    """Entry of the velocity channel's lag, whose evidence is kinematic."""
+    assert study.lag is not None and study.lag_base is not None
+    lag, sd = study.lag
+    found, problem = study.diagnosis, study.problem
+    return {
+        "effect": "velocity_lag",
+        "rmse_held_out": errors(problem, found.rounds[0].base.fit.residual, problem.held_out).rmse,
+        "rmse_cross_validated": float(np.sqrt(found.rounds[0].base.mse)),
+        "evidence": abs(lag) / max(sd, 1e-12),
+        "p_value": float(math.erfc(min(abs(lag) / max(sd, 1e-12), 30.0) / math.sqrt(2.0))),
+        "parameters": {"T_v": [lag, sd, "s"]},
+        "status": "present",
+        "confounded_with": [],
+        "basis": "deflection and accelerometers against the velocity channel",
+    }
+
+
+def steps(study: Study) -> list[dict[str, Any]]:
+    """The falling error on held-out data, one entry per effect taken."""
+    problem, found = study.problem, study.diagnosis
+    held = problem.held_out
+    base = study.lag_base or found.rounds[0].base
+    out: list[dict[str, Any]] = [{"added": None, "rmse_held_out": errors(problem, base.fit.residual, held).rmse}]
+    if study.lag:
+        rmse = errors(problem, found.rounds[0].base.fit.residual, held).rmse
+        out.append({"added": "velocity_lag", "rmse_held_out": rmse})
+    chain = [s.taken for s in found.rounds if s.taken is not None]
+    kept = [c for c in chain if set(c.effects) <= set(found.effects)]
+    for candidate in kept:
+        rmse = errors(problem, candidate.fit.residual, held).rmse
+        out.append({"added": candidate.name, "rmse_held_out": rmse})
+    named = {s["added"] for s in out}
+    left = [e for e in found.effects if e not in named]
+    if left:
+        rmse = errors(problem, found.best.fit.residual, held).rmse
+        out.append({"added": " + ".join(left), "rmse_held_out": rmse})
+    return out
+
+
+def headline(rmse: float, floor: float) -> str:
+    """One line in newtons: what is unexplained, what of it is noise, what is the model's."""
+    model = math.sqrt(max(rmse**2 - floor**2, 0.0))
+    return f"unexplained {rmse:.3g} N, noise {floor:.3g} N, model {model:.3g} N"
+
+
+def equation_of(model: Model, effect: str) -> str:
+    """The equation of an effect as text, from its module."""
+    hooks = model.catalogue[effect].hooks
+    module = import_module(next(iter(hooks.values())).__module__) if hooks else None
+    return (module.__doc__ or "").split("\n")[0].rstrip(".") if module else ""
+
+
+def record_views(study: Study) -> tuple[RecordView, ...]:
+    """Measured force, and the model before and after, per record."""
+    problem, found = study.problem, study.diagnosis
+    before = problem.force - found.base.fit.residual
+    after = problem.force - found.best.fit.residual if found.best is not found.base else None
+    return views(problem, before, after)
+
+
+def views(problem: Problem, before: Array, after: Array | None) -> tuple[RecordView, ...]:
+    """Per-record slices of a problem and its predictions."""
+    m, out = problem.motion, []
+    for name, i, j in zip(problem.names, m.starts[:-1], m.starts[1:], strict=True):
+        cut = slice(int(i), int(j))
+        out.append(
+            RecordView(
+                name, np.arange(j - i) * m.dt, m.x[cut], m.v[cut], m.u[cut], problem.force[cut], before[cut],
+                None if after is None else after[cut], problem.used[cut], problem.held_out[cut],
+            )
+        )  # fmt: skip
+    return tuple(out)
+
+
+def candidate_views(study: Study, result: Mapping[str, Any]) -> tuple[CandidateView, ...]:
+    """Evidence cards of the leading candidates."""
+    found, problem = study.diagnosis, study.problem
+    shown: list[CandidateView] = []
+    by_name = {e["effect"]: e for e in result["candidates"]}
+    for step in found.rounds:
+        for candidate in step.candidates[:SHOWN]:
+            if candidate.name in {v.effect for v in shown}:
+                continue
+            shown.append(_card(candidate, step, found, problem, by_name[candidate.name]))
+    order = {e["effect"]: i for i, e in enumerate(result["candidates"])}
+    return tuple(sorted(shown, key=lambda v: order[v.effect])[:SHOWN])
+
+
+def _card(
+    candidate: Candidate, step: Round, found: Diagnosis, problem: Problem, fields: Mapping[str, Any]
+) -> CandidateView:
+    """One evidence card: the change of force the effect makes beside what the model left."""
+    effect = candidate.fit.model.catalogue[candidate.name]
+    rows = np.flatnonzero(problem.train)
+    rows = rows[:: max(1, rows.size // POINTS)]
+    axis = {"force-deflection": problem.motion.x, "force-duty": problem.motion.u, "time": problem.motion.t,
+            "force-acceleration": problem.motion.a}.get(effect.signature.plane, problem.motion.v)  # fmt: skip
+    change = step.base.fit.residual - candidate.fit.residual
+    return CandidateView(
+        candidate.name, effect.title, effect.physics, equation_of(candidate.fit.model, candidate.name),
+        effect.signature.mark, effect.signature.experiment, fields, reason(candidate, step, found),
+        effect.signature.plane, axis[rows], change[rows], step.base.fit.residual[rows],
+    )  # fmt: skip
+
+
+def study_view(command: str, study: Study, result: Mapping[str, Any], seed: int, provenance: Mapping[str, Any]) -> View:
+    """Everything a report of `diagnose`, `add` or `improve` shows."""
+    found, problem = study.diagnosis, study.problem
+    residual = found.base.fit.residual
+    line = headline(result["rmse"]["held_out"], result["noise_floor"])
+    return View(
+        command=command, model=study.model.name, headline=line, result=result, records=record_views(study),
+        regions=region_tables(problem, residual, seed), candidates=candidate_views(study, result),
+        notes=tuple(problem.notes) + found.coverage.hints, provenance=provenance,
+    )  # fmt: skip
+
+
+def compare_json(
+    problem: Problem, given: Array, floor: float, explainable: float, worst: Sequence[Mapping[str, Any]]
+) -> dict[str, Any]:
+    """The contract's JSON of `compare`."""
+    whole = errors(problem, given, problem.used)
+    m = problem.motion
+    by_record = {}
+    for name, i, j in zip(problem.names, m.starts[:-1], m.starts[1:], strict=True):
+        mask = np.zeros(m.n, bool)
+        mask[i:j] = True
+        by_record[name] = errors(problem, given, mask & problem.used).rmse
+    return {
+        "rmse": whole.rmse, "nrmse": whole.nrmse, "noise_floor": floor, "explainable": explainable,
+        "worst": list(worst), "rmse_by_record": by_record, "notes": list(problem.notes), "complete": problem.complete,
+    }  # fmt: skip
+

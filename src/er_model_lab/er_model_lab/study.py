@@ -1,0 +1,158 @@
+"""One question to one data set: the steps behind `compare`, `diagnose`, `add` and `improve`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from er_model_lab.diagnose.candidates import Candidate, baseline, refit
+from er_model_lab.diagnose.floor import Floor, noise_floor
+from er_model_lab.diagnose.null import Null, simulate_null
+from er_model_lab.diagnose.search import Round, passes, threshold
+from er_model_lab.diagnose.verdict import Diagnosis, diagnose, judge
+from er_model_lab.fit import with_deviations
+from er_model_lab.prepare import Problem, prepare
+from er_model_lab.record import Record
+from er_models.model import Array, Model
+from er_models.predict import Motion, predict
+
+Tick = Callable[[str], None]
+
+SMALLEST_LAG = 0.08
+"""Lag of the velocity channel that counts, in samples."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """A diagnosis with the data before and after what the sensors were found to do.
+
+    before: problem in which a lag of the velocity channel is not yet known; problem: the one diagnosed;
+    lag: (value, standard deviation) [s] when the velocity channel lags, else None; given: residual (n,)
+    of the model exactly as given.
+    """
+
+    diagnosis: Diagnosis
+    problem: Problem
+    model: Model
+    lag: tuple[float, float] | None
+    lag_base: Candidate | None
+    given: Array
+
+
+def known_lag(model: Model) -> float | None:
+    """Lag of the velocity channel the model already holds [s]."""
+    return model.value("velocity_lag", "T_v") if "velocity_lag" in model.effects else None
+
+
+def on_fused(model: Model) -> Model:
+    """The model without the lag of the velocity channel: fusion has already undone it."""
+    return model.without_effect("velocity_lag") if "velocity_lag" in model.effects else model
+
+
+def open_problem(records: list[Record], model: Model) -> tuple[Problem, tuple[float, float] | None]:
+    """Fused problem, and the lag of the velocity channel when it is there and not yet in the model."""
+    known = known_lag(model)
+    if known is not None:
+        return prepare(records, velocity_lag=known), None
+    problem = prepare(records)
+    lag, sd = problem.velocity_lag
+    if abs(lag) > max(SMALLEST_LAG * problem.motion.dt, 8.0 * sd):
+        return prepare(records, velocity_lag=lag), (lag, sd)
+    return problem, None
+
+
+def as_given(model: Model, problem: Problem) -> Array:
+    """Residual (n,) of a model without any refit [N]."""
+    return np.asarray(problem.force - predict(on_fused(model), problem.motion))
+
+
+def investigate(records: list[Record], model: Model, *, seed: int, replicates: int = 16, tick: Tick | None = None) -> Study:
+    """Diagnose a model on records; a lagging velocity channel is undone first and named."""
+    problem, lag = open_problem(records, model)
+    bare = on_fused(model)
+    lag_base = _as_measured(bare, problem, records) if lag else None
+    found = diagnose(bare, problem, seed=seed, replicates=replicates, tick=tick)
+    if lag:
+        found = _with_lag(found, lag_base, lag)
+    elif bare is not model:
+        found = replace(found, best=_keep_lag(found.best, model), base=_keep_lag(found.base, model))
+    return Study(found, problem, model, lag, lag_base, as_given(model, problem))
+
+
+def add_effect(records: list[Record], model: Model, effect: str, *, seed: int, tick: Tick | None = None) -> Study:
+    """Add one named effect, refit everything, and judge it alone."""
+    problem, lag = open_problem(records, model)
+    bare = on_fused(model)
+    given = as_given(model, problem)
+    if effect == "velocity_lag" and lag:
+        base = _as_measured(bare, problem, records)
+        inner = diagnose_one(bare, problem, None, seed)
+        return Study(_with_lag(inner, base, lag), problem, model, lag, base, given)
+    found = diagnose_one(bare, problem, effect, seed)
+    if tick:
+        tick(effect)
+    return Study(found, problem, model, None, None, given)
+
+
+def diagnose_one(model: Model, problem: Problem, effect: str | None, seed: int) -> Diagnosis:
+    """Diagnosis that considers one effect (or none) only."""
+    base = baseline(model, problem)
+    rivals = [refit(base, model.catalogue[effect], problem, max_iter=20)] if effect else []
+    null: Null = simulate_null(base, rivals, problem, seed)
+    leader = min([base, *rivals], key=lambda c: c.mse)
+    floor: Floor = noise_floor(problem, leader, null.input_error, seed)
+    limit = threshold(null, floor.floor)
+    able = [c for c in rivals if passes(base, c, problem, limit)]
+    step = Round(base, rivals, null, limit, able[0] if able else None, [])
+    found = judge(base, able[0] if able else base, [step], floor, problem)
+    return replace(found, best=rivals[0]) if rivals else found
+
+
+def _as_measured(model: Model, problem: Problem, records: list[Record]) -> Candidate:
+    """The model refitted on the motion as the lagging channel shows it: the error before."""
+    parts = [c.z[:, 1] for c in problem.raw]
+    motion: Motion = replace(problem.motion, v=np.ascontiguousarray(np.concatenate(parts)))
+    return baseline(model, replace(problem, motion=motion))
+
+
+def _with_lag(found: Diagnosis, before: Candidate | None, lag: tuple[float, float]) -> Diagnosis:
+    """The diagnosis with the lag of the velocity channel as its first named effect."""
+    assert before is not None
+    best = found.best
+    model = best.fit.model.with_effect("velocity_lag", {"T_v": lag[0]})
+    model = replace(model, deviations={**model.deviations, "velocity_lag": {"T_v": lag[1]}})
+    effects = ("velocity_lag", *found.effects)
+    verdict = found.verdict
+    if verdict in ("adequate", "insufficient_data"):
+        verdict = "missing_effect"
+    elif verdict == "unknown_effect":
+        verdict = "partial"
+    reason = (
+        f"the velocity channel lags deflection and accelerometers by {lag[0] * 1e3:.2f} +- {lag[1] * 1e3:.2f} ms"
+    )
+    floor2 = found.floor.floor**2
+    explainable = max(1.0 - floor2 / before.mse, 0.0)
+    explained = (before.mse - best.mse) / max(before.mse - floor2, 1e-12 * before.mse)
+    return replace(
+        found, verdict=verdict, effects=effects, base=before, best=replace(best, fit=replace(best.fit, model=model)),
+        explainable=explainable, explained=float(explained), reasons=(reason, *found.reasons),
+    )  # fmt: skip
+
+
+def _keep_lag(candidate: Candidate, model: Model) -> Candidate:
+    """A candidate whose model still holds the lag of the velocity channel."""
+    kept = candidate.fit.model.with_effect("velocity_lag", dict(model.effects["velocity_lag"]))
+    return replace(candidate, fit=replace(candidate.fit, model=kept))
+
+
+def final_model(study: Study) -> Model:
+    """The best model with standard deviations of everything that was fitted."""
+    best = study.diagnosis.best
+    bare = replace(best.fit, model=best.fit.model)
+    model = with_deviations(bare, study.problem)
+    if study.lag:
+        deviations = {**model.deviations, "velocity_lag": {"T_v": study.lag[1]}}
+        model = replace(model, deviations=deviations)
+    return model

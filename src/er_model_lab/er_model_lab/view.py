@@ -1,0 +1,87 @@
+"""What a report or a terminal shows: plain data, filled by the commands, drawn elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RecordView:
+    """One record: all arrays (n,), SI; `before` is the model as given and refitted, `after` with what was added."""
+
+    name: str
+    t: Array
+    deflection: Array
+    velocity: Array
+    duty: Array
+    measured: Array
+    before: Array
+    after: Array | None
+    scored: NDArray[np.bool_]
+    held_out: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Region:
+    """Share of the squared error over a range of one quantity; band: 90 % block bootstrap of the rms [N]."""
+
+    quantity: str
+    unit: str
+    edges: tuple[float, float]
+    share: float
+    of_samples: float
+    rms: float
+    band: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class RegionTable:
+    """Error against one quantity, bin by bin; `excess` in each Region's rms is over nothing: it is the rms."""
+
+    quantity: str
+    unit: str
+    regions: tuple[Region, ...]
+
+
+@dataclass(frozen=True)
+class CandidateView:
+    """One effect as the lab saw it: numbers of the contract's JSON and its signature against the residual."""
+
+    effect: str
+    title: str
+    physics: str
+    equation: str
+    mark: str
+    experiment: str
+    entry: Mapping[str, Any]
+    reason: str
+    plane: str
+    signature_x: Array
+    signature_y: Array
+    residual_y: Array
+
+
+@dataclass(frozen=True)
+class View:
+    """Everything a report of one command shows.
+
+    headline: one line in newtons; result: the contract's JSON; regions: where it fails; candidates best
+    first; steps: the falling error; notes: what was repaired, derived or left out.
+    """
+
+    command: str
+    model: str
+    headline: str
+    result: Mapping[str, Any]
+    records: tuple[RecordView, ...]
+    regions: tuple[RegionTable, ...] = ()
+    candidates: tuple[CandidateView, ...] = ()
+    notes: tuple[str, ...] = ()
+    provenance: Mapping[str, Any] = field(default_factory=dict)
