@@ -61,7 +61,7 @@ class PlantParameters:
         text="subscribers to wait for of acceleration, deflection, force, road, applied duty",
     )
     start_timeout: float = param(
-        10.0, unit="s", low=0.0, high=600.0, text="how long to wait for them at most"
+        60.0, unit="s", low=0.0, high=600.0, text="how long to wait for them at most"
     )
     noise_sprung: float = _deviation("sprung_acceleration", "m/s2")
     noise_unsprung: float = _deviation("unsprung_acceleration", "m/s2")

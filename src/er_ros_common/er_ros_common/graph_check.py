@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from er_ros_common.topics import Topic
@@ -68,6 +68,19 @@ def endpoints(node: Node, name: str) -> tuple[list[Endpoint], list[Endpoint]]:
     publishers = [_endpoint(info) for info in node.get_publishers_info_by_topic(name)]
     subscribers = [_endpoint(info) for info in node.get_subscriptions_info_by_topic(name)]
     return publishers, subscribers
+
+
+def compatible(publishers: Sequence[TopicEndpointInfo], depth: int) -> QoSProfile:
+    """What a listener asks for to hear every publisher, as reliably as all of them offer."""
+    each = [info.qos_profile for info in publishers]
+    reliable = all(p.reliability == ReliabilityPolicy.RELIABLE for p in each)
+    latched = bool(each) and all(p.durability == DurabilityPolicy.TRANSIENT_LOCAL for p in each)
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
 
 
 def watch(node: Node, topics: Sequence[Topic], *, single: bool = True) -> list[Problem]:

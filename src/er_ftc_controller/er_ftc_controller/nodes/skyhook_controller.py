@@ -28,6 +28,8 @@ from er_ros_common import builders, topics
 
 WATCH_PERIOD = 0.01
 """How often the silence of the inputs is looked at [s]."""
+REPEAT = 0.05
+"""How often the safe duty is asked for again [s]."""
 INPUTS = (topics.ACCELERATION, topics.DEFLECTION)
 
 
@@ -65,6 +67,7 @@ class SkyhookController(Node):
         self.pairs: Aligner[float, float] = Aligner()
         self.unusable, self.safe, self.last, self.heard_at = 0, False, Tick(0, 0), 0.0
         self.problems: tuple[str, ...] = ()
+        self.safe_at = 0.0
         command = topics.PWM_COMMAND
         self.command = self.create_publisher(PwmDuty, command.name, command.publisher)
         for topic, heard in zip(INPUTS, (self.on_acceleration, self.on_deflection), strict=True):
@@ -111,8 +114,9 @@ class SkyhookController(Node):
 
     def on_watch(self) -> None:
         """Ask for the safe duty while the inputs are silent."""
-        if self.heard_at and monotonic() - self.heard_at > self.p.timeout:
-            self.safe = True
+        silent = monotonic() - self.heard_at > self.p.timeout
+        if self.heard_at and silent and monotonic() - self.safe_at > REPEAT:
+            self.safe, self.safe_at = True, monotonic()
             self.publish_safe()
 
     def publish_safe(self) -> None:

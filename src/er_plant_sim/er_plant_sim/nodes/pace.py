@@ -9,6 +9,9 @@ from er_plant_sim.schedule import Progress, Schedule, due
 CLOCK_STEP = 10_000_000
 """Difference between the system clock and the stamps beyond which the stamps follow [ns]."""
 
+EARLY = 50
+"""Ticks are due this part of a period early: none waits because a timer fired too soon."""
+
 
 class Pace:
     """An absolute schedule on the steady clock, and the stamp of each of its ticks [ns].
@@ -25,10 +28,15 @@ class Pace:
         self.anchor = time_ns()
         self.clock_steps = 0
 
-    def restart(self) -> None:
-        """Begin the schedule now."""
-        self.progress = Progress(monotonic_ns())
-        self.anchor = time_ns()
+    def restart(self, since: int) -> None:
+        """Begin the schedule; its first tick was due `since` nanoseconds ago.
+
+        A timer that wakes us must be in step with the schedule: were the first tick due just after
+        the timer fires, every tick would wait for the next time it does.
+        """
+        early = since + self.schedule.period // EARLY
+        self.progress = Progress(monotonic_ns() - early)
+        self.anchor = time_ns() - since
 
     def ticks(self) -> range:
         """Places in the schedule of the ticks that are due now."""
@@ -41,7 +49,8 @@ class Pace:
 
     def follow_clock(self) -> None:
         """Let the stamps follow a system clock that was set."""
-        step = time_ns() - (self.anchor + monotonic_ns() - self.progress.start)
+        early = self.schedule.period // EARLY
+        step = time_ns() - (self.anchor + monotonic_ns() - self.progress.start - early)
         if abs(step) > CLOCK_STEP:
             self.anchor += step
             self.clock_steps += 1

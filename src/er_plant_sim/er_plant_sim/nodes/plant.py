@@ -57,7 +57,7 @@ class PlantNode(Node):
         self.health = Health(self, self.report, deadline=self.rig.dt, model_id=model_id)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         period = self.rig.dt / p.rate_factor if p.rate_factor else WAKE_PERIOD
-        self.create_timer(period, self.on_time, clock=steady)
+        self.timer = self.create_timer(period, self.on_time, clock=steady)
         self.create_timer(1.0, self.on_second, clock=steady)
 
     def _drive(self) -> Timed | Answered:
@@ -74,7 +74,9 @@ class PlantNode(Node):
             self.drive.on_time()
         elif self._everybody_there():
             self.running = True
-            self.pace.restart()
+            period = self.pace.schedule.period
+            self.pace.restart(max(period - self.timer.time_until_next_call(), 0) % period)
+            self.drive.on_time()
 
     def _everybody_there(self) -> bool:
         """Whether the graph is complete, or waiting for it took too long."""

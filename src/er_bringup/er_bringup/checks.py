@@ -1,0 +1,194 @@
+"""What `er doctor` makes of what it saw: problems, each with a cure. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from er_ros_common.graph_check import Endpoint, Problem, check_topic
+from er_ros_common.topics import Topic
+
+from er_damper_msgs.msg import NodeStatus
+from er_ros_common import topics
+
+NEEDED = (
+    topics.ACCELERATION,
+    topics.DEFLECTION,
+    topics.FORCE,
+    topics.ROAD,
+    topics.PWM_APPLIED,
+)
+"""Topics without which a graph measures nothing."""
+TOLERANCE = 0.1
+"""Share by which a rate may differ from what it should be."""
+STALE = 0.02
+"""Age on arrival beyond which a node drops a sample [s]."""
+OLD_SHARE = 0.01
+"""Share of old samples that is worth a line."""
+
+
+@dataclass(frozen=True)
+class Heard:
+    """One topic of the contract: its ends, and what was heard on it.
+
+    span: from the first to the last arrival [s]; ages: on arrival [s]; zero: stamps that are not
+    set.
+    """
+
+    topic: Topic
+    name: str
+    publishers: tuple[Endpoint, ...]
+    subscribers: tuple[Endpoint, ...]
+    count: int = 0
+    span: float = 0.0
+    ages: tuple[float, ...] = ()
+    lost: int = 0
+    zero: int = 0
+    invalid: int = 0
+
+    @property
+    def rate(self) -> float:
+        """Messages per second; 0 with fewer than two."""
+        return (self.count - 1) / self.span if self.count > 1 and self.span > 0.0 else 0.0
+
+
+@dataclass(frozen=True)
+class SeenNode:
+    """One node: its parameters (None: it did not answer) and the last status it sent."""
+
+    name: str
+    parameters: Mapping[str, Any] | None = None
+    status: int | None = None
+    mode: str = ""
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Observation:
+    """All that was seen of one namespace in this time [s]."""
+
+    namespace: str
+    seconds: float
+    heard: tuple[Heard, ...] = ()
+    nodes: tuple[SeenNode, ...] = ()
+    clock_publishers: int = 0
+
+
+def problems(seen: Observation) -> list[Problem]:
+    """Everything that is wrong, most important first."""
+    found = [*_nothing(seen), *_missing(seen), *_ends(seen)]
+    answers = [node.parameters or {} for node in seen.nodes]
+    plant = next((p for p in answers if "rate_factor" in p), {})
+    for heard in seen.heard:
+        found += _flow(heard, plant)
+    return [*found, *_nodes(seen), *_time(seen)]
+
+
+def _nothing(seen: Observation) -> Iterator[Problem]:
+    if not seen.nodes and not any(h.publishers for h in seen.heard):
+        text = "no node and no topic of this project is there"
+        cure = "start one (./er up); the same ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE?"
+        yield Problem(seen.namespace or "/", "empty graph", text, cure)
+
+
+def _missing(seen: Observation) -> Iterator[Problem]:
+    if not seen.nodes and not any(h.publishers for h in seen.heard):
+        return
+    there = {h.topic.name: h for h in seen.heard if h.publishers}
+    for topic in NEEDED:
+        if topic.name not in there:
+            name = f"{seen.namespace}/{topic.name}"
+            cure = "start the plant or the bridge to the rig, or remap its topic"
+            yield Problem(name, "missing topic", "nobody publishes it", cure)
+    asked = any((n.parameters or {}).get("duty_source") == "topic" for n in seen.nodes)
+    if asked and topics.PWM_COMMAND.name not in there:
+        name = f"{seen.namespace}/{topics.PWM_COMMAND.name}"
+        text = "the plant takes its duty from it and nobody publishes it: safe duty"
+        yield Problem(name, "missing topic", text, "start a controller, or use duty:=program")
+
+
+def _ends(seen: Observation) -> Iterator[Problem]:
+    for heard in seen.heard:
+        yield from check_topic(heard.topic, heard.name, heard.publishers, heard.subscribers)
+
+
+def _flow(heard: Heard, plant: Mapping[str, Any]) -> Iterator[Problem]:
+    """Problems of the messages of one topic; nothing where nobody publishes."""
+    if not heard.publishers:
+        return
+    sender = heard.publishers[0].node
+    if heard.count == 0:
+        text = f"{sender} offers it, but nothing came"
+        yield Problem(
+            heard.name, "silent", text, f"is {sender} running, or waiting? see its status"
+        )
+        return
+    yield from _rate(heard, plant)
+    real = plant.get("mode", "realtime") == "realtime"
+    old = sum(age > STALE for age in heard.ages)
+    if real and old > OLD_SHARE * heard.count:
+        worst = 1e3 * max(heard.ages)
+        limit = f"older than {1e3 * STALE:.0f} ms, at most {worst:.0f} ms"
+        text = f"{old} of {heard.count} stamps {limit}"
+        cure = "the machine is too slow or its load too high; or the sender's clock is off"
+        yield Problem(heard.name, "stale stamps", text, cure)
+    if real and any(age < -0.005 for age in heard.ages):
+        text = f"stamps up to {-1e3 * min(heard.ages):.0f} ms ahead of this machine's clock"
+        yield Problem(heard.name, "future stamps", text, "synchronise the clocks (chrony, ptp)")
+    if heard.zero:
+        text = f"{heard.zero} of {heard.count} messages without a stamp"
+        yield Problem(heard.name, "zero stamps", text, f"set header.stamp in {sender}")
+    if heard.lost:
+        text = f"{heard.lost} messages missing in seq, {heard.count} came"
+        yield Problem(
+            heard.name, "lost messages", text, "load too high? see the rates and the CPU"
+        )
+
+
+def _rate(heard: Heard, plant: Mapping[str, Any]) -> Iterator[Problem]:
+    factor = float(plant.get("rate_factor", 1.0))
+    if factor == 0.0:
+        return
+    nominal = float(plant.get("rate", heard.topic.rate))
+    expected = (
+        nominal * factor if heard.topic.rate == topics.ACCELERATION.rate else heard.topic.rate
+    )
+    slower_allowed = heard.topic is topics.FAULT
+    too_fast = heard.rate > (1.0 + TOLERANCE) * expected
+    too_slow = heard.rate < (1.0 - TOLERANCE) * expected and not slower_allowed
+    if too_fast or too_slow:
+        text = f"{heard.rate:.1f} Hz instead of {expected:g} Hz"
+        cure = "CPU too slow?" if too_slow else "is a second publisher or a bag playing?"
+        yield Problem(heard.name, "rate", text, cure)
+
+
+def _nodes(seen: Observation) -> Iterator[Problem]:
+    for node in seen.nodes:
+        if node.parameters is None:
+            text = "does not answer when asked for its parameters"
+            yield Problem(node.name, "no answer", text, "is it stopped or overloaded? restart it")
+        bad = node.status not in (None, NodeStatus.STATUS_OK, NodeStatus.STATUS_INITIALIZING)
+        if bad:
+            cure = "the reason says what it needs"
+            yield Problem(node.name, "status", f"{node.mode}: {node.reason}", cure)
+
+
+def _time(seen: Observation) -> Iterator[Problem]:
+    simulated = [n.name for n in seen.nodes if (n.parameters or {}).get("use_sim_time")]
+    plants = [n for n in seen.nodes if (n.parameters or {}).get("mode") == "sim_time"]
+    if simulated and not seen.clock_publishers:
+        text = f"{', '.join(simulated)} wait for /clock and nobody publishes it"
+        yield Problem(
+            "/clock", "no clock", text, "plant with mode:=sim_time, or use_sim_time false"
+        )
+    if seen.clock_publishers > 1:
+        text = f"{seen.clock_publishers} nodes publish it"
+        yield Problem("/clock", "two publishers", text, "stop all but one")
+    asked = [(n.name, n.parameters) for n in seen.nodes if n.parameters]
+    system = [name for name, p in asked if p.get("max_age") and not p.get("use_sim_time")]
+    if plants and system:
+        text = f"{', '.join(system)} compare simulated stamps with the system clock"
+        yield Problem(
+            system[0], "mixed time", text, "use_sim_time:=true and max_age:=0.0 for them"
+        )

@@ -1,0 +1,127 @@
+"""``er doctor``: looks at a running graph for a few seconds, says what is wrong and what to do.
+
+Exit status: 0 healthy, 1 problems, 2 bad usage.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from statistics import median
+
+from er_models.files import write_whole
+from er_ros_common.graph_check import Problem
+from rich.console import Console
+from rich.table import Table
+
+from er_bringup.checks import Heard, Observation, problems
+
+HEALTHY, UNHEALTHY, BAD_USAGE = 0, 1, 2
+
+
+def parser() -> argparse.ArgumentParser:
+    """Options of the command."""
+    p = argparse.ArgumentParser(
+        prog="er doctor",
+        description="Check a running graph: types, QoS, rates, stamps, parameters, health.",
+        allow_abbrev=False,
+    )
+    p.add_argument("--namespace", default="", metavar="NS", help="namespace of the corner")
+    p.add_argument(
+        "--seconds", type=float, default=3.0, metavar="S", help="how long to listen (3)"
+    )
+    p.add_argument(
+        "--json", metavar="FILE", help="write the result there too; - for standard output"
+    )
+    return p
+
+
+def rows(seen: Observation) -> list[tuple[str, ...]]:
+    """One line a topic that somebody publishes or waits for."""
+    return [_row(heard) for heard in seen.heard if heard.publishers or heard.subscribers]
+
+
+def _row(heard: Heard) -> tuple[str, ...]:
+    age = f"{1e3 * median(heard.ages):.1f}" if heard.ages else "-"
+    worst = f"{1e3 * max(heard.ages):.1f}" if heard.ages else "-"
+    return (
+        heard.name,
+        ", ".join(end.node for end in heard.publishers) or "nobody",
+        str(len(heard.subscribers)),
+        f"{heard.rate:.1f}",
+        age,
+        worst,
+        str(heard.lost),
+    )
+
+
+def document(seen: Observation, found: Sequence[Problem]) -> dict[str, object]:
+    """The result for machines."""
+    heads = ("topic", "publishers", "subscribers", "rate", "age_ms", "age_max_ms", "lost")
+    return {
+        "healthy": not found,
+        "namespace": seen.namespace or "/",
+        "seconds": seen.seconds,
+        "topics": [dict(zip(heads, row, strict=True)) for row in rows(seen)],
+        "nodes": [
+            {"node": n.name, "mode": n.mode, "status": n.status, "reason": n.reason}
+            for n in seen.nodes
+        ],
+        "problems": [asdict(problem) for problem in found],
+    }
+
+
+def show(seen: Observation, found: Sequence[Problem], console: Console) -> None:
+    """Tables for people."""
+    table = Table(title=f"graph in {seen.namespace or '/'}, {seen.seconds:g} s")
+    for head in ("topic", "published by", "subscribers", "Hz", "age ms", "max", "lost"):
+        text = head in ("topic", "published by")
+        table.add_column(head, justify="left" if text else "right", no_wrap=head == "topic")
+    for row in rows(seen):
+        table.add_row(*row)
+    if table.row_count:
+        console.print(table)
+    if not found:
+        console.print("healthy: nothing to report")
+        return
+    sick = Table(title=f"{len(found)} problem{'s' if len(found) > 1 else ''}")
+    for head in ("where", "what", "cure"):
+        sick.add_column(head, overflow="fold")
+    for problem in found:
+        sick.add_row(problem.topic, f"{problem.kind}: {problem.text}", problem.cure)
+    console.print(sick)
+
+
+def main() -> None:
+    """Entry point of the command."""
+    p = parser()
+    p.error = _complain  # type: ignore[method-assign,assignment]
+    options = p.parse_args()
+    if not 0.1 <= options.seconds <= 600.0:
+        _complain(f"--seconds: expected 0.1 to 600, found {options.seconds:g}")
+    # only now: help and bad usage need no ROS
+    from er_bringup.ros_listen import observe
+
+    seen = observe(options.namespace, options.seconds)
+    found = problems(seen)
+    text = json.dumps(document(seen, found), indent=1)
+    if options.json == "-":
+        print(text)  # noqa: T201  (asked for)
+    else:
+        show(seen, found, Console())
+        if options.json:
+            write_whole(Path(options.json), text)
+    sys.exit(UNHEALTHY if found else HEALTHY)
+
+
+def _complain(message: str) -> None:
+    sys.stderr.write(f"er doctor: {message}\n")
+    sys.exit(BAD_USAGE)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,161 @@
+"""Listens to a running graph for `er doctor`: the only place of it where ROS is spelled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from time import monotonic, time_ns
+from typing import Any
+
+import rclpy
+from er_ros_common.clock import from_stamp
+from er_ros_common.graph_check import compatible, endpoints
+from er_ros_common.parameter_reader import ParameterReader
+from er_ros_common.topics import Topic
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+from er_bringup.checks import Heard, Observation, SeenNode
+from er_damper_msgs.msg import NodeStatus
+from er_ros_common import topics
+
+CONTRACT = (*topics.MEASUREMENTS, *topics.ESTIMATES)
+DEPTH = 500
+DISCOVERY, SETTLE = 4.0, 1.0
+"""Longest wait for a first sign of the graph, and the time its other parts get after that [s]."""
+LOOK = 0.25
+STATUS_ENDING = "/status"
+
+
+@dataclass
+class _Log:
+    """Messages of one topic."""
+
+    topic: Topic
+    name: str
+    arrivals: list[float] = field(default_factory=list)
+    ages: list[float] = field(default_factory=list)
+    seq: int = 0
+    lost: int = 0
+    zero: int = 0
+    invalid: int = 0
+
+    def on_message(self, message: Any) -> None:
+        """Note one message."""
+        stamp, seq = from_stamp(message.header.stamp), int(message.seq)
+        self.arrivals.append(monotonic())
+        if stamp == 0:
+            self.zero += 1
+        else:
+            self.ages.append(1e-9 * (time_ns() - stamp))
+        if seq > self.seq > 0:
+            self.lost += seq - self.seq - 1
+        self.seq = seq
+        self.invalid += not message.valid
+
+    def clear(self) -> None:
+        """Forget what came before the measurement."""
+        self.arrivals.clear()
+        self.ages.clear()
+        self.seq = self.lost = self.zero = self.invalid = 0
+
+
+def observe(namespace: str, seconds: float) -> Observation:
+    """What goes on in a namespace ('' is the root) during this time [s]; starts and ends rclpy."""
+    rclpy.init(args=[])
+    try:
+        node = Node("doctor", namespace=namespace, enable_rosout=False)
+        return _Listener(node, namespace).observe(seconds)
+    finally:
+        rclpy.try_shutdown()
+
+
+class _Listener:
+    """Subscribes to whatever the contract names and is there."""
+
+    def __init__(self, node: Node, namespace: str) -> None:
+        self.node = node
+        self.namespace = f"/{namespace.strip('/')}" if namespace.strip("/") else ""
+        self.logs = {t.name: _Log(t, f"{self.namespace}/{t.name}") for t in CONTRACT}
+        self.subscribed: set[str] = set()
+        self.status: dict[str, NodeStatus] = {}
+        self.parameters = ParameterReader(node, self._inside)
+        self.executor = SingleThreadedExecutor()
+        self.executor.add_node(node)
+
+    def _inside(self, full: str) -> bool:
+        return full.startswith(f"{self.namespace}/")
+
+    def observe(self, seconds: float) -> Observation:
+        """Find the graph, then listen."""
+        began = monotonic()
+        while not self._anybody() and monotonic() - began < DISCOVERY:
+            self._turn(LOOK)
+        self._turn(SETTLE if self._anybody() else 0.0)
+        for log in self.logs.values():
+            log.clear()
+        self._turn(seconds)
+        return Observation(
+            self.namespace,
+            seconds,
+            tuple(self._heard(log) for log in self.logs.values()),
+            tuple(self._nodes()),
+            self.node.count_publishers(topics.CLOCK.name),
+        )
+
+    def _anybody(self) -> bool:
+        return any(self.node.count_publishers(log.name) for log in self.logs.values())
+
+    def _turn(self, seconds: float) -> None:
+        """Handle messages for this time, looking for new topics now and then."""
+        until = monotonic() + seconds
+        look = 0.0
+        while monotonic() < until:
+            if monotonic() >= look:
+                self._look()
+                look = monotonic() + LOOK
+            self.executor.spin_once(timeout_sec=0.02)
+
+    def _look(self) -> None:
+        self.parameters.look()
+        for log in self.logs.values():
+            self._subscribe(log.name, log.topic, log.on_message)
+        for name, kinds in self.node.get_topic_names_and_types():
+            if name.endswith(STATUS_ENDING) and topics.STATUS.type_name in kinds:
+                self._subscribe(name, topics.STATUS, self._on_status)
+
+    def _subscribe(self, name: str, topic: Topic, heard: Any) -> None:
+        """Subscribe once somebody publishes the right type."""
+        publishers = self.node.get_publishers_info_by_topic(name)
+        right = [info for info in publishers if info.topic_type == topic.type_name]
+        if right and name not in self.subscribed:
+            self.subscribed.add(name)
+            self.node.create_subscription(topic.type, name, heard, compatible(right, DEPTH))
+
+    def _on_status(self, message: NodeStatus) -> None:
+        self.status[message.node] = message
+
+    def _heard(self, log: _Log) -> Heard:
+        publishers, subscribers = endpoints(self.node, log.name)
+        own = self.node.get_fully_qualified_name()
+        others = [end for end in subscribers if end.node != own]
+        span = log.arrivals[-1] - log.arrivals[0] if log.arrivals else 0.0
+        return Heard(
+            topic=log.topic,
+            name=log.name,
+            publishers=tuple(publishers),
+            subscribers=tuple(others),
+            count=len(log.arrivals),
+            span=span,
+            ages=tuple(log.ages),
+            lost=log.lost,
+            zero=log.zero,
+            invalid=log.invalid,
+        )
+
+    def _nodes(self) -> list[SeenNode]:
+        """Nodes of this project: those that send a status."""
+        found = []
+        for name, said in sorted(self.status.items()):
+            parameters = self.parameters.found.get(name)
+            found.append(SeenNode(name, parameters, int(said.status), said.mode, said.reason))
+        return found
