@@ -20,6 +20,7 @@ LEAST_RISE, MOST_RISE = 0.10, 6.0
 _DRAWN_RISE = (0.15, 4.0)
 _CLOSE = 0.08
 _TRIALS = 7
+_DRAWS = 4
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,9 @@ def table_of(hidden: Sequence[Hidden]) -> Array:
     return table
 
 
-def solve(left: Callable[[float], float], start: float, goal: float, span: tuple[float, float]) -> tuple[float, float]:
+def solve(
+    left: Callable[[float], float], start: float, goal: float, span: tuple[float, float]
+) -> tuple[float, float]:
     """Strength whose residual left(strength) [N] comes close to the goal, and that residual.
 
     Secant steps on logarithms; the local exponent starts at one and is learnt. At the end of the
@@ -115,23 +118,24 @@ def hide(
     Raises:
         BlindError: no strength in the effect's range shows by at least 10 % and at most 600 %.
     """
-    drawn = between(rng, *_DRAWN_RISE)
-    goal = target if target is not None else drawn
-    shape = effect.draw(rng, scene)
-    negative = effect.most_negative > 0.0 and rng.random() < 0.5
-    sign, most = (-1.0, effect.most_negative) if negative else (1.0, effect.most)
+    goal = target if target is not None else between(rng, *_DRAWN_RISE)
+    rise = strength = 0.0
+    for _ in range(_DRAWS):
+        shape = effect.draw(rng, scene)
+        negative = effect.most_negative > 0.0 and rng.random() < 0.5
+        sign, most = (-1.0, effect.most_negative) if negative else (1.0, effect.most)
 
-    def left(strength: float) -> float:
-        table = NO_EFFECT.copy()
-        table[effect.slot] = effect.row(sign * strength, shape)
-        records = clean_records(motions, table, scene.base, scene.seconds)
-        return refit(records, offset=not effect.hides_in_bias).rms
+        def left(size: float, sign: float = sign, shape: tuple[float, ...] = shape) -> float:
+            table = NO_EFFECT.copy()
+            table[effect.slot] = effect.row(sign * size, shape)
+            records = clean_records(motions, table, scene.base, scene.seconds)
+            return refit(records, offset=not effect.hides_in_bias).rms
 
-    strength, rms = solve(left, effect.typical, left_for(goal, noise), (effect.least, most))
-    rise = excess(rms, noise)
-    if not LEAST_RISE <= rise <= MOST_RISE:
-        raise BlindError(
-            f"{effect.name}: expected a rise of 10 to 600 % over the noise, found {rise:.1%}"
-            f" at strength {sign * strength:.3g}"
-        )
-    return Hidden(effect, effect.row(sign * strength, shape), goal, rise)
+        strength, rms = solve(left, effect.typical, left_for(goal, noise), (effect.least, most))
+        rise = excess(rms, noise)
+        if LEAST_RISE <= rise <= MOST_RISE:
+            return Hidden(effect, effect.row(sign * strength, shape), goal, rise)
+    raise BlindError(
+        f"{effect.name}: expected a rise of 10 to 600 % over the noise, found {rise:.1%}"
+        f" at strength {sign * strength:.3g}"
+    )

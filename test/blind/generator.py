@@ -41,19 +41,21 @@ def _finished(case: Case) -> Case:
 
 
 def _hidden(case: Case, chosen: list[Effect], target: float | None) -> Case:
-    """The case with calibrated effects, its roads made smaller where these let it move too much."""
-    motions = case.motions
+    """The case with calibrated effects, its roads smaller where they let the car move too much."""
+    motions, floor = case.motions, case.noise.force
     for _ in range(_ROAD_TRIALS):
         scene = scene_of(motions, case.base, case.seconds)
+        streams = [_stream(case.seed, _EFFECT, one.slot) for one in chosen]
         hidden = tuple(
-            hide(one, motions, scene, case.noise.force, _stream(case.seed, _EFFECT, one.slot), target)
-            for one in chosen
+            hide(one, motions, scene, floor, rng, target)
+            for one, rng in zip(chosen, streams, strict=True)
         )
+        case = replace(case, motions=motions, hidden=hidden)
         smaller = within_limits(motions, table_of(hidden), case.base)
         if smaller is motions:
             break
         motions = smaller
-    return replace(case, motions=motions, hidden=hidden)
+    return case
 
 
 def make_case(

@@ -52,7 +52,7 @@ _SHORTEST_STROKE = 2e-4
 
 @inner
 def _evaluate(
-    rig: bool,
+    rig: int,
     t: float,
     i: int,
     drive: Array,
@@ -61,24 +61,22 @@ def _evaluate(
     y: Array,
     dy: Array,
     memory: Array,
-    P: Array,
+    rows: Array,
     base: Array,
     masses: Array,
 ) -> float:
-    """Fill dy (N_STATES,); returns the force at the joint [N]. ``drive[i]`` is road, or x, v, a."""
+    """Fill dy (N_STATES,); returns the force [N]. ``drive[i]`` is the road, or x, v, a."""
     if rig:
-        outer = 0.0 if joint.present(P) else P[INERTIA, 0] * drive[i, 2]
-        force = rates.damper(t, drive[i, 0], drive[i, 1], u, burst, y, dy, memory, P, base)
+        outer = 0.0 if joint.present(rows) else rows[INERTIA, 0] * drive[i, 2]
+        force = rates.damper(t, drive[i, 0], drive[i, 1], u, burst, y, dy, memory, rows, base)
         return float(force + outer)
     x, v = y[ZS] - y[ZU], y[VS] - y[VU]
-    force = rates.damper(t, x, v, u, burst, y, dy, memory, P, base)
-    return rates.car(force, drive[i, 0], y, dy, P, masses)
+    force = rates.damper(t, x, v, u, burst, y, dy, memory, rows, base)
+    return rates.car(force, drive[i, 0], y, dy, rows, masses)
 
 
 @inner
-def _store(
-    out: Array, j: int, rig: bool, drive: Array, force: float, y: Array, dy: Array
-) -> None:
+def _store(out: Array, j: int, rig: int, drive: Array, force: float, y: Array, dy: Array) -> None:
     """Row j of the fine trajectory, (n, N_OUT)."""
     out[j, OF], out[j, OXD], out[j, OFER], out[j, OTH] = force, y[XD], y[FER], y[TF]
     if rig:
@@ -110,7 +108,7 @@ def _remember(memory: Array, x: float, v: float) -> None:
 
 
 @inner
-def _start(y: Array, rig: bool, drive: Array, duty: float) -> None:
+def _start(y: Array, rig: int, drive: Array, duty: float) -> None:
     """Set y from rest, or to the imposed motion's first point with every inner travel there."""
     y[AM1] = y[AM2] = duty
     y[FLD] = duty
@@ -121,14 +119,15 @@ def _start(y: Array, rig: bool, drive: Array, duty: float) -> None:
 
 @entry
 def run(
-    rig: bool, drive: Array, duty: Array, burst: Array, P: Array, base: Array, masses: Array
+    rig: int, drive: Array, duty: Array, burst: Array, rows: Array, base: Array, masses: Array
 ) -> Array:
     """Trajectory on the fine grid, (n * SUBSTEPS + 1, N_OUT), from LEAD_SAMPLES before t = 0.
 
-    ``drive`` is (2 n SUBSTEPS + 1, 3) at half steps; ``duty`` (n,) per sample; ``burst`` (n,) in 0..1.
+    ``drive`` is (2 n SUBSTEPS + 1, 3) at half steps, ``duty`` (n,) per sample, ``burst`` (n,) in
+    0..1.
     """
     steps = duty.size * SUBSTEPS
-    delay = round(P[DEAD_TIME, 0] / STEP)
+    delay = round(rows[DEAD_TIME, 0] / STEP)
     out = np.zeros((steps + 1, N_OUT))
     y, memory = np.zeros(N_STATES), np.zeros(3)
     _start(y, rig, drive, duty[0])
@@ -137,19 +136,19 @@ def run(
     for j in range(steps):
         t = j * STEP - LEAD_SAMPLES * SAMPLE
         u, b = duty[max(j - delay, 0) // SUBSTEPS], burst[j // SUBSTEPS]
-        force = _evaluate(rig, t, 2 * j, drive, u, b, y, k1, memory, P, base, masses)
+        force = _evaluate(rig, t, 2 * j, drive, u, b, y, k1, memory, rows, base, masses)
         _store(out, j, rig, drive, force, y, k1)
         _shift(z, y, 0.5 * STEP, k1)
-        _evaluate(rig, t + 0.5 * STEP, 2 * j + 1, drive, u, b, z, k2, memory, P, base, masses)
+        _evaluate(rig, t + 0.5 * STEP, 2 * j + 1, drive, u, b, z, k2, memory, rows, base, masses)
         _shift(z, y, 0.5 * STEP, k2)
-        _evaluate(rig, t + 0.5 * STEP, 2 * j + 1, drive, u, b, z, k3, memory, P, base, masses)
+        _evaluate(rig, t + 0.5 * STEP, 2 * j + 1, drive, u, b, z, k3, memory, rows, base, masses)
         _shift(z, y, STEP, k3)
-        _evaluate(rig, t + STEP, 2 * j + 2, drive, u, b, z, k4, memory, P, base, masses)
+        _evaluate(rig, t + STEP, 2 * j + 2, drive, u, b, z, k4, memory, rows, base, masses)
         for i in range(N_STATES):
             y[i] += STEP / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i])
         y[VOID] = max(y[VOID], 0.0)
         _remember(memory, out[j, OX], out[j, OV])
     u, t = duty[-1], steps * STEP - LEAD_SAMPLES * SAMPLE
-    force = _evaluate(rig, t, 2 * steps, drive, u, 0.0, y, k1, memory, P, base, masses)
+    force = _evaluate(rig, t, 2 * steps, drive, u, 0.0, y, k1, memory, rows, base, masses)
     _store(out, steps, rig, drive, force, y, k1)
     return out

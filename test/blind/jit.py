@@ -1,13 +1,14 @@
 """Numba decorators with types, and a disk cache that cannot go stale.
 
-Numba keys its cache on the file of the cached function alone, so an edit of an effect would leave an
-old integrator in use and silently produce a wrong truth. Here the cache directory carries a hash of
-every source file of the generator.
+Numba keys its cache on the file of the cached function alone, so an edit of an effect would leave
+an old integrator in use and silently produce a wrong truth. Here the cache directory carries a
+hash of every source file of the generator.
 """
 
 from __future__ import annotations
 
 import hashlib
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -25,18 +26,24 @@ _HERE = Path(__file__).resolve().parent
 def _source_hash() -> str:
     digest = hashlib.sha1(usedforsecurity=False)
     for path in sorted(_HERE.rglob("*.py")):
-        if not path.name.startswith("test_"):
+        if not path.name.startswith(("test_", "short")):
             digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
 
 def _cache_directory() -> str:
-    """Directory of the compiled integrator; empty where nothing can be written."""
+    """Directory of the compiled integrator; empty where nothing can be written.
+
+    Integrators of earlier sources can never be used again, so they are removed.
+    """
     path = _HERE / "__pycache__" / f"compiled-{_source_hash()}"
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError:
         return ""
+    for old in path.parent.glob("compiled-*"):
+        if old != path:
+            shutil.rmtree(old, ignore_errors=True)
     return str(path)
 
 
@@ -67,9 +74,9 @@ def entry(function: F) -> F:
     directory = _cache_directory()
     if not directory:
         return cast(F, numba.njit(error_model="numpy")(function))
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = directory
+    settings = vars(numba.config)
+    before, settings["CACHE_DIR"] = settings["CACHE_DIR"], directory
     try:
         return cast(F, numba.njit(cache=True, error_model="numpy")(function))
     finally:
-        numba.config.CACHE_DIR = before
+        settings["CACHE_DIR"] = before

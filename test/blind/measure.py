@@ -7,7 +7,6 @@ from typing import Literal
 
 import numpy as np
 
-from test.blind import roads
 from test.blind.integrate import LEAD_SAMPLES, SAMPLE, STEP, SUBSTEPS
 from test.blind.jit import Array
 from test.blind.plant import Motion
@@ -68,7 +67,7 @@ def _force_channel(fine: Array, motion: Motion, table: Array) -> Array:
     if table[FORCE_LAG, 0] != 0.0:
         force = sensing.lagged(force, STEP, table[FORCE_LAG, 0])
     fine_t = np.arange(force.size) * STEP
-    at = np.arange(motion.duty.size) * SAMPLE
+    at = np.asarray(np.arange(motion.duty.size) * SAMPLE, dtype=np.float64)
     sampled = np.interp(at - table[FORCE_DELAY, 0], fine_t, force)
     if table[OUT_HUM, 0] != 0.0:
         sampled = sampled + outside_signal.hum(at, table[OUT_HUM])
@@ -107,7 +106,9 @@ def noiseless(fine: Array, motion: Motion, table: Array, seconds: float) -> dict
     }
 
 
-def with_noise(clean: dict[str, Array], noise: Noise, rng: np.random.Generator) -> dict[str, Array]:
+def with_noise(
+    clean: dict[str, Array], noise: Noise, rng: np.random.Generator
+) -> dict[str, Array]:
     """The same columns with the instruments' noise; time, road and duty are known exactly."""
     n = clean["t"].size
     draws = rng.standard_normal((5, n))
@@ -124,8 +125,3 @@ def with_noise(clean: dict[str, Array], noise: Noise, rng: np.random.Generator) 
         "unsprung_acceleration": noise.acceleration * draws[4],
     }
     return {name: value + added.get(name, 0.0) for name, value in clean.items()}
-
-
-def simulated_seconds(motion: Motion) -> float:
-    """Length of the record a motion was made for [s]."""
-    return (motion.duty.size - roads.n_samples(0.0)) * SAMPLE

@@ -53,8 +53,10 @@ def trajectory(motion: Motion, table: Array, base: Array) -> Array:
     n = motion.duty.size
     burst = np.zeros(n)
     if table[OUT_STICK, 0] != 0.0:
-        burst = roads.bursts(n, table[OUT_STICK, 2], np.random.default_rng(motion.burst_seed))
-    rig = motion.rig == "damper"
+        burst = roads.bursts(
+            n, float(table[OUT_STICK, 2]), np.random.default_rng(motion.burst_seed)
+        )
+    rig = int(motion.rig == "damper")
     return run(rig, motion.drive, motion.duty, burst, table, base, CAR)
 
 

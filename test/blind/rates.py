@@ -59,34 +59,34 @@ def _imbalance(
     burst: float,
     y: Array,
     memory: Array,
-    P: Array,
+    rows: Array,
     base: Array,
 ) -> float:
     """Rod force less joint force [N] if the damper moves at ``speed`` while the car moves at v."""
-    rod_force = rod.force(y[XD], speed, burst, y, memory, P, base)
-    return rod_force - joint.force(x - y[XD], v - speed, P)
+    rod_force = rod.force(y[XD], speed, burst, y, memory, rows, base)
+    return rod_force - joint.force(x - y[XD], v - speed, rows)
 
 
 @inner
 def joint_velocity(
-    x: float, v: float, burst: float, y: Array, memory: Array, P: Array, base: Array
+    x: float, v: float, burst: float, y: Array, memory: Array, rows: Array, base: Array
 ) -> float:
     """Velocity [m/s] at which rod and joint carry one force: bracketed regula falsi (Illinois)."""
     low, high = v, v
-    at_low = _imbalance(low, x, v, burst, y, memory, P, base)
+    at_low = _imbalance(low, x, v, burst, y, memory, rows, base)
     at_high = at_low
     step = -at_low / base[C0] * 1.05
     for _ in range(12):
         if abs(at_high) < 1e-9:
             return float(high)
         high = low + step
-        at_high = _imbalance(high, x, v, burst, y, memory, P, base)
+        at_high = _imbalance(high, x, v, burst, y, memory, rows, base)
         if at_high * at_low <= 0.0:
             break
         low, at_low = high, at_high
     for _ in range(40):
         middle = high - at_high * (high - low) / (at_high - at_low)
-        at = _imbalance(middle, x, v, burst, y, memory, P, base)
+        at = _imbalance(middle, x, v, burst, y, memory, rows, base)
         if abs(at) < 1e-9:
             return float(middle)
         if at * at_high < 0.0:
@@ -99,42 +99,46 @@ def joint_velocity(
 
 @inner
 def field_rates(
-    t: float, x: float, v: float, u: float, y: Array, dy: Array, P: Array, base: Array
+    t: float, x: float, v: float, u: float, y: Array, dy: Array, rows: Array, base: Array
 ) -> None:
     """Amplifier, field and yield force from the duty u that has reached the amplifier."""
-    lag = P[AMPLIFIER, 0]
+    lag = rows[AMPLIFIER, 0]
     if lag != 0.0:
         dy[AM1] = (u - y[AM1]) / lag
         dy[AM2] = (y[AM1] - y[AM2]) / (0.15 * lag)
         u = y[AM2]
-    h = actuation.field(u, P)
+    h = actuation.field(u, rows)
     dy[FLD] = (h - y[FLD]) / base[TAU]
-    level = base[FC] * h * effectiveness_fade.factor(t, P[FADE, 0], P[FADE, 1], P[FADE, 2])
-    level *= self_heating.yield_force(y[TF], P[HEATING, 0], P[HEATING, 1])
+    level = (
+        base[FC] * h * effectiveness_fade.factor(t, rows[FADE, 0], rows[FADE, 1], rows[FADE, 2])
+    )
+    level *= self_heating.yield_force(y[TF], rows[HEATING, 0], rows[HEATING, 1])
     target = level * math.tanh(base[K1] * x + base[C1] * v)
-    tau = response.time_constant(base[TAU], u, y[FER], target, P)
+    tau = response.time_constant(base[TAU], u, y[FER], target, rows)
     dy[FER] = (target - y[FER]) / tau
 
 
 @inner
 def inner_rates(
-    t: float, x: float, v: float, y: Array, dy: Array, P: Array, base: Array
+    t: float, x: float, v: float, y: Array, dy: Array, rows: Array, base: Array
 ) -> None:
     """States of effects that ride on the rod's travel: bristle, branches, void, heat."""
     j = HYSTERESIS
-    dy[HYS] = bouc_wen_hysteresis.rate(y[HYS], v, P[j, 0], P[j, 1], P[j, 2], P[j, 3], P[j, 4])
-    if P[VISCOELASTIC, 0] != 0.0:
-        dy[MX1] = (x - y[MX1]) / P[VISCOELASTIC, 2]
-        dy[MX2] = 4.0 * (x - y[MX2]) / P[VISCOELASTIC, 2]
-    if P[CAVITATION, 0] == 0.0 and P[HEATING, 0] == 0.0:
+    dy[HYS] = bouc_wen_hysteresis.rate(
+        y[HYS], v, rows[j, 0], rows[j, 1], rows[j, 2], rows[j, 3], rows[j, 4]
+    )
+    if rows[VISCOELASTIC, 0] != 0.0:
+        dy[MX1] = (x - y[MX1]) / rows[VISCOELASTIC, 2]
+        dy[MX2] = 4.0 * (x - y[MX2]) / rows[VISCOELASTIC, 2]
+    if rows[CAVITATION, 0] == 0.0 and rows[HEATING, 0] == 0.0:
         return
-    filled = rod.hydraulic(x, v, y, P, base)
-    dy[VOID] = cavitation.rate(filled, y[VOID], base[C0], P[CAVITATION, 0], P[CAVITATION, 1])
-    if P[HEATING, 0] != 0.0:
+    filled = rod.hydraulic(x, v, y, rows, base)
+    dy[VOID] = cavitation.rate(filled, y[VOID], base[C0], rows[CAVITATION, 0], rows[CAVITATION, 1])
+    if rows[HEATING, 0] != 0.0:
         power = max(filled * v, 0.0) if t >= 0.0 else 0.0
-        flow = P[HEATING, 3] * (y[TF] - y[TW])
-        dy[TF] = (power - flow) / P[HEATING, 2]
-        dy[TW] = (flow - P[HEATING, 5] * y[TW]) / P[HEATING, 4]
+        flow = rows[HEATING, 3] * (y[TF] - y[TW])
+        dy[TF] = (power - flow) / rows[HEATING, 2]
+        dy[TW] = (flow - rows[HEATING, 5] * y[TW]) / rows[HEATING, 4]
 
 
 @inner
@@ -147,34 +151,29 @@ def damper(
     y: Array,
     dy: Array,
     memory: Array,
-    P: Array,
+    rows: Array,
     base: Array,
 ) -> float:
     """Force at the joint [N] without outer inertia; fills the rates of the damper's states."""
-    if not joint.present(P):
-        field_rates(t, x, v, u, y, dy, P, base)
-        inner_rates(t, x, v, y, dy, P, base)
-        return rod.force(x, v, burst, y, memory, P, base)
-    mass = P[INERTIA, 0]
-    if mass == 0.0:
-        speed = joint_velocity(x, v, burst, y, memory, P, base)
-    else:
-        speed = y[VD]
-    pull = joint.force(x - y[XD], v - speed, P)
+    if not joint.present(rows):
+        field_rates(t, x, v, u, y, dy, rows, base)
+        inner_rates(t, x, v, y, dy, rows, base)
+        return rod.force(x, v, burst, y, memory, rows, base)
+    mass = rows[INERTIA, 0]
+    speed = y[VD] if mass != 0.0 else joint_velocity(x, v, burst, y, memory, rows, base)
+    pull = joint.force(x - y[XD], v - speed, rows)
     if mass != 0.0:
-        dy[VD] = (pull - rod.force(y[XD], speed, burst, y, memory, P, base)) / mass
+        dy[VD] = (pull - rod.force(y[XD], speed, burst, y, memory, rows, base)) / mass
     dy[XD] = speed
-    field_rates(t, y[XD], speed, u, y, dy, P, base)
-    inner_rates(t, y[XD], speed, y, dy, P, base)
+    field_rates(t, y[XD], speed, u, y, dy, rows, base)
+    inner_rates(t, y[XD], speed, y, dy, rows, base)
     return pull
 
 
 @inner
-def car(
-    force: float, road: float, y: Array, dy: Array, P: Array, masses: Array
-) -> float:
+def car(force: float, road: float, y: Array, dy: Array, rows: Array, masses: Array) -> float:
     """Fill the car's rates, thesis (2.5); returns the damper force with outer inertia [N]."""
-    mass = 0.0 if joint.present(P) else P[INERTIA, 0]
+    mass = 0.0 if joint.present(rows) else rows[INERTIA, 0]
     spring = masses[KS] * (y[ZS] - y[ZU])
     tyre = masses[KT] * (y[ZU] - road)
     mobility = 1.0 / masses[MS] + 1.0 / masses[MU]

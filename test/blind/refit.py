@@ -70,9 +70,7 @@ def _field(record: _Record, k1: float, c1: float, tau: float) -> Array:
     return np.asarray(response[:-1:_PIECES])
 
 
-def _project(
-    shape: Array, records: list[_Record], offset: bool
-) -> tuple[Array, Array]:
+def _project(shape: Array, records: list[_Record], *, offset: bool) -> tuple[Array, Array]:
     """Residual of the best linear part [N] and that part (k0, c0, fc and the offset)."""
     k1, c1, tau = shape[0] * _SCALE[0], np.exp(shape[1]), np.exp(shape[2])
     rows, force = [], []
@@ -82,9 +80,9 @@ def _project(
             columns.append(np.ones(record.x.size))
         rows.append(np.stack(columns, axis=1)[_FORGET:])
         force.append(record.force[_FORGET:])
-    A, b = np.concatenate(rows), np.concatenate(force)
-    linear = np.linalg.lstsq(A, b, rcond=None)[0]
-    return A @ linear - b, linear
+    design, measured = np.concatenate(rows), np.concatenate(force)
+    linear = np.linalg.lstsq(design, measured, rcond=None)[0]
+    return design @ linear - measured, linear
 
 
 def refit(clean: list[dict[str, Array]], *, offset: bool = True) -> Refit:
@@ -99,14 +97,14 @@ def refit(clean: list[dict[str, Array]], *, offset: bool = True) -> Refit:
     low = np.array([-30.0, np.log(20.0), np.log(1e-3)])
     high = np.array([30.0, np.log(2e4), np.log(0.5)])
     best = least_squares(
-        lambda shape: _project(shape, records, offset)[0],
+        lambda shape: _project(shape, records, offset=offset)[0],
         start,
         bounds=(low, high),
         xtol=1e-6,
         ftol=1e-6,
         max_nfev=40,
     )
-    residual, linear = _project(best.x, records, offset)
+    residual, linear = _project(best.x, records, offset=offset)
     linear = linear if offset else np.append(linear, 0.0)
     shape = [best.x[0] * _SCALE[0], np.exp(best.x[1]), np.exp(best.x[2])]
     parameters = np.array([*linear[:3], *shape, linear[3]])

@@ -21,7 +21,8 @@ def n_samples(seconds: float) -> int:
 def half_grid(n: int) -> Array:
     """Times of the half steps [s], (2 n SUBSTEPS + 1,), zero at the record's first sample."""
     count = 2 * n * SUBSTEPS + 1
-    return np.arange(count) * (SAMPLE / (2 * SUBSTEPS)) - LEAD_SAMPLES * SAMPLE
+    grid = np.arange(count, dtype=np.float64) * (SAMPLE / (2 * SUBSTEPS))
+    return np.asarray(grid - LEAD_SAMPLES * SAMPLE, dtype=np.float64)
 
 
 def _sines(

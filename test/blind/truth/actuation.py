@@ -1,10 +1,10 @@
 """From the duty asked for to the field: dead time, amplifier, dead band, field law.
 
-    dead time   u(t - T_d)
-    amplifier   T a_1' + a_1 = u, then 0.15 T a_2' + a_2 = a_1
-    dead band   [d + sqrt(d^2 + e^2)] / 2 less its value at zero, d = u - u_0, e = 0.003
-    field law   u [(1 - s) + s u / u_r] for s > 0 (polarisation grows with the square of the field),
-                (1 + s) u - s sqrt(u u_r) for s < 0 (conduction saturates)
+dead time   u(t - T_d)
+amplifier   T a_1' + a_1 = u, then 0.15 T a_2' + a_2 = a_1
+dead band   [d + sqrt(d^2 + e^2)] / 2 less its value at zero, d = u - u_0, e = 0.003
+field law   u [(1 - s) + s u / u_r] for s > 0 (polarisation grows with the square of the field),
+            (1 + s) u - s sqrt(u u_r) for s < 0 (conduction saturates)
 """
 
 from __future__ import annotations
@@ -15,19 +15,18 @@ from test.blind.effect import Effect, Scene, nothing
 from test.blind.jit import Array, inner
 from test.blind.slots import AMPLIFIER, DEAD_BAND, DEAD_TIME, EXPONENT
 
-
 _EDGE = 0.003
 
 
 @inner
-def field(u: float, P: Array) -> float:
+def field(u: float, rows: Array) -> float:
     """Field, as an equivalent duty, that a steady duty u makes."""
-    start = P[DEAD_BAND, 0]
+    start = rows[DEAD_BAND, 0]
     if start != 0.0:
         d = u - start
         rest = (start * start + _EDGE * _EDGE) ** 0.5 - start
         u = 0.5 * (d + (d * d + _EDGE * _EDGE) ** 0.5 - rest)
-    s, reference = P[EXPONENT, 0], P[EXPONENT, 1]
+    s, reference = rows[EXPONENT, 0], rows[EXPONENT, 1]
     if s > 0.0:
         return float(u * (1.0 - s + s * u / reference))
     if s < 0.0:

@@ -5,8 +5,8 @@ With h the force of the filled damper and w the void [m of stroke],
     w' = (-F_cav - h) / c_0  while a void exists or h < -F_cav
     F  = h + (-F_cav - h) w / (w + w_s)  while a void exists
 
-so that the force stays at the vapour level until the stroke has closed the void, which is the refill
-lag. F_cav = F_r (1 - s) with F_r the largest pull in the undisturbed motion; s is the strength.
+so that the force stays at the vapour level until the stroke has closed the void: the refill lag.
+F_cav = F_r (1 - s) with F_r the largest pull in the undisturbed motion; s is the strength.
 """
 
 from __future__ import annotations

@@ -1,5 +1,4 @@
-"""Dry friction of seals with an algebraic regularisation, F = F_c v / sqrt(v^2 + v_e^2).
-"""
+"""Dry friction of seals with an algebraic regularisation, F = F_c v / sqrt(v^2 + v_e^2)."""
 
 from __future__ import annotations
 
@@ -24,6 +23,4 @@ def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
     return (rng.uniform(1.5e-3, 4e-3),)
 
 
-EFFECT = Effect(
-    "coulomb_friction", COULOMB, (("F_c", "N"), ("v_e", "m/s")), 0.6, 0.05, 2.0, draw
-)
+EFFECT = Effect("coulomb_friction", COULOMB, (("F_c", "N"), ("v_e", "m/s")), 0.6, 0.05, 2.0, draw)

@@ -1,5 +1,4 @@
-"""Yield force that fades while the particles settle, 1 / (1 + s (t / T)^m) from the start of a record.
-"""
+"""Yield force that fades while particles settle, 1 / (1 + s (t / T)^m) from a record's start."""
 
 from __future__ import annotations
 

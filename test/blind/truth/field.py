@@ -1,7 +1,7 @@
 """Particle chains that add viscosity and stiffness, F = c_u h v + k_u h x / sqrt(1 + (x / x_s)^2).
 
-h is the duty after the chains have formed, tau h' + h = u: the structure needs the same time as the
-yield force, and it tears beyond x_s.
+h is the duty after the chains have formed, tau h' + h = u: the structure needs the same time as
+the yield force, and it tears beyond x_s.
 """
 
 from __future__ import annotations

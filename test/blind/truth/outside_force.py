@@ -1,9 +1,9 @@
 """Forces that no catalogue is expected to hold; they act on the car.
 
-    position_periodic  A sin(2 pi x / p): a thread, a bent rod
-    x_v_coupling       c_xv x v: a one-sided taper
-    stroke_memory      A (L / 4 mm) v / sqrt(v^2 + v_e^2), L the length of the stroke before
-    stick_events       A b(t) v / sqrt(v^2 + v_e^2), b one in rare short bursts and zero else
+position_periodic  A sin(2 pi x / p): a thread, a bent rod
+x_v_coupling       c_xv x v: a one-sided taper
+stroke_memory      A (L / 4 mm) v / sqrt(v^2 + v_e^2), L the length of the stroke before
+stick_events       A b(t) v / sqrt(v^2 + v_e^2), b one in rare short bursts and zero else
 """
 
 from __future__ import annotations
@@ -16,23 +16,22 @@ from test.blind.effect import Effect, Scene, nothing
 from test.blind.jit import Array, inner
 from test.blind.slots import OUT_COGGING, OUT_COUPLING, OUT_MEMORY, OUT_STICK, STROKE
 
-
 _STROKE = 4e-3
 
 
 @inner
-def force(x: float, v: float, burst: float, memory: Array, P: Array) -> float:
+def force(x: float, v: float, burst: float, memory: Array, rows: Array) -> float:
     """Sum of the four [N]; ``burst`` is b(t), ``memory`` the past strokes."""
-    total = P[OUT_COUPLING, 0] * x * v
-    if P[OUT_COGGING, 0] != 0.0:
-        total += P[OUT_COGGING, 0] * math.sin(2.0 * math.pi * x / P[OUT_COGGING, 1])
-    if P[OUT_MEMORY, 0] != 0.0:
-        width = P[OUT_MEMORY, 1]
+    total = rows[OUT_COUPLING, 0] * x * v
+    if rows[OUT_COGGING, 0] != 0.0:
+        total += rows[OUT_COGGING, 0] * math.sin(2.0 * math.pi * x / rows[OUT_COGGING, 1])
+    if rows[OUT_MEMORY, 0] != 0.0:
+        width = rows[OUT_MEMORY, 1]
         gate = v / (v * v + width * width) ** 0.5
-        total += P[OUT_MEMORY, 0] * memory[STROKE] / _STROKE * gate
-    if P[OUT_STICK, 0] != 0.0:
-        width = P[OUT_STICK, 1]
-        total += P[OUT_STICK, 0] * burst * v / (v * v + width * width) ** 0.5
+        total += rows[OUT_MEMORY, 0] * memory[STROKE] / _STROKE * gate
+    if rows[OUT_STICK, 0] != 0.0:
+        width = rows[OUT_STICK, 1]
+        total += rows[OUT_STICK, 0] * burst * v / (v * v + width * width) ** 0.5
     return float(total)
 
 

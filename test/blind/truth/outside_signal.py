@@ -1,9 +1,9 @@
 """Disturbances of the force channel that no catalogue is expected to hold.
 
-    mains_hum          A sin(2 pi f t + phase), f near 50 Hz
-    random_walk_drift  a random walk of the zero, of rms A within a record
-    fixture_resonance  F + s (G - 1) F, G a lightly damped frame of frequency f and damping z
-    field_crosstalk    k times each duty step, decaying with T: the high voltage's edges in the cable
+mains_hum          A sin(2 pi f t + phase), f near 50 Hz
+random_walk_drift  a random walk of the zero, of rms A within a record
+fixture_resonance  F + s (G - 1) F, G a lightly damped frame of frequency f and damping z
+field_crosstalk    k times each duty step, decaying with T: the high voltage's edges in the cable
 """
 
 from __future__ import annotations

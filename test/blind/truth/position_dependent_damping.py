@@ -1,4 +1,4 @@
-"""Damping that grows away from the middle of the stroke, F = c_p v (x / x_r)^2 / [1 + (x / x_r)^2 / 2].
+"""Damping that grows away from mid-stroke, F = c_p v r / (1 + r / 2) with r = (x / x_r)^2.
 
 A tapered gap: quadratic near the middle, saturating at twice c_p far from it.
 """

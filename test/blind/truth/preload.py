@@ -1,11 +1,9 @@
-"""Constant force of a pressurised chamber, F = F_0. It also shifts where the car comes to rest.
-"""
+"""Constant force of a pressurised chamber, F = F_0. It also shifts where the car comes to rest."""
 
 from __future__ import annotations
 
 from test.blind.effect import Effect, nothing
 from test.blind.slots import PRELOAD
-
 
 EFFECT = Effect(
     "preload",

@@ -14,19 +14,18 @@ from test.blind.effect import Effect, nothing
 from test.blind.jit import Array, inner
 from test.blind.slots import RISE_FALL, VARYING_TAU
 
-
 _MIDDLE = 0.15
 
 
 @inner
-def time_constant(tau: float, u: float, force: float, target: float, P: Array) -> float:
+def time_constant(tau: float, u: float, force: float, target: float, rows: Array) -> float:
     """Time constant [s] at duty u while the field force [N] moves to its target [N]."""
-    if P[VARYING_TAU, 0] != 0.0:
-        tau *= math.exp(P[VARYING_TAU, 0] * (u - _MIDDLE) / _MIDDLE)
-    if P[RISE_FALL, 0] != 0.0:
+    if rows[VARYING_TAU, 0] != 0.0:
+        tau *= math.exp(rows[VARYING_TAU, 0] * (u - _MIDDLE) / _MIDDLE)
+    if rows[RISE_FALL, 0] != 0.0:
         shrinking = force * (force - target)
         share = 0.5 * (1.0 + shrinking / (abs(shrinking) + 0.05))
-        tau *= math.exp(P[RISE_FALL, 0] * share)
+        tau *= math.exp(rows[RISE_FALL, 0] * share)
     return tau
 
 

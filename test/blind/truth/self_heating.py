@@ -16,7 +16,6 @@ from test.blind.effect import Effect, Scene, between
 from test.blind.jit import inner
 from test.blind.slots import HEATING
 
-
 _ROOM = 293.0
 
 

@@ -1,9 +1,9 @@
 """What the instruments do to motion and force, on the fine grid before sampling.
 
-    force_delay      F(t - d); negative where the force clock runs ahead
-    force_lag        T F_m' + F_m = F
-    velocity_lag     two lags in series, T and 0.2 T
-    deflection_zero  x + x_0
+force_delay      F(t - d); negative where the force clock runs ahead
+force_lag        T F_m' + F_m = F
+velocity_lag     two lags in series, T and 0.2 T
+deflection_zero  x + x_0
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from test.blind.slots import DEFLECTION_ZERO, FORCE_DELAY, FORCE_LAG, VELOCITY_L
 
 @entry
 def lagged(signal: Array, step: float, lag: float) -> Array:
-    """First-order lag [s] of a finely sampled signal (n,), exact for a signal straight in a step."""
+    """First-order lag [s] of a finely sampled signal (n,), exact if straight within a step."""
     out = signal.copy()
     keep = math.exp(-step / lag)
     ramp = lag / step * (1.0 - keep)
@@ -33,6 +33,12 @@ DELAY = Effect(
 LAG = Effect("force_lag", FORCE_LAG, (("T", "s"),), 4e-3, 3e-4, 0.04, nothing)
 VELOCITY = Effect("velocity_lag", VELOCITY_LAG, (("T", "s"),), 3e-3, 3e-4, 0.04, nothing)
 ZERO = Effect(
-    "deflection_zero", DEFLECTION_ZERO, (("x_0", "m"),), 8e-4, 1e-4, 2e-3, nothing,
-    most_negative=2e-3,
+    "deflection_zero",
+    DEFLECTION_ZERO,
+    (("x_0", "m"),),
+    8e-4,
+    1e-4,
+    3e-3,
+    nothing,
+    most_negative=3e-3,
 )

@@ -1,4 +1,6 @@
-"""Carreau fluid instead of a Newtonian one: the viscous force is multiplied by
+"""Carreau fluid instead of a Newtonian one.
+
+The viscous force is multiplied by
 
     [(1 + (v / v_c)^2) / (1 + (v_r / v_c)^2)]^(-s / 2),   s = 1 - n
 

@@ -3,7 +3,7 @@
     F = [F_c + (F_s - F_c) exp(-|v| / v_s)] (2 / pi) atan(v / v_e)
 
 The strength is F_s; F_c is a fixed share of it, so that both vanish together.
-Source of the law: Bo and Pavelescu 1982 use exponents 0.5 to 1; Armstrong-Helouvry 1994 reviews them.
+Source of the law: Armstrong-Helouvry, Dupont and Canudas de Wit 1994, here with exponent one.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Springs in series with dashpots, written with the dashpots' own travel y (a two-term Prony series).
+"""Springs in series with dashpots: a two-term Prony series in the dashpots' own travel y.
 
-    y_i' = (x - y_i) / t_i,   F = k_m [(1 - q) (x - y_1) + q (x - y_2)],   t_2 = t_1 / 4
+y_i' = (x - y_i) / t_i,   F = k_m [(1 - q) (x - y_1) + q (x - y_2)],   t_2 = t_1 / 4
 """
 
 from __future__ import annotations
