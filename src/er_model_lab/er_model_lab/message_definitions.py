@@ -17,6 +17,7 @@ def _store() -> Typestore:
     return get_typestore(Stores.ROS2_JAZZY)
 
 
+@lru_cache(maxsize=256)
 def full_definition(type_name: str) -> tuple[str, str]:
     """Text of a type (`package/msg/Name`) with all it is made of, comments and all; its hash.
 

@@ -30,6 +30,7 @@ from rosbags.interfaces import Connection
 from er_damper_msgs.msg import NodeStatus
 from er_model_lab.bag_writer import STORAGES, BagWriter
 from er_model_lab.message_count import Count, count, header_of
+from er_model_lab.message_definitions import full_definition
 from er_model_lab.nodes.selection import Selection, message_class, offers
 from er_model_lab.versions import versions
 from er_ros_common import qos, topics
@@ -38,6 +39,8 @@ SCHEMA = "er_bag 1"
 LOOK_PERIOD, FLUSH_PERIOD = 0.1, 1.0
 OURS = "er_damper_msgs/msg/"
 DISK_FULL = 1
+RECENT = 5.0
+"""Time for which a loss shows in the status [s]; the recording keeps the count."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,6 +71,7 @@ class Recorder(Node):
         self.problems: list[str] = []
         self.failure: ErError | None = None
         self.began, self.stopping = monotonic(), False
+        self.lost, self.lost_at = 0, 0.0
         self.health = Health(self, self.report, deadline=0.05)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(LOOK_PERIOD, self.on_look, clock=steady)
@@ -92,12 +96,20 @@ class Recorder(Node):
             return
         self.taken[name] = type_name
         kind = message_class(type_name)
-        if kind is None:
-            self.problem(f"{name} is not recorded: {type_name.split('/')[0]} is not installed")
+        if kind is None or not self.defined(type_name):
+            self.problem(f"{name} is not recorded: there is no definition of {type_name}")
             return
         asked = compatible(publishers, qos.RECORDER.depth)
         heard = _Heard(self, name, type_name)
         self.create_subscription(kind, name, heard.on_message, asked, raw=True)
+
+    def defined(self, type_name: str) -> bool:
+        """Whether a type's definition is found; found now, its first message holds up no other."""
+        try:
+            full_definition(type_name)
+        except ErError:
+            return False
+        return True
 
     def problem(self, text: str) -> None:
         """Say once what is wrong and keep it for the report."""
@@ -136,9 +148,12 @@ class Recorder(Node):
     def report(self) -> Report:
         """Health of the recorder."""
         lost = sum(c.lost for c in self.counts.values())
+        if lost > self.lost:
+            self.lost, self.lost_at = lost, monotonic()
+        fresh = self.lost > 0 and monotonic() - self.lost_at < RECENT
         values = {"messages": self.bag.messages, "topics": len(self.counts), "lost": lost}
-        status = NodeStatus.STATUS_DEGRADED if lost else NodeStatus.STATUS_OK
-        reason = f"{lost} messages lost" if lost else ""
+        status = NodeStatus.STATUS_DEGRADED if fresh else NodeStatus.STATUS_OK
+        reason = f"{lost} messages lost so far" if fresh else ""
         mode = "recording" if self.counts else "waiting"
         return Report(mode, status, reason, values=values, problems=tuple(self.problems))
 

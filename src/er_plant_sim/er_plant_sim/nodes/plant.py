@@ -33,6 +33,9 @@ from er_ros_common import topics
 WAKE_PERIOD = 0.01
 """Period of the timer where commands, not time, set the pace [s]."""
 
+SETTLE = 0.5
+"""A publisher knows of its subscribers before they all know of it: time for the others [s]."""
+
 
 class PlantNode(Node):
     """Runs the rig; duties come from the program or from pwm/command."""
@@ -45,7 +48,7 @@ class PlantNode(Node):
         self.tick, self.applied = Tick(0, 0), None  # type: Tick, Applied | None
         self.problems: list[Problem] = []
         self.made_at, self.running = monotonic(), False
-        self.over, self.step_began = False, 0.0
+        self.over, self.step_began, self.there_since = False, 0.0, 0.0
         clock_rate = p.rate * p.rate_factor if p.mode == "sim_time" else 0.0
         self.out = Outlet(self, force_sd=p.noise_force, clock_rate=clock_rate)
         self.pace = Pace(self.rig.dt, p.rate_factor or 1.0, real=p.mode == "realtime")
@@ -86,7 +89,8 @@ class PlantNode(Node):
         if not any(wanted):
             return True
         if commanded and all(n >= m for n, m in zip(here, wanted, strict=True)):
-            return True
+            self.there_since = self.there_since or monotonic()
+            return monotonic() - self.there_since > SETTLE
         if monotonic() - self.made_at < self.p.start_timeout:
             return False
         self.get_logger().warning(f"starting with {here} subscribers, waited for {wanted}")
