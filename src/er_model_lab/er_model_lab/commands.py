@@ -181,4 +181,6 @@ def _with_history(
         "from": before.name,
     }
     source = f"fitted to {len(records)} records, beginning from '{before.name}' ({before.source})"
-    return replace(grown, name=out.stem, source=source, history=(*before.history, entry))
+    return replace(
+        grown, name=out.stem, source=source, history=(*before.history, entry), scales=study.problem.scales
+    )

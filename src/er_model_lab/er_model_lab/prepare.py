@@ -99,19 +99,19 @@ def prepare(records: list[Record], *, velocity_lag: float | None = None) -> Prob
 def split(starts: NDArray[np.int64], dt: float) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """Fold of each training sample (-1: not used) and mask of the held-out samples.
 
-    Three records or more: the last quarter of them, at least one, is held out whole. Otherwise every
+    Three records or more: every fourth of them (the third of three) is held out whole. Otherwise every
     third of some ten stretches of each record, with a guard on both sides.
     """
     n, records = int(starts[-1]), len(starts) - 1
     fold = np.full(n, -1, np.int64)
     held = np.zeros(n, bool)
     guard = int(round(0.25 / dt))
-    first_held = records - max(1, records // 4) if records >= 3 else records
+    every = min(records, 4)
     for r in range(records):
         i, j = int(starts[r]) + int(round(WARM_UP / dt)), int(starts[r + 1])
         if j - i < 8:
             continue
-        if r >= first_held:
+        if records >= 3 and r % every == every - 1:
             held[i:j] = True
             continue
         if records >= 3:

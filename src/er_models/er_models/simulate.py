@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from er_models import sensors
 from er_models.errors import InputError
 from er_models.kernel.load import kernel
 from er_models.model import Array, Compiled, Model
@@ -18,17 +19,21 @@ DEPTH = 16
 
 
 class State(NamedTuple):
-    """State of the quarter car: q = [z_def, v_s, z_us - z_r, v_us], w: damper states, duties: newest last."""
+    """State of the quarter car: q = [z_def, v_s, z_us - z_r, v_us], w: damper states, duties: newest last.
+
+    sensors: what the channels remember where the model holds sensing effects.
+    """
 
     t: float
     road: float
     q: Array
     w: Array
     duties: Array
+    sensors: sensors.Memory
 
 
 class Output(NamedTuple):
-    """What the sensors would read without noise, at the end of a step [SI]."""
+    """What the sensors would read without noise, at the end of a step; damper_force is the true one [SI]."""
 
     sprung_acceleration: float
     unsprung_acceleration: float
@@ -47,6 +52,7 @@ class Plant:
     c: Compiled
     n_sub: int
     tolerance: float
+    channels: sensors.Channels
 
 
 def prepare(model: Model, dt: float) -> Plant:
@@ -54,7 +60,8 @@ def prepare(model: Model, dt: float) -> Plant:
     if not model.is_vehicle:
         raise InputError(model.name, "quarter_car", "a vehicle model with quarter_car", "a damper only")
     n_sub = max(1, int(np.ceil(dt / SUBSTEP - 1e-9)))
-    return Plant(model, dt, model.compiled(), n_sub, 1e-9 * model.scales.velocity)
+    physical, channels = sensors.split(model, dt)
+    return Plant(physical, dt, physical.compiled(), n_sub, 1e-9 * model.scales.velocity, channels)
 
 
 def initial_state(plant: Plant, road: float = 0.0, duty: float = 0.0, q: Array | None = None) -> State:
@@ -63,7 +70,11 @@ def initial_state(plant: Plant, road: float = 0.0, duty: float = 0.0, q: Array |
     state = np.zeros(4) if q is None else np.array(q, float)
     w = np.zeros(c.at_rest.shape[0])
     kernel(plant.model.catalogue).start_vehicle(c.on, c.slots, c.at_rest, c.p, state, w, duty, 0.0)
-    return State(0.0, road, state, w, np.full(DEPTH, duty))
+    out = np.empty(4)
+    k = kernel(plant.model.catalogue)
+    k.observe_vehicle(c.on, c.p, state, w, np.full(DEPTH, duty), plant.dt, out)
+    memory = sensors.start(state[1] - state[3], float(out[3]))
+    return State(0.0, road, state, w, np.full(DEPTH, duty), memory)
 
 
 def step(plant: Plant, state: State, inputs: tuple[float, float]) -> tuple[State, Output]:
@@ -76,7 +87,10 @@ def step(plant: Plant, state: State, inputs: tuple[float, float]) -> tuple[State
         c.on, c.slots, c.passes, c.p, q, w, duties, state.t, plant.dt, state.road, road, plant.n_sub,
         plant.tolerance, out,
     )  # fmt: skip
-    return State(state.t + plant.dt, road, q, w, duties), Output(out[0], out[1], q[0], q[1] - q[3], out[2], out[3])
+    true = (float(q[0]), float(q[1] - q[3]), float(out[3]))
+    memory, (x, v, force) = sensors.read(plant.channels, state.sensors, true)
+    after = State(state.t + plant.dt, road, q, w, duties, memory)
+    return after, Output(float(out[0]), float(out[1]), x, v, float(out[2]), force)
 
 
 def simulate(model: Model, dt: float, road: Array, duty: Array, q: Array | None = None) -> dict[str, Array]:
@@ -88,17 +102,18 @@ def simulate(model: Model, dt: float, road: Array, duty: Array, q: Array | None 
     start = initial_state(plant, float(road[0]), float(duty[0]), q)
     n, c = road.shape[0], plant.c
     states, outputs = np.empty((n, 4)), np.empty((n, 4))
-    kernel(model.catalogue).simulate_vehicle(
+    kernel(plant.model.catalogue).simulate_vehicle(
         c.on, c.slots, c.passes, c.p, start.q, start.w, np.ascontiguousarray(duty, float), dt,
         np.ascontiguousarray(road, float), plant.n_sub, plant.tolerance, states, outputs,
     )  # fmt: skip
+    x, v, force = sensors.read_all(plant.channels, states[:, 0], states[:, 1] - states[:, 3], outputs[:, 3])
     return {
         "t": np.arange(n) * dt,
         "road": np.asarray(road, float),
-        "deflection": states[:, 0],
-        "deflection_velocity": states[:, 1] - states[:, 3],
+        "deflection": x,
+        "deflection_velocity": v,
         "duty": np.asarray(duty, float),
-        "damper_force": outputs[:, 3],
+        "damper_force": force,
         "sprung_acceleration": outputs[:, 0],
         "unsprung_acceleration": outputs[:, 1],
         "tyre_deflection": states[:, 2],

@@ -300,6 +300,12 @@ def step_vehicle(on, slots, passes, p, q, w, duties, t, dt, z_r0, z_r1, n_sub, t
 
 
 @njit(cache=True, error_model="numpy")
+def observe_vehicle(on, p, q, w, duties, dt, out):
+    """Accelerations and forces of a state at rest on a still road; out: a_s, a_us, F_d, measured F."""
+    observe(on, p, q, w, duties, 0.0, input_delay(on, p) / dt, 0.0, 0.0, out)
+
+
+@njit(cache=True, error_model="numpy")
 def simulate_vehicle(on, slots, passes, p, q, w, u, dt, road, n_sub, tolerance, states, outputs):
     """Whole record of the quarter car: states (n, 4) and outputs (n, 4) at each sample."""
     n = road.shape[0]

@@ -1,0 +1,44 @@
+"""Colours that stay apart for colour-blind readers and in grey print (Okabe and Ito 2008)."""
+
+from __future__ import annotations
+
+INK = "#1f2933"
+MUTED = "#5f6b7a"
+RULE = "#d9dee5"
+
+MEASURED = "#2b2b2b"
+BEFORE = "#d55e00"
+AFTER = "#0072b2"
+FLOOR = "#009e73"
+HELD_OUT = "#f2e2a0"
+RESIDUAL = "#9aa5b1"
+
+STATUS: dict[str, str] = {
+    "present": "#0072b2",
+    "confounded": "#e69f00",
+    "not_excited": "#b8bfc8",
+    "absent": "#7d8896",
+}
+"""Colour of a candidate by its status; the status is always written beside it too."""
+
+VERDICT: dict[str, str] = {
+    "adequate": "#00785a",
+    "missing_effect": "#0072b2",
+    "ambiguous": "#9a6a00",
+    "partial": "#9a6a00",
+    "unknown_effect": "#b04a00",
+    "insufficient_data": "#5f6b7a",
+}
+"""Colour of the banner by verdict; all are dark enough for white text (contrast above 4.5)."""
+
+Stops = tuple[tuple[float, str], ...]
+
+DUTY: Stops = (
+    (0.0, "#440154"), (0.25, "#3b528b"), (0.5, "#21918c"), (0.75, "#5ec962"), (1.0, "#c8d400"),
+)  # fmt: skip
+"""Sequential scale of the duty: viridis, cut where it fades on white."""
+
+ERROR: Stops = (
+    (0.0, "#f3f6fa"), (0.25, "#fdd49e"), (0.5, "#fc8d59"), (0.75, "#d7301f"), (1.0, "#7f0000"),
+)  # fmt: skip
+"""Sequential scale of an error: pale where there is little, dark where there is much."""
