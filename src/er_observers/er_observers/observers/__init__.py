@@ -1,0 +1,1 @@
+"""Observers as pure step functions of gains, state and sample."""

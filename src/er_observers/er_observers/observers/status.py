@@ -1,0 +1,91 @@
+"""What the observer says of its own estimate, with a reason, switched with hysteresis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import NamedTuple
+
+
+class Status(IntEnum):
+    """Health of an estimate."""
+
+    OK = 0
+    INITIALISING = 1
+    DEGRADED = 2
+    INVALID = 3
+    WEAK = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """When a status changes.
+
+    hold: time without valid sample until the estimate is invalid and the next one starts afresh
+    [s]. bridge: until it is degraded [s]. recover: degraded for so long after a repair [s].
+    window: length of all averages [s]. settled: share of the first error that may be left. weak,
+    strong: rates at which an error of the deflection decays, below which observability is called
+    weak and above which good again [1/s]. acceleration: largest believable magnitudes, sprung and
+    unsprung [m/s2]. noise: accelerometer noise that contradicts nothing [m/s2]. clear: test ratio
+    below which a contradiction is over.
+    """
+
+    hold: float = 0.05
+    bridge: float = 0.02
+    recover: float = 0.1
+    window: float = 0.25
+    settled: float = 0.05
+    weak: float = 2.0
+    strong: float = 4.0
+    acceleration: tuple[float, float] = (200.0, 2000.0)
+    noise: float = 0.05
+    clear: float = 0.7
+
+
+LIMITS = Limits()
+"""Limits of a car of the size of the thesis's rig up to a real one."""
+
+
+class Health(NamedTuple):
+    """Memory of the watch.
+
+    doubt: share of the first error that may be left, 1 at the start; decay: average rate at which
+    an error decays [1/s]; lost: time since the last valid sample [s]; healing: time until a repair
+    is forgotten [s]; power and floor: averages of the squared correction and of what noise and
+    sampling explain of it [m2/s2]; weak, contradicted: switches.
+    """
+
+    doubt: float
+    decay: float
+    lost: float
+    healing: float
+    power: float
+    floor: float
+    weak: bool
+    contradicted: bool
+
+
+_REASONS = {
+    Status.OK: "",
+    Status.INITIALISING: "the first error has not decayed yet",
+    Status.DEGRADED: "samples or duties were repaired",
+    Status.INVALID: "no valid sample for too long",
+    Status.WEAK: "the fluid hardly yields: accelerometers do not see the deflection",
+}
+_CONTRADICTED = "the accelerations contradict the damper model"
+
+
+def judge(limits: Limits, health: Health) -> tuple[Status, str]:
+    """Status and its reason, worst first."""
+    status = Status.OK
+    if health.lost > limits.hold:
+        status = Status.INVALID
+    elif health.doubt > limits.settled:
+        status = Status.WEAK if health.weak else Status.INITIALISING
+    elif health.lost > limits.bridge or health.healing > 0.0:
+        status = Status.DEGRADED
+    elif health.contradicted:
+        return Status.DEGRADED, _CONTRADICTED
+    elif health.weak:
+        status = Status.WEAK
+    return status, _REASONS[status]

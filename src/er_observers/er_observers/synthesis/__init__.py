@@ -1,0 +1,1 @@
+"""Offline synthesis of observer gains: one theorem a file, each result proved elsewhere."""

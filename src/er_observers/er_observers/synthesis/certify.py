@@ -1,0 +1,71 @@
+"""Certificate of a synthesis: every statement found again outside the solver.
+
+It starts from the rounded gains in SI units, which are what will be written and run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from er_models.model import Array
+
+from er_observers.observers.kernel import SUBSTEP
+from er_observers.synthesis.discrete import Contraction, contraction
+from er_observers.synthesis.proof import Claim, Margins, prove
+from er_observers.synthesis.spec import SynthesisFailed
+from er_observers.synthesis.sweep import Peak, peak_gain
+from er_observers.synthesis.wander import wandering
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """What was proved or measured of a claim.
+
+    margins: of the inequalities, exact. peak: L2 gain with a frozen gate, below the proved gamma.
+    poles (ends, n): of A - L C [1/s]. slowest: largest real part of a pole over duty and gate
+    slope [1/s]. run: contraction of the discrete observer. wandering: the same along random
+    duties, measured on the compiled kernel.
+    """
+
+    margins: Margins
+    peak: Peak
+    poles: Array
+    slowest: float
+    run: Contraction
+    wandering: float
+
+
+def certify(claim: Claim, theorem: str) -> Certificate:
+    """Certificate of a claim; `SynthesisFailed` naming the first statement that does not hold."""
+    form, spec, solution = claim.form, claim.spec, claim.solution
+
+    def demand(reason: str, *, holds: bool) -> None:
+        if not holds:
+            raise SynthesisFailed(theorem, reason, solution.solver_status)
+
+    margins, failed = prove(claim)
+    demand(f"the solver's answer is no proof: {failed}", holds=not failed)
+    peak = peak_gain(form, claim.output, spec, solution)
+    reason = f"the sweep finds a gain of {peak.gain:.4g}, above the proved {solution.gamma:.4g}"
+    demand(reason, holds=peak.gain <= solution.gamma)
+    run = contraction(form, solution, spec, steps=(0.5 * SUBSTEP, SUBSTEP))
+    reason = f"the discrete observer does not converge at rho = {run.rho:.3g}: {run.decay:.4g} 1/s"
+    demand(reason, holds=run.decay > 0.0 and run.loop < 2.0)
+    roams = wandering(claim)
+    reason = f"two runs drift apart by {roams:.6f} per sample along random duties"
+    demand(reason, holds=roams < 1.0)
+    poles = [np.sort_complex(np.linalg.eigvals(form.A - gain @ form.C)) for gain in solution.L]
+    return Certificate(margins, peak, np.array(poles), _slowest(claim), run, roams)
+
+
+def _slowest(claim: Claim) -> float:
+    """Largest real part of a pole of A - L C + slope rho B Gamma, over duty and slope [1/s]."""
+    form, spec = claim.form, claim.spec
+    worst = -np.inf
+    for rho in np.linspace(spec.rho[0], spec.rho[1], 11):
+        loop = form.A - claim.solution.gain(float(rho), spec) @ form.C
+        for slope in np.linspace(0.0, 1.0, 11):
+            poles = np.linalg.eigvals(loop + slope * rho * np.outer(form.B, form.Gamma))
+            worst = max(worst, float(poles.real.max()))
+    return float(worst)
