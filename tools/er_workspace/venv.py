@@ -108,10 +108,18 @@ def _install(layout: Layout, requirements: Path, lock: int) -> None:
         "install",
     ]
     env = setup_environment()
-    # builds of the few source packages take the pinned setuptools as well
-    env["PIP_CONSTRAINT"] = str(layout.root / "requirements" / "lock.txt")
+    env["PIP_CONSTRAINT"] = _build_pins(layout).as_uri()
     command: list[str | Path] = [*pip, "--no-deps", "--no-compile", "-r", requirements]
     run_logged(command, layout.log, env, lock, f"installing {requirements.name} failed")
+
+
+def _build_pins(layout: Layout) -> Path:
+    """Pins for the isolated builds of source packages; passed as URI, as pip splits at spaces."""
+    lines = (layout.root / "requirements" / "lock.txt").read_text(encoding="utf-8").splitlines()
+    pins = layout.venv / "build-pins.txt"
+    used = [line for line in lines if line.startswith(("setuptools==", "wheel=="))]
+    pins.write_text("\n".join(used) + "\n", encoding="utf-8")
+    return pins
 
 
 def _count(requirements: Path) -> int:
