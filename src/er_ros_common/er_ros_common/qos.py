@@ -25,6 +25,8 @@ def _profile(depth: int, *, reliable: bool, latched: bool = False) -> QoSProfile
 SENSOR_PUBLISHER: Final = _profile(10, reliable=True)
 #: measurements and estimates at 200 Hz, subscriber: the newest few
 SENSOR_SUBSCRIBER: Final = _profile(5, reliable=False)
+#: measurements, subscriber that follows a state: every sample counts, half a second of them waits
+FOLLOWER: Final = _profile(100, reliable=False)
 #: duty asked for, both ends: the newest only, an old command must not be queued
 COMMAND: Final = _profile(1, reliable=True)
 #: health of a node and what it was loaded with, both ends: late joiners get the last one

@@ -25,7 +25,7 @@ from er_damper_msgs.msg import DamperForce, NodeStatus, PwmDuty, SuspensionAccel
 from er_observers.nodes.feed import Feed, Joined, Motion, on_duty, on_motion
 from er_observers.observers import nlpv_polytopic as observer
 from er_observers.observers.status import Status
-from er_ros_common import builders, topics
+from er_ros_common import builders, qos, topics
 
 GAIN_INFO = topics.Topic(
     "~/gain_info",
@@ -82,7 +82,7 @@ class NlpvPolytopicObserver(Node):
         self.info = self.create_publisher(String, GAIN_INFO.name, GAIN_INFO.publisher)
         self.info.publish(String(data=self._gain_info()))
         for topic, heard in zip(INPUTS, (self.on_acceleration, self.on_applied), strict=True):
-            self.create_subscription(topic.type, topic.name, heard, topic.subscriber)
+            self.create_subscription(topic.type, topic.name, heard, qos.FOLLOWER)
         ids = {"model_id": model.digest(), "gains_id": self.gains.digest}
         self.health = Health(self, self.report, **ids)
         steady = Clock(clock_type=ClockType.STEADY_TIME)

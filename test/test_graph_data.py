@@ -1,0 +1,183 @@
+"""The graph as data: arguments, nodes, and equal command lines under ros2 launch and er up."""
+
+import importlib.util
+import sys
+import types
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from er_bringup.arguments import ARGUMENTS, table
+from er_bringup.graph import NodeSpec, complete, nodes, parse
+from er_models.errors import InputError
+
+from er_bringup import up
+from test.graph_help import CONFIG, ROOT
+
+LAUNCH = ROOT / "src/er_bringup/launch/system.launch.py"
+
+
+def specs(*pairs: str) -> dict[str, NodeSpec]:
+    """Nodes of these arguments by executable."""
+    return {spec.executable: spec for spec in nodes(parse(pairs), CONFIG)}
+
+
+@pytest.mark.parametrize(
+    ("pair", "words"),
+    [
+        ("contrller:=none", r"contrller: expected a known key \(did you mean controller\?\)"),
+        ("controller:=pid", "controller: expected one of skyhook, none, found 'pid'"),
+        ("duration:=long", "duration: expected a number, found 'long'"),
+        ("seed:=1.5", "seed: expected an integer, found '1.5'"),
+        ("controller", "controller: expected KEY:=VALUE"),
+    ],
+)
+def test_a_bad_argument_is_one_line(pair: str, words: str) -> None:
+    with pytest.raises(InputError, match=words) as caught:
+        parse([pair])
+    assert caught.value.exit_status == 2
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("pair", "words"),
+    [
+        ("program:=nix", "expected a file, or one of .*chirp.*, found no such file"),
+        ("model:=nix", "expected a file, or one of inove_quarter_car"),
+        ("observers:=nlpv_polytopic,nix", "observers: expected none, or some of nlpv_polytopic"),
+    ],
+)
+def test_a_name_that_does_not_exist_is_one_line(pair: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        nodes(parse([pair]), CONFIG)
+
+
+def test_every_argument_is_documented_in_the_table() -> None:
+    lines = table().splitlines()
+    assert [line.split()[0] for line in lines] == [a.name for a in ARGUMENTS]
+
+
+def test_the_default_graph_is_a_closed_loop_with_an_observer() -> None:
+    found = specs()
+    assert list(found) == ["nlpv_polytopic_observer", "skyhook_controller", "plant"]
+    assert found["plant"].parameters["duty_source"] == "topic"
+    assert found["plant"].parameters["wait_for"] == [2, 1, 0, 0, 1]
+
+
+def test_the_plant_waits_for_the_recorder_too(tmp_path: Path) -> None:
+    found = specs(f"record:={tmp_path / 'bag'}", "observers:=none", "controller:=none")
+    assert list(found) == ["recorder", "plant"]
+    assert found["plant"].parameters["wait_for"] == [1, 1, 1, 1, 1]
+    assert found["plant"].parameters["duty_source"] == "program"
+    assert found["recorder"].parameters["out"] == str(tmp_path / "bag")
+
+
+def test_the_program_can_say_the_duty_beside_a_controller() -> None:
+    found = specs("duty:=program")
+    assert "skyhook_controller" in found
+    assert found["plant"].parameters["duty_source"] == "program"
+
+
+@pytest.mark.parametrize(
+    ("mode", "times"),
+    [
+        ("realtime", {}),
+        ("sim_time", {"use_sim_time": True, "max_age": 0.0}),
+        ("lockstep", {"max_age": 0.0}),
+    ],
+)
+def test_simulated_time_is_not_compared_with_the_system_clock(
+    mode: str, times: dict[str, object]
+) -> None:
+    found = specs(f"mode:={mode}")
+    for name in ("skyhook_controller", "nlpv_polytopic_observer"):
+        given = {
+            k: v for k, v in found[name].parameters.items() if k in ("use_sim_time", "max_age")
+        }
+        assert given == times
+
+
+def test_the_namespace_reaches_every_node() -> None:
+    for spec in specs("namespace:=front_left").values():
+        at = spec.arguments().index("-r")
+        assert spec.arguments()[at + 1] == "__ns:=/front_left"
+
+
+class _Recorded:
+    """Stands for a class of launch or launch_ros: keeps how it was made."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        self.args, self.kwargs = args, kwargs
+
+
+def launch_module(monkeypatch: pytest.MonkeyPatch, given: dict[str, str]) -> types.ModuleType:
+    """The launch file imported with stand-ins for launch, which answers with the given arguments."""
+
+    class Configuration(_Recorded):
+        def perform(self, _: object) -> str:
+            return given[self.args[0]]
+
+    parts = {
+        "launch": ("LaunchDescription", "LaunchContext"),
+        "launch.actions": ("DeclareLaunchArgument", "OpaqueFunction", "Shutdown"),
+        "launch.substitutions": (),
+        "launch_ros": (),
+        "launch_ros.actions": ("Node",),
+    }
+    for name, classes in parts.items():
+        module = types.ModuleType(name)
+        for word in classes:
+            setattr(module, word, type(word, (_Recorded,), {}))
+        monkeypatch.setitem(sys.modules, name, module)
+    sys.modules["launch.substitutions"].LaunchConfiguration = Configuration  # type: ignore[attr-defined]
+    spec = importlib.util.spec_from_file_location("system_launch", LAUNCH)
+    assert spec is not None
+    assert spec.loader is not None
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    monkeypatch.setattr(
+        made, "get_package_share_directory", lambda _: str(ROOT / "src/er_bringup")
+    )
+    return made
+
+
+@pytest.mark.parametrize(
+    "pairs",
+    [(), ("mode:=lockstep", "seed:=3", "namespace:=fl", "record:=/tmp/x"), ("controller:=none",)],
+)
+def test_launch_and_up_start_the_same_command_lines(
+    monkeypatch: pytest.MonkeyPatch, pairs: tuple[str, ...]
+) -> None:
+    given = parse(pairs)
+    module = launch_module(monkeypatch, given)
+    description = module.generate_launch_description()
+    (started,) = [a for a in description.args[0] if type(a).__name__ == "OpaqueFunction"]
+    launched = [
+        [node.kwargs["package"], node.kwargs["executable"], *node.kwargs["arguments"]]
+        for node in started.kwargs["function"](None)
+    ]
+    monkeypatch.setattr(up, "executable", lambda spec: f"{spec.package} {spec.executable}")
+    config = ROOT / "src/er_bringup/config"
+    upped = [up.argv(spec) for spec in nodes(given, config)]
+    assert launched == [[*first.split(), *rest] for first, *rest in upped]
+
+
+def test_launch_declares_every_argument_with_its_default(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = launch_module(monkeypatch, complete({}))
+    declared = [
+        a
+        for a in module.generate_launch_description().args[0]
+        if type(a).__name__ == "DeclareLaunchArgument"
+    ]
+    assert {a.args[0]: a.kwargs["default_value"] for a in declared} == complete({})
+    assert all(a.kwargs["description"] for a in declared)
+
+
+def test_only_the_end_of_the_plant_ends_the_launch(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = launch_module(monkeypatch, complete({}))
+    started = module.generate_launch_description().args[0][-1].kwargs["function"](None)
+    ends = {node.kwargs["executable"]: node.kwargs["on_exit"] for node in started}
+    assert [name for name, action in ends.items() if action] == ["plant"]
