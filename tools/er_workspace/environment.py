@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -38,12 +39,18 @@ def record(layout: Layout) -> None:
     """Source the built workspace once and keep what it set.
 
     Raises:
-        Stop: the workspace's set-up script fails.
+        Stop: the workspace's set-up script fails, or forgets a package.
     """
-    before = base_environment(layout)
-    after = _sourced(layout.install / "local_setup.bash", before)
+    script = layout.install / "local_setup.bash"
+    # colcon's script does not quote the interpreter, and ours lies below the checkout's name
+    before = base_environment(layout) | {"COLCON_PYTHON_EXECUTABLE": sys.executable}
+    after = _sourced(script, before)
+    found = after.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    missing = [n for n in layout.packages() if str(layout.install / n) not in found]
+    if missing:
+        raise Stop(f"{script} does not set up {missing[0]}; a folder name it cannot cope with?")
     kept = {k: v for k, v in after.items() if k in PATHS or setup_environment().get(k) != v}
-    for name in ("PWD", "OLDPWD", "SHLVL", "_"):
+    for name in ("PWD", "OLDPWD", "SHLVL", "_", "COLCON_PYTHON_EXECUTABLE"):
         kept.pop(name, None)
     tail = setup_environment().get("PATH", os.defpath)
     kept["PATH"] = kept["PATH"].removesuffix(tail).rstrip(os.pathsep)
