@@ -34,6 +34,48 @@ def origins(argv: Sequence[str], full_name: str) -> dict[str, str]:
     return found
 
 
+def dropped(argv: Sequence[str], given: Mapping[str, object]) -> dict[str, object]:
+    """Parameters of the command line that ROS drops in silence, with the value that was meant.
+
+    Where a file gives a parameter in one type and the command line in another (0.1 there, 0 here),
+    ROS keeps both and rclpy takes the file's.
+    """
+    written: dict[str, str] = {}
+    for flag, value in _ros_arguments(argv):
+        name, _, text = value.partition(":=")
+        if flag == "--params-file":
+            written.clear()
+        elif flag in ("-p", "--param"):
+            written[name.rpartition(":")[2]] = text
+    meant = {name: _meant(text) for name, text in written.items() if name in given}
+    return {
+        name: value
+        for name, value in meant.items()
+        if value is not None and _kind_of_value(value) != _kind_of_value(given[name])
+    }
+
+
+def _meant(text: str) -> object:
+    """What was written for a parameter, as ROS reads it; None for lists, which keep their type."""
+    node = yaml.compose(text)
+    if not isinstance(node, yaml.ScalarNode):
+        return None
+    convert = {"integer": lambda t: int(t, 0), "decimal": _decimal, "text": str}
+    kind = _kind(node)
+    return convert[kind](node.value) if kind in convert else yaml.safe_load(text)
+
+
+def _decimal(text: str) -> float:
+    """A decimal as YAML writes it: with a dot before nan and inf."""
+    return float(re.sub(r"\.(nan|inf)", r"\1", text, flags=re.IGNORECASE))
+
+
+def _kind_of_value(value: object) -> str:
+    """Type of a value, in the same words."""
+    kinds = {bool: "true/false", int: "integer", float: "decimal", str: "text"}
+    return kinds.get(type(value), "list")
+
+
 def check_files(argv: Sequence[str]) -> None:
     """Refuse parameter files that ROS would end the process over, with a line that says where.
 

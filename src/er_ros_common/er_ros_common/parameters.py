@@ -18,7 +18,7 @@ from rcl_interfaces.msg import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from er_ros_common.parameter_files import origins
+from er_ros_common.parameter_files import dropped, origins
 from er_ros_common.parameter_table import REQUIRED, Spec, build, check, expectation, param, specs
 
 __all__ = ["REQUIRED", "declare", "param"]
@@ -51,7 +51,9 @@ def declare(
         for name, parameter in _overrides(node).items()
         if name not in BUILT_IN and not name.startswith("qos_overrides.")
     }
-    where = origins(sys.argv[1:] if argv is None else argv, node.get_fully_qualified_name())
+    argv = sys.argv[1:] if argv is None else argv
+    given |= dropped(argv, given)
+    where = origins(argv, node.get_fully_qualified_name())
     current = build(table, given, where)
     for spec in specs(table):
         _declare_one(node, spec, getattr(current, spec.attribute))

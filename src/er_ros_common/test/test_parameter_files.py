@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from er_models.errors import InputError
-from er_ros_common.parameter_files import check_files, matches, origins
+from er_ros_common.parameter_files import check_files, dropped, matches, origins
 
 
 def argv(path: Path) -> list[str]:
@@ -86,3 +86,28 @@ def test_arguments_after_the_ros_ones_are_not_read(tmp_path: Path) -> None:
 )
 def test_node_name_patterns(pattern: str, full_name: str, applies: bool) -> None:
     assert matches(pattern, full_name) is applies
+
+
+@pytest.mark.parametrize(
+    ("written", "file_has", "meant"),
+    [
+        ("high", 0.1, "high"),
+        ("0", 0.1, 0),
+        ("1e-3", 1, 1e-3),
+        ("'0.2'", 0.2, "0.2"),
+        ("true", 1, True),
+        (".nan", 1, None),
+    ],
+)
+def test_the_command_line_wins_over_a_file_of_another_type(
+    written: str, file_has: object, meant: object
+) -> None:
+    argv = ["--ros-args", "--params-file", "f.yaml", "-p", f"a:={written}"]
+    (found,) = dropped(argv, {"a": file_has}).values()
+    assert found == meant or (meant is None and found != found)
+
+
+def test_a_parameter_of_the_same_type_or_before_the_file_is_ros_own_business() -> None:
+    argv = ["--ros-args", "--params-file", "f.yaml", "-p", "a:=0.3", "-p", "b:=[1, 2]"]
+    assert dropped(argv, {"a": 0.3, "b": [1, 2]}) == {}
+    assert dropped(["--ros-args", "-p", "a:=x", "--params-file", "f.yaml"], {"a": 0.1}) == {}
