@@ -10,15 +10,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from er_models.errors import ErError, InputError
 from rich.console import Console
 
 from er_model_lab.import_app import register
-from er_models.errors import ErError, InputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from er_model_lab.commands import Outcome
+    from er_model_lab.commands import Outcome, Request
     from er_model_lab.study import Tick
 
 app = typer.Typer(
@@ -29,38 +29,75 @@ app = typer.Typer(
 )
 register(app)
 
-Data = Annotated[list[Path], typer.Argument(help="rosbag2 folder, .mcap, .csv, .parquet, .mf4, or a folder of them.")]
-ModelFile = Annotated[Path, typer.Option("--model", help="Model file (YAML), e.g. config/dampers/inove_guo.yaml.")]
-Json = Annotated[Path | None, typer.Option("--json", help="Write the machine-readable result here.")]
-Report = Annotated[Path | None, typer.Option("--report", help="Write a self-contained HTML report into this folder.")]
-Level = Annotated[str, typer.Option(help="damper: force from measured motion and duty; vehicle: motion from road and duty.")]
+Data = Annotated[
+    list[Path],
+    typer.Argument(help="rosbag2 folder, .mcap, .csv, .parquet, .mf4, or a folder of them."),
+]
+ModelFile = Annotated[
+    Path, typer.Option("--model", help="Model file (YAML), e.g. config/dampers/inove_guo.yaml.")
+]
+Json = Annotated[
+    Path | None, typer.Option("--json", help="Write the machine-readable result here.")
+]
+Report = Annotated[
+    Path | None,
+    typer.Option("--report", help="Write a self-contained HTML report into this folder."),
+]
+Level = Annotated[
+    str,
+    typer.Option(
+        help="damper: force from measured motion and duty; vehicle: motion from road and duty."
+    ),
+]
 Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
+HoldOut = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--hold-out", help="Data that only score: never used to fit or to choose. Repeatable."
+    ),
+]
 Out = Annotated[Path, typer.Option("--out", help="New model file.")]
 
 
 @app.command()
-def compare(data: Data, model: ModelFile, json_file: Json = None, report: Report = None, level: Level = "damper", seed: Seed = 0) -> None:
+def compare(
+    data: Data,
+    model: ModelFile,
+    json_file: Json = None,
+    report: Report = None,
+    hold_out: HoldOut = None,
+    level: Level = "damper",
+    seed: Seed = 0,
+) -> None:
     """Predict and compare: errors, and where the model fails."""
     from er_model_lab import commands
 
     if level == "vehicle":
         from er_model_lab.vehicle import compare as compare_vehicle
 
-        _run(lambda: compare_vehicle(data, model, seed), json_file, report)
+        _run(lambda: compare_vehicle(_asked(data, model, seed, hold_out)), json_file, report)
         return
     _damper_only(level, "compare")
-    _run(lambda: commands.compare(data, model, seed), json_file, report)
+    _run(lambda: commands.compare(_asked(data, model, seed, hold_out)), json_file, report)
 
 
 @app.command()
-def diagnose(data: Data, model: ModelFile, json_file: Json = None, report: Report = None, level: Level = "damper", seed: Seed = 0) -> None:
+def diagnose(
+    data: Data,
+    model: ModelFile,
+    json_file: Json = None,
+    report: Report = None,
+    hold_out: HoldOut = None,
+    level: Level = "damper",
+    seed: Seed = 0,
+) -> None:
     """Refit the model, then say which effect is missing, with evidence."""
     from er_model_lab import commands
 
     def work() -> Outcome:
         _damper_only(level, "diagnose")
         with _progress("trying effects") as tick:
-            return commands.diagnose(data, model, seed, tick)
+            return commands.diagnose(_asked(data, model, seed, hold_out), tick)
 
     _run(work, json_file, report)
 
@@ -68,7 +105,7 @@ def diagnose(data: Data, model: ModelFile, json_file: Json = None, report: Repor
 @app.command()
 def add(
     effect: Annotated[str, typer.Argument(help="Effect of the catalogue; `lab effects` lists them.")],
-    data: Data, model: ModelFile, out: Out, json_file: Json = None, report: Report = None, level: Level = "damper", seed: Seed = 0,
+    data: Data, model: ModelFile, out: Out, json_file: Json = None, report: Report = None, hold_out: HoldOut = None, level: Level = "damper", seed: Seed = 0,
 ) -> None:  # fmt: skip
     """Add one effect, refit everything, and show the error before and after."""
     from er_model_lab import commands
@@ -76,20 +113,29 @@ def add(
     def work() -> Outcome:
         _damper_only(level, "add")
         with _progress(f"adding {effect}") as tick:
-            return commands.add(data, model, effect, out, seed, tick)
+            return commands.add(_asked(data, model, seed, hold_out), effect, out, tick)
 
     _run(work, json_file, report, out)
 
 
 @app.command()
-def improve(data: Data, model: ModelFile, out: Out, json_file: Json = None, report: Report = None, level: Level = "damper", seed: Seed = 0) -> None:
+def improve(
+    data: Data,
+    model: ModelFile,
+    out: Out,
+    json_file: Json = None,
+    report: Report = None,
+    hold_out: HoldOut = None,
+    level: Level = "damper",
+    seed: Seed = 0,
+) -> None:
     """Diagnose and add, again and again, until the model is adequate or nothing known helps."""
     from er_model_lab import commands
 
     def work() -> Outcome:
         _damper_only(level, "improve")
         with _progress("trying effects") as tick:
-            return commands.improve(data, model, out, seed, tick)
+            return commands.improve(_asked(data, model, seed, hold_out), out, tick)
 
     _run(work, json_file, report, out)
 
@@ -110,15 +156,29 @@ def effects(
         _fail(error)
 
 
+def _asked(data: list[Path], model: Path, seed: int, hold_out: list[Path] | None) -> Request:
+    """The request of a command line."""
+    from er_model_lab.commands import Request
+
+    return Request(data, model, seed, tuple(hold_out or ()))
+
+
 def _damper_only(level: str, command: str) -> None:
     """Levels other than damper are refused in words."""
     if level == "vehicle":
-        raise InputError("--level", "", f"damper (lab {command} works on the damper force)", "vehicle")
+        raise InputError(
+            "--level", "", f"damper (lab {command} works on the damper force)", "vehicle"
+        )
     if level != "damper":
         raise InputError("--level", "", "damper or vehicle", level)
 
 
-def _run(work: Callable[[], Outcome], json_file: Path | None, report: Path | None, out: Path | None = None) -> None:
+def _run(
+    work: Callable[[], Outcome],
+    json_file: Path | None,
+    report: Path | None,
+    out: Path | None = None,
+) -> None:
     """Do the work, write what was asked for, print one screen, and exit with the contract's status."""
     try:
         outcome = work()
@@ -175,12 +235,24 @@ def _progress(title: str) -> Iterator[Tick | None]:
     if not sys.stderr.isatty():
         yield None
         return
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
     from er_models.catalogue import CATALOGUE
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
 
     total = len(CATALOGUE.candidates())
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=total)
         done = [0]

@@ -8,6 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from er_models.errors import ErError, InputError
+from er_models.files import load_model, save_model
+from er_models.model import Model
 
 from er_model_lab.compare import region_tables, worst
 from er_model_lab.diagnose.candidates import baseline
@@ -16,15 +19,31 @@ from er_model_lab.diagnose.null import simulate_null
 from er_model_lab.load import fingerprint, load
 from er_model_lab.present import clean, compare_json, diagnosis_json, headline, study_view, views
 from er_model_lab.record import Record
-from er_model_lab.study import Study, Tick, add_effect, as_given, final_model, investigate, on_fused, open_problem
+from er_model_lab.study import (
+    Study,
+    Tick,
+    add_effect,
+    as_given,
+    final_model,
+    investigate,
+    on_fused,
+    open_problem,
+)
 from er_model_lab.versions import versions
 from er_model_lab.view import View
-from er_models.errors import ErError, InputError
-from er_models.files import load_model, save_model
-from er_models.model import Model
 
 MOST_PASSES = 3
 """How often `improve` diagnoses the model it has just improved."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """What every command is asked: data, data that only score (may be empty), model file and seed."""
+
+    data: list[Path]
+    model_file: Path
+    seed: int = 0
+    hold_out: tuple[Path, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -37,84 +56,89 @@ class Outcome:
     complete: bool
 
 
-def read(data: list[Path]) -> list[Record]:
-    """Records of all paths; `InputError` when there are none."""
-    records = load(data)
+def read(ask: Request) -> tuple[list[Record], int]:
+    """Records to learn from followed by those that only score, and how many the latter are."""
+    records = load(ask.data)
+    sealed = load(ask.hold_out) if ask.hold_out else []
     if not records:
-        raise InputError(data[0], "", "at least one record", "none")
-    return records
+        raise InputError(ask.data[0], "", "at least one record", "none")
+    return [*records, *sealed], len(sealed)
 
 
-def provenance(records: list[Record], model: Path, seed: int) -> dict[str, Any]:
+def provenance(records: list[Record], ask: Request) -> dict[str, Any]:
     """Where a result comes from: data, model, seed and versions."""
     return {
-        "data": fingerprint(records), "records": [r.name for r in records], "model_file": str(model),
-        "model": load_model(model).digest(), "seed": seed, "versions": versions(),
+        "data": fingerprint(records), "records": [r.name for r in records], "model_file": str(ask.model_file),
+        "model": load_model(ask.model_file).digest(), "seed": ask.seed, "versions": versions(),
     }  # fmt: skip
 
 
-def compare(data: list[Path], model_file: Path, seed: int) -> Outcome:
+def compare(ask: Request) -> Outcome:
     """Predict with the model as it is, and say where it fails."""
-    model, records = load_model(model_file), read(data)
-    problem, _ = open_problem(records, model)
+    model, (records, sealed) = load_model(ask.model_file), read(ask)
+    problem, _ = open_problem(records, model, sealed)
     given = as_given(model, problem)
     base = baseline(on_fused(model), problem)
-    null = simulate_null(base, [], problem, seed, replicates=4)
-    floor = noise_floor(problem, base, null.input_error, seed)
+    null = simulate_null(base, [], problem, ask.seed, replicates=4)
+    floor = noise_floor(problem, base, null.input_error, ask.seed)
     mse = float(np.mean(given[problem.used] ** 2))
     explainable = max(1.0 - floor.floor**2 / mse, 0.0)
-    tables = region_tables(problem, given, seed)
+    tables = region_tables(problem, given, ask.seed)
     result = compare_json(problem, given, floor.floor, explainable, worst(tables))
-    result |= {"command": "compare", "model": model.name, "rmse_refitted": float(np.sqrt(base.mse))}
+    result |= {
+        "command": "compare",
+        "model": model.name,
+        "rmse_refitted": float(np.sqrt(base.mse)),
+    }
     view = View(
         command="compare", model=model.name, headline=headline(result["rmse"], floor.floor), result=clean(result),
         records=views(problem, problem.force - given, None), regions=tables, notes=problem.notes,
-        provenance=provenance(records, model_file, seed),
+        provenance=provenance(records, ask),
     )  # fmt: skip
     return Outcome(clean(result), view, None, problem.complete)
 
 
-def diagnose(data: list[Path], model_file: Path, seed: int, tick: Tick | None = None) -> Outcome:
+def diagnose(ask: Request, tick: Tick | None = None) -> Outcome:
     """Refit, then say which effect is missing."""
-    model, records = load_model(model_file), read(data)
-    study = investigate(records, model, seed=seed, tick=tick)
-    return _outcome("diagnose", study, final_model(study), records, model_file, seed)
+    model, (records, sealed) = load_model(ask.model_file), read(ask)
+    study = investigate(records, model, seed=ask.seed, sealed=sealed, tick=tick)
+    return _outcome("diagnose", study, final_model(study), records, ask)
 
 
-def add(data: list[Path], model_file: Path, effect: str, out: Path, seed: int, tick: Tick | None = None) -> Outcome:
+def add(ask: Request, effect: str, out: Path, tick: Tick | None = None) -> Outcome:
     """Add one effect, refit everything, and write the new model."""
-    model, records = load_model(model_file), read(data)
+    model, (records, sealed) = load_model(ask.model_file), read(ask)
     _may_add(model, effect)
-    _may_write(out, model_file)
-    study = add_effect(records, model, effect, seed=seed, tick=tick)
-    grown = _with_history(final_model(study), model, study, records, seed, out)
-    outcome = _outcome("add", study, grown, records, model_file, seed)
+    _may_write(out, ask.model_file)
+    study = add_effect(records, model, effect, seed=ask.seed, sealed=sealed, tick=tick)
+    grown = _with_history(final_model(study), model, study, records, ask.seed, out)
+    outcome = _outcome("add", study, grown, records, ask)
     save_model(grown, out)
     return outcome
 
 
-def improve(data: list[Path], model_file: Path, out: Path, seed: int, tick: Tick | None = None) -> Outcome:
+def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
     """Diagnose and add until the model is adequate or nothing known helps."""
-    model, records = load_model(model_file), read(data)
-    _may_write(out, model_file)
+    model, (records, sealed) = load_model(ask.model_file), read(ask)
+    _may_write(out, ask.model_file)
     current, studies = model, list[Study]()
     for n in range(MOST_PASSES):
-        study = investigate(records, current, seed=seed + 1000 * n, tick=tick)
+        study = investigate(records, current, seed=ask.seed + 1000 * n, sealed=sealed, tick=tick)
         studies.append(study)
         if not study.diagnosis.effects:
             break
-        current = _with_history(final_model(study), current, study, records, seed, out)
+        current = _with_history(final_model(study), current, study, records, ask.seed, out)
         if study.diagnosis.verdict != "partial":
             break
-    outcome = _improved(studies, current, records, model_file, seed)
+    outcome = _improved(studies, current, records, ask)
     save_model(current, out)
     return outcome
 
 
-def _improved(studies: list[Study], model: Model, records: list[Record], model_file: Path, seed: int) -> Outcome:
+def _improved(studies: list[Study], model: Model, records: list[Record], ask: Request) -> Outcome:
     """The outcome of several passes as one fall of the error."""
     first, last = studies[0], studies[-1]
-    outcome = _outcome("improve", first, model, records, model_file, seed)
+    outcome = _outcome("improve", first, model, records, ask)
     result = outcome.result
     for study in studies[1:]:
         more = clean(diagnosis_json(study, model))
@@ -135,14 +159,16 @@ def _improved(studies: list[Study], model: Model, records: list[Record], model_f
 
 
 def _outcome(
-    command: str, study: Study, model: Model, records: list[Record], model_file: Path, seed: int
+    command: str, study: Study, model: Model, records: list[Record], ask: Request
 ) -> Outcome:
     """JSON and view of a study."""
     result = {"command": command, **diagnosis_json(study, model)}
-    origin = provenance(records, model_file, seed)
+    origin = provenance(records, ask)
     result["provenance"] = origin
     result = clean(result)
-    return Outcome(result, study_view(command, study, result, seed, origin), model, study.problem.complete)
+    return Outcome(
+        result, study_view(command, study, result, ask.seed, origin), model, study.problem.complete
+    )
 
 
 def _may_add(model: Model, effect: str) -> None:
@@ -153,7 +179,9 @@ def _may_add(model: Model, effect: str) -> None:
     if effect in model.effects:
         raise ErError(f"{effect} is already part of the model '{model.name}'")
     if known.stage == "vehicle":
-        raise ErError(f"{effect} acts in the vehicle, not in the damper: it cannot be added to a damper model")
+        raise ErError(
+            f"{effect} acts in the vehicle, not in the damper: it cannot be added to a damper model"
+        )
 
 
 def _may_write(out: Path, model_file: Path) -> None:
@@ -176,11 +204,18 @@ def _with_history(
         "data": fingerprint(records),
         "records": [r.name for r in records],
         "seed": seed,
-        "rmse_held_out": {"before": result["rmse"]["held_out"], "after": result["rmse_after"]["held_out"]},
+        "rmse_held_out": {
+            "before": result["rmse"]["held_out"],
+            "after": result["rmse_after"]["held_out"],
+        },
         "noise_floor": result["noise_floor"],
         "from": before.name,
     }
     source = f"fitted to {len(records)} records, beginning from '{before.name}' ({before.source})"
     return replace(
-        grown, name=out.stem, source=source, history=(*before.history, entry), scales=study.problem.scales
+        grown,
+        name=out.stem,
+        source=source,
+        history=(*before.history, entry),
+        scales=study.problem.scales,
     )

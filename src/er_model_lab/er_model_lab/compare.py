@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from er_models.model import Array
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from er_model_lab.prepare import Problem
 from er_model_lab.view import Region, RegionTable
-from er_models.model import Array
 
 BINS = 6
 BOOTSTRAPS = 200
@@ -37,7 +37,9 @@ def region_tables(problem: Problem, residual: Array, seed: int) -> tuple[RegionT
     rate = np.concatenate([[0.0], np.diff(m.u)]) / m.dt
     recent = np.asarray(lfilter([1.0], [1.0, -np.exp(-m.dt / 0.05)], np.abs(rate) * m.dt))
     force = problem.force - residual
-    work = np.concatenate([np.cumsum(np.abs(force[i:j] * m.v[i:j])) * m.dt for i, j in _pairs(problem)])
+    work = np.concatenate(
+        [np.cumsum(np.abs(force[i:j] * m.v[i:j])) * m.dt for i, j in _pairs(problem)]
+    )
     quantities: list[tuple[str, str, Array]] = [
         ("deflection", "m", m.x), ("velocity", "m/s", m.v), ("acceleration", "m/s2", m.a), ("duty", "1", m.u),
         ("duty change in the last 50 ms", "1", recent), ("time", "s", m.t), ("work done", "J", work),
@@ -53,7 +55,9 @@ def region_tables(problem: Problem, residual: Array, seed: int) -> tuple[RegionT
 
 def worst(tables: tuple[RegionTable, ...], most: int = 8) -> list[dict[str, object]]:
     """Regions that carry far more error than their share of samples, heaviest first."""
-    regions = [r for t in tables for r in t.regions if r.share > 1.3 * r.of_samples and r.share > 0.1]
+    regions = [
+        r for t in tables for r in t.regions if r.share > 1.3 * r.of_samples and r.share > 0.1
+    ]
     regions.sort(key=lambda r: r.share - r.of_samples, reverse=True)
     return [
         {
@@ -100,7 +104,9 @@ def _table(
     return RegionTable(name, unit, tuple(regions))
 
 
-def _band(squared: Array, blocks: NDArray[np.int64], rng: np.random.Generator) -> tuple[float, float]:
+def _band(
+    squared: Array, blocks: NDArray[np.int64], rng: np.random.Generator
+) -> tuple[float, float]:
     """90 % interval of the rms over resampled one-second blocks."""
     _, place = np.unique(blocks, return_inverse=True)
     sums = np.bincount(place, squared)
@@ -120,7 +126,9 @@ def _frequency_table(problem: Problem, residual: Array) -> RegionTable:
         e = residual[i:j]
         spectrum = np.abs(np.fft.rfft((e - e.mean()) * np.hanning(e.size))) ** 2
         f = np.fft.rfftfreq(e.size, problem.motion.dt)
-        power += np.bincount(np.searchsorted(edges, f, side="right") - 1, spectrum, edges.size - 1)[: power.size]
+        power += np.bincount(
+            np.searchsorted(edges, f, side="right") - 1, spectrum, edges.size - 1
+        )[: power.size]
     total = max(float(power.sum()), 1e-300)
     rms = float(np.sqrt(np.mean(residual[problem.used] ** 2)))
     regions = []
@@ -131,5 +139,7 @@ def _frequency_table(problem: Problem, residual: Array) -> RegionTable:
         level = rms * float(np.sqrt(power[b] / total))
         share = float(power[b] / total)
         width = (top - float(edges[b])) / nyquist
-        regions.append(Region("frequency", "Hz", (float(edges[b]), top), share, width, level, (level, level)))
+        regions.append(
+            Region("frequency", "Hz", (float(edges[b]), top), share, width, level, (level, level))
+        )
     return RegionTable("frequency", "Hz", tuple(regions))

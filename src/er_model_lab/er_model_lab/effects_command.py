@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from rich.console import RenderableType
-from rich.table import Table
-
 from er_models.card import card_text
 from er_models.catalogue import CATALOGUE
 from er_models.effect import Effect
+from rich.console import RenderableType
+from rich.table import Table
 
 
 def _data(effect: Effect) -> dict[str, Any]:

@@ -9,12 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
-
-from er_model_lab.prepare import FOLDS, Problem
 from er_models.model import Array, Model
 from er_models.predict import predict, predict_many
 from er_models.scales import Scales
+from numpy.typing import NDArray
+
+from er_model_lab.prepare import FOLDS, Problem
 
 Free = tuple[tuple[str, str], ...]
 
@@ -63,7 +63,9 @@ class Box:
         self.scale = np.array([scales.of(q.unit) for q in params])
         self.low = np.array([q.low for q in params])
         self.high = np.array([q.high for q in params])
-        self.size = np.array([max([abs(s) for s in q.starts if np.isfinite(s)] + [1e-3]) for q in params])
+        self.size = np.array(
+            [max([abs(s) for s in q.starts if np.isfinite(s)] + [1e-3]) for q in params]
+        )
 
     def start(self) -> Array:
         """Scaled values of the model, moved into the box."""
@@ -85,7 +87,14 @@ class Box:
         return replace(self.model, effects=effects)
 
 
-def fit(model: Model, problem: Problem, free: Free | None = None, *, max_iter: int = 20, tol: float = 1e-4) -> Fit:
+def fit(
+    model: Model,
+    problem: Problem,
+    free: Free | None = None,
+    *,
+    max_iter: int = 20,
+    tol: float = 1e-4,
+) -> Fit:
     """Fit the free parameters (all by default) to the training samples, starting from the model's values."""
     box = Box(model, free if free is not None else free_parameters(model), problem.scales)
     theta, train = box.start(), problem.train
@@ -181,7 +190,9 @@ def covariance(fitted: Fit, problem: Problem) -> Array:
     m = scores.shape[0]
     meat = scores.T @ scores * (m / max(m - inner.size, 1))
     out = np.full((fitted.theta.size,) * 2, np.nan)
-    out[np.ix_(inner, inner)] = inverse @ meat @ inverse * np.outer(fitted.scale[inner], fitted.scale[inner])
+    out[np.ix_(inner, inner)] = (
+        inverse @ meat @ inverse * np.outer(fitted.scale[inner], fitted.scale[inner])
+    )
     return out
 
 
@@ -190,5 +201,7 @@ def with_deviations(fitted: Fit, problem: Problem) -> Model:
     variance = np.diag(covariance(fitted, problem))
     deviations = {k: dict(v) for k, v in fitted.model.deviations.items()}
     for (effect, name), value in zip(fitted.free, variance, strict=True):
-        deviations.setdefault(effect, {})[name] = float(np.sqrt(value)) if value >= 0 else float("inf")
+        deviations.setdefault(effect, {})[name] = (
+            float(np.sqrt(value)) if value >= 0 else float("inf")
+        )
     return replace(fitted.model, deviations=deviations)

@@ -1,6 +1,7 @@
 r"""Kinematic fusion: deflection, velocity and both accelerometers into one consistent motion.
 
-The state [x, v, a, j, b] (j: jerk, b: bias of the relative accelerometer) is driven by white snap,
+The state [x, v, a, j, b] (j: jerk, b: bias of the relative accelerometer) is driven by white snap (or,
+without j, by white jerk: on rough roads the likelier model),
 
 .. math:: x' = v, \quad v' = a, \quad a' = j, \quad j' = \text{white}(q_k), \quad b' = 0
 
@@ -16,6 +17,7 @@ effects look true; fused motion is five times cleaner.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,14 +30,19 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Noise:
-    """Standard deviations of the channels (x [m], v [m/s], a [m/s2]), snap intensity and velocity lag [s]."""
+    """Standard deviations of the channels (x [m], v [m/s], a [m/s2]), intensity of the noise that drives
+    the chain, velocity lag [s], order of the chain: 4 (white snap, smooth
+    roads) or 3 (white jerk, rough roads), and whether its intensity follows the local activity of the data.
+    """
 
     x: float
     v: float
     a: float
-    snap: float
+    drive: float
     lag: float = 0.0
     lag_sd: float = float("inf")
+    order: int = 4
+    local: bool = True
 
 
 @dataclass(frozen=True)
@@ -71,36 +78,39 @@ def _solve_gain(p, h, r, m, gain):
 
 
 @njit(cache=True)
-def _transition(dt):
-    """Transition matrix (5, 5) over one sample."""
+def _transition(dt, order):
+    """Transition matrix (5, 5) over one sample of a chain of that order."""
     f = np.eye(5)
-    f[0, 1] = f[1, 2] = f[2, 3] = dt
-    f[0, 2] = f[1, 3] = dt**2 / 2.0
-    f[0, 3] = dt**3 / 6.0
+    f[0, 1] = f[1, 2] = dt
+    f[0, 2] = dt**2 / 2.0
+    if order == 4:
+        f[2, 3] = dt
+        f[1, 3] = dt**2 / 2.0
+        f[0, 3] = dt**3 / 6.0
     return f
 
 
 @njit(cache=True)
-def _diffusion(dt):
-    """Covariance (5, 5) that white snap of unit intensity adds over one sample."""
+def _diffusion(dt, order):
+    """Covariance (5, 5) that white noise of unit intensity at the end of the chain adds over one sample."""
     q = np.zeros((5, 5))
     factorial = (1.0, 1.0, 2.0, 6.0)
-    for i in range(4):
-        for j in range(4):
-            m, n = 3 - i, 3 - j
+    for i in range(order):
+        for j in range(order):
+            m, n = order - 1 - i, order - 1 - j
             q[i, j] = dt ** (m + n + 1) / ((m + n + 1) * factorial[m] * factorial[n])
     return q
 
 
 @njit(cache=True)
-def _filter(dt, zs, has, rows, variances, q, bias_var, activity, spread, xs, ps, xp, pp):
+def _filter(dt, order, zs, has, rows, variances, q, bias_var, activity, spread, xs, ps, xp, pp):
     """Kalman filter over (n, 3) measurements, scalar updates; returns the log likelihood."""
     n = zs.shape[0]
     m = 5
     x = np.zeros(m)
-    f, d = _transition(dt), _diffusion(dt)
+    f, d = _transition(dt, order), _diffusion(dt, order)
     p = np.zeros((m, m))
-    for i in range(4):
+    for i in range(order):
         p[i, i] = spread[i]
     p[4, 4] = bias_var
     gain = np.zeros(m)
@@ -134,11 +144,14 @@ def _filter(dt, zs, has, rows, variances, q, bias_var, activity, spread, xs, ps,
 
 
 @njit(cache=True)
-def _smooth(dt, xs, ps, xp, pp):
+def _smooth(dt, order, xs, ps, xp, pp):
     """Rauch-Tung-Striebel backward pass, in place in xs and ps."""
-    f = _transition(dt)
+    f = _transition(dt, order)
     for k in range(xs.shape[0] - 2, -1, -1):
-        c = np.linalg.solve(pp[k + 1], f @ ps[k]).T
+        full = pp[k + 1].copy()
+        if order == 3:
+            full[3, 3] = 1.0
+        c = np.linalg.solve(full, f @ ps[k]).T
         xs[k] = xs[k] + c @ (xs[k + 1] - xp[k + 1])
         ps[k] = ps[k] + c @ (ps[k + 1] - pp[k + 1]) @ c.T
 
@@ -168,8 +181,22 @@ def _run(ch: Channels, noise: Noise) -> tuple[float, Array, Array, Array, Array]
     ps, pp = np.empty((n, 5, 5)), np.empty((n, 5, 5))
     variances = np.array([noise.x, noise.v, noise.a]) ** 2
     bias_var = (10.0 * noise.a) ** 2 if ch.has[2] else 1e-18
+    activity = ch.activity if noise.local else np.ones(n)
     scores = _filter(
-        ch.dt, ch.z, ch.has, rows, variances, noise.snap, bias_var, ch.activity, _spread(ch), xs, ps, xp, pp
+        ch.dt,
+        noise.order,
+        ch.z,
+        ch.has,
+        rows,
+        variances,
+        noise.drive,
+        bias_var,
+        activity,
+        _spread(ch),
+        xs,
+        ps,
+        xp,
+        pp,
     )
     return float(scores), xs, ps, xp, pp
 
@@ -183,30 +210,45 @@ def _spread(ch: Channels) -> Array:
     return np.asarray(100.0 * np.array([x2, v2, a2, a2 / (5.0 * ch.dt) ** 2]))
 
 
-def _start(ch: Channels) -> Noise:
+def _start(ch: Channels, order: int) -> Noise:
     """Starting noise levels from the calm quarter of the third differences of each channel."""
     rough = []
     for c in range(3):
         d = np.abs(np.diff(ch.z[:, c], 3))
         rough.append(max(float(np.quantile(d, 0.25)) / 0.3186 / np.sqrt(20.0), 1e-9))
-    order = 0 if ch.has[2] else (1 if ch.has[1] else 2)
-    best = ch.z[:, 2 - order]
-    snap = float(np.mean(np.diff(best, 2 + order) ** 2) / ch.dt ** (3 + 2 * order))
-    return Noise(rough[0], rough[1], rough[2], max(snap, 1e-9))
+    level = 2 if ch.has[2] else (1 if ch.has[1] else 0)
+    times = order - level
+    drive = float(np.mean(np.diff(ch.z[:, level], times) ** 2) / ch.dt ** (2 * times - 1))
+    return Noise(rough[0], rough[1], rough[2], max(drive, 1e-9), order=order)
 
 
-def estimate_noise(ch: Channels, free_lag: bool) -> Noise:
-    """Maximum likelihood noise levels, and the lag of the velocity channel when free."""
-    start = _start(ch)
-    names = [n for n, h in zip(("x", "v", "a"), ch.has, strict=True) if h] + ["snap"]
+def estimate_noise(ch: Channels) -> Noise:
+    """Maximum likelihood noise levels under the likeliest of the four motion models."""
+    kinds = (
+        [(4, True), (3, False), (4, False), (3, True)] if ch.has[2] else [(4, False), (3, False)]
+    )
+    found = [
+        _estimate(ch, replace(_start(ch, order), local=local), free_lag=False)
+        for order, local in kinds
+    ]
+    return max(found, key=lambda noise: _run(ch, noise)[0])
+
+
+def estimate_lag(ch: Channels, noise: Noise) -> Noise:
+    """Noise levels with the lag of the velocity channel free, under the motion model of `noise`."""
+    return _estimate(ch, noise, free_lag=True)
+
+
+def _estimate(ch: Channels, start: Noise, *, free_lag: bool) -> Noise:
+    """Maximum likelihood noise levels (and lag) from a starting point, under its motion model."""
+    names = [n for n, h in zip(("x", "v", "a"), ch.has, strict=True) if h] + ["drive"]
     origin = np.log([getattr(start, n) for n in names])
-    lag_scale = ch.dt
     with_lag = free_lag and bool(ch.has[1]) and bool(ch.has[0] or ch.has[2])
     point = np.append(origin, 0.0) if with_lag else origin
 
     def noise_at(theta: Array) -> Noise:
         values = dict(zip(names, np.exp(np.clip(theta[: len(names)], -40, 40)), strict=True))
-        lag = float(np.clip(theta[-1], -20, 20)) * lag_scale if with_lag else 0.0
+        lag = float(np.clip(theta[-1], -20, 20)) * ch.dt if with_lag else 0.0
         return replace(start, lag=lag, **{k: float(v) for k, v in values.items()})
 
     def cost(theta: Array) -> float:
@@ -218,14 +260,16 @@ def estimate_noise(ch: Channels, free_lag: bool) -> Noise:
         "initial_simplex": simplex, "maxfev": 40 * point.size, "xatol": 0.02, "fatol": 0.5,
     })  # fmt: skip
     noise = noise_at(best.x)
-    return _with_lag_sd(best.x, cost, noise, lag_scale) if with_lag else noise
+    return _with_lag_sd(best.x, cost, noise, ch.dt) if with_lag else noise
 
 
-def _with_lag_sd(theta: Array, cost: object, noise: Noise, scale: float) -> Noise:
+def _with_lag_sd(
+    theta: Array, cost: Callable[[Array], float], noise: Noise, scale: float
+) -> Noise:
     """Standard deviation of the lag from the curvature of the likelihood."""
     step = np.zeros_like(theta)
     step[-1] = 0.05
-    curvature = (cost(theta + step) - 2.0 * cost(theta) + cost(theta - step)) / 0.05**2  # type: ignore[operator]
+    curvature = (cost(theta + step) - 2.0 * cost(theta) + cost(theta - step)) / 0.05**2
     return replace(noise, lag_sd=scale / np.sqrt(curvature) if curvature > 0 else float("inf"))
 
 
@@ -251,13 +295,10 @@ def _activity(a: Array) -> Array:
     return np.asarray(local / local.mean())
 
 
-def fuse(
-    ch: Channels, noise: Noise | None = None, *, free_lag: bool = True, limit: int = 3000
-) -> Fused:
-    """Smoothed motion of one record; noise levels are estimated on its first `limit` samples when not given."""
-    noise = noise or estimate_noise(ch.first(limit), free_lag)
+def fuse(ch: Channels, noise: Noise) -> Fused:
+    """Smoothed motion of one record."""
     ll, xs, ps, xp, pp = _run(ch, noise)
-    _smooth(ch.dt, xs, ps, xp, pp)
+    _smooth(ch.dt, noise.order, xs, ps, xp, pp)
     names = tuple(
         n
         for n, h in zip(("deflection", "deflection_velocity", "acceleration"), ch.has, strict=True)

@@ -8,18 +8,28 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
-
-from er_model_lab.fuse import Channels, Fused, Noise, channels_of, estimate_noise, fuse
-from er_model_lab.record import Record
 from er_models.errors import InputError, MissingChannel
 from er_models.predict import Motion, join
 from er_models.scales import Scales
+from numpy.typing import NDArray
+
+from er_model_lab.fuse import (
+    Channels,
+    Fused,
+    Noise,
+    channels_of,
+    estimate_lag,
+    estimate_noise,
+    fuse,
+)
+from er_model_lab.record import Record
 
 Array = NDArray[np.float64]
 
 WARM_UP = 0.3
 """Time at the start of each record in which unknown initial states fade [s]; not scored."""
+FOR_NOISE = 2500
+"""Samples from which the noise levels of the motion sensors are estimated."""
 FOLDS = 12
 """Blocks for cross-validation."""
 
@@ -51,6 +61,12 @@ class Problem:
         return self.fold >= 0
 
     @property
+    def kinematic_lag(self) -> bool:
+        """Whether deflection and accelerometers can show a lag of the velocity channel by themselves."""
+        has = self.raw[0].has
+        return bool(has[1] and (has[0] or has[2]))
+
+    @property
     def used(self) -> NDArray[np.bool_]:
         """Mask of all scored samples."""
         return self.train | self.held_out
@@ -66,9 +82,12 @@ class Problem:
         return Scales(peak(self.force), peak(m.x), peak(m.v), float(max(m.u.max(), 1e-3)))
 
 
-def prepare(records: list[Record], *, velocity_lag: float | None = None) -> Problem:
+def prepare(
+    records: list[Record], *, sealed: int = 0, velocity_lag: float | None = None
+) -> Problem:
     """Fuse and split records; needs damper_force, and deflection or its velocity.
 
+    sealed: how many of the last records are held out whole; 0 lets `split` choose.
     velocity_lag: known lag of the velocity channel [s]; None estimates it and keeps it as evidence only.
 
     Raises:
@@ -79,14 +98,15 @@ def prepare(records: list[Record], *, velocity_lag: float | None = None) -> Prob
         raise InputError("DATA", "", "at least one record", "none")
     dt = max(r.dt for r in records)
     raw = tuple(_channels(r, dt) for r in records)
-    noise = estimate_noise(raw[0].first(3000), free_lag=False)
-    lag, lag_sd = _lag_evidence(raw[0]) if velocity_lag is None else (velocity_lag, 0.0)
+    part = max(raw, key=lambda c: c.z.shape[0]).first(FOR_NOISE)
+    noise = estimate_noise(part)
+    lag, lag_sd = _lag_evidence(part, noise) if velocity_lag is None else (velocity_lag, 0.0)
     if velocity_lag is not None:
-        noise = replace(estimate_noise(raw[0].first(3000), free_lag=True), lag=velocity_lag)
+        noise = replace(estimate_lag(part, noise), lag=velocity_lag)
     fused = tuple(fuse(c, noise) for c in raw)
     force = [_resampled(r, "damper_force", dt) for r in records]
     motion = join([_motion(r, f, dt) for r, f in zip(records, fused, strict=True)])
-    fold, held_out = split(motion.starts, dt)
+    fold, held_out = split(motion.starts, dt, sealed)
     y = np.concatenate(force)
     return Problem(
         motion=motion, force=y, fold=fold, held_out=held_out, raw=raw, fused=fused, noise=noise,
@@ -96,10 +116,12 @@ def prepare(records: list[Record], *, velocity_lag: float | None = None) -> Prob
     )  # fmt: skip
 
 
-def split(starts: NDArray[np.int64], dt: float) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+def split(
+    starts: NDArray[np.int64], dt: float, sealed: int = 0
+) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """Fold of each training sample (-1: not used) and mask of the held-out samples.
 
-    Three records or more: every fourth of them (the third of three) is held out whole. Otherwise every
+    The last `sealed` records are held out whole, if any are; otherwise the data choose. Three records or more: every fourth of them (the third of three) is held out whole. Otherwise every
     third of some ten stretches of each record, with a guard on both sides.
     """
     n, records = int(starts[-1]), len(starts) - 1
@@ -107,14 +129,16 @@ def split(starts: NDArray[np.int64], dt: float) -> tuple[NDArray[np.int64], NDAr
     held = np.zeros(n, bool)
     guard = int(round(0.25 / dt))
     every = min(records, 4)
+    whole = sealed > 0 or records >= 3
+    first_sealed = records - sealed if sealed else records
     for r in range(records):
         i, j = int(starts[r]) + int(round(WARM_UP / dt)), int(starts[r + 1])
         if j - i < 8:
             continue
-        if records >= 3 and r % every == every - 1:
+        if r >= first_sealed or (not sealed and whole and r % every == every - 1):
             held[i:j] = True
             continue
-        if records >= 3:
+        if whole:
             fold[i:j] = 0
             continue
         edges = np.linspace(i, j, 11).astype(int)
@@ -141,12 +165,17 @@ def _channels(record: Record, dt: float) -> Channels:
     """The motion channels a record has, on the common grid."""
     if not (record.has("deflection") or record.has("deflection_velocity")):
         raise MissingChannel(
-            record.source or record.name, "deflection", "to know the motion", tuple(record.channels)
+            record.source or record.name,
+            "deflection",
+            "to know the motion",
+            tuple(record.channels),
         )
     both = record.has("sprung_acceleration") and record.has("unsprung_acceleration")
     a = None
     if both:
-        a = _resampled(record, "sprung_acceleration", dt) - _resampled(record, "unsprung_acceleration", dt)
+        a = _resampled(record, "sprung_acceleration", dt) - _resampled(
+            record, "unsprung_acceleration", dt
+        )
     v = None
     if record.has("deflection_velocity") and "deflection_velocity" not in record.derived:
         v = _resampled(record, "deflection_velocity", dt)
@@ -161,7 +190,9 @@ def _resampled(record: Record, channel: str, dt: float) -> Array:
     if abs(ratio - 1.0) < 0.01:
         return np.asarray(y)
     width = max(int(round(ratio)), 1)
-    smooth = np.convolve(y, np.ones(width) / width, "same") if width > 1 and channel != "duty" else y
+    smooth = (
+        np.convolve(y, np.ones(width) / width, "same") if width > 1 and channel != "duty" else y
+    )
     grid = np.arange(record.t[0], record.t[-1], dt)
     return np.asarray(np.interp(grid, record.t, smooth))
 
@@ -177,19 +208,21 @@ def _motion(record: Record, fused: Fused, dt: float) -> Motion:
     return Motion(dt, fused.x, fused.v, fused.a, np.ascontiguousarray(u), theta, np.array([0, n]))
 
 
-def _lag_evidence(channels: Channels) -> tuple[float, float]:
+def _lag_evidence(channels: Channels, noise: Noise) -> tuple[float, float]:
     """Lag of the velocity channel against deflection and accelerometers, with its standard deviation [s]."""
     if not (channels.has[1] and (channels.has[0] or channels.has[2])):
         return 0.0, float("inf")
-    noise = estimate_noise(channels.first(3000), free_lag=True)
-    return noise.lag, noise.lag_sd
+    found = estimate_lag(channels, noise)
+    return found.lag, found.lag_sd
 
 
 def _losses(record: Record) -> tuple[str, ...]:
     """What is lost without some channels."""
     notes = []
     if not (record.has("sprung_acceleration") and record.has("unsprung_acceleration")):
-        notes.append("without both accelerations the velocity is known less well: effects near zero velocity blur")
+        notes.append(
+            "without both accelerations the velocity is known less well: effects near zero velocity blur"
+        )
     if not record.has("duty"):
         notes.append("no duty channel: taken as 0, effects of the field cannot be seen")
     return tuple(notes)

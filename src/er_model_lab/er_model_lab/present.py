@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
+from er_models.model import Array, Model
 
 from er_model_lab.compare import errors, region_tables
 from er_model_lab.diagnose.candidates import Candidate, effect_size
@@ -17,7 +18,6 @@ from er_model_lab.fit import with_deviations
 from er_model_lab.prepare import Problem
 from er_model_lab.study import Study
 from er_model_lab.view import CandidateView, RecordView, View
-from er_models.model import Array, Model
 
 SHOWN = 12
 """Candidates that get an evidence card."""
@@ -64,7 +64,8 @@ def entry(candidate: Candidate, step: Round, found: Diagnosis, problem: Problem)
         "status": status,
         "confounded_with": rivals,
         "kept_fraction": candidate.kept,
-        "explains": (step.base.mse - candidate.mse) / max(step.base.mse - found.floor.floor**2, 1e-12 * step.base.mse),
+        "explains": (step.base.mse - candidate.mse)
+        / max(step.base.mse - found.floor.floor**2, 1e-12 * step.base.mse),
     }
 
 
@@ -157,9 +158,10 @@ def noise_floor_held_out(found: Diagnosis, problem: Problem) -> float:
     Errors of the motion sensors weigh differently on another road: the part of the floor that they cause
     is moved by the ratio found when simulating them; the rest is the noise of the force.
     """
-    force2 = max(found.floor.floor**2 - found.floor.input_error**2, problem.sd_force**2)
+    whole, force = found.floor.floor**2, found.floor.white**2
+    motion = min(found.floor.input_error**2, max(whole - force, 0.0))
     ratio = found.null.input_error_held_out / max(found.null.input_error, 1e-300)
-    return float(np.sqrt(force2 + (found.floor.input_error * ratio) ** 2))
+    return float(np.sqrt(whole - motion + motion * ratio**2))
 
 
 def _lag_entry(study: Study) -> dict[str, Any]:
@@ -185,7 +187,9 @@ def steps(study: Study) -> list[dict[str, Any]]:
     problem, found = study.problem, study.diagnosis
     held = problem.held_out
     base = study.lag_base or found.rounds[0].base
-    out: list[dict[str, Any]] = [{"added": None, "rmse_held_out": errors(problem, base.fit.residual, held).rmse}]
+    out: list[dict[str, Any]] = [
+        {"added": None, "rmse_held_out": errors(problem, base.fit.residual, held).rmse}
+    ]
     if study.lag:
         rmse = errors(problem, found.rounds[0].base.fit.residual, held).rmse
         out.append({"added": "velocity_lag", "rmse_held_out": rmse})
@@ -252,7 +256,11 @@ def candidate_views(study: Study, result: Mapping[str, Any]) -> tuple[CandidateV
 
 
 def _card(
-    candidate: Candidate, step: Round, found: Diagnosis, problem: Problem, fields: Mapping[str, Any]
+    candidate: Candidate,
+    step: Round,
+    found: Diagnosis,
+    problem: Problem,
+    fields: Mapping[str, Any],
 ) -> CandidateView:
     """One evidence card: the change of force the effect makes beside what the model left."""
     effect = candidate.fit.model.catalogue[candidate.name]
@@ -268,7 +276,9 @@ def _card(
     )  # fmt: skip
 
 
-def study_view(command: str, study: Study, result: Mapping[str, Any], seed: int, provenance: Mapping[str, Any]) -> View:
+def study_view(
+    command: str, study: Study, result: Mapping[str, Any], seed: int, provenance: Mapping[str, Any]
+) -> View:
     """Everything a report of `diagnose`, `add` or `improve` shows."""
     found, problem = study.diagnosis, study.problem
     residual = found.base.fit.residual
@@ -281,7 +291,11 @@ def study_view(command: str, study: Study, result: Mapping[str, Any], seed: int,
 
 
 def compare_json(
-    problem: Problem, given: Array, floor: float, explainable: float, worst: Sequence[Mapping[str, Any]]
+    problem: Problem,
+    given: Array,
+    floor: float,
+    explainable: float,
+    worst: Sequence[Mapping[str, Any]],
 ) -> dict[str, Any]:
     """The contract's JSON of `compare`."""
     whole = errors(problem, given, problem.used)
@@ -295,4 +309,3 @@ def compare_json(
         "rmse": whole.rmse, "nrmse": whole.nrmse, "noise_floor": floor, "explainable": explainable,
         "worst": list(worst), "rmse_by_record": by_record, "notes": list(problem.notes), "complete": problem.complete,
     }  # fmt: skip
-

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from er_models.model import Array, Model
+from er_models.predict import Motion, predict
 
 from er_model_lab.diagnose.candidates import Candidate, baseline, refit
 from er_model_lab.diagnose.floor import Floor, noise_floor
@@ -15,8 +17,6 @@ from er_model_lab.diagnose.verdict import Diagnosis, diagnose, judge
 from er_model_lab.fit import with_deviations
 from er_model_lab.prepare import Problem, prepare
 from er_model_lab.record import Record
-from er_models.model import Array, Model
-from er_models.predict import Motion, predict
 
 Tick = Callable[[str], None]
 
@@ -51,15 +51,17 @@ def on_fused(model: Model) -> Model:
     return model.without_effect("velocity_lag") if "velocity_lag" in model.effects else model
 
 
-def open_problem(records: list[Record], model: Model) -> tuple[Problem, tuple[float, float] | None]:
+def open_problem(
+    records: list[Record], model: Model, sealed: int = 0
+) -> tuple[Problem, tuple[float, float] | None]:
     """Fused problem, and the lag of the velocity channel when it is there and not yet in the model."""
     known = known_lag(model)
     if known is not None:
-        return prepare(records, velocity_lag=known), None
-    problem = prepare(records)
+        return prepare(records, sealed=sealed, velocity_lag=known), None
+    problem = prepare(records, sealed=sealed)
     lag, sd = problem.velocity_lag
     if abs(lag) > max(SMALLEST_LAG * problem.motion.dt, 8.0 * sd):
-        return prepare(records, velocity_lag=lag), (lag, sd)
+        return prepare(records, sealed=sealed, velocity_lag=lag), (lag, sd)
     return problem, None
 
 
@@ -68,22 +70,40 @@ def as_given(model: Model, problem: Problem) -> Array:
     return np.asarray(problem.force - predict(on_fused(model), problem.motion))
 
 
-def investigate(records: list[Record], model: Model, *, seed: int, replicates: int = 16, tick: Tick | None = None) -> Study:
+def investigate(
+    records: list[Record],
+    model: Model,
+    *,
+    seed: int,
+    sealed: int = 0,
+    replicates: int = 16,
+    tick: Tick | None = None,
+) -> Study:
     """Diagnose a model on records; a lagging velocity channel is undone first and named."""
-    problem, lag = open_problem(records, model)
+    problem, lag = open_problem(records, model, sealed)
     bare = on_fused(model)
     lag_base = _as_measured(bare, problem, records) if lag else None
     found = diagnose(bare, problem, seed=seed, replicates=replicates, tick=tick)
     if lag:
         found = _with_lag(found, lag_base, lag)
     elif bare is not model:
-        found = replace(found, best=_keep_lag(found.best, model), base=_keep_lag(found.base, model))
+        found = replace(
+            found, best=_keep_lag(found.best, model), base=_keep_lag(found.base, model)
+        )
     return Study(found, problem, model, lag, lag_base, as_given(model, problem))
 
 
-def add_effect(records: list[Record], model: Model, effect: str, *, seed: int, tick: Tick | None = None) -> Study:
+def add_effect(
+    records: list[Record],
+    model: Model,
+    effect: str,
+    *,
+    seed: int,
+    sealed: int = 0,
+    tick: Tick | None = None,
+) -> Study:
     """Add one named effect, refit everything, and judge it alone."""
-    problem, lag = open_problem(records, model)
+    problem, lag = open_problem(records, model, sealed)
     bare = on_fused(model)
     given = as_given(model, problem)
     if effect == "velocity_lag" and lag:
@@ -129,9 +149,7 @@ def _with_lag(found: Diagnosis, before: Candidate | None, lag: tuple[float, floa
         verdict = "missing_effect"
     elif verdict == "unknown_effect":
         verdict = "partial"
-    reason = (
-        f"the velocity channel lags deflection and accelerometers by {lag[0] * 1e3:.2f} +- {lag[1] * 1e3:.2f} ms"
-    )
+    reason = f"the velocity channel lags deflection and accelerometers by {lag[0] * 1e3:.2f} +- {lag[1] * 1e3:.2f} ms"
     floor2 = found.floor.floor**2
     explainable = max(1.0 - floor2 / before.mse, 0.0)
     explained = (before.mse - best.mse) / max(before.mse - floor2, 1e-12 * before.mse)

@@ -2,32 +2,31 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
-
-from er_model_lab.commands import Outcome, provenance, read
-from er_model_lab.present import clean, headline
-from er_model_lab.prepare import WARM_UP, white_noise
-from er_model_lab.record import Record
-from er_model_lab.view import RecordView, View
 from er_models.files import load_model
 from er_models.model import Array, Model
 from er_models.simulate import simulate
+from scipy.optimize import least_squares
+
+from er_model_lab.commands import Outcome, Request, provenance, read
+from er_model_lab.prepare import WARM_UP, white_noise
+from er_model_lab.present import clean, headline
+from er_model_lab.record import Record
+from er_model_lab.view import RecordView, View
 
 OUTPUTS = ("damper_force", "deflection", "sprung_acceleration", "unsprung_acceleration")
 
 
-def compare(data: list[Path], model_file: Path, seed: int) -> Outcome:
+def compare(ask: Request) -> Outcome:
     """Simulate each record from its road and duty, with its unknown initial state estimated.
 
     Raises:
         MissingChannel: Without road, duty or damper_force.
         InputError: When the model has no quarter car.
     """
-    model, records = load_model(model_file), read(data)
+    model, (records, _) = load_model(ask.model_file), read(ask)
     runs = [(r, _predict(model, r)) for r in records]
     by_channel = {name: _rms(runs, name) for name in OUTPUTS}
     force = by_channel["damper_force"]
@@ -44,7 +43,7 @@ def compare(data: list[Path], model_file: Path, seed: int) -> Outcome:
     view = View(
         command="compare", model=model.name, headline=headline(rmse, floor), result=clean(result),
         records=tuple(_view(r, p) for r, p in runs), notes=tuple(result["notes"]),
-        provenance=provenance(records, model_file, seed),
+        provenance=provenance(records, ask),
     )  # fmt: skip
     return Outcome(clean(result), view, None, bool(result["complete"]))
 

@@ -91,7 +91,8 @@ class Effect:
     """A physical effect: equation hooks, parameters, signature and source.
 
     `hooks` maps a key of `HOOKS` to a scalar function. `initial` tells where its state begins: at rest
-    (zero) or in equilibrium with the first sample.
+    (zero) or in equilibrium with the first sample. `sweeps`: passes over linked states in one implicit stage;
+    more where the state reacts to others within a step of the integrator.
     """
 
     name: str
@@ -104,6 +105,7 @@ class Effect:
     source: str
     dissipative: bool = False
     initial: Literal["equilibrium", "zero"] = "equilibrium"
+    sweeps: int = 2
     knowable: bool = True
     unknowable_because: str = ""
     _names: tuple[str, ...] = field(init=False, default=())

@@ -44,7 +44,9 @@ class MissingChannel(ErError):
 
     exit_status = 4
 
-    def __init__(self, path: str | Path, channel: str, needed_for: str, present: tuple[str, ...]) -> None:
+    def __init__(
+        self, path: str | Path, channel: str, needed_for: str, present: tuple[str, ...]
+    ) -> None:
         super().__init__(
             f"{path}: channel '{channel}' is needed {needed_for}; present: {', '.join(present) or 'none'}"
         )

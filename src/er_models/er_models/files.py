@@ -37,7 +37,9 @@ def load_model(path: str | Path, catalogue: Catalogue = CATALOGUE) -> Model:
         raise InputError(path, "schema", f"'{SCHEMA}'", repr(text.get("schema")))
     base = load_model(path.parent / str(text["damper"]), catalogue) if "damper" in text else None
     scales = _scales(path, text) if "envelope" in text or base is None else base.scales
-    effects, deviations = _effects(path, _mapping(path, "effects", text.get("effects", {})), scales, catalogue)
+    effects, deviations = _effects(
+        path, _mapping(path, "effects", text.get("effects", {})), scales, catalogue
+    )
     return Model(
         name=str(text.get("name", path.stem)),
         effects={**(base.effects if base else {}), **effects},
@@ -71,7 +73,9 @@ def save_model(model: Model, path: str | Path) -> None:
         "effects": effects,
         "history": [dict(h) for h in model.history],
     }
-    text = yaml.safe_dump(document, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None)
+    text = yaml.safe_dump(
+        document, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None
+    )
     write_whole(Path(path), text)
 
 
@@ -81,7 +85,9 @@ def write_whole(path: Path, text: str) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     except OSError as error:
-        raise InputError(path, "", "a folder that can be written to", error.strerror or error) from error
+        raise InputError(
+            path, "", "a folder that can be written to", error.strerror or error
+        ) from error
     with os.fdopen(handle, "w", encoding="utf-8") as file:
         file.write(text)
     os.chmod(temporary, 0o644)
@@ -97,7 +103,9 @@ def _read(path: Path) -> Any:
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         mark = getattr(error, "problem_mark", None)
         where = f"line {mark.line + 1}" if mark else ""
-        raise InputError(path, where, "valid YAML", getattr(error, "problem", None) or "no text") from error
+        raise InputError(
+            path, where, "valid YAML", getattr(error, "problem", None) or "no text"
+        ) from error
 
 
 def _mapping(path: Path, key: str, found: Any) -> Mapping[str, Any]:
@@ -124,10 +132,14 @@ def _scales(path: Path, text: Mapping[str, Any]) -> Scales:
     envelope = _numbers(path, "envelope", text.get("envelope"))
     for key in _ENVELOPE:
         if not envelope.get(key, 0.0) > 0.0 or not math.isfinite(envelope[key]):
-            raise InputError(path, f"envelope.{key}", "a number above 0", envelope.get(key, "nothing"))
+            raise InputError(
+                path, f"envelope.{key}", "a number above 0", envelope.get(key, "nothing")
+            )
     for key in envelope:
         if key not in _ENVELOPE:
-            raise InputError(path, f"envelope.{key}", f"one of {', '.join(_ENVELOPE)}", "an unknown key")
+            raise InputError(
+                path, f"envelope.{key}", f"one of {', '.join(_ENVELOPE)}", "an unknown key"
+            )
     return Scales(**envelope)
 
 
@@ -141,7 +153,9 @@ def _effects(
         try:
             effect = catalogue[str(name)]
         except UnknownName as error:
-            raise InputError(path, f"effects.{name}", "an effect of the catalogue", str(error)) from error
+            raise InputError(
+                path, f"effects.{name}", "an effect of the catalogue", str(error)
+            ) from error
         values[name], deviations[name] = {}, {}
         entries = _mapping(path, f"effects.{name}", entries)
         for key in entries:
@@ -168,7 +182,9 @@ def _value(path: Path, where: str, found: Any, unit: str) -> tuple[float, float 
         return _number(path, where, found), None
     for key in found:
         if key not in _VALUE_KEYS:
-            raise InputError(path, f"{where}.{key}", f"one of {', '.join(_VALUE_KEYS)}", "an unknown key")
+            raise InputError(
+                path, f"{where}.{key}", f"one of {', '.join(_VALUE_KEYS)}", "an unknown key"
+            )
     if found.get("unit", unit) != unit:
         raise InputError(path, f"{where}.unit", unit, found["unit"])
     sd = _number(path, f"{where}.sd", found["sd"]) if "sd" in found else None

@@ -25,7 +25,7 @@ class Compiled:
     """A model as the flat vectors that the kernel takes.
 
     on (n_effects,) mask; p (n_parameters,) values; slots: states in use; at_rest (n_states,);
-    passes: how often a stage is swept, 2 where states drive one another.
+    passes: how often a stage is swept, 2 or more where states drive one another.
     """
 
     on: NDArray[np.uint8]
@@ -69,7 +69,8 @@ class Model:
         """This model with one effect more (or other values for it); neutral or first start by default."""
         effect = self.catalogue[name]
         full = {
-            q.name: float((values or {}).get(q.name, self.start(name, q.name))) for q in effect.parameters
+            q.name: float((values or {}).get(q.name, self.start(name, q.name)))
+            for q in effect.parameters
         }
         return replace(self, effects={**self.effects, name: full})
 
@@ -93,7 +94,7 @@ class Model:
         c = self.catalogue
         on = np.zeros(len(c.effects) + len(HOOKS), np.uint8)
         p = np.zeros(c.size)
-        slots, rest, linked = [], np.zeros(max(c.n_states, 1), np.uint8), False
+        slots, rest, linked, sweeps = [], np.zeros(max(c.n_states, 1), np.uint8), False, 2
         for i, effect in enumerate(c.effects):
             if effect.name not in self.effects:
                 continue
@@ -106,8 +107,9 @@ class Model:
                 slots.append(c.slots[effect.name])
                 rest[slots[-1]] = effect.initial == "zero"
                 linked = linked or not _independent(effect.hooks["relax"])
+                sweeps = max(sweeps, effect.sweeps)
         linked = linked or ("response" in self.effects and len(slots) > 1)
-        return Compiled(on, p, np.array(slots, np.int64), rest, 2 if linked else 1)
+        return Compiled(on, p, np.array(slots, np.int64), rest, sweeps if linked else 1)
 
     def digest(self) -> str:
         """Hash of what determines the behaviour: effects, values and equations."""

@@ -43,7 +43,9 @@ class Motion:
         return out
 
 
-def motion(dt: float, x: Array, v: Array, u: Array, a: Array | None = None, theta: Array | None = None) -> Motion:
+def motion(
+    dt: float, x: Array, v: Array, u: Array, a: Array | None = None, theta: Array | None = None
+) -> Motion:
     """One record as a `Motion`; the acceleration is derived from the velocity when absent."""
     n = x.shape[0]
     return Motion(
@@ -62,7 +64,10 @@ def join(parts: list[Motion]) -> Motion:
     lengths = [m.n for m in parts]
     return Motion(
         parts[0].dt,
-        *(np.concatenate([getattr(m, name) for m in parts]) for name in ("x", "v", "a", "u", "theta")),
+        *(
+            np.concatenate([getattr(m, name) for m in parts])
+            for name in ("x", "v", "a", "u", "theta")
+        ),
         starts=np.concatenate([[0], np.cumsum(lengths)]),
     )
 

@@ -12,7 +12,9 @@ from er_models.kernel.load import kernel
 from er_models.model import Array, Model
 
 
-def vehicle_rate(model: Model, q: Array, w: Array, u: float, road_rate: float, t: float = 0.0) -> tuple[Array, Array, Array]:
+def vehicle_rate(
+    model: Model, q: Array, w: Array, u: float, road_rate: float, t: float = 0.0
+) -> tuple[Array, Array, Array]:
     """Rates of the mechanical state (4,) and damper states (n_states,), and outputs a_s, a_us, F_d.
 
     q = [z_def, v_s, z_us - z_r, v_us] as in (2.11); no dead time.
@@ -26,7 +28,9 @@ def vehicle_rate(model: Model, q: Array, w: Array, u: float, road_rate: float, t
     return dq, dw, np.array([a_s, a_us, f_d])
 
 
-def damper_rate(model: Model, w: Array, x: float, v: float, a: float, u: float, t: float = 0.0) -> tuple[Array, float]:
+def damper_rate(
+    model: Model, w: Array, x: float, v: float, a: float, u: float, t: float = 0.0
+) -> tuple[Array, float]:
     """Rates of the damper states (n_states,) and the damper force [N] for an imposed motion."""
     c, k = model.compiled(), kernel(model.catalogue)
     rate, drive = np.zeros(w.shape[0]), np.zeros(w.shape[0])

@@ -46,12 +46,16 @@ def split(model: Model, dt: float) -> tuple[Model, Channels]:
     """
     delay = _value(model, "force_delay", "d")
     if not 0.0 <= delay <= (DEPTH - 2) * dt:
-        raise InputError(model.name, "force_delay.d", f"0 to {(DEPTH - 2) * dt:.3g} s in a simulation", delay)
+        raise InputError(
+            model.name, "force_delay.d", f"0 to {(DEPTH - 2) * dt:.3g} s in a simulation", delay
+        )
     physical = model
     for name in SPOILT:
         if name in model.effects:
             physical = physical.without_effect(name)
-    channels = Channels(_value(model, "deflection_zero", "x_0"), _value(model, "velocity_lag", "T_v"), delay, dt)
+    channels = Channels(
+        _value(model, "deflection_zero", "x_0"), _value(model, "velocity_lag", "T_v"), delay, dt
+    )
     return physical, channels
 
 
@@ -65,7 +69,9 @@ def start(velocity: float, force: float) -> Memory:
     return Memory(velocity, velocity, np.full(DEPTH, force))
 
 
-def read(p: Channels, memory: Memory, true: tuple[float, float, float]) -> tuple[Memory, tuple[float, float, float]]:
+def read(
+    p: Channels, memory: Memory, true: tuple[float, float, float]
+) -> tuple[Memory, tuple[float, float, float]]:
     """Measured (deflection [m], velocity [m/s], force [N]) of true ones, one sample later.
 
     The lag is exact for a velocity that is straight between samples.
@@ -75,7 +81,9 @@ def read(p: Channels, memory: Memory, true: tuple[float, float, float]) -> tuple
     if p.lag > 0.0:
         decay = np.exp(-p.dt / p.lag)
         slope = (v - memory.velocity) / p.dt
-        lagged = float(v - p.lag * slope + (memory.lagged - memory.velocity + p.lag * slope) * decay)
+        lagged = float(
+            v - p.lag * slope + (memory.lagged - memory.velocity + p.lag * slope) * decay
+        )
     forces = np.append(memory.forces[1:], force)
     s = DEPTH - 1 - p.delay / p.dt
     i = min(int(s), DEPTH - 2)

@@ -11,12 +11,12 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-
-from er_model_lab.fit import Fit, cross_validated, fit, free_parameters
-from er_model_lab.prepare import Problem
 from er_models.effect import Effect
 from er_models.model import Array, Model
 from er_models.predict import predict, predict_many
+
+from er_model_lab.fit import Fit, cross_validated, fit, free_parameters
+from er_model_lab.prepare import Problem
 
 FOREIGN = 0.25
 """Share of the force left unexplained above which a model's own values are taken to be another damper's."""
@@ -60,7 +60,11 @@ def baseline(model: Model, problem: Problem) -> Candidate:
 
 def restarts(model: Model, problem: Problem) -> list[Model]:
     """The model with the starting values of its terms, scaled to the data: for a damper of another size."""
-    grids = {name: starts(model.catalogue[name], model, problem) for name in model.effects if name != "quarter_car"}
+    grids = {
+        name: starts(model.catalogue[name], model, problem)
+        for name in model.effects
+        if name != "quarter_car"
+    }
     combinations = itertools.islice(itertools.product(*grids.values()), MOST_RESTARTS)
     return [
         replace(model, effects={**model.effects, **dict(zip(grids, values, strict=True))})
@@ -68,10 +72,15 @@ def restarts(model: Model, problem: Problem) -> list[Model]:
     ]
 
 
-def missing(model: Model) -> tuple[Effect, ...]:
-    """Effects that could be added: all candidates of the catalogue the model does not hold."""
+def missing(model: Model, problem: Problem) -> tuple[Effect, ...]:
+    """Effects that could be added: all candidates of the catalogue the model does not hold.
+
+    Where the motion sensors themselves show a lag of the velocity channel, the force must not be asked:
+    a lag of the fused velocity would only imitate its noise.
+    """
     core = tuple(e for e in model.catalogue.effects if e.name == "response")
-    return tuple(e for e in core + model.catalogue.candidates() if e.name not in model.effects)
+    held = {*model.effects, "velocity_lag"} if problem.kinematic_lag else set(model.effects)
+    return tuple(e for e in core + model.catalogue.candidates() if e.name not in held)
 
 
 def starts(effect: Effect, model: Model, problem: Problem) -> list[dict[str, float]]:
@@ -84,10 +93,16 @@ def starts(effect: Effect, model: Model, problem: Problem) -> list[dict[str, flo
 
 def _amplitudes(effect: Effect) -> list[int]:
     """Places of the parameters that switch the effect on: those with a finite neutral value."""
-    return [i for i, q in enumerate(effect.parameters) if q.neutral is not None and np.isfinite(q.neutral)]
+    return [
+        i
+        for i, q in enumerate(effect.parameters)
+        if q.neutral is not None and np.isfinite(q.neutral)
+    ]
 
 
-def screen(base: Candidate, effect: Effect, problem: Problem) -> tuple[dict[str, float], float, float, float]:
+def screen(
+    base: Candidate, effect: Effect, problem: Problem
+) -> tuple[dict[str, float], float, float, float]:
     """Best starting values, kept fraction, reach, and linearised gain of an effect [N2]."""
     model, train = base.fit.model, problem.train
     points = starts(effect, model, problem)
@@ -104,15 +119,26 @@ def screen(base: Candidate, effect: Effect, problem: Problem) -> tuple[dict[str,
     outside = directions - absorbed
     power = np.sum(outside**2, axis=0)
     size = np.sum(directions**2, axis=0)
-    gains = np.where(power > 1e-12 * np.maximum(size, 1e-300), (outside.T @ r) ** 2 / np.maximum(power, 1e-300), 0)
+    gains = np.where(
+        power > 1e-12 * np.maximum(size, 1e-300),
+        (outside.T @ r) ** 2 / np.maximum(power, 1e-300),
+        0,
+    )
     best = int(np.argmax(gains))
     kept = float(np.sqrt(np.max(power / np.maximum(size, 1e-300))))
     reach = float(np.sqrt(np.max(power) / train.sum()) / max(problem.sd_force, 1e-12))
     amplitude = float(outside[:, best] @ r / max(power[best], 1e-300))
-    return _scaled(points[best], effect, amplitude, problem), kept, reach, float(gains[best] / train.sum())
+    return (
+        _scaled(points[best], effect, amplitude, problem),
+        kept,
+        reach,
+        float(gains[best] / train.sum()),
+    )
 
 
-def _scaled(point: dict[str, float], effect: Effect, amplitude: float, problem: Problem) -> dict[str, float]:
+def _scaled(
+    point: dict[str, float], effect: Effect, amplitude: float, problem: Problem
+) -> dict[str, float]:
     """Start with its amplitudes moved towards the size that fits the residual in a straight line."""
     out = dict(point)
     factor = float(np.clip(amplitude, -3.0, 3.0))
@@ -146,7 +172,7 @@ def refit_all(
 ) -> list[Candidate]:
     """Every missing effect refitted, best held-out error first."""
     found = []
-    for effect in effects if effects is not None else missing(base.fit.model):
+    for effect in effects if effects is not None else missing(base.fit.model, problem):
         found.append(refit(base, effect, problem))
         if tick:
             tick(effect.name)

@@ -45,11 +45,15 @@ def coverage(problem: Problem) -> Coverage:
             "record several frequencies or a sweep"
         )
     if steps == 0:
-        hints.append("the duty never changes: effects of the actuation cannot be seen; record steps of the duty")
+        hints.append(
+            "the duty never changes: effects of the actuation cannot be seen; record steps of the duty"
+        )
     if np.max(np.abs(m.v)) > 0 and np.std(u) > 0:
         correlation = abs(float(np.corrcoef(u, np.abs(m.v))[0, 1]))
         if correlation > 0.9:
-            hints.append("the duty follows the velocity: record with a duty that does not depend on the motion")
+            hints.append(
+                "the duty follows the velocity: record with a duty that does not depend on the motion"
+            )
     return Coverage(
         float(np.max(np.abs(m.x))), float(np.max(np.abs(m.v))), (float(u.min()), float(u.max())), levels, steps,
         tones, seconds, float(np.ptp(m.theta)), tuple(blocking), tuple(hints),
@@ -69,5 +73,9 @@ def _tones(problem: Problem) -> int:
         order = np.sort(bins)[::-1]
         share = np.cumsum(order) / max(order.sum(), 1e-300)
         needed = int(np.searchsorted(share, 0.95)) + 1
-        total += [float(np.argmax(bins))] if needed <= 2 else list(np.argsort(bins)[::-1][:needed].astype(float))
+        total += (
+            [float(np.argmax(bins))]
+            if needed <= 2
+            else list(np.argsort(bins)[::-1][:needed].astype(float))
+        )
     return len(set(total))

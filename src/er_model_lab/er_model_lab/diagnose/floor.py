@@ -9,12 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from er_models.model import Array
 from scipy.signal import lfilter
 from sklearn.ensemble import HistGradientBoostingRegressor
 
 from er_model_lab.diagnose.candidates import Candidate
-from er_model_lab.prepare import Problem
-from er_models.model import Array
+from er_model_lab.prepare import Problem, white_noise
 
 MAX_SAMPLES = 6000
 FEATURES = (
@@ -67,7 +67,9 @@ def features(problem: Problem, force: Array) -> Array:
     return np.stack(columns, axis=1)
 
 
-def boosted(problem: Problem, residual: Array, force: Array, seed: int) -> tuple[float, Array, Array]:
+def boosted(
+    problem: Problem, residual: Array, force: Array, seed: int
+) -> tuple[float, Array, Array]:
     """Share of the residual explained on unseen stretches, its prediction, and rows used."""
     rows = np.flatnonzero(problem.train)
     rows = rows[:: max(1, rows.size // MAX_SAMPLES)]
@@ -91,7 +93,9 @@ def importance(problem: Problem, residual: Array, force: Array, seed: int) -> di
     rows = rows[:: max(1, rows.size // MAX_SAMPLES)]
     inputs, target = features(problem, force)[rows], residual[rows]
     test = (rows // max(int(round(1.0 / problem.motion.dt)), 1)) % 4 == 0
-    trees = HistGradientBoostingRegressor(max_iter=80, max_leaf_nodes=12, min_samples_leaf=30, random_state=seed)
+    trees = HistGradientBoostingRegressor(
+        max_iter=80, max_leaf_nodes=12, min_samples_leaf=30, random_state=seed
+    )
     trees.fit(inputs[~test], target[~test])
     rng = np.random.default_rng(seed)
     base = float(np.mean((target[test] - trees.predict(inputs[test])) ** 2))
@@ -113,7 +117,9 @@ def spectral_line(problem: Problem, residual: Array) -> tuple[float, float, floa
         return 0.0, 0.0, 0.0
     spectrum = np.abs(np.fft.rfft((y - y.mean()) * np.hanning(y.size))) ** 2
     peak = int(np.argmax(spectrum[2:])) + 2
-    around = np.concatenate([spectrum[max(peak - 40, 2) : max(peak - 4, 2)], spectrum[peak + 5 : peak + 41]])
+    around = np.concatenate(
+        [spectrum[max(peak - 40, 2) : max(peak - 4, 2)], spectrum[peak + 5 : peak + 41]]
+    )
     if around.size < 10 or spectrum[peak] < 40.0 * np.median(around):
         return 0.0, 0.0, 0.0
     line = spectrum[max(peak - 2, 0) : peak + 3].sum()
@@ -130,4 +136,8 @@ def noise_floor(problem: Problem, best: Candidate, input_error: float, seed: int
     weights = importance(problem, best.residual, force, seed) if share > 0.03 else {}
     left = best.mse * (1.0 - share)
     line = spectral_line(problem, best.residual)
-    return Floor(float(np.sqrt(left)), problem.sd_force, input_error, share, weights, line)
+    starts = problem.motion.starts
+    white = white_noise(
+        [best.fit.residual[i:j] for i, j in zip(starts[:-1], starts[1:], strict=True)]
+    )
+    return Floor(float(np.sqrt(left)), white, input_error, share, weights, line)

@@ -10,12 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from er_models.model import Array
+from er_models.predict import join, predict
 
 from er_model_lab.diagnose.candidates import Candidate
 from er_model_lab.fuse import Channels, fuse
-from er_model_lab.prepare import FOLDS, Problem
-from er_models.model import Array
-from er_models.predict import join, predict
+from er_model_lab.prepare import FOLDS, Problem, white_noise
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,9 @@ class Null:
         return float((1 + np.sum(self.maxima >= size)) / (self.maxima.size + 1))
 
 
-def simulate_null(base: Candidate, rivals: list[Candidate], problem: Problem, seed: int, replicates: int = 16) -> Null:
+def simulate_null(
+    base: Candidate, rivals: list[Candidate], problem: Problem, seed: int, replicates: int = 16
+) -> Null:
     """Replicates of `problem` under the fitted model, scored for every rival by one linear step."""
     rng = np.random.default_rng(seed)
     truth = predict(base.fit.model, problem.motion)
@@ -49,7 +51,9 @@ def simulate_null(base: Candidate, rivals: list[Candidate], problem: Problem, se
     input_error = float(np.sqrt(np.mean(wobble[:, problem.train] ** 2)))
     held_out = float(np.sqrt(np.mean(wobble[:, problem.held_out] ** 2)))
     noise, colour = _force_noise(rivals[0] if rivals else base, problem, input_error)
-    errors = wobble + np.array([_coloured(rng, truth.size, noise, colour) for _ in range(replicates)])
+    errors = wobble + np.array(
+        [_coloured(rng, truth.size, noise, colour) for _ in range(replicates)]
+    )
     start = _linear_losses(base.fit.jacobian, errors, problem)
     best = np.zeros(replicates)
     for rival in rivals:
@@ -58,17 +62,37 @@ def simulate_null(base: Candidate, rivals: list[Candidate], problem: Problem, se
     return Null(best, input_error, held_out, noise, colour)
 
 
-def _input_error(base: Candidate, problem: Problem, truth: Array, rng: np.random.Generator) -> Array:
+def _input_error(
+    base: Candidate, problem: Problem, truth: Array, rng: np.random.Generator
+) -> Array:
     """Force error (n,) that one draw of the sensors' noise causes through the fused motion."""
     parts = []
     for r, (channels, fused) in enumerate(zip(problem.raw, problem.fused, strict=True)):
         noise = problem.noise
         clean = np.stack([fused.x, fused.v - noise.lag * fused.a, fused.a], axis=1)
         sd = np.array([noise.x, noise.v, noise.a])
-        again = fuse(Channels(channels.dt, clean + rng.standard_normal(clean.shape) * sd, channels.has, channels.activity), noise)
+        again = fuse(
+            Channels(
+                channels.dt,
+                clean + rng.standard_normal(clean.shape) * sd,
+                channels.has,
+                channels.activity,
+            ),
+            noise,
+        )
         i, j = problem.motion.starts[r], problem.motion.starts[r + 1]
         m = problem.motion
-        parts.append(replace(m, x=again.x, v=again.v, a=again.a, u=m.u[i:j], theta=m.theta[i:j], starts=np.array([0, j - i])))
+        parts.append(
+            replace(
+                m,
+                x=again.x,
+                v=again.v,
+                a=again.a,
+                u=m.u[i:j],
+                theta=m.theta[i:j],
+                starts=np.array([0, j - i]),
+            )
+        )
     return truth - predict(base.fit.model, join(parts))
 
 
@@ -76,7 +100,7 @@ def _force_noise(best: Candidate, problem: Problem, input_error: float) -> tuple
     """Size [N] and lag-one correlation of the force noise, from what the best rival leaves."""
     r = best.fit.residual[problem.train]
     left = float(np.mean(r**2)) - input_error**2
-    size = float(np.sqrt(max(left, problem.sd_force**2, 1e-24)))
+    size = float(np.sqrt(max(left, white_noise([r]) ** 2, 1e-24)))
     colour = float(np.clip(np.mean(r[1:] * r[:-1]) / max(np.mean(r**2), 1e-300), 0.0, 0.9))
     return size, min(colour, 0.5)
 

@@ -7,11 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from er_models.model import Array
 
 from er_model_lab.diagnose.candidates import Candidate, effect_size, refit, refit_all, without
 from er_model_lab.diagnose.null import Null, simulate_null
 from er_model_lab.prepare import Problem
-from er_models.model import Array
 
 SENSING_FIRST = ("force_delay", "force_lag", "velocity_lag", "deflection_zero", "preload")
 SMALLEST_SHARE = 0.1
@@ -47,7 +47,9 @@ def passes(base: Candidate, candidate: Candidate, problem: Problem, limit: float
         return False
     gains = base.losses - candidate.losses
     t = float(gains.mean() / max(gains.std(ddof=1) / np.sqrt(gains.size), 1e-300))
-    return (t > 3.0 or float(np.mean(gains > 0)) >= 0.8) and bool(np.sum(gains > 0) >= gains.size / 2)
+    return (t > 3.0 or float(np.mean(gains > 0)) >= 0.8) and bool(
+        np.sum(gains > 0) >= gains.size / 2
+    )
 
 
 def block_t(better: Candidate, worse: Candidate, problem: Problem) -> float:
@@ -71,7 +73,9 @@ def complexity(candidate: Candidate) -> tuple[int, int]:
     return inner, 0 if model.catalogue[candidate.name].stage == "sensing" else 1
 
 
-def tied(base: Candidate, candidates: list[Candidate], problem: Problem, limit: float) -> list[Candidate]:
+def tied(
+    base: Candidate, candidates: list[Candidate], problem: Problem, limit: float
+) -> list[Candidate]:
     """Candidates the data cannot tell from the best one, simplest first.
 
     A tie needs nearly the same effect size, and a paired difference within 2 standard errors or a
@@ -97,7 +101,11 @@ def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
 
 
 def one_round(
-    base: Candidate, problem: Problem, seed: int, replicates: int, tick: Callable[[str], None] | None = None
+    base: Candidate,
+    problem: Problem,
+    seed: int,
+    replicates: int,
+    tick: Callable[[str], None] | None = None,
 ) -> Round:
     """Refit every missing effect, calibrate, and choose the best or nothing."""
     candidates = refit_all(base, problem, tick=tick)

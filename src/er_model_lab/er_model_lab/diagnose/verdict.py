@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from er_models.model import Model
 
 from er_model_lab.diagnose.candidates import Candidate, baseline, effect_size
 from er_model_lab.diagnose.coverage import Coverage, coverage
@@ -14,9 +15,10 @@ from er_model_lab.diagnose.floor import Floor, noise_floor
 from er_model_lab.diagnose.null import Null
 from er_model_lab.diagnose.search import MOST_EFFECTS, Round, one_round, prune, try_pairs
 from er_model_lab.prepare import Problem
-from er_models.model import Model
 
-Name = Literal["adequate", "missing_effect", "ambiguous", "partial", "unknown_effect", "insufficient_data"]
+Name = Literal[
+    "adequate", "missing_effect", "ambiguous", "partial", "unknown_effect", "insufficient_data"
+]
 
 ENOUGH = 0.8
 """Share of the explainable error that a named effect must explain."""
@@ -68,7 +70,9 @@ def diagnose(
     return judge(base, best, rounds, floor, problem)
 
 
-def judge(base: Candidate, best: Candidate, rounds: list[Round], floor: Floor, problem: Problem) -> Diagnosis:
+def judge(
+    base: Candidate, best: Candidate, rounds: list[Round], floor: Floor, problem: Problem
+) -> Diagnosis:
     """The verdict on what a search found."""
     cover = coverage(problem)
     limit = floor.floor**2
@@ -111,7 +115,12 @@ def _grow(
         rounds.append(step)
         best = step.taken
     explained = (first.base.mse - best.mse) / max(first.base.mse - floor.floor**2, 1e-300)
-    if explained < ENOUGH and explained >= 0.0 and len(best.effects) < 2 and floor.explained > VISIBLE:
+    if (
+        explained < ENOUGH
+        and explained >= 0.0
+        and len(best.effects) < 2
+        and floor.explained > VISIBLE
+    ):
         target = first.base.mse - ENOUGH * (first.base.mse - floor.floor**2)
         pair = try_pairs(first, problem, target)
         if pair is not None:
@@ -139,19 +148,27 @@ def _decide(
 ) -> tuple[Name, list[str]]:  # fmt: skip
     """The verdict and its reasons in plain sentences."""
     size = effect_size(base, best)
-    reasons = [f"root mean square error {np.sqrt(base.mse):.3g} N after refitting, noise floor {floor.floor:.3g} N"]
+    reasons = [
+        f"root mean square error {np.sqrt(base.mse):.3g} N after refitting, noise floor {floor.floor:.3g} N"
+    ]
     unexplained = floor.explained > VISIBLE or floor.line[2] > VISIBLE
     if not best.effects:
         if cover.blocking:
             return "insufficient_data", reasons + list(cover.blocking)
         if unexplained or explainable > 2 * VISIBLE:
-            reasons.append("no known effect passes, yet the residual can be predicted from the inputs")
+            reasons.append(
+                "no known effect passes, yet the residual can be predicted from the inputs"
+            )
             return "unknown_effect", reasons
-        reasons.append(f"no effect exceeds what chance gives in a complete model ({rounds[0].threshold:.3g} N)")
+        reasons.append(
+            f"no effect exceeds what chance gives in a complete model ({rounds[0].threshold:.3g} N)"
+        )
         return "adequate", reasons
     line_share = floor.line[2]
     explained_all = explained * (1.0 - line_share)
-    reasons.append(f"{' and '.join(best.effects)} lower the error by {size:.3g} N, {explained:.0%} of what is explainable")
+    reasons.append(
+        f"{' and '.join(best.effects)} lower the error by {size:.3g} N, {explained:.0%} of what is explainable"
+    )
     if explained_all >= ENOUGH:
         if any(len(group) > 1 for group in ties):
             reasons.append("the data cannot tell some effects apart")
@@ -164,4 +181,3 @@ def _decide(
         return "partial", reasons
     reasons.append("what the known effects explain is too little to be the cause")
     return "unknown_effect", reasons
-

@@ -33,5 +33,6 @@ EFFECT = Effect(
         experiment="fast sine at several duties",
         rivals=("freeplay", "velocity_lag", "viscoelastic_branch", "force_lag"),
     ),
+    sweeps=8,
     source="Dixon 2007, ch. 4; Duym 2000",
 )

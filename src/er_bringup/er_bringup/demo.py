@@ -1,0 +1,242 @@
+"""``er demo``: the main job from end to end, on a damper with an effect nobody told the lab.
+
+Two runs of the whole graph are recorded: one to learn from (random road and duty), one to check (another
+road, the controller in the loop). The lab sees the bags only: it compares, diagnoses, adds the effect, and
+the error on the check run falls to the noise floor. Exit status 0 only if it found what was hidden.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import secrets
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from er_models.errors import ErError
+from er_models.files import load_model, save_model
+from rich.console import Console
+from rich.table import Table
+
+from er_bringup.hidden import RANGES, choose, hide
+from er_bringup.up import configuration, run
+
+CLOSE = 1.15
+"""Held-out error over noise floor that counts as reached."""
+
+
+@dataclass(frozen=True)
+class Demo:
+    """What to do: effect (name, none or random), seed, lengths of both runs [s], folder of results."""
+
+    effect: str
+    seed: int
+    learn: float
+    check: float
+    out: Path
+    mode: str
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What was hidden, what was found, the errors on the check run [N], and whether it is a success."""
+
+    hidden: str | None
+    found: tuple[str, ...]
+    verdict: str
+    before: float
+    after: float
+    floor: float
+    success: bool
+    seconds: float
+
+
+def play(demo: Demo, console: Console) -> Verdict:
+    """Record, compare, diagnose, add, and judge."""
+    from er_model_lab.commands import Request, improve
+    from er_model_lab.report.page import write_report
+
+    began = time.monotonic()
+    config = configuration()
+    hidden = choose(demo.effect, demo.seed)
+    model_file = config / "dampers" / "inove_guo.yaml"
+    truth = hide(load_model(model_file), hidden, demo.seed)
+    demo.out.mkdir(parents=True, exist_ok=True)
+    sealed = demo.out / "sealed" / "damper.yaml"
+    save_model(truth, sealed)
+    console.print(
+        f"seed {demo.seed}: an effect is hidden in the plant; the lab sees only the recordings"
+    )
+    learn = record(demo, sealed, "learn", demo.learn, "program", demo.seed, console)
+    check = record(demo, sealed, "check", demo.check, "command", demo.seed + 1, console)
+    console.print("comparing, diagnosing, adding ...")
+    new = demo.out / "model.yaml"
+    outcome = improve(Request([learn], model_file, demo.seed, (check,)), new)
+    page = write_report(outcome.view, demo.out / "report")
+    verdict = judge(outcome.result, hidden, time.monotonic() - began)
+    (demo.out / "result.json").write_text(
+        json.dumps(outcome.result, indent=1) + "\n", encoding="utf-8"
+    )
+    show(verdict, outcome.result, console)
+    console.print(f"recordings: {learn}, {check}")
+    console.print(f"new model:  {new}")
+    console.print(f"report:     {page}")
+    return verdict
+
+
+def record(
+    demo: Demo, damper: Path, name: str, seconds: float, duty: str, seed: int, console: Console
+) -> Path:
+    """Run the graph for some seconds and record it; raises `ErError` when a node fails."""
+    bag, log = demo.out / name, demo.out / f"{name}.log"
+    arguments = {
+        "damper": str(damper), "duration": str(seconds), "seed": str(seed), "duty": duty,
+        "record": str(bag), "mode": demo.mode,
+    }  # fmt: skip
+    console.print(
+        f"running plant, observer, controller and recorder for {seconds:g} s ({name}) ..."
+    )
+    with log.open("w", encoding="utf-8") as stream:
+        statuses = run(arguments, stream)
+    failed = {label: status for label, status in statuses.items() if status}
+    if failed:
+        raise ErError(f"{log}: expected every node to end with status 0, found {failed}")
+    return bag
+
+
+def judge(result: dict[str, Any], hidden: str | None, seconds: float) -> Verdict:
+    """Success: the right name (or a group the data cannot tell apart that holds it), and the floor reached."""
+    found = tuple(result["effects"])
+    after, floor = result["rmse_after"]["held_out"], result["noise_floor"]
+    if hidden is None:
+        right = result["verdict"] == "adequate"
+    else:
+        groups = [set(g) for g in result["alternatives"]]
+        right = found == (hidden,) or (
+            len(found) == 1 and any(hidden in g and len(g) <= 2 for g in groups)
+        )
+    success = right and after <= CLOSE * floor
+    return Verdict(
+        hidden,
+        found,
+        result["verdict"],
+        result["rmse"]["held_out"],
+        after,
+        floor,
+        success,
+        seconds,
+    )
+
+
+def show(v: Verdict, result: dict[str, Any], console: Console) -> None:
+    """The falling error, and what was hidden beside what was found."""
+    table = Table(title="error on the check run, never used to learn")
+    for column in ("model", "rms error [N]", "over the noise floor"):
+        table.add_column(column)
+    table.add_row(
+        "as shipped", f"{result['rmse_as_given']:.3f}", f"{result['rmse_as_given'] / v.floor:.2f}"
+    )
+    for step in result["steps"]:
+        label = "refitted" if step["added"] is None else f"+ {step['added']}"
+        table.add_row(
+            label, f"{step['rmse_held_out']:.3f}", f"{step['rmse_held_out'] / v.floor:.2f}"
+        )
+    table.add_row("noise floor", f"{v.floor:.3f}", "1.00")
+    console.print(table)
+    console.print(
+        f"hidden: {v.hidden or 'nothing'}   verdict: {v.verdict}   found: {', '.join(v.found) or 'nothing'}"
+    )
+    word = "success" if v.success else "FAILED"
+    console.print(
+        f"{word}: held-out error {v.after / v.floor:.2f} of the noise floor, {v.seconds:.0f} s"
+    )
+
+
+def repeat(demo: Demo, times: int, console: Console) -> int:
+    """Many demonstrations with seeds in a row; returns how many failed."""
+    table = Table(title=f"{times} demonstrations from seed {demo.seed}")
+    for column in (
+        "seed",
+        "hidden",
+        "found",
+        "verdict",
+        "before [N]",
+        "after [N]",
+        "floor [N]",
+        "ok",
+    ):
+        table.add_column(column)
+    failures = 0
+    for k in range(times):
+        one = Demo(
+            demo.effect,
+            demo.seed + 10 * k,
+            demo.learn,
+            demo.check,
+            demo.out / f"{k:02d}",
+            demo.mode,
+        )
+        v = play(one, Console(quiet=True))
+        failures += not v.success
+        row = (
+            f"{one.seed}",
+            v.hidden or "none",
+            " ".join(v.found) or "-",
+            v.verdict,
+            f"{v.before:.3f}",
+            f"{v.after:.3f}",
+            f"{v.floor:.3f}",
+            "yes" if v.success else "NO",
+        )
+        table.add_row(*row)
+        console.print(f"{k + 1}/{times}  " + "  ".join(row))
+    console.print(table)
+    console.print(f"{times - failures} passed, {failures} failed")
+    return failures
+
+
+def parser() -> argparse.ArgumentParser:
+    """The command line."""
+    p = argparse.ArgumentParser(
+        prog="er demo", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    p.add_argument(
+        "--effect", default="random", help=f"effect to hide: random, none, {', '.join(RANGES)}"
+    )
+    p.add_argument(
+        "--seed", type=int, help="seed of everything random; by default one nobody has seen"
+    )
+    p.add_argument("--learn", type=float, default=24.0, help="length of the run to learn from [s]")
+    p.add_argument("--check", type=float, default=10.0, help="length of the run that checks [s]")
+    p.add_argument("--out", type=Path, help="folder of recordings, model and report")
+    p.add_argument(
+        "--mode",
+        default="realtime",
+        choices=("realtime", "sim_time", "lockstep"),
+        help="who sets the pace",
+    )
+    p.add_argument("--repeat", type=int, default=1, help="that many demonstrations, and a table")
+    return p
+
+
+def main() -> None:
+    """Entry point; exit status 0 only if every hidden effect was found and the floor reached."""
+    given = parser().parse_args()
+    seed = given.seed if given.seed is not None else secrets.randbelow(2**31)
+    out = given.out or Path("log") / "demo" / f"{time.strftime('%Y%m%d-%H%M%S')}-{seed}"
+    demo = Demo(given.effect, seed, given.learn, given.check, out.absolute(), given.mode)
+    console = Console()
+    try:
+        if given.repeat > 1:
+            sys.exit(1 if repeat(demo, given.repeat, console) > given.repeat // 20 else 0)
+        sys.exit(0 if play(demo, console).success else 1)
+    except ErError as error:
+        sys.stderr.write(f"er demo: {error}\n")
+        sys.exit(error.exit_status)
+
+
+if __name__ == "__main__":
+    main()
