@@ -92,37 +92,41 @@ def fit(
     problem: Problem,
     free: Free | None = None,
     *,
+    known: Array | None = None,
     max_iter: int = 20,
     tol: float = 1e-4,
 ) -> Fit:
-    """Fit the free parameters (all by default) to the training samples, starting from the model's values."""
+    """Fit the free parameters (all by default) to the training samples, from the model's values.
+
+    known (n, k): derivatives by the first k free parameters near the start, from the model before it
+    grew; they serve the first step, and the last too where an effect turns out to change nothing.
+    """
     box = Box(model, free if free is not None else free_parameters(model), problem.scales)
-    theta, train = box.start(), problem.train
-    y = problem.force
+    theta, train, y = box.start(), problem.train, problem.force
     f = predict(box.model_at(theta), problem.motion)
     cost = float(np.mean((y - f)[train] ** 2))
-    damping, rounds = 1e-3, 0
-    jacobian = np.empty((y.shape[0], 0))
+    damping, exact = 1e-3, known is None
+    jacobian = _jacobian(box, theta, f, problem, known)
+    rounds = 0
     for rounds in range(1, max_iter + 1):
-        jacobian = _jacobian(box, theta, f, problem)
-        j, r = jacobian[train], (y - f)[train]
-        h, g = j.T @ j / r.size, j.T @ r / r.size
-        trials = _trials(h, g, theta, box, damping)
+        trials = _trials(jacobian[train], (y - f)[train], theta, box, damping)
         forces = predict_many(box.model, box.vectors(trials), problem.motion)
         costs = np.mean((y - forces)[:, train] ** 2, axis=1)
-        costs = np.where(np.isfinite(costs), costs, np.inf)
-        best = int(np.argmin(costs))
-        if costs[best] >= cost * (1.0 - 1e-9):
-            if damping > 1e4:
+        best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
+        if not costs[best] < cost * (1.0 - 1e-9):
+            if exact and damping > 1e3:
                 break
-            damping *= 30.0
+            if exact:
+                damping *= 30.0
+            else:
+                jacobian, exact = _jacobian(box, theta, f, problem, None), True
             continue
         gain = 1.0 - costs[best] / cost
         theta, f, cost = trials[best], forces[best], float(costs[best])
         damping = max(damping * (0.1, 1.0, 10.0)[best], 1e-7)
         if gain < tol:
             break
-    jacobian = _jacobian(box, theta, f, problem)
+        jacobian, exact = _jacobian(box, theta, f, problem, None), True
     edge = (theta <= box.low + 1e-9 * box.size) | (theta >= box.high - 1e-9 * np.abs(box.high))
     return Fit(box.model_at(theta), box.free, theta, box.scale, y - f, jacobian, edge, rounds)
 
@@ -133,15 +137,24 @@ def _steps(box: Box, theta: Array) -> Array:
     return np.asarray(np.where(theta + step > box.high, -step, step))
 
 
-def _jacobian(box: Box, theta: Array, f: Array, problem: Problem) -> Array:
-    """Derivative of the force (n, p) by scaled parameters, one batch of predictions."""
+def _jacobian(
+    box: Box, theta: Array, f: Array, problem: Problem, known: Array | None
+) -> Array:
+    """Derivative of the force (n, p) by scaled parameters, one batch of predictions.
+
+    Columns that are known already are taken over.
+    """
+    first = 0 if known is None else known.shape[1]
     step = _steps(box, theta)
-    forces = predict_many(box.model, box.vectors(theta + np.diag(step)), problem.motion)
-    return np.asarray(np.nan_to_num((forces - f).T / step))
+    points = (theta + np.diag(step))[first:]
+    forces = predict_many(box.model, box.vectors(points), problem.motion)
+    new = np.nan_to_num((forces - f).T / step[first:])
+    return new if known is None else np.hstack([known, new])
 
 
-def _trials(h: Array, g: Array, theta: Array, box: Box, damping: float) -> Array:
+def _trials(j: Array, r: Array, theta: Array, box: Box, damping: float) -> Array:
     """Three damped Gauss-Newton points inside the box; parameters pushed against a bound are held."""
+    h, g = j.T @ j / r.size, j.T @ r / r.size
     held = ((theta <= box.low) & (g < 0)) | ((theta >= box.high) & (g > 0))
     points = []
     for factor in (0.1, 1.0, 10.0):

@@ -158,7 +158,8 @@ def refit(base: Candidate, effect: Effect, problem: Problem, *, max_iter: int = 
     The result is never worse in training than the model without the effect.
     """
     values, kept, reach, _ = screen(base, effect, problem)
-    fitted = fit(base.fit.model.with_effect(effect.name, values), problem, max_iter=max_iter)
+    grown = base.fit.model.with_effect(effect.name, values)
+    fitted = fit(grown, problem, known=base.fit.jacobian, max_iter=max_iter)
     residual, losses = cross_validated(fitted, problem)
     mse = float(np.mean(residual[problem.train] ** 2))
     return Candidate((*base.effects, effect.name), fitted, residual, losses, mse, kept, reach)
