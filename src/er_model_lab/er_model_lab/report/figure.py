@@ -1,6 +1,7 @@
 """What a figure shows, free of any plotting library.
 
-A figure is panels, a panel is marks. The page's interactive plots (`report.live`) and the PNG and SVG
+A figure is panels,
+a panel is marks. The page's interactive plots (`report.live`) and the PNG and SVG
 files (`report.still`) are drawn from the same description, so they cannot disagree.
 """
 
@@ -17,7 +18,7 @@ Dash = Literal["solid", "dash", "dot"]
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A curve through x (n,), y (n,); NaN breaks it."""
+    """A curve through x (n,), y (n,); NaN breaks it; below `grain` (0: unknown) is noise."""
 
     x: Array
     y: Array
@@ -25,6 +26,7 @@ class Line:
     colour: str
     width: float = 1.3
     dash: Dash = "solid"
+    grain: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +43,7 @@ class Points:
 
 @dataclass(frozen=True, eq=False)
 class Bars:
-    """Bars at positions `at` (n,) from `base` to `base + size`; ends: absolute error band (2, n)."""
+    """Bars at positions `at` (n,) from `base` to `base + size`; ends: error band (2, n)."""
 
     at: Array
     size: Array
@@ -138,8 +140,9 @@ class Scale:
 class Figure:
     """Panels in reading order on a grid; alt says in words what is to be seen.
 
-    height: of the whole figure [px]; heights: relative height per row; linked: all panels share the x
-    axis, and the reader can go from its first range to the whole of it; width: of the drawing [px].
+    height: of the whole figure [px]; heights: relative height per row; linked: all panels share
+    the x axis, of which `span` is only what is seen first; width: of the drawing [px];
+    interactive: whether the page offers a plot to zoom into, or a picture only.
     """
 
     name: str
@@ -151,6 +154,7 @@ class Figure:
     linked: bool = False
     scale: Scale | None = None
     width: int = 1000
+    interactive: bool = True
 
     @property
     def rows(self) -> int:

@@ -1,4 +1,4 @@
-"""Which part of long data is drawn: thinning that keeps peaks, and the stretch to look at first."""
+"""Which part of long data is drawn: thinning that keeps peaks, and where to look first."""
 
 from __future__ import annotations
 
@@ -29,7 +29,9 @@ def min_max(y: Array, most: int = MOST_POINTS) -> NDArray[np.int64]:
     low = np.concatenate([np.where(good, y, np.inf), np.full(fill, np.inf)]).reshape(-1, width)
     high = np.concatenate([np.where(good, y, -np.inf), np.full(fill, -np.inf)]).reshape(-1, width)
     first = np.arange(low.shape[0]) * width
-    rows = np.concatenate([first + low.argmin(axis=1), first + high.argmax(axis=1), gaps, [0, n - 1]])
+    rows = np.concatenate(
+        [first + low.argmin(axis=1), first + high.argmax(axis=1), gaps, [0, n - 1]]
+    )
     return np.unique(rows[rows < n])
 
 
@@ -42,11 +44,13 @@ def stretches(t: Array, mask: NDArray[np.bool_]) -> tuple[tuple[float, float], .
     """Intervals of t (n,) in which the mask (n,) holds."""
     padded = np.concatenate([[False], mask, [False]])
     flips = np.flatnonzero(padded[1:] != padded[:-1])
-    return tuple((float(t[i]), float(t[j - 1])) for i, j in zip(flips[::2], flips[1::2], strict=True))
+    return tuple(
+        (float(t[i]), float(t[j - 1])) for i, j in zip(flips[::2], flips[1::2], strict=True)
+    )
 
 
 def timeline(records: Sequence[RecordView]) -> tuple[Array, ...]:
-    """Time (n,) of each record [s] when they are laid end to end with a small gap; one record keeps its own."""
+    """Time (n,) of each record [s], laid end to end with a gap; one record keeps its own."""
     if len(records) == 1:
         return (records[0].t,)
     gap = max(0.5, 0.01 * sum(float(np.ptp(r.t)) for r in records))
@@ -66,11 +70,11 @@ def end_to_end(parts: Sequence[Array]) -> Array:
 
 
 def worst_stretch(record: RecordView, seconds: float) -> tuple[float, float, float]:
-    """Start and end [s] of the stretch with the largest rms error of the model as it was, and that rms."""
+    """Start, end [s] and rms of the stretch in which the model as it was errs most."""
     error = np.where(record.scored, record.measured - record.before, 0.0)
     squared = np.where(np.isfinite(error), error, 0.0) ** 2
     dt = float(np.median(np.diff(record.t)))
-    width = min(max(int(round(seconds / dt)), 2), record.t.size)
+    width = min(max(round(seconds / dt), 2), record.t.size)
     total = np.concatenate([[0.0], np.cumsum(squared)])
     means = (total[width:] - total[:-width]) / width
     i = int(np.argmax(means))

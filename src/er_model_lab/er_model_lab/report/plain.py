@@ -1,0 +1,74 @@
+"""Text for a terminal in colour, or as plain ASCII for a file or a pipe."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rich.table import Table
+from rich.text import Text
+
+BLOCK = "\N{FULL BLOCK}"
+PLUS_MINUS = "\N{PLUS-MINUS SIGN}"
+ASCII = str.maketrans({
+    BLOCK: "#", PLUS_MINUS: "+-", "\N{MINUS SIGN}": "-", "\N{RIGHTWARDS ARROW}": "->",
+})  # fmt: skip
+"""Stand-ins for what a file or a pipe may not carry."""
+
+
+@dataclass(frozen=True)
+class Pen:
+    """Writes text for one kind of output."""
+
+    width: int
+    plain: bool
+
+    def safe(self, text: str) -> str:
+        """The text, as ASCII where only that is sure to arrive."""
+        return text.translate(ASCII).encode("ascii", "replace").decode() if self.plain else text
+
+    def line(self, text: str, style: str = "") -> Text:
+        """Text that wraps at the width."""
+        return Text(self.safe(text), style="" if self.plain else style)
+
+    def cut(self, text: str, most: int) -> str:
+        """The text in at most this many characters."""
+        text = self.safe(text)
+        return text if len(text) <= most else text[: max(most - 3, 0)].rstrip(" ,;") + "..."
+
+    @property
+    def room(self) -> int:
+        """Columns left for parameters beside the other cells of a candidate."""
+        return self.width - 66
+
+    def fitting(self, values: Sequence[str]) -> str:
+        """As many whole values as fit, never part of a number."""
+        out = ""
+        for k, value in enumerate(self.safe(v) for v in values):
+            longer = f"{out}, {value}" if k else value
+            if len(longer) + (5 if k + 1 < len(values) else 0) > self.room:
+                return f"{out}, ..." if out else "..."
+            out = longer
+        return out
+
+    def table(
+        self, columns: Sequence[tuple[str, str]], rows: Sequence[Sequence[str | Text]]
+    ) -> Table:
+        """A table without lines; columns are (title, justify)."""
+        grid = Table(
+            box=None,
+            pad_edge=False,
+            padding=(0, 2, 0, 0),
+            header_style="" if self.plain else "dim",
+        )
+        for title, justify in columns:
+            grid.add_column(
+                title,
+                justify="right" if justify == "right" else "left",
+                no_wrap=True,
+                overflow="crop",
+            )
+        for row in rows:
+            # as text, because a bracket in a name must not be taken for markup
+            grid.add_row(*(Text(cell) if isinstance(cell, str) else cell for cell in row))
+        return grid

@@ -1,0 +1,39 @@
+"""The sections of the page, in reading order; each is None when the view holds no data for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from er_model_lab.report.section import Section
+from er_model_lab.report.sections import (
+    alternatives,
+    candidates,
+    cards,
+    falling_error,
+    headline,
+    loops,
+    provenance,
+    residual_maps,
+    spectrum,
+    summary,
+    time_series,
+    unexplained,
+    where_it_fails,
+)
+from er_model_lab.view import View
+
+SECTIONS: tuple[Callable[[View], Section | None], ...] = (
+    headline.section,
+    summary.section,
+    falling_error.section,
+    alternatives.section,
+    time_series.section,
+    loops.section,
+    residual_maps.section,
+    where_it_fails.section,
+    spectrum.section,
+    unexplained.section,
+    candidates.section,
+    cards.section,
+    provenance.section,
+)

@@ -1,0 +1,147 @@
+"""The verdict in plain words; the page and the terminal say the same."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from er_model_lab.report.units import newtons
+from er_model_lab.view import View
+from er_models.catalogue import CATALOGUE
+
+TITLES: dict[str, str] = {
+    "adequate": "The model is adequate",
+    "missing_effect": "Missing effect found",
+    "ambiguous": "Something is missing; these data cannot say which effect",
+    "partial": "Part of what is missing was found",
+    "unknown_effect": "Something is missing that the catalogue does not know",
+    "insufficient_data": "These data cannot decide",
+}
+"""Title of the banner by verdict."""
+
+STATUS: dict[str, str] = {
+    "present": "present",
+    "absent": "absent",
+    "not_excited": "not excited",
+    "confounded": "cannot be told apart",
+}
+"""Status of a candidate in words."""
+
+
+def joined(names: Sequence[str], last: str = "and") -> str:
+    """Names as a sentence lists them."""
+    if len(names) < 2:
+        return "".join(names)
+    return f"{', '.join(names[:-1])} {last} {names[-1]}"
+
+
+def title_of(view: View, effect: str) -> str:
+    """Title of an effect, or of several joined by +; a name unknown here is said in words."""
+    titles = {card.effect: card.title for card in view.candidates}
+    titles |= {e.name: e.title for e in CATALOGUE.effects if e.name not in titles}
+    parts = [part.strip() for part in effect.split("+")]
+    return " + ".join(titles.get(part, part.replace("_", " ")) for part in parts)
+
+
+def verdict_title(view: View) -> str:
+    """First line of the banner; a comparison has no verdict, only a subject."""
+    verdict = view.result.get("verdict")
+    if verdict is None:
+        return "Model against measurement"
+    title = TITLES.get(str(verdict), str(verdict).replace("_", " "))
+    names = _names(view)
+    if verdict in ("missing_effect", "partial") and names:
+        return f"{title}: {joined(names)}"
+    return title
+
+
+def verdict_sentence(view: View) -> str:
+    """What the verdict means, with its numbers."""
+    result = view.result
+    makers = {
+        "adequate": _adequate, "missing_effect": _missing, "ambiguous": _ambiguous,
+        "partial": _partial,
+        "unknown_effect": _unknown, "insufficient_data": _insufficient,
+    }  # fmt: skip
+    maker = makers.get(str(result.get("verdict")))
+    return maker(view) if maker else _compared(view)
+
+
+def rmse(result: Mapping[str, Any], key: str = "rmse") -> float | None:
+    """Error on held-out data [N] where the result splits it, else over all data."""
+    value = result.get(key)
+    if isinstance(value, Mapping):
+        value = value.get("held_out")
+    return None if value is None else float(value)
+
+
+def left_after(view: View) -> float | None:
+    """Error on held-out data with what was added [N]; None when nothing was."""
+    steps = view.result.get("steps") or []
+    if len(steps) > 1:
+        return float(steps[-1]["rmse_held_out"])
+    return rmse(view.result, "rmse_after") if view.result.get("effects") else None
+
+
+def _names(view: View) -> list[str]:
+    return [title_of(view, e) for e in view.result.get("effects", ())]
+
+
+def _fall(view: View) -> str:
+    """The error before and after, in a clause."""
+    before, after = rmse(view.result), left_after(view)
+    if after is None:
+        return f"the error on held-out data is {newtons(before)}"
+    return f"the error on held-out data falls from {newtons(before)} to {newtons(after)}"
+
+
+def _floor(view: View) -> str:
+    return newtons(view.result.get("noise_floor"))
+
+
+def _adequate(view: View) -> str:
+    return (
+        f"What the model leaves on held-out data, {newtons(rmse(view.result))}, is what noise "
+        f"leaves ({_floor(view)}). No known effect would help by more than chance."
+    )
+
+
+def _missing(view: View) -> str:
+    them = "it" if len(_names(view)) == 1 else "them"
+    return f"With {them} {_fall(view)}; noise alone is {_floor(view)}."
+
+
+def _ambiguous(view: View) -> str:
+    groups = [[title_of(view, e) for e in group] for group in view.result.get("alternatives", ())]
+    if not groups:
+        names = joined(_names(view))
+        return f"{names} would explain it: {_fall(view)}. The data are too narrow to be sure."
+    either = "; ".join(joined(group, "or") for group in groups)
+    return f"It is {either}. Each explains the error as well: {_fall(view)}, noise {_floor(view)}."
+
+
+def _partial(view: View) -> str:
+    return (
+        f"With it {_fall(view)}, but noise alone is {_floor(view)}: more is missing, and no known "
+        "effect explains it."
+    )
+
+
+def _unknown(view: View) -> str:
+    return (
+        f"The error on held-out data is {newtons(rmse(view.result))}, noise alone is "
+        f"{_floor(view)}, and no known effect explains the difference."
+    )
+
+
+def _insufficient(view: View) -> str:
+    blocking = (view.result.get("coverage") or {}).get("blocking") or ()
+    return (
+        f"What is missing: {'; '.join(blocking)}."
+        if blocking
+        else "Too little of the damper's range is in them."
+    )
+
+
+def _compared(view: View) -> str:
+    return f"The error is {newtons(rmse(view.result))}; noise alone is {_floor(view)}."

@@ -1,0 +1,207 @@
+"""One screen of summary for a terminal, and the same as plain ASCII for a file or a pipe."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
+from rich.text import Text
+
+from er_model_lab.report.plain import BLOCK, PLUS_MINUS, Pen
+from er_model_lab.report.ranking import effect_size, limit, ranked
+from er_model_lab.report.regions import worst
+from er_model_lab.report.units import newtons, parameter, percent, short, where
+from er_model_lab.report.words import joined, title_of, verdict_sentence, verdict_title
+from er_model_lab.view import View
+
+WIDTH = 100
+MOST_CANDIDATES = 8
+MOST_STEPS = 5
+MOST_NOTES = 1
+LEAST_ROOM = 18
+"""Columns below which the table goes without parameters."""
+
+TONES = {
+    "adequate": "bold green",
+    "missing_effect": "bold blue",
+    "ambiguous": "bold yellow",
+    "partial": "bold yellow",
+    "unknown_effect": "bold red",
+}
+STATUS = {
+    "present": "present",
+    "confounded": "tied",
+    "not_excited": "not excited",
+    "absent": "absent",
+}
+STATUS_TONES = {
+    "present": "bold blue",
+    "confounded": "yellow",
+    "not_excited": "dim",
+    "absent": "dim",
+}
+
+
+def summary(view: View, report: Path | None = None) -> RenderableType:
+    """At most 40 lines of 100 columns: verdict, candidates, falling error, where it fails.
+
+    On a terminal in colour; elsewhere plain ASCII without colour codes.
+    """
+    return Summary(view, report)
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What `summary` returns: it looks at the console only when it is printed."""
+
+    view: View
+    report: Path | None
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        """The parts, one below the other."""
+        plain = not console.is_terminal or options.ascii_only
+        pen = Pen(min(WIDTH, options.max_width), plain=plain)
+        for part in (_head, _candidates, _alternatives, _steps, _regions, _notes):
+            yield from part(self.view, pen)
+        if self.report is not None:
+            yield pen.line(f"report: {self.report}")
+
+
+def _head(view: View, pen: Pen) -> Iterator[RenderableType]:
+    """Verdict and the error in newtons."""
+    tone = TONES.get(str(view.result.get("verdict")), "bold")
+    yield pen.line(pen.cut(f"{view.command} {view.model}: {verdict_title(view)}", pen.width), tone)
+    yield pen.line(pen.cut(verdict_sentence(view), 2 * pen.width - 20))
+    share = view.result.get("explainable")
+    more = f"; explainable {percent(share)} of the squared error" if share is not None else ""
+    yield pen.line(view.headline + more)
+
+
+def _candidates(view: View, pen: Pen) -> Iterator[RenderableType]:
+    """The best candidates, with what chance reaches, and the parameters of what was taken."""
+    entries = ranked(view)
+    if not entries:
+        return
+    columns = [
+        ("effect", ""),
+        ("held out", "right"),
+        ("size", "right"),
+        ("p", "right"),
+        ("status", ""),
+    ]
+    if pen.room >= LEAST_ROOM:
+        columns.append(("parameters", ""))
+    rows = [_row(view, e, pen)[: len(columns)] for e in entries[:MOST_CANDIDATES]]
+    yield pen.line("")
+    yield pen.table(columns, rows)
+    more, chance = len(entries) - len(rows), limit(view)
+    said = [f"{more} more candidates"] if more > 0 else []
+    said += [f"chance alone reaches a size of {newtons(chance)}"] if chance is not None else []
+    if said:
+        yield pen.line("; ".join(said), "dim")
+    for e in entries:
+        if e["effect"] in (view.result.get("effects") or ()):
+            values = ", ".join(
+                f"{name} = {parameter(v)}" for name, v in (e.get("parameters") or {}).items()
+            )
+            yield pen.line(pen.cut(f"{title_of(view, str(e['effect']))}: {values}", pen.width))
+
+
+def _row(view: View, e: Mapping[str, Any], pen: Pen) -> list[str | Text]:
+    """Cells of one candidate; of the parameters, as many as there is room for."""
+    size, status = effect_size(view, e), str(e.get("status", ""))
+    cells = [
+        pen.cut(title_of(view, str(e["effect"])), 24), pen.safe(newtons(e.get("rmse_held_out"))),
+        pen.safe("-" if size is None or "basis" in e else newtons(size)),
+        pen.safe(short(e.get("p_value"), 2)),
+    ]  # fmt: skip
+    said = Text(
+        STATUS.get(status, status), style="" if pen.plain else STATUS_TONES.get(status, "")
+    )
+    known = {k: v for k, v in (e.get("parameters") or {}).items() if v[1] is not None}
+    values = [
+        f"{name} {parameter(v, 1)}".replace(f" {PLUS_MINUS} ", PLUS_MINUS)
+        for name, v in known.items()
+    ]
+    return [*cells, said, pen.fitting(values)]
+
+
+def _alternatives(view: View, pen: Pen) -> Iterator[RenderableType]:
+    """What cannot be told apart, and what to record."""
+    experiments = {card.effect: card.experiment for card in view.candidates}
+    for group in list(view.result.get("alternatives") or ())[:2]:
+        names = joined([title_of(view, e) for e in group], "or")
+        record = next((experiments[e] for e in group if experiments.get(e)), "")
+        yield pen.line(
+            pen.cut(
+                f"cannot be told apart: {names}" + (f"; record: {record}" if record else ""),
+                2 * pen.width,
+            ),
+            "yellow",
+        )
+
+
+def _steps(view: View, pen: Pen) -> Iterator[RenderableType]:
+    """The falling error as bars, down to the noise floor."""
+    steps = view.result.get("steps") or []
+    if len(steps) < 2:
+        return
+    names = ["model, refitted", *("+ " + title_of(view, str(s["added"])) for s in steps[1:])]
+    errors = [float(s["rmse_held_out"]) for s in steps]
+    if len(names) > MOST_STEPS:
+        names, errors = (
+            names[:1] + names[-MOST_STEPS + 1 :],
+            errors[:1] + errors[-MOST_STEPS + 1 :],
+        )
+    floor = view.result.get("noise_floor")
+    if floor is not None:
+        names, errors = [*names, "noise floor"], [*errors, float(floor)]
+    room, longest = pen.width - 46, max(errors)
+    rows = [
+        [
+            pen.cut(name, 28),
+            pen.safe(newtons(e)),
+            pen.safe(BLOCK * max(round(room * e / longest), 1)),
+        ]
+        for name, e in zip(names, errors, strict=True)
+    ]
+    yield pen.line("")
+    yield pen.table([("the error falls", ""), ("held out", "right"), ("", "")], rows)
+
+
+def _regions(view: View, pen: Pen) -> Iterator[RenderableType]:
+    """Where most of the error is; more of it where nothing was diagnosed."""
+    found = worst(view.regions, 3 if view.candidates else 6)
+    if not found:
+        return
+    rows = [
+        [
+            pen.cut(where(r, single=single), 50),
+            pen.safe(percent(r.share)),
+            pen.safe(percent(r.of_samples)),
+            pen.safe(newtons(r.rms)),
+        ]
+        for r, single in found
+    ]
+    yield pen.line("")
+    yield pen.table(
+        [
+            ("where it fails", ""),
+            ("of the error", "right"),
+            ("of the data", "right"),
+            ("rms", "right"),
+        ],
+        rows,
+    )
+
+
+def _notes(view: View, pen: Pen) -> Iterator[RenderableType]:
+    """The first notes, one line each."""
+    notes = list(dict.fromkeys(view.notes))
+    for note in notes[:MOST_NOTES]:
+        yield pen.line(pen.cut(f"note: {note}", pen.width), "dim")
+    if len(notes) > MOST_NOTES:
+        yield pen.line(f"{len(notes) - MOST_NOTES} more notes in the report", "dim")
