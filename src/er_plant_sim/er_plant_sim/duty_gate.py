@@ -58,13 +58,17 @@ class Command(NamedTuple):
 
 
 class GateState(NamedTuple):
-    """Duty in force and since when, the last command taken, counts of refused and limited."""
+    """Duty in force and since when, the last command taken, and counts.
+
+    repeated: commands that answer a sample which was answered before.
+    """
 
     duty: float
     t: float
     command: Command | None = None
     refused: int = 0
     limited: int = 0
+    repeated: int = 0
 
 
 class Applied(NamedTuple):
@@ -83,7 +87,8 @@ def receive(state: GateState, command: Command, *, valid: bool = True) -> GateSt
     late = last is not None and command.seq != 0 and command.seq < last.seq
     if not valid or not math.isfinite(command.duty) or late:
         return state._replace(refused=state.refused + 1)
-    return state._replace(command=command)
+    again = last is not None and command.seq != 0 and command.seq == last.seq
+    return state._replace(command=command, repeated=state.repeated + again)
 
 
 def step(

@@ -36,6 +36,9 @@ WAKE_PERIOD = 0.01
 SETTLE = 0.5
 """A publisher knows of its subscribers before they all know of it: time for the others [s]."""
 
+CONFLICT = 0.1
+"""Share of samples answered more than once that shows two controllers at work."""
+
 
 class PlantNode(Node):
     """Runs the rig; duties come from the program or from pwm/command."""
@@ -48,6 +51,7 @@ class PlantNode(Node):
         self.tick, self.applied = Tick(0, 0), None  # type: Tick, Applied | None
         self.problems: list[Problem] = []
         self.made_at, self.running = monotonic(), False
+        self.repeated, self.conflict = 0, False
         self.over, self.step_began, self.there_since = False, 0.0, 0.0
         clock_rate = p.rate * p.rate_factor if p.mode == "sim_time" else 0.0
         self.out = Outlet(self, force_sd=p.noise_force, clock_rate=clock_rate)
@@ -106,8 +110,7 @@ class PlantNode(Node):
 
     def act(self) -> bool:
         """Publish the duty of this tick and go on to the next; false after the last."""
-        conflict = any(problem.kind == "two publishers" for problem in self.problems)
-        self.state, self.applied = plant.decide(self.rig, self.state, conflict=conflict)
+        self.state, self.applied = plant.decide(self.rig, self.state, conflict=self.conflict)
         self.out.send_applied(self.tick, self.applied)
         self.state = plant.advance(self.rig, self.state)
         self.health.meter.step(perf_counter() - self.step_began)
@@ -133,7 +136,14 @@ class PlantNode(Node):
 
     def on_second(self) -> None:
         """Look at the graph, and whether the system clock was set."""
-        self.problems = watch(self, (*topics.MEASUREMENTS,))
+        self.problems = watch(self, topics.MEASUREMENTS)
+        repeated, self.repeated = (
+            self.state.gate.repeated - self.repeated,
+            self.state.gate.repeated,
+        )
+        # a controller that was killed stays listed for 20 s: only two that answer are a conflict
+        several = self.count_publishers(topics.PWM_COMMAND.name) > 1
+        self.conflict = several and repeated > CONFLICT * self.p.rate * self.p.rate_factor
         self.pace.follow_clock()
 
     def report(self) -> Report:
