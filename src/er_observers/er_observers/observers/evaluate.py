@@ -54,12 +54,12 @@ class Score(NamedTuple):
     test_ratio: float
 
 
-_CHIRP: Mapping[str, object] = {"kind": "chirp"}
+_CHIRP: Mapping[str, object] = {"kind": "chirp", "sweep": 15.0}
 _ISO: Mapping[str, object] = {"kind": "iso8608", "peak_velocity": 0.15}
 _SWITCHED: Mapping[str, object] = {"kind": "square", "frequency": 4.3}
 _SLOW = {"kind": "sine", "mean": 0.5, "amplitude": 0.5}
 SCENARIOS = tuple(
-    Scenario(name, Program(road, duty, 20.0, seed))
+    Scenario(name, Program(road, duty, 15.0, seed))
     for name, road, duty, seed in (
         ("chirp, duty 0.1", _CHIRP, {"kind": "constant", "level": 0.1}, 0),
         ("ISO C, duty 0", _ISO, {"kind": "constant", "level": 0.0}, 1),

@@ -129,22 +129,28 @@ def mean_gate(s_0: float, s_1: float) -> tuple[float, float]:
 
 @njit(cache=True, error_model="numpy")
 def solve_gate(s_0: float, free: float, gain: float) -> float:
-    """Root s_1 of ``s_1 = free + gain * mean_gate(s_0, s_1)`` for gain < 1: bracketed Newton."""
-    low, high = free - abs(gain), free + abs(gain)
+    """Root s_1 of ``s_1 = free + gain * mean_gate(s_0, s_1)`` for gain < 2.
+
+    Newton within a bracket; where its steps do not halve, bisection.
+    """
+    reach = abs(gain) + 1e-9 * (1.0 + abs(gain) + abs(free))  # a saturated gate's root lies inside
+    low, high = free - reach, free + reach
     s_1 = min(max(s_0, low), high)
-    for _ in range(60):
+    before = 2.0 * (high - low)
+    for _ in range(100):
         mean, slope = mean_gate(s_0, s_1)
         residual = s_1 - free - gain * mean
         if residual > 0.0:
             high = s_1
         else:
             low = s_1
-        following = s_1 - residual / (1.0 - gain * slope)
-        if not low <= following <= high:
-            following = 0.5 * (low + high)
-        if abs(following - s_1) <= 1e-12 * (1.0 + abs(s_1)):
-            return following
-        s_1 = following
+        step = -residual / (1.0 - gain * slope)
+        if abs(step) <= 1e-12 * (1.0 + abs(s_1)):
+            return s_1 + step
+        if not low < s_1 + step < high or abs(step) > 0.5 * before:
+            step = 0.5 * (low + high) - s_1
+        s_1 += step
+        before = abs(step)
     return s_1
 
 

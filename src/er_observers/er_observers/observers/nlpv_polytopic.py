@@ -21,7 +21,7 @@ from er_observers import gains as gain_files
 from er_observers.gains import Gains
 from er_observers.observers import watch as watching
 from er_observers.observers.kernel import advance, substeps
-from er_observers.observers.status import Health, Status, judge
+from er_observers.observers.status import ROUNDING, Health, Status, judge
 
 NAME = "nlpv_polytopic"
 
@@ -109,7 +109,7 @@ def step(gains: Gains, state: State, sample: Sample) -> tuple[State, Estimate]:
     Samples that are late or double change nothing. A jump of time by more than the hold limit, or
     valid data after so long without, starts afresh.
     """
-    hold = gains.limits.hold + 1e-9
+    hold = gains.limits.hold + ROUNDING
     dt = sample.t - state.t
     if not state.running and math.isfinite(sample.t):
         state = _restart(gains, state, sample)

@@ -42,6 +42,9 @@ class Limits:
     clear: float = 0.7
 
 
+ROUNDING = 1e-9
+"""Times that are closer are equal: stamps are sums of rounded periods [s]."""
+
 LIMITS = Limits()
 """Limits of a car of the size of the thesis's rig up to a real one."""
 
@@ -78,11 +81,11 @@ _CONTRADICTED = "the accelerations contradict the damper model"
 def judge(limits: Limits, health: Health) -> tuple[Status, str]:
     """Status and its reason, worst first."""
     status = Status.OK
-    if health.lost > limits.hold:
+    if health.lost > limits.hold + ROUNDING:
         status = Status.INVALID
     elif health.doubt > limits.settled:
         status = Status.WEAK if health.weak else Status.INITIALISING
-    elif health.lost > limits.bridge or health.healing > 0.0:
+    elif health.lost > limits.bridge + ROUNDING or health.healing > 0.0:
         status = Status.DEGRADED
     elif health.contradicted:
         return Status.DEGRADED, _CONTRADICTED

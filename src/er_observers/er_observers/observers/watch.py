@@ -23,7 +23,7 @@ import numpy as np
 from er_models.linear import LinearForm
 from er_models.model import Array
 
-from er_observers.observers.status import Health, Limits
+from er_observers.observers.status import ROUNDING, Health, Limits
 
 SHARE = 4.0
 """Correction, in multiples of what noise and sampling explain, that is a contradiction."""
@@ -89,7 +89,7 @@ def missed(limits: Limits, health: Health, dt: float) -> Health:
     """Health after a sample that could not be used, dt [s] after the one before."""
     lost = health.lost + dt
     return health._replace(
-        lost=lost, healing=limits.recover if lost > limits.bridge else health.healing
+        lost=lost, healing=limits.recover if lost > limits.bridge + ROUNDING else health.healing
     )
 
 
@@ -97,9 +97,10 @@ def follow(watch: Watch, limits: Limits, health: Health, dt: float, facts: Facts
     """Health after a valid sample, dt [s] after the one before."""
     weight = min(1.0, dt / limits.window)
     decay = health.decay + weight * (facts.rate - health.decay)
-    power, floor, contradicted = 0.0, 0.0, False
+    noise = (watch.noise_gain * limits.noise) ** 2
+    power, floor, contradicted = 0.0, noise, False
     if health.doubt <= limits.settled:
-        explained = (watch.noise_gain * limits.noise) ** 2 + (dt * facts.bend / 12.0) ** 2
+        explained = noise + (dt * facts.bend / 12.0) ** 2
         power = health.power + weight * (facts.correction * facts.correction - health.power)
         floor = health.floor + weight * (explained - health.floor)
         contradicted = contradiction(power, floor) > (limits.clear if health.contradicted else 1.0)

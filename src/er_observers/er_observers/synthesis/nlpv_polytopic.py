@@ -30,6 +30,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from typing import cast
 
 import cvxpy as cp
 import numpy as np
@@ -158,7 +159,7 @@ def _constraints(s: _Scaled, v: _Unknowns, spec: Spec) -> list[cp.Constraint]:
 
 def _blocks(rows: list[list[object]]) -> cp.Expression:
     """Matrix of blocks."""
-    return bmat(rows)  # type: ignore[no-untyped-call]
+    return cast(cp.Expression, bmat(rows))  # type: ignore[no-untyped-call]
 
 
 def _run(problem: cp.Problem) -> str:

@@ -1,0 +1,48 @@
+"""Joining accelerations with the duty applied from then on."""
+
+import math
+
+from er_observers.nodes.feed import DEPTH, Feed, Motion, on_duty, on_motion
+
+
+def motion(stamp: int) -> Motion:
+    """Accelerations of a tick."""
+    return Motion(stamp, stamp, 0.1 * stamp, -0.1 * stamp)
+
+
+def test_in_order() -> None:
+    feed, ready = on_motion(Feed(), motion(5))
+    assert ready == []
+    feed, ready = on_duty(feed, 5, 0.2)
+    assert ready == [(motion(5), 0.2)]
+    assert feed.waiting is None
+
+
+def test_the_duty_may_come_first() -> None:
+    feed, ready = on_duty(Feed(), 5, 0.2)
+    assert ready == []
+    feed, ready = on_motion(feed, motion(5))
+    assert ready == [(motion(5), 0.2)]
+    assert not feed.duties
+
+
+def test_a_lost_duty_holds_nothing_up() -> None:
+    feed, _ = on_motion(Feed(), motion(5))
+    feed, ready = on_motion(feed, motion(10))
+    assert [r.motion for r in ready] == [motion(5)]
+    assert math.isnan(ready[0].duty)
+    assert feed.lost == 1
+    feed, ready = on_duty(feed, 5, 0.3)
+    assert ready == []
+    feed, ready = on_duty(feed, 10, 0.2)
+    assert ready == [(motion(10), 0.2)]
+
+
+def test_lost_accelerations_leave_nothing_behind() -> None:
+    feed = Feed()
+    for stamp in range(1, 4 * DEPTH):
+        feed, _ = on_duty(feed, stamp, 0.1)
+    assert len(feed.duties) == DEPTH
+    feed, ready = on_motion(feed, motion(4 * DEPTH - 1))
+    assert ready[0].duty == 0.1
+    assert not feed.duties

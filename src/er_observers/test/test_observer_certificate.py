@@ -1,0 +1,124 @@
+"""The certificate: it holds for good gains, and each of its parts can fail."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from er_models.model import Array
+from er_observers.observers.kernel import SUBSTEP, mean_gate
+from er_observers.synthesis.certify import Certificate, certify
+from er_observers.synthesis.discrete import contraction, error_map, lens, substep
+from er_observers.synthesis.proof import Claim, prove
+from er_observers.synthesis.spec import Solution, SynthesisFailed
+
+Made = tuple[Claim, Certificate]
+
+
+def changed(claim: Claim, **parts: object) -> Claim:
+    """The claim with other parts of its solution."""
+    return replace(claim, solution=replace(claim.solution, **parts))  # type: ignore[arg-type]
+
+
+def spoilt(s: Solution, name: str) -> dict[str, object]:
+    """One way of breaking a solution."""
+    one = np.zeros_like(s.P)
+    one[0, 0] = s.P[0, 0]
+    ways: dict[str, dict[str, object]] = {
+        "gain of the wrong sign": {"L": -s.L},
+        "one entry lost": {"L": s.L * np.where(np.arange(16).reshape(2, 4, 2) == 10, 0.0, 1.0)},
+        "gamma below the optimum": {"gamma": 0.98 * s.optimum},
+        "P indefinite": {"P": s.P - 2.0 * one},
+        "P too small": {"P": 0.1 * s.P},
+        "multiplier lost": {"multipliers": s.multipliers * np.array([1.0, 1e-3])},
+        "multiplier negative": {"multipliers": -s.multipliers},
+    }
+    return ways[name]
+
+
+def test_proof_holds_with_margins(synthesis: Made) -> None:
+    """Nothing fails, and every margin is positive in scaled coordinates."""
+    margins, failed = prove(synthesis[0])
+    assert failed == ""
+    assert margins.smallest > 1e-5
+    assert min(margins.dissipation) > 1e-3
+
+
+@pytest.mark.parametrize(
+    "way",
+    [
+        "gain of the wrong sign",
+        "one entry lost",
+        "gamma below the optimum",
+        "P indefinite",
+        "P too small",
+        "multiplier lost",
+        "multiplier negative",
+    ],
+)
+def test_proof_fails_for_spoilt_solutions(synthesis: Made, way: str) -> None:
+    """Whatever is broken, an inequality is named."""
+    claim = synthesis[0]
+    _, failed = prove(changed(claim, **spoilt(claim.solution, way)))
+    assert failed
+    with pytest.raises(SynthesisFailed, match="no proof"):
+        certify(changed(claim, **spoilt(claim.solution, way)), "theorem")
+
+
+def test_dissipation_holds_along_random_errors(synthesis: Made) -> None:
+    """The inequality proved is the one meant: checked term by term for random e, d, w and rho."""
+    claim, _ = synthesis
+    f, s, spec = claim.form, claim.solution, claim.spec
+    random = np.random.default_rng(0)
+    W, N = spec.input_matrix(f), spec.noise_matrix()
+    for _ in range(500):
+        rho, slope = random.uniform(size=2)
+        e = claim.scaling.state * random.normal(size=4)
+        w = random.normal(size=3) * 10.0 ** random.uniform(-2, 2)
+        L = s.gain(rho, spec)
+        rate = (f.A - L @ f.C) @ e + f.B * rho * slope * (f.Gamma @ e) + (W - L @ N) @ w
+        stored = 2.0 * e @ s.P @ rate
+        supplied = s.gamma**2 * w @ w - np.sum((claim.output.rows @ e) ** 2)
+        assert stored < supplied
+
+
+def test_sweep_stays_below_the_proved_gain(synthesis: Made) -> None:
+    """The frozen gate gives a bound from below; it is not far below."""
+    claim, certificate = synthesis
+    assert 0.3 * claim.solution.gamma < certificate.peak.gain <= claim.solution.gamma
+
+
+def test_mean_slopes_of_the_gate_lie_in_the_lens() -> None:
+    """For random straight paths the two partial derivatives stay within the lens's edge."""
+    random, edge = np.random.default_rng(2), lens(400)
+    half = edge[: len(edge) // 2]
+    for _ in range(300):
+        s_0, s_1 = random.normal(size=2) * 10.0 ** random.uniform(-1, 1.5)
+        k_1 = mean_gate(s_0, s_1)[1]
+        k_0 = mean_gate(s_1, s_0)[1]
+        small, large = min(k_0, k_1), max(k_0, k_1)
+        assert -1e-12 <= small <= large <= 0.5 + 1e-12
+        least = float(np.interp(large, half[:, 0], half[:, 1]))
+        assert small >= least - 1e-5
+
+
+def test_discrete_observer_contracts_at_its_substep_only(synthesis: Made) -> None:
+    """The substep in use is certified; one sixteen times longer is not, so the check can fail."""
+    claim, certificate = synthesis
+    assert certificate.run.decay > 0.3
+    assert certificate.run.loop < 2.0
+    assert certificate.wandering < 1.0
+    long = contraction(claim.form, claim.solution, claim.spec, steps=(16.0 * SUBSTEP,), duties=3)
+    assert long.decay < 0.0
+
+
+def test_every_grid_point_is_stable_by_itself(synthesis: Made) -> None:
+    """Spectral radius below one over duty and slope, a check without the Lyapunov function."""
+    claim, _ = synthesis
+    for rho in np.linspace(0.0, 1.0, 11):
+        gain: Array = claim.solution.gain(float(rho), claim.spec)
+        linear, kick = substep(claim.form, gain, float(rho), SUBSTEP)
+        for gate in lens(9):
+            poles = np.linalg.eigvals(error_map(linear, kick, claim.form, gate))
+            assert np.abs(poles).max() < 1.0

@@ -1,0 +1,59 @@
+"""The command: writes gains, shows the certificate, fails in one line."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+from er_models.model import Model
+from er_observers.observers.nlpv_polytopic import load_gains
+from er_observers.synth import app
+from typer.testing import CliRunner
+
+from er_observers import synth
+
+
+def test_writes_gains_that_load(
+    car: Model, car_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The table names what was shown; the file is whole."""
+    out = tmp_path / "gains.yaml"
+    result = CliRunner().invoke(
+        app, ["nlpv_polytopic", "--model", str(car_file), "--out", str(out)]
+    )
+    assert result.exit_code == 0, result.output
+    for word in ("gamma", "sweep", "margin", "poles", "decay"):
+        assert word in result.output
+    assert load_gains(out, car).figures["slowest"] < -0.5
+    monkeypatch.setattr(synth, "SCENARIOS", synth.SCENARIOS[:1])
+    shown = CliRunner().invoke(app, ["evaluate", "--model", str(car_file), "--gains", str(out)])
+    assert shown.exit_code == 0, shown.output
+    assert "NRMSE" in shown.output
+
+
+def test_errors_are_one_line_and_nothing_is_overwritten(
+    car_file: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """A damper is no vehicle; too small a disc has no solution."""
+    out = tmp_path / "gains.yaml"
+    out.write_text("precious", encoding="utf-8")
+    damper = car_file.parent.parent / "dampers" / "inove_guo.yaml"
+    cases: tuple[tuple[Path, list[str], int, str], ...] = (
+        (damper, [], 2, "quarter_car"),
+        (car_file.parent / "none.yaml", [], 2, "no file"),
+        (car_file, ["--radius", "12"], 1, "solver"),
+    )
+    for model, extra, status, word in cases:
+        command = ["synth", "nlpv_polytopic", "--model", str(model), "--out", str(out), *extra]
+        monkeypatch.setattr(sys, "argv", command)
+        with pytest.raises(SystemExit) as ending:
+            synth.main()
+        assert ending.value.code == status
+        text = capsys.readouterr().err
+        assert text.count("\n") == 1
+        assert word in text
+    assert out.read_text(encoding="utf-8") == "precious"

@@ -1,0 +1,165 @@
+"""Gain files: written and read back, and refused in one line whenever they prove nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from er_models.errors import InputError
+from er_models.model import Model
+from er_observers.gain_file import digest
+from er_observers.gains import Gains, save_gains
+from er_observers.observers.nlpv_polytopic import NAME, load_gains
+from er_observers.synth_tables import figures
+from er_observers.synthesis.certify import Certificate
+from er_observers.synthesis.proof import Claim
+
+Made = tuple[Claim, Certificate]
+REMAKE = (
+    "the committed gains no longer fit the committed model; make them again:\n"
+    "python -m er_observers.synth nlpv_polytopic --model config/vehicles/inove_quarter_car.yaml"
+    " --out config/gains/nlpv_polytopic.yaml"
+)
+
+
+def write(path: Path, car: Model, made: Made) -> None:
+    """A gain file as the command writes it."""
+    notes = {"certificate": figures(made[1]), "solver": {"name": "Clarabel", "version": "0"}}
+    save_gains(path, NAME, car, made[0], notes)
+
+
+def refusal(path: Path, car: Model) -> str:
+    """The one line of the refusal."""
+    with pytest.raises(InputError) as error:
+        load_gains(path, car)
+    text = str(error.value)
+    assert "\n" not in text
+    assert str(path) in text
+    assert error.value.exit_status == 2
+    return text
+
+
+def test_committed_gains_fit_the_committed_model(
+    car: Model, gain_file: Path, synthesis: Made
+) -> None:
+    """They load, and a new synthesis gives the same."""
+    try:
+        gains = load_gains(gain_file, car)
+    except InputError as error:
+        pytest.fail(f"{REMAKE}\n({error})")
+    fresh = synthesis[0].solution
+    same = np.allclose(gains.claim.solution.L, fresh.L, rtol=1e-3, atol=1e-3)
+    assert same, REMAKE
+    assert gains.claim.solution.gamma == pytest.approx(fresh.gamma, rel=1e-4), REMAKE
+
+
+def test_round_trip_is_exact(car: Model, synthesis: Made, tmp_path: Path) -> None:
+    """What is read is what was proved, bit by bit; writing again gives the same file."""
+    first, second = tmp_path / "a.yaml", tmp_path / "b.yaml"
+    write(first, car, synthesis)
+    write(second, car, synthesis)
+    assert first.read_bytes() == second.read_bytes()
+    claim = load_gains(first, car).claim
+    np.testing.assert_array_equal(claim.solution.L, synthesis[0].solution.L)
+    np.testing.assert_array_equal(claim.solution.P, synthesis[0].solution.P)
+    assert claim.spec.rho == synthesis[0].spec.rho
+
+
+def test_model_with_other_matrices_is_refused(car: Model, gain_file: Path) -> None:
+    """One gram more, and the file says whose gains it holds and how to make others."""
+    effects = {name: dict(values) for name, values in car.effects.items()}
+    effects["quarter_car"]["m_s"] += 0.001
+    text = refusal(gain_file, replace(car, effects=effects))
+    assert "model.fingerprint" in text
+    assert "python -m er_observers.synth nlpv_polytopic" in text
+
+
+def test_name_and_envelope_of_the_model_do_not_matter(car: Model, gain_file: Path) -> None:
+    """Gains belong to matrices."""
+    assert load_gains(gain_file, replace(car, name="renamed", rig={})).model == "renamed"
+
+
+def _scale(section: str, key: str, factor: float) -> Callable[[dict[str, Any]], None]:
+    def edit(content: dict[str, Any]) -> None:
+        data = content[section][key]["data"]
+        content[section][key]["data"] = [factor * v for v in data]
+
+    return edit
+
+
+def _set(section: str, key: str, value: object) -> Callable[[dict[str, Any]], None]:
+    def edit(content: dict[str, Any]) -> None:
+        content[section][key] = value
+
+    return edit
+
+
+@pytest.mark.parametrize(
+    ("edit", "sealed", "named"),
+    [
+        (_scale("solution", "L", 1.001), False, "digest"),
+        (_set("solution", "gamma", 1.0), False, "digest"),
+        (_set("certificate", "slowest", -5.0), False, "digest"),
+        (_scale("solution", "L", -1.0), True, "solution"),
+        (_set("solution", "gamma", 1.0), True, "dissipation"),
+        (_scale("solution", "P", 0.5), True, "solution"),
+        (_set("solution", "multipliers", [-1.0, -1.0]), True, "multiplier"),
+        (_set("solution", "gamma", float("nan")), True, "solution.gamma"),
+        (_set("solution", "L", {"shape": [2, 2, 2], "data": [0.0] * 8}), True, "solution.L"),
+        (_set("solution", "P", {"shape": [4, 4], "data": [1.0] * 3}), True, "solution.P"),
+        (_set("spec", "rho", [1.0, 0.0]), True, "spec.rho"),
+        (_set("spec", "sector", "circle"), True, "spec.sector"),
+        (_set("spec", "noise", [0.1]), True, "spec.noise"),
+        (_set("scaling", "state", [1.0, 1.0, 1.0, 0.0]), True, "scaling.state"),
+        (_set("certificate", "discrete", {"substep": 1e-5}), True, "substep"),
+    ],
+)
+def test_edited_files_are_refused(
+    car: Model,
+    gain_file: Path,
+    tmp_path: Path,
+    edit: Callable[[dict[str, Any]], None],
+    sealed: bool,
+    named: str,
+) -> None:
+    """By the digest, and where that was made to fit as well, by the inequalities."""
+    content = yaml.safe_load(gain_file.read_text(encoding="utf-8"))
+    edit(content)
+    if sealed:
+        content["digest"] = digest(content)
+    path = tmp_path / "edited.yaml"
+    path.write_text(yaml.safe_dump(content), encoding="utf-8")
+    assert named in refusal(path, car)
+
+
+def test_what_is_no_gain_file_is_refused(car: Model, gain_file: Path, tmp_path: Path) -> None:
+    """Missing, folder, broken YAML, another kind of file, unknown key, missing section."""
+    content = yaml.safe_load(gain_file.read_text(encoding="utf-8"))
+    cases: dict[str, tuple[str | None, str]] = {
+        "missing": (None, "no file"),
+        "broken": ("a: [1", "YAML"),
+        "list": ("- 1", "mapping"),
+        "schema": (yaml.safe_dump({**content, "schema": "er_model 1"}), "er_gains 1"),
+        "observer": (yaml.safe_dump({**content, "observer": "unified"}), "nlpv_polytopic"),
+        "key": (yaml.safe_dump({**content, "extra": 1}), "unknown key"),
+    }
+    for name, (text, expected) in cases.items():
+        path = tmp_path / f"{name}.yaml"
+        if text is not None:
+            path.write_text(text, encoding="utf-8")
+        assert expected in refusal(path, car)
+    assert "a folder" in refusal(tmp_path, car)
+
+
+def test_gains_carry_what_the_loop_needs(gains: Gains) -> None:
+    """Matrices of the kernel reproduce A - L C at both ends."""
+    m, form = gains.matrices, gains.form
+    for rho, L in zip(gains.claim.spec.rho, gains.claim.solution.L, strict=True):
+        whole = (m.m_0 + rho * m.m_1) * m.size[:, None] / m.size
+        np.testing.assert_allclose(whole, form.A - L @ form.C, rtol=1e-9, atol=1e-6)
+        np.testing.assert_allclose((m.l_0 + rho * m.l_1) * m.size[:, None], L, rtol=1e-9)

@@ -1,0 +1,107 @@
+"""Facts 1 to 3 of the problem: what no observer gain can do, with the numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from er_models.linear import relative_form, thesis_form
+from er_models.model import Model
+from er_observers.synthesis.necessary import (
+    decoupling_ranks,
+    road_blind_gain,
+    static_gate_gain,
+    undetectable,
+    violated,
+)
+from er_observers.synthesis.spec import (
+    LIPSCHITZ,
+    SLOPE,
+    Spec,
+    force_output,
+    state_output,
+)
+
+PRINTED = np.array(
+    [
+        [
+            [-3.4572, -0.0015],
+            [-3.7771, -0.0022],
+            [-5.1680, -4.8398],
+            [-0.4777, 0.9998],
+            [107.9617, -0.9147],
+        ],
+        [
+            [-3.4397, -0.0015],
+            [-3.7503, -0.0022],
+            [-5.1910, -4.8392],
+            [-0.4750, 0.9998],
+            [42.2868, 0.0204],
+        ],
+    ]
+)
+"""Vertex gains printed in section 4.4.1 of the thesis."""
+
+
+def test_gate_error_hides_at_zero_frequency_whatever_the_gain(car: Model) -> None:
+    """From d to Gamma e the static gain is -3.6004 for random stabilising gains alike."""
+    form, random = relative_form(car), np.random.default_rng(1)
+    expected = static_gate_gain(form, 1.0)
+    assert expected == pytest.approx(-3.6004, abs=1e-4)
+    stable = 0
+    for _ in range(200):
+        gain = random.normal(size=(4, 2)) * np.array([[0.1], [50.0], [1.0], [3000.0]])
+        loop = form.A - gain @ form.C
+        if np.linalg.eigvals(loop).real.max() < -1e-3:
+            stable += 1
+            found = float(form.Gamma @ np.linalg.solve(loop, -form.B))
+            assert found == pytest.approx(expected, rel=1e-6)
+    assert stable >= 5
+
+
+def test_thesis_gains_break_the_lipschitz_small_gain(car: Model) -> None:
+    """The printed polytopic gains: peak gain from d to Gamma e of 13.2 where below 1 is needed."""
+    form, omega = thesis_form(car), np.logspace(-2, 6, 4000)
+    pencils = 1j * omega[:, None, None] * np.eye(5) - (form.A - PRINTED[1] @ form.C)
+    entry = np.broadcast_to(form.B[:, None].astype(complex), (omega.size, 5, 1))
+    gains = np.abs(form.Gamma @ np.linalg.solve(pencils, entry)[:, :, 0].T)
+    assert gains.max() == pytest.approx(13.2, rel=0.02)
+
+
+def test_lipschitz_needs_duty_below_0_2777_and_slope_does_not(car: Model) -> None:
+    """The reason names the number; the slope restriction has no such bound."""
+    form = relative_form(car)
+    output = force_output(form)
+    (reason,) = violated(form, output, Spec(sector=LIPSCHITZ))
+    assert "0.2777" in reason
+    assert "-3.6004" in reason
+    assert violated(form, output, Spec(sector=LIPSCHITZ, rho=(0.0, 0.277))) == []
+    assert violated(form, output, Spec(sector=SLOPE)) == []
+
+
+def test_thesis_state_cannot_beat_root_two(car: Model) -> None:
+    """With the printed C_z the road's velocity shows as sqrt(2), so gamma = 1.0001 is refused."""
+    form = thesis_form(car)
+    output = state_output(form, ("z_def", "v_s", "v_us", "f_y"))
+    assert road_blind_gain(form, output, Spec()) == pytest.approx(np.sqrt(2.0), rel=1e-9)
+    (reason,) = violated(form, output, Spec(gamma_max=1.0001))
+    assert "1.4142" in reason
+    assert "invariant zero" in reason
+    relative = relative_form(car)
+    assert road_blind_gain(relative, force_output(relative), Spec()) == 0.0
+
+
+def test_unknown_input_can_be_decoupled(car: Model) -> None:
+    """rank(C D1) = rank(D1) = 1 in both coordinates."""
+    assert decoupling_ranks(thesis_form(car)) == (1, 1)
+    assert decoupling_ranks(relative_form(car)) == (1, 1)
+
+
+def test_what_no_output_shows_is_named(car: Model) -> None:
+    """Without any sensor the tyre deflection, which the road moves freely, is lost."""
+    form = relative_form(car)
+    blind = replace(form, C=np.zeros_like(form.C))
+    assert undetectable(form) == []
+    assert undetectable(blind) == [0.0]
+    assert any("show in no output" in text for text in violated(blind, force_output(form), Spec()))
