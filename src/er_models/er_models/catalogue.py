@@ -42,7 +42,7 @@ from er_models.errors import UnknownName
 _MODULES = (
     passive, guo_yield, bingham_yield, response,
     deflection_zero, velocity_lag,
-    dead_time, duty_dead_band, field_exponent, amplifier_lag,
+    dead_time, amplifier_lag, duty_dead_band, field_exponent,
     varying_time_constant, rise_fall_asymmetry,
     self_heating, effectiveness_fade,
     mount_compliance, freeplay,

@@ -91,8 +91,7 @@ class Effect:
     """A physical effect: equation hooks, parameters, signature and source.
 
     `hooks` maps a key of `HOOKS` to a scalar function. `initial` tells where its state begins: at rest
-    (zero) or in equilibrium with the first sample. `sweeps`: passes over linked states in one implicit stage;
-    more where the state reacts to others within a step of the integrator.
+    (zero) or in equilibrium with the first sample.
     """
 
     name: str
@@ -105,7 +104,6 @@ class Effect:
     source: str
     dissipative: bool = False
     initial: Literal["equilibrium", "zero"] = "equilibrium"
-    sweeps: int = 2
     knowable: bool = True
     unknowable_because: str = ""
     _names: tuple[str, ...] = field(init=False, default=())
@@ -118,12 +116,20 @@ class Effect:
                 raise ValueError(f"{self.name}: unknown hook '{hook}', known: {', '.join(HOOKS)}")
             for argument in inspect.signature(function).parameters:
                 if argument not in names and argument not in SIGNALS and argument != "w":
-                    raise ValueError(f"{self.name}.{hook}: argument '{argument}' is no parameter or signal")
+                    raise ValueError(
+                        f"{self.name}.{hook}: argument '{argument}' is no parameter or signal"
+                    )
 
     @property
     def has_state(self) -> bool:
         """Whether the effect carries a state of its own."""
         return "relax" in self.hooks
+
+    @property
+    def maps_motion(self) -> bool:
+        """Whether it is a sensor's map from the measured motion to the true one."""
+        maps = {"shift_deflection", "shift_velocity"}
+        return self.stage == "sensing" and not maps.isdisjoint(self.hooks)
 
     @property
     def names(self) -> tuple[str, ...]:

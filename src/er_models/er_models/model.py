@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.effect import HOOKS
 from er_models.kernel.compose import fingerprint, group
+from er_models.kernel.order import feeds_back, reads_yield_early
 from er_models.scales import Scales
 
 Array = NDArray[np.float64]
@@ -24,15 +25,15 @@ Values = Mapping[str, Mapping[str, float]]
 class Compiled:
     """A model as the flat vectors that the kernel takes.
 
-    on (n_effects,) mask; p (n_parameters,) values; slots: states in use; at_rest (n_states,);
-    passes: how often a stage is swept, 2 or more where states drive one another.
+    on (n_effects + n_hooks,) mask; p (n_parameters,) values; slots: states in use; links: those of them that
+    feed back; at_rest (n_states,).
     """
 
     on: NDArray[np.uint8]
     p: Array
     slots: NDArray[np.int64]
+    links: NDArray[np.int64]
     at_rest: NDArray[np.uint8]
-    passes: int
 
 
 @dataclass(frozen=True)
@@ -89,27 +90,31 @@ class Model:
         scale = self.scales.of(q.unit)
         return q.low * scale, q.high * scale
 
-    def compiled(self) -> Compiled:
-        """Flat vectors for the kernel."""
+    def compiled(self, plant: bool = False) -> Compiled:
+        """Flat vectors for the kernel.
+
+        plant: without the maps from measured to true motion, for where the motion is the true one.
+        """
         c = self.catalogue
         on = np.zeros(len(c.effects) + len(HOOKS), np.uint8)
         p = np.zeros(c.size)
-        slots, rest, linked, sweeps = [], np.zeros(max(c.n_states, 1), np.uint8), False, 2
-        for i, effect in enumerate(c.effects):
-            if effect.name not in self.effects:
-                continue
-            on[i] = 1
+        used = [e for e in c.effects if e.name in self.effects and not (plant and e.maps_motion)]
+        slots, links, rest = set(), set(), np.zeros(max(c.n_states, 1), np.uint8)
+        if reads_yield_early(used):
+            slots.add(c.slots["response"])
+            links.add(c.slots["response"])
+        for effect in used:
+            on[c.index(effect.name)] = 1
             for hook in effect.hooks:
                 on[group(c, hook)] |= effect.stage != "core"
             for j, name in enumerate(effect.names):
                 p[c.offsets[effect.name] + j] = self.effects[effect.name][name]
             if effect.has_state:
-                slots.append(c.slots[effect.name])
-                rest[slots[-1]] = effect.initial == "zero"
-                linked = linked or not _independent(effect.hooks["relax"])
-                sweeps = max(sweeps, effect.sweeps)
-        linked = linked or ("response" in self.effects and len(slots) > 1)
-        return Compiled(on, p, np.array(slots, np.int64), rest, sweeps if linked else 1)
+                slots.add(c.slots[effect.name])
+                rest[c.slots[effect.name]] = effect.initial == "zero"
+            if feeds_back(effect):
+                links.add(c.slots[effect.name])
+        return Compiled(on, p, _sorted(slots), _sorted(links), rest)
 
     def digest(self) -> str:
         """Hash of what determines the behaviour: effects, values and equations."""
@@ -118,8 +123,6 @@ class Model:
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def _independent(relax: Any) -> bool:
-    """Whether the state's equation knows no other state: it must not use f_y, f_d, y or w."""
-    import inspect
-
-    return not ({"f_y", "f_d", "w"} & set(inspect.signature(relax).parameters))
+def _sorted(slots: set[int]) -> NDArray[np.int64]:
+    """Slots in order."""
+    return np.array(sorted(slots), np.int64)

@@ -9,7 +9,7 @@ import numpy as np
 from er_models.kernel.load import kernel
 from er_models.model import Array, Model
 
-SUBSTEP = 1.25e-3
+SUBSTEP = 0.625e-3
 """Longest step of the integrator [s]; the error at 200 Hz is shown by test_integrate."""
 
 
@@ -82,7 +82,7 @@ def predict(model: Model, inputs: Motion) -> Array:
     c = model.compiled()
     force = np.empty(inputs.n)
     kernel(model.catalogue).predict_records(
-        c.on, c.slots, c.at_rest, c.passes, c.p, inputs.dt, inputs.starts, inputs.x, inputs.v, inputs.a,
+        c.on, c.slots, c.links, c.at_rest, c.p, inputs.dt, inputs.starts, inputs.x, inputs.v, inputs.a,
         inputs.u, inputs.theta, substeps(inputs.dt), force,
     )  # fmt: skip
     return force
@@ -93,7 +93,7 @@ def predict_many(model: Model, vectors: Array, inputs: Motion) -> Array:
     c = model.compiled()
     forces = np.empty((vectors.shape[0], inputs.n))
     kernel(model.catalogue).predict_batch(
-        c.on, c.slots, c.at_rest, c.passes, vectors, inputs.dt, inputs.starts, inputs.x, inputs.v, inputs.a,
+        c.on, c.slots, c.links, c.at_rest, vectors, inputs.dt, inputs.starts, inputs.x, inputs.v, inputs.a,
         inputs.u, inputs.theta, substeps(inputs.dt), forces,
     )  # fmt: skip
     return forces

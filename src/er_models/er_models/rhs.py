@@ -1,7 +1,7 @@
 """The one right-hand side of the quarter car with its damper, as a plain function of state and input.
 
-Linearisation, reference solutions and invariants use it; it calls the same compiled equations as the
-integrator.
+Linearisation, reference solutions and invariants use it; it calls the same compiled equations as
+the integrator.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from er_models.kernel.load import kernel
+from er_models.kernel.states import ROWS, G, R, W
 from er_models.model import Array, Model
 
 
@@ -19,22 +20,28 @@ def vehicle_rate(
 
     q = [z_def, v_s, z_us - z_r, v_us] as in (2.11); no dead time.
     """
-    c, k = model.compiled(), kernel(model.catalogue)
-    rate, drive = np.zeros(w.shape[0]), np.zeros(w.shape[0])
-    a_s, a_us, f_d, _ = k.accelerations(c.on, c.p, w, q, u, t, road_rate, rate, drive)
+    c = model.compiled(plant=True)
+    rate, drive, out = np.zeros(w.shape[0]), np.zeros(w.shape[0]), np.zeros((1, 6))
+    kernel(model.catalogue).vehicle_point(
+        c.on, c.slots, c.links, c.p, np.asarray(q, float), np.asarray(w, float), float(u), float(t),
+        float(road_rate), rate, drive, out,
+    )  # fmt: skip
     dw = np.zeros(w.shape[0])
     dw[c.slots] = drive[c.slots] - rate[c.slots] * w[c.slots]
-    dq = np.array([q[1] - q[3], a_s, q[3] - road_rate, a_us])
-    return dq, dw, np.array([a_s, a_us, f_d])
+    dq = np.array([q[1] - q[3], out[0, 0], q[3] - road_rate, out[0, 1]])
+    return dq, dw, out[0, :3].copy()
 
 
 def damper_rate(
     model: Model, w: Array, x: float, v: float, a: float, u: float, t: float = 0.0
 ) -> tuple[Array, float]:
     """Rates of the damper states (n_states,) and the damper force [N] for an imposed motion."""
-    c, k = model.compiled(), kernel(model.catalogue)
-    rate, drive = np.zeros(w.shape[0]), np.zeros(w.shape[0])
-    f_d, _, _ = k.evaluate(c.on, c.p, w, x, v, a, u, t, 0.0, rate, drive)
+    c = model.compiled()
+    s = np.zeros((ROWS, w.shape[0]))
+    s[W], s[0] = w, w
+    f_d, _, _ = kernel(model.catalogue).damper_point(
+        c.on, c.links, c.p, s, float(x), float(v), float(a), float(u), float(t), 0.0
+    )
     dw = np.zeros(w.shape[0])
-    dw[c.slots] = drive[c.slots] - rate[c.slots] * w[c.slots]
+    dw[c.slots] = s[G, c.slots] - s[R, c.slots] * w[c.slots]
     return dw, float(f_d)

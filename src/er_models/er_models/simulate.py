@@ -7,21 +7,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from er_models import sensors
 from er_models.errors import InputError
 from er_models.kernel.load import kernel
 from er_models.model import Array, Compiled, Model
+from er_models.reading import delay, reading
 
-SUBSTEP = 0.625e-3
+SUBSTEP = 0.3125e-3
 """Longest step of the integrator in the quarter car [s]."""
-DEPTH = 16
-"""Duties remembered for the dead time, in samples."""
+LONGEST_DELAY = 0.08
+"""Duties are remembered this long for the dead time [s]."""
 
 
 class State(NamedTuple):
     """State of the quarter car: q = [z_def, v_s, z_us - z_r, v_us], w: damper states, duties: newest last.
 
-    sensors: what the channels remember where the model holds sensing effects.
+    memory: reported velocity, then the measured forces of the last steps, newest last.
     """
 
     t: float
@@ -29,11 +29,11 @@ class State(NamedTuple):
     q: Array
     w: Array
     duties: Array
-    sensors: sensors.Memory
+    memory: Array
 
 
 class Output(NamedTuple):
-    """What the sensors would read without noise, at the end of a step; damper_force is the true one [SI]."""
+    """What the sensors would read without noise, at the end of a step [SI]."""
 
     sprung_acceleration: float
     unsprung_acceleration: float
@@ -45,76 +45,121 @@ class Output(NamedTuple):
 
 @dataclass(frozen=True)
 class Plant:
-    """A vehicle model prepared for stepping with a fixed sample time."""
+    """A vehicle model prepared for stepping with a fixed sample time.
+
+    reading (5,): as `er_models.reading.reading`; depth: duties remembered; kept: forces
+    remembered.
+    """
 
     model: Model
     dt: float
     c: Compiled
     n_sub: int
     tolerance: float
-    channels: sensors.Channels
+    reading: Array
+    depth: int
+    kept: int
 
 
 def prepare(model: Model, dt: float) -> Plant:
-    """Prepare a vehicle model; `InputError` when the quarter car is missing."""
+    """Prepare a vehicle model; `InputError` when the quarter car is missing or a sensor cannot be simulated."""
     if not model.is_vehicle:
-        raise InputError(model.name, "quarter_car", "a vehicle model with quarter_car", "a damper only")
+        raise InputError(
+            model.name, "quarter_car", "a vehicle model with quarter_car", "a damper only"
+        )
     n_sub = max(1, int(np.ceil(dt / SUBSTEP - 1e-9)))
-    physical, channels = sensors.split(model, dt)
-    return Plant(physical, dt, physical.compiled(), n_sub, 1e-9 * model.scales.velocity, channels)
+    return Plant(
+        model, dt, model.compiled(plant=True), n_sub, 1e-9 * model.scales.velocity, reading(model),
+        depth=int(np.ceil(LONGEST_DELAY / dt)) + 1, kept=int(np.ceil(delay(model) * n_sub / dt)) + 3,
+    )  # fmt: skip
 
 
-def initial_state(plant: Plant, road: float = 0.0, duty: float = 0.0, q: Array | None = None) -> State:
+def initial_state(
+    plant: Plant, road: float = 0.0, duty: float = 0.0, q: Array | None = None
+) -> State:
     """At rest on the road, or at the mechanical state q (4,), with the damper settled."""
     c = plant.c
     state = np.zeros(4) if q is None else np.array(q, float)
     w = np.zeros(c.at_rest.shape[0])
-    kernel(plant.model.catalogue).start_vehicle(c.on, c.slots, c.at_rest, c.p, state, w, duty, 0.0)
-    out = np.empty(4)
-    k = kernel(plant.model.catalogue)
-    k.observe_vehicle(c.on, c.p, state, w, np.full(DEPTH, duty), plant.dt, out)
-    memory = sensors.start(state[1] - state[3], float(out[3]))
-    return State(0.0, road, state, w, np.full(DEPTH, duty), memory)
+    memory = np.empty(1 + plant.kept)
+    force = kernel(plant.model.catalogue).start_vehicle(
+        c.on, c.slots, c.at_rest, c.p, state, w, float(duty)
+    )
+    memory[0] = (state[1] - state[3] - plant.reading[4]) / plant.reading[2]
+    memory[1:] = force
+    return State(0.0, float(road), state, w, np.full(plant.depth, float(duty)), memory)
 
 
 def step(plant: Plant, state: State, inputs: tuple[float, float]) -> tuple[State, Output]:
     """Advance by one sample: inputs are the road height at its end [m] and the duty held during it."""
     road, duty = inputs
-    q, w, out = state.q.copy(), state.w.copy(), np.empty(4)
-    duties = np.append(state.duties[1:], duty)
-    c = plant.c
-    kernel(plant.model.catalogue).step_vehicle(
-        c.on, c.slots, c.passes, c.p, q, w, duties, state.t, plant.dt, state.road, road, plant.n_sub,
-        plant.tolerance, out,
-    )  # fmt: skip
-    true = (float(q[0]), float(q[1] - q[3]), float(out[3]))
-    memory, (x, v, force) = sensors.read(plant.channels, state.sensors, true)
-    after = State(state.t + plant.dt, road, q, w, duties, memory)
-    return after, Output(float(out[0]), float(out[1]), x, v, float(out[2]), force)
+    end, _, o = _run(
+        plant, state, np.array([state.road, road], float), np.array([duty], float), False
+    )
+    return end, Output(o[0, 0], o[0, 1], o[0, 4], o[0, 5], o[0, 2], o[0, 3])
 
 
-def simulate(model: Model, dt: float, road: Array, duty: Array, q: Array | None = None) -> dict[str, Array]:
+def simulate(
+    model: Model, dt: float, road: Array, duty: Array, q: Array | None = None
+) -> dict[str, Array]:
     """Noise-free record of the quarter car: the contract's channels, each (n,).
 
-    road (n,): height at each sample; duty (n,): held from each sample on.
+    road (n,): height at each sample; duty (n,): held from each sample on. Where the force jumps
+    with the duty (no response time) a row holds the force under its own duty, while `step` cannot
+    know the next one yet.
     """
     plant = prepare(model, dt)
     start = initial_state(plant, float(road[0]), float(duty[0]), q)
-    n, c = road.shape[0], plant.c
-    states, outputs = np.empty((n, 4)), np.empty((n, 4))
-    kernel(plant.model.catalogue).simulate_vehicle(
-        c.on, c.slots, c.passes, c.p, start.q, start.w, np.ascontiguousarray(duty, float), dt,
-        np.ascontiguousarray(road, float), plant.n_sub, plant.tolerance, states, outputs,
-    )  # fmt: skip
-    x, v, force = sensors.read_all(plant.channels, states[:, 0], states[:, 1] - states[:, 3], outputs[:, 3])
+    _, states, outputs = _run(plant, start, np.asarray(road, float), np.asarray(duty, float), True)
+    states = np.concatenate([start.q[None], states])
+    outputs = np.concatenate([_first(plant, start, road), outputs])
     return {
-        "t": np.arange(n) * dt,
+        "t": np.arange(states.shape[0]) * dt,
         "road": np.asarray(road, float),
-        "deflection": x,
-        "deflection_velocity": v,
+        "deflection": outputs[:, 4],
+        "deflection_velocity": outputs[:, 5],
         "duty": np.asarray(duty, float),
-        "damper_force": force,
+        "damper_force": outputs[:, 3],
         "sprung_acceleration": outputs[:, 0],
         "unsprung_acceleration": outputs[:, 1],
         "tyre_deflection": states[:, 2],
     }
+
+
+def _run(
+    plant: Plant, state: State, road: Array, duty: Array, ahead: bool
+) -> tuple[State, Array, Array]:
+    """State after the road (n + 1,), mechanical states (n, 4) and outputs (n, 6) at the end of each sample."""
+    c, n = plant.c, road.shape[0] - 1
+    q, w, memory = state.q.copy(), state.w.copy(), state.memory.copy()
+    states, outputs = np.empty((n, 4)), np.empty((n, 6))
+    kernel(plant.model.catalogue).run_vehicle(
+        c.on, c.slots, c.links, c.p, q, w, state.duties, np.ascontiguousarray(duty), state.t, plant.dt,
+        np.ascontiguousarray(road), plant.n_sub, plant.tolerance, ahead, plant.reading, memory, states, outputs,
+    )  # fmt: skip
+    duties = np.concatenate([state.duties, duty[:n]])[-plant.depth :]
+    end = State(state.t + n * plant.dt, float(road[-1]), q, w, duties, memory)
+    return end, states, outputs
+
+
+def _first(plant: Plant, start: State, road: Array) -> Array:
+    """Outputs (1, 6) at the start of a record."""
+    c, out, rate = plant.c, np.zeros((1, 6)), np.zeros(start.w.shape[0])
+    slope = float(road[1] - road[0]) / plant.dt if road.shape[0] > 1 else 0.0
+    kernel(plant.model.catalogue).vehicle_point(
+        c.on,
+        c.slots,
+        c.links,
+        c.p,
+        start.q,
+        start.w,
+        start.duties[-1],
+        start.t,
+        slope,
+        rate,
+        rate.copy(),
+        out,
+    )
+    out[0, 4] = (start.q[0] - plant.reading[1]) / plant.reading[0]
+    out[0, 5] = start.memory[0]
+    return out

@@ -5,7 +5,8 @@ from er_models.effect import Effect, Param, Signature
 
 def relax(q: float, k_0: float, c_0: float, x: float, v: float, f_y: float) -> tuple[float, float]:
     """Rate [1/s] and drive [m/s] of the stretch of the mount, from the balance of forces in series."""
-    return (1.0 / (q + 1e-12) + k_0) / (c_0 + 1e-9), v + (k_0 * x + f_y) / (c_0 + 1e-9)
+    damping = c_0 + 1e-9
+    return ((1.0 / q + k_0) / damping, v + (k_0 * x + f_y) / damping) if q > 0.0 else (1e9, 0.0)
 
 
 def shift_deflection(x: float, w: float) -> float:
@@ -13,9 +14,9 @@ def shift_deflection(x: float, w: float) -> float:
     return x - w
 
 
-def shift_velocity(q: float, k_0: float, c_0: float, x: float, f_y: float, w: float) -> float:
+def shift_velocity(q: float, k_0: float, c_0: float, x: float, v: float, f_y: float, w: float) -> float:
     """Velocity of the damper itself [m/s]; x is its own deflection."""
-    return (w / (q + 1e-12) - k_0 * x - f_y) / (c_0 + 1e-9)
+    return (w / q - k_0 * x - f_y) / (c_0 + 1e-9) if q > 0.0 else v
 
 
 EFFECT = Effect(
@@ -33,6 +34,5 @@ EFFECT = Effect(
         experiment="fast sine at several duties",
         rivals=("freeplay", "velocity_lag", "viscoelastic_branch", "force_lag"),
     ),
-    sweeps=8,
     source="Dixon 2007, ch. 4; Duym 2000",
 )

@@ -1,0 +1,61 @@
+"""The order in which the composed damper works, and what follows from it.
+
+    duty, yield_scale, shift_deflection, shift_velocity, target, viscous_scale, stiffness_scale,
+    tau_scale, [response], [states], force, limit, [late states], sense
+
+A state is brought to the end of the step at one of these places. A hook that reads it earlier sees
+the trial of the search in `kernel.states`; the states for which this happens are the links of a
+model.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterable
+
+from er_models.effect import Effect
+
+ORDER = (
+    "duty", "yield_scale", "shift_deflection", "shift_velocity", "target", "viscous_scale",
+    "stiffness_scale", "tau_scale", "response", "states", "force", "limit", "late", "sense",
+)  # fmt: skip
+_MAPS = ("duty", "shift_deflection", "shift_velocity")
+
+
+def relaxes_at(effect: Effect) -> str:
+    """Place of `ORDER` at which an effect's state is brought forward; empty where it has none."""
+    if not effect.has_state:
+        return ""
+    if effect.name == "response":
+        return "response"
+    for hook in _MAPS:
+        if hook in effect.hooks:
+            return hook
+    return "late" if "f_d" in _arguments(effect, "relax") else "states"
+
+
+def feeds_back(effect: Effect) -> bool:
+    """Whether an effect's own state is read before it is brought forward."""
+    place = relaxes_at(effect)
+    if not place:
+        return False
+    early = [hook for hook in effect.hooks if hook in ORDER and _before(hook, place)]
+    return any("w" in _arguments(effect, hook) for hook in ("relax", *early))
+
+
+def reads_yield_early(effects: Iterable[Effect]) -> bool:
+    """Whether any effect reads the yield force f_y before it is brought forward."""
+    for effect in effects:
+        for hook in effect.hooks:
+            place = relaxes_at(effect) if hook == "relax" else hook
+            if place in ORDER and _before(place, "response") and "f_y" in _arguments(effect, hook):
+                return True
+    return False
+
+
+def _before(place: str, other: str) -> bool:
+    return ORDER.index(place) < ORDER.index(other)
+
+
+def _arguments(effect: Effect, hook: str) -> tuple[str, ...]:
+    return tuple(inspect.signature(effect.hooks[hook]).parameters)

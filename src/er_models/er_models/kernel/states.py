@@ -1,0 +1,170 @@
+r"""States of the damper over one step of imposed motion.
+
+Every state relaxes, ``w' = drive - rate w`` with ``rate >= 0``. Where the motion is imposed it is
+integrated exactly for a drive that is linear between the ends of the step (first-order hold;
+Hochbruck and Ostermann 2010, exponential trapezoidal rule): decays are exact, a stiff state
+follows its equilibrium, and one look at the equations per step is enough. Inside the quarter car
+the same step is one implicit stage (`kernel.vehicle`).
+
+The composed `damper` updates each state where the equations first need it, so that a chain of
+states is solved in one pass. States that feed back (`Compiled.links`) are found by a bracketed
+secant, each in its own coordinate.
+
+The text below the marker is compiled together with the equations of a catalogue
+(`kernel.compose`).
+"""
+
+from __future__ import annotations
+
+import math
+
+from er_models.kernel.fast import inline, inner
+
+
+def damper(on, p, s, h, how, x, v, a, u, t, theta):  # type: ignore[no-untyped-def]
+    """Composed from the catalogue: true force, measured force and duty at the fluid; updates s."""
+    raise NotImplementedError("replaced by kernel.compose")
+
+
+# --- below this line: compiled with the composed equations ---
+ROWS = 12
+W0, R0, G0, W, R, G, TRY, LAST, MISS, LOW, HIGH, SLOPE = range(ROWS)
+"""Rows of the workspace s (ROWS, n_states): state, rate and drive at the left end of the step; the same at its right
+end; and what the search for the states that feed back needs."""
+HOLD, STAGE, SETTLE = 0.0, 1.0, 2.0
+"""How a step is taken: first-order hold, one implicit stage, or all the way to equilibrium."""
+INSTANT = 0.999e9
+"""Rate [1/s] from which a state has no inertia: it equals its equilibrium at once."""
+SERIES = 0.02
+"""Below this the weights of the first-order hold come from their series: the formulas would cancel."""
+STIFF = 0.5
+"""Above this a changing rate is taken as changing the pace towards an equilibrium, not its height."""
+PASSES = 40
+"""Looks at the damper after which the search gives up: a jump in an equation has no better answer."""
+CLOSE = 1e-10
+"""Relative error of a state that feeds back."""
+SWEEPS = 9
+"""How often the damper is swept to find where its states begin."""
+RESTING = -1.0
+"""Marks a state that begins at zero, not in equilibrium."""
+
+
+@inline
+def held(w0, rate0, drive0, rate, drive, h):
+    """State after h [s]: exact for a constant rate and a drive linear in time."""
+    z = 0.5 * h * (rate0 + rate)
+    if z < SERIES:
+        one = 1.0 - z * (0.5 - z * (1.0 / 6.0 - z / 24.0))
+        two = 0.5 - z * (1.0 / 6.0 - z * (1.0 / 24.0 - z / 120.0))
+        decay = 1.0 - z * one
+    else:
+        decay = math.exp(-z)
+        one = (1.0 - decay) / z
+        two = (1.0 - one) / z
+    if h * rate0 > STIFF and h * rate > STIFF:
+        return decay * w0 + z * ((one - two) * (drive0 / rate0) + two * (drive / rate))
+    return decay * w0 + h * ((one - two) * drive0 + two * drive)
+
+
+@inline
+def follow(w0, rate0, drive0, rate, drive, h, how):
+    """State at the end of a step of length h, by one of the three ways."""
+    if how == SETTLE:
+        return drive / rate if rate > 0.0 and rate0 != RESTING else 0.0
+    if rate >= INSTANT:
+        return drive / rate
+    if h == 0.0:
+        return w0
+    if how == HOLD:
+        return held(w0, rate0, drive0, rate, drive, h)
+    return (w0 + h * drive) / (1.0 + h * rate)
+
+
+@inline
+def solve(on, links, p, s, h, how, x, v, a, u, t, theta):
+    """Forces and duty at the end of a step of length h, with all states; h = 0 only evaluates."""
+    if links.shape[0]:
+        begin(links, s)
+    forces = (0.0, 0.0, 0.0)
+    for _ in range(PASSES):
+        forces = damper(on, p, s, h, how, x, v, a, u, t, theta)
+        if not links.shape[0] or refined(links, s):
+            break
+    return forces
+
+
+@inner
+def visit(on, links, p, s, h, how, x, v, a, u, t, theta):
+    """As `solve`, called instead of inlined: for places where compiling once more would cost more than the call."""
+    return solve(on, links, p, s, h, how, x, v, a, u, t, theta)
+
+
+@inner
+def begin(links, s):
+    """Start the search where the states are."""
+    for i in range(links.shape[0]):
+        j = links[i]
+        s[TRY, j] = s[W, j]
+        s[MISS, j] = 0.0
+        s[LOW, j] = -math.inf
+        s[HIGH, j] = math.inf
+
+
+@inner
+def refined(links, s):
+    """Whether every state that feeds back agrees with what follows from it; if not, the next trial is set."""
+    worst = 0.0
+    for i in range(links.shape[0]):
+        j = links[i]
+        size = abs(s[W, j]) + abs(s[W0, j])
+        worst = max(worst, abs(s[W, j] - s[TRY, j]) - CLOSE * size)
+    if not worst > 0.0:
+        return True
+    for i in range(links.shape[0]):
+        next_trial(s, links[i])
+    return False
+
+
+@inner
+def next_trial(s, j):
+    """Secant towards the trial that follows from itself, kept between those seen to lie on both sides of it."""
+    at, miss = s[TRY, j], s[W, j] - s[TRY, j]
+    if miss > 0.0:
+        s[LOW, j] = at
+    elif miss < 0.0:
+        s[HIGH, j] = at
+    if s[MISS, j] != 0.0 and at != s[LAST, j]:
+        s[SLOPE, j] = min((miss - s[MISS, j]) / (at - s[LAST, j]), -0.02)
+    if s[SLOPE, j] == 0.0:
+        s[SLOPE, j] = -1.0
+    s[LAST, j], s[MISS, j] = at, miss
+    trial = at - miss / s[SLOPE, j]
+    if not s[LOW, j] <= trial <= s[HIGH, j]:
+        both = s[LOW, j] > -math.inf and s[HIGH, j] < math.inf
+        trial = 0.5 * (s[LOW, j] + s[HIGH, j]) if both else at + miss
+    s[TRY, j] = trial
+    s[W, j] = trial
+
+
+@inline
+def keep(slots, s):
+    """What was the right end of a step becomes the left end of the next."""
+    for i in range(slots.shape[0]):
+        j = slots[i]
+        s[W0, j] = s[W, j]
+        s[R0, j] = s[R, j]
+        s[G0, j] = s[G, j]
+
+
+@inner
+def settle(on, slots, at_rest, p, s, x, v, a, u, theta):
+    """Start every state in equilibrium with the first sample, except those that start at rest; measured force."""
+    for j in range(s.shape[1]):
+        for i in range(ROWS):
+            s[i, j] = 0.0
+        s[R0, j] = RESTING if at_rest[j] else 0.0
+    f_m = 0.0
+    for _ in range(SWEEPS):
+        _, f_m, _ = visit(on, slots[:0], p, s, 0.0, SETTLE, x, v, a, u, 0.0, theta)
+    keep(slots, s)
+    return f_m
