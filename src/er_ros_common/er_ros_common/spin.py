@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import re
 import signal
 import sys
@@ -155,6 +156,15 @@ def _live(factory: Callable[[], Nodes], stopped: Stopped) -> None:
                 on_stop()
         for node in each:
             node.destroy_node()
+
+
+def _show(text: str) -> None:
+    """Print a text that somebody asked for."""
+    try:
+        print(text, flush=True)  # noqa: T201  (it is what was asked for)
+    except BrokenPipeError:
+        # the reader, head for instance, has seen enough: nothing must be left to flush at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _complain(card: Card, text: str, status: int) -> int:
