@@ -43,9 +43,10 @@ class Child:
 
     def _copy(self, out: IO[str]) -> None:
         assert self.process.stdout is not None
-        for line in self.process.stdout:
-            out.write(f"[{self.label}] {line.rstrip()}\n")
-            out.flush()
+        with self.process.stdout as lines:
+            for line in lines:
+                out.write(f"[{self.label}] {line.rstrip()}\n")
+                out.flush()
 
     @property
     def status(self) -> int | None:

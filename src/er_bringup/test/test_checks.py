@@ -1,0 +1,155 @@
+"""What the doctor makes of a graph: each fault named with a cure, and none in a healthy one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from er_bringup.checks import NEEDED, Heard, Observation, SeenNode, problems
+from er_bringup.doctor import document, rows
+from er_ros_common.graph_check import Endpoint
+from er_ros_common.topics import Topic
+
+from er_damper_msgs.msg import NodeStatus
+from er_ros_common import topics
+
+PLANT = {
+    "mode": "realtime",
+    "rate": 200.0,
+    "rate_factor": 1.0,
+    "duty_source": "topic",
+    "use_sim_time": False,
+}
+
+
+def end(node: str, topic: Topic, *, reliable: bool = True, latched: bool = False) -> Endpoint:
+    """A publisher or subscription of the right type."""
+    return Endpoint(node, topic.type_name, reliable, latched)
+
+
+def heard(topic: Topic, **other: Any) -> Heard:
+    """A topic as it should be for three seconds."""
+    good = Heard(
+        topic=topic,
+        name=f"/{topic.name}",
+        publishers=(end("/plant", topic),),
+        subscribers=(end("/recorder", topic),),
+        count=601,
+        span=3.0,
+        ages=(0.001,) * 601,
+    )
+    return replace(good, **other)
+
+
+def healthy(**other: Any) -> Observation:
+    """A graph without a fault."""
+    nodes = (
+        SeenNode("/plant", PLANT, NodeStatus.STATUS_OK, "running"),
+        SeenNode("/skyhook_controller", {"use_sim_time": False, "max_age": 0.05}, 0, "running"),
+    )
+    each = tuple(heard(topic) for topic in (*NEEDED, topics.PWM_COMMAND))
+    return replace(Observation("", 3.0, each, nodes), **other)
+
+
+def with_topic(changed: Heard) -> Observation:
+    """The healthy graph with one topic changed."""
+    return healthy(heard=tuple(changed if h.name == changed.name else h for h in healthy().heard))
+
+
+def kinds(seen: Observation) -> list[tuple[str, str]]:
+    """Where and what."""
+    found = problems(seen)
+    assert all(p.text and p.cure for p in found)
+    return [(p.topic, p.kind) for p in found]
+
+
+def test_a_healthy_graph_has_no_problem() -> None:
+    assert kinds(healthy()) == []
+
+
+def test_an_empty_graph_is_one_problem() -> None:
+    assert kinds(Observation("/fl", 3.0)) == [("/fl", "empty graph")]
+
+
+FORCE = topics.FORCE
+TWO = (end("/plant", FORCE), end("/rig", FORCE))
+
+
+@pytest.mark.parametrize(
+    ("other", "kind"),
+    [
+        ({"publishers": TWO}, "two publishers"),
+        ({"publishers": (Endpoint("/plant", "std_msgs/msg/Float64", True, False),)}, "other type"),
+        ({"subscribers": (Endpoint("/x", "std_msgs/msg/Float64", False, False),)}, "other type"),
+        ({"publishers": (end("/plant", FORCE, reliable=False),)}, "incompatible QoS"),
+        ({"subscribers": (end("/x", FORCE, latched=True),)}, "incompatible QoS"),
+        ({"count": 0, "span": 0.0, "ages": ()}, "silent"),
+        ({"count": 300}, "rate"),
+        ({"count": 1200}, "rate"),
+        ({"ages": (0.001,) * 500 + (0.05,) * 101}, "stale stamps"),
+        ({"ages": (-0.2,) * 601}, "future stamps"),
+        ({"zero": 3}, "zero stamps"),
+        ({"lost": 3}, "lost messages"),
+    ],
+)
+def test_a_sick_topic_is_named(other: dict[str, Any], kind: str) -> None:
+    assert kinds(with_topic(heard(FORCE, **other))) == [("/sensors/force", kind)]
+
+
+def test_a_few_old_stamps_are_no_news() -> None:
+    assert kinds(with_topic(heard(FORCE, ages=(0.001,) * 598 + (0.05,) * 3))) == []
+
+
+@pytest.mark.parametrize("topic", [*NEEDED, topics.PWM_COMMAND])
+def test_a_missing_topic_is_named(topic: Topic) -> None:
+    gone = heard(topic, publishers=(), count=0, span=0.0, ages=())
+    assert kinds(with_topic(gone)) == [(f"/{topic.name}", "missing topic")]
+
+
+def test_nobody_needs_commands_when_the_program_says_the_duty() -> None:
+    gone = heard(topics.PWM_COMMAND, publishers=(), count=0, span=0.0, ages=())
+    plant = SeenNode("/plant", PLANT | {"duty_source": "program"}, 0, "running")
+    assert kinds(replace(with_topic(gone), nodes=(plant,))) == []
+
+
+def test_rates_follow_the_plants_own() -> None:
+    plant = SeenNode("/plant", PLANT | {"rate": 400.0}, 0, "running")
+    assert len(kinds(healthy(nodes=(plant,)))) == len(healthy().heard)
+    twice = tuple(replace(h, count=1201) for h in healthy().heard)
+    assert kinds(healthy(nodes=(plant,), heard=twice)) == []
+
+
+def test_a_node_that_is_not_well_or_does_not_answer() -> None:
+    sick = SeenNode("/observer", {}, NodeStatus.STATUS_LOST, "silent", "no sample")
+    deaf = SeenNode("/plant", None, NodeStatus.STATUS_OK, "running")
+    found = kinds(healthy(nodes=(sick, deaf)))
+    assert ("/observer", "status") in found
+    assert ("/plant", "no answer") in found
+
+
+@pytest.mark.parametrize(("clocks", "kind"), [(0, "no clock"), (2, "two publishers")])
+def test_simulated_time_needs_one_clock(clocks: int, kind: str) -> None:
+    plant = SeenNode("/plant", PLANT | {"mode": "sim_time"}, 0, "running")
+    listener = SeenNode("/observer", {"use_sim_time": True, "max_age": 0.0}, 0, "running")
+    assert ("/clock", kind) in kinds(healthy(nodes=(plant, listener), clock_publishers=clocks))
+    assert kinds(healthy(nodes=(plant, listener), clock_publishers=1)) == []
+
+
+def test_simulated_stamps_against_the_system_clock_are_found() -> None:
+    plant = SeenNode("/plant", PLANT | {"mode": "sim_time"}, 0, "running")
+    listener = SeenNode("/observer", {"use_sim_time": False, "max_age": 0.02}, 0, "running")
+    found = kinds(healthy(nodes=(plant, listener), clock_publishers=1))
+    assert found == [("/observer", "mixed time")]
+
+
+def test_the_document_holds_what_the_table_shows() -> None:
+    seen = with_topic(heard(FORCE, lost=3))
+    made = document(seen, problems(seen))
+    assert made["healthy"] is False
+    assert len(rows(seen)) == len(seen.heard)
+    (problem,) = made["problems"]  # type: ignore[misc]
+    assert problem["kind"] == "lost messages"

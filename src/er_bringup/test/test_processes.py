@@ -1,0 +1,114 @@
+"""Child processes: prefixed lines, exit statuses, and nobody left behind."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+import sys
+from time import monotonic, sleep
+
+import pytest
+from er_bringup.processes import Child, stop, worst
+
+
+def child(code: str, out: io.StringIO | None = None, label: str = "node") -> Child:
+    """A Python program as a child."""
+    return Child(label, [sys.executable, "-u", "-c", code], out or io.StringIO())
+
+
+def ended(one: Child, seconds: float = 10.0) -> int:
+    """Exit status once it has ended."""
+    until = monotonic() + seconds
+    while one.status is None:
+        assert monotonic() < until
+        sleep(0.01)
+    one.finish()
+    return one.status
+
+
+def said(out: io.StringIO, word: str) -> str:
+    """What was printed, once the word is in it."""
+    until = monotonic() + 10.0
+    while word not in out.getvalue():
+        assert monotonic() < until, out.getvalue()
+        sleep(0.01)
+    return out.getvalue()
+
+
+def test_lines_carry_the_label() -> None:
+    out = io.StringIO()
+    one = child("import sys; print('a'); print('b', file=sys.stderr)", out, "plant")
+    assert ended(one) == 0
+    assert sorted(out.getvalue().splitlines()) == ["[plant] a", "[plant] b"]
+
+
+@pytest.mark.parametrize(
+    ("code", "status"),
+    [("raise SystemExit(3)", 3), ("import os; os.kill(os.getpid(), 9)", 128 + 9)],
+)
+def test_exit_statuses_are_those_of_a_shell(code: str, status: int) -> None:
+    assert ended(child(code)) == status
+
+
+def test_ctrl_c_is_enough_for_a_good_node() -> None:
+    good = (
+        "import signal, sys, time\nsignal.signal(signal.SIGINT, lambda *_: sys.exit(0))\n"
+        "print('ready')\ntime.sleep(60)"
+    )
+    one = child(good, out := io.StringIO())
+    said(out, "ready")
+    stop([one])
+    assert one.status == 0
+
+
+def test_a_deaf_node_and_its_children_are_killed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("er_bringup.processes.PATIENCE", 0.2)
+    monkeypatch.setattr("er_bringup.processes.LAST_PATIENCE", 0.2)
+    deaf = (
+        "import signal, subprocess, sys, time\n"
+        "for n in (signal.SIGINT, signal.SIGTERM): signal.signal(n, signal.SIG_IGN)\n"
+        "p = subprocess.Popen([sys.executable, '-c', 'import time; time.sleep(60)'])\n"
+        "print('child', p.pid)\ntime.sleep(60)"
+    )
+    out = io.StringIO()
+    one = child(deaf, out)
+    grandchild = int(said(out, "child").split()[-1])
+    stop([one])
+    assert one.status == 128 + signal.SIGKILL
+    until = monotonic() + 5.0
+    while _alive(grandchild):
+        assert monotonic() < until
+        sleep(0.01)
+
+
+def _alive(pid: int) -> bool:
+    """Whether a process runs; one that ended but was not waited for does not."""
+    try:
+        with open(f"/proc/{pid}/stat", encoding="utf-8") as file:
+            return file.read().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def test_the_kernel_ends_a_child_whose_parent_was_killed() -> None:
+    code = (
+        "import io, sys, time\nfrom er_bringup.processes import Child\n"
+        "c = Child('x', [sys.executable, '-c', 'import time; time.sleep(60)'], io.StringIO())\n"
+        "print('pid', c.process.pid)\ntime.sleep(60)"
+    )
+    out = io.StringIO()
+    parent = child(code, out)
+    grandchild = int(said(out, "pid").split()[-1])
+    assert _alive(grandchild)
+    os.kill(parent.process.pid, signal.SIGKILL)
+    assert ended(parent) == 128 + signal.SIGKILL
+    until = monotonic() + 5.0
+    while _alive(grandchild):
+        assert monotonic() < until
+        sleep(0.01)
+
+
+def test_the_worst_status_counts() -> None:
+    assert worst({"a": 0, "b": 2, "c": 0}) == 2
+    assert worst({}) == 0

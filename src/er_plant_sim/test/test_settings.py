@@ -1,0 +1,125 @@
+"""Parameters of the plant node: which there are, and the rig they make."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from er_models.errors import InputError
+from er_models.program import load_program
+from er_plant_sim.build import build, load_given_program
+from er_plant_sim.duty_gate import Command, Reason
+from er_plant_sim.rig import Rig, advance, decide, finished, receive, road, sense, start, time
+from er_plant_sim.settings import table
+from er_ros_common.parameter_table import build as checked
+
+CONFIG = Path(__file__).parents[3] / "config"
+BASE = {"model_file": str(CONFIG / "vehicles/inove_quarter_car.yaml"), "safe_duty": 0.1}
+CHIRP = str(CONFIG / "experiments/chirp.yaml")
+
+
+def parameters(**given: Any) -> Any:
+    """Parameters as the node would get them; a double underscore stands for a dot."""
+    named = {key.replace("__", "."): value for key, value in given.items()}
+    return checked(table(named), BASE | named, {})
+
+
+def rig(**given: Any) -> Rig:
+    """The rig of these parameters."""
+    return build(parameters(**given))
+
+
+def test_the_program_file_is_taken_as_it_is() -> None:
+    assert load_given_program(parameters(program_file=CHIRP)).road == load_program(CHIRP).road
+
+
+def test_single_settings_go_over_the_file() -> None:
+    program = load_given_program(parameters(program_file=CHIRP, road__f1=5.0, duty__level=0.1))
+    assert program.road["f1"] == 5.0
+    assert program.road["amplitude"] == load_program(CHIRP).road["amplitude"]
+    assert program.duty["level"] == 0.1
+
+
+def test_another_kind_keeps_nothing_of_the_file() -> None:
+    program = load_given_program(
+        parameters(program_file=CHIRP, road__kind="step", road__height=0.01)
+    )
+    assert dict(program.road) == {"kind": "step", "height": 0.01}
+
+
+def test_duration_and_seed_are_the_programs_unless_given() -> None:
+    program = load_given_program(parameters(program_file=CHIRP))
+    assert (program.duration, program.seed) == (20.0, 0)
+    program = load_given_program(parameters(program_file=CHIRP, duration=3.0, seed=9))
+    assert (program.duration, program.seed) == (3.0, 9)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({}, "program_file: expected a program file, or road.kind"),
+        ({"road__kind": "sine"}, "road.amplitude"),
+        ({"road__kind": "sine", "road__height": 1.0}, "road.height: expected one of"),
+        ({"program_file": CHIRP, "rate_factor": 0.0}, "rate_factor: expected above 0"),
+        ({"program_file": CHIRP, "rate_factor": 3.0}, "rate_factor: expected 1 in mode realtime"),
+        ({"program_file": CHIRP, "safe_duty": 0.5}, "safe_duty"),
+    ],
+)
+def test_what_does_not_fit_is_named(given: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        rig(**given)
+
+
+def test_a_setting_that_no_road_has_is_unknown() -> None:
+    with pytest.raises(
+        InputError, match=r"road.ampltude: expected .* .did you mean road.amplitude"
+    ):
+        parameters(program_file=CHIRP, road__ampltude=0.1)
+
+
+def test_the_limits_of_the_duty_come_from_the_model() -> None:
+    made = rig(program_file=CHIRP, duty__level=0.9)
+    assert made.gate.duty_max == 0.3
+    _, applied = decide(made, start(made))
+    assert (applied.duty, applied.saturated) == (0.3, True)
+
+
+def test_a_peak_velocity_means_the_known_vehicle_not_what_is_hidden_in_it() -> None:
+    program = str(CONFIG / "experiments/iso_steps.yaml")
+    bingham = str(CONFIG / "dampers/inove_bingham.yaml")
+    known, other = rig(program_file=program), rig(program_file=program, damper_file=bingham)
+    assert [road(known, k) for k in range(400)] == [road(other, k) for k in range(400)]
+    assert "bingham_yield" in other.sim.plant.model.effects
+
+
+def test_the_rig_ends_with_the_program() -> None:
+    made = rig(program_file=CHIRP, duration=0.05)
+    state, ticks = start(made), []
+    while not finished(made, state):
+        ticks.append(sense(made, state).tick)
+        state = advance(made, decide(made, state)[0])
+    assert ticks == list(range(1, 11))
+
+
+def test_without_end_it_never_ends() -> None:
+    made = rig(program_file=CHIRP, duration=0.0)
+    state = start(made)
+    for _ in range(3):
+        state = advance(made, state)
+    assert not finished(made, state)
+
+
+def test_commands_count_only_where_they_are_asked_for() -> None:
+    for source, reason in (("topic", Reason.COMMAND), ("program", Reason.PROGRAM)):
+        made = rig(program_file=CHIRP, duty_source=source)
+        state = start(made)
+        state = receive(made, state, Command(time(made, state), 1, 0.2, 2), valid=True)
+        assert decide(made, state)[1].reason is reason
+
+
+def test_the_seed_makes_road_and_noise() -> None:
+    program = str(CONFIG / "experiments/iso_steps.yaml")
+    same = [rig(program_file=program, seed=s, noise__force=0.1) for s in (4, 4, 5)]
+    heights = [[road(made, k) for k in range(50)] for made in same]
+    forces = [sense(made, start(made)).force for made in same]
+    assert heights[0] == heights[1] != heights[2]
+    assert forces[0] == forces[1] != forces[2]
