@@ -1,0 +1,73 @@
+"""What ROS 2 is silent about: other types, incompatible ends, two publishers."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from er_ros_common.graph_check import Endpoint, check_topic, endpoints, watch
+
+from er_ros_common import topics
+
+NAME = "/sensors/force"
+TYPE = topics.FORCE.type_name
+
+
+def end(*, reliable: bool = True, latched: bool = False, kind: str = TYPE) -> Endpoint:
+    """One end of the topic."""
+    return Endpoint("/somebody", kind, reliable, latched)
+
+
+@pytest.mark.parametrize(
+    ("sender", "taker", "fits"),
+    [
+        (end(), end(), True),
+        (end(), end(reliable=False), True),
+        (end(reliable=False), end(reliable=False), True),
+        (end(reliable=False), end(), False),
+        (end(latched=True), end(), True),
+        (end(), end(latched=True), False),
+    ],
+)
+def test_a_listener_must_not_ask_for_more_than_is_offered(
+    sender: Endpoint, taker: Endpoint, *, fits: bool
+) -> None:
+    found = check_topic(topics.FORCE, NAME, [sender], [taker])
+    assert [p.kind for p in found] == ([] if fits else ["incompatible QoS"])
+
+
+def test_other_types_are_found_on_both_ends() -> None:
+    other = end(kind="std_msgs/msg/Float64")
+    found = check_topic(topics.FORCE, NAME, [other], [other])
+    assert [p.kind for p in found] == ["other type"] * 2
+    assert "std_msgs/msg/Float64" in found[0].text
+
+
+@pytest.mark.parametrize(("single", "count"), [(True, 1), (False, 0)])
+def test_two_publishers_count_where_there_must_be_one(*, single: bool, count: int) -> None:
+    assert len(check_topic(topics.FORCE, NAME, [end(), end()], [], single=single)) == count
+
+
+def test_a_running_graph_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "9")
+    import rclpy
+    from rclpy.context import Context
+    from rclpy.node import Node
+    from std_msgs.msg import Float64
+
+    context = Context()
+    rclpy.init(args=[], context=context)
+    try:
+        node = Node("probe", context=context, namespace="fl", enable_rosout=False)
+        publisher = topics.FORCE.publisher
+        node.create_publisher(topics.FORCE.type, topics.FORCE.name, publisher)
+        node.create_subscription(Float64, topics.ROAD.name, print, 10)
+        senders, takers = endpoints(node, "/fl/sensors/force")
+        assert senders == [Endpoint("/fl/probe", TYPE, reliable=True, latched=False)]
+        assert takers == []
+        found = watch(node, [topics.FORCE, topics.ROAD])
+        assert [(p.topic, p.kind) for p in found] == [("/fl/sensors/road", "other type")]
+        node.destroy_node()
+    finally:
+        rclpy.shutdown(context=context)
