@@ -13,6 +13,7 @@ from itertools import zip_longest
 from pathlib import Path
 
 import yaml
+
 from er_models.errors import InputError
 
 BODY = "ros__parameters"

@@ -16,7 +16,6 @@ from types import FrameType
 from typing import Any
 
 import rclpy
-from er_models.errors import ErError
 from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError
 from rclpy.exceptions import ROSInterruptException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
@@ -25,6 +24,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
+from er_models.errors import ErError
 from er_ros_common.help import Card, render
 from er_ros_common.parameter_files import check_files
 
@@ -117,7 +117,7 @@ def run(factory: Callable[[], Nodes], card: Card, args: Sequence[str] | None = N
     """
     argv = list(sys.argv[1:] if args is None else args)
     if any(a in ("-h", "--help") for a in argv):
-        print(render(card))
+        _show(render(card))
         return 0
     try:
         check_files(argv)
@@ -161,7 +161,7 @@ def _live(factory: Callable[[], Nodes], stopped: Stopped) -> None:
 def _show(text: str) -> None:
     """Print a text that somebody asked for."""
     try:
-        print(text, flush=True)  # noqa: T201  (it is what was asked for)
+        print(text, flush=True)
     except BrokenPipeError:
         # the reader, head for instance, has seen enough: nothing must be left to flush at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
