@@ -92,10 +92,10 @@ def spin(nodes: Nodes, stopped: Stopped | None = None, kind: str = "events") -> 
     # what was made so far stays for good: the collector need not look at it in the loop
     gc.collect()
     gc.freeze()
-    never: Future = Future()
     try:
         while not stopped.signal and rclpy.ok():
-            executor.spin_until_future_complete(never, timeout_sec=ATTENTION)
+            # a new one each time: every call hangs one more callback on the future it is given
+            executor.spin_until_future_complete(Future(), timeout_sec=ATTENTION)
     except (ExternalShutdownException, ROSInterruptException, KeyboardInterrupt):
         pass
     except RCLError:

@@ -202,3 +202,19 @@ def test_missing_events_executor_falls_back_and_says_so(
     done: Future = Future()
     done.set_result(None)
     executor.spin_until_future_complete(done, timeout_sec=1.0)
+
+
+def test_waiting_does_not_pile_up_callbacks(here: Node, monkeypatch: pytest.MonkeyPatch) -> None:
+    executor = rclpy.executors.SingleThreadedExecutor()
+    wait, futures = executor.spin_until_future_complete, []
+
+    def watched(future: Future, timeout_sec: float) -> None:
+        wait(future, timeout_sec=timeout_sec)
+        futures.append(future)
+        if len(futures) == 3:
+            rclpy.try_shutdown()
+
+    monkeypatch.setattr(executor, "spin_until_future_complete", watched)
+    monkeypatch.setattr(spin_module, "make_executor", lambda *_: executor)
+    spin_module.spin(here)
+    assert [len(future._callbacks) for future in futures] == [1, 1, 1]
