@@ -147,8 +147,10 @@ class NlpvPolytopicObserver(Node):
         self.force.publish(message)
 
     def on_watch(self) -> None:
-        """Say that the estimate is no longer valid when the samples stay away."""
-        if self.heard_at and monotonic() - self.heard_at > self.p.timeout:
+        """Say once that the estimate is no longer valid when the samples stay away."""
+        if not self.heard_at or self.silent:
+            return
+        if monotonic() - self.heard_at > self.p.timeout:
             self.silent = True
             message = builders.damper_force(
                 self.last, 0.0, status=DamperForce.STATUS_LOST, valid=False

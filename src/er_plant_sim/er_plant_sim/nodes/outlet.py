@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from time import monotonic
 
 from er_ros_common.builders import Tick
 from er_ros_common.clock import to_stamp
@@ -19,8 +20,8 @@ from er_ros_common import topics
 
 CLOCK_RATE = 200.0
 """Most messages per second on /clock: more costs every listener dearly."""
-ACKNOWLEDGED = Duration(seconds=1.0)
-"""Time the subscribers get to take the last messages."""
+TAKEN = 0.3
+"""Time the subscribers get to take the last messages [s]; they acknowledge only now and then."""
 
 
 class Outlet:
@@ -59,5 +60,6 @@ class Outlet:
 
     def flush(self) -> None:
         """Wait until reliable subscribers have taken the last messages."""
+        until = monotonic() + TAKEN
         for publisher in self._all():
-            publisher.wait_for_all_acked(ACKNOWLEDGED)
+            publisher.wait_for_all_acked(Duration(seconds=max(until - monotonic(), 0.0)))
