@@ -63,12 +63,16 @@ def nlpv_polytopic_command(
 
 @app.command("evaluate")
 def evaluate_command(
-    model: ModelFile, gains: Annotated[Path, typer.Option(help="Gain file.")]
+    model: ModelFile,
+    gains: Annotated[Path, typer.Option(help="Gain file of that model.")],
+    plant: Annotated[
+        Path | None, typer.Option(help="Vehicle model to simulate, if it is another one.")
+    ] = None,
 ) -> None:
     """Errors of the observer on simulated drives with sensor noise and a wrong start."""
     car = load_model(model)
-    loaded = load_gains(gains, car)
-    Console().print(score_table([evaluate(car, loaded, scenario) for scenario in SCENARIOS]))
+    loaded, driven = load_gains(gains, car), load_model(plant) if plant else car
+    Console().print(score_table([evaluate(driven, loaded, scenario) for scenario in SCENARIOS]))
 
 
 def synthesise(model: Model, spec: Spec, force: float = 5.0) -> tuple[Claim, Certificate]:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 from er_models.model import Array, Model
+from er_models.road import profile
 from er_models.simulate import simulate
 from er_observers.gains import Gains
 from er_observers.observers.evaluate import replay
@@ -116,6 +117,23 @@ def test_short_dropout_keeps_the_state(gains: Gains, drive: Drive) -> None:
     assert state.resets == 0
     assert estimates[206].status is Status.DEGRADED
     assert estimates[206 + 22].status is Status.OK
+
+
+def test_bridging_beats_holding_the_measurement(car: Model, gains: Gains) -> None:
+    """ISO road, gaps of 30 ms: the model alone is nearer to the truth than a held measurement."""
+    t = np.arange(2400) * DT
+    record = simulate(car, DT, 0.2 * profile({"kind": "iso8608"}, t, 6), np.full(t.size, 0.1))
+    gap = (np.arange(t.size) % 40 < 6) & (t > 1.0)
+    source = np.maximum.accumulate(np.where(gap, 0, np.arange(t.size)))
+    columns = ("sprung_acceleration", "unsprung_acceleration")
+    held = {**record, **{c: record[c][source] for c in columns}}
+    bridged = {**record, **{c: np.where(gap, NAN, record[c]) for c in columns}}
+
+    def error(channels: dict[str, Array]) -> float:
+        force = np.array([e.force for e in replay(gains, channels)])
+        return float(np.sqrt(np.mean((force - record["damper_force"])[gap] ** 2)))
+
+    assert error(bridged) < 0.85 * error(held)
 
 
 def test_late_and_double_samples_change_nothing(gains: Gains, drive: Drive) -> None:

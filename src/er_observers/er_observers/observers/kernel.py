@@ -17,6 +17,8 @@ field).
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import TypeVar, cast
 
 import numpy as np
 from numba import njit
@@ -29,6 +31,19 @@ SUBSTEP = 3.125e-4
 
 _TERMS = 13
 _NEAR = 1e-2
+_SATURATED = 20.0
+_LN_2 = math.log(2.0)
+
+
+F = TypeVar("F", bound=Callable[..., object])
+
+
+def compiled(function: F) -> F:
+    """The function compiled, on disk where there is a place for it and in memory where not."""
+    try:
+        return cast(F, njit(cache=True, error_model="numpy")(function))
+    except RuntimeError:  # numba finds no folder it may write to
+        return cast(F, njit(error_model="numpy")(function))
 
 
 def substeps(dt: float) -> int:
@@ -36,7 +51,7 @@ def substeps(dt: float) -> int:
     return max(1, math.ceil(dt / SUBSTEP - 1e-6))
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _multiply(a: Array, b: Array, out: Array) -> None:
     """Product a b of square matrices (n, n) into out."""
     n = a.shape[0]
@@ -48,7 +63,7 @@ def _multiply(a: Array, b: Array, out: Array) -> None:
             out[i, j] = total
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _apply(a: Array, x: Array) -> Array:
     """Product a x, (n, m) times (m,)."""
     out = np.zeros(a.shape[0])
@@ -58,7 +73,7 @@ def _apply(a: Array, x: Array) -> Array:
     return out
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _small_phi(a: Array, phi: Array, product: Array) -> None:
     """Fill phi (3, n, n) for a matrix a (n, n) of norm below one, by Taylor series."""
     n = a.shape[0]
@@ -74,7 +89,7 @@ def _small_phi(a: Array, phi: Array, product: Array) -> None:
             phi[level, i, i] += 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _double_phi(phi: Array, square: Array, product: Array) -> None:
     """From phi of a to phi of 2 a, in place."""
     n = square.shape[0]
@@ -88,7 +103,7 @@ def _double_phi(phi: Array, square: Array, product: Array) -> None:
     phi[0, :, :] = square
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def phi_functions(m: Array) -> Array:
     """The three matrices (3, n, n) phi_0 = exp(m), phi_1 and phi_2 of m (n, n)."""
     n = m.shape[0]
@@ -106,55 +121,71 @@ def phi_functions(m: Array) -> Array:
     return phi
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _log_cosh(s: float) -> float:
     """Natural logarithm of cosh s, without overflow."""
-    return abs(s) + math.log1p(math.exp(-2.0 * abs(s))) - math.log(2.0)
+    size = abs(s)
+    if size > _SATURATED:
+        return size - _LN_2
+    return size + math.log1p(math.exp(-2.0 * size)) - _LN_2
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
+def _tanh(s: float) -> float:
+    """Hyperbolic tangent; where it is one in doubles, without asking the library."""
+    return math.tanh(s) if abs(s) <= _SATURATED else math.copysign(1.0, s)
+
+
+@compiled
 def mean_gate(s_0: float, s_1: float) -> tuple[float, float]:
-    """Mean of tanh between s_0 and s_1, and its derivative by s_1 (0 to 1/2 near s_0)."""
+    """Mean of tanh between s_0 and s_1, and its derivative by s_1 (0 to 1/2)."""
+    return _mean_gate(s_0, _log_cosh(s_0), s_1)
+
+
+@compiled
+def _mean_gate(s_0: float, area_0: float, s_1: float) -> tuple[float, float]:
+    """As `mean_gate`, with the integral of tanh up to s_0 at hand."""
     step = s_1 - s_0
     if abs(step) < _NEAR:
-        t = math.tanh(0.5 * (s_0 + s_1))
+        t = _tanh(0.5 * (s_0 + s_1))
         slope = 1.0 - t * t
         bend = -2.0 * t * slope
         third = (6.0 * t * t - 2.0) * slope
         mean = t + bend * step * step / 24.0
         return mean, 0.5 * slope + bend * step / 12.0 + third * step * step / 48.0
-    mean = (_log_cosh(s_1) - _log_cosh(s_0)) / step
-    return mean, (math.tanh(s_1) - mean) / step
+    mean = (_log_cosh(s_1) - area_0) / step
+    return mean, (_tanh(s_1) - mean) / step
 
 
-@njit(cache=True, error_model="numpy")
-def solve_gate(s_0: float, free: float, gain: float) -> float:
-    """Root s_1 of ``s_1 = free + gain * mean_gate(s_0, s_1)`` for gain < 2.
+@compiled
+def solve_gate(s_0: float, free: float, gain: float) -> tuple[float, float]:
+    """Root s_1 of ``s_1 = free + gain * mean_gate(s_0, s_1)`` for gain < 2, and the mean there.
 
     Newton within a bracket; where its steps do not halve, bisection.
     """
     reach = abs(gain) + 1e-9 * (1.0 + abs(gain) + abs(free))  # a saturated gate's root lies inside
     low, high = free - reach, free + reach
-    s_1 = min(max(s_0, low), high)
+    s_1, area_0 = free + gain * _tanh(s_0), _log_cosh(s_0)
     before = 2.0 * (high - low)
+    mean = 0.0
     for _ in range(100):
-        mean, slope = mean_gate(s_0, s_1)
+        mean, slope = _mean_gate(s_0, area_0, s_1)
         residual = s_1 - free - gain * mean
         if residual > 0.0:
             high = s_1
         else:
             low = s_1
         step = -residual / (1.0 - gain * slope)
-        if abs(step) <= 1e-12 * (1.0 + abs(s_1)):
-            return s_1 + step
+        if abs(step) <= 1e-10 * (1.0 + abs(s_1)):  # squared by the last step
+            return s_1 + step, mean + slope * step
         if not low < s_1 + step < high or abs(step) > 0.5 * before:
             step = 0.5 * (low + high) - s_1
         s_1 += step
         before = abs(step)
-    return s_1
+    return s_1, mean
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _march(
     phi: Array, drive: Array, ramp: Array, kick: Array, gamma: Array, n_sub: int, x: Array
 ) -> float:
@@ -177,15 +208,13 @@ def _march(
                 now = drive[j] + k * ramp[j]
                 free[i] += phi[0, i, j] * x[j] + phi[1, i, j] * now + phi[2, i, j] * ramp[j]
             target += gamma[i] * free[i]
-        s_1 = solve_gate(s_0, target, gain)
-        mean, _ = mean_gate(s_0, s_1)
+        s_0, mean = solve_gate(s_0, target, gain)
         for i in range(n):
             x[i] = free[i] + kick[i] * mean
-        s_0 = s_1
     return s_0
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def advance(
     size: Array, m_0: Array, m_1: Array, l_0: Array, l_1: Array, b: Array, gamma: Array,
     x: Array, y_0: Array, y_1: Array, rho: float, dt: float, n_sub: int, out: Array,

@@ -21,7 +21,7 @@ from er_observers import gains as gain_files
 from er_observers.gains import Gains
 from er_observers.observers import watch as watching
 from er_observers.observers.kernel import advance, substeps
-from er_observers.observers.status import ROUNDING, Health, Status, judge
+from er_observers.observers.status import LIMITS, ROUNDING, Health, Limits, Status, judge
 
 NAME = "nlpv_polytopic"
 
@@ -74,12 +74,12 @@ class State(NamedTuple):
     rejected: int
 
 
-def load_gains(path: str | Path, model: Model) -> Gains:
+def load_gains(path: str | Path, model: Model, limits: Limits = LIMITS) -> Gains:
     """Gains of this observer for this model, proved again, and the observer compiled.
 
     Raises `InputError` in one line when they are not (see `er_observers.gains`).
     """
-    gains = gain_files.load_gains(path, model, NAME)
+    gains = gain_files.load_gains(path, model, NAME, limits)
     rest = Sample(0.0, 0.0, 0.0, 0.0)
     step(gains, start(gains, rest), rest._replace(t=0.005))
     return gains
