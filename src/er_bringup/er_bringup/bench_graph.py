@@ -100,7 +100,7 @@ def flows(bag: Path) -> list[Flow]:
                     rows.setdefault(connection.topic, []).append((m.seq, stamp, arrival))  # type: ignore[attr-defined]
     start = min(stamp for each in rows.values() for _, stamp, _ in each)
     tables = {topic: np.array(each, np.int64) for topic, each in sorted(rows.items())}
-    return [flow(topic, *table.T, start) for topic, table in tables.items()]
+    return [flow(topic, t[:, 0], t[:, 1], t[:, 2], start) for topic, t in tables.items()]
 
 
 def run(seconds: float, bag: Path, *, controller: bool) -> list[Load]:

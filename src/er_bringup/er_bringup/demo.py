@@ -18,6 +18,8 @@ from typing import Any
 
 from er_models.errors import ErError
 from er_models.files import load_model, save_model
+from er_models.model import Model
+import numpy as np
 from rich.console import Console
 from rich.table import Table
 
@@ -76,7 +78,8 @@ def play(demo: Demo, console: Console) -> Verdict:
     new = demo.out / "model.yaml"
     outcome = improve(Request([learn], model_file, demo.seed, (check,)), new)
     page = write_report(outcome.view, demo.out / "report")
-    verdict = judge(outcome.result, hidden, time.monotonic() - began)
+    truth_reaches = reach(truth, [learn, check])
+    verdict = judge(outcome.result, hidden, truth_reaches, time.monotonic() - began)
     (demo.out / "result.json").write_text(
         json.dumps(outcome.result, indent=1) + "\n", encoding="utf-8"
     )
@@ -107,10 +110,13 @@ def record(
     return bag
 
 
-def judge(result: dict[str, Any], hidden: str | None, seconds: float) -> Verdict:
-    """Success: the right name (or a group the data cannot tell apart that holds it), and the floor reached."""
+def judge(result: dict[str, Any], hidden: str | None, floor: float, seconds: float) -> Verdict:
+    """Success: the right name (or a pair the data cannot tell apart that holds it), and the floor reached.
+
+    floor: error of the true model on the same run; nothing can do better but by luck.
+    """
     found = tuple(result["effects"])
-    after, floor = result["rmse_after"]["held_out"], result["noise_floor"]
+    after = result["rmse_after"]["held_out"]
     if hidden is None:
         right = result["verdict"] == "adequate"
     else:
@@ -144,7 +150,12 @@ def show(v: Verdict, result: dict[str, Any], console: Console) -> None:
         table.add_row(
             label, f"{step['rmse_held_out']:.3f}", f"{step['rmse_held_out'] / v.floor:.2f}"
         )
-    table.add_row("noise floor", f"{v.floor:.3f}", "1.00")
+    table.add_row("noise floor: the true model", f"{v.floor:.3f}", "1.00")
+    table.add_row(
+        "noise floor as the lab sees it",
+        f"{result['noise_floor']:.3f}",
+        f"{result['noise_floor'] / v.floor:.2f}",
+    )
     console.print(table)
     console.print(
         f"hidden: {v.hidden or 'nothing'}   verdict: {v.verdict}   found: {', '.join(v.found) or 'nothing'}"

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from statistics import median
+from typing import NoReturn
 
 from er_models.files import write_whole
 from er_ros_common.graph_check import Problem
@@ -23,9 +24,18 @@ from er_bringup.checks import Heard, Observation, problems
 HEALTHY, UNHEALTHY, BAD_USAGE = 0, 1, 2
 
 
-def parser() -> argparse.ArgumentParser:
+class OneLine(argparse.ArgumentParser):
+    """Says what is wrong in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """End with the line and the status of bad usage."""
+        sys.stderr.write(f"{self.prog}: {message}\n")
+        sys.exit(BAD_USAGE)
+
+
+def parser() -> OneLine:
     """Options of the command."""
-    p = argparse.ArgumentParser(
+    p = OneLine(
         prog="er doctor",
         description="Check a running graph: types, QoS, rates, stamps, parameters, health.",
         allow_abbrev=False,
@@ -99,10 +109,9 @@ def show(seen: Observation, found: Sequence[Problem], console: Console) -> None:
 def main() -> None:
     """Entry point of the command."""
     p = parser()
-    p.error = _complain  # type: ignore[method-assign,assignment]
     options = p.parse_args()
     if not 0.1 <= options.seconds <= 600.0:
-        _complain(f"--seconds: expected 0.1 to 600, found {options.seconds:g}")
+        p.error(f"--seconds: expected 0.1 to 600, found {options.seconds:g}")
     # only now: help and bad usage need no ROS
     from er_bringup.ros_listen import observe
 
@@ -116,11 +125,6 @@ def main() -> None:
         if options.json:
             write_whole(Path(options.json), text)
     sys.exit(UNHEALTHY if found else HEALTHY)
-
-
-def _complain(message: str) -> None:
-    sys.stderr.write(f"er doctor: {message}\n")
-    sys.exit(BAD_USAGE)
 
 
 if __name__ == "__main__":

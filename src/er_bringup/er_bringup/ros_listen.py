@@ -7,6 +7,7 @@ from time import monotonic, time_ns
 from typing import Any
 
 import rclpy
+from rclpy.utilities import try_shutdown
 from er_ros_common.clock import from_stamp
 from er_ros_common.graph_check import compatible, endpoints
 from er_ros_common.parameter_reader import ParameterReader
@@ -66,7 +67,7 @@ def observe(namespace: str, seconds: float) -> Observation:
         node = Node("doctor", namespace=namespace, enable_rosout=False)
         return _Listener(node, namespace).observe(seconds)
     finally:
-        rclpy.try_shutdown()
+        try_shutdown()
 
 
 class _Listener:

@@ -10,7 +10,7 @@ import json
 import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from er_models.errors import InputError
 from rosbags.interfaces import Connection, Qos
@@ -19,7 +19,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from er_model_lab.message_definitions import full_definition
 
 STORAGES = {"mcap": StoragePlugin.MCAP, "sqlite3": StoragePlugin.SQLITE3}
-VERSION = 9
+VERSION: Final = 9
 """Version of rosbag2's metadata: that of ROS 2 Jazzy."""
 
 

@@ -137,9 +137,7 @@ def _steps(box: Box, theta: Array) -> Array:
     return np.asarray(np.where(theta + step > box.high, -step, step))
 
 
-def _jacobian(
-    box: Box, theta: Array, f: Array, problem: Problem, known: Array | None
-) -> Array:
+def _jacobian(box: Box, theta: Array, f: Array, problem: Problem, known: Array | None) -> Array:
     """Derivative of the force (n, p) by scaled parameters, one batch of predictions.
 
     Columns that are known already are taken over.

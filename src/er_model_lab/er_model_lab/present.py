@@ -117,7 +117,7 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         "verdict": found.verdict,
         "effects": list(found.effects),
         "alternatives": [list(group) for group in found.alternatives],
-        "noise_floor": noise_floor_held_out(found, problem),
+        "noise_floor": found.floor.held_out,
         "noise_floor_train": found.floor.floor,
         "rmse": {"train": train.rmse, "held_out": held.rmse},
         "nrmse": {"train": train.nrmse, "held_out": held.nrmse},
@@ -150,18 +150,6 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         "notes": list(problem.notes),
         "complete": problem.complete,
     }  # fmt: skip
-
-
-def noise_floor_held_out(found: Diagnosis, problem: Problem) -> float:
-    """Noise floor on the held-out samples [N].
-
-    Errors of the motion sensors weigh differently on another road: the part of the floor that they cause
-    is moved by the ratio found when simulating them; the rest is the noise of the force.
-    """
-    whole, force = found.floor.floor**2, found.floor.white**2
-    motion = min(found.floor.input_error**2, max(whole - force, 0.0))
-    ratio = found.null.input_error_held_out / max(found.null.input_error, 1e-300)
-    return float(np.sqrt(whole - motion + motion * ratio**2))
 
 
 def _lag_entry(study: Study) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 from er_ros_common.arguments import Value, ros_arguments
 
@@ -13,9 +14,18 @@ from er_model_lab.bag_writer import STORAGES
 BAD_USAGE = 2
 
 
-def parser() -> argparse.ArgumentParser:
+class OneLine(argparse.ArgumentParser):
+    """Says what is wrong in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """End with the line and the status of bad usage."""
+        sys.stderr.write(f"{self.prog}: {message}\n")
+        sys.exit(BAD_USAGE)
+
+
+def parser() -> OneLine:
     """The options of the command."""
-    p = argparse.ArgumentParser(
+    p = OneLine(
         prog="er record",
         description="Record topics into a new rosbag2 folder until Ctrl-C.",
         allow_abbrev=False,
@@ -31,19 +41,12 @@ def parser() -> argparse.ArgumentParser:
 
 def node_arguments(argv: Sequence[str]) -> list[str]:
     """Arguments of the recorder node; exits with status 2 and one line on bad usage."""
-    given, p = argv, parser()
-    p.error = _complain  # type: ignore[method-assign]
-    o = p.parse_args(given)
+    o = parser().parse_args(argv)
     parameters: dict[str, Value] = {"out": o.out, "storage": o.storage, "all": o.all}
     parameters["duration"] = o.duration
     if o.topics:
         parameters["topics"] = o.topics
     return ros_arguments(parameters=parameters, namespace=o.namespace)
-
-
-def _complain(message: str) -> None:
-    sys.stderr.write(f"er record: {message}\n")
-    sys.exit(BAD_USAGE)
 
 
 def main() -> None:

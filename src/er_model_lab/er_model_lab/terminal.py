@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
+from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
+from rich.constrain import Constrain
 from rich.text import Text
 
 from er_model_lab.report.plain import BLOCK, PLUS_MINUS, Pen
@@ -64,10 +65,11 @@ class Summary:
         """The parts, one below the other."""
         plain = not console.is_terminal or options.ascii_only
         pen = Pen(min(WIDTH, options.max_width), plain=plain)
-        for part in (_head, _candidates, _alternatives, _steps, _regions, _notes):
-            yield from part(self.view, pen)
+        parts = (_head, _candidates, _alternatives, _steps, _regions, _notes)
+        lines = [line for part in parts for line in part(self.view, pen)]
         if self.report is not None:
-            yield pen.line(f"report: {self.report}")
+            lines.append(pen.line(f"report: {self.report}"))
+        yield Constrain(Group(*lines), pen.width)
 
 
 def _head(view: View, pen: Pen) -> Iterator[RenderableType]:
@@ -76,7 +78,7 @@ def _head(view: View, pen: Pen) -> Iterator[RenderableType]:
     yield pen.line(pen.cut(f"{view.command} {view.model}: {verdict_title(view)}", pen.width), tone)
     yield pen.line(pen.cut(verdict_sentence(view), 2 * pen.width - 20))
     share = view.result.get("explainable")
-    more = f"; explainable {percent(share)} of the squared error" if share is not None else ""
+    more = f"; explainable {percent(share)}" if share is not None else ""
     yield pen.line(view.headline + more)
 
 

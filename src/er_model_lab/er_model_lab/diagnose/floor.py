@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from er_models.model import Array
+from numpy.typing import NDArray
 from scipy.signal import lfilter
 from sklearn.ensemble import HistGradientBoostingRegressor
 
@@ -28,12 +29,14 @@ FEATURES = (
 class Floor:
     """Noise floor [N] and its parts.
 
-    floor: root of the smallest mean square left on unseen data; white: white force noise; input_error: from
+    floor: root of the smallest mean square left on unseen stretches; held_out: the same on the samples held
+    out, which have motion of their own and so feel errors of its sensors differently; white: white force noise; input_error: from
     the sensors of the motion; explained: share of the residual that boosted trees explain; importance: of
     each feature, by name; line: (frequency [Hz], amplitude [N], share) of the strongest spectral line.
     """
 
     floor: float
+    held_out: float
     white: float
     input_error: float
     explained: float
@@ -67,44 +70,59 @@ def features(problem: Problem, force: Array) -> Array:
     return np.stack(columns, axis=1)
 
 
-def boosted(
-    problem: Problem, residual: Array, force: Array, seed: int
-) -> tuple[float, Array, Array]:
-    """Share of the residual explained on unseen stretches, its prediction, and rows used."""
-    rows = np.flatnonzero(problem.train)
-    rows = rows[:: max(1, rows.size // MAX_SAMPLES)]
-    inputs, target = features(problem, force)[rows], residual[rows]
-    groups = (rows // max(int(round(1.0 / problem.motion.dt)), 1)) % 4
+def _trees(seed: int) -> HistGradientBoostingRegressor:
+    """The regression: small trees, many samples a leaf, so that noise is not learnt."""
+    return HistGradientBoostingRegressor(
+        max_iter=80,
+        learning_rate=0.08,
+        max_leaf_nodes=12,
+        min_samples_leaf=30,
+        l2_regularization=1.0,
+        random_state=seed,
+    )
+
+
+def _rows(mask: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Places of a mask, thinned to what the regression needs."""
+    rows = np.flatnonzero(mask)
+    return rows[:: max(1, rows.size // MAX_SAMPLES)]
+
+
+def boosted(problem: Problem, residual: Array, inputs: Array, seed: int) -> float:
+    """Share of the training residual that is explained on unseen stretches."""
+    rows = _rows(problem.train)
+    target = residual[rows]
+    groups = (rows // max(round(1.0 / problem.motion.dt), 1)) % 4
     out = np.zeros(rows.size)
     for k in range(4):
         train = groups != k
-        trees = HistGradientBoostingRegressor(
-            max_iter=80, learning_rate=0.08, max_leaf_nodes=12, min_samples_leaf=30, l2_regularization=1.0,
-            random_state=seed,
-        )  # fmt: skip
-        out[~train] = trees.fit(inputs[train], target[train]).predict(inputs[~train])
-    share = 1.0 - float(np.mean((target - out) ** 2) / max(np.mean(target**2), 1e-300))
-    return share, out, rows
+        trees = _trees(seed).fit(inputs[rows[train]], target[train])
+        out[~train] = trees.predict(inputs[rows[~train]])
+    return 1.0 - float(np.mean((target - out) ** 2) / max(float(np.mean(target**2)), 1e-300))
 
 
-def importance(problem: Problem, residual: Array, force: Array, seed: int) -> dict[str, float]:
+def boosted_held_out(problem: Problem, residual: Array, inputs: Array, seed: int) -> float:
+    """Share of the held-out residual that a regression on the training residual explains."""
+    rows, unseen = _rows(problem.train), _rows(problem.held_out)
+    out = _trees(seed).fit(inputs[rows], residual[rows]).predict(inputs[unseen])
+    target = residual[unseen]
+    return 1.0 - float(np.mean((target - out) ** 2) / max(float(np.mean(target**2)), 1e-300))
+
+
+def importance(problem: Problem, residual: Array, inputs: Array, seed: int) -> dict[str, float]:
     """Which inputs the unexplained part depends on: loss of explained variance when one is shuffled."""
-    rows = np.flatnonzero(problem.train)
-    rows = rows[:: max(1, rows.size // MAX_SAMPLES)]
-    inputs, target = features(problem, force)[rows], residual[rows]
-    test = (rows // max(int(round(1.0 / problem.motion.dt)), 1)) % 4 == 0
-    trees = HistGradientBoostingRegressor(
-        max_iter=80, max_leaf_nodes=12, min_samples_leaf=30, random_state=seed
-    )
-    trees.fit(inputs[~test], target[~test])
+    rows = _rows(problem.train)
+    test = (rows // max(round(1.0 / problem.motion.dt), 1)) % 4 == 0
+    known, target = inputs[rows[test]], residual[rows[test]]
+    trees = _trees(seed).fit(inputs[rows[~test]], residual[rows[~test]])
     rng = np.random.default_rng(seed)
-    base = float(np.mean((target[test] - trees.predict(inputs[test])) ** 2))
+    base = float(np.mean((target - trees.predict(known)) ** 2))
     out = {}
     for i, name in enumerate(FEATURES):
-        shuffled = inputs[test].copy()
+        shuffled = known.copy()
         shuffled[:, i] = rng.permutation(shuffled[:, i])
-        worse = float(np.mean((target[test] - trees.predict(shuffled)) ** 2))
-        out[name] = (worse - base) / max(float(np.mean(target[test] ** 2)), 1e-300)
+        worse = float(np.mean((target - trees.predict(shuffled)) ** 2))
+        out[name] = (worse - base) / max(float(np.mean(target**2)), 1e-300)
     return dict(sorted(out.items(), key=lambda kv: -kv[1]))
 
 
@@ -130,14 +148,21 @@ def spectral_line(problem: Problem, residual: Array) -> tuple[float, float, floa
 
 def noise_floor(problem: Problem, best: Candidate, input_error: float, seed: int) -> Floor:
     """Floor under the best model found so far."""
-    force = problem.force - best.fit.residual
-    share, _, _ = boosted(problem, best.residual, force, seed)
-    share = max(share, 0.0)
-    weights = importance(problem, best.residual, force, seed) if share > 0.03 else {}
-    left = best.mse * (1.0 - share)
+    inputs = features(problem, problem.force - best.fit.residual)
+    share = max(boosted(problem, best.residual, inputs, seed), 0.0)
+    unseen = max(boosted_held_out(problem, best.fit.residual, inputs, seed), 0.0)
+    weights = importance(problem, best.residual, inputs, seed) if share > 0.03 else {}
     line = spectral_line(problem, best.residual)
     starts = problem.motion.starts
     white = white_noise(
         [best.fit.residual[i:j] for i, j in zip(starts[:-1], starts[1:], strict=True)]
     )
-    return Floor(float(np.sqrt(left)), white, input_error, share, weights, line)
+    return Floor(
+        floor=float(np.sqrt(best.mse * (1.0 - share))),
+        held_out=float(np.sqrt(best.fit.mse(problem.held_out) * (1.0 - unseen))),
+        white=white,
+        input_error=input_error,
+        explained=share,
+        importance=weights,
+        line=line,
+    )

@@ -22,7 +22,6 @@ from er_ros_common.help import Card
 from er_ros_common.parameter_reader import ParameterReader
 from er_ros_common.parameters import REQUIRED, declare, param
 from er_ros_common.spin import run
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 from rosbags.interfaces import Connection
@@ -33,7 +32,8 @@ from er_model_lab.message_count import Count, count, header_of
 from er_model_lab.message_definitions import full_definition
 from er_model_lab.nodes.selection import Selection, message_class, offers
 from er_model_lab.versions import versions
-from er_ros_common import qos, topics
+from er_ros_common import log, qos, topics
+from er_ros_common.clock import wall_timer
 
 SCHEMA = "er_bag 1"
 LOOK_PERIOD, FLUSH_PERIOD = 0.1, 1.0
@@ -73,9 +73,8 @@ class Recorder(Node):
         self.began, self.stopping = monotonic(), False
         self.lost, self.lost_at = 0, 0.0
         self.health = Health(self, self.report, deadline=0.05)
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(LOOK_PERIOD, self.on_look, clock=steady)
-        self.create_timer(FLUSH_PERIOD, self.on_flush, clock=steady)
+        wall_timer(self, LOOK_PERIOD, self.on_look)
+        wall_timer(self, FLUSH_PERIOD, self.on_flush)
         self.on_look()
 
     def _inside(self, full: str) -> bool:
@@ -115,7 +114,7 @@ class Recorder(Node):
         """Say once what is wrong and keep it for the report."""
         if text not in self.problems:
             self.problems.append(text)
-            self.get_logger().warning(text)
+            log.warning(self, text)
 
     def on_flush(self) -> None:
         """Bring the recording to disk, and look for nodes and wrong types."""
@@ -170,7 +169,7 @@ class Recorder(Node):
         lost = {name: c.lost for name, c in self.counts.items() if c.lost}
         words = ", ".join(f"{name} {n}" for name, n in sorted(lost.items())) or "nothing"
         written = f"{self.bag.messages} messages of {len(self.counts)} topics"
-        self.get_logger().info(f"{self.p.out}: {written}, lost {words}")
+        log.info(self, f"{self.p.out}: {written}, lost {words}")
 
     def custom(self) -> dict[str, object]:
         """What is known about the whole recording."""

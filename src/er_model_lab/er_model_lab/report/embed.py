@@ -10,9 +10,8 @@ from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
 
-from PIL import Image
-
 from er_models.errors import InputError
+from PIL import Image
 
 COLOURS = 128
 """Colours of a picture inside the page: enough for its scales, a third of the size."""
@@ -20,7 +19,7 @@ COLOURS = 128
 
 def inflatable(text: str) -> str:
     """Text as base64 of gzip, for the browser's DecompressionStream; the same every time."""
-    return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode("ascii")
+    return base64.b64encode(gzip.compress(text.encode(), 6, mtime=0)).decode("ascii")
 
 
 def compact(value: object) -> str:

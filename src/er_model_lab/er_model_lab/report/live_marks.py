@@ -15,7 +15,7 @@ from er_model_lab.view import Array
 
 Json = dict[str, Any]
 
-MOST_KEPT = 120_000
+MOST_KEPT = 130_000
 """Samples of one curve that travel in the page; beyond, it is thinned before."""
 STEPS = 8000
 """Steps from the lowest to the highest value of a packed curve that has no coarser grain."""

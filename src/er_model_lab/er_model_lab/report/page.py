@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
+from er_models.errors import InputError
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from er_model_lab.report.embed import compact, inflatable, picture, plotting_library
@@ -17,7 +18,6 @@ from er_model_lab.report.still import still
 from er_model_lab.report.units import percent
 from er_model_lab.view import View
 from er_model_lab.write import finished_only
-from er_models.errors import InputError
 
 Stills = dict[str, tuple[bytes, bytes]]
 

@@ -70,12 +70,16 @@ def rms_map(
     return edges[0], edges[1], z.T
 
 
-def binned_mean(x: Array, y: Array, bins: int = 24) -> tuple[Array, Array]:
-    """Mean of y (n,) over bins of x (n,) that hold equally many samples: centres, means."""
-    edges = np.unique(np.quantile(x, np.linspace(0, 1, bins + 1)))
+LEVELS = np.concatenate([[0.0, 0.005, 0.02], np.linspace(0.05, 0.95, 19), [0.98, 0.995, 1.0]])
+"""Quantiles between the bins of a mean: fine at both ends, where end stops and saturation show."""
+
+
+def binned_mean(x: Array, y: Array, fewest: int = 5) -> tuple[Array, Array]:
+    """Mean of y (n,) over bins of x (n,): centres and means of the bins with enough samples."""
+    edges = np.unique(np.quantile(x, LEVELS))
     place = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, max(edges.size - 2, 0))
     count = np.bincount(place)
-    full = count > 0
+    full = count >= min(fewest, count.max())
     centres = np.bincount(place, x)[full] / count[full]
     return centres, np.bincount(place, y)[full] / count[full]
 

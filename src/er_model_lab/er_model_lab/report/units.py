@@ -33,7 +33,7 @@ def short(value: float | None, digits: int = 3) -> str:
     if value is None or not math.isfinite(value):
         return "-"
     if value != 0.0 and not 1e-4 <= abs(value) < 10.0 ** (digits + 2):
-        return f"{value:.{digits - 1}e}"
+        return f"{value:.{digits - 1}e}".replace("-", MINUS)
     places = digits - 1 - math.floor(math.log10(abs(value))) if value else 0
     text = f"{value:.{max(places, 0)}f}"
     return text.replace("-", MINUS)

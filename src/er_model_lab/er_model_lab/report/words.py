@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from er_model_lab.report.units import newtons
-from er_model_lab.view import View
 from er_models.catalogue import CATALOGUE
+
+from er_model_lab.report.units import newtons, percent
+from er_model_lab.view import View
 
 TITLES: dict[str, str] = {
     "adequate": "The model is adequate",
@@ -44,10 +45,15 @@ def title_of(view: View, effect: str) -> str:
 
 
 def verdict_title(view: View) -> str:
-    """First line of the banner; a comparison has no verdict, only a subject."""
+    """First line of the banner; a comparison has no verdict, so its share of the error stands there."""
     verdict = view.result.get("verdict")
     if verdict is None:
-        return "Model against measurement"
+        share = view.result.get("explainable")
+        return (
+            "Model against measurement"
+            if share is None
+            else f"{percent(share)} of the squared error is the model's"
+        )
     title = TITLES.get(str(verdict), str(verdict).replace("_", " "))
     names = _names(view)
     if verdict in ("missing_effect", "partial") and names:

@@ -82,7 +82,9 @@
     };
     const step = (by) => () => {
       const [low, high] = host.layout.xaxis.range;
-      return show([low + by * (high - low), high + by * (high - low)]);
+      const room = by < 0 ? plot.whole[0] - low : plot.whole[1] - high;
+      const shift = by < 0 ? Math.max(by * (high - low), Math.min(room, 0)) : Math.min(by * (high - low), Math.max(room, 0));
+      return show([low + shift, high + shift]);
     };
     const buttons = [
       ["worst 5 s", () => show([...start])], ["\u2190", step(-0.8)], ["\u2192", step(0.8)], ["all", () => show([...plot.whole])],

@@ -27,6 +27,7 @@ def section(view: View) -> Section | None:
         facts={
             "rows": _rows(result),
             "compared": "rmse_after" in result,
+            "split": isinstance(result["rmse"], Mapping),
             "floor": newtons(result.get("noise_floor")),
             "explainable": percent(result.get("explainable")),
             "explained": percent(result["explained"]) if result.get("explained") else "",

@@ -1,0 +1,83 @@
+"""Imports follow the arrows of ARCHITECTURE.md."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+OURS = (
+    "er_models", "er_model_lab", "er_observers", "er_ftc_controller", "er_plant_sim",
+    "er_ros_common", "er_bringup", "er_damper_msgs",
+)  # fmt: skip
+ALLOWED = {
+    "er_models": set(),
+    "er_ros_common": {"er_models", "er_damper_msgs"},
+    "er_model_lab": {"er_models", "er_ros_common", "er_damper_msgs"},
+    "er_observers": {"er_models", "er_ros_common", "er_damper_msgs"},
+    "er_ftc_controller": {"er_models", "er_ros_common", "er_damper_msgs"},
+    "er_plant_sim": {"er_models", "er_ros_common", "er_damper_msgs"},
+    "er_bringup": set(OURS),
+}
+ROS = {
+    "rclpy",
+    "rosidl_runtime_py",
+    "diagnostic_msgs",
+    "std_msgs",
+    "er_damper_msgs",
+    "rosgraph_msgs",
+    "launch",
+    "launch_ros",
+}
+STARTERS = {"record_command.py"}
+"""Commands whose whole purpose is to start a node."""
+PLOTS = {"matplotlib", "plotly"}
+
+
+def modules():
+    for package in ALLOWED:
+        for path in sorted((ROOT / "src" / package / package).rglob("*.py")):
+            yield package, path
+
+
+def imports(path):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (name.name for name in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            yield node.module
+
+
+def is_ros_file(path):
+    return path.name.startswith("ros_") or "nodes" in path.parts or "er_ros_common" in path.parts
+
+
+CASES = [pytest.param(p, f, id=str(f.relative_to(ROOT / "src"))) for p, f in modules()]
+
+
+@pytest.mark.parametrize(("package", "path"), CASES)
+def test_imports_follow_the_arrows(package, path):
+    for name in imports(path):
+        head = name.split(".")[0]
+        if head in OURS and head != package:
+            assert head in ALLOWED[package], f"{path} must not import {name}"
+        if head in ROS and package != "er_bringup":
+            assert is_ros_file(path), f"{path} spells ROS ({name}) outside nodes/ and ros_*.py"
+        if ".nodes" in name and head in OURS:
+            allowed = "nodes" in path.parts or path.name in STARTERS
+            assert allowed, f"{path} must not import the shell {name}"
+        if head == "cvxpy":
+            assert "synthesis" in path.parts, f"{path} must not import cvxpy"
+        if head in PLOTS:
+            assert "report" in path.parts or path.name.startswith("card"), f"{path} must not plot"
+
+
+def test_the_pure_library_needs_no_ros():
+    """A file that pip installs alone must not reach for anything but the field's libraries."""
+    heads = {n.split(".")[0] for p, f in modules() if p == "er_models" for n in imports(f)}
+    import sys
+
+    foreign = {h for h in heads if h not in sys.stdlib_module_names and h != "er_models"}
+    assert foreign <= {"numpy", "scipy", "numba", "yaml", "sympy", "matplotlib", "pyarrow"}, (
+        foreign
+    )

@@ -1,0 +1,48 @@
+"""Style and types of the whole repository, as one test each."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+TYPED = (
+    "src/er_models/er_models",
+    "src/er_model_lab/er_model_lab",
+    "src/er_observers/er_observers",
+    "src/er_plant_sim/er_plant_sim",
+    "src/er_ftc_controller/er_ftc_controller",
+)
+
+
+def run(*command):
+    return subprocess.run(
+        [sys.executable, "-m", *command], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+
+
+def test_ruff_finds_nothing():
+    result = run("ruff", "check", "--no-cache", "--output-format", "concise", ".")
+    assert result.returncode == 0, result.stdout[-4000:]
+
+
+def test_the_formatter_has_nothing_to_do():
+    result = run("ruff", "format", "--no-cache", "--check", ".")
+    assert result.returncode == 0, result.stdout[-2000:]
+
+
+@pytest.mark.slow
+def test_mypy_finds_nothing():
+    result = run("mypy", "--no-error-summary", "--cache-dir", str(ROOT / ".mypy_cache"), *TYPED)
+    assert result.returncode == 0, result.stdout[-6000:]
+
+
+def test_the_project_names_no_machine():
+    """No path of a machine and no package host in anything that is kept."""
+    found = subprocess.run(
+        ["git", "grep", "-nIE", r"/(work|root|home/[a-z]+)/|https?://(pypi|files\.pythonhosted)", "--", ".",
+         ":!LICENSE", ":!test/test_style.py"],
+        cwd=ROOT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert found.stdout == ""
