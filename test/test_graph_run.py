@@ -197,8 +197,9 @@ def test_definitions_in_the_recording_keep_their_units(run: Run, tmp_path: Path)
 
 
 def test_the_doctor_finds_the_graph_healthy(run: Run) -> None:
-    serious = [p for p in run.doctor["problems"] if p["kind"] not in ("rate", "stale stamps")]
-    assert serious == []
+    # what a machine too busy for 200 Hz does to a graph is rightly reported
+    of_load = ("rate", "stale stamps", "lost messages", "status") if late(run) > 0.005 else ()
+    assert [p for p in run.doctor["problems"] if p["kind"] not in of_load] == []
     rates = {row["topic"]: float(row["rate"]) for row in run.doctor["topics"]}
     assert rates["/sensors/force"] > 150.0
     assert {n["node"] for n in run.doctor["nodes"]} >= {"/plant", "/recorder"}

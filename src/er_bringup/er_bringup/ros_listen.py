@@ -7,13 +7,13 @@ from time import monotonic, time_ns
 from typing import Any
 
 import rclpy
-from rclpy.utilities import try_shutdown
 from er_ros_common.clock import from_stamp
 from er_ros_common.graph_check import compatible, endpoints
 from er_ros_common.parameter_reader import ParameterReader
 from er_ros_common.topics import Topic
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.utilities import try_shutdown
 
 from er_bringup.checks import Heard, Observation, SeenNode
 from er_damper_msgs.msg import NodeStatus

@@ -112,4 +112,5 @@ def wanted_duty(rig: Rig, tick: int) -> float:
 @lru_cache(maxsize=4)
 def _signals(rig: Rig, block: int) -> tuple[Array, Array]:
     """Road and duty of one block of ticks, each (BLOCK,)."""
-    return rig.program.signals(rig.dt * np.arange(block * BLOCK, (block + 1) * BLOCK))
+    ticks = np.arange(block * BLOCK, (block + 1) * BLOCK, dtype=np.float64)
+    return rig.program.signals(np.asarray(rig.dt * ticks, np.float64))

@@ -58,5 +58,5 @@ def applied(tick: Tick, duty: Applied) -> PwmDuty:
 
 def _source(duty: Applied) -> int:
     if duty.reason is Reason.PROGRAM:
-        return PwmDuty.SOURCE_PROGRAM
-    return duty.source if duty.reason is Reason.COMMAND else PwmDuty.SOURCE_SAFE
+        return int(PwmDuty.SOURCE_PROGRAM)
+    return duty.source if duty.reason is Reason.COMMAND else int(PwmDuty.SOURCE_SAFE)

@@ -22,6 +22,17 @@ def steady_timer(node: Node, period: float, callback: Callable[[], None]) -> Tim
     return node.create_timer(period, callback, clock=clock)
 
 
+def wall_timer(node: Node, period: float, callback: Callable[[], None]) -> Timer:
+    """Timer [s] on the steady clock, also in simulated time: for watching and reporting."""
+    clock = Clock(clock_type=ClockType.STEADY_TIME)
+    return node.create_timer(period, callback, clock=clock)
+
+
+def until_next(timer: Timer) -> int:
+    """Time until a timer is due again [ns]."""
+    return int(timer.time_until_next_call())
+
+
 def now(node: Node) -> int:
     """Time of the node's clock [ns]: the system's, or /clock when use_sim_time is true."""
     return int(node.get_clock().now().nanoseconds)

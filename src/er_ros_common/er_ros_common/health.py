@@ -10,11 +10,10 @@ from dataclasses import dataclass, field
 from time import monotonic
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from er_damper_msgs.msg import NodeStatus
-from er_ros_common import builders, clock, topics
+from er_ros_common import builders, clock, log, topics
 from er_ros_common.builders import Tick, Timing
 from er_ros_common.stamps import StampState
 
@@ -99,10 +98,9 @@ class Health:
         self._diagnostics = node.create_publisher(
             DiagnosticArray, topics.DIAGNOSTICS.name, topics.DIAGNOSTICS.publisher
         )
-        # on a steady clock also in simulated time: a simulation that stands still is news
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        node.create_timer(STATUS_PERIOD, self.publish_status, clock=steady)
-        node.create_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics, clock=steady)
+        # not in simulated time: a simulation that stands still is news
+        clock.wall_timer(node, STATUS_PERIOD, self.publish_status)
+        clock.wall_timer(node, DIAGNOSTICS_PERIOD, self._publish_diagnostics)
 
     def publish_status(self) -> None:
         """Send the status now; a change of mode or reason is logged once."""
@@ -130,11 +128,7 @@ class Health:
         if word == self._word:
             return
         good = said.status in (NodeStatus.STATUS_OK, NodeStatus.STATUS_INITIALIZING)
-        # rclpy ties a severity to the line it is called from, so each has a line of its own
-        if good:
-            self.node.get_logger().info(word)
-        else:
-            self.node.get_logger().warning(word)
+        (log.info if good else log.warning)(self.node, word)
         self._word = word
 
     def _publish_diagnostics(self) -> None:

@@ -8,12 +8,11 @@ inside of the YAML parser. No ROS here.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from pathlib import Path
 
 import yaml
-
 from er_models.errors import InputError
 
 BODY = "ros__parameters"
@@ -61,7 +60,11 @@ def _meant(text: str) -> object:
     node = yaml.compose(text)
     if not isinstance(node, yaml.ScalarNode):
         return None
-    convert = {"integer": lambda t: int(t, 0), "decimal": _decimal, "text": str}
+    convert: dict[str, Callable[[str], object]] = {
+        "integer": lambda t: int(t, 0),
+        "decimal": _decimal,
+        "text": str,
+    }
     kind = _kind(node)
     return convert[kind](node.value) if kind in convert else yaml.safe_load(text)
 

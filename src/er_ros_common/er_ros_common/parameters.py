@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
+from er_models.errors import InputError
 from rcl_interfaces.msg import (
     FloatingPointRange,
     IntegerRange,
@@ -17,7 +18,6 @@ from rcl_interfaces.msg import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from er_models.errors import InputError
 from er_ros_common.parameter_files import dropped, origins
 from er_ros_common.parameter_table import REQUIRED, Spec, build, check, expectation, param, specs
 

@@ -16,6 +16,7 @@ from types import FrameType
 from typing import Any
 
 import rclpy
+from er_models.errors import ErError
 from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError
 from rclpy.exceptions import ROSInterruptException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
@@ -24,7 +25,6 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
-from er_models.errors import ErError
 from er_ros_common.help import Card, render
 from er_ros_common.parameter_files import check_files
 

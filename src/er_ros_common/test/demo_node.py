@@ -6,14 +6,14 @@ import sys
 import time
 from dataclasses import dataclass
 
-from rclpy.node import Node
-
 from er_models.errors import ErError
-from er_ros_common import builders, topics
 from er_ros_common.clock import now, steady_timer
 from er_ros_common.help import Card
 from er_ros_common.parameters import declare, param
 from er_ros_common.spin import run
+from rclpy.node import Node
+
+from er_ros_common import builders, topics
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from er_ros_common.stamps import StampState
 from rclpy.serialization import deserialize_message, serialize_message
 
 from er_damper_msgs.msg import FaultEstimate, NodeStatus, PwmDuty
 from er_ros_common import builders as b
-from er_ros_common.stamps import StampState
 
 TICK = b.Tick(stamp=12_000_000_345, seq=7)
 HEALTHY = (FaultEstimate.FAULT_HEALTHY,) * 3

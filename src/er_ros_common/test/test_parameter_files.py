@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-
 from er_models.errors import InputError
 from er_ros_common.parameter_files import check_files, dropped, matches, origins
 

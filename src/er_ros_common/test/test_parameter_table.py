@@ -7,7 +7,6 @@ from dataclasses import FrozenInstanceError, dataclass
 from typing import Any
 
 import pytest
-
 from er_models.errors import InputError
 from er_ros_common.parameter_table import REQUIRED, build, param, specs
 

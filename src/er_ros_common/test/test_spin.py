@@ -12,13 +12,13 @@ from pathlib import Path
 
 import pytest
 import rclpy
+from er_ros_common.clock import steady_timer
 from rcl_interfaces.srv import DescribeParameters, SetParameters
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.task import Future
 
 from er_ros_common import spin as spin_module
-from er_ros_common.clock import steady_timer
 
 NODE = Path(__file__).with_name("demo_node.py")
 DOMAIN = str(150 + os.getpid() % 50)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-
 from er_ros_common.stamps import StampLimits, StampState, Verdict, check_stamp
 
 MS = 1_000_000

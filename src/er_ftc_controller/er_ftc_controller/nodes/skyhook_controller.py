@@ -11,14 +11,13 @@ from dataclasses import dataclass
 from time import monotonic, perf_counter
 
 from er_ros_common.builders import Tick
-from er_ros_common.clock import from_stamp, now
+from er_ros_common.clock import from_stamp, now, wall_timer
 from er_ros_common.graph_check import watch
 from er_ros_common.health import Health, Report
 from er_ros_common.help import Card
 from er_ros_common.parameters import REQUIRED, declare, param
 from er_ros_common.spin import run
 from er_ros_common.stamps import StampLimits, StampState, check_stamp
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from er_damper_msgs.msg import NodeStatus, PwmDuty, SuspensionAcceleration, SuspensionDeflection
@@ -73,9 +72,8 @@ class SkyhookController(Node):
         for topic, heard in zip(INPUTS, (self.on_acceleration, self.on_deflection), strict=True):
             self.create_subscription(topic.type, topic.name, heard, topic.subscriber)
         self.health = Health(self, self.report)
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(WATCH_PERIOD, self.on_watch, clock=steady)
-        self.create_timer(1.0, self.on_second, clock=steady)
+        wall_timer(self, WATCH_PERIOD, self.on_watch)
+        wall_timer(self, 1.0, self.on_second)
 
     def on_acceleration(self, message: SuspensionAcceleration) -> None:
         """Half of a sample."""

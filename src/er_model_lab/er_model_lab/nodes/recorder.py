@@ -11,11 +11,11 @@ import signal
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from functools import partial
 from pathlib import Path
-from time import monotonic, time_ns
+from time import monotonic
 
 from er_models.errors import ErError, MissingChannel
+from er_ros_common.clock import wall_timer
 from er_ros_common.graph_check import compatible
 from er_ros_common.health import Health, Report
 from er_ros_common.help import Card
@@ -23,21 +23,18 @@ from er_ros_common.parameter_reader import ParameterReader
 from er_ros_common.parameters import REQUIRED, declare, param
 from er_ros_common.spin import run
 from rclpy.node import Node
-from rclpy.serialization import deserialize_message
-from rosbags.interfaces import Connection
 
 from er_damper_msgs.msg import NodeStatus
 from er_model_lab.bag_writer import STORAGES, BagWriter
-from er_model_lab.message_count import Count, count, header_of
+from er_model_lab.message_count import Count
 from er_model_lab.message_definitions import full_definition
-from er_model_lab.nodes.selection import Selection, message_class, offers
+from er_model_lab.nodes.heard import Heard
+from er_model_lab.nodes.selection import Selection, message_class
 from er_model_lab.versions import versions
 from er_ros_common import log, qos, topics
-from er_ros_common.clock import wall_timer
 
 SCHEMA = "er_bag 1"
 LOOK_PERIOD, FLUSH_PERIOD = 0.1, 1.0
-OURS = "er_damper_msgs/msg/"
 DISK_FULL = 1
 RECENT = 5.0
 """Time for which a loss shows in the status [s]; the recording keeps the count."""
@@ -66,8 +63,7 @@ class Recorder(Node):
         self.selection = Selection(self, self.p.topics, everything=self.p.all)
         self.parameters = ParameterReader(self, self._inside)
         self.taken: dict[str, str] = {}
-        self.counts: dict[str, Count] = {}
-        self.ids: dict[str, tuple[str, str]] = {}
+        self.heard: dict[str, Heard] = {}
         self.problems: list[str] = []
         self.failure: ErError | None = None
         self.began, self.stopping = monotonic(), False
@@ -99,8 +95,8 @@ class Recorder(Node):
             self.problem(f"{name} is not recorded: there is no definition of {type_name}")
             return
         asked = compatible(publishers, qos.RECORDER.depth)
-        heard = _Heard(self, name, type_name)
-        self.create_subscription(kind, name, heard.on_message, asked, raw=True)
+        self.heard[name] = Heard(self, self.bag, self.guarded, name, type_name)
+        self.create_subscription(kind, name, self.heard[name].on_message, asked, raw=True)
 
     def defined(self, type_name: str) -> bool:
         """Whether a type's definition is found; found now, its first message holds up no other."""
@@ -127,17 +123,21 @@ class Recorder(Node):
 
     def guarded(self, action: Callable[[], None]) -> None:
         """Write; where the disk refuses, stop with one line instead of a traceback."""
+        if self.failure is not None:
+            return
         try:
             action()
         except OSError as error:
-            if self.failure is None:
-                self.failure = ErError(f"{self.p.out}: cannot be written: {error.strerror}")
-                self.stop()
+            self.failure = self._unwritable(error)
+            self.stop()
 
-    def note_status(self, name: str, data: bytes) -> None:
-        """Keep which model and gains a node works with."""
-        said = deserialize_message(data, NodeStatus)
-        self.ids[said.node or name] = (said.model_id, said.gains_id)
+    def _unwritable(self, error: OSError) -> ErError:
+        return ErError(f"{self.p.out}: cannot be written: {error.strerror}")
+
+    @property
+    def counts(self) -> dict[str, Count]:
+        """What was received and lost, of every topic that carried anything."""
+        return {name: each.count for name, each in self.heard.items() if each.count.received}
 
     def stop(self) -> None:
         """End the node as Ctrl-C would."""
@@ -165,7 +165,11 @@ class Recorder(Node):
                 self.p.out, wanted, "to record anything", tuple(self.taken)
             )
             return
-        self.guarded(lambda: self.bag.close(self.custom()))
+        try:
+            self.bag.close(self.custom())
+        except OSError as error:
+            self.failure = self.failure or self._unwritable(error)
+            return
         lost = {name: c.lost for name, c in self.counts.items() if c.lost}
         words = ", ".join(f"{name} {n}" for name, n in sorted(lost.items())) or "nothing"
         written = f"{self.bag.messages} messages of {len(self.counts)} topics"
@@ -175,10 +179,11 @@ class Recorder(Node):
         """What is known about the whole recording."""
         own = {key: value for key, value in asdict(self.p).items() if key != "out"}
         everybody = self.parameters.found | {self.get_fully_qualified_name(): own}
+        ids = {node: each for heard in self.heard.values() for node, each in heard.ids.items()}
         return {
             "schema": SCHEMA,
-            "models": {node: model for node, (model, _) in self.ids.items() if model},
-            "gains": {node: gains for node, (_, gains) in self.ids.items() if gains},
+            "models": {node: model for node, (model, _) in ids.items() if model},
+            "gains": {node: gains for node, (_, gains) in ids.items() if gains},
             "parameters": everybody,
             "versions": versions(),
             "messages": {
@@ -187,39 +192,6 @@ class Recorder(Node):
             },
             "problems": self.problems,
         }
-
-
-class _Heard:
-    """One subscription; its topic enters the recording with the first message."""
-
-    def __init__(self, node: Recorder, name: str, type_name: str) -> None:
-        self.node, self.name, self.type_name = node, name, type_name
-        self.counted = type_name.startswith(OURS)
-        self.is_status = type_name == topics.STATUS.type_name
-        self.topic: Connection | None = None
-
-    def on_message(self, data: bytes) -> None:
-        """Write one message with the time at which it was received.
-
-        That time is taken here: the events executor of the wheels fails on callbacks that ask for
-        the message's info.
-        """
-        if self.node.stopping:
-            return
-        received = time_ns()
-        if self.topic is None:
-            self.topic = self._announced()
-        topic = self.topic
-        self.node.guarded(partial(self.node.bag.write, topic, received, data))
-        state = self.node.counts.get(self.name, Count())
-        header = header_of(data) if self.counted else None
-        self.node.counts[self.name] = count(state, header.seq if header else 0)
-        if self.is_status:
-            self.node.note_status(self.name, data)
-
-    def _announced(self) -> Connection:
-        publishers = self.node.get_publishers_info_by_topic(self.name)
-        return self.node.bag.topic(self.name, self.type_name, offers(publishers))
 
 
 CARD = Card(

@@ -10,14 +10,13 @@ from time import monotonic, perf_counter
 
 from er_models.files import load_model
 from er_ros_common.builders import Tick
-from er_ros_common.clock import from_stamp, now
+from er_ros_common.clock import from_stamp, now, wall_timer
 from er_ros_common.graph_check import watch
 from er_ros_common.health import Health, Report
 from er_ros_common.help import Card
 from er_ros_common.parameters import REQUIRED, declare, param
 from er_ros_common.spin import run
 from er_ros_common.stamps import StampLimits, StampState, check_stamp
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from std_msgs.msg import String
 
@@ -83,11 +82,10 @@ class NlpvPolytopicObserver(Node):
         self.info.publish(String(data=self._gain_info()))
         for topic, heard in zip(INPUTS, (self.on_acceleration, self.on_applied), strict=True):
             self.create_subscription(topic.type, topic.name, heard, qos.FOLLOWER)
-        ids = {"model_id": model.digest(), "gains_id": self.gains.digest}
-        self.health = Health(self, self.report, **ids)
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(WATCH_PERIOD, self.on_watch, clock=steady)
-        self.create_timer(1.0, self.on_second, clock=steady)
+        gains_id = self.gains.digest
+        self.health = Health(self, self.report, model_id=model.digest(), gains_id=gains_id)
+        wall_timer(self, WATCH_PERIOD, self.on_watch)
+        wall_timer(self, 1.0, self.on_second)
 
     def _warm_up(self) -> None:
         """Compile everything before the first sample is waiting for it."""

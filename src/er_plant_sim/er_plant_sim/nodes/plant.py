@@ -12,23 +12,23 @@ import sys
 from time import monotonic, perf_counter
 
 from er_ros_common.builders import Tick
+from er_ros_common.clock import until_next, wall_timer
 from er_ros_common.graph_check import Problem, watch
 from er_ros_common.health import Health, Report
 from er_ros_common.parameters import declare
 from er_ros_common.spin import run
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from er_damper_msgs.msg import NodeStatus, PwmDuty
 from er_plant_sim import rig as plant
 from er_plant_sim.build import build
-from er_plant_sim.duty_gate import Command, Reason
+from er_plant_sim.duty_gate import Applied, Command, Reason
 from er_plant_sim.nodes.card import CARD
 from er_plant_sim.nodes.drive import Answered, Timed
 from er_plant_sim.nodes.outlet import Outlet
 from er_plant_sim.nodes.pace import Pace
 from er_plant_sim.settings import PlantParameters, table
-from er_ros_common import topics
+from er_ros_common import log, topics
 
 WAKE_PERIOD = 0.01
 """Period of the timer where commands, not time, set the pace [s]."""
@@ -48,7 +48,8 @@ class PlantNode(Node):
         p: PlantParameters = declare(self, table(self._parameter_overrides))
         self.p, self.rig = p, build(p)
         self.state = plant.start(self.rig)
-        self.tick, self.applied = Tick(0, 0), None  # type: Tick, Applied | None
+        self.tick = Tick(0, 0)
+        self.applied: Applied | None = None
         self.problems: list[Problem] = []
         self.made_at, self.running = monotonic(), False
         self.repeated, self.conflict = 0, False
@@ -62,10 +63,9 @@ class PlantNode(Node):
             self.create_subscription(PwmDuty, command.name, self.on_command, command.subscriber)
         model_id = self.rig.sim.plant.model.digest()
         self.health = Health(self, self.report, deadline=self.rig.dt, model_id=model_id)
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
         period = self.rig.dt / p.rate_factor if p.rate_factor else WAKE_PERIOD
-        self.timer = self.create_timer(period, self.on_time, clock=steady)
-        self.create_timer(1.0, self.on_second, clock=steady)
+        self.timer = wall_timer(self, period, self.on_time)
+        wall_timer(self, 1.0, self.on_second)
 
     def _drive(self) -> Timed | Answered:
         if self.p.mode == "lockstep" and not self.rig.programmed:
@@ -82,7 +82,7 @@ class PlantNode(Node):
         elif self._everybody_there():
             self.running = True
             period = self.pace.schedule.period
-            self.pace.restart(max(period - self.timer.time_until_next_call(), 0) % period)
+            self.pace.restart(max(period - until_next(self.timer), 0) % period)
             self.drive.on_time()
 
     def _everybody_there(self) -> bool:
@@ -97,7 +97,7 @@ class PlantNode(Node):
             return monotonic() - self.there_since > SETTLE
         if monotonic() - self.made_at < self.p.start_timeout:
             return False
-        self.get_logger().warning(f"starting with {here} subscribers, waited for {wanted}")
+        log.warning(self, f"starting with {here} subscribers, waited for {wanted}")
         return True
 
     def sense(self, place: int) -> int:
@@ -120,7 +120,7 @@ class PlantNode(Node):
 
     def _finish(self) -> None:
         """End the node as Ctrl-C would: an exception would end it with a traceback."""
-        self.get_logger().info(f"finished after {self.tick.seq} ticks")
+        log.info(self, f"finished after {self.tick.seq} ticks")
         self.over = True
         signal.raise_signal(signal.SIGINT)
 
