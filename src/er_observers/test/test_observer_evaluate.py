@@ -27,9 +27,9 @@ CHIRP, ISO = SCENARIOS[0], SCENARIOS[2]
 
 @pytest.mark.parametrize("scenario", SCENARIOS, ids=lambda s: s.name)
 def test_below_one_per_cent_from_10_mm_wrong(car: Model, gains: Gains, scenario: Scenario) -> None:
-    """After 2 s, noise 0.025 m/s2: below the 0.8 % that was to be met."""
+    """After 2 s, noise 0.025 m/s2, every drive: below 0.6 %, where 0.8 % was to be met."""
     score = evaluate(car, gains, scenario)
-    assert score.nrmse < 0.008
+    assert score.nrmse < 0.006
     assert score.largest < 1.0
     assert score.first_ok is not None
     assert score.first_ok < 1.0

@@ -76,7 +76,8 @@ def test_one_sample_is_the_differential_equation(gains: Gains, rho: float) -> No
     x = np.array([1e-3, 0.03, 2e-4, 20.0 * rho])
     y = np.array([[2.0, 12.0], [-4.0, 25.0]])
     exact = continuous(gains, x, y, rho, 0.005)
-    assert np.sign(gains.form.Gamma @ x) != np.sign(gains.form.Gamma @ exact)
+    if rho > 0.0:
+        assert np.sign(gains.form.Gamma @ x) != np.sign(gains.form.Gamma @ exact)
     errors = []
     for n in (substeps(0.005), 4 * substeps(0.005), 16 * substeps(0.005)):
         out = np.empty(4)

@@ -97,13 +97,8 @@ def follow(watch: Watch, limits: Limits, health: Health, dt: float, facts: Facts
     """Health after a valid sample, dt [s] after the one before."""
     weight = min(1.0, dt / limits.window)
     decay = health.decay + weight * (facts.rate - health.decay)
-    noise = (watch.noise_gain * limits.noise) ** 2
-    power, floor, contradicted = 0.0, noise, False
-    if health.doubt <= limits.settled:
-        explained = noise + (dt * facts.bend / 12.0) ** 2
-        power = health.power + weight * (facts.correction * facts.correction - health.power)
-        floor = health.floor + weight * (explained - health.floor)
-        contradicted = contradiction(power, floor) > (limits.clear if health.contradicted else 1.0)
+    power, floor = _powers(watch, limits, health, dt, facts)
+    ratio = contradiction(power, floor)
     return Health(
         doubt=health.doubt * math.exp(-facts.rate * dt),
         decay=decay,
@@ -112,8 +107,27 @@ def follow(watch: Watch, limits: Limits, health: Health, dt: float, facts: Facts
         power=power,
         floor=floor,
         weak=decay < (limits.strong if health.weak else limits.weak),
-        contradicted=contradicted,
+        contradicted=ratio > (limits.clear if health.contradicted else 1.0),
     )
+
+
+def _powers(
+    watch: Watch, limits: Limits, health: Health, dt: float, facts: Facts
+) -> tuple[float, float]:
+    """Averages of the squared correction and of what explains it [m2/s2].
+
+    They start with the noise that is allowed and rest while an error of the start or of a repair is
+    still being corrected.
+    """
+    noise = (watch.noise_gain * limits.noise) ** 2
+    if health.doubt > limits.settled:
+        return 0.0, noise
+    if health.lost > 0.0 or health.healing > 0.0:
+        return health.power, health.floor
+    weight = min(1.0, dt / limits.window)
+    explained = noise + (dt * facts.bend / 12.0) ** 2
+    power = health.power + weight * (facts.correction * facts.correction - health.power)
+    return power, health.floor + weight * (explained - health.floor)
 
 
 def contradiction(power: float, floor: float) -> float:

@@ -77,7 +77,7 @@ class Spec:
 
     sector: Sector = SLOPE
     rho: tuple[float, float] = (0.0, 1.0)
-    noise: tuple[float, ...] = (0.05, 2.0)
+    noise: tuple[float, ...] = (0.05, 8.0)
     unknown_input: float = 1.0
     radius: float = 4000.0
     slack: float = 1.05
