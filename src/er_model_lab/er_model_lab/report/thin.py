@@ -71,7 +71,7 @@ def end_to_end(parts: Sequence[Array]) -> Array:
 
 def worst_stretch(record: RecordView, seconds: float) -> tuple[float, float, float]:
     """Start, end [s] and rms of the stretch in which the model as it was errs most."""
-    error = (1.0 * record.measured - record.before, 0.0)
+    error = np.where(record.scored, record.measured - record.before, 0.0)
     squared = np.where(np.isfinite(error), error, 0.0) ** 2
     dt = float(np.median(np.diff(record.t)))
     width = min(max(round(seconds / dt), 2), record.t.size)

@@ -1,0 +1,103 @@
+"""The terminal summary: one screen, plain where it is not a terminal."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from report_views import TABLES, card, compared, empty, entry, table, view
+from rich.console import Console
+from rich.text import Text
+
+from er_model_lab.report.words import TITLES
+from er_model_lab.terminal import summary
+from er_model_lab.view import View
+
+
+def printed(v: View, width: int = 100, *, terminal: bool = False, report: Path | None = None) -> str:
+    """What a console of this width shows."""
+    out = io.StringIO()
+    console = Console(file=out, width=width, force_terminal=terminal, color_system="standard" if terminal else None)
+    console.print(summary(v, report))
+    return out.getvalue()
+
+
+def crowded() -> View:
+    """More of everything than fits."""
+    names = [f"effect_with_a_very_long_name_{k}" for k in range(30)]
+    steps = [{"added": None, "rmse_held_out": 0.9}]
+    steps += [{"added": n, "rmse_held_out": 0.8 - 0.05 * k} for k, n in enumerate(names[:9])]
+    v = view(
+        candidates=[entry(n, 0.4 - 0.01 * k) for k, n in enumerate(names)], effects=names[:3], steps=steps,
+        alternatives=[names[3:9], names[9:15]], verdict="ambiguous", reasons=names,
+    )  # fmt: skip
+    hot = [table(f"quantity {q}", "m", [0.0, 1.0, 2.0, 3.0, 4.0], [1.0] * 4, [0.4, 0.4, 0.1, 0.1]) for q in "abcde"]
+    cards = tuple(card(n, 0.3, v.records[0]) for n in names)
+    return replace(v, model="m" * 90, notes=tuple(names), regions=TABLES + tuple(hot), candidates=cards)
+
+
+@pytest.mark.parametrize("width", [80, 100, 160])
+@pytest.mark.parametrize("terminal", [True, False])
+def test_the_fullest_summary_fits_one_screen(width: int, terminal: bool) -> None:
+    text = printed(crowded(), width, terminal=terminal, report=Path("out/report/index.html"))
+    lines = Text.from_ansi(text).plain.rstrip("\n").split("\n")
+    assert len(lines) <= 40
+    assert max(len(line) for line in lines) <= min(width, 100)
+
+
+@pytest.mark.parametrize("v", [view(), compared(), empty(), crowded()])
+def test_a_file_gets_plain_ascii_without_colour(v: View) -> None:
+    text = printed(v)
+    assert text.isascii()
+    assert "\x1b" not in text
+
+
+def test_a_terminal_gets_colour_and_bars() -> None:
+    text = printed(view(), terminal=True)
+    assert "\x1b[" in text
+    assert "\N{FULL BLOCK}" in text
+
+
+def test_the_summary_holds_what_was_found() -> None:
+    text = printed(view(), report=Path("out/index.html"))
+    for words in (
+        "Missing effect found: Coulomb friction", "unexplained 0.6 N, noise 0.2 N, model 0.566 N", "explainable 89 %",
+        "Coulomb friction", "present", "absent", "not excited", "F_c 0.936+-0.009 N", "chance alone reaches a size of 0.0220 N",
+        "noise floor", "velocity 0 to 20 mm/s", "55 %", "note: velocity derived", "report: out/index.html",
+    ):  # fmt: skip
+        assert words in text, words
+
+
+def test_the_bars_of_the_falling_error_are_in_proportion() -> None:
+    rows = [line for line in printed(view()).splitlines() if "#" in line]
+    assert [row.split("  ")[0].strip() for row in rows] == ["model, refitted", "+ Coulomb friction", "noise floor"]
+    first, second, floor = (row.count("#") for row in rows)
+    assert second == floor
+    assert first / second == pytest.approx(3.0, rel=0.05)
+
+
+def test_a_comparison_shows_where_it_fails_and_no_candidates() -> None:
+    text = printed(compared())
+    assert "where it fails" in text
+    assert "velocity 0 to 20 mm/s" in text
+    assert "effect" not in text.split("where it fails")[1]
+
+
+def test_what_cannot_be_told_apart_is_said_with_the_experiment() -> None:
+    text = printed(view(verdict="ambiguous", alternatives=[["coulomb_friction", "shear_thinning"]]))
+    assert "cannot be told apart: Coulomb friction or Shear thinning; record: experiment for" in " ".join(text.split())
+
+
+@pytest.mark.parametrize("verdict", list(TITLES))
+def test_every_verdict_stands_in_the_first_line(verdict: str) -> None:
+    assert TITLES[verdict] in printed(view(verdict=verdict)).splitlines()[0]
+
+
+def test_brackets_in_names_are_no_markup() -> None:
+    v = replace(view(candidates=[entry("my [bold] effect", 0.1)]), model="rig [bold] 3", notes=("file [red]a[/red].csv",))
+    text = printed(v)
+    assert "my [bold] effect" in text
+    assert "rig [bold] 3" in text
+    assert "[red]a[/red].csv" in text

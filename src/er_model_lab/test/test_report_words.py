@@ -1,0 +1,135 @@
+"""What the report says: verdicts in words, numbers with units, the worst regions, the ranking."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import pytest
+from report_views import TABLES, compared, entry, table, view
+
+from er_model_lab.report.palette import VERDICT
+from er_model_lab.report.ranking import effect_size, limit, ranked
+from er_model_lab.report.regions import worst
+from er_model_lab.report.sections import headline
+from er_model_lab.report.units import newtons, parameter, percent, short, ticks, where
+from er_model_lab.report.words import TITLES, verdict_sentence, verdict_title
+
+SAID = {
+    "adequate": ("The model is adequate", ["0.600 N", "0.200 N", "No known effect"]),
+    "missing_effect": ("Missing effect found: Coulomb friction", ["from 0.600 N to 0.200 N", "noise alone is 0.200 N"]),
+    "ambiguous": ("cannot say which", ["Coulomb friction or Shear thinning", "Each explains"]),
+    "partial": ("Part of what is missing was found: Coulomb friction", ["more is missing"]),
+    "unknown_effect": ("catalogue does not know", ["no known effect explains"]),
+    "insufficient_data": ("cannot decide", ["only 3 s of data"]),
+}
+
+
+@pytest.mark.parametrize("verdict", list(SAID))
+def test_each_verdict_is_said_in_plain_words_with_its_numbers(verdict: str) -> None:
+    group = [["coulomb_friction", "shear_thinning"]] if verdict == "ambiguous" else []
+    v = view(verdict=verdict, alternatives=group, coverage={"blocking": ["only 3 s of data"]})
+    title, pieces = SAID[verdict]
+    assert title in verdict_title(v)
+    for piece in pieces:
+        assert piece in verdict_sentence(v), piece
+    assert "_" not in verdict_title(v) + verdict_sentence(v), "names of the code are no plain words"
+
+
+def test_the_words_cover_the_verdicts_of_the_lab() -> None:
+    from typing import get_args
+
+    from er_model_lab.diagnose.verdict import Name
+
+    assert set(TITLES) == set(VERDICT) == set(SAID) == set(get_args(Name))
+
+
+def test_a_comparison_has_no_verdict_but_a_share() -> None:
+    assert verdict_title(compared()) == "89 % of the squared error is the model's"
+    assert verdict_sentence(compared()) == "The error is 0.600 N; noise alone is 0.200 N."
+
+
+def test_white_text_can_be_read_on_every_banner() -> None:
+    def luminance(colour: str) -> float:
+        parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+        linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    for verdict, colour in VERDICT.items():
+        assert 1.05 / (luminance(colour) + 0.05) > 4.5, verdict
+        assert headline.section(view(verdict=verdict)).facts["colour"] == colour
+
+
+def test_several_missing_effects_are_listed() -> None:
+    v = view(effects=["coulomb_friction", "end_stop"])
+    assert verdict_title(v) == "Missing effect found: Coulomb friction and End stop"
+    assert verdict_sentence(v).startswith("With them")
+
+
+@pytest.mark.parametrize(
+    ("triple", "said"),
+    [
+        ([0.93596, 0.00879, "N"], "0.9360 ± 0.0088 N"),
+        ([-0.00165, 0.000112, "s"], "−0.00165 ± 0.00011 s"),
+        ([173467.0, 184222.0, "N s/m3"], "173467 ± 184222 N s/m3"),
+        ([2.5e-9, 1.1e-10, "m"], "2.500e−09 ± 1.1e−10 m"),
+        ([0.5, None, "1"], "0.500 (not determined by these data)"),
+        ([0.5, float("inf"), "N"], "0.500 N (not determined by these data)"),
+        ([0.0132, 0.0, "m/s"], "0.0132 m/s"),
+    ],
+)
+def test_the_deviation_decides_the_digits_of_a_parameter(triple: list[object], said: str) -> None:
+    assert parameter(triple) == said
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [(0.31234, "0.312"), (12.345, "12.3"), (1234.5, "1234"), (1.5e7, "1.50e+07"), (0.0, "0"), (-2.0, "−2.00"),
+     (2e-6, "2.00e−06"), (None, "-"), (float("nan"), "-")],
+)  # fmt: skip
+def test_numbers_have_three_digits(value: float | None, said: str) -> None:
+    assert short(value) == said
+
+
+def test_shares_and_forces() -> None:
+    assert [percent(v) for v in (0.5, 0.034, -0.026, -1e-5, None)] == ["50 %", "3.4 %", "−2.6 %", "0 %", "-"]
+    assert newtons(0.25) == "0.250 N"
+
+
+def test_regions_are_named_with_their_units() -> None:
+    velocity, duty = TABLES
+    assert where(velocity.regions[1], single=False) == "velocity −20 to 0 mm/s"
+    assert where(duty.regions[1], single=True) == "duty 0.100"
+    assert [t for _, t in ticks(velocity.regions)] == ["−100", "−20", "0", "20", "100"]
+    assert ticks(duty.regions) == ((0.0, "0"), (1.0, "0.10"), (2.0, "0.20"))
+    direction = table("direction", "1", [-1.0, 1.0, 1.0], [0.3, 0.4], [0.4, 0.6])
+    assert [t for _, t in ticks(direction.regions)] == ["compression", "extension"]
+    assert where(direction.regions[1], single=True) == "direction: extension"
+
+
+def test_the_worst_regions_carry_more_than_their_share() -> None:
+    found = worst(TABLES)
+    assert [(r.quantity, r.edges) for r, _ in found] == [("velocity", (0.0, 0.02))]
+    even = table("time", "s", [0.0, 1.0, 2.0], [0.5, 0.5], [0.5, 0.5])
+    assert worst([even]) == []
+    hot = [table(q, "m", [0.0, 1.0, 2.0, 3.0, 4.0], [1.0] * 4, [0.33, 0.33, 0.33, 0.01]) for q in "abcde"]
+    assert len(worst(hot)) == 6
+    assert max([r.quantity for r, _ in worst(hot, 9)].count(q) for q in "abcde") == 2
+
+
+def test_candidates_are_ranked_by_what_is_taken_and_then_by_size() -> None:
+    v = view(effects=["end_stop"])
+    assert [e["effect"] for e in ranked(v)] == ["end_stop", "coulomb_friction", "shear_thinning", "force_lag"]
+    assert limit(v) == 0.022
+    assert limit(compared()) is None
+
+
+def test_a_size_that_is_not_stated_follows_from_the_errors() -> None:
+    e = {k: x for k, x in entry("end_stop", 0.1).items() if k != "evidence"} | {"rmse_held_out": 0.36}
+    assert effect_size(view(), e) == pytest.approx((0.6**2 - 0.36**2) ** 0.5)
+    assert effect_size(view(), e | {"rmse_held_out": 0.61}) == pytest.approx(-((0.61**2 - 0.6**2) ** 0.5))
+    assert effect_size(replace(view(), result={}), e) is None
+
+
+def test_no_sentence_of_a_view_holds_a_raw_number() -> None:
+    assert not re.search(r"\d\.\d{5,}", verdict_sentence(view(noise_floor=0.204376043)))
