@@ -48,6 +48,7 @@ HOOKS: dict[str, str] = {
     "force": "adds to the damper force",
     "limit": "maps the damper force",
     "relax": "gives (rate, drive) of the own state: w' = drive - rate * w",
+    "bound": "gives the largest magnitude of the own state",
     "sense": "maps the damper force to the measured one",
     "input_delay": "delays the duty",
     "output_delay": "delays the measured force against the motion",

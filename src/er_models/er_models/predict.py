@@ -61,14 +61,19 @@ def motion(
 
 def join(parts: list[Motion]) -> Motion:
     """Several motions of equal sampling as one."""
-    lengths = [m.n for m in parts]
+    rows = np.concatenate([[0], np.cumsum([m.n for m in parts])])
+
+    def joined(name: str) -> Array:
+        return np.concatenate([getattr(m, name) for m in parts])
+
     return Motion(
         parts[0].dt,
-        *(
-            np.concatenate([getattr(m, name) for m in parts])
-            for name in ("x", "v", "a", "u", "theta")
-        ),
-        starts=np.concatenate([[0], np.cumsum(lengths)]),
+        joined("x"),
+        joined("v"),
+        joined("a"),
+        joined("u"),
+        joined("theta"),
+        starts=rows,
     )
 
 

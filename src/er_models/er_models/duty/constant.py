@@ -10,7 +10,7 @@ import numpy as np
 from er_models.spec import Array, Kind, Number
 
 
-def make(s: Mapping[str, Any], t: Array, seed: int) -> Array:
+def make(s: Mapping[str, Any], t: Array, _seed: int) -> Array:
     """Duty [1], (n,)."""
     return np.full(np.shape(t), s["level"])
 

@@ -15,7 +15,7 @@ _ROUNDING = 1e-9
 """Time [s] by which a sample may lie before its own row through rounding."""
 
 
-def make(s: Mapping[str, Any], t: Array, seed: int) -> Array:
+def make(s: Mapping[str, Any], t: Array, _seed: int) -> Array:
     """Duty [1], (n,); a record that repeats holds its last row as long as the one before."""
     times, levels = samples(s, "duty")
     if levels.min() < 0.0 or levels.max() > 1.0:

@@ -13,7 +13,7 @@ import numpy as np
 from er_models.spec import Array, Kind, Number
 
 
-def make(s: Mapping[str, Any], t: Array, seed: int) -> Array:
+def make(s: Mapping[str, Any], t: Array, _seed: int) -> Array:
     """Duty [1], (n,)."""
     wave = s["mean"] + s["amplitude"] * np.sin(2.0 * np.pi * s["frequency"] * t + s["phase"])
     return np.asarray(np.clip(wave, 0.0, 1.0))

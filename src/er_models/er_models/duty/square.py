@@ -13,7 +13,7 @@ _ROUNDING = 1e-9
 """Share of a period by which a sample time may lie before its step through rounding."""
 
 
-def make(s: Mapping[str, Any], t: Array, seed: int) -> Array:
+def make(s: Mapping[str, Any], t: Array, _seed: int) -> Array:
     """Duty [1], (n,)."""
     phase = np.mod(t * s["frequency"] + _ROUNDING, 1.0)
     return np.asarray(np.where(phase < s["share"], s["high"], s["low"]))

@@ -14,7 +14,7 @@ _ROUNDING = 1e-9
 """Share of a hold by which a sample time may lie before its step through rounding."""
 
 
-def make(s: Mapping[str, Any], t: Array, seed: int) -> Array:
+def make(s: Mapping[str, Any], t: Array, _seed: int) -> Array:
     """Duty [1], (n,)."""
     levels = np.asarray(s["levels"], float)
     if not levels.size:

@@ -76,7 +76,17 @@ def _relax(catalogue: Catalogue, effect: Effect) -> list[str]:
     return [
         *_call(catalogue, effect, "relax", f"s[R, {slot}], s[G, {slot}] = {{call}}"),
         f"s[W, {slot}] = follow({', '.join(f's[{row}, {slot}]' for row in _STEP)}, h, how)",
+        *_bound(catalogue, effect, slot),
     ]
+
+
+def _bound(catalogue: Catalogue, effect: Effect, slot: int) -> list[str]:
+    """Lines that keep an effect's state within its bound, where it has one."""
+    if "bound" not in effect.hooks:
+        return []
+    return _call(
+        catalogue, effect, "bound", f"s[W, {slot}] = min(max(s[W, {slot}], -({{call}})), {{call}})"
+    )
 
 
 def _lines(catalogue: Catalogue, hook: str, pattern: str) -> list[str]:

@@ -34,8 +34,10 @@ batch = njit(cache=True, nogil=True, parallel=True, error_model="numpy")
 """As `entry`, over all cores."""
 
 
-@inline
-def tanh(x: float) -> float:
+def _tanh(x: float) -> float:
     """Hyperbolic tangent through one exponential, a third of the C library's time."""
     e = math.exp(-2.0 * abs(x))
     return math.copysign((1.0 - e) / (1.0 + e), x)
+
+
+tanh = inline(_tanh)

@@ -63,26 +63,26 @@ class _Rename(ast.NodeTransformer):
         self.prefix, self.names, self.module = prefix, names, module
         self.local: set[str] = set()
 
-    def visit_Assign(self, node: ast.Assign) -> ast.AST:  # noqa: N802
+    def visit_Assign(self, node: ast.Assign) -> ast.AST:
         value = self.visit(node.value)
         for target in node.targets:
             self.local |= {n.id for n in ast.walk(target) if isinstance(n, ast.Name)}
         targets = [self.visit(target) for target in node.targets]
         return ast.fix_missing_locations(ast.Assign(targets, value, lineno=1))
 
-    def visit_Name(self, node: ast.Name) -> ast.AST:  # noqa: N802
+    def visit_Name(self, node: ast.Name) -> ast.AST:
         if node.id in self.local:
             return ast.Name(f"{self.prefix}_{node.id}", node.ctx)
         if node.id in self.names:
             return ast.parse(self.names[node.id], mode="eval").body
         return ast.parse(self._outside(node.id), mode="eval").body
 
-    def visit_Attribute(self, node: ast.Attribute) -> ast.AST:  # noqa: N802
+    def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
         if isinstance(node.value, ast.Name) and self.module.get(node.value.id) is math:
             return ast.parse(self._function(node.attr), mode="eval").body
         raise _Foreign
 
-    def visit_Call(self, node: ast.Call) -> ast.AST:  # noqa: N802
+    def visit_Call(self, node: ast.Call) -> ast.AST:
         if isinstance(node.func, ast.Name) and node.func.id == "float" and not node.keywords:
             inner: ast.AST = self.visit(node.args[0])
             return inner

@@ -6,7 +6,6 @@ import math
 
 from er_models.kernel.fast import inline, inner
 
-
 # --- below this line: compiled with the composed equations ---
 ROUNDING = 1e-9
 """Share of a sample by which a delay may miss a whole number through rounding."""
@@ -28,8 +27,8 @@ def hermite(y0, d0, y1, d1, h, s):
 @inner
 def split(lag):
     """Whole samples of a delay (in samples) and where within a sample interval the duty changes."""
-    whole = int(math.floor(lag + ROUNDING))
-    return whole, max(lag - whole, 0.0) if lag - whole > ROUNDING else 0.0
+    whole = math.floor(lag + ROUNDING)
+    return whole, lag - whole if lag - whole > ROUNDING else 0.0
 
 
 @inner

@@ -38,9 +38,11 @@ INSTANT = 0.999e9
 SERIES = 0.02
 """Below this the weights of the first-order hold come from their series: the formulas would cancel."""
 STIFF = 0.5
-"""Above this a changing rate is taken as changing the pace towards an equilibrium, not its height."""
+"""Rate times step from which a state mostly forgets where it was."""
 PASSES = 40
 """Looks at the damper after which the search gives up: a jump in an equation has no better answer."""
+PATIENCE = 6
+"""Looks after which every other trial halves the bracket."""
 CLOSE = 1e-10
 """Relative error of a state that feeds back."""
 SWEEPS = 9
@@ -50,20 +52,32 @@ RESTING = -1.0
 
 
 @inline
-def held(w0, rate0, drive0, rate, drive, h):
-    """State after h [s]: exact for a constant rate and a drive linear in time."""
-    z = 0.5 * h * (rate0 + rate)
+def weights(z):
+    """Decay exp(-z) over a step, and the integrals over it of a constant and of a ramp, per length."""
     if z < SERIES:
         one = 1.0 - z * (0.5 - z * (1.0 / 6.0 - z / 24.0))
         two = 0.5 - z * (1.0 / 6.0 - z * (1.0 / 24.0 - z / 120.0))
-        decay = 1.0 - z * one
-    else:
-        decay = math.exp(-z)
-        one = (1.0 - decay) / z
-        two = (1.0 - one) / z
-    if h * rate0 > STIFF and h * rate > STIFF:
-        return decay * w0 + z * ((one - two) * (drive0 / rate0) + two * (drive / rate))
-    return decay * w0 + h * ((one - two) * drive0 + two * drive)
+        return 1.0 - z * one, one, two
+    decay = math.exp(-z)
+    one = (1.0 - decay) / z
+    return decay, one, (1.0 - one) / z
+
+
+@inline
+def held(w0, rate0, drive0, rate, drive, h):
+    """State after h [s]: exact for a constant rate and a drive linear in time.
+
+    A stiff rate that changes sets the pace towards an equilibrium that is linear in time. Where an equation
+    becomes stiff or ceases to be (a contact closes or opens), only its end counts.
+    """
+    stiff = (h * rate0 > STIFF) + (h * rate > STIFF)
+    z = h * rate if stiff == 1 else 0.5 * h * (rate0 + rate)
+    decay, one, two = weights(z)
+    if stiff == 0:
+        return decay * w0 + h * ((one - two) * drive0 + two * drive)
+    if stiff == 1:
+        return decay * w0 + h * one * drive
+    return decay * w0 + z * ((one - two) * (drive0 / rate0) + two * (drive / rate))
 
 
 @inline
@@ -86,9 +100,9 @@ def solve(on, links, p, s, h, how, x, v, a, u, t, theta):
     if links.shape[0]:
         begin(links, s)
     forces = (0.0, 0.0, 0.0)
-    for _ in range(PASSES):
+    for k in range(PASSES):
         forces = damper(on, p, s, h, how, x, v, a, u, t, theta)
-        if not links.shape[0] or refined(links, s):
+        if not links.shape[0] or refined(links, s, k):
             break
     return forces
 
@@ -111,7 +125,7 @@ def begin(links, s):
 
 
 @inner
-def refined(links, s):
+def refined(links, s, k):
     """Whether every state that feeds back agrees with what follows from it; if not, the next trial is set."""
     worst = 0.0
     for i in range(links.shape[0]):
@@ -121,13 +135,16 @@ def refined(links, s):
     if not worst > 0.0:
         return True
     for i in range(links.shape[0]):
-        next_trial(s, links[i])
+        next_trial(s, links[i], k >= PATIENCE and k % 2 == 0)
     return False
 
 
 @inner
-def next_trial(s, j):
-    """Secant towards the trial that follows from itself, kept between those seen to lie on both sides of it."""
+def next_trial(s, j, halve):
+    """Secant towards the trial that follows from itself, kept between those seen on both sides of it.
+
+    halve: take the middle instead, for where the secant creeps along a saturation.
+    """
     at, miss = s[TRY, j], s[W, j] - s[TRY, j]
     if miss > 0.0:
         s[LOW, j] = at
@@ -139,8 +156,8 @@ def next_trial(s, j):
         s[SLOPE, j] = -1.0
     s[LAST, j], s[MISS, j] = at, miss
     trial = at - miss / s[SLOPE, j]
-    if not s[LOW, j] <= trial <= s[HIGH, j]:
-        both = s[LOW, j] > -math.inf and s[HIGH, j] < math.inf
+    both = s[LOW, j] > -math.inf and s[HIGH, j] < math.inf
+    if (halve and both) or not s[LOW, j] <= trial <= s[HIGH, j]:
         trial = 0.5 * (s[LOW, j] + s[HIGH, j]) if both else at + miss
     s[TRY, j] = trial
     s[W, j] = trial

@@ -19,7 +19,7 @@ from er_models.kernel.fast import entry, inline, inner
 from er_models.kernel.imposed import input_delay
 from er_models.kernel.inputs import split
 from er_models.kernel.sensors import remember_force, remember_velocity, report
-from er_models.kernel.states import HOLD, ROWS, SLOPE, STAGE, G, R, W, W0, settle, visit
+from er_models.kernel.states import HOLD, ROWS, SLOPE, STAGE, W0, G, R, W, settle, visit
 
 
 def chassis(on, p, x, v, z_t, v_t, v_s):  # type: ignore[no-untyped-def]

@@ -15,7 +15,7 @@ from er_models.errors import InputError
 from er_models.spec import Array, Kind, Number
 
 
-def make(s: Mapping[str, Any], t: Array, seed: int) -> Array:
+def make(s: Mapping[str, Any], t: Array, _seed: int) -> Array:
     """Height [m], (n,)."""
     length, spacing = s["length"], s["spacing"]
     if spacing < length:

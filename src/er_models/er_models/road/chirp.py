@@ -13,7 +13,7 @@ import numpy as np
 from er_models.spec import Array, Kind, Number
 
 
-def make(s: Mapping[str, Any], t: Array, seed: int) -> Array:
+def make(s: Mapping[str, Any], t: Array, _seed: int) -> Array:
     """Height [m], (n,); the phase is the integral of the frequency, so it never jumps."""
     inside = np.clip(t, 0.0, s["sweep"])
     cycles = s["f0"] * inside + 0.5 * (s["f1"] - s["f0"]) / s["sweep"] * inside**2

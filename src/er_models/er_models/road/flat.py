@@ -10,7 +10,7 @@ import numpy as np
 from er_models.spec import Array, Kind, Number
 
 
-def make(s: Mapping[str, Any], t: Array, seed: int) -> Array:
+def make(s: Mapping[str, Any], t: Array, _seed: int) -> Array:
     """Height [m], (n,)."""
     return np.full(t.shape, s["height"])
 

@@ -31,7 +31,7 @@ def place(s: Mapping[str, Any], t: Array, end: float) -> Array:
     return np.asarray(np.mod(asked, end) if s["after"] == "repeat" and end > 0.0 else asked)
 
 
-def make(s: Mapping[str, Any], t: Array, seed: int) -> Array:
+def make(s: Mapping[str, Any], t: Array, _seed: int) -> Array:
     """Height [m], (n,)."""
     times, heights = samples(s, "road")
     return np.interp(place(s, t, float(times[-1])), times, heights)

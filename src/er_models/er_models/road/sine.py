@@ -10,7 +10,7 @@ import numpy as np
 from er_models.spec import REQUIRED, Array, Kind, Number
 
 
-def make(s: Mapping[str, Any], t: Array, seed: int) -> Array:
+def make(s: Mapping[str, Any], t: Array, _seed: int) -> Array:
     """Height [m], (n,)."""
     return np.asarray(s["amplitude"] * np.sin(2.0 * np.pi * s["frequency"] * t + s["phase"]))
 

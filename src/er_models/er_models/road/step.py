@@ -10,7 +10,7 @@ import numpy as np
 from er_models.spec import REQUIRED, Array, Kind, Number
 
 
-def make(s: Mapping[str, Any], t: Array, seed: int) -> Array:
+def make(s: Mapping[str, Any], t: Array, _seed: int) -> Array:
     """Height [m], (n,); without a rise the sample at the time of the step is already up."""
     if s["rise"] == 0.0:
         return np.where(t >= s["time"] - 1e-9, s["height"], 0.0)

@@ -1,12 +1,16 @@
-"""Freeplay: the joint carries no force within a gap of +-b (play operator, smooth)."""
+"""Freeplay: a joint with a gap of +-b, in series with the damper, that carries no force until it closes."""
 
 from er_models.effect import Effect, Param, Signature
 
 
-def relax(b: float, v: float, w: float) -> tuple[float, float]:
-    """Rate [1/s] and drive [m/s] of the position in the gap: w' = v inside, 0 at its outer edge."""
-    outward = (abs(w) / b) ** 7 if b > 0.0 and v * w > 0.0 else 0.0
-    return (outward * abs(v) / b, v) if b > 0.0 else (1e9, 0.0)
+def relax(k_0: float, c_0: float, x: float, v: float, f_y: float) -> tuple[float, float]:
+    """Rate [1/s] and drive [m/s] of the position in the open gap: the damper moves free of force."""
+    return k_0 / (c_0 + 1e-9), v + (k_0 * x + f_y) / (c_0 + 1e-9)
+
+
+def bound(b: float) -> float:
+    """Position where the gap is closed [m]."""
+    return b
 
 
 def shift_deflection(x: float, w: float) -> float:
@@ -14,31 +18,27 @@ def shift_deflection(x: float, w: float) -> float:
     return x - w
 
 
-def shift_velocity(b: float, v: float, w: float) -> float:
-    """Velocity of the damper itself [m/s], v - w': it stands still while the gap is crossed."""
-    engaged = min(abs(w) / b, 1.0) ** 8 if b > 0.0 and v * w > 0.0 else 0.0
-    return v * engaged if b > 0.0 else v
-
-
-def limit(b: float, v: float, w: float, f_d: float) -> float:
-    """Force that the joint carries [N]; the damper's velocity v has the sign of the joint's."""
-    engaged = min(abs(w) / b, 1.0) ** 8 if b > 0.0 and v * w > 0.0 else 0.0
-    return f_d * engaged if b > 0.0 else f_d
+def shift_velocity(
+    b: float, k_0: float, c_0: float, x: float, v: float, f_y: float, w: float
+) -> float:
+    """Velocity of the damper itself [m/s]: that of the joint when closed, free of force when open."""
+    return v if abs(w) >= b else -(k_0 * x + f_y) / (c_0 + 1e-9)
 
 
 EFFECT = Effect(
     name="freeplay",
     stage="force",
     title="Freeplay (backlash)",
-    physics="A worn joint must first cross its gap at every reversal before the damper works.",
+    physics="A worn joint must cross its gap each time the force changes its sign, before the damper works "
+    "again; meanwhile the damper is free and relaxes.",
     parameters=(
         Param("b", "m", 0.0, 0.3, 0.0, (0.01, 0.03), "half the gap"),
     ),
     hooks={
         "relax": relax,
+        "bound": bound,
         "shift_deflection": shift_deflection,
         "shift_velocity": shift_velocity,
-        "limit": limit,
     },
     signature=Signature(
         mark="force stays near zero after each reversal for a fixed distance",
