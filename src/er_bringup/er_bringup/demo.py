@@ -90,6 +90,16 @@ def play(demo: Demo, console: Console) -> Verdict:
     return verdict
 
 
+def reach(truth: Model, bags: list[Path]) -> float:
+    """Error of the true model itself on the check run [N]: what only the sensors leave."""
+    from er_model_lab.load import load
+    from er_model_lab.study import as_given, open_problem
+
+    problem, _ = open_problem(load(bags), truth, sealed=1)
+    residual = as_given(truth, problem)
+    return float(np.sqrt(np.mean(residual[problem.held_out] ** 2)))
+
+
 def record(
     demo: Demo, damper: Path, name: str, seconds: float, duty: str, seed: int, console: Console
 ) -> Path:
@@ -97,7 +107,8 @@ def record(
     bag, log = demo.out / name, demo.out / f"{name}.log"
     arguments = {
         "damper": str(damper), "duration": str(seconds), "seed": str(seed), "duty": duty,
-        "record": str(bag), "mode": demo.mode,
+        "record": str(bag),
+        "program": "identification", "mode": demo.mode,
     }  # fmt: skip
     console.print(
         f"running plant, observer, controller and recorder for {seconds:g} s ({name}) ..."

@@ -164,6 +164,11 @@ class Channels:
     z: Array
     has: NDArray[np.uint8]
     activity: Array
+    measured_a: bool
+
+    def only(self, has: NDArray[np.uint8]) -> Channels:
+        """The same measurements with only some channels in use."""
+        return replace(self, has=(self.has & has).astype(np.uint8))
 
     def first(self, n: int) -> Channels:
         """The first n samples."""
@@ -282,7 +287,7 @@ def channels_of(dt: float, x: Array | None, v: Array | None, a: Array | None) ->
         if channel is not None:
             z[:, c] = channel
             has[c] = 1
-    return Channels(dt, z, has, _activity(a) if a is not None else np.ones(n))
+    return Channels(dt, z, has, _activity(a) if a is not None else np.ones(n), a is not None)
 
 
 def _activity(a: Array) -> Array:

@@ -30,6 +30,8 @@ WARM_UP = 0.3
 """Time at the start of each record in which unknown initial states fade [s]; not scored."""
 FOR_NOISE = 2500
 """Samples from which the noise levels of the motion sensors are estimated."""
+CONTRADICTION = 0.03
+"""Difference of two estimates of a lag, in samples, above which accelerometers contradict the other channels."""
 FOLDS = 12
 """Blocks for cross-validation."""
 
@@ -97,21 +99,21 @@ def prepare(
     if not records:
         raise InputError("DATA", "", "at least one record", "none")
     dt = max(r.dt for r in records)
-    raw = tuple(_channels(r, dt) for r in records)
-    part = max(raw, key=lambda c: c.z.shape[0]).first(FOR_NOISE)
-    noise = estimate_noise(part)
-    lag, lag_sd = _lag_evidence(part, noise) if velocity_lag is None else (velocity_lag, 0.0)
+    measured = tuple(_channels(r, dt) for r in records)
+    part = max(measured, key=lambda c: c.z.shape[0]).first(FOR_NOISE)
+    lag, lag_sd = _lag_evidence(part) if velocity_lag is None else (velocity_lag, 0.0)
+    raw, noise, losses = _usable(measured, part, lag)
     if velocity_lag is not None:
-        noise = replace(estimate_lag(part, noise), lag=velocity_lag)
+        noise = replace(estimate_lag(part.only(raw[0].has), noise), lag=velocity_lag)
     fused = tuple(fuse(c, noise) for c in raw)
     force = [_resampled(r, "damper_force", dt) for r in records]
-    motion = join([_motion(r, f, dt) for r, f in zip(records, fused, strict=True)])
+    motion = join([_motion(r, f, c, dt) for r, f, c in zip(records, fused, raw, strict=True)])
     fold, held_out = split(motion, sealed)
     y = np.concatenate(force)
     return Problem(
         motion=motion, force=y, fold=fold, held_out=held_out, raw=raw, fused=fused, noise=noise,
         names=tuple(r.name for r in records),
-        notes=tuple(n for r in records for n in r.notes) + _losses(records[0]),
+        notes=tuple(n for r in records for n in r.notes) + losses + _losses(records[0]),
         complete=all(r.complete for r in records), sd_force=white_noise(force), velocity_lag=(lag, lag_sd),
     )  # fmt: skip
 
@@ -223,7 +225,7 @@ def _resampled(record: Record, channel: str, dt: float) -> Array:
     return np.asarray(np.interp(grid, record.t, smooth))
 
 
-def _motion(record: Record, fused: Fused, dt: float) -> Motion:
+def _motion(record: Record, fused: Fused, channels: Channels, dt: float) -> Motion:
     """Inputs of the damper model of one record."""
     n = fused.x.shape[0]
     u = _resampled(record, "duty", dt) if record.has("duty") else np.zeros(n)
@@ -231,15 +233,47 @@ def _motion(record: Record, fused: Fused, dt: float) -> Motion:
     if record.has("temperature"):
         theta = _resampled(record, "temperature", dt)
         theta = theta - theta[0]
-    return Motion(dt, fused.x, fused.v, fused.a, np.ascontiguousarray(u), theta, np.array([0, n]))
+    a = fused.a if channels.has[2] or not channels.measured_a else channels.z[:, 2].copy()
+    return Motion(dt, fused.x, fused.v, a, np.ascontiguousarray(u), theta, np.array([0, n]))
 
 
-def _lag_evidence(channels: Channels, noise: Noise) -> tuple[float, float]:
-    """Lag of the velocity channel against deflection and accelerometers, with its standard deviation [s]."""
-    if not (channels.has[1] and (channels.has[0] or channels.has[2])):
-        return 0.0, float("inf")
-    found = estimate_lag(channels, noise)
-    return found.lag, found.lag_sd
+def _lag_evidence(channels: Channels) -> tuple[float, float]:
+    """Lag of the velocity channel with its standard deviation [s].
+
+    The deflection decides where there is one: what an accelerometer does between two samples is a guess,
+    and a wrong guess looks like a lag. Without it, a lag below a fifth of a sample is not believed.
+    """
+    if channels.has[0] and channels.has[1]:
+        without = channels.only(np.array([1, 1, 0], np.uint8))
+        found = estimate_lag(without, estimate_noise(without))
+        return found.lag, found.lag_sd
+    if channels.has[1] and channels.has[2]:
+        found = estimate_lag(channels, estimate_noise(channels))
+        return found.lag, max(found.lag_sd, 0.025 * channels.dt)
+    return 0.0, float("inf")
+
+
+def _usable(
+    measured: tuple[Channels, ...], part: Channels, lag: float
+) -> tuple[tuple[Channels, ...], Noise, tuple[str, ...]]:
+    """Channels to fuse, their noise levels, and what was left out.
+
+    Accelerations that change faster than the sampling resolves contradict the other channels: fused
+    with them, the velocity seems to lag where deflection and velocity alone say that it does not. They are
+    then kept as accelerations, but the velocity is not made from them.
+    """
+    noise = estimate_noise(part)
+    if not (part.has[0] and part.has[1] and part.has[2]):
+        return measured, noise, ()
+    seen = estimate_lag(part, noise)
+    if abs(seen.lag - lag) < max(CONTRADICTION * part.dt, 4.0 * seen.lag_sd):
+        return measured, noise, ()
+    kept = np.array([1, 1, 0], np.uint8)
+    note = (
+        "the accelerations change faster than the sampling resolves: "
+        "the velocity is fused from deflection and velocity only"
+    )
+    return tuple(c.only(kept) for c in measured), estimate_noise(part.only(kept)), (note,)
 
 
 def _losses(record: Record) -> tuple[str, ...]:

@@ -121,7 +121,7 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         "noise_floor_train": found.floor.floor,
         "rmse": {"train": train.rmse, "held_out": held.rmse},
         "nrmse": {"train": train.nrmse, "held_out": held.nrmse},
-        "rmse_as_given": errors(problem, study.given, problem.used).rmse,
+        "rmse_as_given": errors(problem, study.given, problem.held_out).rmse,
         "rmse_after": {
             "train": errors(problem, after, problem.train).rmse,
             "held_out": errors(problem, after, problem.held_out).rmse,

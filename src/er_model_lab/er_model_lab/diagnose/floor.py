@@ -13,11 +13,12 @@ from er_models.model import Array
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 from sklearn.ensemble import HistGradientBoostingRegressor
+from threadpoolctl import threadpool_limits
 
 from er_model_lab.diagnose.candidates import Candidate
 from er_model_lab.prepare import Problem, white_noise
 
-MAX_SAMPLES = 6000
+MAX_SAMPLES = 5000
 FEATURES = (
     "deflection", "velocity", "acceleration", "duty", "duty 20 ms ago", "duty 60 ms ago", "velocity 10 ms ago",
     "velocity 30 ms ago", "model force", "yield force lagged", "time", "dissipated power, slow",
@@ -147,11 +148,15 @@ def spectral_line(problem: Problem, residual: Array) -> tuple[float, float, floa
 
 
 def noise_floor(problem: Problem, best: Candidate, input_error: float, seed: int) -> Floor:
-    """Floor under the best model found so far."""
+    """Floor under the best model found so far.
+
+    The trees are small: on one thread they are as fast as on two, and do not wait for busy cores.
+    """
     inputs = features(problem, problem.force - best.fit.residual)
-    share = max(boosted(problem, best.residual, inputs, seed), 0.0)
-    unseen = max(boosted_held_out(problem, best.fit.residual, inputs, seed), 0.0)
-    weights = importance(problem, best.residual, inputs, seed) if share > 0.03 else {}
+    with threadpool_limits(1):
+        share = max(boosted(problem, best.residual, inputs, seed), 0.0)
+        unseen = max(boosted_held_out(problem, best.fit.residual, inputs, seed), 0.0)
+        weights = importance(problem, best.residual, inputs, seed) if share > 0.03 else {}
     line = spectral_line(problem, best.residual)
     starts = problem.motion.starts
     white = white_noise(

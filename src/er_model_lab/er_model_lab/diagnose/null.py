@@ -14,7 +14,7 @@ from er_models.model import Array
 from er_models.predict import join, predict
 
 from er_model_lab.diagnose.candidates import Candidate
-from er_model_lab.fuse import Channels, fuse
+from er_model_lab.fuse import fuse
 from er_model_lab.prepare import FOLDS, Problem, white_noise
 
 
@@ -66,33 +66,16 @@ def _input_error(
     base: Candidate, problem: Problem, truth: Array, rng: np.random.Generator
 ) -> Array:
     """Force error (n,) that one draw of the sensors' noise causes through the fused motion."""
-    parts = []
+    m, noise, parts = problem.motion, problem.noise, []
+    sd = np.array([noise.x, noise.v, noise.a])
     for r, (channels, fused) in enumerate(zip(problem.raw, problem.fused, strict=True)):
-        noise = problem.noise
+        i, j = m.starts[r], m.starts[r + 1]
         clean = np.stack([fused.x, fused.v - noise.lag * fused.a, fused.a], axis=1)
-        sd = np.array([noise.x, noise.v, noise.a])
-        again = fuse(
-            Channels(
-                channels.dt,
-                clean + rng.standard_normal(clean.shape) * sd,
-                channels.has,
-                channels.activity,
-            ),
-            noise,
-        )
-        i, j = problem.motion.starts[r], problem.motion.starts[r + 1]
-        m = problem.motion
-        parts.append(
-            replace(
-                m,
-                x=again.x,
-                v=again.v,
-                a=again.a,
-                u=m.u[i:j],
-                theta=m.theta[i:j],
-                starts=np.array([0, j - i]),
-            )
-        )
+        noisy = replace(channels, z=clean + rng.standard_normal(clean.shape) * sd)
+        again = fuse(noisy, noise)
+        a = again.a if channels.has[2] or not channels.measured_a else m.a[i:j]
+        rows = {"u": m.u[i:j], "theta": m.theta[i:j], "starts": np.array([0, j - i])}
+        parts.append(replace(m, x=again.x, v=again.v, a=a, **rows))
     return truth - predict(base.fit.model, join(parts))
 
 

@@ -30,10 +30,8 @@ def live(figure: Figure) -> Json:
         "height": figure.height, "margin": dict(MARGIN), "font": FONT, "paper_bgcolor": "#fff",
         "plot_bgcolor": "#fff", "shapes": [], "annotations": [], "barmode": "overlay",
         "hovermode": "closest",
-        "legend": {"orientation": "h", "x": 0, "y": 1.0, "yanchor": "bottom", "yref": "container",
-                   "font": {"size": 12}},
+        "legend": {"orientation": "h", "x": 0, "y": 1, "yanchor": "top", "yref": "container"},
     }  # fmt: skip
-    layout["legend"]["y"] = 1.0 - 30.0 / figure.height
     out: Json = {"name": figure.name, "data": [], "layout": layout, "long": [], "packed": []}
     named: set[str] = set()
     kept: list[Array] = []

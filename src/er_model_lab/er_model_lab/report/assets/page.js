@@ -2,6 +2,7 @@
 // Replaces the still pictures by plots to zoom into. Where the browser is too old, or anything fails, they stay.
 (() => {
   const MOST_POINTS = 4000;
+  const NARROW = 700;
   const CONFIG = {
     responsive: true, displaylogo: false, toImageButtonOptions: { format: "svg" },
     modeBarButtons: [["toImage"], ["zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "resetScale2d"]],
@@ -99,6 +100,15 @@
     tools.hidden = false;
   }
 
+  // on a narrow screen the legend takes more rows, and gets room for them
+  function makeRoom(plot, width) {
+    const names = [...plot.data, ...plot.layout.shapes].filter((item) => item.showlegend).map((item) => item.name.length);
+    const rows = Math.ceil(names.reduce((sum, length) => sum + 7 * length + 50, 0) / Math.max(width - (width < NARROW ? 80 : 180), 100));
+    const extra = 20 * Math.max(rows - 1, 0);
+    plot.layout.margin.t += extra;
+    plot.layout.height += extra;
+  }
+
   async function draw(plot) {
     const figure = document.querySelector(`figure[data-plot="${plot.name}"]`);
     const host = figure.querySelector(".live");
@@ -106,8 +116,11 @@
     const range = plot.layout.xaxis.range ?? plot.whole;
     thinned(plot, range).forEach(({ trace, x, y }) => Object.assign(plot.data[trace], { x, y }));
     figure.classList.add("is-live");
+    makeRoom(plot, host.clientWidth);
+    host.style.height = `${plot.layout.height}px`;
     try {
-      await Plotly.newPlot(host, plot.data, plot.layout, CONFIG);
+      const config = { ...CONFIG, displayModeBar: host.clientWidth >= NARROW };
+      await Plotly.newPlot(host, plot.data, plot.layout, config);
     } catch (error) {
       figure.classList.remove("is-live");
       throw error;
