@@ -12,9 +12,9 @@ from rich.constrain import Constrain
 from rich.text import Text
 
 from er_model_lab.report.plain import BLOCK, PLUS_MINUS, Pen
-from er_model_lab.report.ranking import effect_size, limit, ranked
+from er_model_lab.report.ranking import effect_size, largest, limit, ranked
 from er_model_lab.report.regions import worst
-from er_model_lab.report.units import newtons, parameter, percent, short, where
+from er_model_lab.report.units import gain, newtons, parameter, percent, short, where
 from er_model_lab.report.words import joined, title_of, verdict_sentence, verdict_title
 from er_model_lab.view import View
 
@@ -117,7 +117,7 @@ def _row(view: View, e: Mapping[str, Any], pen: Pen) -> list[str | Text]:
     size, status = effect_size(view, e), str(e.get("status", ""))
     cells = [
         pen.cut(title_of(view, str(e["effect"])), 24), pen.safe(newtons(e.get("rmse_held_out"))),
-        pen.safe("-" if size is None or "basis" in e else newtons(size)),
+        gain(None if "basis" in e else size, largest(view)),
         pen.safe(short(e.get("p_value"), 2)),
     ]  # fmt: skip
     said = Text(

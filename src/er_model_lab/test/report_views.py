@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
-
 from er_model_lab.view import Array, CandidateView, RecordView, Region, RegionTable, View
 
 NOISE = 0.2
 
 
-def record(name: str, seconds: float, seed: int, *, held_out: bool = False, after: bool = True) -> RecordView:
+def record(
+    name: str, seconds: float, seed: int, *, held_out: bool = False, after: bool = True
+) -> RecordView:
     """Sines of three frequencies and a duty in steps, at 200 Hz."""
     rng = np.random.default_rng(seed)
     t = np.arange(int(200 * seconds)) / 200.0
     tones = [(1.3, 4e-3), (3.1, 1e-3), (5.7, 4e-4)]
     phases = rng.uniform(0, 6, 3)
     x = sum(a * np.sin(2 * np.pi * f * t + p) for (f, a), p in zip(tones, phases, strict=True))
-    v = sum(2 * np.pi * f * a * np.cos(2 * np.pi * f * t + p) for (f, a), p in zip(tones, phases, strict=True))
+    v = sum(
+        2 * np.pi * f * a * np.cos(2 * np.pi * f * t + p)
+        for (f, a), p in zip(tones, phases, strict=True)
+    )
     u = np.repeat(rng.uniform(0, 0.3, t.size // 160 + 1), 160)[: t.size]
     rest = 64.0 * v + 200.0 * x + 29.0 * u * np.tanh(400.0 * v)
     friction = 0.9 * np.tanh(v / 3e-3)
@@ -26,12 +31,16 @@ def record(name: str, seconds: float, seed: int, *, held_out: bool = False, afte
     before = rest + 14.0 * v
     scored = t > 0.3
     held = scored if held_out else np.zeros(t.size, bool)
-    return RecordView(name, t, x, v, u, measured, before, rest + friction if after else None, scored, held)
+    return RecordView(
+        name, t, x, v, u, measured, before, rest + friction if after else None, scored, held
+    )
 
 
-def table(quantity: str, unit: str, edges: list[float], rms: list[float], shares: list[float]) -> RegionTable:
+def table(
+    quantity: str, unit: str, edges: list[float], rms: list[float], shares: list[float]
+) -> RegionTable:
     """Bins between edges; equal shares of the samples."""
-    pairs = list(zip(edges[:-1], edges[1:], strict=True))
+    pairs = list(itertools.pairwise(edges))
     regions = tuple(
         Region(quantity, unit, pair, share, 1 / len(pairs), r, (0.9 * r, 1.1 * r))
         for pair, r, share in zip(pairs, rms, shares, strict=True)
@@ -40,7 +49,13 @@ def table(quantity: str, unit: str, edges: list[float], rms: list[float], shares
 
 
 TABLES = (
-    table("velocity", "m/s", [-0.1, -0.02, 0.0, 0.02, 0.1], [0.4, 0.7, 0.9, 0.4], [0.1, 0.25, 0.55, 0.1]),
+    table(
+        "velocity",
+        "m/s",
+        [-0.1, -0.02, 0.0, 0.02, 0.1],
+        [0.4, 0.7, 0.9, 0.4],
+        [0.1, 0.25, 0.55, 0.1],
+    ),
     table("duty", "1", [0.0, 0.1, 0.2, 0.2], [0.5, 0.5, 0.5], [0.33, 0.33, 0.34]),
 )
 
@@ -51,8 +66,10 @@ def entry(effect: str, size: float) -> dict[str, object]:
     """One candidate of the result."""
     status = {"coulomb_friction": "present", "end_stop": "not_excited"}.get(effect, "absent")
     return {
-        "effect": effect, "rmse_held_out": 0.55 - size / 2, "evidence": size, "threshold": 0.022, "p_value": 0.059,
-        "parameters": {"F_c": [0.936, 0.0088, "N"], "v_0": [0.0032, None, "m/s"]}, "status": status,
+        "effect": effect, "rmse_held_out": 0.55 - size / 2, "evidence": size, "threshold": 0.022,
+        "p_value": 0.059,
+        "parameters": {"F_c": [0.936, 0.0088, "N"], "v_0": [0.0032, None, "m/s"]},
+        "status": status,
         "confounded_with": [], "explains": 0.97, "kept_fraction": 0.5,
     }  # fmt: skip
 
@@ -62,26 +79,36 @@ def card(effect: str, size: float, r: RecordView) -> CandidateView:
     rows = slice(100, None, 17)
     change = size * np.tanh(r.velocity[rows] / 3e-3)
     return CandidateView(
-        effect, effect.replace("_", " ").capitalize(), "Seals rub.", f"{effect}: F_c tanh(v / v_0)", "jumps with the sign",
-        f"experiment for {effect}", entry(effect, size), "taken: lowers the error", "force-velocity", r.velocity[rows],
+        effect, effect.replace("_", " ").capitalize(), "Seals rub.",
+        f"{effect}: F_c tanh(v / v_0)", "jumps with the sign",
+        f"experiment for {effect}", entry(effect, size), "taken: lowers the error",
+        "force-velocity", r.velocity[rows],
         change, (r.measured - r.before)[rows],
     )  # fmt: skip
 
 
 def view(seconds: float = 12.0, records: int = 2, **result: object) -> View:
     """The view of `lab diagnose`; keywords replace entries of the result, None takes them out."""
-    views = tuple(record(f"record_{k + 1}", seconds, k, held_out=k == records - 1) for k in range(records))
+    views = tuple(
+        record(f"record_{k + 1}", seconds, k, held_out=k == records - 1) for k in range(records)
+    )
     content = {
-        "command": "diagnose", "verdict": "missing_effect", "effects": ["coulomb_friction"], "alternatives": [],
-        "noise_floor": NOISE, "rmse": {"train": 0.61, "held_out": 0.6}, "nrmse": {"train": 0.03, "held_out": 0.029},
+        "command": "diagnose", "verdict": "missing_effect", "effects": ["coulomb_friction"],
+        "alternatives": [],
+        "noise_floor": NOISE, "rmse": {"train": 0.61, "held_out": 0.6}, "nrmse": {"train": 0.03,
+        "held_out": 0.029},
         "rmse_after": {"train": 0.21, "held_out": 0.2}, "explainable": 0.89, "explained": 0.99,
-        "candidates": [entry(e, s) for e, s in EFFECTS.items()], "reasons": ["error 0.6 N after refitting"],
-        "steps": [{"added": None, "rmse_held_out": 0.6}, {"added": "coulomb_friction", "rmse_held_out": 0.2}],
+        "candidates": [entry(e, s) for e, s in EFFECTS.items()],
+        "reasons": ["error 0.6 N after refitting"],
+        "steps": [{"added": None, "rmse_held_out": 0.6}, {"added": "coulomb_friction",
+        "rmse_held_out": 0.2}],
     } | result  # fmt: skip
     return View(
-        command="diagnose", model="inove_guo", headline="unexplained 0.6 N, noise 0.2 N, model 0.566 N",
+        command="diagnose", model="inove_guo",
+        headline="unexplained 0.6 N, noise 0.2 N, model 0.566 N",
         result={k: v for k, v in content.items() if v is not None}, records=views, regions=TABLES,
-        candidates=tuple(card(e, s, views[0]) for e, s in EFFECTS.items()), notes=("velocity derived from deflection",),
+        candidates=tuple(card(e, s, views[0]) for e, s in EFFECTS.items()),
+        notes=("velocity derived from deflection",),
         provenance={"seed": 7, "model_file": "inove_guo.yaml", "versions": {"numpy": "2.0"}},
     )  # fmt: skip
 

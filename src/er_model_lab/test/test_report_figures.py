@@ -10,18 +10,38 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from PIL import Image
-from report_views import NOISE, card, compared, record, rms, view
-
 from er_model_lab.report import live_marks, still_marks
 from er_model_lab.report.embed import picture
-from er_model_lab.report.figure import Axis, Band, Bars, Figure, Label, Level, Line, Mark, Panel, Points, Scale, Spans, Tiles
+from er_model_lab.report.figure import (
+    Axis,
+    Band,
+    Bars,
+    Figure,
+    Label,
+    Level,
+    Line,
+    Mark,
+    Panel,
+    Points,
+    Scale,
+    Spans,
+    Tiles,
+)
 from er_model_lab.report.live import live
 from er_model_lab.report.page import figures
 from er_model_lab.report.palette import ERROR
 from er_model_lab.report.samples import binned_mean, rms_map
-from er_model_lab.report.sections import cards, falling_error, residual_maps, spectrum, time_series
+from er_model_lab.report.sections import (
+    candidates,
+    cards,
+    falling_error,
+    residual_maps,
+    spectrum,
+    time_series,
+)
 from er_model_lab.report.still import still
+from PIL import Image
+from report_views import NOISE, card, compared, record, rms, view
 
 X = np.linspace(0.0, 1.0, 40)
 
@@ -30,11 +50,15 @@ def everything() -> Figure:
     """A figure with every kind of mark."""
     marks = (
         Line(X, np.sin(9 * X), "line", "#0072b2", dash="dot"), Points(X, X, "dots", X),
-        Bars(X[:3], X[:3], "bars", ("#d55e00",) * 3, ends=np.stack([X[:3] - 0.1, X[:3] + 0.2]), text=("a", "b", "c")),
-        Band(-0.2, 0.2, "band", "#009e73"), Spans(((0.1, 0.2),), "span", "#f2e2a0"), Label(0.5, "here"),
+        Bars(X[:3], X[:3], "bars", ("#d55e00",) * 3, ends=np.stack([X[:3] - 0.1, X[:3] + 0.2]),
+        text=("a", "b", "c")),
+        Band(-0.2, 0.2, "band", "#009e73"), Spans(((0.1, 0.2),), "span", "#f2e2a0"), Label(0.5,
+        "here"),
         Level(0.3, "level", "#000000"), Level(0.4, "across", "#000000", vertical=True),
     )  # fmt: skip
-    tiles = Tiles(np.linspace(0, 1, 4), np.linspace(0, 1, 3), np.array([[1.0, 2, np.nan], [4, 5, 6]]))
+    tiles = Tiles(
+        np.linspace(0, 1, 4), np.linspace(0, 1, 3), np.array([[1.0, 2, np.nan], [4, 5, 6]])
+    )
     panels = (Panel(marks, title="all"), Panel((tiles,)))
     return Figure("all", "all marks", panels, 2, scale=Scale("value", 0.0, 6.0, ERROR))
 
@@ -52,16 +76,27 @@ def test_both_renderers_draw_every_kind_of_mark() -> None:
     assert np.asarray(Image.open(io.BytesIO(png)).convert("L")).std() > 10.0
 
 
-@pytest.mark.parametrize("mark", [m for p in everything().panels for m in p.marks], ids=lambda m: type(m).__name__)
+@pytest.mark.parametrize(
+    "mark", [m for p in everything().panels for m in p.marks], ids=lambda m: type(m).__name__
+)
 def test_every_mark_can_be_seen_in_both_drawings(mark: Mark) -> None:
     axes = {"x": Axis(span=(0.0, 1.0)), "y": Axis(span=(-1.0, 2.0))}
     blank, drawn = (
-        Figure("one", "", (Panel(marks, **axes),), width=300, height=200, scale=Scale("value", 0.0, 6.0, ERROR))
+        Figure(
+            "one",
+            "",
+            (Panel(marks, **axes),),
+            width=300,
+            height=200,
+            scale=Scale("value", 0.0, 6.0, ERROR),
+        )
         for marks in ((), (mark,))
     )
     (blank_png, _), (png, svg) = still(blank), still(drawn)
     inner = (slice(45, 230), slice(60, 330))
-    pixels = [np.asarray(Image.open(io.BytesIO(p)).convert("RGB"), float) for p in (blank_png, png)]
+    pixels = [
+        np.asarray(Image.open(io.BytesIO(p)).convert("RGB"), float) for p in (blank_png, png)
+    ]
     if pixels[0].shape == pixels[1].shape:
         assert np.abs(pixels[0] - pixels[1])[inner].max() > 15.0 or isinstance(mark, Label)
     assert b"here" in svg or not isinstance(mark, Label)
@@ -91,11 +126,18 @@ def test_the_picture_in_the_page_is_the_smaller_of_the_two() -> None:
 def test_every_mark_of_a_report_reaches_the_live_plot_with_its_numbers() -> None:
     for figure in [f for f in figures(view()) if f.interactive]:
         drawn = live(figure)
-        traces = [m for p in figure.panels for m in p.marks if isinstance(m, Line | Points | Bars | Tiles)]
+        traces = [
+            m
+            for p in figure.panels
+            for m in p.marks
+            if isinstance(m, Line | Points | Bars | Tiles)
+        ]
         assert len(drawn["data"]) == len(traces), figure.name
         for mark, trace in zip(traces, drawn["data"], strict=True):
             if isinstance(mark, Line) and trace["y"]:
-                np.testing.assert_allclose(np.array(trace["y"], float), mark.y, rtol=1e-4, atol=1e-9)
+                np.testing.assert_allclose(
+                    np.array(trace["y"], float), mark.y, rtol=1e-4, atol=1e-9
+                )
 
 
 def test_the_time_series_shows_the_residual_of_the_models_it_shows() -> None:
@@ -103,14 +145,23 @@ def test_the_time_series_shows_the_residual_of_the_models_it_shows() -> None:
     section = time_series.section(v)
     assert section is not None
     (figure,) = section.figures
-    force, residual = ({m.name: m for m in p.marks if isinstance(m, Line)} for p in figure.panels[:2])
+    force, residual = (
+        {m.name: m for m in p.marks if isinstance(m, Line)} for p in figure.panels[:2]
+    )
     for name in ("model before", "model after"):
-        np.testing.assert_allclose(residual[name].y, force["measured"].y - force[name].y, atol=1e-12)
+        np.testing.assert_allclose(
+            residual[name].y, force["measured"].y - force[name].y, atol=1e-12
+        )
     (band,) = [m for m in figure.panels[1].marks if isinstance(m, Band)]
     assert (band.low, band.high) == (-2 * NOISE, 2 * NOISE)
     assert any(isinstance(m, Spans) for m in figure.panels[0].marks), "held-out data are shaded"
     low, high = figure.panels[0].x.span or (0.0, 0.0)
     assert high - low == pytest.approx(5.0, abs=0.02)
+
+
+def test_a_comparison_shades_nothing_because_nothing_was_fitted() -> None:
+    (figure,) = time_series.section(compared()).figures  # type: ignore[union-attr]
+    assert not any(isinstance(m, Spans) for p in figure.panels for m in p.marks)
 
 
 def test_long_series_travel_whole_and_are_drawn_thinned_in_the_picture() -> None:
@@ -124,7 +175,10 @@ def test_long_series_travel_whole_and_are_drawn_thinned_in_the_picture() -> None
 
 
 def test_the_waterfall_starts_and_ends_at_the_errors_and_its_steps_join() -> None:
-    steps = [{"added": a, "rmse_held_out": e} for a, e in ((None, 0.9), ("coulomb_friction", 0.5), ("end_stop", 0.2))]
+    steps = [
+        {"added": a, "rmse_held_out": e}
+        for a, e in ((None, 0.9), ("coulomb_friction", 0.5), ("end_stop", 0.2))
+    ]
     (figure,) = falling_error.section(view(steps=steps)).figures  # type: ignore[union-attr]
     start, falls, end = (m for m in figure.panels[0].marks if isinstance(m, Bars))
     assert (start.size[0], end.size[0]) == (0.9, 0.2)
@@ -134,6 +188,18 @@ def test_the_waterfall_starts_and_ends_at_the_errors_and_its_steps_join() -> Non
     assert [t.split("\n")[0] for _, t in figure.panels[0].x.ticks] == [
         "model, refitted", "+ Coulomb friction", "+ End stop", "remains",
     ]  # fmt: skip
+
+
+def test_bars_of_candidates_are_not_negative_and_name_their_effects() -> None:
+    (figure,) = candidates.section(view()).figures  # type: ignore[union-attr]
+    bars = [m for m in figure.panels[0].marks if isinstance(m, Bars)]
+    assert {b.name for b in bars} == {"present", "absent", "not excited"}
+    shown = {float(a): (s, t) for b in bars for a, s, t in zip(b.at, b.size, b.text, strict=True)}
+    named = {name: shown[at] for at, name in figure.panels[0].y.ticks}
+    assert named["Coulomb friction"] == (0.51, "0.510 N")
+    assert named["Force lag"] == (0.0, "no gain")
+    (level,) = [m for m in figure.panels[0].marks if isinstance(m, Level)]
+    assert level.value == 0.022
 
 
 def test_the_spectrum_keeps_the_power_and_finds_a_hum() -> None:
@@ -169,14 +235,18 @@ def test_the_maps_share_one_scale_before_and_after() -> None:
     assert max(peaks[:2]) > 2 * max(peaks[2:])
     assert maps.scale is not None
     constant = compared()
-    constant = replace(constant, records=tuple(replace(r, duty=0 * r.duty) for r in constant.records))
+    constant = replace(
+        constant, records=tuple(replace(r, duty=0 * r.duty) for r in constant.records)
+    )
     _, maps = residual_maps.section(constant).figures  # type: ignore[union-attr]
     assert len(maps.panels) == 1, "no map over a duty that never changes"
 
 
 def test_a_card_draws_the_signature_over_the_residual_in_its_plane() -> None:
     r = record("a", 10.0, 1)
-    c = replace(card("end_stop", 0.2, r), plane="force-deflection", signature_x=r.deflection[100::17])
+    c = replace(
+        card("end_stop", 0.2, r), plane="force-deflection", signature_x=r.deflection[100::17]
+    )
     section = cards.section(replace(view(), candidates=(c,)))
     assert section is not None
     (figure,) = section.figures

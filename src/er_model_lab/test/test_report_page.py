@@ -14,14 +14,13 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from PIL import Image
-from report_views import compared, empty, view
-
 from er_model_lab.report import page as page_module
 from er_model_lab.report.page import figures, render, write_report
 from er_model_lab.report.sections import SECTIONS
 from er_model_lab.view import View
 from er_models.errors import InputError
+from PIL import Image
+from report_views import compared, empty, view
 
 VOID = {"meta", "img", "br", "link", "input", "hr"}
 LOADING = {"src", "href", "srcset", "action", "data", "poster", "formaction"}
@@ -105,9 +104,13 @@ def test_the_page_is_well_formed_and_loads_nothing(written: Path) -> None:
     assert page.stack == []
     assert len(page.ids) == len(set(page.ids))
     assert all(v.startswith(("#", "data:image/")) for v in page.loads)
-    assert {v[1:] for v in page.loads if v.startswith("#")} <= set(page.ids), "no link leads nowhere"
+    assert {v[1:] for v in page.loads if v.startswith("#")} <= set(page.ids), (
+        "no link leads nowhere"
+    )
     outside = re.sub(r"base64,[\w+/=]+", "", text)
-    assert not re.search(r"https?://|@import|url\(|//cdn", outside.replace("http://www.w3.org", ""))
+    assert not re.search(
+        r"https?://|@import|url\(|//cdn", outside.replace("http://www.w3.org", "")
+    )
     policy = re.search(r'Content-Security-Policy" content="([^"]*)"', text)
     assert policy
     assert "default-src 'none'" in policy.group(1)
@@ -126,7 +129,9 @@ def test_the_plots_in_the_page_are_complete(written: Path) -> None:
     assert [p["name"] for p in plots] == page.plots
     assert len(plots) >= 7
     (series,) = [p for p in plots if p["name"] == "time_series"]
-    assert len(series["packed"][0]["rises"]) > 120_000, "ten minutes can be looked at sample by sample"
+    assert len(series["packed"][0]["rises"]) > 120_000, (
+        "ten minutes can be looked at sample by sample"
+    )
     library = gzip.decompress(base64.b64decode(page.scripts["er-library"])).decode()
     assert "plotly.js" in library[:300]
     assert 'plotlyServerURL: ""' in page.scripts["inline"], "no button may upload measurements"
@@ -145,7 +150,11 @@ def test_every_figure_is_a_picture_on_disk(written: Path) -> None:
 
 
 def test_all_sections_appear_with_their_data() -> None:
-    rest = {"depends_on": {"deflection": 0.3}, "share": 0.4, "line": {"frequency": 50.0, "amplitude": 0.3, "share": 0.2}}
+    rest = {
+        "depends_on": {"deflection": 0.3},
+        "share": 0.4,
+        "line": {"frequency": 50.0, "amplitude": 0.3, "share": 0.2},
+    }
     full = view(alternatives=[["coulomb_friction", "shear_thinning"]], unexplained=rest)
     assert sections_of(full) == {make.__module__.rsplit(".", 1)[1] for make in SECTIONS}
 
@@ -157,8 +166,14 @@ def test_all_sections_appear_with_their_data() -> None:
         (lambda v: replace(v, regions=()), {"where_it_fails"}),
         (lambda v: replace(v, candidates=()), {"cards"}),
         (lambda v: replace(v, result={**v.result, "candidates": []}), {"candidates"}),
-        (lambda v: replace(v, result={**v.result, "steps": v.result["steps"][:1]}), {"falling_error"}),
-        (lambda v: replace(v, result={k: x for k, x in v.result.items() if k != "rmse"}), {"summary"}),
+        (
+            lambda v: replace(v, result={**v.result, "steps": v.result["steps"][:1]}),
+            {"falling_error"},
+        ),
+        (
+            lambda v: replace(v, result={k: x for k, x in v.result.items() if k != "rmse"}),
+            {"summary"},
+        ),
         (lambda v: replace(v, notes=(), provenance={}), {"provenance"}),
         (lambda _: compared(), {"candidates", "cards", "falling_error"}),
     ],
@@ -178,9 +193,12 @@ def test_a_view_with_nothing_but_a_headline_still_makes_a_page() -> None:
 def test_the_page_shows_the_numbers_of_the_result() -> None:
     text = " ".join(rendered(view()).text.split())
     for words in (
-        "Missing effect found: Coulomb friction", "unexplained 0.6 N, noise 0.2 N, model 0.566 N", "0.600 N",
-        "0.936", "0.0088", "taken: lowers the error", "velocity derived from deflection", "seed", "record_1",
-        "velocity 0 to 20 mm/s", "55 %", "./er lab diagnose DATA --model inove_guo.yaml --seed 7 --report DIR",
+        "Missing effect found: Coulomb friction", "unexplained 0.6 N, noise 0.2 N, model 0.566 N",
+        "0.600 N",
+        "0.936", "0.0088", "taken: lowers the error", "velocity derived from deflection", "seed",
+        "record_1",
+        "velocity 0 to 20 mm/s", "55 %",
+        "./er lab diagnose DATA --model inove_guo.yaml --seed 7 --report DIR",
     ):  # fmt: skip
         assert words in text, words
 
@@ -216,7 +234,9 @@ def test_a_second_report_replaces_the_first_and_leaves_other_files(
     assert not list(tmp_path.rglob("*.part"))
 
 
-def test_nothing_is_overwritten_when_drawing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_overwritten_when_drawing_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "index.html").write_text("earlier")
 
     def broken(_: object) -> tuple[bytes, bytes]:

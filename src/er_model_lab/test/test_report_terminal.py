@@ -7,19 +7,25 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from er_model_lab.report.words import TITLES
+from er_model_lab.terminal import summary
+from er_model_lab.view import View
 from report_views import TABLES, card, compared, empty, entry, table, view
 from rich.console import Console
 from rich.text import Text
 
-from er_model_lab.report.words import TITLES
-from er_model_lab.terminal import summary
-from er_model_lab.view import View
 
-
-def printed(v: View, width: int = 100, *, terminal: bool = False, report: Path | None = None) -> str:
+def printed(
+    v: View, width: int = 100, *, terminal: bool = False, report: Path | None = None
+) -> str:
     """What a console of this width shows."""
     out = io.StringIO()
-    console = Console(file=out, width=width, force_terminal=terminal, color_system="standard" if terminal else None)
+    console = Console(
+        file=out,
+        width=width,
+        force_terminal=terminal,
+        color_system="standard" if terminal else None,
+    )
     console.print(summary(v, report))
     return out.getvalue()
 
@@ -30,12 +36,18 @@ def crowded() -> View:
     steps = [{"added": None, "rmse_held_out": 0.9}]
     steps += [{"added": n, "rmse_held_out": 0.8 - 0.05 * k} for k, n in enumerate(names[:9])]
     v = view(
-        candidates=[entry(n, 0.4 - 0.01 * k) for k, n in enumerate(names)], effects=names[:3], steps=steps,
+        candidates=[entry(n, 0.4 - 0.01 * k) for k, n in enumerate(names)], effects=names[:3],
+        steps=steps,
         alternatives=[names[3:9], names[9:15]], verdict="ambiguous", reasons=names,
     )  # fmt: skip
-    hot = [table(f"quantity {q}", "m", [0.0, 1.0, 2.0, 3.0, 4.0], [1.0] * 4, [0.4, 0.4, 0.1, 0.1]) for q in "abcde"]
+    hot = [
+        table(f"quantity {q}", "m", [0.0, 1.0, 2.0, 3.0, 4.0], [1.0] * 4, [0.4, 0.4, 0.1, 0.1])
+        for q in "abcde"
+    ]
     cards = tuple(card(n, 0.3, v.records[0]) for n in names)
-    return replace(v, model="m" * 90, notes=tuple(names), regions=TABLES + tuple(hot), candidates=cards)
+    return replace(
+        v, model="m" * 90, notes=tuple(names), regions=TABLES + tuple(hot), candidates=cards
+    )
 
 
 @pytest.mark.parametrize("width", [80, 100, 160])
@@ -63,16 +75,23 @@ def test_a_terminal_gets_colour_and_bars() -> None:
 def test_the_summary_holds_what_was_found() -> None:
     text = printed(view(), report=Path("out/index.html"))
     for words in (
-        "Missing effect found: Coulomb friction", "unexplained 0.6 N, noise 0.2 N, model 0.566 N", "explainable 89 %",
-        "Coulomb friction", "present", "absent", "not excited", "F_c 0.936+-0.009 N", "chance alone reaches a size of 0.0220 N",
-        "noise floor", "velocity 0 to 20 mm/s", "55 %", "note: velocity derived", "report: out/index.html",
+        "Missing effect found: Coulomb friction", "unexplained 0.6 N, noise 0.2 N, model 0.566 N",
+        "explainable 89 %",
+        "Coulomb friction", "present", "absent", "not excited", "F_c 0.936+-0.009 N",
+        "chance alone reaches a size of 0.0220 N",
+        "noise floor", "velocity 0 to 20 mm/s", "55 %", "note: velocity derived",
+        "report: out/index.html",
     ):  # fmt: skip
         assert words in text, words
 
 
 def test_the_bars_of_the_falling_error_are_in_proportion() -> None:
     rows = [line for line in printed(view()).splitlines() if "#" in line]
-    assert [row.split("  ")[0].strip() for row in rows] == ["model, refitted", "+ Coulomb friction", "noise floor"]
+    assert [row.split("  ")[0].strip() for row in rows] == [
+        "model, refitted",
+        "+ Coulomb friction",
+        "noise floor",
+    ]
     first, second, floor = (row.count("#") for row in rows)
     assert second == floor
     assert first / second == pytest.approx(3.0, rel=0.05)
@@ -86,8 +105,13 @@ def test_a_comparison_shows_where_it_fails_and_no_candidates() -> None:
 
 
 def test_what_cannot_be_told_apart_is_said_with_the_experiment() -> None:
-    text = printed(view(verdict="ambiguous", alternatives=[["coulomb_friction", "shear_thinning"]]))
-    assert "cannot be told apart: Coulomb friction or Shear thinning; record: experiment for" in " ".join(text.split())
+    text = printed(
+        view(verdict="ambiguous", alternatives=[["coulomb_friction", "shear_thinning"]])
+    )
+    assert (
+        "cannot be told apart: Coulomb friction or Shear thinning; record: experiment for"
+        in " ".join(text.split())
+    )
 
 
 @pytest.mark.parametrize("verdict", list(TITLES))
@@ -96,7 +120,11 @@ def test_every_verdict_stands_in_the_first_line(verdict: str) -> None:
 
 
 def test_brackets_in_names_are_no_markup() -> None:
-    v = replace(view(candidates=[entry("my [bold] effect", 0.1)]), model="rig [bold] 3", notes=("file [red]a[/red].csv",))
+    v = replace(
+        view(candidates=[entry("my [bold] effect", 0.1)]),
+        model="rig [bold] 3",
+        notes=("file [red]a[/red].csv",),
+    )
     text = printed(v)
     assert "my [bold] effect" in text
     assert "rig [bold] 3" in text

@@ -6,13 +6,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from er_model_lab.report.live_marks import packed
+from er_model_lab.report.thin import (
+    MOST_POINTS,
+    end_to_end,
+    every,
+    min_max,
+    stretches,
+    timeline,
+    worst_stretch,
+)
+from er_model_lab.view import Array
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from report_views import record, rms
-
-from er_model_lab.report.live_marks import packed
-from er_model_lab.report.thin import MOST_POINTS, end_to_end, every, min_max, stretches, timeline, worst_stretch
-from er_model_lab.view import Array
 
 
 @settings(max_examples=60, deadline=None)

@@ -6,18 +6,20 @@ import re
 from dataclasses import replace
 
 import pytest
-from report_views import TABLES, compared, entry, table, view
-
 from er_model_lab.report.palette import VERDICT
-from er_model_lab.report.ranking import effect_size, limit, ranked
+from er_model_lab.report.ranking import effect_size, largest, limit, ranked
 from er_model_lab.report.regions import worst
 from er_model_lab.report.sections import headline
-from er_model_lab.report.units import newtons, parameter, percent, short, ticks, where
+from er_model_lab.report.units import gain, newtons, parameter, percent, short, ticks, where
 from er_model_lab.report.words import TITLES, verdict_sentence, verdict_title
+from report_views import TABLES, compared, entry, table, view
 
 SAID = {
     "adequate": ("The model is adequate", ["0.600 N", "0.200 N", "No known effect"]),
-    "missing_effect": ("Missing effect found: Coulomb friction", ["from 0.600 N to 0.200 N", "noise alone is 0.200 N"]),
+    "missing_effect": (
+        "Missing effect found: Coulomb friction",
+        ["from 0.600 N to 0.200 N", "noise alone is 0.200 N"],
+    ),
     "ambiguous": ("cannot say which", ["Coulomb friction or Shear thinning", "Each explains"]),
     "partial": ("Part of what is missing was found: Coulomb friction", ["more is missing"]),
     "unknown_effect": ("catalogue does not know", ["no known effect explains"]),
@@ -33,7 +35,9 @@ def test_each_verdict_is_said_in_plain_words_with_its_numbers(verdict: str) -> N
     assert title in verdict_title(v)
     for piece in pieces:
         assert piece in verdict_sentence(v), piece
-    assert "_" not in verdict_title(v) + verdict_sentence(v), "names of the code are no plain words"
+    assert "_" not in verdict_title(v) + verdict_sentence(v), (
+        "names of the code are no plain words"
+    )
 
 
 def test_the_words_cover_the_verdicts_of_the_lab() -> None:
@@ -84,7 +88,8 @@ def test_the_deviation_decides_the_digits_of_a_parameter(triple: list[object], s
 
 @pytest.mark.parametrize(
     ("value", "said"),
-    [(0.31234, "0.312"), (12.345, "12.3"), (1234.5, "1234"), (1.5e7, "1.50e+07"), (0.0, "0"), (-2.0, "−2.00"),
+    [(0.31234, "0.312"), (12.345, "12.3"), (1234.5, "1234"), (1.5e7, "1.50e+07"), (0.0, "0"),
+    (-2.0, "−2.00"),
      (2e-6, "2.00e−06"), (None, "-"), (float("nan"), "-")],
 )  # fmt: skip
 def test_numbers_have_three_digits(value: float | None, said: str) -> None:
@@ -92,8 +97,19 @@ def test_numbers_have_three_digits(value: float | None, said: str) -> None:
 
 
 def test_shares_and_forces() -> None:
-    assert [percent(v) for v in (0.5, 0.034, -0.026, -1e-5, None)] == ["50 %", "3.4 %", "−2.6 %", "0 %", "-"]
+    assert [percent(v) for v in (0.5, 0.034, -0.026, -1e-5, None)] == [
+        "50 %",
+        "3.4 %",
+        "−2.6 %",
+        "0 %",
+        "-",
+    ]
     assert newtons(0.25) == "0.250 N"
+
+
+def test_an_effect_that_gains_nothing_is_said_so() -> None:
+    said = [gain(v, 0.5) for v in (0.165, 0.0026, 0.0001, -0.3, None)]
+    assert said == ["0.165 N", "0.00260 N", "no gain", "no gain", "-"]
 
 
 def test_regions_are_named_with_their_units() -> None:
@@ -112,22 +128,36 @@ def test_the_worst_regions_carry_more_than_their_share() -> None:
     assert [(r.quantity, r.edges) for r, _ in found] == [("velocity", (0.0, 0.02))]
     even = table("time", "s", [0.0, 1.0, 2.0], [0.5, 0.5], [0.5, 0.5])
     assert worst([even]) == []
-    hot = [table(q, "m", [0.0, 1.0, 2.0, 3.0, 4.0], [1.0] * 4, [0.33, 0.33, 0.33, 0.01]) for q in "abcde"]
+    hot = [
+        table(q, "m", [0.0, 1.0, 2.0, 3.0, 4.0], [1.0] * 4, [0.33, 0.33, 0.33, 0.01])
+        for q in "abcde"
+    ]
     assert len(worst(hot)) == 6
     assert max([r.quantity for r, _ in worst(hot, 9)].count(q) for q in "abcde") == 2
 
 
 def test_candidates_are_ranked_by_what_is_taken_and_then_by_size() -> None:
     v = view(effects=["end_stop"])
-    assert [e["effect"] for e in ranked(v)] == ["end_stop", "coulomb_friction", "shear_thinning", "force_lag"]
+    assert [e["effect"] for e in ranked(v)] == [
+        "end_stop",
+        "coulomb_friction",
+        "shear_thinning",
+        "force_lag",
+    ]
+    assert largest(v) == 0.51
+    assert largest(view(candidates=[entry("velocity_lag", 40.0) | {"basis": "kinematics"}])) == 0.0
     assert limit(v) == 0.022
     assert limit(compared()) is None
 
 
 def test_a_size_that_is_not_stated_follows_from_the_errors() -> None:
-    e = {k: x for k, x in entry("end_stop", 0.1).items() if k != "evidence"} | {"rmse_held_out": 0.36}
+    e = {k: x for k, x in entry("end_stop", 0.1).items() if k != "evidence"} | {
+        "rmse_held_out": 0.36
+    }
     assert effect_size(view(), e) == pytest.approx((0.6**2 - 0.36**2) ** 0.5)
-    assert effect_size(view(), e | {"rmse_held_out": 0.61}) == pytest.approx(-((0.61**2 - 0.6**2) ** 0.5))
+    assert effect_size(view(), e | {"rmse_held_out": 0.61}) == pytest.approx(
+        -((0.61**2 - 0.6**2) ** 0.5)
+    )
     assert effect_size(replace(view(), result={}), e) is None
 
 

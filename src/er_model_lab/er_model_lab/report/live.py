@@ -84,7 +84,7 @@ def _axis(axis: Axis, domain: tuple[float, float], anchor: str) -> Json:
     if axis.span:
         out["range"] = [float(np.log10(v)) for v in axis.span] if axis.log else list(axis.span)
     if axis.log:
-        out |= {"type": "log", "exponentformat": "none", "dtick": "D2"}
+        out |= {"type": "log", "tickformat": "~g", "dtick": "D2"}
     if axis.ticks:
         out |= {
             "tickvals": [at for at, _ in axis.ticks], "tickangle": 0, "showgrid": False,

@@ -27,6 +27,12 @@ def effect_size(view: View, entry: Entry) -> float | None:
     return math.copysign(math.sqrt(abs(fall)), fall)
 
 
+def largest(view: View) -> float:
+    """Largest effect size of all candidates [N]; sizes of another kind, which state their basis, aside."""
+    entries = [e for e in view.result.get("candidates") or () if "basis" not in e]
+    return max([effect_size(view, e) or 0.0 for e in entries], default=0.0)
+
+
 def ranked(view: View) -> list[Entry]:
     """What the result takes first, then the others by effect size."""
     taken = list(view.result.get("effects") or ())

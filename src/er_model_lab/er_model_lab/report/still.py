@@ -20,13 +20,13 @@ from er_model_lab.report.still_marks import Pen, draw
 
 DPI = 100
 STYLE: dict[Any, Any] = {
-    "font.family": "sans-serif", "font.sans-serif": ["DejaVu Sans", "Arial"], "font.size": 9.0,
+    "font.family": "sans-serif", "font.sans-serif": ["DejaVu Sans", "Arial"], "font.size": 10.0,
     "text.color": INK, "axes.labelcolor": INK, "axes.edgecolor": MUTED, "axes.linewidth": 0.7,
-    "axes.titlesize": 9.5, "axes.titleweight": "bold", "axes.titlelocation": "left",
+    "axes.titlesize": 10.5, "axes.titleweight": "bold", "axes.titlelocation": "left",
     "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True,
     "axes.axisbelow": True,
     "grid.color": RULE, "grid.linewidth": 0.6, "xtick.color": MUTED, "ytick.color": MUTED,
-    "legend.frameon": False, "legend.fontsize": 9.0, "svg.fonttype": "none", "svg.hashsalt": "er",
+    "legend.frameon": False, "legend.fontsize": 10.0, "svg.fonttype": "none", "svg.hashsalt": "er",
 }  # fmt: skip
 
 
@@ -88,7 +88,7 @@ def _axes(panel: Panel, axes: Axes) -> None:
     if panel.y.span:
         axes.set_ylim(*panel.y.span)
     if panel.x.ticks:
-        size = 7.5 if len(panel.x.ticks) > 5 else 9.0
+        size = 8.0 if len(panel.x.ticks) > 5 else 10.0
         axes.set_xticks(
             [at for at, _ in panel.x.ticks], [text for _, text in panel.x.ticks], fontsize=size
         )

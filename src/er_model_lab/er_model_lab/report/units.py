@@ -44,6 +44,13 @@ def newtons(value: float | None) -> str:
     return f"{short(value)} N"
 
 
+def gain(size: float | None, largest: float) -> str:
+    """An effect size in newtons; in words where it is nothing beside the largest one."""
+    if size is None or not math.isfinite(size):
+        return "-"
+    return newtons(size) if size > 0.005 * largest else "no gain"
+
+
 def percent(value: float | None) -> str:
     """A share as a percentage, with a decimal only where it is small."""
     if value is None or not math.isfinite(value):
@@ -68,7 +75,7 @@ def parameter(triple: Sequence[Any], digits: int = 2) -> str:
     if float(sd) == 0.0:
         return f"{short(value)}{name}"
     places = digits - 1 - math.floor(math.log10(abs(float(sd))))
-    if places > 6 or places < -4:
+    if places > 6 or abs(float(sd)) >= 1e7:
         return f"{short(value, 4)} \N{PLUS-MINUS SIGN} {short(float(sd), digits)}{name}"
     shown_places = max(places, 0)
     text = f"{value:.{shown_places}f} \N{PLUS-MINUS SIGN} {float(sd):.{shown_places}f}{name}"

@@ -9,12 +9,12 @@ import numpy as np
 
 from er_model_lab.report.figure import Axis, Bars, Figure, Level, Mark, Panel
 from er_model_lab.report.palette import INK, STATUS
-from er_model_lab.report.ranking import effect_size, limit, ranked
+from er_model_lab.report.ranking import effect_size, largest, limit, ranked
 from er_model_lab.report.section import Section
-from er_model_lab.report.units import newtons, parameter, percent, short
+from er_model_lab.report.units import gain, newtons, parameter, percent, short
 from er_model_lab.report.words import STATUS as SAID
 from er_model_lab.report.words import title_of
-from er_model_lab.view import View
+from er_model_lab.view import Array, View
 
 MOST_BARS = 14
 FIRST_ROWS = 8
@@ -46,7 +46,7 @@ def _row(view: View, e: Mapping[str, Any]) -> dict[str, Any]:
     return {
         "effect": e["effect"], "title": title_of(view, str(e["effect"])),
         "rmse": newtons(e.get("rmse_held_out")),
-        "size": "-" if size is None or "basis" in e else newtons(size),
+        "size": gain(None if "basis" in e else size, largest(view)),
         "explains": percent(e.get("explains")),
         "p": short(e.get("p_value"), 2), "status": SAID.get(status, status),
         "colour": STATUS.get(status, INK),
@@ -60,36 +60,29 @@ def _figure(view: View, entries: Sequence[Mapping[str, Any]]) -> Figure:
     """Horizontal bars, best on top, coloured and named by status."""
     sizes = np.array([effect_size(view, e) or 0.0 for e in entries])
     at = np.arange(float(len(entries)))[::-1]
-    status = np.array([str(e.get("status", "")) for e in entries])
-    marks: list[Mark] = []
-    for key in dict.fromkeys(status.tolist()):
-        rows = status == key
-        text = tuple(newtons(s) for s in sizes[rows])
-        colours = (STATUS.get(key, INK),) * int(rows.sum())
-        marks.append(
-            Bars(
-                at[rows],
-                sizes[rows],
-                SAID.get(key, key),
-                colours,
-                text=text,
-                horizontal=True,
-                width=0.7,
-            )
-        )
+    marks = _bars(view, entries, at, sizes)
     chance = limit(view)
     if chance is not None:
         marks.append(Level(chance, f"chance reaches {newtons(chance)}", INK, vertical=True))
-    ticks = tuple(
-        (float(a), title_of(view, str(e["effect"]))) for a, e in zip(at, entries, strict=True)
-    )
-    span = (
-        min(0.0, 1.2 * float(sizes.min())),
-        1.15 * max(float(sizes.max()), chance or 0.0, 1e-6),
-    )
+    names = [title_of(view, str(e["effect"])) for e in entries]
+    ticks = tuple((float(a), name) for a, name in zip(at, names, strict=True))
+    span = (0.0, 1.15 * max(float(sizes.max()), chance or 0.0, 1e-6))
     x = Axis("effect size: fall of the error on data left out [N]", span)
     panel = Panel(tuple(marks), x, Axis(ticks=ticks, span=(-0.6, len(entries) - 0.4)))
-    best = title_of(view, str(entries[0]["effect"]))
     most = newtons(float(sizes[0]))
-    alt = f"Effect size of {len(entries)} candidates; the first is {best} with {most}."
+    alt = f"Effect size of {len(entries)} candidates; the first is {names[0]} with {most}."
     return Figure("candidates", alt, (panel,), height=130 + 27 * len(entries))
+
+
+def _bars(view: View, entries: Sequence[Mapping[str, Any]], at: Array, sizes: Array) -> list[Mark]:
+    """One set of bars per status, so that the legend names each colour."""
+    status = np.array([str(e.get("status", "")) for e in entries])
+    bars: list[Mark] = []
+    for key in dict.fromkeys(status.tolist()):
+        rows = status == key
+        text = tuple(gain(s, largest(view)) for s in sizes[rows])
+        colours = (STATUS.get(key, INK),) * int(rows.sum())
+        size = np.maximum(sizes[rows], 0.0)
+        name = SAID.get(key, key)
+        bars.append(Bars(at[rows], size, name, colours, text=text, horizontal=True, width=0.7))
+    return bars

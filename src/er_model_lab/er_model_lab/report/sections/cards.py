@@ -9,9 +9,9 @@ import numpy as np
 
 from er_model_lab.report.figure import Axis, Figure, Panel, Points
 from er_model_lab.report.palette import AFTER, INK, RESIDUAL, STATUS
-from er_model_lab.report.ranking import effect_size
+from er_model_lab.report.ranking import effect_size, largest
 from er_model_lab.report.section import Section
-from er_model_lab.report.units import newtons, parameter, percent, short
+from er_model_lab.report.units import gain, newtons, parameter, percent, short
 from er_model_lab.report.words import STATUS as SAID
 from er_model_lab.report.words import joined, rmse, title_of
 from er_model_lab.view import CandidateView, View
@@ -69,7 +69,7 @@ def _numbers(view: View, e: Mapping[str, Any]) -> list[tuple[str, str]]:
         chance = (
             f", chance reaches {newtons(e['threshold'])}" if e.get("threshold") is not None else ""
         )
-        rows.append(("effect size", newtons(size) + chance))
+        rows.append(("effect size", gain(size, largest(view)) + chance))
     if e.get("explains") is not None:
         rows.append(("explains", f"{percent(e['explains'])} of what can be explained"))
     if e.get("p_value") is not None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -19,6 +21,49 @@ GRAIN = 0.05
 """Share of the noise floor to which forces are kept for zooming."""
 
 
+@dataclass(frozen=True)
+class Chart:
+    """Records on one time axis; grain: what is finer is noise [N]."""
+
+    records: tuple[RecordView, ...]
+    times: tuple[Array, ...]
+    grain: float
+
+    @cached_property
+    def t(self) -> Array:
+        """Time (n,) of all records, NaN between them [s]."""
+        return end_to_end(self.times)
+
+    @property
+    def both(self) -> bool:
+        """Whether there is a model after beside the one before."""
+        return all(r.after is not None for r in self.records)
+
+    @property
+    def label(self) -> str:
+        """Label of the time axis."""
+        return "time [s]" if len(self.records) == 1 else "time, records laid end to end [s]"
+
+    def curve(
+        self, of: Callable[[RecordView], Array | None], name: str, colour: str, width: float = 1.3
+    ) -> list[Mark]:
+        """One curve through all records; forces, which have a name, are kept to the grain."""
+        y = end_to_end([p for r in self.records if (p := of(r)) is not None])
+        return [Line(self.t, y, name, colour, width, grain=self.grain if name else 0.0)]
+
+    def names(self) -> list[Mark]:
+        """Name of each record where it begins, when there are several."""
+        if len(self.records) == 1:
+            return []
+        return [Label(float(x[0]), r.name) for r, x in zip(self.records, self.times, strict=True)]
+
+    def held_out(self) -> list[Mark]:
+        """Shading of what was never fitted."""
+        pairs = zip(self.records, self.times, strict=True)
+        found = [s for r, x in pairs for s in stretches(x, r.held_out & r.scored)]
+        return [Spans(tuple(found), "held out", HELD_OUT)] if found else []
+
+
 def section(view: View) -> Section | None:
     """All records end to end, starting where the model is worst; None without records."""
     records = [r for r in view.records if r.t.size > 2]
@@ -30,75 +75,41 @@ def section(view: View) -> Section | None:
     shift = float(times[k][0] - records[k].t[0])
     start = (low + shift, high + shift)
     where = f"{short(low)} s to {short(high)} s of {records[k].name}"
-    figure = _figure(
-        view, records, times, start, f"Shown is the stretch of largest error, {where}."
-    )
-    facts = {
-        "where": where,
-        "rms": newtons(rms),
-        "records": len(records),
-        "split": any(r.held_out.any() for r in records),
-    }
+    chart = Chart(tuple(records), times, GRAIN * float(view.result.get("noise_floor") or 0.0))
+    held = chart.held_out() if isinstance(view.result.get("rmse"), Mapping) else []
+    figure = _figure(view, chart, held, start, f"Shown is the stretch of largest error, {where}.")
+    facts = {"where": where, "rms": newtons(rms), "split": bool(held)}
     return Section("time_series", "Force over time", (figure,), facts)
 
 
 def _figure(
-    view: View,
-    records: list[RecordView],
-    times: tuple[Array, ...],
-    start: tuple[float, float],
-    words: str,
+    view: View, chart: Chart, held: list[Mark], start: tuple[float, float], words: str
 ) -> Figure:
     """Four linked panels: force, residual, velocity, duty."""
-    t = end_to_end(times)
-
-    grain = GRAIN * float(view.result.get("noise_floor") or 0.0)
-
-    def curve(
-        of: Callable[[RecordView], Array | None], name: str, colour: str, width: float = 1.3
-    ) -> list[Mark]:
-        parts = [of(r) for r in records]
-        if any(p is None for p in parts):
-            return []
-        y = end_to_end([p for p in parts if p is not None])
-        return [Line(t, y, name, colour, width, grain=grain if name else 0.0)]
-
-    held: list[Mark] = _held_out(records, times)
-    labels: list[Mark] = (
-        [Label(float(x[0]), r.name) for r, x in zip(records, times, strict=True)]
-        if len(records) > 1
-        else []
-    )
-    both = all(r.after is not None for r in records)
-    before = "model before" if both else "model"
-    force = curve(lambda r: r.measured, "measured", MEASURED, 1.1) + curve(
-        lambda r: r.before, before, BEFORE
-    )
-    force += curve(lambda r: r.after, "model after", AFTER)
-    left = curve(lambda r: r.measured - r.before, before, BEFORE)
-    left += curve(
-        lambda r: None if r.after is None else r.measured - r.after, "model after", AFTER
-    )
+    before = "model before" if chart.both else "model"
+    force = chart.curve(lambda r: r.measured, "measured", MEASURED, 1.1)
+    force += chart.curve(lambda r: r.before, before, BEFORE)
+    left = chart.curve(lambda r: r.measured - r.before, before, BEFORE)
+    if chart.both:
+        force += chart.curve(lambda r: r.after, "model after", AFTER)
+        left += chart.curve(_left_after, "model after", AFTER)
+    velocity = chart.curve(lambda r: 1e3 * r.velocity, "", MUTED, 1.0)
+    duty = chart.curve(lambda r: r.duty, "", MUTED, 1.2)
     span = Axis(span=start)
-    label = "time [s]" if len(records) == 1 else "time, records laid end to end [s]"
     panels = (
-        Panel((*held, *force, *labels), span, Axis("force [N]")),
+        Panel((*held, *force, *chart.names()), span, Axis("force [N]")),
         Panel((*held, *_floor(view), *left), span, Axis("residual [N]")),
-        Panel(tuple(curve(lambda r: 1e3 * r.velocity, "", MUTED, 1.0)), span, Axis("v [mm/s]")),
-        Panel(tuple(curve(lambda r: r.duty, "", MUTED, 1.2)), Axis(label, start), Axis("duty")),
+        Panel(tuple(velocity), span, Axis("v [mm/s]")),
+        Panel(tuple(duty), Axis(chart.label, start), Axis("duty")),
     )
     alt = f"Force measured and predicted over time, what is left of it, velocity and duty. {words}"
-    return Figure(
-        "time_series", alt, panels, height=720, heights=(3.0, 2.2, 1.0, 1.0), linked=True
-    )
+    heights = (3.0, 2.2, 1.0, 1.0)
+    return Figure("time_series", alt, panels, height=720, heights=heights, linked=True)
 
 
-def _held_out(records: list[RecordView], times: tuple[Array, ...]) -> list[Mark]:
-    """Shading of what was never fitted."""
-    found = [
-        s for r, x in zip(records, times, strict=True) for s in stretches(x, r.held_out & r.scored)
-    ]
-    return [Spans(tuple(found), "held out", HELD_OUT)] if found else []
+def _left_after(r: RecordView) -> Array:
+    """What the model leaves with what was added; only where there is such a model."""
+    return r.measured - (r.before if r.after is None else r.after)
 
 
 def _floor(view: View) -> list[Mark]:
