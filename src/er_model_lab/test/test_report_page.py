@@ -190,6 +190,14 @@ def test_a_view_with_nothing_but_a_headline_still_makes_a_page() -> None:
     assert "er-library" not in page.scripts
 
 
+def test_incomplete_data_are_said_and_no_link_leads_nowhere() -> None:
+    for v in (view(complete=False), replace(empty(), result={"complete": False})):
+        page = rendered(v)
+        assert "The data were incomplete" in page.text
+        assert {link[1:] for link in page.loads if link.startswith("#")} <= set(page.ids)
+    assert "incomplete" not in rendered(view()).text
+
+
 def test_the_page_shows_the_numbers_of_the_result() -> None:
     text = " ".join(rendered(view()).text.split())
     for words in (

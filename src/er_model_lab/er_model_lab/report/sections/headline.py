@@ -21,6 +21,7 @@ def section(view: View) -> Section:
             "colour": VERDICT.get(str(result.get("verdict")), AFTER),
             "explainable": result.get("explainable"),
             "incomplete": result.get("complete") is False,
+            "noted": bool(view.notes or view.provenance),
             "reasons": tuple(result.get("reasons") or ()),
         },
     )
