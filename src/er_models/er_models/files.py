@@ -15,6 +15,7 @@ from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.errors import InputError, UnknownName
 from er_models.model import Model
 from er_models.scales import Scales
+from er_models.yaml_file import read_yaml
 
 SCHEMA = "er_model 1"
 _KEYS = ("schema", "name", "source", "envelope", "rig", "damper", "effects", "history")
@@ -29,13 +30,13 @@ def load_model(path: str | Path, catalogue: Catalogue = CATALOGUE) -> Model:
     wrong unit, value out of bounds or not finite.
     """
     path = Path(path)
-    text = _mapping(path, "", _read(path))
+    text = _mapping(path, "", read_yaml(path, "a model file"))
     for key in text:
         if key not in _KEYS:
             raise InputError(path, str(key), f"one of {', '.join(_KEYS)}", "an unknown key")
     if text.get("schema") != SCHEMA:
         raise InputError(path, "schema", f"'{SCHEMA}'", repr(text.get("schema")))
-    base = load_model(path.parent / str(text["damper"]), catalogue) if "damper" in text else None
+    base = _damper(path, text["damper"], catalogue) if "damper" in text else None
     scales = _scales(path, text) if "envelope" in text or base is None else base.scales
     effects, deviations = _effects(
         path, _mapping(path, "effects", text.get("effects", {})), scales, catalogue
@@ -91,21 +92,24 @@ def write_whole(path: Path, text: str) -> None:
     with os.fdopen(handle, "w", encoding="utf-8") as file:
         file.write(text)
     os.chmod(temporary, 0o644)
-    os.replace(temporary, path)
-
-
-def _read(path: Path) -> Any:
-    """Parsed YAML of a file."""
-    if not path.is_file():
-        raise InputError(path, "", "a model file", "no file" if not path.exists() else "a folder")
     try:
-        return yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f"line {mark.line + 1}" if mark else ""
+        os.replace(temporary, path)
+    except OSError as error:
+        os.unlink(temporary)
         raise InputError(
-            path, where, "valid YAML", getattr(error, "problem", None) or "no text"
+            path, "", "a file that can be written", error.strerror or error
         ) from error
+
+
+def _damper(path: Path, found: Any, catalogue: Catalogue) -> Model:
+    """The model of the damper file that a vehicle file names, relative to it."""
+    other = path.parent / str(found)
+    if other.resolve() == path.resolve():
+        raise InputError(path, "damper", "another file", "the file itself")
+    inner = _mapping(other, "", read_yaml(other, "a model file"))
+    if "damper" in inner:
+        raise InputError(other, "damper", "a damper file, which refers to no other", "one more")
+    return load_model(other, catalogue)
 
 
 def _mapping(path: Path, key: str, found: Any) -> Mapping[str, Any]:
@@ -173,7 +177,7 @@ def _effects(
             values[name][q.name] = value
             if sd is not None:
                 deviations[name][q.name] = sd
-    return values, deviations
+    return values, {name: found for name, found in deviations.items() if found}
 
 
 def _value(path: Path, where: str, found: Any, unit: str) -> tuple[float, float | None]:

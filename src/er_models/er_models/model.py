@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.effect import HOOKS
+from er_models.errors import InputError
 from er_models.kernel.compose import fingerprint, group
 from er_models.kernel.order import feeds_back, reads_yield_early
 from er_models.scales import Scales
@@ -56,6 +57,10 @@ class Model:
         for name, values in self.effects.items():
             for parameter in values:
                 self.catalogue.column(name, parameter)
+            for q in self.catalogue[name].parameters:
+                if q.name not in values:
+                    key = f"{name}.{q.name}"
+                    raise InputError(self.name, key, f"a value in {q.unit}", "nothing")
 
     @property
     def is_vehicle(self) -> bool:

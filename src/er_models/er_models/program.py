@@ -21,7 +21,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from er_models.duty import KINDS as DUTIES
 from er_models.duty import profile as duty
@@ -31,6 +30,7 @@ from er_models.road import FACTOR, profile
 from er_models.road import KINDS as ROADS
 from er_models.road.peak import factor_for_peak_velocity
 from er_models.spec import REQUIRED, Array, Kind, Number, Setting, Text, choose, settings
+from er_models.yaml_file import read_yaml
 
 __all__ = ["Program", "duty", "load_program", "parse_program", "resolve", "times"]
 
@@ -89,19 +89,7 @@ def load_program(path: str | Path) -> Program:
     missing key, value out of bounds, recorded signal that cannot be read.
     """
     path = Path(path)
-    if not path.is_file():
-        raise InputError(
-            path, "", "a program file", "no file" if not path.exists() else "a folder"
-        )
-    try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f"line {mark.line + 1}" if mark else ""
-        raise InputError(
-            path, where, "valid YAML", getattr(error, "problem", None) or "no text"
-        ) from error
-    return parse_program(document, path)
+    return parse_program(read_yaml(path, "a program file"), path)
 
 
 def parse_program(document: object, path: Path) -> Program:

@@ -5,7 +5,7 @@ from er_models.effect import Effect, Param, Signature
 
 def relax(T_a: float, u: float) -> tuple[float, float]:
     """Rate [1/s] and drive [1/s] of the voltage, in duty."""
-    rate = 1.0 / (T_a + 1e-9)
+    rate = 1.0 / max(T_a, 1e-9)
     return rate, rate * u
 
 

@@ -5,7 +5,7 @@ from er_models.effect import Effect, Param, Signature
 
 def relax(tau: float, tau_scale: float, y: float) -> tuple[float, float]:
     """Rate [1/s] and drive [N/s] of the yield force."""
-    rate = 1.0 / (tau * tau_scale + 1e-9)
+    rate = 1.0 / max(tau * tau_scale, 1e-9)
     return rate, rate * y
 
 

@@ -14,7 +14,7 @@ EFFECT = Effect(
     title="Preload or force bias",
     physics="Gas pressure on the rod area pushes the rod out with a constant force. A bias of the force sensor looks the same: only a run with the damper removed tells them apart.",
     parameters=(
-        Param("F_0", "N", -2.0, 2.0, 0.0, (0.0,), "constant force"),
+        Param("F_0", "N", -2.0, 2.0, 0.0, (0.05,), "constant force"),
     ),
     hooks={"force": force},
     signature=Signature(

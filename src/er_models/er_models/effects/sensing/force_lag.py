@@ -5,7 +5,7 @@ from er_models.effect import Effect, Param, Signature
 
 def relax(T_f: float, f_d: float) -> tuple[float, float]:
     """Rate [1/s] and drive [N/s] of the filtered force."""
-    rate = 1.0 / (T_f + 1e-9)
+    rate = 1.0 / max(T_f, 1e-9)
     return rate, rate * f_d
 
 

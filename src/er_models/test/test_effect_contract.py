@@ -1,0 +1,170 @@
+"""What every effect of the catalogue must be; being listed is being tested."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import itertools
+import math
+import pkgutil
+
+import er_models.effects
+import numpy as np
+import pytest
+from er_models.catalogue import CATALOGUE
+from er_models.effect import Effect
+from er_models.model import Array, Model
+from er_models.predict import Motion, predict
+from er_models.scales import Scales
+from er_models.simulate import simulate
+from models_help import DT, LARGE, SMALL, bingham, car, guo, imposed, neutral, started, typical
+
+EFFECTS = pytest.mark.parametrize("effect", CATALOGUE.effects, ids=lambda e: e.name)
+ADDED = pytest.mark.parametrize("effect", CATALOGUE.candidates(), ids=lambda e: e.name)
+SCALES = pytest.mark.parametrize("scales", (SMALL, LARGE), ids=("20 N", "2000 N"))
+
+
+def base(scales: Scales, *names: str) -> Model:
+    """A dynamic Guo damper of these scales."""
+    return started(scales, *(names or ("passive", "guo_yield", "response")))
+
+
+def box(effect: Effect, scales: Scales) -> list[dict[str, float]]:
+    """Corners and random points of an effect's parameter box [SI]."""
+    sides = []
+    for q in effect.parameters:
+        high = min(q.high, 1e6)
+        sides.append((q.low * scales.of(q.unit), high * scales.of(q.unit)))
+    inside = np.random.default_rng(3).random((8, len(sides)))
+    points = [*itertools.product(*sides)]
+    points += [tuple(a + r * (b - a) for (a, b), r in zip(sides, row)) for row in inside]
+    return [dict(zip(effect.names, point)) for point in points]
+
+
+def test_every_module_of_the_folders_is_listed() -> None:
+    """A file that nobody lists would silently do nothing."""
+    found = set()
+    for package in pkgutil.iter_modules(er_models.effects.__path__):
+        folder = importlib.import_module(f"er_models.effects.{package.name}")
+        for module in pkgutil.iter_modules(folder.__path__):
+            effect = importlib.import_module(f"{folder.__name__}.{module.name}").EFFECT
+            assert effect.name == module.name
+            assert effect.stage == package.name
+            found.add(effect.name)
+    assert found == set(CATALOGUE.names)
+
+
+@EFFECTS
+def test_describes_itself(effect: Effect) -> None:
+    s = effect.signature
+    texts = [effect.title, effect.physics, effect.source, s.mark, s.plane, s.experiment]
+    assert all(len(text) > 3 for text in texts)
+    assert all(q.meaning for q in effect.parameters)
+    assert effect.hooks and all(function.__doc__ for function in effect.hooks.values())
+    assert set(s.rivals) <= set(CATALOGUE.names) - {effect.name}
+    assert effect.knowable or effect.unknowable_because
+
+
+@EFFECTS
+def test_starts_lie_in_bounds_and_units_have_scales(effect: Effect) -> None:
+    for q in effect.parameters:
+        assert q.low < q.high
+        assert q.starts
+        assert all(q.low <= start <= q.high for start in q.starts)
+        assert q.neutral is None or q.neutral == math.inf or q.low <= q.neutral <= q.high
+        for scales in (SMALL, LARGE):
+            assert scales.of(q.unit) > 0.0
+
+
+@ADDED
+def test_has_a_value_at_which_it_vanishes(effect: Effect) -> None:
+    assert any(q.neutral is not None for q in effect.parameters)
+
+
+@EFFECTS
+def test_cannot_be_changed(effect: Effect) -> None:
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        effect.name = "other"  # type: ignore[misc]
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        effect.parameters[0].low = 0.0  # type: ignore[misc]
+
+
+@SCALES
+@ADDED
+@pytest.mark.parametrize("dynamic", (True, False), ids=("dynamic", "static"))
+def test_neutral_gives_exactly_nothing(effect: Effect, scales: Scales, dynamic: bool) -> None:
+    core = ("passive", "guo_yield", *(("response",) if dynamic else ()))
+    model, inputs = base(scales, *core), imposed(scales, 1.0)
+    without, with_it = predict(model, inputs), predict(neutral(model, effect), inputs)
+    assert np.abs(with_it - without).max() <= 1e-12 * scales.force
+
+
+@ADDED
+def test_neutral_gives_exactly_nothing_in_the_car(effect: Effect) -> None:
+    road = 0.004 * np.sin(2.0 * np.pi * 4.0 * np.arange(100) * DT)
+    duty = np.repeat([0.1, 0.3], 50)
+    without, with_it = (simulate(m, DT, road, duty) for m in (car(), neutral(car(), effect)))
+    for channel, values in without.items():
+        assert np.abs(with_it[channel] - values).max() <= 1e-9 * np.abs(values).max() + 1e-15
+
+
+@SCALES
+@ADDED
+def test_has_an_effect(effect: Effect, scales: Scales) -> None:
+    model, inputs = base(scales), imposed(scales, 3.0)
+    change = predict(typical(model, effect), inputs) - predict(model, inputs)
+    assert change.std() + abs(change.mean()) > 1e-3 * scales.force
+
+
+@SCALES
+@EFFECTS
+def test_is_finite_over_its_whole_box(effect: Effect, scales: Scales) -> None:
+    inputs = imposed(scales, 0.5)
+    for values in box(effect, scales):
+        model = base(scales).with_effect(effect.name, values)
+        force = predict(model, inputs)
+        assert np.isfinite(force).all(), values
+
+
+@pytest.mark.parametrize(
+    "effect", [e for e in CATALOGUE.effects if e.dissipative], ids=lambda e: e.name
+)
+def test_dissipates_as_declared(effect: Effect) -> None:
+    inputs = imposed(SMALL, 2.0)
+    for values in box(effect, SMALL):
+        model = started(SMALL, "passive").with_effect("passive", {"k0": 0.0})
+        power = predict(model.with_effect(effect.name, values), inputs) * inputs.v
+        assert power.min() >= -1e-12, values
+
+
+def _scaled(inputs: Motion, scales: Scales, reference: Scales) -> Motion:
+    """A motion of one damper as the same motion of another, in the same time."""
+    ratio = scales.deflection / reference.deflection
+    assert scales.velocity / reference.velocity == pytest.approx(ratio)
+    return dataclasses.replace(
+        inputs,
+        x=inputs.x * ratio,
+        v=inputs.v * ratio,
+        a=inputs.a * ratio,
+        u=inputs.u * scales.duty / reference.duty,
+    )
+
+
+@ADDED
+def test_starts_mean_the_same_for_every_damper(effect: Effect) -> None:
+    """The declaration has no size of its own: a damper 5 times as long gives the same curve, scaled."""
+    scales = Scales(1000.0 * SMALL.force, 5.0 * SMALL.deflection, 5.0 * SMALL.velocity, 1.0)
+    inputs = imposed(SMALL, 1.0)
+
+    def shape(s: Scales, record: Motion) -> Array:
+        return predict(typical(base(s), effect), record) / s.force
+
+    small, large = shape(SMALL, inputs), shape(scales, _scaled(inputs, scales, SMALL))
+    assert np.abs(large - small).max() < 1e-6
+
+
+@pytest.mark.parametrize("model", (guo(), bingham()), ids=("guo", "bingham"))
+def test_all_effects_at_once_are_finite(model: Model) -> None:
+    for effect in CATALOGUE.candidates():
+        model = typical(model, effect)
+    assert np.isfinite(predict(model, imposed(model.scales, 2.0))).all()

@@ -1,0 +1,189 @@
+"""One value of every effect, worked by hand: property tests cannot see a wrong factor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from er_models.catalogue import CATALOGUE
+from er_models.model import Model
+from er_models.predict import predict
+from er_models.rhs import damper_rate, vehicle_rate
+from models_help import SMALL, one_sample
+
+Values = Mapping[str, Mapping[str, float]]
+
+PASSIVE = {"passive": {"k0": 100.0, "c0": 50.0}}
+YIELD = {"guo_yield": {"f_c": 20.0, "k1": 0.0, "c1": 1000.0}}
+"""At a velocity of 0.1 m/s the tanh is 1 to the last digit: 20 N per duty."""
+
+# effects, (x, v, u, a), force in equilibrium [N]
+FORCES: dict[str, tuple[Values, tuple[float, float, float, float], float]] = {
+    "passive": (PASSIVE, (0.01, 0.1, 0.0, 0.0), 6.0),
+    "guo_yield": (
+        {"guo_yield": {"f_c": 20.0, "k1": 100.0, "c1": 10.0}},
+        (0.01, 0.05, 0.5, 0.0),
+        9.051482536448664,  # 10 tanh 1.5
+    ),
+    "bingham_yield": (
+        {"bingham_yield": {"sigma": 10.0, "beta": 0.5, "v_0": 0.01}},
+        (0.0, 0.02, 0.25, 0.0),
+        4.820137900379084,  # 5 tanh 2
+    ),
+    "preload": ({"preload": {"F_0": 1.5}}, (0.0, 0.0, 0.0, 0.0), 1.5),
+    "gas_spring": ({"gas_spring": {"k_2": 1e4, "k_3": 2e6}}, (-0.01, 0.1, 0.0, 0.0), -1.0),
+    "coulomb_friction": (
+        {"coulomb_friction": {"F_c": 2.0, "v_0": 0.02}},
+        (0.0, -0.02, 0.0, 0.0),
+        -1.5231883119115297,  # -2 tanh 1
+    ),
+    "stribeck_friction": (
+        {"stribeck_friction": {"F_c": 1.0, "F_s": 2.0, "v_s": 0.1, "v_0": 0.05}},
+        (0.0, 0.1, 0.0, 0.0),
+        1.6733194349401157,  # (1 + 2 / e) tanh 2
+    ),
+    "quadratic_damping": ({"quadratic_damping": {"c_2": 200.0}}, (0.0, -0.1, 0.0, 0.0), -2.0),
+    "asymmetric_damping": ({"asymmetric_damping": {"c_a": 10.0}}, (0.0, -0.2, 0.0, 0.0), 2.0),
+    "shear_thinning": (
+        {"passive": {"k0": 0.0, "c0": 100.0}, "shear_thinning": {"n": 0.5, "v_r": 0.1}},
+        (0.0, 0.1 * 3.0**0.5, 0.0, 0.0),
+        100.0 * 0.1 * 3.0**0.5 * 0.5**0.5,  # (1 + 3)^(-1/4)
+    ),
+    "position_dependent_damping": (
+        {"position_dependent_damping": {"c_x": 1e5}},
+        (-0.01, 0.2, 0.0, 0.0),
+        2.0,
+    ),
+    "end_stop": ({"end_stop": {"k_b": 1000.0, "x_b": 0.008}}, (-0.01, 0.0, 0.0, 0.0), -2.0),
+    "bouc_wen_hysteresis": (
+        {"bouc_wen_hysteresis": {"F_h": 2.0, "F_u": 10.0, "z_y": 1e-3}},
+        (0.0, -0.1, 0.3, 0.0),
+        -5.0,
+    ),
+    "viscoelastic_branch": (
+        {"viscoelastic_branch": {"k_m": 100.0, "t_m": 0.05}},
+        (0.0, 0.2, 0.0, 0.0),
+        1.0,
+    ),
+    "fluid_inertia": ({"fluid_inertia": {"m_f": 0.2}}, (0.0, 0.0, 0.0, -5.0), -1.0),
+    "mount_compliance": (  # w = 6 N / (100 + 100) N/m = 30 mm stretch; 3 N either side
+        {**PASSIVE, "mount_compliance": {"q": 0.01}},
+        (0.01, 0.1, 0.0, 0.0),
+        3.0,
+    ),
+    "freeplay": ({**PASSIVE, "freeplay": {"b": 0.002}}, (0.01, 0.1, 0.0, 0.0), 5.8),
+    "cavitation": ({**PASSIVE, "cavitation": {"F_v": 5.0}}, (0.01, 0.1, 0.0, 0.0), 5.0),
+    "field_viscosity": ({"field_viscosity": {"c_u": 100.0}}, (0.0, 0.1, 0.3, 0.0), 3.0),
+    "field_stiffness": ({"field_stiffness": {"k_u": 1000.0}}, (0.01, 0.0, 0.3, 0.0), 3.0),
+    "duty_dead_band": ({**YIELD, "duty_dead_band": {"u_0": 0.1}}, (0.0, 0.1, 0.3, 0.0), 4.0),
+    "field_exponent": (
+        {**YIELD, "field_exponent": {"b": 2.0, "u_r": 0.5}},
+        (0.0, 0.1, 0.25, 0.0),
+        2.5,  # 20 * 0.5 * (1/2)^2
+    ),
+    "velocity_lag": (
+        {**PASSIVE, "velocity_lag": {"T_v": 0.01}},
+        (0.0, 0.1, 0.0, 5.0),
+        7.5,
+    ),
+    "deflection_zero": (
+        {**PASSIVE, "deflection_zero": {"x_0": 0.002}},
+        (0.01, 0.0, 0.0, 0.0),
+        1.2,
+    ),
+}
+
+# effects, own state, (x, v, a, u, t), rate of the state, force [N]
+RATES: dict[str, tuple[Values, float, tuple[float, float, float, float, float], float, float]] = {
+    "response": ({**YIELD, "response": {"tau": 0.05}}, 1.0, (0.0, 0.1, 0.0, 0.3, 0.0), 100.0, 1.0),
+    "amplifier_lag": (
+        {**YIELD, "amplifier_lag": {"T_a": 0.02}},
+        0.1,
+        (0.0, 0.1, 0.0, 0.3, 0.0),
+        10.0,
+        2.0,
+    ),
+    "self_heating": (  # 2 W above rest: 5 N e^-0.2 viscous, 6 N 0.9 yield
+        {**PASSIVE, **YIELD, "self_heating": {"t_h": 10.0, "b_v": 0.1, "b_y": 0.05}},
+        2.0,
+        (0.0, 0.1, 0.0, 0.3, 0.0),
+        (0.1 * 9.493653765389909 - 2.0) / 10.0,
+        9.493653765389909,
+    ),
+    "force_lag": (
+        {**PASSIVE, "force_lag": {"T_f": 0.01}},
+        2.0,
+        (0.0, 0.1, 0.0, 0.0, 0.0),
+        300.0,
+        5.0,
+    ),
+    "effectiveness_fade": (  # no state: 6 N (1 - 0.4 (1 - 1 / e))
+        {**YIELD, "effectiveness_fade": {"s": 0.4, "t_f": 10.0}},
+        0.0,
+        (0.0, 0.1, 0.0, 0.3, 10.0),
+        0.0,
+        4.482910658811462,
+    ),
+    "varying_time_constant": (
+        {**YIELD, "response": {"tau": 0.05}, "varying_time_constant": {"g": 5.0}},
+        1.0,
+        (0.0, 0.1, 0.0, 0.3, 0.0),
+        40.0,
+        1.0,
+    ),
+    "rise_fall_asymmetry": (
+        {**YIELD, "response": {"tau": 0.05}, "rise_fall_asymmetry": {"r": 2.0}},
+        8.0,
+        (0.0, 0.1, 0.0, 0.3, 0.0),
+        -20.0,
+        8.0,
+    ),
+}
+
+ELSEWHERE = {
+    "dead_time": "test_integrator_damper",
+    "force_delay": "test_integrator_damper",
+    "quarter_car": "below",
+}
+
+
+@pytest.mark.parametrize("name", FORCES)
+def test_force(name: str) -> None:
+    effects, (x, v, u, a), expected = FORCES[name]
+    found = predict(Model(name, effects, SMALL), one_sample(x, v, u, a))[0]
+    assert found == pytest.approx(expected, rel=1e-7)
+
+
+@pytest.mark.parametrize("name", RATES)
+def test_rate(name: str) -> None:
+    effects, w, (x, v, a, u, t), rate, force = RATES[name]
+    slot = CATALOGUE.slots.get(name, CATALOGUE.slots["response"])
+    state = np.zeros(CATALOGUE.n_states)
+    state[slot] = w
+    rates, found = damper_rate(Model(name, effects, SMALL), state, x, v, a, u, t)
+    assert found == pytest.approx(force, rel=1e-7)
+    assert rates[slot] == pytest.approx(rate, rel=1e-6)
+
+
+def test_rise_is_not_fall() -> None:
+    """The same distance from the target, from below: the plain time constant."""
+    effects, _, (x, v, a, u, t), _, _ = RATES["rise_fall_asymmetry"]
+    state = np.zeros(CATALOGUE.n_states)
+    state[CATALOGUE.slots["response"]] = 4.0
+    rates, _ = damper_rate(Model("rise", effects, SMALL), state, x, v, a, u, t)
+    assert rates[CATALOGUE.slots["response"]] == pytest.approx(40.0, rel=1e-6)
+
+
+def test_quarter_car() -> None:
+    """k_s 1000 N/m 10 mm + 6 N = 16 N on 2 kg; tyre 10 kN/m 1 mm = 10 N; 0.5 kg wheel."""
+    values = {"m_s": 2.0, "m_us": 0.5, "k_s": 1000.0, "k_t": 10000.0}
+    model = Model("car", {**PASSIVE, "quarter_car": values}, SMALL)
+    q = np.array([0.01, 0.3, 0.001, 0.2])
+    dq, _, outputs = vehicle_rate(model, q, np.zeros(CATALOGUE.n_states), 0.0, 0.05)
+    assert outputs == pytest.approx([-8.0, 12.0, 6.0], rel=1e-9)
+    assert dq == pytest.approx([0.1, -8.0, 0.15, 12.0], rel=1e-9)
+
+
+def test_every_effect_has_its_value() -> None:
+    assert {*FORCES, *RATES, *ELSEWHERE} == set(CATALOGUE.names)
