@@ -1,18 +1,16 @@
-"""Hands the hooks of the catalogue in use to the generated kernel module."""
+"""Hands the hooks that cannot be written into their place to the generated kernel module."""
 
 from __future__ import annotations
 
 import math
-from types import FunctionType
+from types import BuiltinFunctionType, FunctionType
 from typing import Any
 
-from numba import njit
-
 from er_models.catalogue import CATALOGUE, Catalogue
-from er_models.kernel import fast
+from er_models.kernel.fast import inline, tanh
 
 _in_use: list[Catalogue] = [CATALOGUE]
-_FASTER = {math.tanh: fast.tanh}
+_FASTER: dict[Any, Any] = {math.tanh: tanh}
 
 
 def use(catalogue: Catalogue) -> None:
@@ -21,9 +19,17 @@ def use(catalogue: Catalogue) -> None:
 
 
 def compiled(effect: str, hook: str) -> Any:
-    """The hook of an effect, compiled for inlining, with faster elementary functions."""
-    function = _in_use[0][effect].hooks[hook]
-    assert isinstance(function, FunctionType)
-    names = {k: _FASTER.get(v, v) if callable(v) else v for k, v in function.__globals__.items()}
-    faster = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
-    return njit(error_model="numpy", forceinline=True)(faster)
+    """The hook of an effect, compiled for inlining, with its helpers and faster elementary functions."""
+    return inline(_with_compiled_names(_in_use[0][effect].hooks[hook]))
+
+
+def _with_compiled_names(function: Any) -> FunctionType:
+    """The function again, with what it calls replaced by what can be compiled."""
+    names = dict(function.__globals__)
+    for name in function.__code__.co_names:
+        value = names.get(name)
+        if isinstance(value, FunctionType):
+            names[name] = inline(_with_compiled_names(value))
+        elif isinstance(value, BuiltinFunctionType):
+            names[name] = _FASTER.get(value, value)
+    return FunctionType(function.__code__, names, function.__name__, function.__defaults__)

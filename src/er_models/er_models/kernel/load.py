@@ -16,18 +16,32 @@ from er_models.kernel.compose import fingerprint, source
 
 
 def cache_folder() -> Path:
-    """Folder of generated kernels: ER_CACHE_DIR, else the user's cache, else a temporary one."""
-    choices = [os.environ.get("ER_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME")]
-    base = next((Path(c) for c in choices if c), Path.home() / ".cache")
-    folder = base / "er_models"
+    """Folder of generated kernels: ER_CACHE_DIR, else the user's cache, else one of this process.
+
+    The last is for where neither can be written to; it is compiled anew each time.
+    """
+    for name in ("ER_CACHE_DIR", "XDG_CACHE_HOME", "HOME"):
+        if os.environ.get(name):
+            base = Path(os.environ[name]) / (".cache" if name == "HOME" else "")
+            folder = base / "er_models"
+            return folder if _writable(folder) else _own_folder()
+    return _own_folder()
+
+
+def _writable(folder: Path) -> bool:
+    """Whether files can be made in a folder, which is made when it is absent."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
-            return folder
+            return True
     except OSError:
-        fallback = Path(tempfile.gettempdir()) / f"er_models_{os.getuid()}"
-        fallback.mkdir(parents=True, exist_ok=True)
-        return fallback
+        return False
+
+
+@lru_cache(maxsize=1)
+def _own_folder() -> Path:
+    """A fresh folder that nobody else can write to: code is run from it."""
+    return Path(tempfile.mkdtemp(prefix="er_models_"))
 
 
 @lru_cache(maxsize=8)

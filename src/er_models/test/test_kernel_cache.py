@@ -1,0 +1,186 @@
+"""The generated kernel: what it says, when it is made anew, and where it lies."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import subprocess
+import sys
+from math import exp, tanh
+from pathlib import Path
+
+import numpy as np
+import pytest
+from er_models.catalogue import CATALOGUE, Catalogue
+from er_models.effect import Effect, Param, Signature
+from er_models.kernel import load
+from er_models.kernel.compose import fingerprint, source
+from er_models.kernel.inline import inlined
+from er_models.model import Model
+from er_models.predict import predict
+from models_help import SMALL, guo, imposed
+
+SCALE = 2.0
+
+
+def scaled(F_k: float, v: float) -> float:
+    """A force that refers to a constant of its module."""
+    level = SCALE * F_k
+    return level * tanh(v / 0.01)
+
+
+def branched(F_k: float, v: float) -> float:
+    """A force that cannot be written into one line."""
+    if v > 0.0:
+        return F_k
+    return -F_k * helper(v)
+
+
+def helper(v: float) -> float:
+    """Something a hook calls."""
+    return 1.0 - exp(v / 0.01)
+
+
+def own(function: object, name: str = "own_force") -> Effect:
+    """A user's own effect."""
+    return Effect(
+        name, "force", "Own", "Own force.", (Param("F_k", "N", 0.0, 2.0, 0.0, (0.1,), "level"),),
+        {"force": function}, Signature("own", "own", "own"), "a test",  # type: ignore[dict-item]
+    )  # fmt: skip
+
+
+def changed(name: str, **fields: object) -> Catalogue:
+    """The catalogue with one effect changed."""
+    return Catalogue(
+        tuple(dataclasses.replace(e, **fields) if e.name == name else e for e in CATALOGUE.effects)  # type: ignore[arg-type]
+    )
+
+
+def test_generated_source_reads_like_the_equations() -> None:
+    text = source(CATALOGUE)
+    offset = CATALOGUE.column("coulomb_friction", "F_c")
+    assert f"f_d += p[{offset}] * tanh(v / p[{offset + 1}])  # coulomb_friction" in text
+    assert text.count("_compiled('") == 0
+
+
+def test_a_changed_equation_gives_another_kernel(monkeypatch: pytest.MonkeyPatch) -> None:
+    first, second = own(scaled), own(branched)
+    prints = [fingerprint(CATALOGUE.extended([e])) for e in (first, second)]
+    monkeypatch.setitem(globals(), "SCALE", 3.0)
+    prints.append(fingerprint(CATALOGUE.extended([own(scaled)])))
+    prints.append(fingerprint(CATALOGUE))
+    assert len(set(prints)) == 4
+
+
+def test_a_changed_helper_gives_another_kernel(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = fingerprint(CATALOGUE.extended([own(branched)]))
+    monkeypatch.setitem(globals(), "helper", lambda v: v)
+    assert fingerprint(CATALOGUE.extended([own(branched)])) != before
+
+
+def test_words_and_bounds_do_not_matter() -> None:
+    assert fingerprint(changed("coulomb_friction", title="x", source="y")) == fingerprint(CATALOGUE)
+
+
+def test_inlining_copies_what_it_can_and_calls_the_rest() -> None:
+    names = {"F_k": "p[7]", "v": "v"}
+    lines, expression = inlined(scaled, "own_force", names) or ([], "")
+    assert lines == ["own_force_level = 2.0 * p[7]"]
+    assert expression == "own_force_level * tanh(v / 0.01)"
+    assert inlined(branched, "own_force", names) is None
+    assert inlined(lambda F_k, v: F_k, "own_force", names) is None
+
+
+@pytest.mark.parametrize("function", (scaled, branched), ids=("inlined", "called"))
+def test_a_users_effect_is_compiled_into_the_damper(
+    function: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ER_CACHE_DIR", str(tmp_path))
+    effect = own(function)
+    inputs = imposed(SMALL, 0.5)
+    model = Model("own", {}, SMALL, catalogue=CATALOGUE.extended([effect]))
+    force = predict(model.with_effect("own_force", {"F_k": 0.5}), inputs)
+    expected = [function(0.5, v) for v in inputs.v]  # type: ignore[operator]
+    assert force == pytest.approx(expected, abs=1e-12)
+    assert [p.suffix for p in (tmp_path / "er_models").glob("er_kernel_*.*")] == [".py"]
+
+
+def test_cache_lies_where_it_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ER_CACHE_DIR", str(tmp_path / "a"))
+    assert load.cache_folder() == tmp_path / "a" / "er_models"
+    monkeypatch.delenv("ER_CACHE_DIR")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "b"))
+    assert load.cache_folder() == tmp_path / "b" / "er_models"
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setenv("HOME", str(tmp_path / "c"))
+    assert load.cache_folder() == tmp_path / "c" / ".cache" / "er_models"
+
+
+def test_a_cache_that_cannot_be_written_falls_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A file in the way, whoever runs the test; the fallback can be written and is one's own."""
+    (tmp_path / "blocked").write_text("", encoding="utf-8")
+    monkeypatch.setenv("ER_CACHE_DIR", str(tmp_path / "blocked"))
+    folder = load.cache_folder()
+    assert folder.is_dir()
+    assert not folder.is_relative_to(tmp_path)
+    assert folder.stat().st_uid == os.getuid()
+    assert folder.stat().st_mode & 0o022 == 0
+
+
+def test_half_a_file_is_never_seen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The text is complete before it has its name."""
+    seen: list[str] = []
+    replace = os.replace
+
+    def watch(old: str, new: str) -> None:
+        seen.append(Path(old).read_text(encoding="utf-8"))
+        assert not Path(new).exists()
+        replace(old, new)
+
+    monkeypatch.setattr(load.os, "replace", watch)
+    load._write(tmp_path / "kernel.py", "text")
+    assert seen == ["text"]
+    assert [p.name for p in tmp_path.iterdir()] == ["kernel.py"]
+
+
+PROGRAM = """
+import sys
+sys.path.insert(0, {test!r})
+from models_help import guo, imposed, SMALL
+from er_models.predict import predict
+print(repr(float(predict(guo(), imposed(SMALL, 0.5)).sum())))
+"""
+
+
+def test_two_processes_compile_at_once(tmp_path: Path) -> None:
+    """Both in an empty cache: the same number from both, and from a third that finds it filled."""
+    environment = {**os.environ, "ER_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-c", PROGRAM.format(test=str(Path(__file__).parent))]
+
+    def start() -> subprocess.Popen[str]:
+        return subprocess.Popen(command, env=environment, text=True, stdout=subprocess.PIPE)
+
+    both = [start(), start()]
+    results = [p.communicate(timeout=120)[0] for p in both]
+    results.append(start().communicate(timeout=60)[0])
+    expected = repr(float(predict(guo(), imposed(SMALL, 0.5)).sum()))
+    assert [r.strip() for r in results] == [expected] * 3
+    assert len(list((tmp_path / "er_models").glob("er_kernel_*.py"))) == 1
+    assert not list((tmp_path / "er_models").glob("*.tmp"))
+
+
+def test_kernels_of_two_catalogues_live_side_by_side() -> None:
+    other = changed("coulomb_friction", hooks={"force": scaled_friction})
+    inputs = imposed(SMALL, 0.5)
+    first = guo().with_effect("coulomb_friction")
+    second = dataclasses.replace(first, catalogue=other)
+    halves = [predict(m, inputs) - predict(guo(), inputs) for m in (first, second, first)]
+    assert halves[1] == pytest.approx(2.0 * halves[0], abs=1e-12)
+    assert np.array_equal(halves[0], halves[2])
+
+
+def scaled_friction(F_c: float, v_0: float, v: float) -> float:
+    """Twice the friction force [N]."""
+    return 2.0 * F_c * tanh(v / v_0)
