@@ -21,7 +21,7 @@ from models_help import DT, LARGE, SMALL, bingham, car, guo, imposed, neutral, s
 
 EFFECTS = pytest.mark.parametrize("effect", CATALOGUE.effects, ids=lambda e: e.name)
 ADDED = pytest.mark.parametrize("effect", CATALOGUE.candidates(), ids=lambda e: e.name)
-SCALES = pytest.mark.parametrize("scales", (SMALL, LARGE), ids=("20 N", "2000 N"))
+SCALES = pytest.mark.parametrize("scales", [SMALL, LARGE], ids=("20 N", "2000 N"))
 
 
 def base(scales: Scales, *names: str) -> Model:
@@ -60,7 +60,8 @@ def test_describes_itself(effect: Effect) -> None:
     texts = [effect.title, effect.physics, effect.source, s.mark, s.plane, s.experiment]
     assert all(len(text) > 3 for text in texts)
     assert all(q.meaning for q in effect.parameters)
-    assert effect.hooks and all(function.__doc__ for function in effect.hooks.values())
+    assert effect.hooks
+    assert all(function.__doc__ for function in effect.hooks.values())
     assert set(s.rivals) <= set(CATALOGUE.names) - {effect.name}
     assert effect.knowable or effect.unknowable_because
 
@@ -91,7 +92,7 @@ def test_cannot_be_changed(effect: Effect) -> None:
 
 @SCALES
 @ADDED
-@pytest.mark.parametrize("dynamic", (True, False), ids=("dynamic", "static"))
+@pytest.mark.parametrize("dynamic", [True, False], ids=("dynamic", "static"))
 def test_neutral_gives_exactly_nothing(effect: Effect, scales: Scales, dynamic: bool) -> None:
     core = ("passive", "guo_yield", *(("response",) if dynamic else ()))
     model, inputs = base(scales, *core), imposed(scales, 1.0)
@@ -163,7 +164,7 @@ def test_starts_mean_the_same_for_every_damper(effect: Effect) -> None:
     assert np.abs(large - small).max() < 1e-6
 
 
-@pytest.mark.parametrize("model", (guo(), bingham()), ids=("guo", "bingham"))
+@pytest.mark.parametrize("model", [guo(), bingham()], ids=("guo", "bingham"))
 def test_all_effects_at_once_are_finite(model: Model) -> None:
     for effect in CATALOGUE.candidates():
         model = typical(model, effect)

@@ -18,7 +18,7 @@ PASSIVE = {"passive": {"k0": 100.0, "c0": 50.0}}
 YIELD = {"guo_yield": {"f_c": 20.0, "k1": 0.0, "c1": 1000.0}}
 """At a velocity of 0.1 m/s the tanh is 1 to the last digit: 20 N per duty."""
 
-# effects, (x, v, u, a), force in equilibrium [N]
+# each row: its effects, the point x v u a, and the force in equilibrium
 FORCES: dict[str, tuple[Values, tuple[float, float, float, float], float]] = {
     "passive": (PASSIVE, (0.01, 0.1, 0.0, 0.0), 6.0),
     "guo_yield": (
@@ -94,7 +94,7 @@ FORCES: dict[str, tuple[Values, tuple[float, float, float, float], float]] = {
     ),
 }
 
-# effects, own state, (x, v, a, u, t), rate of the state, force [N]
+# each row: its effects, own state, the point x v a u t, the rate of the state, and the force
 RATES: dict[str, tuple[Values, float, tuple[float, float, float, float, float], float, float]] = {
     "response": ({**YIELD, "response": {"tau": 0.05}}, 1.0, (0.0, 0.1, 0.0, 0.3, 0.0), 100.0, 1.0),
     "amplifier_lag": (

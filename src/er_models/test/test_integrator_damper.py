@@ -50,7 +50,7 @@ def test_error_at_200_hz_with_every_state(name: str, monkeypatch: pytest.MonkeyP
     assert error < 1e-3
 
 
-@pytest.mark.parametrize("model", (guo(), guo().without_effect("response"), bingham()))
+@pytest.mark.parametrize("model", [guo(), guo().without_effect("response"), bingham()])
 def test_error_at_200_hz_on_a_smooth_motion(model: Model, monkeypatch: pytest.MonkeyPatch) -> None:
     (error,) = errors(model, monkeypatch, (prediction.SUBSTEP,))
     assert error < 3e-4
@@ -113,7 +113,7 @@ def test_response_to_a_step_of_the_duty_is_exact() -> None:
     assert force == pytest.approx(2.0 + 4.0 * (1.0 - np.exp(-since / 0.003)), abs=1e-8)
 
 
-@pytest.mark.parametrize("delay", (0.0, 0.0031, 0.005, 0.015, 0.0175, 0.035))
+@pytest.mark.parametrize("delay", [0.0, 0.0031, 0.005, 0.015, 0.0175, 0.035])
 def test_dead_time_is_exact(delay: float) -> None:
     """The exponential begins at the delayed instant, also between samples."""
     model = Model(
@@ -132,7 +132,7 @@ def test_dead_time_is_exact(delay: float) -> None:
     assert force == pytest.approx(2.0 + 4.0 * (1.0 - np.exp(-since / 0.01)), abs=1e-8)
 
 
-@pytest.mark.parametrize("samples", (1, 3, 7))
+@pytest.mark.parametrize("samples", [1, 3, 7])
 def test_dead_time_of_whole_samples_shifts_the_duty(samples: int) -> None:
     inputs = imposed(SMALL, 2.0)
     later = np.concatenate([np.full(samples, inputs.u[0]), inputs.u[:-samples]])

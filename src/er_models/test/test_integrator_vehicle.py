@@ -62,7 +62,7 @@ def test_against_scipy(names: tuple[str, ...]) -> None:
     assert np.abs(run["tyre_deflection"] - states[:, 2]).max() < 1e-3 * span(states[:, 2])
 
 
-@pytest.mark.parametrize("model", (with_damper(guo().without_effect("response")), bingham_car()))
+@pytest.mark.parametrize("model", [with_damper(guo().without_effect("response")), bingham_car()])
 def test_static_damper_at_full_duty_is_stable_and_right(
     model: Model, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -78,7 +78,7 @@ def test_static_damper_at_full_duty_is_stable_and_right(
     assert np.abs(run["damper_force"]).max() < 60.0
 
 
-@pytest.mark.parametrize("model", (car(), bingham_car()), ids=("guo", "bingham"))
+@pytest.mark.parametrize("model", [car(), bingham_car()], ids=("guo", "bingham"))
 def test_energy_is_balanced(model: Model) -> None:
     """Change of kinetic and spring energy = work of the road - work done on the damper."""
     dt = 1.25e-4

@@ -79,7 +79,9 @@ def test_a_changed_helper_gives_another_kernel(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_words_and_bounds_do_not_matter() -> None:
-    assert fingerprint(changed("coulomb_friction", title="x", source="y")) == fingerprint(CATALOGUE)
+    assert fingerprint(changed("coulomb_friction", title="x", source="y")) == fingerprint(
+        CATALOGUE
+    )
 
 
 def test_inlining_copies_what_it_can_and_calls_the_rest() -> None:
@@ -91,7 +93,7 @@ def test_inlining_copies_what_it_can_and_calls_the_rest() -> None:
     assert inlined(lambda F_k, v: F_k, "own_force", names) is None
 
 
-@pytest.mark.parametrize("function", (scaled, branched), ids=("inlined", "called"))
+@pytest.mark.parametrize("function", [scaled, branched], ids=("inlined", "called"))
 def test_a_users_effect_is_compiled_into_the_damper(
     function: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

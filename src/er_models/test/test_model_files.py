@@ -24,10 +24,12 @@ effects:
 """
 
 
-@pytest.mark.parametrize("model", (guo(), bingham(), car()), ids=lambda m: m.name)
+@pytest.mark.parametrize("model", [guo(), bingham(), car()], ids=lambda m: m.name)
 def test_round_trip(model: Model, tmp_path: Path) -> None:
     model = model.with_effect("coulomb_friction").with_effect("cavitation")
-    model = Model(**{**vars(model), "deviations": {"passive": {"k0": 1.5}}, "history": ({"a": 1},)})
+    model = Model(
+        **{**vars(model), "deviations": {"passive": {"k0": 1.5}}, "history": ({"a": 1},)}
+    )
     save_model(model, tmp_path / "deep" / "model.yaml")
     again = load_model(tmp_path / "deep" / "model.yaml")
     for field in ("name", "effects", "scales", "source", "deviations", "history", "rig"):
@@ -35,7 +37,7 @@ def test_round_trip(model: Model, tmp_path: Path) -> None:
     assert again.digest() == model.digest()
 
 
-@pytest.mark.parametrize("scales", (SMALL, LARGE))
+@pytest.mark.parametrize("scales", [SMALL, LARGE])
 def test_round_trip_of_the_whole_catalogue(scales: Scales, tmp_path: Path) -> None:
     model = started(scales, *CATALOGUE.names)
     save_model(model, tmp_path / "all.yaml")
@@ -103,7 +105,7 @@ def test_the_unspoilt_file_is_good(tmp_path: Path) -> None:
     assert load_model(path).value("passive", "c0") == 60.0
 
 
-@pytest.mark.parametrize("content", (b"\xff\xfe\x00", b"", b"- 1\n- 2\n", b"a: b: c"))
+@pytest.mark.parametrize("content", [b"\xff\xfe\x00", b"", b"- 1\n- 2\n", b"a: b: c"])
 def test_no_model_file_at_all(content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "model.yaml"
     path.write_bytes(content)
@@ -154,11 +156,13 @@ def test_unknown_names_in_code() -> None:
 
 
 def test_a_model_in_code_needs_every_parameter() -> None:
-    with pytest.raises(InputError, match="passive.c0: expected a value in N s/m, found nothing"):
+    with pytest.raises(InputError, match=r"passive\.c0: expected a value in N s"):
         Model("m", {"passive": {"k0": 1.0}}, SMALL)
 
 
-@pytest.mark.parametrize("path", sorted(CONFIG.glob("dampers/*.yaml")) + sorted(CONFIG.glob("vehicles/*.yaml")))
+@pytest.mark.parametrize(
+    "path", sorted(CONFIG.glob("dampers/*.yaml")) + sorted(CONFIG.glob("vehicles/*.yaml"))
+)
 def test_the_models_of_the_repository_name_their_source(path: Path) -> None:
     assert load_model(path).source
     assert yaml.safe_load(path.read_text(encoding="utf-8"))["schema"] == "er_model 1"

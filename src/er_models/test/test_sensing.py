@@ -24,9 +24,7 @@ def plant(name: str, **values: float) -> Model:
 
 
 def test_deflection_zero_shifts_the_channel_and_nothing_else() -> None:
-    true, run = (
-        simulate(m, DT, ROAD, DUTY) for m in (car(), plant("deflection_zero", x_0=0.002))
-    )
+    true, run = (simulate(m, DT, ROAD, DUTY) for m in (car(), plant("deflection_zero", x_0=0.002)))
     assert run["deflection"] == pytest.approx(true["deflection"] - 0.002, abs=1e-15)
     for channel in ("damper_force", "deflection_velocity", "sprung_acceleration"):
         assert np.array_equal(run[channel], true[channel])
@@ -46,7 +44,7 @@ def test_velocity_lag_is_a_first_order_filter() -> None:
     assert np.array_equal(run["damper_force"], true["damper_force"])
 
 
-@pytest.mark.parametrize("late", (0.002, 0.005, 0.0137, 0.02))
+@pytest.mark.parametrize("late", [0.002, 0.005, 0.0137, 0.02])
 def test_force_delay_reports_the_force_of_before(late: float) -> None:
     """Against the force at the instant itself, from a run with a finer sample."""
     fine = 5e-4
@@ -69,18 +67,14 @@ def test_force_delay_reports_the_force_of_before(late: float) -> None:
         ("velocity_lag", {"T_v": 0.004}),
     ],
 )
-def test_prediction_takes_back_what_the_plant_reports(
-    name: str, values: dict[str, float]
-) -> None:
+def test_prediction_takes_back_what_the_plant_reports(name: str, values: dict[str, float]) -> None:
     """The effect explains its own record, the model without it does not."""
     model = plant(name, **values)
     run = simulate(model, DT, ROAD, DUTY)
     acceleration = run["sprung_acceleration"] - run["unsprung_acceleration"]
     if name == "velocity_lag":
         acceleration = np.gradient(run["deflection_velocity"], DT)
-    record = motion(
-        DT, run["deflection"], run["deflection_velocity"], run["duty"], acceleration
-    )
+    record = motion(DT, run["deflection"], run["deflection_velocity"], run["duty"], acceleration)
     with_it = (predict(model, record) - run["damper_force"])[20:]
     without = (predict(car(), record) - run["damper_force"])[20:]
     assert with_it.std() < 0.25 * without.std()
@@ -90,7 +84,11 @@ def test_prediction_takes_back_what_the_plant_reports(
     ("name", "values", "message"),
     [
         ("force_delay", {"d": -0.002}, "force_delay: expected a delay of 0 s or more to simulate"),
-        ("velocity_lag", {"T_v": -0.002}, "velocity_lag: expected a lag of 0 s or more to simulate"),
+        (
+            "velocity_lag",
+            {"T_v": -0.002},
+            "velocity_lag: expected a lag of 0 s or more to simulate",
+        ),
     ],
 )
 def test_a_sensor_cannot_be_early(name: str, values: dict[str, float], message: str) -> None:
