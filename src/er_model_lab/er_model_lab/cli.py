@@ -199,7 +199,8 @@ def _print(outcome: Outcome, page: Path | None, out: Path | None) -> None:
     """One screen of summary."""
     from er_model_lab.terminal import summary
 
-    Console().print(summary(outcome.view))
+    wide = Console() if sys.stdout.isatty() else Console(width=100)
+    wide.print(summary(outcome.view))
     if out:
         typer.echo(f"new model: {out}")
     if page:

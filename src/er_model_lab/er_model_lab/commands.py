@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -54,6 +56,12 @@ class Outcome:
     view: View
     model: Model | None
     complete: bool
+
+
+def command_line() -> str:
+    """The command as it was typed, for whoever wants the same result again."""
+    words = sys.argv[1:] if Path(sys.argv[0]).name in ("cli.py", "er-lab") else []
+    return " ".join(["./er lab", *map(shlex.quote, words)]) if words else ""
 
 
 def read(ask: Request) -> tuple[list[Record], int]:
@@ -201,6 +209,7 @@ def _with_history(
     entry = {
         "added": [e for e in grown.effects if e not in before.effects],
         "verdict": found.verdict,
+        "command_line": command_line(),
         "data": fingerprint(records),
         "records": [r.name for r in records],
         "seed": seed,

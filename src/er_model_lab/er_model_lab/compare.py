@@ -12,7 +12,10 @@ from scipy.signal import lfilter
 from er_model_lab.prepare import Problem
 from er_model_lab.view import Region, RegionTable
 
-BINS = 6
+QUANTILES = (0.0, 0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.98, 1.0)
+"""Edges of the bins: fine at both ends, where stops and cut-offs show."""
+LEVELS = 6
+"""A quantity with so few values gets a bin for each."""
 BOOTSTRAPS = 200
 
 
@@ -36,6 +39,7 @@ def region_tables(problem: Problem, residual: Array, seed: int) -> tuple[RegionT
     m = problem.motion
     rate = np.concatenate([[0.0], np.diff(m.u)]) / m.dt
     recent = np.asarray(lfilter([1.0], [1.0, -np.exp(-m.dt / 0.05)], np.abs(rate) * m.dt))
+    recent = np.where(recent < 1e-3, 0.0, recent)
     force = problem.force - residual
     work = np.concatenate(
         [np.cumsum(np.abs(force[i:j] * m.v[i:j])) * m.dt for i, j in _pairs(problem)]
@@ -81,11 +85,11 @@ def _table(
     rows = np.flatnonzero(problem.used)
     values, squared = y[rows], residual[rows] ** 2
     levels = np.unique(np.round(values, 12))
-    if levels.size <= BINS:
+    if levels.size <= LEVELS:
         edges = np.concatenate([levels, [levels[-1]]])
         place = np.searchsorted(levels, np.round(values, 12))
     else:
-        edges = np.unique(np.quantile(values, np.linspace(0, 1, BINS + 1)))
+        edges = np.unique(np.quantile(values, QUANTILES))
         place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
     blocks = rows // max(int(round(1.0 / problem.motion.dt)), 1)
     regions = []

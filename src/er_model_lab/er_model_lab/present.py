@@ -56,6 +56,7 @@ def entry(candidate: Candidate, step: Round, found: Diagnosis, problem: Problem)
     return {
         "effect": name,
         "rmse_held_out": errors(problem, candidate.fit.residual, problem.held_out).rmse,
+        "rmse_before": errors(problem, step.base.fit.residual, problem.held_out).rmse,
         "rmse_cross_validated": float(np.sqrt(candidate.mse)),
         "evidence": size,
         "threshold": step.threshold,

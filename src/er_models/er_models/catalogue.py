@@ -26,6 +26,7 @@ from er_models.effects.force import (
     fluid_inertia,
     freeplay,
     gas_spring,
+    herschel_bulkley,
     mount_compliance,
     position_dependent_damping,
     preload,
@@ -49,7 +50,7 @@ _MODULES = (
     preload, gas_spring, coulomb_friction, stribeck_friction, quadratic_damping,
     asymmetric_damping, shear_thinning, position_dependent_damping, end_stop,
     bouc_wen_hysteresis, viscoelastic_branch, fluid_inertia, field_viscosity, field_stiffness,
-    cavitation, force_lag, force_delay,
+    herschel_bulkley, cavitation, force_lag, force_delay,
     quarter_car,
 )  # fmt: skip
 

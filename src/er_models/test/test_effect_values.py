@@ -44,6 +44,11 @@ FORCES: dict[str, tuple[Values, tuple[float, float, float, float], float]] = {
         1.6733194349401157,  # (1 + 2 / e) tanh 2
     ),
     "quadratic_damping": ({"quadratic_damping": {"c_2": 200.0}}, (0.0, -0.1, 0.0, 0.0), -2.0),
+    "herschel_bulkley": (
+        {"herschel_bulkley": {"c_h": 100.0, "n": 0.5, "v_r": 0.1}},
+        (0.0, -0.025, 0.2, 0.0),
+        -10.0,
+    ),
     "asymmetric_damping": ({"asymmetric_damping": {"c_a": 10.0}}, (0.0, -0.2, 0.0, 0.0), 2.0),
     "shear_thinning": (
         {"passive": {"k0": 0.0, "c0": 100.0}, "shear_thinning": {"n": 0.5, "v_r": 0.1}},

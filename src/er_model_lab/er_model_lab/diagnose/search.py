@@ -41,15 +41,17 @@ def threshold(null: Null, floor: float) -> float:
 def passes(base: Candidate, candidate: Candidate, problem: Problem, limit: float) -> bool:
     """Whether an effect is there: large, steady over blocks, and not at an absurd value.
 
-    The fall must exceed the limit, be positive in most blocks, and have a paired t above 3.
+    The fall must exceed the limit and be positive in half of the blocks at least. Unless it is three times
+    the limit (records of different kind, where some cannot show the effect), it must also be steady: a
+    paired t above 3, or positive in four blocks of five.
     """
-    if effect_size(base, candidate) <= limit:
+    size = effect_size(base, candidate)
+    if size <= limit:
         return False
     gains = base.losses - candidate.losses
-    t = float(gains.mean() / max(gains.std(ddof=1) / np.sqrt(gains.size), 1e-300))
-    return (t > 3.0 or float(np.mean(gains > 0)) >= 0.8) and bool(
-        np.sum(gains > 0) >= gains.size / 2
-    )
+    positive = float(np.mean(gains > 0))
+    t = float(gains.mean() / max(float(gains.std(ddof=1)) / np.sqrt(gains.size), 1e-300))
+    return positive >= 0.5 and (size > 3.0 * limit or t > 3.0 or positive >= 0.8)
 
 
 def block_t(better: Candidate, worse: Candidate, problem: Problem) -> float:

@@ -167,7 +167,8 @@ def _decide(
     line_share = floor.line[2]
     explained_all = explained * (1.0 - line_share)
     reasons.append(
-        f"{' and '.join(best.effects)} lower the error by {size:.3g} N, {explained:.0%} of what is explainable"
+        f"added: {', '.join(best.fit.model.catalogue[e].title for e in best.effects)}; "
+        f"the error falls by {size:.3g} N, {explained:.0%} of what is explainable"
     )
     if explained_all >= ENOUGH:
         if any(len(group) > 1 for group in ties):

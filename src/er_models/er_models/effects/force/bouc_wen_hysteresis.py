@@ -20,7 +20,7 @@ EFFECT = Effect(
     physics="Before seals slide, or chains yield, they bend elastically: the force follows the path, not the velocity.",
     parameters=(
         Param("F_h", "N", 0.0, 3.0, 0.0, (0.1,), "level without field"),
-        Param("F_u", "N/duty", -3.0, 10.0, 0.0, (0.0,), "level per duty"),
+        Param("F_u", "N/duty", -3.0, 10.0, 0.0, (0.0, 0.3), "level per duty"),
         Param("z_y", "m", 0.002, 1.0, None, (0.05, 0.2), "elastic deflection"),
     ),
     hooks={"relax": relax, "force": force},
