@@ -1,0 +1,1 @@
+"""Parts of the documentation card of an effect: equation, picture, page."""

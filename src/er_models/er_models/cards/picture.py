@@ -1,0 +1,195 @@
+"""The signature picture of an effect: what a standard experiment shows with it, without it, and of it alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from er_models.catalogue import CATALOGUE, Catalogue
+from er_models.effect import Effect
+from er_models.model import Array, Model
+from er_models.predict import Motion, motion, predict
+from er_models.scales import Scales
+from er_models.simulate import simulate
+
+SCALES = Scales(force=20.0, deflection=0.010, velocity=0.15, duty=0.3)
+DT = 0.005
+SECONDS = 60.0
+CYCLES = 2
+"""Cycles shown, the last ones: slow effects have come by then."""
+
+EXPERIMENT = (
+    "Sine of 2 Hz and 90 % of the stroke for 60 s, its last second shown; duty 0.15, for effects of the "
+    "actuation a square wave of 5 Hz between 0.05 and 0.3. Grey: damper without the effect; blue: with it, at "
+    "the start that shows most; red: the difference."
+)
+VEHICLE_EXPERIMENT = (
+    "Amplitude over that of a sine road, duty 0.15. Blue: deflection; red: sprung mass."
+)
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One line of a picture: points (n,) each, and its colour."""
+
+    x: Array
+    y: Array
+    colour: str
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Axis labels with units, and curves."""
+
+    x_label: str
+    y_label: str
+    curves: tuple[Curve, ...]
+
+
+def panels(effect: Effect, catalogue: Catalogue = CATALOGUE) -> tuple[Panel, ...]:
+    """The panels of an effect's picture."""
+    if effect.stage == "vehicle":
+        return (_resonance(catalogue),)
+    with_it, without, inputs = _forces(effect, catalogue)
+    shown = slice(-round(CYCLES / 2.0 / DT) - 1, None)
+    curves = [
+        (without[shown], "#9a9a9a"),
+        (with_it[shown], "#1f6fb4"),
+        ((with_it - without)[shown], "#c8432b"),
+    ]
+    x, v = 1e3 * inputs.x[shown], inputs.v[shown]
+    return (
+        Panel("velocity [m/s]", "force [N]", tuple(Curve(v, y, c) for y, c in curves)),
+        Panel("deflection [mm]", "force [N]", tuple(Curve(x, y, c) for y, c in curves)),
+    )
+
+
+def _base(effect: Effect, catalogue: Catalogue) -> Model:
+    """The damper an effect is shown on: the Guo damper, without what the effect is itself."""
+    model = Model("card", {}, SCALES, catalogue=catalogue)
+    core = {"passive", "guo_yield", "response"} - {effect.name}
+    if effect.name == "bingham_yield":
+        core -= {"guo_yield"}
+    for name in sorted(core):
+        model = model.with_effect(name)
+    return model
+
+
+def _experiment(effect: Effect) -> Motion:
+    """The standard motion and duty."""
+    t = np.arange(round(SECONDS / DT) + 1) * DT
+    omega, amplitude = 2.0 * np.pi * 2.0, 0.9 * SCALES.deflection
+    duty = np.full(t.size, 0.5 * SCALES.duty)
+    if effect.stage == "actuation" or effect.name == "response":
+        duty = np.where(np.mod(5.0 * t + 1e-9, 1.0) < 0.5, 0.3, 0.05)
+    sine, cosine = np.sin(omega * t), np.cos(omega * t)
+    return motion(
+        DT, amplitude * sine, amplitude * omega * cosine, duty, -amplitude * omega**2 * sine
+    )
+
+
+def _forces(effect: Effect, catalogue: Catalogue) -> tuple[Array, Array, Motion]:
+    """Force [N] with the effect at the start that shows most, without it, and the experiment."""
+    inputs, base = _experiment(effect), _base(effect, catalogue)
+    without = predict(base, inputs)
+    several = max(len(q.starts) for q in effect.parameters)
+    forces = []
+    for i in range(several):
+        values = {q.name: base.start(effect.name, q.name, i) for q in effect.parameters}
+        forces.append(predict(base.with_effect(effect.name, values), inputs))
+    return max(forces, key=lambda force: float(np.std(force - without))), without, inputs
+
+
+def _resonance(catalogue: Catalogue) -> Panel:
+    """Amplitudes of deflection and sprung mass over that of the road, by simulation of each frequency."""
+    model = Model("card", {}, SCALES, catalogue=catalogue)
+    for name in ("passive", "guo_yield", "response", "quarter_car"):
+        model = model.with_effect(name)
+    frequencies = np.geomspace(0.5, 30.0, 25)
+    rows = []
+    for f in frequencies:
+        n = round((2.0 + 6.0 / f) / DT)
+        road = 0.1 * SCALES.deflection * np.sin(2.0 * np.pi * f * np.arange(n) * DT)
+        run = simulate(model, DT, road, np.full(n, 0.5 * SCALES.duty))
+        last = slice(-max(round(3.0 / f / DT), 2), None)
+        sprung = run["deflection"] + run["tyre_deflection"] + run["road"]
+        rows.append([np.ptp(y[last]) / np.ptp(road[last]) for y in (run["deflection"], sprung)])
+    ratios = np.array(rows).T
+    x = np.log10(frequencies)
+    return Panel(
+        "log10 of frequency [Hz]",
+        "amplitude ratio",
+        (Curve(x, ratios[0], "#1f6fb4"), Curve(x, ratios[1], "#c8432b")),
+    )
+
+
+def svg(effect: Effect, catalogue: Catalogue = CATALOGUE) -> str:
+    """The picture as SVG, about 10 kB; coordinates in tenths of a pixel."""
+    drawn = panels(effect, catalogue)
+    width, height = 300, 220
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width * len(drawn)}" height="{height}" '
+        f'font-family="sans-serif" font-size="11">',
+        '<rect width="100%" height="100%" fill="#ffffff"/>',
+    ]
+    for i, panel in enumerate(drawn):
+        parts.append(f'<g transform="translate({i * width} 0)">{_panel(panel, width, height)}</g>')
+    return "\n".join([*parts, "</svg>", ""])
+
+
+def _panel(panel: Panel, width: int, height: int) -> str:
+    """Frame, zero lines, labels and curves of a panel."""
+    left, top, right, bottom = 46, 10, width - 12, height - 34
+    spans = [_span([getattr(c, axis) for c in panel.curves]) for axis in ("x", "y")]
+
+    def place(x: Array, y: Array) -> tuple[Array, Array]:
+        (x0, x1), (y0, y1) = spans
+        across = left + (x - x0) / (x1 - x0) * (right - left)
+        return across, bottom - (y - y0) / (y1 - y0) * (bottom - top)
+
+    out = [
+        f'<rect x="{left}" y="{top}" width="{right - left}" height="{bottom - top}" '
+        'fill="none" stroke="#666666" stroke-width="0.8"/>'
+    ]
+    zero_x, zero_y = (float(z) for z in place(np.array(0.0), np.array(0.0)))
+    if left < zero_x < right:
+        out.append(_line(zero_x, top, zero_x, bottom))
+    if top < zero_y < bottom:
+        out.append(_line(left, zero_y, right, zero_y))
+    out += [_curve(*place(c.x, c.y), c.colour) for c in panel.curves]
+    (x0, x1), (y0, y1) = spans
+    out += [
+        _text(left, bottom + 13, "start", f"{x0:.3g}"),
+        _text(right, bottom + 13, "end", f"{x1:.3g}"),
+        _text(0.5 * (left + right), bottom + 26, "middle", panel.x_label),
+        _text(left - 4, bottom, "end", f"{y0:.3g}"),
+        _text(left - 4, top + 9, "end", f"{y1:.3g}"),
+        f'<text transform="translate(14 {0.5 * (top + bottom):.1f}) rotate(-90)" '
+        f'text-anchor="middle">{panel.y_label}</text>',
+    ]
+    return "\n".join(out)
+
+
+def _span(values: list[Array]) -> tuple[float, float]:
+    """Limits of an axis: those of the values, rounded outwards to two digits."""
+    low, high = (float(f(np.concatenate(values))) for f in (np.min, np.max))
+    step = 10.0 ** (np.floor(np.log10(max(abs(low), abs(high), high - low, 1e-12))) - 1.0)
+    return float(np.floor(low / step - 1e-6) * step), float(np.ceil(high / step + 1e-6) * step)
+
+
+def _curve(x: Array, y: Array, colour: str) -> str:
+    """A polyline."""
+    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
+    return f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="1.3"/>'
+
+
+def _line(x0: float, y0: float, x1: float, y1: float) -> str:
+    """A thin line."""
+    ends = f'x1="{x0:.1f}" y1="{y0:.1f}" x2="{x1:.1f}" y2="{y1:.1f}"'
+    return f'<line {ends} stroke="#bbbbbb" stroke-width="0.7"/>'
+
+
+def _text(x: float, y: float, anchor: str, text: str) -> str:
+    """A label."""
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{text}</text>'
