@@ -3,9 +3,9 @@
 import json
 
 import pytest
-
 from er_model_lab.commands import Request, compare, improve
 from er_models.files import load_model
+
 from test.blind.generator import make_case
 
 pytestmark = pytest.mark.slow

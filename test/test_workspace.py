@@ -1,4 +1,4 @@
-"""The checkout itself: ./er says what is wrong in one line, packages and messages are well described."""
+"""The checkout itself: ./er answers in one line, packages and messages are well described."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PACKAGES = sorted(path.parent for path in ROOT.glob("src/*/package.xml"))
 MESSAGES = sorted(ROOT.glob("src/er_damper_msgs/msg/*.msg"))
 LOCK = ROOT / "requirements" / "lock.txt"
 
-#: keys of the rosdep database (and ROS packages of Jazzy) that manifests may name besides our own packages
+#: keys of the rosdep database that manifests may name, besides our own packages
 ROSDEP_KEYS = {
     "ament_cmake",
     "builtin_interfaces",
@@ -202,7 +202,9 @@ def test_status_constants_are_the_same_in_every_message() -> None:
     tables = []
     for path in MESSAGES:
         found = (CONSTANT.match(line) for line in path.read_text(encoding="utf-8").splitlines())
-        tables.append({m["name"]: m["value"] for m in found if m and m["name"].startswith("STATUS")})
+        tables.append(
+            {m["name"]: m["value"] for m in found if m and m["name"].startswith("STATUS")}
+        )
     assert tables[0]
     assert all(table == tables[0] for table in tables)
 

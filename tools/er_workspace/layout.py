@@ -9,7 +9,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 
-class Stop(Exception):  # noqa: N818
+class Stop(Exception):
     """Ends ``./er`` with one line on stderr and an exit status."""
 
     def __init__(self, line: str, status: int = 2) -> None:

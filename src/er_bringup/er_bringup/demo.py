@@ -16,10 +16,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from er_models.errors import ErError
 from er_models.files import load_model, save_model
 from er_models.model import Model
-import numpy as np
 from rich.console import Console
 from rich.table import Table
 

@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from er_models.errors import InputError
 
 from er_model_lab import repair, sampling
 from er_model_lab.record import CHANNELS, Record
-from er_models.errors import InputError
 
 MIN_SECONDS = 2.0
 MIN_SAMPLES = 200

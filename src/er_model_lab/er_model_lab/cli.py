@@ -104,9 +104,18 @@ def diagnose(
 
 @app.command()
 def add(
-    effect: Annotated[str, typer.Argument(help="Effect of the catalogue; `lab effects` lists them.")],
-    data: Data, model: ModelFile, out: Out, json_file: Json = None, report: Report = None, hold_out: HoldOut = None, level: Level = "damper", seed: Seed = 0,
-) -> None:  # fmt: skip
+    effect: Annotated[
+        str, typer.Argument(help="Effect of the catalogue; `lab effects` lists them.")
+    ],
+    data: Data,
+    model: ModelFile,
+    out: Out,
+    json_file: Json = None,
+    report: Report = None,
+    hold_out: HoldOut = None,
+    level: Level = "damper",
+    seed: Seed = 0,
+) -> None:
     """Add one effect, refit everything, and show the error before and after."""
     from er_model_lab import commands
 

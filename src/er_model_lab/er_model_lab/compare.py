@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,7 +76,7 @@ def worst(tables: tuple[RegionTable, ...], most: int = 8) -> list[dict[str, obje
 def _pairs(problem: Problem) -> list[tuple[int, int]]:
     """First and last row of each record."""
     s = problem.motion.starts
-    return [(int(i), int(j)) for i, j in zip(s[:-1], s[1:], strict=True)]
+    return [(int(i), int(j)) for i, j in itertools.pairwise(s)]
 
 
 def _table(
@@ -91,7 +92,7 @@ def _table(
     else:
         edges = np.unique(np.quantile(values, QUANTILES))
         place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
-    blocks = rows // max(int(round(1.0 / problem.motion.dt)), 1)
+    blocks = rows // max(round(1.0 / problem.motion.dt), 1)
     regions = []
     total = float(squared.sum())
     for b in range(int(place.max()) + 1 if place.size else 0):

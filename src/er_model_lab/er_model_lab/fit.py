@@ -108,7 +108,8 @@ def fit(
     damping, exact = 1e-3, known is None
     jacobian = _jacobian(box, theta, f, problem, known)
     rounds = 0
-    for rounds in range(1, max_iter + 1):
+    while rounds < max_iter:
+        rounds += 1
         trials = _trials(jacobian[train], (y - f)[train], theta, box, damping)
         forces = predict_many(box.model, box.vectors(trials), problem.motion)
         costs = np.mean((y - forces)[:, train] ** 2, axis=1)
@@ -194,7 +195,7 @@ def covariance(fitted: Fit, problem: Problem) -> Array:
     j, r = fitted.jacobian[train][:, inner], fitted.residual[train]
     h = j.T @ j
     inverse = np.linalg.pinv(h, rcond=1e-12)
-    length = max(int(round(1.0 / problem.motion.dt)), 1)
+    length = max(round(1.0 / problem.motion.dt), 1)
     blocks = train // length
     edges = np.flatnonzero(np.diff(blocks)) + 1
     scores = np.add.reduceat(j * r[:, None], np.concatenate([[0], edges]), axis=0)

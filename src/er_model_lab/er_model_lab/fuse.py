@@ -30,9 +30,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Noise:
-    """Standard deviations of the channels (x [m], v [m/s], a [m/s2]), intensity of the noise that drives
-    the chain, velocity lag [s], order of the chain: 4 (white snap, smooth
-    roads) or 3 (white jerk, rough roads), and whether its intensity follows the local activity of the data.
+    """Noise levels of the motion sensors, and the model of the motion.
+
+    Standard deviations of the channels (x [m], v [m/s], a [m/s2]), intensity of the noise that drives the
+    chain, velocity lag [s], order of the chain: 4 (white snap, smooth roads) or 3 (white jerk, rough
+    roads), and whether its intensity follows the local activity of the data.
     """
 
     x: float
@@ -254,7 +256,10 @@ def _estimate(ch: Channels, start: Noise, *, free_lag: bool) -> Noise:
     def noise_at(theta: Array) -> Noise:
         values = dict(zip(names, np.exp(np.clip(theta[: len(names)], -40, 40)), strict=True))
         lag = float(np.clip(theta[-1], -20, 20)) * ch.dt if with_lag else 0.0
-        return replace(start, lag=lag, **{k: float(v) for k, v in values.items()})
+        found = replace(start, lag=lag)
+        for name, value in values.items():
+            found = replace(found, **{name: float(value)})  # type: ignore[arg-type]
+        return found
 
     def cost(theta: Array) -> float:
         ll = _run(ch, noise_at(theta))[0]

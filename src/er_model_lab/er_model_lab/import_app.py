@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
 import typer
+from er_models.errors import ErError
 from rich.console import Console
 from rich.progress import track
 
 from er_model_lab.importers import IMPORTERS, import_data, part_of
 from er_model_lab.record import Record
 from er_model_lab.write import finished_only, write_csv, write_parquet
-from er_models.errors import ErError
 
 T = TypeVar("T")
 

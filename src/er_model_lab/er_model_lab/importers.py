@@ -6,10 +6,11 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from er_models.errors import InputError, UnknownName
+
 from er_model_lab.clean import clean
 from er_model_lab.readers import mts, piston_seal, shaking_table
 from er_model_lab.record import Record
-from er_models.errors import InputError, UnknownName
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,12 +8,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import yaml
+from er_models.errors import InputError
 
 from er_model_lab.clean import clean
 from er_model_lab.provenance import fingerprint as fingerprint
 from er_model_lab.readers import csv, mf4, parquet, rosbag
 from er_model_lab.record import Record
-from er_models.errors import InputError
 
 Reader = Callable[[Path, Mapping[str, str] | None], list[Record]]
 

@@ -5,6 +5,7 @@ Held-out samples are never used for fitting or for choosing an effect; they only
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -129,10 +130,10 @@ def split(motion: Motion, sealed: int = 0) -> tuple[NDArray[np.int64], NDArray[n
     n, records = int(starts[-1]), len(starts) - 1
     fold = np.full(n, -1, np.int64)
     held = np.zeros(n, bool)
-    guard = int(round(0.25 / dt))
+    guard = round(0.25 / dt)
     chosen = set(range(records - sealed, records)) if sealed else spared(motion)
     for r in range(records):
-        i, j = int(starts[r]) + int(round(WARM_UP / dt)), int(starts[r + 1])
+        i, j = int(starts[r]) + round(WARM_UP / dt), int(starts[r + 1])
         if j - i < 8:
             continue
         if chosen:
@@ -142,7 +143,7 @@ def split(motion: Motion, sealed: int = 0) -> tuple[NDArray[np.int64], NDArray[n
                 fold[i:j] = 0
             continue
         edges = np.linspace(i, j, 11).astype(int)
-        for b, (lo, hi) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
+        for b, (lo, hi) in enumerate(itertools.pairwise(edges)):
             if b % 3 == 2:
                 held[min(lo + guard, hi) : hi] = True
             else:
@@ -160,7 +161,7 @@ def spared(motion: Motion) -> set[int]:
     What only the held-out records exercise could never be learnt: an end stop touched once, a cut-off at the
     fastest stroke. Only inputs decide, never the force. Empty for fewer than three records.
     """
-    pairs = list(zip(motion.starts[:-1], motion.starts[1:], strict=True))
+    pairs = list(itertools.pairwise(motion.starts))
     if len(pairs) < 3:
         return set()
     reach = np.array(
@@ -217,7 +218,7 @@ def _resampled(record: Record, channel: str, dt: float) -> Array:
     ratio = dt / record.dt
     if abs(ratio - 1.0) < 0.01:
         return np.asarray(y)
-    width = max(int(round(ratio)), 1)
+    width = max(round(ratio), 1)
     smooth = (
         np.convolve(y, np.ones(width) / width, "same") if width > 1 and channel != "duty" else y
     )

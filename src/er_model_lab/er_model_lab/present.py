@@ -52,7 +52,7 @@ def entry(candidate: Candidate, step: Round, found: Diagnosis, problem: Problem)
     name = candidate.name
     model = with_deviations(candidate.fit, problem)
     size = effect_size(step.base, candidate)
-    status, rivals = _status(candidate, step, found)
+    status, rivals = _status(candidate, found)
     return {
         "effect": name,
         "rmse_held_out": errors(problem, candidate.fit.residual, problem.held_out).rmse,
@@ -70,7 +70,7 @@ def entry(candidate: Candidate, step: Round, found: Diagnosis, problem: Problem)
     }
 
 
-def _status(candidate: Candidate, step: Round, found: Diagnosis) -> tuple[str, list[str]]:
+def _status(candidate: Candidate, found: Diagnosis) -> tuple[str, list[str]]:
     """Status of a candidate, and what it cannot be told from."""
     name = candidate.name
     for group in found.alternatives:
@@ -155,7 +155,7 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
 
 def _lag_entry(study: Study) -> dict[str, Any]:
     """Entry of the velocity channel's lag, whose evidence is kinematic."""
-    assert study.lag is not None and study.lag_base is not None
+    assert study.lag is not None
     lag, sd = study.lag
     found, problem = study.diagnosis, study.problem
     return {

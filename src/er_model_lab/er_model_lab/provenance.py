@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from er_models.errors import InputError
 
 from er_model_lab.record import Record
-from er_models.errors import InputError
 
 METADATA_KEY = "er_record"
 """Key of the JSON in the metadata of Parquet; CSV begins with the line `# er_record {json}`."""

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
-
 from er_models.errors import InputError, MissingChannel
 
 Array = npt.NDArray[np.float64]

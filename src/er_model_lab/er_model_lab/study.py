@@ -82,7 +82,7 @@ def investigate(
     """Diagnose a model on records; a lagging velocity channel is undone first and named."""
     problem, lag = open_problem(records, model, sealed)
     bare = on_fused(model)
-    lag_base = _as_measured(bare, problem, records) if lag else None
+    lag_base = _as_measured(bare, problem) if lag else None
     found = diagnose(bare, problem, seed=seed, replicates=replicates, tick=tick)
     if lag:
         found = _with_lag(found, lag_base, lag)
@@ -107,7 +107,7 @@ def add_effect(
     bare = on_fused(model)
     given = as_given(model, problem)
     if effect == "velocity_lag" and lag:
-        base = _as_measured(bare, problem, records)
+        base = _as_measured(bare, problem)
         inner = diagnose_one(bare, problem, None, seed)
         return Study(_with_lag(inner, base, lag), problem, model, lag, base, given)
     found = diagnose_one(bare, problem, effect, seed)
@@ -124,13 +124,13 @@ def diagnose_one(model: Model, problem: Problem, effect: str | None, seed: int) 
     leader = min([base, *rivals], key=lambda c: c.mse)
     floor: Floor = noise_floor(problem, leader, null.input_error, seed)
     limit = threshold(null, floor.floor)
-    able = [c for c in rivals if passes(base, c, problem, limit)]
+    able = [c for c in rivals if passes(base, c, limit)]
     step = Round(base, rivals, null, limit, able[0] if able else None, [])
     found = judge(base, able[0] if able else base, [step], floor, problem)
     return replace(found, best=rivals[0]) if rivals else found
 
 
-def _as_measured(model: Model, problem: Problem, records: list[Record]) -> Candidate:
+def _as_measured(model: Model, problem: Problem) -> Candidate:
     """The model refitted on the motion as the lagging channel shows it: the error before."""
     parts = [c.z[:, 1] for c in problem.raw]
     motion: Motion = replace(problem.motion, v=np.ascontiguousarray(np.concatenate(parts)))

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from er_model_lab.clean import clean
 from er_model_lab.record import Array, Record
 from er_models.errors import InputError

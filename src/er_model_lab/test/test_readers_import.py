@@ -7,9 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.io import savemat
-from typer.testing import CliRunner
-
 from er_model_lab.import_app import app
 from er_model_lab.importers import import_data, part_of
 from er_model_lab.load import fingerprint, load
@@ -17,6 +14,8 @@ from er_model_lab.readers import mts, shaking_table
 from er_model_lab.readers.imported import dissipated
 from er_model_lab.record import Array, Record
 from er_models.errors import ErError, InputError
+from scipy.io import savemat
+from typer.testing import CliRunner
 
 RUNNER = CliRunner()
 

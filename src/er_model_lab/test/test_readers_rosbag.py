@@ -11,13 +11,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-from rosbags.typesys.store import Typestore
-
 from er_model_lab.load import load
 from er_model_lab.record import Record
 from er_models.errors import InputError, MissingChannel
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
 
 DEFINITIONS = Path(__file__).parents[2] / "er_damper_msgs" / "msg"
 TICK = 5_000_000

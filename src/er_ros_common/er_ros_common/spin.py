@@ -13,7 +13,7 @@ import signal
 import sys
 from collections.abc import Callable, Sequence
 from types import FrameType
-from typing import Any
+from typing import Any, TypeAlias
 
 import rclpy
 from er_models.errors import ErError
@@ -31,7 +31,7 @@ from er_ros_common.parameter_files import check_files
 #: an idle node looks at its signals this often [s]
 ATTENTION = 0.1
 BAD_USAGE = 2
-Nodes = Node | Sequence[Node]
+Nodes: TypeAlias = Node | Sequence[Node]
 
 
 class Stopped:
@@ -161,7 +161,7 @@ def _live(factory: Callable[[], Nodes], stopped: Stopped) -> None:
 def _show(text: str) -> None:
     """Print a text that somebody asked for."""
     try:
-        print(text, flush=True)
+        print(text, flush=True)  # noqa: T201  (somebody asked for it)
     except BrokenPipeError:
         # the reader, head for instance, has seen enough: nothing must be left to flush at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

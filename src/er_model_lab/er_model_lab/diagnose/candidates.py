@@ -61,7 +61,7 @@ def baseline(model: Model, problem: Problem) -> Candidate:
 def restarts(model: Model, problem: Problem) -> list[Model]:
     """The model with the starting values of its terms, scaled to the data: for a damper of another size."""
     grids = {
-        name: starts(model.catalogue[name], model, problem)
+        name: starts(model.catalogue[name], problem)
         for name in model.effects
         if name != "quarter_car"
     }
@@ -83,7 +83,7 @@ def missing(model: Model, problem: Problem) -> tuple[Effect, ...]:
     return tuple(e for e in core + model.catalogue.candidates() if e.name not in held)
 
 
-def starts(effect: Effect, model: Model, problem: Problem) -> list[dict[str, float]]:
+def starts(effect: Effect, problem: Problem) -> list[dict[str, float]]:
     """Combinations of starting values of an effect [SI], at most eight."""
     scales = problem.scales
     grids = [[s * scales.of(q.unit) for s in q.starts] for q in effect.parameters]
@@ -105,7 +105,7 @@ def screen(
 ) -> tuple[dict[str, float], float, float, float]:
     """Best starting values, kept fraction, reach, and linearised gain of an effect [N2]."""
     model, train = base.fit.model, problem.train
-    points = starts(effect, model, problem)
+    points = starts(effect, problem)
     grown = model.with_effect(effect.name, points[0])
     offset = model.catalogue.offsets[effect.name]
     vectors = np.tile(grown.compiled().p, (len(points), 1))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,7 +65,7 @@ def _tones(problem: Problem) -> int:
     """Number of spectral lines that carry 95 % of the velocity, over all records."""
     total: list[float] = []
     m = problem.motion
-    for i, j in zip(m.starts[:-1], m.starts[1:], strict=True):
+    for i, j in itertools.pairwise(m.starts):
         v = m.v[i:j] - m.v[i:j].mean()
         power = np.abs(np.fft.rfft(v * np.hanning(v.size))) ** 2
         frequency = np.fft.rfftfreq(v.size, m.dt)

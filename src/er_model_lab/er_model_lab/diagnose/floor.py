@@ -6,6 +6,7 @@ what a model leaves, judged on stretches it has not seen. What it explains some 
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,9 +32,10 @@ class Floor:
     """Noise floor [N] and its parts.
 
     floor: root of the smallest mean square left on unseen stretches; held_out: the same on the samples held
-    out, which have motion of their own and so feel errors of its sensors differently; white: white force noise; input_error: from
-    the sensors of the motion; explained: share of the residual that boosted trees explain; importance: of
-    each feature, by name; line: (frequency [Hz], amplitude [N], share) of the strongest spectral line.
+    out, which have motion of their own and so feel errors of its sensors differently; white: white force
+    noise; input_error: from the sensors of the motion; explained: share of the residual that boosted trees
+    explain; importance: of each feature, by name; line: (frequency [Hz], amplitude [N], share) of the
+    strongest spectral line.
     """
 
     floor: float
@@ -51,7 +53,7 @@ def features(problem: Problem, force: Array) -> Array:
     dt, u = m.dt, m.u
 
     def ago(y: Array, seconds: float) -> Array:
-        k = max(int(round(seconds / dt)), 1)
+        k = max(round(seconds / dt), 1)
         return np.concatenate([np.full(k, y[0]), y[:-k]])
 
     def slow(y: Array, seconds: float) -> Array:
@@ -159,9 +161,7 @@ def noise_floor(problem: Problem, best: Candidate, input_error: float, seed: int
         weights = importance(problem, best.residual, inputs, seed) if share > 0.03 else {}
     line = spectral_line(problem, best.residual)
     starts = problem.motion.starts
-    white = white_noise(
-        [best.fit.residual[i:j] for i, j in zip(starts[:-1], starts[1:], strict=True)]
-    )
+    white = white_noise([best.fit.residual[i:j] for i, j in itertools.pairwise(starts)])
     return Floor(
         floor=float(np.sqrt(best.mse * (1.0 - share))),
         held_out=float(np.sqrt(best.fit.mse(problem.held_out) * (1.0 - unseen))),

@@ -74,8 +74,8 @@ def _input_error(
         noisy = replace(channels, z=clean + rng.standard_normal(clean.shape) * sd)
         again = fuse(noisy, noise)
         a = again.a if channels.has[2] or not channels.measured_a else m.a[i:j]
-        rows = {"u": m.u[i:j], "theta": m.theta[i:j], "starts": np.array([0, j - i])}
-        parts.append(replace(m, x=again.x, v=again.v, a=a, **rows))
+        u, theta, ends = m.u[i:j], m.theta[i:j], np.array([0, j - i])
+        parts.append(replace(m, x=again.x, v=again.v, a=a, u=u, theta=theta, starts=ends))
     return truth - predict(base.fit.model, join(parts))
 
 
@@ -84,7 +84,7 @@ def _force_noise(best: Candidate, problem: Problem, input_error: float) -> tuple
     r = best.fit.residual[problem.train]
     left = float(np.mean(r**2)) - input_error**2
     size = float(np.sqrt(max(left, white_noise([r]) ** 2, 1e-24)))
-    colour = float(np.clip(np.mean(r[1:] * r[:-1]) / max(np.mean(r**2), 1e-300), 0.0, 0.9))
+    colour = float(np.clip(np.mean(r[1:] * r[:-1]) / max(float(np.mean(r**2)), 1e-300), 0.0, 0.9))
     return size, min(colour, 0.5)
 
 

@@ -38,7 +38,7 @@ def threshold(null: Null, floor: float) -> float:
     return max(null.threshold(), SMALLEST_SHARE * floor)
 
 
-def passes(base: Candidate, candidate: Candidate, problem: Problem, limit: float) -> bool:
+def passes(base: Candidate, candidate: Candidate, limit: float) -> bool:
     """Whether an effect is there: large, steady over blocks, and not at an absurd value.
 
     The fall must exceed the limit and be positive in half of the blocks at least. Unless it is three times
@@ -58,7 +58,7 @@ def block_t(better: Candidate, worse: Candidate, problem: Problem) -> float:
     """Paired t of the squared errors of two candidates over one-second blocks; positive: `better` is."""
     rows = problem.train
     d = worse.residual[rows] ** 2 - better.residual[rows] ** 2
-    length = max(int(round(1.0 / problem.motion.dt)), 1)
+    length = max(round(1.0 / problem.motion.dt), 1)
     means: Array = d[: d.size // length * length].reshape(-1, length).mean(axis=1)
     spread = float(means.std(ddof=1)) / np.sqrt(means.size)
     return float(means.mean() / max(spread, 1e-300))
@@ -87,7 +87,7 @@ def tied(
     size = effect_size(base, best)
     near = [best]
     for other in candidates[1:]:
-        if not passes(base, other, problem, limit) or effect_size(base, other) < 0.85 * size:
+        if not passes(base, other, limit) or effect_size(base, other) < 0.85 * size:
             continue
         gap = np.sqrt(max(other.mse - best.mse, 0.0))
         if gap < 0.5 * limit or block_t(best, other, problem) < 2.0:
@@ -99,7 +99,9 @@ def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
     """Whether two candidates make nearly the same force, so that one contains the other."""
     rows = problem.train
     change = simple.fit.residual[rows] - rich.fit.residual[rows]
-    return bool(np.mean(change**2) < 0.01 * max(np.mean(simple.residual[rows] ** 2), 1e-300))
+    return bool(
+        np.mean(change**2) < 0.01 * max(float(np.mean(simple.residual[rows] ** 2)), 1e-300)
+    )
 
 
 def one_round(
@@ -113,7 +115,7 @@ def one_round(
     candidates = refit_all(base, problem, tick=tick)
     null = simulate_null(base, candidates, problem, seed, replicates)
     limit = threshold(null, np.sqrt(min(candidates[0].mse, base.mse)))
-    able = [c for c in candidates if passes(base, c, problem, limit)]
+    able = [c for c in candidates if passes(base, c, limit)]
     if not able:
         return Round(base, candidates, null, limit, None, [])
     group = tied(base, able, problem, limit)

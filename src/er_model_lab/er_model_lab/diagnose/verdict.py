@@ -101,7 +101,7 @@ def _grow(
     first = rounds[0]
     while best.effects and len(best.effects) < MOST_EFFECTS:
         left = best.mse - floor.floor**2
-        if left < 0.05 * best.mse and not _something_left(best, rounds[-1], floor):
+        if left < 0.05 * best.mse and floor.explained <= VISIBLE:
             break
         step = one_round(best, problem, seed + len(rounds), replicates, tick)
         leader = _leader(step)
@@ -126,11 +126,6 @@ def _grow(
         if pair is not None:
             best = pair
     return best, rounds, floor
-
-
-def _something_left(best: Candidate, step: Round, floor: Floor) -> bool:
-    """Whether the residual of the best model still holds a part worth a further round."""
-    return floor.explained > VISIBLE
 
 
 def _alternatives(best: Candidate, rounds: list[Round]) -> tuple[tuple[str, ...], ...]:

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from er_models.errors import InputError
 
 from er_model_lab.record import Array
-from er_models.errors import InputError
 
 Stamps = npt.NDArray[np.int64]
 
@@ -125,7 +125,7 @@ class Collector:
         return self._places[topic]
 
 
-def _stamp_ns(message: Any) -> int:  # noqa: ANN401 - its type is known only from the bag
+def _stamp_ns(message: Any) -> int:
     """Header stamp [ns]."""
     stamp = message.header.stamp
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 
-from er_model_lab.record import CHANNELS, Array, unit_of
 from er_models.errors import InputError, UnknownName
+
+from er_model_lab.record import CHANNELS, Array, unit_of
 
 TIME = "t"
 

@@ -11,11 +11,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+from er_models.errors import InputError
 
 from er_model_lab.provenance import METADATA_KEY, digest_bytes, restore
 from er_model_lab.readers.columns import TIME, Column, resolve, to_si
 from er_model_lab.record import Array, Record
-from er_models.errors import InputError
 
 DELIMITERS = (",", ";", "\t")
 MISSING = ("", "nan", "NaN", "NAN", "NA", "null")

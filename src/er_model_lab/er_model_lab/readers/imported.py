@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from er_models.errors import InputError
 
 from er_model_lab.record import Array, Record
-from er_models.errors import InputError
 
 
 def centred(x: Array) -> tuple[Array, str]:

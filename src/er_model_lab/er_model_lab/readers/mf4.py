@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from er_models.errors import ErError, InputError
 
 from er_model_lab.provenance import digest_bytes
 from er_model_lab.readers.columns import Column, resolve, split_header, to_si
 from er_model_lab.record import CHANNELS, HELD, Array, Record
 from er_model_lab.sampling import at
-from er_models.errors import ErError, InputError
 
 if TYPE_CHECKING:
     from asammdf import MDF

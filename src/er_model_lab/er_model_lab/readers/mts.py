@@ -18,12 +18,12 @@ from math import gcd
 from pathlib import Path
 
 import numpy as np
+from er_models.errors import InputError, UnknownName
 from scipy.signal import resample_poly
 
 from er_model_lab.readers.imported import centred, check_dissipates
 from er_model_lab.readers.mts_text import Acquisition, parse
 from er_model_lab.record import Array, Record
-from er_models.errors import InputError, UnknownName
 
 METRES_PER_UNIT = 0.010
 NEWTONS_PER_UNIT = 980.665

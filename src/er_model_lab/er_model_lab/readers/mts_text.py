@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from er_models.errors import InputError
 
 from er_model_lab.provenance import digest_bytes
 from er_model_lab.record import Array
-from er_models.errors import InputError
 
 HEADER_LINES = 7
 

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+from er_models.errors import InputError
 
 from er_model_lab.provenance import METADATA_KEY, digest_bytes, restore
 from er_model_lab.readers.columns import TIME, resolve, to_si
 from er_model_lab.record import Array, Record
-from er_models.errors import InputError
 
 
 def read(path: Path, names: Mapping[str, str] | None = None) -> list[Record]:

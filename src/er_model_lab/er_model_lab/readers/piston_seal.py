@@ -14,11 +14,11 @@ import re
 from pathlib import Path
 
 import numpy as np
+from er_models.errors import InputError
 
 from er_model_lab.provenance import digest_bytes
 from er_model_lab.readers.imported import centred, check_dissipates
 from er_model_lab.record import Array, Record
-from er_models.errors import InputError
 
 FULL_PRESSURE = 7.0
 PASCAL_PER_BAR = 1e5

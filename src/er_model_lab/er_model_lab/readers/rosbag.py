@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from er_models.errors import ErError, InputError, MissingChannel
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import (
     Stores,
@@ -28,7 +29,6 @@ from er_model_lab.readers.bag_files import data_files, missing_files, promised_c
 from er_model_lab.readers.bag_streams import Collector
 from er_model_lab.readers.mcap_salvage import salvage
 from er_model_lab.record import Record
-from er_models.errors import ErError, InputError, MissingChannel
 
 Decode = Callable[[bytes, str], object]
 

@@ -17,13 +17,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from er_models.errors import InputError
 from scipy.io import loadmat
 from scipy.signal import savgol_filter
 
 from er_model_lab.provenance import digest_files
 from er_model_lab.readers.imported import centred, check_dissipates
 from er_model_lab.record import Array, Record
-from er_models.errors import InputError
 
 FULL_VOLTAGE = 3.212
 SOURCE = "github.com/labcontrol-data/mr-damper e42439f, doi 10.5281/zenodo.4445334"

@@ -18,10 +18,9 @@ EFFECT = Effect(
     name="amplifier_lag",
     stage="actuation",
     title="Lag of the amplifier",
-    physics="The electrodes charge through the amplifier's resistance: the voltage follows the duty with a lag.",
-    parameters=(
-        Param("T_a", "s", 0.0, 0.5, 0.0, (0.005, 0.02), "time constant"),
-    ),
+    physics="The electrodes charge through the amplifier's resistance: the voltage follows "
+    "the duty with a lag.",
+    parameters=(Param("T_a", "s", 0.0, 0.5, 0.0, (0.005, 0.02), "time constant"),),
     hooks={"relax": relax, "duty": duty},
     signature=Signature(
         mark="residual after steps of the duty, but not after reversals of the motion",

@@ -13,9 +13,7 @@ EFFECT = Effect(
     stage="actuation",
     title="Dead time of the actuation",
     physics="The amplifier answers a new duty only after a pause.",
-    parameters=(
-        Param("T_d", "s", 0.0, 0.035, 0.0, (0.002, 0.008, 0.016), "dead time"),
-    ),
+    parameters=(Param("T_d", "s", 0.0, 0.035, 0.0, (0.002, 0.008, 0.016), "dead time"),),
     hooks={"input_delay": input_delay},
     signature=Signature(
         mark="residual pulses right after each step of the duty, then nothing",

@@ -13,9 +13,7 @@ EFFECT = Effect(
     stage="actuation",
     title="Dead band of the duty",
     physics="Below a threshold voltage no chains form, or the amplifier gives no output.",
-    parameters=(
-        Param("u_0", "duty", 0.0, 0.6, 0.0, (0.1,), "threshold"),
-    ),
+    parameters=(Param("u_0", "duty", 0.0, 0.6, 0.0, (0.1,), "threshold"),),
     hooks={"duty": duty},
     signature=Signature(
         mark="no yield force at small duty, then proportional",

@@ -12,7 +12,8 @@ EFFECT = Effect(
     name="field_exponent",
     stage="actuation",
     title="Field exponent",
-    physics="Polarisation gives a yield stress as the square of the field, conduction as its power 1.5, saturation less than 1.",
+    physics="Polarisation gives a yield stress as the square of the field, conduction as its "
+    "power 1.5, saturation less than 1.",
     parameters=(
         Param("b", "1", 0.2, 3.0, 1.0, (1.3, 0.8), "exponent of the field"),
         Param("u_r", "duty", 0.1, 2.0, None, (1.0,), "duty that is left unchanged", fitted=False),

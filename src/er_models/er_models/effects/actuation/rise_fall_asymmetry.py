@@ -14,7 +14,9 @@ EFFECT = Effect(
     title="Rise-fall asymmetry of the response",
     physics="Chains break faster (or slower) than they form.",
     parameters=(
-        Param("r", "1", 0.1, 5.0, 1.0, (1.4, 0.7), "time constant of the fall over that of the rise"),
+        Param(
+            "r", "1", 0.1, 5.0, 1.0, (1.4, 0.7), "time constant of the fall over that of the rise"
+        ),
     ),
     hooks={"tau_scale": tau_scale},
     signature=Signature(

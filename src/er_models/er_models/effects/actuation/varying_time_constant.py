@@ -13,9 +13,7 @@ EFFECT = Effect(
     stage="actuation",
     title="Varying time constant",
     physics="Denser chains take longer to form: the response time grows with the duty.",
-    parameters=(
-        Param("g", "1/duty", -1.0, 50.0, 0.0, (1.0,), "relative growth of tau per duty"),
-    ),
+    parameters=(Param("g", "1/duty", -1.0, 50.0, 0.0, (1.0,), "relative growth of tau per duty"),),
     hooks={"tau_scale": tau_scale},
     signature=Signature(
         mark="lag of the force after steps grows with the height of the step",

@@ -18,7 +18,15 @@ EFFECT = Effect(
     "after a narrow pre-yield range that leans with the deflection.",
     parameters=(
         Param("f_c", "N/duty", 0.0, 20.0, 0.0, (0.5,), "yield force per duty"),
-        Param("k1", "1/m", -20.0, 20.0, None, (1.0, 0.0), "lean of the pre-yield range with deflection"),
+        Param(
+            "k1",
+            "1/m",
+            -20.0,
+            20.0,
+            None,
+            (1.0, 0.0),
+            "lean of the pre-yield range with deflection",
+        ),
         Param("c1", "s/m", 0.5, 400.0, None, (10.0, 50.0), "steepness of the pre-yield range"),
     ),
     hooks={"target": target},

@@ -3,7 +3,9 @@
 from er_models.effect import Effect, Param, Signature
 
 
-def force(k0: float, c0: float, x: float, v: float, stiffness_scale: float, viscous_scale: float) -> float:
+def force(
+    k0: float, c0: float, x: float, v: float, stiffness_scale: float, viscous_scale: float
+) -> float:
     """Passive force [N]."""
     return stiffness_scale * k0 * x + viscous_scale * c0 * v
 

@@ -15,7 +15,9 @@ EFFECT = Effect(
     title="Response time of the fluid",
     physics="The chains need time to form and to break; the yield force follows the field with a lag. "
     "A model without this term is static.",
-    parameters=(Param("tau", "s", 0.0, 1.0, 0.0, (0.03, 0.005), "time constant of the yield force"),),
+    parameters=(
+        Param("tau", "s", 0.0, 1.0, 0.0, (0.03, 0.005), "time constant of the yield force"),
+    ),
     hooks={"relax": relax},
     signature=Signature(
         mark="the force lags the sign of the velocity and steps of the duty",

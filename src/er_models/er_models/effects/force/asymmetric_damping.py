@@ -12,9 +12,18 @@ EFFECT = Effect(
     name="asymmetric_damping",
     stage="force",
     title="Rebound-compression asymmetry",
-    physics="Valves open differently in the two directions: damping c_0 + c_a in extension, c_0 - c_a in compression.",
+    physics="Valves open differently in the two directions: damping c_0 + c_a in extension, "
+    "c_0 - c_a in compression.",
     parameters=(
-        Param("c_a", "N s/m", -5.0, 5.0, 0.0, (0.1, -0.1), "half the difference of damping, extension minus compression"),
+        Param(
+            "c_a",
+            "N s/m",
+            -5.0,
+            5.0,
+            0.0,
+            (0.1, -0.1),
+            "half the difference of damping, extension minus compression",
+        ),
     ),
     hooks={"force": force},
     signature=Signature(

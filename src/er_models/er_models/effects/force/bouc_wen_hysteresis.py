@@ -17,7 +17,8 @@ EFFECT = Effect(
     name="bouc_wen_hysteresis",
     stage="force",
     title="Pre-sliding hysteresis (Dahl, Bouc-Wen)",
-    physics="Before seals slide, or chains yield, they bend elastically: the force follows the path, not the velocity.",
+    physics="Before seals slide, or chains yield, they bend elastically: the force follows "
+    "the path, not the velocity.",
     parameters=(
         Param("F_h", "N", 0.0, 3.0, 0.0, (0.1,), "level without field"),
         Param("F_u", "N/duty", -3.0, 10.0, 0.0, (0.0, 0.3), "level per duty"),

@@ -12,7 +12,8 @@ EFFECT = Effect(
     name="cavitation",
     stage="force",
     title="Cavitation",
-    physics="Fast extension draws the pressure in one chamber to vapour pressure; the force cannot grow further.",
+    physics="Fast extension draws the pressure in one chamber to vapour pressure; the force "
+    "cannot grow further.",
     parameters=(
         Param("F_v", "N", 0.05, 1e6, float("inf"), (0.7, 0.4), "force where the fluid cavitates"),
     ),

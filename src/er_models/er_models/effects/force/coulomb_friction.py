@@ -14,7 +14,8 @@ EFFECT = Effect(
     name="coulomb_friction",
     stage="force",
     title="Coulomb friction",
-    physics="Seals and rod guide rub with a force that only knows the direction of the motion, with or without field.",
+    physics="Seals and rod guide rub with a force that only knows the direction of the "
+    "motion, with or without field.",
     parameters=(
         Param("F_c", "N", 0.0, 2.0, 0.0, (0.05,), "sliding friction"),
         Param("v_0", "m/s", 0.002, 0.15, None, (0.02,), "width of the reversal"),

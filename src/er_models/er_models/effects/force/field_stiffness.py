@@ -13,9 +13,7 @@ EFFECT = Effect(
     stage="force",
     title="Field-dependent stiffness",
     physics="Chains resist elastically before they yield: the damper stiffens under field.",
-    parameters=(
-        Param("k_u", "N/m/duty", -10.0, 20.0, 0.0, (0.2,), "stiffness per duty"),
-    ),
+    parameters=(Param("k_u", "N/m/duty", -10.0, 20.0, 0.0, (0.2,), "stiffness per duty"),),
     hooks={"force": force},
     signature=Signature(
         mark="slope of force-deflection grows with the duty",

@@ -13,9 +13,7 @@ EFFECT = Effect(
     stage="force",
     title="Field-dependent viscosity",
     physics="The chains thicken the fluid: its plastic viscosity grows with the field.",
-    parameters=(
-        Param("c_u", "N s/m/duty", -2.0, 20.0, 0.0, (0.2,), "damping per duty"),
-    ),
+    parameters=(Param("c_u", "N s/m/duty", -2.0, 20.0, 0.0, (0.2,), "damping per duty"),),
     hooks={"force": force},
     signature=Signature(
         mark="slope of force-velocity after yield grows with the duty",

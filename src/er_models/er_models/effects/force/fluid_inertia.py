@@ -12,10 +12,9 @@ EFFECT = Effect(
     name="fluid_inertia",
     stage="force",
     title="Inertia of fluid and piston",
-    physics="The oil in the gap moves much faster than the piston: it acts as an added mass (inertance).",
-    parameters=(
-        Param("m_f", "kg", 0.0, 10.0, 0.0, (0.05,), "inertance"),
-    ),
+    physics="The oil in the gap moves much faster than the piston: it acts as an added mass "
+    "(inertance).",
+    parameters=(Param("m_f", "kg", 0.0, 10.0, 0.0, (0.05,), "inertance"),),
     hooks={"force": force},
     signature=Signature(
         mark="residual follows the acceleration, grows with the square of frequency",

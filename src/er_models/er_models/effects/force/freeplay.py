@@ -31,9 +31,7 @@ EFFECT = Effect(
     title="Freeplay (backlash)",
     physics="A worn joint must cross its gap each time the force changes its sign, before the damper works "
     "again; meanwhile the damper is free and relaxes.",
-    parameters=(
-        Param("b", "m", 0.0, 0.3, 0.0, (0.01, 0.03), "half the gap"),
-    ),
+    parameters=(Param("b", "m", 0.0, 0.3, 0.0, (0.01, 0.03), "half the gap"),),
     hooks={
         "relax": relax,
         "bound": bound,

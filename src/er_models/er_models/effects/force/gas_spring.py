@@ -12,7 +12,8 @@ EFFECT = Effect(
     name="gas_spring",
     stage="force",
     title="Progressive gas spring",
-    physics="Compressing the gas raises its pressure more than in proportion; the same terms describe a cubic (hardening) spring.",
+    physics="Compressing the gas raises its pressure more than in proportion; the same terms "
+    "describe a cubic (hardening) spring.",
     parameters=(
         Param("k_2", "N/m2", -10.0, 10.0, 0.0, (0.2, -0.2), "quadratic stiffness"),
         Param("k_3", "N/m3", -10.0, 10.0, 0.0, (0.2,), "cubic stiffness"),
@@ -24,5 +25,6 @@ EFFECT = Effect(
         experiment="slow sine over the whole stroke at zero duty",
         rivals=("end_stop", "asymmetric_damping", "deflection_zero"),
     ),
-    source="polytropic gas law; Duffing oscillator; Dixon 2007, The Shock Absorber Handbook, ch. 4",
+    source="polytropic gas law; Duffing oscillator; Dixon 2007, The Shock Absorber Handbook, "
+    "ch. 4",
 )

@@ -14,7 +14,9 @@ def shift_deflection(x: float, w: float) -> float:
     return x - w
 
 
-def shift_velocity(q: float, k_0: float, c_0: float, x: float, v: float, f_y: float, w: float) -> float:
+def shift_velocity(
+    q: float, k_0: float, c_0: float, x: float, v: float, f_y: float, w: float
+) -> float:
     """Velocity of the damper itself [m/s]; x is its own deflection."""
     return (w / q - k_0 * x - f_y) / (c_0 + 1e-9) if q > 0.0 else v
 
@@ -23,10 +25,9 @@ EFFECT = Effect(
     name="mount_compliance",
     stage="force",
     title="Mount (bushing) compliance",
-    physics="Rubber mounts are a spring in series: at first a fast motion stretches the mount instead of the damper.",
-    parameters=(
-        Param("q", "m/N", 0.0, 2.0, 0.0, (0.02, 0.1), "compliance of the mount"),
-    ),
+    physics="Rubber mounts are a spring in series: at first a fast motion stretches the mount "
+    "instead of the damper.",
+    parameters=(Param("q", "m/N", 0.0, 2.0, 0.0, (0.02, 0.1), "compliance of the mount"),),
     hooks={"relax": relax, "shift_deflection": shift_deflection, "shift_velocity": shift_velocity},
     signature=Signature(
         mark="force lags the velocity, more where the damper is hard",

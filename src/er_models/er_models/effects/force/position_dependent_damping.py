@@ -12,7 +12,8 @@ EFFECT = Effect(
     name="position_dependent_damping",
     stage="force",
     title="Position-dependent damping",
-    physics="A tapered metering pin or bypass groove makes the damper harder (or softer) towards the ends of the stroke.",
+    physics="A tapered metering pin or bypass groove makes the damper harder (or softer) "
+    "towards the ends of the stroke.",
     parameters=(
         Param("c_x", "N s/m3", -5.0, 20.0, 0.0, (0.2,), "damping per squared deflection"),
     ),

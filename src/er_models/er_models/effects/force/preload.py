@@ -12,10 +12,10 @@ EFFECT = Effect(
     name="preload",
     stage="force",
     title="Preload or force bias",
-    physics="Gas pressure on the rod area pushes the rod out with a constant force. A bias of the force sensor looks the same: only a run with the damper removed tells them apart.",
-    parameters=(
-        Param("F_0", "N", -2.0, 2.0, 0.0, (0.05,), "constant force"),
-    ),
+    physics="Gas pressure on the rod area pushes the rod out with a constant force. A bias of "
+    "the force sensor looks the same: only a run with the damper removed tells them "
+    "apart.",
+    parameters=(Param("F_0", "N", -2.0, 2.0, 0.0, (0.05,), "constant force"),),
     hooks={"force": force},
     signature=Signature(
         mark="residual with a mean, the same everywhere",

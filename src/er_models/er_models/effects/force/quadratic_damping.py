@@ -12,10 +12,9 @@ EFFECT = Effect(
     name="quadratic_damping",
     stage="force",
     title="Quadratic (orifice) damping",
-    physics="Turbulent flow through an orifice costs pressure in proportion to the square of the flow.",
-    parameters=(
-        Param("c_2", "N s2/m2", 0.0, 10.0, 0.0, (0.1,), "orifice coefficient"),
-    ),
+    physics="Turbulent flow through an orifice costs pressure in proportion to the square of "
+    "the flow.",
+    parameters=(Param("c_2", "N s2/m2", 0.0, 10.0, 0.0, (0.1,), "orifice coefficient"),),
     hooks={"force": force},
     signature=Signature(
         mark="residual grows as the square of the velocity, odd in direction",

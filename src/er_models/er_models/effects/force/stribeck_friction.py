@@ -14,7 +14,8 @@ EFFECT = Effect(
     name="stribeck_friction",
     stage="force",
     title="Stribeck friction",
-    physics="At low velocity the seal sticks harder than it slides: friction falls with velocity before viscosity takes over.",
+    physics="At low velocity the seal sticks harder than it slides: friction falls with "
+    "velocity before viscosity takes over.",
     parameters=(
         Param("F_c", "N", 0.0, 2.0, 0.0, (0.02,), "sliding friction"),
         Param("F_s", "N", 0.0, 2.0, 0.0, (0.08,), "breakaway above sliding"),

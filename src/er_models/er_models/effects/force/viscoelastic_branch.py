@@ -17,7 +17,8 @@ EFFECT = Effect(
     name="viscoelastic_branch",
     stage="force",
     title="Viscoelastic branch (Maxwell)",
-    physics="Compressible fluid and rubber act as a spring in series with a damper: stiff when fast, soft when slow.",
+    physics="Compressible fluid and rubber act as a spring in series with a damper: stiff "
+    "when fast, soft when slow.",
     parameters=(
         Param("k_m", "N/m", 0.0, 10.0, 0.0, (0.3,), "stiffness of the branch"),
         Param("t_m", "s", 0.002, 1.0, None, (0.02, 0.1), "relaxation time"),

@@ -14,7 +14,8 @@ EFFECT = Effect(
     name="effectiveness_fade",
     stage="heat",
     title="Fading effectiveness (sedimentation, ageing)",
-    physics="Particles settle or the fluid ages: the field effect weakens with time, whatever the motion.",
+    physics="Particles settle or the fluid ages: the field effect weakens with time, whatever "
+    "the motion.",
     parameters=(
         Param("s", "1", -0.5, 1.0, 0.0, (0.15,), "share that fades"),
         Param("t_f", "s", 2.0, 5000.0, None, (15.0, 60.0), "time constant of the fade"),

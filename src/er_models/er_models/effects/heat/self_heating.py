@@ -24,7 +24,9 @@ EFFECT = Effect(
     name="self_heating",
     stage="heat",
     title="Self-heating",
-    physics="The damper warms by the power it dissipates; warm fluid is thinner and yields earlier. Temperature rise is heat flow times thermal resistance, which these channels cannot tell apart.",
+    physics="The damper warms by the power it dissipates; warm fluid is thinner and yields "
+    "earlier. Temperature rise is heat flow times thermal resistance, which these "
+    "channels cannot tell apart.",
     parameters=(
         Param("t_h", "s", 2.0, 2000.0, None, (20.0, 100.0), "thermal time constant"),
         Param("b_v", "1/W", -0.5, 20.0, 0.0, (0.5,), "loss of viscosity per watt"),

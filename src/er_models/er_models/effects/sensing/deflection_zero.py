@@ -13,9 +13,7 @@ EFFECT = Effect(
     stage="sensing",
     title="Zero of the deflection sensor",
     physics="The sensor's zero is not the middle of the damper.",
-    parameters=(
-        Param("x_0", "m", -0.5, 0.5, 0.0, (0.05, -0.05), "offset to add"),
-    ),
+    parameters=(Param("x_0", "m", -0.5, 0.5, 0.0, (0.05, -0.05), "offset to add"),),
     hooks={"shift_deflection": shift_deflection},
     signature=Signature(
         mark="yield forces lean: reversal happens earlier in one direction",

@@ -18,10 +18,9 @@ EFFECT = Effect(
     name="force_lag",
     stage="sensing",
     title="Lag of the force sensor",
-    physics="The amplifier of the load cell filters: the measured force lags the true one and loses its corners.",
-    parameters=(
-        Param("T_f", "s", 0.0, 0.1, 0.0, (0.003,), "time constant of the filter"),
-    ),
+    physics="The amplifier of the load cell filters: the measured force lags the true one and "
+    "loses its corners.",
+    parameters=(Param("T_f", "s", 0.0, 0.1, 0.0, (0.003,), "time constant of the filter"),),
     hooks={"relax": relax, "sense": sense},
     signature=Signature(
         mark="residual follows the rate of the force, corners are rounded",

@@ -12,10 +12,9 @@ EFFECT = Effect(
     name="velocity_lag",
     stage="sensing",
     title="Lag of the velocity channel",
-    physics="A velocity made by differentiation and filtering lags the true one; deflection and accelerometers expose it.",
-    parameters=(
-        Param("T_v", "s", -0.02, 0.05, 0.0, (0.003,), "time constant of the filter"),
-    ),
+    physics="A velocity made by differentiation and filtering lags the true one; deflection "
+    "and accelerometers expose it.",
+    parameters=(Param("T_v", "s", -0.02, 0.05, 0.0, (0.003,), "time constant of the filter"),),
     hooks={"shift_velocity": shift_velocity},
     signature=Signature(
         mark="force reverses before the measured velocity does",

@@ -27,7 +27,8 @@ EFFECT = Effect(
     name="quarter_car",
     stage="vehicle",
     title="Quarter car",
-    physics="Body and wheel as two masses; the suspension spring between them, the tyre as a spring to the road.",
+    physics="Body and wheel as two masses; the suspension spring between them, the tyre as a "
+    "spring to the road.",
     parameters=(
         Param("m_s", "kg", 0.0, 1e6, None, (1.0,), "sprung mass", fitted=False),
         Param("m_us", "kg", 0.0, 1e6, None, (0.1,), "unsprung mass", fitted=False),
