@@ -12,7 +12,7 @@ RANGES: dict[str, dict[str, tuple[float, float]]] = {
     "coulomb_friction": {"F_c": (0.6, 1.2), "v_0": (0.002, 0.004)},
     "quadratic_damping": {"c_2": (150.0, 300.0)},
     "asymmetric_damping": {"c_a": (10.0, 20.0)},
-    "gas_spring": {"k_2": (1e4, 2e4), "k_3": (2e6, 4e6)},
+    "gas_spring": {"k_2": (4e4, 8e4), "k_3": (8e6, 1.6e7)},
     "preload": {"F_0": (0.4, 1.0)},
     "bouc_wen_hysteresis": {"F_h": (0.8, 1.5), "F_u": (0.0, 0.0), "z_y": (3e-4, 6e-4)},
     "shear_thinning": {"n": (0.55, 0.75), "v_r": (0.015, 0.025)},

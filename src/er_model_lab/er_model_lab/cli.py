@@ -70,15 +70,16 @@ def compare(
     seed: Seed = 0,
 ) -> None:
     """Predict and compare: errors, and where the model fails."""
-    from er_model_lab import commands
+    from er_model_lab import commands, vehicle
 
-    if level == "vehicle":
-        from er_model_lab.vehicle import compare as compare_vehicle
+    def work() -> Outcome:
+        asked = _asked(data, model, seed, hold_out)
+        if level == "vehicle":
+            return vehicle.compare(asked)
+        _damper_only(level, "compare")
+        return commands.compare(asked)
 
-        _run(lambda: compare_vehicle(_asked(data, model, seed, hold_out)), json_file, report)
-        return
-    _damper_only(level, "compare")
-    _run(lambda: commands.compare(_asked(data, model, seed, hold_out)), json_file, report)
+    _run(work, json_file, report)
 
 
 @app.command()

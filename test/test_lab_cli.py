@@ -1,0 +1,238 @@
+"""The command line of the lab: contract of its results, and one clear line for every bad input."""
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from er_model_lab.cli import app
+from er_models.files import load_model
+from er_models.predict import motion, predict
+
+MODEL = "config/dampers/inove_guo.yaml"
+KEYS = {
+    "verdict", "effects", "alternatives", "noise_floor", "rmse", "nrmse", "explainable", "candidates", "steps",
+}  # fmt: skip
+VERDICTS = {
+    "adequate",
+    "missing_effect",
+    "ambiguous",
+    "partial",
+    "unknown_effect",
+    "insufficient_data",
+}
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    """Twenty seconds of a damper with Coulomb friction, motion and force with noise."""
+    folder = tmp_path_factory.mktemp("data")
+    from test.conftest import ROOT
+
+    truth = load_model(ROOT / MODEL).with_effect("coulomb_friction", {"F_c": 1.0, "v_0": 0.003})
+    rng, dt, n = np.random.default_rng(1), 0.005, 4000
+    t = np.arange(n) * dt
+    w = 2 * np.pi * np.array([0.7, 1.3, 2.1, 3.4, 5.2, 7.3])
+    amplitude = 0.09 / w / 2.5
+    phase = rng.uniform(0, 2 * np.pi, w.size)
+    arg = np.multiply.outer(t, w) + phase
+    x, v, a = (
+        np.sin(arg) @ amplitude,
+        np.cos(arg) @ (amplitude * w),
+        -np.sin(arg) @ (amplitude * w**2),
+    )
+    u = np.repeat(rng.choice([0.0, 0.1, 0.2, 0.3], n // 150 + 1), 150)[:n]
+    force = predict(truth, motion(dt, x, v, u, a)) + 0.15 * rng.standard_normal(n)
+    columns = {
+        "t": t,
+        "deflection": x + 2e-5 * rng.standard_normal(n),
+        "deflection_velocity": v + 1e-3 * rng.standard_normal(n),
+        "duty": u,
+        "damper_force": force,
+        "sprung_acceleration": a + 0.025 * rng.standard_normal(n),
+        "unsprung_acceleration": 0.025 * rng.standard_normal(n),
+    }
+    table = np.stack(list(columns.values()), axis=1)
+    np.savetxt(folder / "run.csv", table, delimiter=",", header=",".join(columns), comments="")
+    return folder / "run.csv"
+
+
+def lab(*words):
+    return CliRunner().invoke(app, [str(w) for w in words])
+
+
+def test_diagnose_writes_the_json_of_the_contract(data, root, tmp_path):
+    result = lab(
+        "diagnose", data, "--model", root / MODEL, "--json", tmp_path / "r.json", "--seed", 3
+    )
+    assert result.exit_code == 0, result.output
+    r = json.loads((tmp_path / "r.json").read_text())
+    assert KEYS <= set(r)
+    assert r["verdict"] in VERDICTS
+    assert r["effects"] == ["coulomb_friction"]
+    assert set(r["rmse"]) >= {"train", "held_out"}
+    first = r["candidates"][0]
+    assert first["effect"] == "coulomb_friction"
+    value, sd, unit = first["parameters"]["F_c"]
+    assert unit == "N"
+    assert abs(value - 1.0) < 4.0 * sd
+    assert {c["status"] for c in r["candidates"]} <= {
+        "present",
+        "absent",
+        "not_excited",
+        "confounded",
+    }
+
+
+def test_add_shows_the_fall_and_the_new_model_loads(data, root, tmp_path):
+    out = tmp_path / "better.yaml"
+    result = lab(
+        "add", "coulomb_friction", data, "--model", root / MODEL, "--out", out, "--json", tmp_path / "r.json",
+        "--report", tmp_path / "report",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    r = json.loads((tmp_path / "r.json").read_text())
+    assert [s["added"] for s in r["steps"]] == [None, "coulomb_friction"]
+    assert r["steps"][1]["rmse_held_out"] < 0.7 * r["steps"][0]["rmse_held_out"]
+    model = load_model(out)
+    assert model.value("coulomb_friction", "F_c") == pytest.approx(1.0, abs=0.1)
+    assert model.history[-1]["added"] == ["coulomb_friction"]
+    page = (tmp_path / "report" / "index.html").read_text()
+    assert "coulomb" in page.lower()
+
+
+def test_improve_is_the_same_twice(data, root, tmp_path):
+    results = []
+    for name in ("a", "b"):
+        json_file = tmp_path / f"{name}.json"
+        lab(
+            "improve",
+            data,
+            "--model",
+            root / MODEL,
+            "--out",
+            tmp_path / "m.yaml",
+            "--json",
+            json_file,
+        )
+        r = json.loads(json_file.read_text())
+        r.pop("provenance")
+        results.append(r)
+    assert results[0] == results[1]
+    assert results[0]["final_verdict"] == "adequate"
+
+
+def test_compare_writes_its_json(data, root, tmp_path):
+    result = lab("compare", data, "--model", root / MODEL, "--json", tmp_path / "r.json")
+    assert result.exit_code == 0, result.output
+    r = json.loads((tmp_path / "r.json").read_text())
+    assert {"rmse", "nrmse", "noise_floor", "explainable", "worst"} <= set(r)
+    assert r["rmse"] > 2.0 * r["noise_floor"]
+
+
+def test_effects_lists_the_catalogue_and_shows_a_card():
+    listed = lab("effects")
+    assert listed.exit_code == 0
+    assert "coulomb_friction" in listed.output
+    card = lab("effects", "coulomb_friction")
+    assert "tanh" in card.output
+    assert lab("effects", "coulomb_fricton").exit_code == 2
+
+
+def one_line(result, status, *words):
+    assert result.exit_code == status, result.output
+    lines = [line for line in result.output.strip().splitlines() if line]
+    assert len(lines) == 1, result.output
+    for word in words:
+        assert word in lines[0]
+
+
+BROKEN = {
+    "absent.csv": (None, 2, ("absent.csv",)),
+    "empty.csv": ("", 2, ("empty.csv",)),
+    "columns.csv": ("t,deflektion,damper_force\n0,0,0\n0.005,0,0\n", 2, ("deflektion",)),
+    "few.csv": ("t,deflection,damper_force\n0,0,0\n0.005,0,0\n", 2, ("few.csv",)),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_bad_data_gets_one_line_and_nothing_is_written(name, root, tmp_path):
+    text, status, words = BROKEN[name]
+    path, out = tmp_path / name, tmp_path / "new.yaml"
+    if text is not None:
+        path.write_text(text)
+    one_line(lab("improve", path, "--model", root / MODEL, "--out", out), status, *words)
+    assert not out.exists()
+
+
+def shifted(data, path, change):
+    rows = data.read_text().splitlines()
+    head, body = rows[0], [r.split(",") for r in rows[1:]]
+    path.write_text("\n".join([head, *(",".join(r) for r in change(body))]) + "\n")
+    return path
+
+
+def test_unsorted_time_is_named(data, root, tmp_path):
+    def swap(rows):
+        rows[100], rows[101] = rows[101], rows[100]
+        return rows
+
+    path = shifted(data, tmp_path / "unsorted.csv", swap)
+    one_line(lab("compare", path, "--model", root / MODEL), 2, "unsorted.csv", "t")
+
+
+def test_a_run_of_nan_is_cut_and_the_status_says_so(data, root, tmp_path):
+    def hole(rows):
+        for row in rows[2000:2100]:
+            row[4] = "nan"
+        return rows
+
+    path = shifted(data, tmp_path / "holes.csv", hole)
+    result = lab("compare", path, "--model", root / MODEL, "--json", tmp_path / "r.json")
+    assert result.exit_code == 3
+    assert json.loads((tmp_path / "r.json").read_text())["complete"] is False
+
+
+def test_a_missing_channel_has_its_own_status(data, root, tmp_path):
+    rows = [line.split(",") for line in data.read_text().splitlines()]
+    keep = [i for i, name in enumerate(rows[0]) if name != "damper_force"]
+    path = tmp_path / "noforce.csv"
+    path.write_text("\n".join(",".join(r[i] for i in keep) for r in rows) + "\n")
+    one_line(lab("compare", path, "--model", root / MODEL), 4, "damper_force", "noforce.csv")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("f_c:", "f_q:", ("guo_yield.f_q", "unknown key")),
+        ("29.2780", "29278.0", ("guo_yield.f_c", "29278")),
+        ("29.2780", ".nan", ("guo_yield.f_c", "nan")),
+        ("unit: N/duty", "unit: kN", ("unit", "kN")),
+        ("schema: er_model 1", "schema: er_model 9", ("schema",)),
+    ],
+)
+def test_a_bad_model_file_is_named_by_key(old, new, words, data, root, tmp_path):
+    path = tmp_path / "model.yaml"
+    path.write_text((root / MODEL).read_text().replace(old, new))
+    one_line(lab("compare", data, "--model", path), 2, "model.yaml", *words)
+
+
+def test_add_refuses_what_makes_no_sense(data, root, tmp_path):
+    out = tmp_path / "new.yaml"
+    one_line(
+        lab("add", "coulomb_frction", data, "--model", root / MODEL, "--out", out),
+        2,
+        "coulomb_friction",
+    )
+    one_line(lab("add", "passive", data, "--model", root / MODEL, "--out", out), 2, "already")
+    copy = tmp_path / "own.yaml"
+    shutil.copy(root / MODEL, copy)
+    one_line(lab("add", "preload", data, "--model", copy, "--out", copy), 2, "own.yaml")
+    assert copy.read_text() == (root / MODEL).read_text()
+
+
+def test_levels_are_named(data, root):
+    one_line(lab("diagnose", data, "--model", root / MODEL, "--level", "vehicle"), 2, "vehicle")
+    one_line(lab("compare", data, "--model", root / MODEL, "--level", "wheel"), 2, "wheel")
