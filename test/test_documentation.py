@@ -1,0 +1,80 @@
+"""Every command of the documentation is run as a new user would, with data of the test's own for DATA."""
+
+import re
+import shlex
+import signal
+import subprocess
+import time
+
+import numpy as np
+import pytest
+
+from test.conftest import ROOT
+
+pytestmark = pytest.mark.slow
+DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+BLOCK = re.compile(r"^```(?:sh|bash)\n(.*?)^```", re.M | re.S)
+ELSEWHERE = {
+    "test": "this very suite",
+    "bench": "minutes of measurement",
+    "demo": "test_demo",
+}
+ENDLESS = ("run", "record", "doctor", "up")
+"""Commands that may go on until Ctrl-C: they get one after a while and must then end well."""
+
+
+def commands():
+    for path in DOCUMENTS:
+        for block in BLOCK.findall(path.read_text(encoding="utf-8")):
+            for line in block.replace("\\\n", " ").splitlines():
+                words = shlex.split(line, comments=True)
+                if words[:1] == ["./er"] and words[1] not in ELSEWHERE:
+                    yield pytest.param(words[1:], id=f"{path.name}: {' '.join(words[1:])[:70]}")
+
+
+CASES = list(dict.fromkeys(commands()))
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """A folder with the configuration, measurements called DATA and MORE, and files the documents name."""
+    from test.sample import write_sample
+
+    folder = tmp_path_factory.mktemp("user")
+    (folder / "config").symlink_to(ROOT / "config")
+    for name, seed in (("DATA", 1), ("MORE", 2)):
+        (folder / name).mkdir()
+        write_sample(folder / name / "run.csv", seed=seed)
+    (folder / "shared").symlink_to(ROOT.parent / "shared")
+    for name in ("my_damper.yaml", "better.yaml"):
+        (folder / name).write_text((ROOT / "config/dampers/inove_guo.yaml").read_text())
+    return folder
+
+
+@pytest.mark.parametrize("words", CASES)
+def test_the_command_works_as_written(words, place, request, monkeypatch):
+    if any("shared/data" in w for w in words) and not (ROOT.parent / "shared" / "data").is_dir():
+        pytest.skip("the measured data are not beside the repository")
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(40 + hash(request.node.name) % 40))
+    process = subprocess.Popen(
+        [str(ROOT / "er"), *words],
+        cwd=place,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    if words[0] in ENDLESS and "--help" not in words:
+        end = time.monotonic() + 12.0
+        while process.poll() is None and time.monotonic() < end:
+            time.sleep(0.2)
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+    output, _ = process.communicate(timeout=250)
+    allowed = (0, 1, 4) if words[0] in ("doctor", "record") else (0,)
+    assert process.returncode in allowed, output[-3000:]
+    assert "Traceback" not in output, output[-3000:]
+
+
+def test_the_documents_hold_commands():
+    assert len(CASES) > 10
+    assert np.unique([p.id for p in CASES]).size == len(CASES)
