@@ -80,8 +80,8 @@ def tied(
 ) -> list[Candidate]:
     """Candidates the data cannot tell from the best one, simplest first.
 
-    A tie needs nearly the same effect size, and a paired difference within 2 standard errors or a
-    difference in force too small to matter. Nested forms of one force are no tie: the simpler stands for both.
+    A tie needs nearly the same effect size, and a paired difference within 2 standard errors or one too
+    small to count as an effect of its own. Nested forms of one force are no tie: the simpler stands for both.
     """
     best = candidates[0]
     size = effect_size(base, best)
@@ -90,7 +90,7 @@ def tied(
         if not passes(base, other, limit) or effect_size(base, other) < 0.85 * size:
             continue
         gap = np.sqrt(max(other.mse - best.mse, 0.0))
-        if gap < 0.5 * limit or block_t(best, other, problem) < 2.0:
+        if gap < limit or block_t(best, other, problem) < 2.0:
             near.append(other)
     return sorted(near, key=complexity)
 
