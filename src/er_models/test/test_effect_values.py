@@ -79,6 +79,7 @@ FORCES: dict[str, tuple[Values, tuple[float, float, float, float], float]] = {
     ),
     "freeplay": ({**PASSIVE, "freeplay": {"b": 0.002}}, (0.01, 0.1, 0.0, 0.0), 5.8),
     "cavitation": ({**PASSIVE, "cavitation": {"F_v": 5.0}}, (0.01, 0.1, 0.0, 0.0), 5.0),
+    "force_lag": ({**PASSIVE, "force_lag": {"T_f": 0.01}}, (0.01, 0.1, 0.0, 0.0), 6.0),
     "field_viscosity": ({"field_viscosity": {"c_u": 100.0}}, (0.0, 0.1, 0.3, 0.0), 3.0),
     "field_stiffness": ({"field_stiffness": {"k_u": 1000.0}}, (0.01, 0.0, 0.3, 0.0), 3.0),
     "duty_dead_band": ({**YIELD, "duty_dead_band": {"u_0": 0.1}}, (0.0, 0.1, 0.3, 0.0), 4.0),
