@@ -163,12 +163,13 @@ def _columns(rows: list[tuple[str, ...]]) -> list[str]:
 
 
 def main() -> int:
-    """``python -m er_models.card FOLDER``: write all cards."""
-    if len(sys.argv) != 2:
-        sys.stderr.write("usage: python -m er_models.card FOLDER\n")
+    """``python -m er_models.card [FOLDER]``: write all cards, by default into docs/effects."""
+    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/effects")
+    if len(sys.argv) > 2 or not folder.parent.is_dir():
+        sys.stderr.write("usage: python -m er_models.card [FOLDER], from the repository's root\n")
         return 2
-    written = write_cards(sys.argv[1])
-    sys.stdout.write(f"{len(written)} files in {sys.argv[1]}\n")
+    written = write_cards(folder)
+    sys.stdout.write(f"{len(written)} files in {folder}\n")
     return 0
 
 
