@@ -65,6 +65,9 @@ def test_the_default_graph_is_a_closed_loop_with_an_observer() -> None:
     assert list(found) == ["nlpv_polytopic_observer", "skyhook_controller", "plant"]
     assert found["plant"].parameters["duty_source"] == "topic"
     assert found["plant"].parameters["wait_for"] == [2, 1, 0, 0, 1]
+    assert found["plant"].parameters["wait_for_nodes"] == list(found)[:-1]
+    assert found["skyhook_controller"].parameters["listeners"] == 1
+    assert found["nlpv_polytopic_observer"].parameters["listeners"] == 0
 
 
 def test_the_plant_waits_for_the_recorder_too(tmp_path: Path) -> None:
@@ -73,6 +76,15 @@ def test_the_plant_waits_for_the_recorder_too(tmp_path: Path) -> None:
     assert found["plant"].parameters["wait_for"] == [1, 1, 1, 1, 1]
     assert found["plant"].parameters["duty_source"] == "program"
     assert found["recorder"].parameters["out"] == str(tmp_path / "bag")
+
+
+def test_the_recorder_waits_for_everybody_it_will_record(tmp_path: Path) -> None:
+    found = specs(f"record:={tmp_path / 'bag'}")
+    sources = found["recorder"].parameters["sources"]
+    assert isinstance(sources, list)
+    assert {"sensors/road", "pwm/applied", "pwm/command", "force/nlpv_polytopic"} <= set(sources)
+    assert found["skyhook_controller"].parameters["listeners"] == 2
+    assert found["nlpv_polytopic_observer"].parameters["listeners"] == 1
 
 
 def test_the_program_can_say_the_duty_beside_a_controller() -> None:

@@ -25,8 +25,9 @@ from er_models.errors import ErError
 from numpy.typing import NDArray
 from rosbags.highlevel import AnyReader
 
-from er_bringup.graph import PLANT, RECORDER, complete, nodes
+from er_bringup.graph import complete, nodes
 from er_bringup.processes import Child, stop
+from er_bringup.roles import PLANT, RECORDER
 from er_bringup.up import argv, configuration
 
 WARM_UP = 1.0
@@ -115,13 +116,13 @@ def run(seconds: float, bag: Path, *, controller: bool) -> list[Load]:
     try:
         return _measured(children, bag)
     finally:
-        stop([child for child in children if child.label != RECORDER])
-        stop([child for child in children if child.label == RECORDER])
+        stop([child for child in children if child.label != RECORDER.executable])
+        stop([child for child in children if child.label == RECORDER.executable])
 
 
 def _measured(children: Sequence[Child], bag: Path) -> list[Load]:
     """Wait for the run to begin, then measure until the plant ends."""
-    plant = next(child for child in children if child.label == PLANT)
+    plant = next(child for child in children if child.label == PLANT.executable)
     _wait_for_data(plant, bag)
     sleep(WARM_UP)
     began, before = monotonic(), {c.label: usage(c.process.pid) for c in children}

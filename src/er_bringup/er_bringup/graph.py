@@ -16,18 +16,7 @@ from er_models.errors import InputError
 from er_ros_common.arguments import Value, ros_arguments
 
 from er_bringup.arguments import ARGUMENTS, Argument
-
-PLANT, RECORDER = "plant", "recorder"
-CONTROLLERS = {"skyhook": ("er_ftc_controller", "skyhook_controller")}
-OBSERVERS = {"nlpv_polytopic": ("er_observers", "nlpv_polytopic_observer")}
-PUBLISHED = ("acceleration", "deflection", "force", "road", "applied")
-"""What the plant publishes, in the order of its parameter `wait_for`."""
-LISTENS = {
-    "skyhook_controller": ("acceleration", "deflection"),
-    "nlpv_polytopic_observer": ("acceleration", "applied"),
-    RECORDER: PUBLISHED,
-}
-"""What each executable subscribes to of that."""
+from er_bringup.roles import CONTROLLERS, OBSERVERS, PLANT, PUBLISHED, RECORDER, Role
 
 
 @dataclass(frozen=True)
@@ -90,8 +79,15 @@ def nodes(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
     Raises:
         InputError: A file does not exist, or an observer is not known.
     """
-    listeners = (*_recorder(given), *_observers(given, config), *_controller(given, config))
-    return (*listeners, _plant(given, config, listeners))
+    observers, controllers = _observers(given), _controllers(given)
+    answering = [*observers, *controllers]
+    recorded = [RECORDER] if given["record"] else []
+    return (
+        *(_recorder(given, answering) for _ in recorded),
+        *(_observer(given, config, role) for role in observers),
+        *(_controller(given, config, role) for role in controllers),
+        _plant(given, config, [*recorded, *answering]),
+    )
 
 
 def find(name: str, config: Path, *places: str) -> str:
@@ -110,8 +106,7 @@ def find(name: str, config: Path, *places: str) -> str:
     raise InputError("arguments", name, expected, "no such file")
 
 
-def _plant(given: Mapping[str, str], config: Path, listeners: Sequence[NodeSpec]) -> NodeSpec:
-    commanded = given["duty"] == "command" and given["controller"] != "none"
+def _plant(given: Mapping[str, str], config: Path, listeners: Sequence[Role]) -> NodeSpec:
     parameters: dict[str, Value] = {
         "model_file": find(given["model"], config, "vehicles"),
         "program_file": find(given["program"], config, "experiments"),
@@ -119,60 +114,71 @@ def _plant(given: Mapping[str, str], config: Path, listeners: Sequence[NodeSpec]
         "seed": int(given["seed"]),
         "mode": given["mode"],
         "rate_factor": float(given["rate_factor"]),
-        "duty_source": "topic" if commanded else "program",
+        "duty_source": "topic" if _commanded(given) else "program",
+        "wait_for": [sum(key in role.listens for role in listeners) for key in PUBLISHED],
     }
+    if listeners:
+        parameters["wait_for_nodes"] = [role.executable for role in listeners]
     if given["damper"]:
         parameters["damper_file"] = find(given["damper"], config, "dampers")
-    listened = [LISTENS[node.executable] for node in listeners]
-    counts = [sum(topic in each for each in listened) for topic in PUBLISHED]
     files = [_own(PLANT, config)]
     if given["plant_params"]:
         files.append(find(given["plant_params"], config))
-    return NodeSpec(
-        "er_plant_sim", PLANT, given["namespace"], tuple(files), parameters | {"wait_for": counts}
-    )
+    return _spec(PLANT, given, tuple(files), parameters)
 
 
-def _controller(given: Mapping[str, str], config: Path) -> list[NodeSpec]:
-    if given["controller"] == "none":
-        return []
-    package, executable = CONTROLLERS[given["controller"]]
-    files = (_own(executable, config),)
-    return [NodeSpec(package, executable, given["namespace"], files, _time(given))]
+def _controllers(given: Mapping[str, str]) -> list[Role]:
+    return [] if given["controller"] == "none" else [CONTROLLERS[given["controller"]]]
 
 
-def _observers(given: Mapping[str, str], config: Path) -> list[NodeSpec]:
+def _controller(given: Mapping[str, str], config: Path, role: Role) -> NodeSpec:
+    listeners = bool(given["record"]) + _commanded(given)
+    parameters: dict[str, Value] = {"listeners": listeners}
+    return _spec(role, given, (_own(role, config),), parameters | _time(given))
+
+
+def _observers(given: Mapping[str, str]) -> list[Role]:
     names = [name for name in given["observers"].split(",") if name not in ("", "none")]
-    found = []
     for name in names:
         if name not in OBSERVERS:
             expected = f"none, or some of {', '.join(OBSERVERS)}, with commas between"
             raise InputError("arguments", "observers", expected, f"'{name}'")
-        package, executable = OBSERVERS[name]
-        parameters: dict[str, Value] = {
-            "model_file": find(given["model"], config, "vehicles"),
-            "gains_file": find(given["gains"] or name, config, "gains"),
-        }
-        files = (_own(executable, config),)
-        found.append(
-            NodeSpec(package, executable, given["namespace"], files, parameters | _time(given))
-        )
-    return found
+    return [OBSERVERS[name] for name in names]
 
 
-def _recorder(given: Mapping[str, str]) -> list[NodeSpec]:
-    if not given["record"]:
-        return []
+def _observer(given: Mapping[str, str], config: Path, role: Role) -> NodeSpec:
+    own_gains = next(name for name, each in OBSERVERS.items() if each is role)
+    parameters: dict[str, Value] = {
+        "model_file": find(given["model"], config, "vehicles"),
+        "gains_file": find(given["gains"] or own_gains, config, "gains"),
+        "listeners": int(bool(given["record"])),
+    }
+    return _spec(role, given, (_own(role, config),), parameters | _time(given))
+
+
+def _recorder(given: Mapping[str, str], answering: Sequence[Role]) -> NodeSpec:
     parameters: dict[str, Value] = {
         "out": str(Path(given["record"]).absolute()),
         "storage": given["storage"],
+        "sources": [*PUBLISHED.values(), *(role.says for role in answering)],
     }
-    return [NodeSpec("er_model_lab", RECORDER, given["namespace"], (), parameters)]
+    return _spec(RECORDER, given, (), parameters)
 
 
-def _own(executable: str, config: Path) -> str:
-    """Parameter file that belongs to an executable."""
-    return str((config / "nodes" / f"{executable}.yaml").absolute())
+def _commanded(given: Mapping[str, str]) -> bool:
+    """Whether the duty of the plant comes from the controller."""
+    return given["duty"] == "command" and given["controller"] != "none"
+
+
+def _spec(
+    role: Role, given: Mapping[str, str], files: tuple[str, ...], parameters: Mapping[str, Value]
+) -> NodeSpec:
+    return NodeSpec(role.package, role.executable, given["namespace"], files, parameters)
+
+
+def _own(role: Role, config: Path) -> str:
+    """Parameter file that belongs to a kind of node."""
+    return str((config / "nodes" / f"{role.executable}.yaml").absolute())
 
 
 def _time(given: Mapping[str, str]) -> dict[str, Value]:

@@ -23,6 +23,8 @@ CONTRACT = (*topics.MEASUREMENTS, *topics.ESTIMATES)
 DEPTH = 500
 DISCOVERY, SETTLE = 4.0, 1.0
 """Longest wait for a first sign of the graph, and the time its other parts get after that [s]."""
+ANSWERS = 3.0
+"""Longest wait for parameters that nodes have not sent by the end of listening [s]."""
 LOOK = 0.25
 STATUS_ENDING = "/status"
 
@@ -95,13 +97,16 @@ class _Listener:
         for log in self.logs.values():
             log.clear()
         self._turn(seconds)
-        return Observation(
-            self.namespace,
-            seconds,
-            tuple(self._heard(log) for log in self.logs.values()),
-            tuple(self._nodes()),
-            self.node.count_publishers(topics.CLOCK.name),
-        )
+        heard = tuple(self._heard(log) for log in self.logs.values())
+        self._wait_for_answers()
+        clocks = self.node.count_publishers(topics.CLOCK.name)
+        return Observation(self.namespace, seconds, heard, tuple(self._nodes()), clocks)
+
+    def _wait_for_answers(self) -> None:
+        """Give nodes that were asked for their parameters late some time to answer."""
+        until = monotonic() + ANSWERS
+        while not self.status.keys() <= self.parameters.found.keys() and monotonic() < until:
+            self._turn(LOOK)
 
     def _anybody(self) -> bool:
         return any(self.node.count_publishers(log.name) for log in self.logs.values())

@@ -23,8 +23,9 @@ from ament_index_python.packages import (
 from er_models.errors import ErError, InputError
 
 from er_bringup.arguments import table
-from er_bringup.graph import PLANT, RECORDER, NodeSpec, complete, nodes, parse
+from er_bringup.graph import NodeSpec, complete, nodes, parse
 from er_bringup.processes import KILLED, POLL, Child, stop, worst
+from er_bringup.roles import PLANT, RECORDER
 
 USAGE = f"""usage: er up [KEY:=VALUE ...]
 
@@ -86,8 +87,8 @@ def run(
         while not stopping() and not _over(children):
             sleep(POLL)
     finally:
-        stop([child for child in children if child.label != RECORDER])
-        stop([child for child in children if child.label == RECORDER])
+        stop([child for child in children if child.label != RECORDER.executable])
+        stop([child for child in children if child.label == RECORDER.executable])
     return {child.label: child.status or 0 for child in children}
 
 
@@ -95,7 +96,7 @@ def _over(children: Sequence[Child]) -> bool:
     """Whether the plant ended or a node failed; one that was killed may be replaced."""
     ended = {child.label: child.status for child in children if child.status is not None}
     failed = any(0 < status < KILLED for status in ended.values())
-    return PLANT in ended or failed or len(ended) == len(children)
+    return PLANT.executable in ended or failed or len(ended) == len(children)
 
 
 def main() -> None:

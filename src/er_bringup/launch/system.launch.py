@@ -4,7 +4,8 @@ from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
 from er_bringup.arguments import ARGUMENTS
-from er_bringup.graph import PLANT, complete, nodes
+from er_bringup.graph import complete, nodes
+from er_bringup.roles import PLANT
 from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
@@ -35,7 +36,7 @@ def _start(context: LaunchContext) -> list[Node]:
             executable=spec.executable,
             arguments=spec.arguments(),
             output="screen",
-            on_exit=[Shutdown()] if spec.executable == PLANT else [],
+            on_exit=[Shutdown()] if spec.executable == PLANT.executable else [],
         )
         for spec in nodes(given, config)
     ]

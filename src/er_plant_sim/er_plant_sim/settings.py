@@ -60,6 +60,9 @@ class PlantParameters:
         high=100,
         text="subscribers to wait for of acceleration, deflection, force, road, applied duty",
     )
+    wait_for_nodes: tuple[str, ...] = param(
+        (), text="nodes of the own namespace to wait for until they say that they are ready"
+    )
     start_timeout: float = param(
         60.0, unit="s", low=0.0, high=600.0, text="how long to wait for them at most"
     )

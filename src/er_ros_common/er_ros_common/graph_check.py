@@ -11,7 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from er_ros_common.topics import Topic
@@ -81,6 +83,14 @@ def compatible(publishers: Sequence[TopicEndpointInfo], depth: int) -> QoSProfil
         reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
     )
+
+
+def connected(
+    inputs: Sequence[Subscription], outputs: Sequence[tuple[Publisher, int]] = ()
+) -> bool:
+    """Whether every input has a publisher and every output as many subscribers as it should."""
+    heard = all(end.get_publisher_count() > 0 for end in inputs)
+    return heard and all(end.get_subscription_count() >= count for end, count in outputs)
 
 
 def watch(node: Node, topics: Sequence[Topic], *, single: bool = True) -> list[Problem]:

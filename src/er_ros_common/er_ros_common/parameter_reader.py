@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from time import monotonic
 from typing import Any
 
 from rcl_interfaces.srv import GetParameters, ListParameters
@@ -10,12 +11,15 @@ from rclpy.client import Client
 from rclpy.node import Node
 from rclpy.parameter import parameter_value_to_python
 
-GIVE_UP = 30
-"""Looks after which a node that does not answer is no longer asked."""
+AGAIN = 1.0
+"""Time after which a question is asked again [s]: an answer is lost where its sender has not yet
+found whom to send it to."""
+GIVE_UP = 30.0
+"""Time after which a node that does not answer is no longer asked [s]."""
 
 
 class ParameterReader:
-    """Parameters by full node name, as far as they were answered; `look` once a second."""
+    """Parameters by full node name, as far as they were answered; `look` now and then."""
 
     def __init__(self, node: Node, wanted: Callable[[str], bool]) -> None:
         self.node, self.wanted = node, wanted
@@ -37,17 +41,19 @@ class _Question:
     """First the names, then the values, of the parameters of one node."""
 
     def __init__(self, node: Node, full: str, found: dict[str, dict[str, Any]]) -> None:
-        self.full, self.found, self.looks, self.sent = full, found, 0, False
+        self.full, self.found = full, found
+        self.first, self.sent = monotonic(), 0.0
         # clients live as long as the node: destroying one under the events executor is not safe
         self.names: Client = node.create_client(ListParameters, f"{full}/list_parameters")
         self.values: Client = node.create_client(GetParameters, f"{full}/get_parameters")
 
     def look(self) -> None:
-        """Send the first question once somebody is there to answer it."""
-        self.looks += 1
-        if self.sent or self.looks > GIVE_UP or not self.names.service_is_ready():
+        """Ask once somebody is there to answer, and again as long as no answer came."""
+        now = monotonic()
+        late = self.full in self.found or now - self.first > GIVE_UP
+        if late or now - self.sent < AGAIN or not self.names.service_is_ready():
             return
-        self.sent = True
+        self.sent = now
         self.names.call_async(ListParameters.Request()).add_done_callback(self._on_names)
 
     def _on_names(self, answer: Any) -> None:

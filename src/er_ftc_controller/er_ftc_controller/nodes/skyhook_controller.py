@@ -12,7 +12,7 @@ from time import monotonic, perf_counter
 
 from er_ros_common.builders import Tick
 from er_ros_common.clock import from_stamp, now, wall_timer
-from er_ros_common.graph_check import watch
+from er_ros_common.graph_check import connected, watch
 from er_ros_common.health import Health, Report
 from er_ros_common.help import Card
 from er_ros_common.parameters import REQUIRED, declare, param
@@ -52,6 +52,9 @@ class SkyhookParameters:
         high=1.0,
         text="oldest sample that is used; 0: any (simulated time)",
     )
+    listeners: int = param(
+        0, low=0, high=100, text="subscribers of its output to find before it is ready"
+    )
 
 
 class SkyhookController(Node):
@@ -69,8 +72,11 @@ class SkyhookController(Node):
         self.safe_at = 0.0
         command = topics.PWM_COMMAND
         self.command = self.create_publisher(PwmDuty, command.name, command.publisher)
-        for topic, heard in zip(INPUTS, (self.on_acceleration, self.on_deflection), strict=True):
-            self.create_subscription(topic.type, topic.name, heard, topic.subscriber)
+        heard = (self.on_acceleration, self.on_deflection)
+        self.inputs = [
+            self.create_subscription(topic.type, topic.name, callback, topic.subscriber)
+            for topic, callback in zip(INPUTS, heard, strict=True)
+        ]
         self.health = Health(self, self.report)
         wall_timer(self, WATCH_PERIOD, self.on_watch)
         wall_timer(self, 1.0, self.on_second)
@@ -136,7 +142,11 @@ class SkyhookController(Node):
         """Health of the controller."""
         mode, status, reason = "running", NodeStatus.STATUS_OK, ""
         if not self.heard_at:
-            mode, status, reason = "waiting", NodeStatus.STATUS_INITIALIZING, "no sample yet"
+            ready = connected(self.inputs, [(self.command, self.p.listeners)])
+            mode, reason = (
+                ("ready", "no sample yet") if ready else ("waiting", "not connected yet")
+            )
+            status = NodeStatus.STATUS_INITIALIZING
         elif self.safe:
             mode, status = "safe", NodeStatus.STATUS_LOST
             reason = f"no usable sample for {self.p.timeout:g} s: safe duty"

@@ -16,13 +16,14 @@ from time import monotonic
 
 from er_models.errors import ErError, MissingChannel
 from er_ros_common.clock import wall_timer
-from er_ros_common.graph_check import compatible
+from er_ros_common.graph_check import compatible, connected
 from er_ros_common.health import Health, Report
 from er_ros_common.help import Card
 from er_ros_common.parameter_reader import ParameterReader
 from er_ros_common.parameters import REQUIRED, declare, param
 from er_ros_common.spin import run
 from rclpy.node import Node
+from rclpy.subscription import Subscription
 
 from er_damper_msgs.msg import NodeStatus
 from er_model_lab.bag_writer import STORAGES, BagWriter
@@ -48,6 +49,7 @@ class RecorderParameters:
     storage: str = param("mcap", choices=tuple(STORAGES), text="format of the recording")
     topics: tuple[str, ...] = param((), text="topics to record; none: those of the contract")
     all: bool = param(False, text="record every topic of the graph")
+    sources: tuple[str, ...] = param((), text="topics whose publishers to find before it is ready")
     duration: float = param(
         0.0, unit="s", low=0.0, high=1e6, text="stop after this time; 0: when told to"
     )
@@ -64,10 +66,11 @@ class Recorder(Node):
         self.parameters = ParameterReader(self, self._inside)
         self.taken: dict[str, str] = {}
         self.heard: dict[str, Heard] = {}
+        self.inputs: dict[str, Subscription] = {}
         self.problems: list[str] = []
         self.failure: ErError | None = None
         self.began, self.stopping = monotonic(), False
-        self.lost, self.lost_at = 0, 0.0
+        self.lost, self.lost_at, self.was_ready = 0, 0.0, False
         self.health = Health(self, self.report, deadline=0.05)
         wall_timer(self, LOOK_PERIOD, self.on_look)
         wall_timer(self, FLUSH_PERIOD, self.on_flush)
@@ -96,7 +99,8 @@ class Recorder(Node):
             return
         asked = compatible(publishers, qos.RECORDER.depth)
         self.heard[name] = Heard(self, self.bag, self.guarded, name, type_name)
-        self.create_subscription(kind, name, self.heard[name].on_message, asked, raw=True)
+        taken = self.create_subscription(kind, name, self.heard[name].on_message, asked, raw=True)
+        self.inputs[name] = taken
 
     def defined(self, type_name: str) -> bool:
         """Whether a type's definition is found; found now, its first message holds up no other."""
@@ -139,6 +143,13 @@ class Recorder(Node):
         """What was received and lost, of every topic that carried anything."""
         return {name: each.count for name, each in self.heard.items() if each.count.received}
 
+    def ready(self) -> bool:
+        """Whether every topic it was told of has a publisher that it hears."""
+        names = [self.selection.full(name) for name in self.p.sources]
+        if any(name not in self.inputs for name in names):
+            return False
+        return connected([self.inputs[name] for name in names])
+
     def stop(self) -> None:
         """End the node as Ctrl-C would."""
         self.stopping = True
@@ -153,7 +164,8 @@ class Recorder(Node):
         values = {"messages": self.bag.messages, "topics": len(self.counts), "lost": lost}
         status = NodeStatus.STATUS_DEGRADED if fresh else NodeStatus.STATUS_OK
         reason = f"{lost} messages lost so far" if fresh else ""
-        mode = "recording" if self.counts else "waiting"
+        self.was_ready = self.was_ready or self.ready()
+        mode = "recording" if self.was_ready else "waiting"
         return Report(mode, status, reason, values=values, problems=tuple(self.problems))
 
     def on_stop(self) -> None:

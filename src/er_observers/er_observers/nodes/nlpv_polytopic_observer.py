@@ -11,7 +11,7 @@ from time import monotonic, perf_counter
 from er_models.files import load_model
 from er_ros_common.builders import Tick
 from er_ros_common.clock import from_stamp, now, wall_timer
-from er_ros_common.graph_check import watch
+from er_ros_common.graph_check import connected, watch
 from er_ros_common.health import Health, Report
 from er_ros_common.help import Card
 from er_ros_common.parameters import REQUIRED, declare, param
@@ -60,6 +60,9 @@ class ObserverParameters:
         high=1.0,
         text="oldest sample that is used; 0: any (simulated time)",
     )
+    listeners: int = param(
+        0, low=0, high=100, text="subscribers of its output to find before it is ready"
+    )
 
 
 class NlpvPolytopicObserver(Node):
@@ -80,8 +83,11 @@ class NlpvPolytopicObserver(Node):
         self.force = self.create_publisher(force.type, force.name, force.publisher)
         self.info = self.create_publisher(String, GAIN_INFO.name, GAIN_INFO.publisher)
         self.info.publish(String(data=self._gain_info()))
-        for topic, heard in zip(INPUTS, (self.on_acceleration, self.on_applied), strict=True):
-            self.create_subscription(topic.type, topic.name, heard, qos.FOLLOWER)
+        heard = (self.on_acceleration, self.on_applied)
+        self.inputs = [
+            self.create_subscription(topic.type, topic.name, callback, qos.FOLLOWER)
+            for topic, callback in zip(INPUTS, heard, strict=True)
+        ]
         gains_id = self.gains.digest
         self.health = Health(self, self.report, model_id=model.digest(), gains_id=gains_id)
         wall_timer(self, WATCH_PERIOD, self.on_watch)
@@ -162,7 +168,9 @@ class NlpvPolytopicObserver(Node):
 
     def report(self) -> Report:
         """Health of the observer."""
-        mode, status, reason = "waiting", NodeStatus.STATUS_INITIALIZING, "no sample yet"
+        ready = connected(self.inputs, [(self.force, self.p.listeners)])
+        mode, reason = ("ready", "no sample yet") if ready else ("waiting", "not connected yet")
+        status = NodeStatus.STATUS_INITIALIZING
         values: dict[str, object] = {"duties lost": self.feed.lost}
         if self.state is not None:
             mode, estimate = "running", self.state.estimate

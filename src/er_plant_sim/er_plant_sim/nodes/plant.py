@@ -27,14 +27,13 @@ from er_plant_sim.nodes.card import CARD
 from er_plant_sim.nodes.drive import Answered, Timed
 from er_plant_sim.nodes.outlet import Outlet
 from er_plant_sim.nodes.pace import Pace
+from er_plant_sim.nodes.roll_call import NOT_READY, RollCall
 from er_plant_sim.settings import PlantParameters, table
 from er_ros_common import log, topics
 
 WAKE_PERIOD = 0.01
 """Period of the timer where commands, not time, set the pace [s]."""
 
-SETTLE = 0.5
-"""A publisher knows of its subscribers before they all know of it: time for the others [s]."""
 
 CONFLICT = 0.1
 """Share of samples answered more than once that shows two controllers at work."""
@@ -53,11 +52,12 @@ class PlantNode(Node):
         self.problems: list[Problem] = []
         self.made_at, self.running = monotonic(), False
         self.repeated, self.conflict = 0, False
-        self.over, self.step_began, self.there_since = False, 0.0, 0.0
+        self.over, self.step_began = False, 0.0
         clock_rate = p.rate * p.rate_factor if p.mode == "sim_time" else 0.0
         self.out = Outlet(self, force_sd=p.noise_force, clock_rate=clock_rate)
         self.pace = Pace(self.rig.dt, p.rate_factor or 1.0, real=p.mode == "realtime")
         self.drive = self._drive()
+        self.roll_call = RollCall(self, p.wait_for_nodes)
         if not self.rig.programmed:
             command = topics.PWM_COMMAND
             self.create_subscription(PwmDuty, command.name, self.on_command, command.subscriber)
@@ -87,17 +87,14 @@ class PlantNode(Node):
 
     def _everybody_there(self) -> bool:
         """Whether the graph is complete, or waiting for it took too long."""
-        wanted = self.p.wait_for
-        here = self.out.subscribers()
-        commanded = self.rig.programmed or self.count_publishers(topics.PWM_COMMAND.name) > 0
-        if not any(wanted):
+        here, wanted = self.out.subscribers(), self.p.wait_for
+        missing = self.roll_call.missing()
+        if not missing and all(n >= m for n, m in zip(here, wanted, strict=True)):
             return True
-        if commanded and all(n >= m for n, m in zip(here, wanted, strict=True)):
-            self.there_since = self.there_since or monotonic()
-            return monotonic() - self.there_since > SETTLE
         if monotonic() - self.made_at < self.p.start_timeout:
             return False
-        log.warning(self, f"starting with {here} subscribers, waited for {wanted}")
+        who = ", ".join(missing) or "everybody"
+        log.warning(self, f"starting without {who}: {here} of {wanted} subscribers")
         return True
 
     def sense(self, place: int) -> int:
@@ -150,8 +147,8 @@ class PlantNode(Node):
         """Health of the plant."""
         mode, status, reason = "running", NodeStatus.STATUS_OK, ""
         if not self.running:
-            mode, status = "waiting", NodeStatus.STATUS_INITIALIZING
-            reason = f"for {list(self.p.wait_for)} subscribers of its topics"
+            mode, status = NOT_READY, NodeStatus.STATUS_INITIALIZING
+            reason = f"for {', '.join(self.roll_call.missing()) or 'its subscribers'}"
         elif self.applied and self.applied.reason not in (Reason.COMMAND, Reason.PROGRAM):
             mode, status = "safe", NodeStatus.STATUS_DEGRADED
             reason = f"safe duty: {self.applied.reason.value}"

@@ -1,0 +1,41 @@
+"""What each kind of node listens to and says: enough to know when everybody has found everybody."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+PUBLISHED = {
+    "acceleration": "sensors/acceleration",
+    "deflection": "sensors/deflection",
+    "force": "sensors/force",
+    "road": "sensors/road",
+    "applied": "pwm/applied",
+}
+"""What the plant publishes, in the order of its parameter `wait_for`."""
+
+
+@dataclass(frozen=True)
+class Role:
+    """A kind of node: its program, which keys of `PUBLISHED` it listens to, and its own topic."""
+
+    package: str
+    executable: str
+    listens: tuple[str, ...]
+    says: str = ""
+
+
+PLANT = Role("er_plant_sim", "plant", ())
+RECORDER = Role("er_model_lab", "recorder", tuple(PUBLISHED))
+CONTROLLERS = {
+    "skyhook": Role(
+        "er_ftc_controller", "skyhook_controller", ("acceleration", "deflection"), "pwm/command"
+    ),
+}
+OBSERVERS = {
+    "nlpv_polytopic": Role(
+        "er_observers",
+        "nlpv_polytopic_observer",
+        ("acceleration", "applied"),
+        "force/nlpv_polytopic",
+    ),
+}
