@@ -21,6 +21,7 @@ from ament_index_python.packages import (
     get_package_share_directory,
 )
 from er_models.errors import ErError, InputError
+from er_ros_common.spin import show
 
 from er_bringup.arguments import table
 from er_bringup.graph import NodeSpec, complete, nodes, parse
@@ -103,7 +104,7 @@ def main() -> None:
     """Entry point of the command."""
     given = sys.argv[1:]
     if any(word in ("-h", "--help", "--show-args", "-s") for word in given):
-        print(USAGE)  # noqa: T201  (the answer to --help)
+        show(USAGE)
         sys.exit(0)
     told: list[int] = []
 

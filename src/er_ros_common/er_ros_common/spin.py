@@ -117,7 +117,7 @@ def run(factory: Callable[[], Nodes], card: Card, args: Sequence[str] | None = N
     """
     argv = list(sys.argv[1:] if args is None else args)
     if any(a in ("-h", "--help") for a in argv):
-        _show(render(card))
+        show(render(card))
         return 0
     try:
         check_files(argv)
@@ -158,7 +158,7 @@ def _live(factory: Callable[[], Nodes], stopped: Stopped) -> None:
             node.destroy_node()
 
 
-def _show(text: str) -> None:
+def show(text: str) -> None:
     """Print a text that somebody asked for."""
     try:
         print(text, flush=True)  # noqa: T201  (somebody asked for it)
