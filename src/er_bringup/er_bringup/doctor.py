@@ -115,7 +115,10 @@ def main() -> None:
     # only now: help and bad usage need no ROS
     from er_bringup.ros_listen import observe
 
-    seen = observe(options.namespace, options.seconds)
+    try:
+        seen = observe(options.namespace, options.seconds)
+    except KeyboardInterrupt:
+        sys.exit(130)
     found = problems(seen)
     text = json.dumps(document(seen, found), indent=1)
     if options.json == "-":

@@ -105,6 +105,7 @@ class Effect:
     source: str
     dissipative: bool = False
     initial: Literal["equilibrium", "zero"] = "equilibrium"
+    generalises: tuple[str, ...] = ()
     knowable: bool = True
     unknowable_because: str = ""
     _names: tuple[str, ...] = field(init=False, default=())

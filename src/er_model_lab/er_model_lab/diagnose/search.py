@@ -115,13 +115,24 @@ def one_round(
     candidates = refit_all(base, problem, tick=tick)
     null = simulate_null(base, candidates, problem, seed, replicates)
     limit = threshold(null, np.sqrt(min(candidates[0].mse, base.mse)))
-    able = [c for c in candidates if passes(base, c, limit)]
+    able = _without_refinements(base, [c for c in candidates if passes(base, c, limit)], limit)
     if not able:
         return Round(base, candidates, null, limit, None, [])
     group = tied(base, able, problem, limit)
     taken = group[0]
     ties = [c.name for c in group if c is taken or not nested(taken, c, problem)]
     return Round(base, candidates, null, limit, taken, ties)
+
+
+def _without_refinements(base: Candidate, able: list[Candidate], limit: float) -> list[Candidate]:
+    """Leave out a generalised form unless it is better than its special case by three times the limit."""
+    sizes = {c.name: c for c in able}
+    kept = []
+    for c in able:
+        special = [sizes[n] for n in base.fit.model.catalogue[c.name].generalises if n in sizes]
+        if all(effect_size(s, c) > 3.0 * limit for s in special):
+            kept.append(c)
+    return kept
 
 
 def try_pairs(step: Round, problem: Problem, target: float) -> Candidate | None:

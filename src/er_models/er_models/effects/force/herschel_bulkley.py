@@ -30,4 +30,5 @@ EFFECT = Effect(
     ),
     source="Herschel and Bulkley 1926; Lee and Wereley 1999, Herschel-Bulkley dampers under field",
     dissipative=True,
+    generalises=("field_viscosity",),
 )
