@@ -46,7 +46,7 @@ COMMANDS: dict[str, tuple[str, str, str | None]] = {
         "er_bringup.doctor",
     ),
     "synth": ("[ARGS]", "compute observer and controller gains", "er_observers.synth"),
-    "bench": ("[ARGS]", "measure speed and latency", "er_model_lab.bench"),
+    "bench": ("[ARGS]", "measure speed and latency", "er_bringup.bench"),
     "exec": ("PROGRAM [ARGS]", "any program in the workspace's environment", None),
     "help": ("", "this list", None),
 }

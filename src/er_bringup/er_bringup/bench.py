@@ -1,0 +1,29 @@
+"""``er bench``: measures speed; figures hold for the machine and the moment, ratios for longer.
+
+er bench models [ARGS]   prediction and simulation, against SciPy in the same run
+er bench graph [ARGS]    lost messages, latency and CPU of the running graph
+"""
+
+from __future__ import annotations
+
+import runpy
+import sys
+
+PARTS = {"models": "er_models.bench", "graph": "er_bringup.bench_graph"}
+
+
+def main() -> None:
+    """Hand over to the benchmark that is named."""
+    name = sys.argv[1] if len(sys.argv) > 1 else ""
+    if name in ("-h", "--help"):
+        sys.stdout.write((__doc__ or "") + "\n")
+        sys.exit(0)
+    if name not in PARTS:
+        sys.stderr.write(f"er bench: expected one of {', '.join(PARTS)}, found '{name}'\n")
+        sys.exit(2)
+    sys.argv = [f"er bench {name}", *sys.argv[2:]]
+    runpy.run_module(PARTS[name], run_name="__main__")
+
+
+if __name__ == "__main__":
+    main()
