@@ -59,10 +59,11 @@ def region_tables(problem: Problem, residual: Array, seed: int) -> tuple[RegionT
 
 
 def worst(tables: tuple[RegionTable, ...], most: int = 8) -> list[dict[str, object]]:
-    """Regions that carry far more error than their share of samples, heaviest first."""
-    regions = [
-        r for t in tables for r in t.regions if r.share > 1.3 * r.of_samples and r.share > 0.1
+    """The region of each quantity that carries far more error than its share of samples, heaviest first."""
+    heavy = [
+        [r for r in t.regions if r.share > 1.3 * r.of_samples and r.share > 0.05] for t in tables
     ]
+    regions = [max(group, key=lambda r: r.share - r.of_samples) for group in heavy if group]
     regions.sort(key=lambda r: r.share - r.of_samples, reverse=True)
     return [
         {
