@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from er_models.errors import ErError, InputError
 from er_models.files import load_model, save_model
 from er_models.model import Model
 
-from er_model_lab.compare import region_tables, worst
+from er_model_lab.compare import errors, region_tables, worst
 from er_model_lab.diagnose.candidates import baseline
 from er_model_lab.diagnose.floor import noise_floor
 from er_model_lab.diagnose.null import simulate_null
@@ -73,11 +72,11 @@ def read(ask: Request) -> tuple[list[Record], int]:
     return [*records, *sealed], len(sealed)
 
 
-def provenance(records: list[Record], ask: Request) -> dict[str, Any]:
+def provenance(records: list[Record], model: Model, ask: Request) -> dict[str, Any]:
     """Where a result comes from: data, model, seed and versions."""
     return {
         "data": fingerprint(records), "records": [r.name for r in records], "model_file": str(ask.model_file),
-        "model": load_model(ask.model_file).digest(), "seed": ask.seed, "versions": versions(),
+        "model": model.digest(), "seed": ask.seed, "versions": versions(), "command_line": command_line(),
     }  # fmt: skip
 
 
@@ -101,7 +100,7 @@ def compare(ask: Request) -> Outcome:
     view = View(
         command="compare", model=model.name, headline=headline(result["rmse"], floor.floor), result=clean(result),
         records=views(problem, problem.force - given, None), regions=tables, notes=problem.notes,
-        provenance=provenance(records, ask),
+        provenance=provenance(records, model, ask),
     )  # fmt: skip
     return Outcome(clean(result), view, None, problem.complete)
 
@@ -171,7 +170,7 @@ def _outcome(
 ) -> Outcome:
     """JSON and view of a study."""
     result = {"command": command, **diagnosis_json(study, model)}
-    origin = provenance(records, ask)
+    origin = provenance(records, study.model, ask)
     result["provenance"] = origin
     result = clean(result)
     return Outcome(
@@ -205,7 +204,7 @@ def _with_history(
 ) -> Model:
     """The grown model under its new name, with one entry of history more."""
     found = study.diagnosis
-    result: Mapping[str, Any] = clean(diagnosis_json(study, grown))
+    held = study.problem.held_out
     entry = {
         "added": [e for e in grown.effects if e not in before.effects],
         "verdict": found.verdict,
@@ -214,10 +213,10 @@ def _with_history(
         "records": [r.name for r in records],
         "seed": seed,
         "rmse_held_out": {
-            "before": result["rmse"]["held_out"],
-            "after": result["rmse_after"]["held_out"],
+            "before": errors(study.problem, found.base.fit.residual, held).rmse,
+            "after": errors(study.problem, found.best.fit.residual, held).rmse,
         },
-        "noise_floor": result["noise_floor"],
+        "noise_floor": found.floor.held_out,
         "from": before.name,
     }
     source = f"fitted to {len(records)} records, beginning from '{before.name}' ({before.source})"

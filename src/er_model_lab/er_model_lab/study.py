@@ -28,9 +28,9 @@ SMALLEST_LAG = 0.08
 class Study:
     """A diagnosis with the data before and after what the sensors were found to do.
 
-    before: problem in which a lag of the velocity channel is not yet known; problem: the one diagnosed;
-    lag: (value, standard deviation) [s] when the velocity channel lags, else None; given: residual (n,)
-    of the model exactly as given.
+    problem: the one diagnosed; lag: (value, standard deviation) [s] when the velocity channel lags, else
+    None; lag_base: the model refitted on the lagging channel; given: residual (n,) of the model exactly
+    as given.
     """
 
     diagnosis: Diagnosis
@@ -167,9 +167,7 @@ def _keep_lag(candidate: Candidate, model: Model) -> Candidate:
 
 def final_model(study: Study) -> Model:
     """The best model with standard deviations of everything that was fitted."""
-    best = study.diagnosis.best
-    bare = replace(best.fit, model=best.fit.model)
-    model = with_deviations(bare, study.problem)
+    model = with_deviations(study.diagnosis.best.fit, study.problem)
     if study.lag:
         deviations = {**model.deviations, "velocity_lag": {"T_v": study.lag[1]}}
         model = replace(model, deviations=deviations)

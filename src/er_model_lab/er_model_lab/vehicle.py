@@ -43,7 +43,7 @@ def compare(ask: Request) -> Outcome:
     view = View(
         command="compare", model=model.name, headline=headline(rmse, floor), result=clean(result),
         records=tuple(_view(r, p) for r, p in runs), notes=tuple(result["notes"]),
-        provenance=provenance(records, ask),
+        provenance=provenance(records, model, ask),
     )  # fmt: skip
     return Outcome(clean(result), view, None, bool(result["complete"]))
 
