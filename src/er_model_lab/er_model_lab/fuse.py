@@ -61,7 +61,6 @@ class Fused:
     bias: float
     bias_sd: float
     channels: tuple[str, ...]
-    score: float
 
 
 @njit(cache=True)
@@ -307,7 +306,7 @@ def _activity(a: Array) -> Array:
 
 def fuse(ch: Channels, noise: Noise) -> Fused:
     """Smoothed motion of one record."""
-    ll, xs, ps, xp, pp = _run(ch, noise)
+    _, xs, ps, xp, pp = _run(ch, noise)
     _smooth(ch.dt, noise.order, xs, ps, xp, pp)
     names = tuple(
         n
@@ -318,5 +317,5 @@ def fuse(ch: Channels, noise: Noise) -> Fused:
     return Fused(
         x=np.ascontiguousarray(xs[:, 0]), v=np.ascontiguousarray(xs[:, 1]), a=np.ascontiguousarray(xs[:, 2]),
         sd_x=float(sd[0]), sd_v=float(sd[1]), sd_a=float(sd[2]), noise=noise,
-        bias=float(xs[-1, 4]), bias_sd=float(np.sqrt(max(ps[-1, 4, 4], 0.0))), channels=names, score=ll / ch.z.shape[0],
+        bias=float(xs[-1, 4]), bias_sd=float(np.sqrt(max(ps[-1, 4, 4], 0.0))), channels=names,
     )  # fmt: skip

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
-from er_models.predict import predict, predict_many
+from er_models.predict import predict_many
 
 from er_model_lab.fit import Fit, cross_validated, fit, free_parameters
 from er_model_lab.prepare import Problem
@@ -194,8 +194,3 @@ def without(candidate: Candidate, name: str, problem: Problem) -> Candidate:
     mse = float(np.mean(residual[problem.train] ** 2))
     kept = tuple(e for e in candidate.effects if e != name)
     return Candidate(kept, fitted, residual, losses, mse, 1.0, float("inf"))
-
-
-def force_of(candidate: Candidate, problem: Problem) -> Array:
-    """Predicted force (n,) of a fitted candidate [N]."""
-    return predict(candidate.fit.model, problem.motion)
