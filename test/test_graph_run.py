@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from time import monotonic, sleep
 from typing import Any
 
 import numpy as np
@@ -33,7 +36,6 @@ class Run:
     received: dict[str, list[int]]
     custom: dict[str, Any]
     topics: dict[str, str]
-    doctor: dict[str, Any]
 
     def after_warm_up(self, topic: str) -> list[Any]:
         """Messages of a topic measured after the warm-up."""
@@ -49,17 +51,14 @@ def stamp(message: Any) -> int:
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Run]:
     folder = tmp_path_factory.mktemp("graph")
-    bag, report = folder / "bag", folder / "doctor.json"
+    bag = folder / "bag"
     with own_domain() as env, Graph(env, folder) as graph:
         up = graph.start("up", f"record:={bag}", f"duration:={SECONDS}", "seed:=5")
-        up.wait_for("[plant]")
-        up.wait_for("running")
-        graph.run("doctor", "--seconds", "2", "--json", str(report))
-        status = up.end(60.0)
-        yield read(bag, report, status, up.text)
+        status = up.end(120.0)
+        yield read(bag, status, up.text)
 
 
-def read(bag: Path, report: Path, status: int, text: str) -> Run:
+def read(bag: Path, status: int, text: str) -> Run:
     """The run from its recording, with typed messages from the definitions stored in it."""
     messages: dict[str, list[Any]] = {}
     received: dict[str, list[int]] = {}
@@ -74,8 +73,7 @@ def read(bag: Path, report: Path, status: int, text: str) -> Run:
     information = yaml.safe_load((bag / "metadata.yaml").read_text())
     custom = information["rosbag2_bagfile_information"]["custom_data"]
     parsed = {k: v if k == "schema" else json.loads(v) for k, v in custom.items()}
-    doctor = json.loads(report.read_text())
-    return Run(status, text, messages, received, parsed, topics, doctor)
+    return Run(status, text, messages, received, parsed, topics)
 
 
 def test_it_ends_with_the_plant_and_without_a_traceback(run: Run) -> None:
@@ -196,10 +194,39 @@ def test_definitions_in_the_recording_keep_their_units(run: Run, tmp_path: Path)
     assert abs(last.deflection) < 0.02
 
 
-def test_the_doctor_finds_the_graph_healthy(run: Run) -> None:
-    # what a machine too busy for 200 Hz does to a graph is rightly reported
-    of_load = ("rate", "stale stamps", "lost messages", "status") if late(run) > 0.005 else ()
-    assert [p for p in run.doctor["problems"] if p["kind"] not in of_load] == []
-    rates = {row["topic"]: float(row["rate"]) for row in run.doctor["topics"]}
-    assert rates["/sensors/force"] > 150.0
-    assert {n["node"] for n in run.doctor["nodes"]} >= {"/plant", "/recorder"}
+OF_LOAD = {"rate", "stale stamps", "lost messages", "status"}
+"""What a machine too busy for 200 Hz does to a graph, and the doctor rightly reports."""
+
+
+def longest_stall(ended: threading.Event) -> float:
+    """How late this process woke from sleeps of 5 ms, at worst, until the event [s]."""
+    worst = 0.0
+    while not ended.is_set():
+        before = monotonic()
+        sleep(0.005)
+        worst = max(worst, monotonic() - before - 0.005)
+    return worst
+
+
+def test_the_doctor_finds_the_graph_healthy(tmp_path: Path) -> None:
+    with own_domain() as env, Graph(env, tmp_path) as graph, ThreadPoolExecutor(1) as pool:
+        up = graph.start("up", f"record:={tmp_path / 'bag'}", "duration:=0")
+        up.wait_for("[plant]: running")
+        for attempt in range(4):
+            ended = threading.Event()
+            stall = pool.submit(longest_stall, ended)
+            report = tmp_path / f"doctor_{attempt}.json"
+            graph.run("doctor", "--seconds", "2", "--json", str(report))
+            ended.set()
+            doctor = json.loads(report.read_text())
+            problems = doctor["problems"]
+            # wiring is right in every look; the load of the machine may spoil one
+            assert [p for p in problems if p["kind"] not in OF_LOAD] == []
+            if not problems or stall.result() > 0.02:
+                break
+        else:
+            pytest.fail(f"never healthy: {problems}")
+        assert up.stop() == 0, up.text
+    rates = {row["topic"]: float(row["rate"]) for row in doctor["topics"]}
+    assert rates["/sensors/force"] > (100.0 if problems else 190.0)
+    assert {n["node"] for n in doctor["nodes"]} >= {"/plant", "/recorder"}

@@ -78,6 +78,21 @@ def test_recordings_are_closed_whatever_the_signal(graph: Graph, tmp_path: Path)
     assert record.t[-1] > 2.0
 
 
+def test_one_wish_to_stop_that_arrives_as_several_signals_closes_the_recording(
+    graph: Graph, tmp_path: Path
+) -> None:
+    recorder = graph.start("record", str(tmp_path / "bag"))
+    plant = graph.start("plant", *NODES["plant"], "-p", "wait_for:=[1, 1, 1, 1, 1]")
+    plant.wait_for("running")
+    sleep(1.0)
+    # the threads of a dying parent each have the kernel send a SIGTERM
+    for _ in range(3):
+        recorder.process.send_signal(signal.SIGTERM)
+        sleep(0.02)
+    assert recorder.end(20.0) == 0, recorder.text
+    assert messages(tmp_path / "bag") > 100
+
+
 def test_up_takes_everybody_down_on_ctrl_c(graph: Graph, tmp_path: Path) -> None:
     up = graph.start("up", "duration:=0", f"record:={tmp_path / 'bag'}", "observers:=none")
     up.wait_for("[plant]: running")

@@ -12,6 +12,7 @@ import re
 import signal
 import sys
 from collections.abc import Callable, Sequence
+from time import monotonic
 from types import FrameType
 from typing import Any, TypeAlias
 
@@ -30,16 +31,19 @@ from er_ros_common.parameter_files import check_files
 
 #: an idle node looks at its signals this often [s]
 ATTENTION = 0.1
+#: one wish to stop may arrive as several signals: a dying parent's threads each send theirs, a
+#: terminal and a supervisor both pass Ctrl-C on. What follows the first this soon is the same [s]
+SAME_WISH = 1.0
 BAD_USAGE = 2
 Nodes: TypeAlias = Node | Sequence[Node]
 
 
 class Stopped:
-    """Set by the first SIGINT or SIGTERM; a second one ends the process at once."""
+    """Set by the first SIGINT or SIGTERM; one that follows later ends the process at once."""
 
     def __init__(self) -> None:
         """Nothing has arrived yet."""
-        self.signal = 0
+        self.signal, self._since = 0, 0.0
         self._before: dict[int, Any] = {}
 
     def __enter__(self) -> Stopped:
@@ -54,9 +58,11 @@ class Stopped:
             signal.signal(number, handler)
 
     def _on_signal(self, number: int, _: FrameType | None) -> None:
-        self.signal = number
-        for again in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(again, signal.SIG_DFL)
+        if not self.signal:
+            self.signal, self._since = number, monotonic()
+        elif monotonic() - self._since > SAME_WISH:
+            signal.signal(number, signal.SIG_DFL)
+            signal.raise_signal(number)
 
 
 def make_executor(node: Node, kind: str = "events") -> Executor:
