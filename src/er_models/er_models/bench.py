@@ -94,7 +94,7 @@ def scipy_force(model: Model, inputs: Motion, rtol: float) -> Array:
 
     def slope(t: float, w: Array, u: float) -> list[float]:
         asked = target(**y, x=x_of(t), v=v_of(t), u=u)
-        rate, asked = relax(**tau, tau_scale=1.0, y=asked)
+        rate, asked = relax(tau_y=tau["tau"], tau_scale=1.0, y=asked)
         return [asked - rate * w[0]]
 
     w = [float(target(**y, x=inputs.x[0], v=inputs.v[0], u=inputs.u[0]))]

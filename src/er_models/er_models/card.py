@@ -30,9 +30,9 @@ def card_text(effect: Effect, width: int = 100) -> str:
     s = effect.signature
     lines = [effect.title, "=" * len(effect.title), f"{effect.name}, stage {effect.stage}", ""]
     lines += textwrap.wrap(effect.physics, width) + [""]
-    lines += [
-        f"  {e.plain}" if e.plain else textwrap.indent(e.source, "  ") for e in equations(effect)
-    ]
+    for e in equations(effect):
+        wrapped = textwrap.wrap(e.plain, width, initial_indent="  ", subsequent_indent="      ")
+        lines += wrapped or [textwrap.indent(e.source, "  ")]
     lines += ["", *_terms(effect), ""]
     lines += _columns(
         [("parameter", "unit", "bounds", "neutral", "starts", "meaning")] + _rows(effect)

@@ -14,7 +14,17 @@ from er_models.effects.actuation import (
     rise_fall_asymmetry,
     varying_time_constant,
 )
-from er_models.effects.core import bingham_yield, guo_yield, passive, response
+from er_models.effects.core import (
+    bingham_yield,
+    bingham_yield_by_direction,
+    guo_yield,
+    guo_yield_by_direction,
+    passive,
+    passive_by_direction,
+    response,
+    response_quadratic,
+    response_table,
+)
 from er_models.effects.force import (
     asymmetric_damping,
     bouc_wen_hysteresis,
@@ -42,6 +52,8 @@ from er_models.errors import UnknownName
 
 _MODULES = (
     passive, guo_yield, bingham_yield, response,
+    passive_by_direction, guo_yield_by_direction, bingham_yield_by_direction,
+    response_quadratic, response_table,
     deflection_zero, velocity_lag,
     dead_time, amplifier_lag, duty_dead_band, field_exponent,
     varying_time_constant, rise_fall_asymmetry,

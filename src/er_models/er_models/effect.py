@@ -28,6 +28,7 @@ SIGNALS: dict[str, str] = {
     "tau_scale": "product of all response time scales [1]",
     "k_0": "passive stiffness in force [N/m]",
     "c_0": "passive damping in force [N s/m]",
+    "tau_y": "response time of the yield force, before its scales [s]",
     "y": "yield force the field asks for, before its lag [N]",
     "f_y": "yield force, after its lag [N]",
     "f_d": "damper force [N]",
@@ -38,12 +39,15 @@ SIGNALS: dict[str, str] = {
 
 HOOKS: dict[str, str] = {
     "duty": "maps the duty on its way from the command to the fluid",
+    "passive_stiffness": "adds to the passive stiffness that a series element sees",
+    "passive_damping": "adds to the passive damping that a series element sees",
     "shift_deflection": "maps the measured deflection to that of the damper",
     "shift_velocity": "maps the measured velocity to that of the damper",
     "stiffness_scale": "multiplies the passive stiffness",
     "viscous_scale": "multiplies the passive damping",
     "yield_scale": "multiplies the yield force",
     "tau_scale": "multiplies the response time of the yield force",
+    "response_time": "adds to the response time of the yield force",
     "target": "adds to the yield force that the field asks for",
     "force": "adds to the damper force",
     "limit": "maps the damper force",

@@ -63,6 +63,11 @@ class Model:
                     raise InputError(self.name, key, f"a value in {q.unit}", "nothing")
 
     @property
+    def has_response(self) -> bool:
+        """Whether the yield force lags: a model without any response time is static."""
+        return any("response_time" in self.catalogue[name].hooks for name in self.effects)
+
+    @property
     def is_vehicle(self) -> bool:
         """Whether the quarter car is part of the model."""
         return "quarter_car" in self.effects
@@ -105,6 +110,9 @@ class Model:
         p = np.zeros(c.size)
         used = [e for e in c.effects if e.name in self.effects and not (plant and e.maps_motion)]
         slots, links, rest = set(), set(), np.zeros(max(c.n_states, 1), np.uint8)
+        if self.has_response:
+            slots.add(c.slots["response"])
+            on[group(c, "response_time")] = 1
         if reads_yield_early(used):
             slots.add(c.slots["response"])
             links.add(c.slots["response"])

@@ -62,7 +62,7 @@ def damper_force(model: Model, inputs: Motion, signal: Signal) -> Array:
 
 def _has_equation(model: Model, slot: int) -> bool:
     """Whether a slot holds a state, not the yield force of a model without response time."""
-    return "response" in model.effects or slot != model.catalogue.slots["response"]
+    return model.has_response or slot != model.catalogue.slots["response"]
 
 
 def vehicle_run(model: Model, dt: float, road: Array, duty: Array) -> tuple[Array, Array]:

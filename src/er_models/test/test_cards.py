@@ -80,8 +80,9 @@ def test_formula(code: str) -> None:
 
 
 def test_symbols() -> None:
-    names = ("F_c", "k0", "tau", "m_us", "tau_scale", "x")
-    assert [latex(n) for n in names] == ["F_c", "k_0", r"\tau", "m_{us}", r"s_\tau", "x"]
+    names = ("F_c", "k0", "k0_c", "tau", "m_us", "f_c_r", "tau_scale", "x")
+    written = ["F_c", "k_0", "k_{0,c}", r"\tau", "m_{us}", "f_{c,r}", r"s_\tau", "x"]
+    assert [latex(n) for n in names] == written
 
 
 def looped(F_k: float, v: float) -> float:

@@ -18,6 +18,11 @@ PASSIVE = {"passive": {"k0": 100.0, "c0": 50.0}}
 YIELD = {"guo_yield": {"f_c": 20.0, "k1": 0.0, "c1": 1000.0}}
 """At a velocity of 0.1 m/s the tanh is 1 to the last digit: 20 N per duty."""
 
+TABLE = {
+    "u_1": 0.1, "d_u": 0.05,
+    "tau_1": 0.01, "tau_2": 0.02, "tau_3": 0.04, "tau_4": 0.05, "tau_5": 0.06,
+}  # fmt: skip
+
 # each row: its effects, the point x v u a, and the force in equilibrium
 FORCES: dict[str, tuple[Values, tuple[float, float, float, float], float]] = {
     "passive": (PASSIVE, (0.01, 0.1, 0.0, 0.0), 6.0),
@@ -30,6 +35,47 @@ FORCES: dict[str, tuple[Values, tuple[float, float, float, float], float]] = {
         {"bingham_yield": {"sigma": 10.0, "beta": 0.5, "v_0": 0.01}},
         (0.0, 0.02, 0.25, 0.0),
         4.820137900379084,  # 5 tanh 2
+    ),
+    "passive_by_direction": (  # release
+        {
+            "passive_by_direction": {
+                "k0_c": 300.0,
+                "c0_c": 20.0,
+                "k0_r": 100.0,
+                "c0_r": 50.0,
+                "v_0": 1e-3,
+            }
+        },
+        (0.01, 0.1, 0.0, 0.0),
+        6.0,
+    ),
+    "guo_yield_by_direction": (  # compression: -15 tanh 1.5
+        {
+            "guo_yield_by_direction": {
+                "f_c_c": 30.0,
+                "k1_c": 100.0,
+                "c1_c": 50.0,
+                "f_c_r": 20.0,
+                "k1_r": 10.0,
+                "c1_r": 10.0,
+                "v_0": 1e-3,
+            }
+        },
+        (0.01, -0.05, 0.5, 0.0),
+        -13.577223804673,
+    ),
+    "bingham_yield_by_direction": (  # release: 16 / 4
+        {
+            "bingham_yield_by_direction": {
+                "sigma_c": 10.0,
+                "beta_c": 0.5,
+                "sigma_r": 16.0,
+                "beta_r": 1.0,
+                "v_0": 1e-3,
+            }
+        },
+        (0.0, 0.1, 0.25, 0.0),
+        4.0,
     ),
     "preload": ({"preload": {"F_0": 1.5}}, (0.0, 0.0, 0.0, 0.0), 1.5),
     "gas_spring": ({"gas_spring": {"k_2": 1e4, "k_3": 2e6}}, (-0.01, 0.1, 0.0, 0.0), -1.0),
@@ -103,6 +149,20 @@ FORCES: dict[str, tuple[Values, tuple[float, float, float, float], float]] = {
 # each row: its effects, own state, the point x v a u t, the rate of the state, and the force
 RATES: dict[str, tuple[Values, float, tuple[float, float, float, float, float], float, float]] = {
     "response": ({**YIELD, "response": {"tau": 0.05}}, 1.0, (0.0, 0.1, 0.0, 0.3, 0.0), 100.0, 1.0),
+    "response_quadratic": (  # 6 N - 1 N, over 0.01 + 0.1 * 0.3 + 1.0 * 0.09 s
+        {**YIELD, "response_quadratic": {"tau_0": 0.01, "tau_1": 0.1, "tau_2": 1.0}},
+        1.0,
+        (0.0, 0.1, 0.0, 0.3, 0.0),
+        5.0 / 0.13,
+        1.0,
+    ),
+    "response_table": (  # duty 0.225 is the middle of 0.2 and 0.25: 45 ms
+        {**YIELD, "response_table": TABLE},
+        1.0,
+        (0.0, 0.1, 0.0, 0.225, 0.0),
+        3.5 / 0.045,
+        1.0,
+    ),
     "amplifier_lag": (
         {**YIELD, "amplifier_lag": {"T_a": 0.02}},
         0.1,

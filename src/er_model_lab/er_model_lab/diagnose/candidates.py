@@ -78,7 +78,7 @@ def missing(model: Model, problem: Problem) -> tuple[Effect, ...]:
     Where the motion sensors themselves show a lag of the velocity channel, the force must not be asked:
     a lag of the fused velocity would only imitate its noise.
     """
-    core = tuple(e for e in model.catalogue.effects if e.name == "response")
+    core = () if model.has_response else (model.catalogue["response"],)
     held = {*model.effects, "velocity_lag"} if problem.kinematic_lag else set(model.effects)
     return tuple(e for e in core + model.catalogue.candidates() if e.name not in held)
 

@@ -68,11 +68,10 @@ def panels(effect: Effect, catalogue: Catalogue = CATALOGUE) -> tuple[Panel, ...
 def _base(effect: Effect, catalogue: Catalogue) -> Model:
     """The damper an effect is shown on: the Guo damper, without what the effect is itself."""
     model = Model("card", {}, SCALES, catalogue=catalogue)
-    core = {"passive", "guo_yield", "response"} - {effect.name}
-    if effect.name == "bingham_yield":
-        core -= {"guo_yield"}
-    for name in sorted(core):
-        model = model.with_effect(name)
+    for name in ("guo_yield", "passive", "response"):
+        shared = catalogue[name].hooks.keys() & effect.hooks.keys()
+        if effect.stage != "core" or not shared:
+            model = model.with_effect(name)
     return model
 
 
@@ -81,7 +80,7 @@ def _experiment(effect: Effect) -> Motion:
     t = np.arange(round(SECONDS / DT) + 1) * DT
     omega, amplitude = 2.0 * np.pi * 2.0, 0.9 * SCALES.deflection
     duty = np.full(t.size, 0.5 * SCALES.duty)
-    if effect.stage == "actuation" or effect.name == "response":
+    if effect.stage == "actuation" or "response_time" in effect.hooks:
         duty = np.where(np.mod(5.0 * t + 1e-9, 1.0) < 0.5, 0.3, 0.05)
     sine, cosine = np.sin(omega * t), np.cos(omega * t)
     return motion(

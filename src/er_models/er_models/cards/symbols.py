@@ -25,12 +25,15 @@ PLAIN = {
 
 ACTS: dict[str, tuple[str, str]] = {
     "duty": ("u :=", r"u \mathrel{:=}"),
+    "passive_stiffness": ("k_0 +=", r"k_0 \mathrel{+}="),
+    "passive_damping": ("c_0 +=", r"c_0 \mathrel{+}="),
     "shift_deflection": ("x :=", r"x \mathrel{:=}"),
     "shift_velocity": ("v :=", r"v \mathrel{:=}"),
     "stiffness_scale": ("s_k *=", r"s_k \mathrel{\times}="),
     "viscous_scale": ("s_c *=", r"s_c \mathrel{\times}="),
     "yield_scale": ("s_y *=", r"s_y \mathrel{\times}="),
     "tau_scale": ("s_tau *=", r"s_\tau \mathrel{\times}="),
+    "response_time": ("tau_y +=", r"\tau_y \mathrel{+}="),
     "target": ("y +=", r"y \mathrel{+}="),
     "force": ("F_d +=", r"F_d \mathrel{+}="),
     "limit": ("F_d :=", r"F_d \mathrel{:=}"),
@@ -58,13 +61,13 @@ def latex(name: str) -> str:
         return LATEX[name]
     if name in _GREEK:
         return f"\\{name}"
-    if len(name) > 1 and name[-1].isdigit() and "_" not in name:
-        name = f"{name[:-1]}_{name[-1]}"
     letter, _, index = name.partition("_")
+    if len(letter) > 1 and letter[-1].isdigit():
+        letter, index = letter[:-1], f"{letter[-1]}_{index}".rstrip("_")
     letter = f"\\{letter}" if letter in _GREEK else letter
     if len(letter) > 1 and not letter.startswith("\\"):
         letter = f"\\mathit{{{letter}}}"
-    index = index.replace("_", r"\_")
+    index = index.replace("_", ",")
     return (
         f"{letter}_{{{index}}}" if len(index) > 1 else (f"{letter}_{index}" if index else letter)
     )

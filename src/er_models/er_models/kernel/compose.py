@@ -112,14 +112,15 @@ def _states(catalogue: Catalogue, place: str) -> list[str]:
 
 def _damper(catalogue: Catalogue) -> list[str]:
     """Source of `damper`: the whole damper at the end of a step, in the order of `kernel.order`."""
-    response = catalogue.index("response")
     slot = catalogue.slots["response"]
     passive = catalogue.offsets["passive"]
     body = ["def damper(on, p, s, h, how, x, v, a, u, t, theta):"]
     body += _lines(catalogue, "duty", "u = {call}")
     body += [f"    k_0 = p[{passive}]", f"    c_0 = p[{passive + 1}]", f"    f_y = s[W, {slot}]"]
-    body += ["    yield_scale = 1.0", "    viscous_scale = 1.0"]
-    body += ["    stiffness_scale = 1.0", "    tau_scale = 1.0", "    y = 0.0"]
+    body += _lines(catalogue, "passive_stiffness", "k_0 += {call}")
+    body += _lines(catalogue, "passive_damping", "c_0 += {call}")
+    body += ["    yield_scale = 1.0", "    viscous_scale = 1.0", "    stiffness_scale = 1.0"]
+    body += ["    tau_scale = 1.0", "    tau_y = 0.0", "    y = 0.0"]
     body += _lines(catalogue, "yield_scale", "yield_scale *= {call}")
     body += _lines(catalogue, "shift_deflection", "x = {call}")
     body += _lines(catalogue, "shift_velocity", "v = {call}")
@@ -127,8 +128,9 @@ def _damper(catalogue: Catalogue) -> list[str]:
     body += ["    y *= yield_scale"]
     for name in ("viscous_scale", "stiffness_scale", "tau_scale"):
         body += _lines(catalogue, name, f"{name} *= {{call}}")
-    body += [f"    if on[{response}]:"]
-    body += ["        " + line for line in _relax(catalogue, catalogue.effects[response])]
+    body += _lines(catalogue, "response_time", "tau_y += {call}")
+    body += [f"    if on[{group(catalogue, 'response_time')}]:"]
+    body += ["        " + line for line in _relax(catalogue, catalogue["response"])]
     body += ["    else:", f"        s[W, {slot}] = y", f"    f_y = s[W, {slot}]", "    f_d = f_y"]
     body += _states(catalogue, "states")
     body += _lines(catalogue, "force", "f_d += {call}")

@@ -1,7 +1,8 @@
 """The order in which the composed damper works, and what follows from it.
 
-    duty, yield_scale, shift_deflection, shift_velocity, target, viscous_scale, stiffness_scale,
-    tau_scale, [response], [states], force, limit, [late states], sense
+    duty, passive_stiffness, passive_damping, yield_scale, shift_deflection, shift_velocity, target,
+    viscous_scale, stiffness_scale, tau_scale, response_time, [response], [states], force, limit,
+    [late states], sense
 
 A state is brought to the end of the step at one of these places. A hook that reads it earlier sees
 the trial of the search in `kernel.states`; the states for which this happens are the links of a
@@ -16,8 +17,9 @@ from collections.abc import Iterable
 from er_models.effect import Effect
 
 ORDER = (
-    "duty", "yield_scale", "shift_deflection", "shift_velocity", "target", "viscous_scale",
-    "stiffness_scale", "tau_scale", "response", "states", "force", "limit", "late", "sense",
+    "duty", "passive_stiffness", "passive_damping", "yield_scale", "shift_deflection",
+    "shift_velocity", "target", "viscous_scale", "stiffness_scale", "tau_scale", "response_time",
+    "response", "states", "force", "limit", "late", "sense",
 )  # fmt: skip
 _MAPS = ("duty", "shift_deflection", "shift_velocity")
 

@@ -3,9 +3,14 @@
 from er_models.effect import Effect, Param, Signature
 
 
-def relax(tau: float, tau_scale: float, y: float) -> tuple[float, float]:
-    """Rate [1/s] and drive [N/s] of the yield force."""
-    rate = 1.0 / max(tau * tau_scale, 1e-9)
+def response_time(tau: float) -> float:
+    """The same response time at every duty [s]."""
+    return tau
+
+
+def relax(tau_y: float, tau_scale: float, y: float) -> tuple[float, float]:
+    """Rate [1/s] and drive [N/s] of the yield force; serves every effect that gives a response time."""
+    rate = 1.0 / max(tau_y * tau_scale, 1e-9)
     return rate, rate * y
 
 
@@ -18,11 +23,11 @@ EFFECT = Effect(
     parameters=(
         Param("tau", "s", 0.0, 1.0, 0.0, (0.03, 0.005), "time constant of the yield force"),
     ),
-    hooks={"relax": relax},
+    hooks={"response_time": response_time, "relax": relax},
     signature=Signature(
         mark="the force lags the sign of the velocity and steps of the duty",
         plane="time",
         experiment="large slow sine with a square wave of duty",
     ),
-    source="thesis (1.7), (1.11), Table 1.4; Koo, Goncalves and Ahmadian 2006",
+    source="thesis (1.7), (1.11), (1.22), Table 1.6; Koo, Goncalves and Ahmadian 2006",
 )
