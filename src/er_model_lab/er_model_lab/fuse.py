@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.optimize import minimize
+from scipy.optimize import minimize, minimize_scalar
 
 Array = NDArray[np.float64]
 
@@ -270,6 +270,34 @@ def _estimate(ch: Channels, start: Noise, *, free_lag: bool) -> Noise:
     })  # fmt: skip
     noise = noise_at(best.x)
     return _with_lag_sd(best.x, cost, noise, ch.dt) if with_lag else noise
+
+
+def adapt(ch: Channels, noise: Noise) -> Noise:
+    """The same sensors on another record: its own motion model, with its intensity by maximum likelihood.
+
+    Sensors keep their noise from record to record; a fast sine is driven a hundred times harder than a slow one.
+    """
+    kinds = (
+        [(4, True), (3, False), (4, False), (3, True)] if ch.has[2] else [(4, False), (3, False)]
+    )
+    return max(
+        (_intensity(ch, replace(noise, order=order, local=local)) for order, local in kinds),
+        key=lambda found: _run(ch, found)[0],
+    )
+
+
+def _intensity(ch: Channels, noise: Noise) -> Noise:
+    """Likeliest intensity of the noise that drives the chain, the sensors' noise being known."""
+    start = float(np.log(_start(ch, noise.order).drive))
+
+    def cost(log_drive: float) -> float:
+        ll = _run(ch, replace(noise, drive=float(np.exp(log_drive))))[0]
+        return -ll if np.isfinite(ll) else 1e30
+
+    found = minimize_scalar(
+        cost, bounds=(start - 25.0, start + 10.0), method="bounded", options={"xatol": 0.1}
+    )
+    return replace(noise, drive=float(np.exp(found.x)))
 
 
 def _with_lag_sd(

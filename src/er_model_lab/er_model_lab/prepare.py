@@ -18,6 +18,7 @@ from er_model_lab.fuse import (
     Channels,
     Fused,
     Noise,
+    adapt,
     channels_of,
     estimate_lag,
     estimate_noise,
@@ -30,7 +31,7 @@ Array = NDArray[np.float64]
 WARM_UP = 0.3
 """Time at the start of each record in which unknown initial states fade [s]; not scored."""
 FOR_NOISE = 2500
-"""Samples from which the noise levels of the motion sensors are estimated."""
+"""Samples from which the noise levels of the motion sensors and the intensity of a motion are estimated."""
 CONTRADICTION = 0.03
 """Difference of two estimates of a lag, in samples, above which accelerometers contradict the other channels."""
 FOLDS = 12
@@ -42,7 +43,8 @@ class Problem:
     """A data set ready for prediction and fitting; all arrays (n,), records laid end to end.
 
     force: measured [N]; fold: block of each training sample, -1 elsewhere; held_out: mask of samples that
-    only score; raw: measured channels before fusion; fused: per record; sd_force: white noise of the force.
+    only score; raw: measured channels before fusion; fused: per record, each with the noise model of its own
+    motion; noise: that of the longest record; sd_force: white noise of the force.
     """
 
     motion: Motion
@@ -101,12 +103,16 @@ def prepare(
         raise InputError("DATA", "", "at least one record", "none")
     dt = max(r.dt for r in records)
     measured = tuple(_channels(r, dt) for r in records)
-    part = max(measured, key=lambda c: c.z.shape[0]).first(FOR_NOISE)
+    longest = max(range(len(measured)), key=lambda r: measured[r].z.shape[0])
+    part = measured[longest].first(FOR_NOISE)
     lag, lag_sd = _lag_evidence(part) if velocity_lag is None else (velocity_lag, 0.0)
     raw, noise, losses = _usable(measured, part, lag)
     if velocity_lag is not None:
         noise = replace(estimate_lag(part.only(raw[0].has), noise), lag=velocity_lag)
-    fused = tuple(fuse(c, noise) for c in raw)
+    fused = tuple(
+        fuse(c, noise if r == longest else adapt(c.first(FOR_NOISE), noise))
+        for r, c in enumerate(raw)
+    )
     force = [_resampled(r, "damper_force", dt) for r in records]
     motion = join([_motion(r, f, c, dt) for r, f, c in zip(records, fused, raw, strict=True)])
     fold, held_out = split(motion, sealed)

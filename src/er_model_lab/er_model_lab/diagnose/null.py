@@ -66,10 +66,11 @@ def _input_error(
     base: Candidate, problem: Problem, truth: Array, rng: np.random.Generator
 ) -> Array:
     """Force error (n,) that one draw of the sensors' noise causes through the fused motion."""
-    m, noise, parts = problem.motion, problem.noise, []
-    sd = np.array([noise.x, noise.v, noise.a])
+    m, parts = problem.motion, []
     for r, (channels, fused) in enumerate(zip(problem.raw, problem.fused, strict=True)):
         i, j = m.starts[r], m.starts[r + 1]
+        noise = fused.noise
+        sd = np.array([noise.x, noise.v, noise.a])
         clean = np.stack([fused.x, fused.v - noise.lag * fused.a, fused.a], axis=1)
         noisy = replace(channels, z=clean + rng.standard_normal(clean.shape) * sd)
         again = fuse(noisy, noise)
