@@ -10,6 +10,7 @@ from er_models.effect import Effect
 from er_models.files import load_model
 from er_models.model import Array, Model
 from er_models.predict import Motion, motion
+from er_models.rhs import vehicle_rate
 from er_models.scales import Scales
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
@@ -95,3 +96,21 @@ def one_sample(x: float, v: float, u: float, a: float = 0.0) -> Motion:
 def span(y: Array) -> float:
     """Range of a signal: what errors are measured against, as in (3.79)."""
     return float(np.ptp(y))
+
+
+def exact_rates(
+    model: Model, x: Array, u: float, road_rate: float, t: float = 0.0
+) -> tuple[Array, Array]:
+    """Rate of the thesis's state (5,) and outputs (3,) from the right-hand side."""
+    slot = model.catalogue.slots["response"]
+    w = np.zeros(model.catalogue.n_states)
+    w[slot] = x[4]
+    dq, dw, outputs = vehicle_rate(model, x[:4].copy(), w, u, road_rate, t)
+    return np.append(dq, dw[slot]), outputs
+
+
+def random_points(model: Model, n: int, seed: int) -> list[tuple[Array, float, float]]:
+    """States, duties and road rates all over the envelope."""
+    r, s = np.random.default_rng(seed), model.scales
+    size = np.array([s.deflection, s.velocity, s.deflection, s.velocity, s.force])
+    return [(size * r.uniform(-2, 2, 5), r.uniform(0, 1), r.uniform(-1, 1)) for _ in range(n)]

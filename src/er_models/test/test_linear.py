@@ -19,7 +19,7 @@ from er_models.linear import (
     thesis_form,
 )
 from er_models.model import Array, Model
-from er_models.rhs import vehicle_rate
+from models_help import exact_rates, random_points
 
 CAR = Path(__file__).resolve().parents[3] / "config" / "vehicles" / "inove_quarter_car.yaml"
 
@@ -28,22 +28,6 @@ CAR = Path(__file__).resolve().parents[3] / "config" / "vehicles" / "inove_quart
 def car() -> Model:
     """The quarter car of Table 2.1."""
     return load_model(CAR)
-
-
-def exact_rates(model: Model, x: Array, u: float, road_rate: float) -> tuple[Array, Array]:
-    """Rate of the thesis's state (5,) and outputs (3,) from the right-hand side."""
-    slot = model.catalogue.slots["response"]
-    w = np.zeros(model.catalogue.n_states)
-    w[slot] = x[4]
-    dq, dw, outputs = vehicle_rate(model, x[:4].copy(), w, u, road_rate)
-    return np.append(dq, dw[slot]), outputs
-
-
-def random_points(model: Model, n: int, seed: int) -> list[tuple[Array, float, float]]:
-    """States, duties and road rates all over the envelope."""
-    r, s = np.random.default_rng(seed), model.scales
-    size = np.array([s.deflection, s.velocity, s.deflection, s.velocity, s.force])
-    return [(size * r.uniform(-2, 2, 5), r.uniform(0, 1), r.uniform(-1, 1)) for _ in range(n)]
 
 
 def rosenbrock(form: LinearForm, s: complex) -> float:

@@ -1,0 +1,54 @@
+"""The right-hand side and the outputs of a vehicle model in the thesis's state."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from er_models.errors import InputError
+from er_models.model import Array, Model
+from er_models.rhs import vehicle_rate
+
+STATES = ("z_def", "v_s", "z_us - z_r", "v_us", "f_y")
+NAMES = (*(f"d({s})/dt" for s in STATES), "sprung acceleration", "unsprung", "F_d")
+"""Names of the eight values."""
+
+Rates = Callable[[Array, float, float], Array]
+"""Rates (5,), both accelerations and F_d, (8,), of state (5,), duty and road rate [m/s]."""
+
+
+def rates_of(model: Model, loss: float = 0.0) -> Rates:
+    """The equations (2.5), or (2.18) where the damper has lost the force `loss` [N].
+
+    The loss enters where every damper force does: as the constant force of `preload`, against it.
+    """
+    check_parts(model)
+    if loss:
+        model = model.with_effect("preload", {"F_0": -loss})
+    slot = model.catalogue.slots["response"]
+
+    def rates(x: Array, u: float, road_rate: float) -> Array:
+        w = np.zeros(max(model.catalogue.n_states, 1))
+        w[slot] = x[4]
+        dq, dw, outputs = vehicle_rate(model, np.ascontiguousarray(x[:4]), w, u, road_rate)
+        return np.concatenate([dq, [dw[slot]], outputs])
+
+    return rates
+
+
+def sizes_of(model: Model) -> Array:
+    """Typical sizes of the state (5,), from the envelope of the model."""
+    s = model.scales
+    return np.array([s.deflection, s.velocity, 0.1 * s.deflection, s.velocity, s.force])
+
+
+def check_parts(model: Model) -> None:
+    """Raise `InputError` for a model without the parts the forms are about."""
+    for part in ("quarter_car", "response"):
+        if part not in model.effects:
+            expected = "a vehicle model with a response time"
+            raise InputError(model.name, f"effects.{part}", expected, "nothing")
+    tau = model.value("response", "tau")
+    if not tau > 0.0:
+        raise InputError(model.name, "effects.response.tau", "a value above 0 s", tau)
