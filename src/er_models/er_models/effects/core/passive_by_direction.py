@@ -1,8 +1,9 @@
 """Passive force with own values in compression and release: k0(v) x + c0(v) v.
 
 At v = 0 the stiffness jumps, and the force with it by (k0_r - k0_c) x: the thesis's model does this. Here
-it happens within v_0. A stiffness that depends on the direction is no spring: over a cycle around an offset
-x_m it gives or takes energy in proportion to (k0_c - k0_r) x_m.
+it happens within v_0. A stiffness that depends on the direction is no spring: each cycle of amplitude X
+around an offset x_m gives the energy 2 (k0_c - k0_r) x_m X, where k0_c > k0_r and x_m > 0.
+An element in series (mount, free play) takes the direction from the measured motion.
 """
 
 from math import tanh
@@ -16,7 +17,7 @@ def force(
 ) -> float:  # fmt: skip
     """Passive force [N]."""
     s = 0.5 + 0.5 * tanh(v / v_0)
-    k = k0_c + (k0_r - k0_c) * s
+    k = k0_c + (k0_r - k0_c) * (1 - s)
     c = c0_c + (c0_r - c0_c) * s
     return stiffness_scale * k * x + viscous_scale * c * v
 
