@@ -7,10 +7,13 @@
     seed: 0                              # optional; of a random road and random steps
     road: {kind: chirp, amplitude: 0.004, f0: 0.0, f1: 10.0, sweep: 20.0}
     duty: {kind: steps, low: 0.0, high: 0.3}
+    moves: wheel                         # optional; damper: no car, see below
 
-The kinds and their settings are the tables `er_models.road.KINDS` and `er_models.duty.KINDS`. A
-road may hold `peak_velocity` instead of `factor`: `resolve` then scales it so that the passive car
-reaches that deflection velocity.
+`moves: damper` is a program for a test machine: the upper end of the damper is held and the lower
+one follows the road, so that the deflection is minus the road. The kinds and their settings are
+the tables `er_models.road.KINDS` and `er_models.duty.KINDS`. A road may hold `peak_velocity`
+instead of `factor`: `resolve` then scales it so that the passive car reaches that deflection
+velocity.
 """
 
 from __future__ import annotations
@@ -21,10 +24,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import yaml
 
 from er_models.duty import KINDS as DUTIES
 from er_models.duty import profile as duty
 from er_models.errors import InputError
+from er_models.files import write_whole
 from er_models.model import Model
 from er_models.road import FACTOR, profile
 from er_models.road import KINDS as ROADS
@@ -32,7 +37,9 @@ from er_models.road.peak import factor_for_peak_velocity
 from er_models.spec import REQUIRED, Array, Kind, Number, Setting, Text, choose, settings
 from er_models.yaml_file import read_yaml
 
-__all__ = ["Program", "duty", "load_program", "parse_program", "resolve", "times"]
+__all__ = [
+    "Program", "duty", "load_program", "parse_program", "resolve", "save_program", "times",
+]  # fmt: skip
 
 SCHEMA = "er_program 1"
 PEAK_VELOCITY = Number(
@@ -44,6 +51,7 @@ _TABLE: tuple[Setting, ...] = (
     Text("source", "", "where the program comes from"),
     Number("duration", "s", REQUIRED, 0.0, 1e6, "duration; 0 for no end"),
     Number("seed", "1", 0.0, 0.0, 2.0**32, "seed of what is random"),
+    Text("moves", "wheel", "what the road moves", ("wheel", "damper")),
 )
 
 
@@ -57,6 +65,7 @@ class Program:
     seed: int
     name: str = ""
     source: str = ""
+    moves: str = "wheel"
 
     def signals(self, t: Array) -> tuple[Array, Array]:
         """Road [m] and duty [1] at the times t, each (n,); the duty has a seed of its own."""
@@ -92,6 +101,26 @@ def load_program(path: str | Path) -> Program:
     return parse_program(read_yaml(path, "a program file"), path)
 
 
+def save_program(program: Program, path: str | Path) -> None:
+    """Write a program file, whole or not at all; readable again by `load_program`."""
+    document = {
+        "schema": SCHEMA, "name": program.name, "source": program.source,
+        "duration": program.duration, "seed": program.seed, "moves": program.moves,
+        "road": _plain(program.road), "duty": _plain(program.duty),
+    }  # fmt: skip
+    text = yaml.safe_dump(document, sort_keys=False, allow_unicode=True, width=99)
+    write_whole(Path(path), text)
+
+
+def _plain(value: object) -> Any:
+    """A spec of mappings, lists, text and numbers, as YAML writes it."""
+    if isinstance(value, Mapping):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_plain(v) for v in value]
+    return value if isinstance(value, str | int) else float(value)  # type: ignore[arg-type]
+
+
 def parse_program(document: object, path: Path) -> Program:
     """A program from the mapping in a program file; path: its name, and where its files lie."""
     if not isinstance(document, Mapping):
@@ -106,6 +135,7 @@ def parse_program(document: object, path: Path) -> Program:
         seed=int(top["seed"]),
         name=top["name"] or path.stem,
         source=top["source"],
+        moves=top["moves"],
     )
 
 

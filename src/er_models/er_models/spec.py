@@ -84,7 +84,30 @@ class Series:
         return np.array([one.read(path, f"{key}[{i}]", v) for i, v in enumerate(found)], float)
 
 
-Setting = Number | Text | Series
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """A list of specs, each of one of `kinds` and with `more` settings beside its own."""
+
+    name: str
+    default: object
+    kinds: Mapping[str, Kind]
+    more: tuple[Setting, ...]
+    meaning: str
+
+    def read(self, path: str | Path, key: str, found: object) -> list[dict[str, Any]]:
+        """The checked specs, as they were given; `InputError` naming the first bad setting."""
+        if not isinstance(found, list | tuple):
+            raise InputError(path, key, "a list of mappings with 'kind'", repr(found))
+        specs = []
+        for i, part in enumerate(found):
+            where = f"{key}[{i}]"
+            kind = choose(self.kinds, part, path, where)
+            values = settings((*kind.settings, *self.more), part, path, where)
+            specs.append({k: kind.name if k == "kind" else values[k] for k in part})
+        return specs
+
+
+Setting = Number | Text | Series | Parts
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ import pytest
 from er_models.duty import KINDS
 from er_models.errors import InputError
 from er_models.model import Array
-from er_models.program import duty, load_program, resolve, times
+from er_models.program import duty, load_program, resolve, save_program, times
 from er_models.simulate import simulate
 from models_help import CONFIG, DT, car, guo
 
@@ -21,6 +21,12 @@ COMPLETE: dict[str, dict[str, object]] = {
     "square": {},
     "sine": {},
     "recorded": {"values": [0.0, 0.3, 0.1], "dt": 1.0},
+    "sequence": {
+        "parts": [
+            {"kind": "constant", "seconds": 2.0, "level": 0.1},
+            {"kind": "steps", "seconds": 5.0, "high": 0.2},
+        ],
+    },
 }
 
 
@@ -73,6 +79,13 @@ def test_sine_is_cut_off() -> None:
     values = levels("sine", mean=0.1, amplitude=0.2)
     assert values.min() == 0.0
     assert values.max() == pytest.approx(0.3, rel=1e-3)
+
+
+def test_a_sequence_changes_part_on_the_sample() -> None:
+    parts = [{"kind": "constant", "seconds": s, "level": s} for s in (0.1, 0.3, 0.2)]
+    values = duty({"kind": "sequence", "parts": parts}, np.arange(100_000) * 1e-3)
+    assert set((np.flatnonzero(np.diff(values)) + 1) % 600) == {0, 100, 400}
+    assert values[:600].mean() == pytest.approx((0.1**2 + 0.3**2 + 0.2**2) / 0.6)
 
 
 def test_recorded_is_held() -> None:
@@ -130,6 +143,28 @@ def test_program_is_read_and_resolved_for_a_car(tmp_path: Path) -> None:
     assert resolve(ready, car(), DT) is ready
     again = load_program(written(tmp_path))
     assert np.array_equal(resolve(again, car(), DT).signals(t)[0], road)
+
+
+@pytest.mark.parametrize("moves", ["wheel", "damper"])
+def test_a_written_program_is_read_again(moves: str, tmp_path: Path) -> None:
+    text = f"""
+    schema: er_program 1
+    source: made up
+    duration: 3.0
+    seed: 7
+    moves: {moves}
+    road: {{kind: sequence, fade: 0.1, parts: [
+      {{kind: multisine, seconds: 1.0, amplitudes: [0.001, 0.002], frequencies: [1, 2]}},
+      {{kind: iso8608, seconds: 1.5, road_class: A}}]}}
+    duty: {{kind: stairs, levels: [0.0, 0.2], hold: 0.5}}
+    """
+    program = load_program(written(tmp_path, text))
+    save_program(program, tmp_path / "again.yaml")
+    again = load_program(tmp_path / "again.yaml")
+    assert (again.moves, again.source, again.seed) == (moves, "made up", 7)
+    t = times(3.0, DT)
+    for a, b in zip(program.signals(t), again.signals(t), strict=True):
+        assert np.array_equal(a, b)
 
 
 def test_peak_velocity_needs_a_car(tmp_path: Path) -> None:

@@ -19,11 +19,19 @@ T = np.arange(4000) * DT
 COMPLETE: dict[str, dict[str, object]] = {
     "flat": {"height": 0.01},
     "sine": {"amplitude": 0.004, "frequency": 2.0},
+    "triangle": {"amplitude": 0.004, "frequency": 2.0},
+    "multisine": {"amplitudes": [0.004, 0.001], "frequencies": [2.0, 7.0]},
     "chirp": {},
     "step": {"height": 0.02},
     "bumps": {},
     "iso8608": {},
     "recorded": {"values": [0.0, 0.01, -0.01, 0.0], "dt": 2.0},
+    "sequence": {
+        "parts": [
+            {"kind": "sine", "seconds": 3.0, "amplitude": 0.004, "frequency": 2.0},
+            {"kind": "iso8608", "seconds": 2.5, "factor": 0.2},
+        ],
+    },
 }
 
 
@@ -64,6 +72,37 @@ def test_chirp_has_the_frequency_it_says() -> None:
     assert sweeping.size == pytest.approx(10.0 * (1.0 + 5.0) / 2.0, abs=1)
     assert 1.0 / np.diff(after) == pytest.approx(5.0, rel=0.03)
     assert np.abs(np.diff(values)).max() < 0.004 * 2.0 * np.pi * 5.0 * DT * 1.01
+
+
+def test_triangle_has_one_velocity_except_at_its_corners() -> None:
+    values = road("triangle", np.arange(4000) * 5e-4, sharpness=0.999)
+    speed = np.abs(np.diff(values)) / 5e-4
+    assert np.median(speed) == pytest.approx(4.0 * 0.004 * 2.0, rel=0.03)
+    assert (np.abs(speed / np.median(speed) - 1.0) < 0.1).mean() > 0.8
+    nearly_a_sine = road("triangle", sharpness=0.01)
+    assert nearly_a_sine == pytest.approx(road("sine"), abs=1e-7)
+
+
+def test_multisine_has_the_lines_it_says() -> None:
+    spectrum = np.abs(np.fft.rfft(road("multisine", seed=5))) * 2.0 / T.size
+    frequency = np.fft.rfftfreq(T.size, DT)
+    lines = np.flatnonzero(spectrum > 1e-4)
+    assert frequency[lines] == pytest.approx([2.0, 7.0])
+    assert spectrum[lines] == pytest.approx([0.004, 0.001])
+    assert not np.allclose(road("multisine", seed=5), road("multisine", seed=6))
+
+
+def test_sequence_goes_on_and_begins_again_without_a_jump() -> None:
+    values = road("sequence", seed=4, fade=0.2)
+    inside = (T > 0.2) & (T < 2.8)
+    assert values[inside] == pytest.approx(road("sine")[inside])
+    later = (T > 3.2) & (T < 5.3)
+    random = road("iso8608", np.maximum(T - 3.0, 0.0), 5, factor=0.2)
+    assert values[later] == pytest.approx(random[later])
+    assert values[1100:] == pytest.approx(values[:-1100], abs=1e-12)
+    assert np.abs(values[[600, 1100, 1700]]).max() < 1e-9
+    sudden = np.abs(np.diff(road("sequence", seed=4, fade=0.0)))
+    assert sudden[1099] > 100.0 * np.abs(np.diff(values))[1099]
 
 
 def test_step_rises_once() -> None:
@@ -202,7 +241,7 @@ def test_other_kinds_of_file_are_refused(tmp_path: Path) -> None:
 
 MISTAKES: dict[str, tuple[object, str]] = {
     "no mapping": (5, "road: expected a mapping with 'kind' and its settings, found int"),
-    "no kind": ({}, "road: kind: expected one of flat, sine, chirp, .* found nothing"),
+    "no kind": ({}, "road: kind: expected one of flat, sine, .* found nothing"),
     "unknown kind": ({"kind": "iso_8608"}, r"found 'iso_8608' \(did you mean iso8608\?\)"),
     "unknown key": (
         {"kind": "sine", "amplitud": 1.0}, r"road: amplitud: .* an unknown key \(did you mean amplitude\?\)",
@@ -215,6 +254,15 @@ MISTAKES: dict[str, tuple[object, str]] = {
     "no class": ({"kind": "iso8608", "road_class": "I"}, "road: road_class: expected one of A, B, .*, found 'I'"),
     "empty band": ({"kind": "iso8608", "n_min": 3.0}, "road: n_min: expected less than n_max"),
     "overlapping bumps": ({"kind": "bumps", "spacing": 1.0}, "road: spacing: expected at least the length"),
+    "two lengths": ({"kind": "multisine", "amplitudes": [0.1], "frequencies": [1.0, 2.0]},
+                    "road: amplitudes: expected as many amplitudes as frequencies, one or more, found 1 and 2"),
+    "no parts": ({"kind": "sequence", "parts": []}, "road: parts: expected one or more parts, found none"),
+    "part without length": ({"kind": "sequence", "parts": [{"kind": "flat"}]},
+                            r"road: parts\[0\].seconds: expected length of the part, found nothing"),
+    "bad part": ({"kind": "sequence", "parts": [{"kind": "flat", "seconds": 1.0, "hight": 0.1}]},
+                 r"road: parts\[0\].hight: .* \(did you mean height\?\)"),
+    "parts of parts": ({"kind": "sequence", "parts": [{"kind": "sequence", "seconds": 1.0}]},
+                       r"road: parts\[0\].kind: expected one of flat, sine"),
     "neither": ({"kind": "recorded"}, "road: file: expected either 'file' or 'values' with 'dt', found neither"),
     "both": ({"kind": "recorded", "file": "a.csv", "values": [1.0]}, "found both"),
     "bad value": ({"kind": "recorded", "values": [0.0, "x"]}, r"road: values\[1\]: expected a number in m"),

@@ -30,6 +30,9 @@ def build(p: PlantParameters) -> Rig:
     """
     _consistent(p)
     model, program, dt = load_plant_model(p), load_given_program(p), 1.0 / p.rate
+    if program.moves != "wheel":
+        expected = "wheel (a program for a test machine cannot drive a car)"
+        raise InputError(p.program_file, "moves", expected, program.moves)
     noise = Noise(_errors(p, "noise"), _errors(p, "bias"), program.seed)
     gate = Gate(
         duty_min=model.rig.get("duty_min", 0.0),
@@ -65,6 +68,7 @@ def load_given_program(p: PlantParameters) -> Program:
         "name": base.name if base else "parameters",
         "duration": base.duration if base else 0.0,
         "seed": base.seed if base else 0,
+        "moves": base.moves if base else "wheel",
         "road": _merged(base.road if base else {}, road),
         "duty": _merged(base.duty if base else {"kind": "constant"}, duty),
     }

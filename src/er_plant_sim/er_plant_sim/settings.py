@@ -11,7 +11,7 @@ from er_models.duty import KINDS as DUTIES
 from er_models.errors import InputError
 from er_models.road import FACTOR
 from er_models.road import KINDS as ROADS
-from er_models.spec import Series, Setting, Text
+from er_models.spec import Number, Parts, Series, Text
 from er_ros_common.parameter_table import REQUIRED, param
 
 MODES = ("realtime", "sim_time", "lockstep")
@@ -109,12 +109,14 @@ def _program_settings() -> dict[str, tuple[Any, Any]]:
         found[name] = (str, param(REQUIRED, name=name, choices=tuple(kinds), text=words))
         for kind in kinds.values():
             for setting in (*kind.settings, *common):
+                if isinstance(setting, Parts):  # no parameter of ROS holds it: only a file can
+                    continue
                 name = f"{prefix}.{setting.name}"
                 found[name] = _declared(name, setting)
     return found
 
 
-def _declared(name: str, setting: Setting) -> tuple[Any, Any]:
+def _declared(name: str, setting: Number | Text | Series) -> tuple[Any, Any]:
     """Type and declaration of a setting; its bounds are checked with the program."""
     if isinstance(setting, Text):
         return str, param(REQUIRED, name=name, text=setting.meaning)

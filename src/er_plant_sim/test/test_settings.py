@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from er_models.errors import InputError
 from er_models.program import load_program
@@ -74,6 +75,27 @@ def test_a_setting_that_no_road_has_is_unknown() -> None:
         InputError, match=r"road.ampltude: expected .* .did you mean road.amplitude"
     ):
         parameters(program_file=CHIRP, road__ampltude=0.1)
+
+
+SEQUENCE = """
+schema: er_program 1
+duration: 4.0
+moves: {moves}
+road: {{kind: sequence, parts: [{{kind: sine, seconds: 1.0, amplitude: 0.002, frequency: 3.0}}]}}
+duty: {{kind: sequence, parts: [{{kind: constant, seconds: 0.5, level: 0.2}}, {{kind: square, seconds: 1.0}}]}}
+"""
+
+
+def test_a_program_of_several_parts_runs_and_one_for_a_machine_does_not(tmp_path: Path) -> None:
+    path = tmp_path / "parts.yaml"
+    path.write_text(SEQUENCE.format(moves="wheel"))
+    made = rig(program_file=str(path))
+    expected = load_program(path).signals(0.005 * np.arange(300))[0]
+    assert [road(made, k) for k in range(300)] == pytest.approx(expected, abs=1e-15)
+    path.write_text(SEQUENCE.format(moves="damper"))
+    assert load_given_program(parameters(program_file=str(path))).moves == "damper"
+    with pytest.raises(InputError, match=r"parts.yaml: moves: expected wheel .* found damper"):
+        rig(program_file=str(path))
 
 
 def test_the_limits_of_the_duty_come_from_the_model() -> None:

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from er_models.duty import constant, recorded, sine, square, stairs, steps
+from er_models.duty import constant, recorded, sequence, sine, square, stairs, steps
 from er_models.spec import Array, Kind, choose, settings
 
+_SINGLE = {module.KIND.name: module.KIND for module in (constant, steps, stairs, square, sine)}
+_SEVERAL = sequence.kind(_SINGLE)
+
 KINDS: dict[str, Kind] = {
-    module.KIND.name: module.KIND for module in (constant, steps, stairs, square, sine, recorded)
+    **_SINGLE,
+    recorded.KIND.name: recorded.KIND,
+    _SEVERAL.name: _SEVERAL,
 }
 
 

@@ -6,17 +6,36 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from er_models.road import bumps, chirp, flat, iso8608, recorded, sine, step
+from er_models.road import (
+    bumps,
+    chirp,
+    flat,
+    iso8608,
+    multisine,
+    recorded,
+    sequence,
+    sine,
+    step,
+    triangle,
+)
 from er_models.spec import Array, Kind, Number, choose, settings
-
-KINDS: dict[str, Kind] = {
-    module.KIND.name: module.KIND for module in (flat, sine, chirp, step, bumps, iso8608, recorded)
-}
 
 FACTOR = Number(
     "factor", "1", 1.0, -1e3, 1e3, "multiplies the height, e.g. 0.2 for a car of scale 1/5"
 )
 """A setting that every road takes."""
+
+_SINGLE = {
+    module.KIND.name: module.KIND
+    for module in (flat, sine, triangle, multisine, chirp, step, bumps, iso8608)
+}
+_SEVERAL = sequence.kind(_SINGLE, (FACTOR,))
+
+KINDS: dict[str, Kind] = {
+    **_SINGLE,
+    recorded.KIND.name: recorded.KIND,
+    _SEVERAL.name: _SEVERAL,
+}
 
 
 def profile(spec: Mapping[str, object], t: Array, seed: int = 0) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from er_models.duty import KINDS as DUTIES
 from er_models.road import KINDS as ROADS
-from er_models.spec import REQUIRED, Kind, Number, Setting, Text
+from er_models.spec import REQUIRED, Kind, Number, Parts, Setting, Text
 from er_ros_common.help import Card
 
 from er_plant_sim.settings import PlantParameters
@@ -17,6 +17,8 @@ def _kind(prefix: str, kind: Kind) -> str:
 
 
 def _setting(setting: Setting) -> str:
+    if isinstance(setting, Parts):
+        return f"{setting.name} (in a program file)"
     unit = "" if isinstance(setting, Text) or setting.unit == "1" else f" {setting.unit}"
     if setting.default is REQUIRED:
         return f"{setting.name} (required)"
