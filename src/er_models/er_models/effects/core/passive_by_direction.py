@@ -17,7 +17,7 @@ def force(
 ) -> float:  # fmt: skip
     """Passive force [N]."""
     s = 0.5 + 0.5 * tanh(v / v_0)
-    k = k0_c + (k0_r - k0_c) * (1 - s)
+    k = k0_c + (k0_r - k0_c) * s
     c = c0_c + (c0_r - c0_c) * s
     return stiffness_scale * k * x + viscous_scale * c * v
 
