@@ -7,7 +7,7 @@ import textwrap
 from pathlib import Path
 
 from er_models.cards.equation import Equation, equations
-from er_models.cards.picture import EXPERIMENT, VEHICLE_EXPERIMENT, svg
+from er_models.cards.picture import experiment, svg
 from er_models.cards.symbols import PLAIN
 from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.effect import HOOKS, SIGNALS, Effect, Param
@@ -67,7 +67,7 @@ def card_markdown(effect: Effect) -> str:
     ]
     lines += ["| " + " | ".join((f"`{row[0]}`", *row[1:])) + " |" for row in _rows(effect)]
     lines += ["", _SCALED, "", "## Signature", "", f"![signature]({effect.name}.svg)", ""]
-    lines += [VEHICLE_EXPERIMENT if effect.stage == "vehicle" else EXPERIMENT, ""]
+    lines += [experiment(effect), ""]
     lines += [
         f"- Shows as: {s.mark} ({s.plane})",
         f"- Experiment that shows it best: {s.experiment}",

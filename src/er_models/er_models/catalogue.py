@@ -10,6 +10,7 @@ from er_models.effects.actuation import (
     amplifier_lag,
     dead_time,
     duty_dead_band,
+    duty_gain,
     field_exponent,
     rise_fall_asymmetry,
     varying_time_constant,
@@ -46,24 +47,40 @@ from er_models.effects.force import (
     viscoelastic_branch,
 )
 from er_models.effects.heat import effectiveness_fade, self_heating
-from er_models.effects.sensing import deflection_zero, force_delay, force_lag, velocity_lag
-from er_models.effects.vehicle import quarter_car
+from er_models.effects.sensing import (
+    deflection_zero,
+    force_delay,
+    force_gain,
+    force_lag,
+    velocity_gain,
+    velocity_lag,
+)
+from er_models.effects.vehicle import (
+    accelerometer_bias,
+    guide_friction,
+    quarter_car,
+    spring_nonlinearity,
+    sprung_mass_error,
+    tyre_damping,
+    tyre_lift_off,
+)
 from er_models.errors import UnknownName
 
 _MODULES = (
     passive, guo_yield, bingham_yield, response,
     passive_by_direction, guo_yield_by_direction, bingham_yield_by_direction,
     response_quadratic, response_table,
-    deflection_zero, velocity_lag,
-    dead_time, amplifier_lag, duty_dead_band, field_exponent,
+    deflection_zero, velocity_gain, velocity_lag,
+    dead_time, amplifier_lag, duty_gain, duty_dead_band, field_exponent,
     varying_time_constant, rise_fall_asymmetry,
     self_heating, effectiveness_fade,
     mount_compliance, freeplay,
     preload, gas_spring, coulomb_friction, stribeck_friction, quadratic_damping,
     asymmetric_damping, shear_thinning, position_dependent_damping, end_stop,
     bouc_wen_hysteresis, viscoelastic_branch, fluid_inertia, field_viscosity, field_stiffness,
-    herschel_bulkley, cavitation, force_lag, force_delay,
-    quarter_car,
+    herschel_bulkley, cavitation, force_lag, force_gain, force_delay,
+    quarter_car, sprung_mass_error, spring_nonlinearity, guide_friction, tyre_damping, tyre_lift_off,
+    accelerometer_bias,
 )  # fmt: skip
 
 

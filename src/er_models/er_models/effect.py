@@ -32,9 +32,15 @@ SIGNALS: dict[str, str] = {
     "y": "yield force the field asks for, before its lag [N]",
     "f_y": "yield force, after its lag [N]",
     "f_d": "damper force [N]",
+    "f_m": "damper force after the sensors before this one [N]",
     "z_t": "tyre deflection, wheel minus road, extension positive [m]",
     "v_t": "tyre deflection velocity [m/s]",
     "v_s": "absolute velocity of the sprung mass [m/s]",
+    "m_s": "sprung mass, of the effects before this one [kg]",
+    "m_us": "unsprung mass, of the effects before this one [kg]",
+    "f_t": "force between wheel and road, pull positive [N]",
+    "a_s": "acceleration of the sprung mass, after the sensors before this one [m/s2]",
+    "a_us": "acceleration of the unsprung mass, after the sensors before this one [m/s2]",
 }
 
 HOOKS: dict[str, str] = {
@@ -60,6 +66,9 @@ HOOKS: dict[str, str] = {
     "tyre_force": "adds to the force between wheel and road",
     "sprung_mass": "adds to the sprung mass",
     "unsprung_mass": "adds to the unsprung mass",
+    "tyre_limit": "maps the force between wheel and road",
+    "sprung_reading": "maps the acceleration of the sprung mass to the reported one",
+    "unsprung_reading": "maps the acceleration of the unsprung mass to the reported one",
 }
 
 

@@ -160,6 +160,7 @@ def _first(plant: Plant, start: State, road: Array) -> Array:
         rate.copy(),
         out,
     )
+    out[0, :2] = out[0, 4:]
     out[0, 4] = (start.q[0] - plant.reading[1]) / plant.reading[0]
     out[0, 5] = start.memory[0]
     return out

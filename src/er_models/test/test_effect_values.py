@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 from er_models.catalogue import CATALOGUE
+from er_models.kernel.load import kernel
 from er_models.model import Model
 from er_models.predict import predict
 from er_models.rhs import damper_rate, vehicle_rate
@@ -144,6 +145,9 @@ FORCES: dict[str, tuple[Values, tuple[float, float, float, float], float]] = {
         (0.01, 0.0, 0.0, 0.0),
         1.2,
     ),
+    "velocity_gain": ({**PASSIVE, "velocity_gain": {"g_v": 2.0}}, (0.01, 0.1, 0.0, 0.0), 3.5),
+    "force_gain": ({**PASSIVE, "force_gain": {"g_F": 1.5}}, (0.01, 0.1, 0.0, 0.0), 9.0),
+    "duty_gain": ({**YIELD, "duty_gain": {"g_u": 0.5}}, (0.0, 0.1, 0.3, 0.0), 3.0),
 }
 
 # each row: its effects, own state, the point x v a u t, the rate of the state, and the force
@@ -210,7 +214,6 @@ RATES: dict[str, tuple[Values, float, tuple[float, float, float, float, float], 
 ELSEWHERE = {
     "dead_time": "test_integrator_damper",
     "force_delay": "test_integrator_damper",
-    "quarter_car": "below",
 }
 
 
@@ -241,15 +244,60 @@ def test_rise_is_not_fall() -> None:
     assert rates[CATALOGUE.slots["response"]] == pytest.approx(40.0, rel=1e-6)
 
 
-def test_quarter_car() -> None:
-    """k_s 1000 N/m 10 mm + 6 N = 16 N on 2 kg; tyre 10 kN/m 1 mm = 10 N; 0.5 kg wheel."""
-    values = {"m_s": 2.0, "m_us": 0.5, "k_s": 1000.0, "k_t": 10000.0}
-    model = Model("car", {**PASSIVE, "quarter_car": values}, SMALL)
-    q = np.array([0.01, 0.3, 0.001, 0.2])
-    dq, _, outputs = vehicle_rate(model, q, np.zeros(CATALOGUE.n_states), 0.0, 0.05)
+CAR = {"m_s": 2.0, "m_us": 0.5, "k_s": 1000.0, "k_t": 10000.0}
+STATE = (0.01, 0.3, 0.001, 0.2, 0.05)
+"""Deflection, velocity of the body, deflection of the tyre, velocity of the wheel, rate of the road."""
+
+# each row: its effect, the state, and the accelerations of body and wheel that are reported; passive damper.
+# plain car: k_s 1000 N/m 10 mm + 6 N = 16 N on 2 kg; tyre 10 kN/m 1 mm = 10 N; 0.5 kg wheel.
+RIDES: dict[str, tuple[Mapping[str, float], tuple[float, ...], tuple[float, float]]] = {
+    "quarter_car": (CAR, STATE, (-8.0, 12.0)),
+    "tyre_damping": ({"c_t": 20.0}, STATE, (-8.0, 6.0)),  # 20 N s/m 0.15 m/s = 3 N
+    "tyre_lift_off": (  # 50 N pull, 2.5 kg half carried by the tyre: 12.2583125 N
+        {"r": 0.5},
+        (0.01, 0.3, 0.005, 0.2, 0.05),
+        (-8.0, 7.483375),
+    ),
+    "guide_friction": (  # 2 tanh 1 beside the 16 N
+        {"F_g": 2.0, "v_0": 0.1},
+        STATE,
+        (-8.0 - 0.7615941559557649, 12.0 + 4.0 * 0.7615941559557649),
+    ),
+    "spring_nonlinearity": ({"k_3": 1e6, "x_c": -0.01}, STATE, (-11.5, 26.0)),  # 8 N - 1 N
+    "sprung_mass_error": ({"e": 0.6}, STATE, (-5.0, 12.0)),
+    "accelerometer_bias": ({"b_s": 0.5, "b_us": -0.25}, STATE, (-7.5, 11.75)),
+}
+
+
+@pytest.mark.parametrize("name", RIDES)
+def test_ride(name: str) -> None:
+    values, (x, v_s, z_t, v_us, road_rate), expected = RIDES[name]
+    model = Model(name, {**PASSIVE, "quarter_car": CAR, name: values}, SMALL)
+    c, out = model.compiled(plant=True), np.zeros((1, 6))
+    w, rate = np.zeros(CATALOGUE.n_states), np.zeros(CATALOGUE.n_states)
+    kernel(CATALOGUE).vehicle_point(
+        c.on, c.slots, c.links, c.p, np.array([x, v_s, z_t, v_us]), w, 0.0, 0.0, road_rate, rate, rate, out
+    )  # fmt: skip
+    assert out[0, 4:] == pytest.approx(expected, rel=1e-9)
+
+
+def test_quarter_car_moves_as_its_forces_say() -> None:
+    model = Model("car", {**PASSIVE, "quarter_car": CAR}, SMALL)
+    dq, _, outputs = vehicle_rate(
+        model, np.array(STATE[:4]), np.zeros(CATALOGUE.n_states), 0.0, STATE[4]
+    )
     assert outputs == pytest.approx([-8.0, 12.0, 6.0], rel=1e-9)
     assert dq == pytest.approx([0.1, -8.0, 0.15, 12.0], rel=1e-9)
 
 
+def test_the_bias_of_an_accelerometer_moves_nothing() -> None:
+    biased = {"b_s": 0.5, "b_us": -0.25}
+    model = Model("car", {**PASSIVE, "quarter_car": CAR, "accelerometer_bias": biased}, SMALL)
+    _, _, outputs = vehicle_rate(
+        model, np.array(STATE[:4]), np.zeros(CATALOGUE.n_states), 0.0, STATE[4]
+    )
+    assert outputs == pytest.approx([-8.0, 12.0, 6.0], rel=1e-9)
+
+
 def test_every_effect_has_its_value() -> None:
-    assert {*FORCES, *RATES, *ELSEWHERE} == set(CATALOGUE.names)
+    assert {*FORCES, *RATES, *RIDES, *ELSEWHERE} == set(CATALOGUE.names)

@@ -2,61 +2,41 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from er_models.cards.panel import CHANGE, CYCLES, DT, SCALES, WITH, WITHOUT, Curve, Panel
+from er_models.cards.ride import CAR_EXPERIMENT, RIDE_EXPERIMENT, ride_panels
 from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.effect import Effect
 from er_models.model import Array, Model
 from er_models.predict import Motion, motion, predict
-from er_models.scales import Scales
-from er_models.simulate import simulate
 
-SCALES = Scales(force=20.0, deflection=0.010, velocity=0.15, duty=0.3)
-DT = 0.005
 SECONDS = 60.0
-CYCLES = 2
-"""Cycles shown, the last ones: slow effects have come by then."""
 
 EXPERIMENT = (
     "Sine of 2 Hz and 90 % of the stroke for 60 s, its last second shown; duty 0.15, for effects of the "
     "actuation a square wave of 5 Hz between 0.05 and 0.3. Grey: damper without the effect; blue: with it, at "
     "the start that shows most; red: the difference."
 )
-VEHICLE_EXPERIMENT = (
-    "Amplitude over that of a sine road, duty 0.15. Blue: deflection; red: sprung mass."
-)
 
 
-@dataclass(frozen=True)
-class Curve:
-    """One line of a picture: points (n,) each, and its colour."""
-
-    x: Array
-    y: Array
-    colour: str
-
-
-@dataclass(frozen=True)
-class Panel:
-    """Axis labels with units, and curves."""
-
-    x_label: str
-    y_label: str
-    curves: tuple[Curve, ...]
+def experiment(effect: Effect) -> str:
+    """What an effect's picture shows, in words."""
+    if effect.stage != "vehicle":
+        return EXPERIMENT
+    return CAR_EXPERIMENT if effect.name == "quarter_car" else RIDE_EXPERIMENT
 
 
 def panels(effect: Effect, catalogue: Catalogue = CATALOGUE) -> tuple[Panel, ...]:
     """The panels of an effect's picture."""
     if effect.stage == "vehicle":
-        return (_resonance(catalogue),)
+        return ride_panels(effect, catalogue)
     with_it, without, inputs = _forces(effect, catalogue)
     shown = slice(-round(CYCLES / 2.0 / DT) - 1, None)
     curves = [
-        (without[shown], "#9a9a9a"),
-        (with_it[shown], "#1f6fb4"),
-        ((with_it - without)[shown], "#c8432b"),
+        (without[shown], WITHOUT),
+        (with_it[shown], WITH),
+        ((with_it - without)[shown], CHANGE),
     ]
     x, v = 1e3 * inputs.x[shown], inputs.v[shown]
     return (
@@ -98,29 +78,6 @@ def _forces(effect: Effect, catalogue: Catalogue) -> tuple[Array, Array, Motion]
         values = {q.name: base.start(effect.name, q.name, i) for q in effect.parameters}
         forces.append(predict(base.with_effect(effect.name, values), inputs))
     return max(forces, key=lambda force: float(np.std(force - without))), without, inputs
-
-
-def _resonance(catalogue: Catalogue) -> Panel:
-    """Amplitudes of deflection and sprung mass over that of the road, by simulation of each frequency."""
-    model = Model("card", {}, SCALES, catalogue=catalogue)
-    for name in ("passive", "guo_yield", "response", "quarter_car"):
-        model = model.with_effect(name)
-    frequencies = np.geomspace(0.5, 30.0, 25)
-    rows = []
-    for f in frequencies:
-        n = round((2.0 + 6.0 / f) / DT)
-        road = 0.1 * SCALES.deflection * np.sin(2.0 * np.pi * f * np.arange(n) * DT)
-        run = simulate(model, DT, road, np.full(n, 0.5 * SCALES.duty))
-        last = slice(-max(round(3.0 / f / DT), 2), None)
-        sprung = run["deflection"] + run["tyre_deflection"] + run["road"]
-        rows.append([np.ptp(y[last]) / np.ptp(road[last]) for y in (run["deflection"], sprung)])
-    ratios = np.array(rows).T
-    x = np.log10(frequencies)
-    return Panel(
-        "log10 of frequency [Hz]",
-        "amplitude ratio",
-        (Curve(x, ratios[0], "#1f6fb4"), Curve(x, ratios[1], "#c8432b")),
-    )
 
 
 def svg(effect: Effect, catalogue: Catalogue = CATALOGUE) -> str:

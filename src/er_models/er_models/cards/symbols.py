@@ -46,6 +46,9 @@ ACTS: dict[str, tuple[str, str]] = {
     "tyre_force": ("F_t +=", r"F_t \mathrel{+}="),
     "sprung_mass": ("M_s +=", r"M_s \mathrel{+}="),
     "unsprung_mass": ("M_us +=", r"M_{us} \mathrel{+}="),
+    "tyre_limit": ("F_t :=", r"F_t \mathrel{:=}"),
+    "sprung_reading": ("a_s :=", r"a_s \mathrel{:=}"),
+    "unsprung_reading": ("a_us :=", r"a_{us} \mathrel{:=}"),
 }
 """What a hook does with its value: text and LaTeX of the left side."""
 

@@ -151,15 +151,24 @@ def _chassis(catalogue: Catalogue) -> list[str]:
     """Source of `chassis`: spring force, tyre force and masses at one instant."""
     body = ["def chassis(on, p, x, v, z_t, v_t, v_s):"]
     names = {
-        "f_s": "spring_force",
-        "f_t": "tyre_force",
         "m_s": "sprung_mass",
         "m_us": "unsprung_mass",
+        "f_s": "spring_force",
+        "f_t": "tyre_force",
     }
     body += [f"    {short} = 0.0" for short in names]
     for short, hook in names.items():
         body += _lines(catalogue, hook, f"{short} += {{call}}")
-    return [*body, f"    return {', '.join(names)}"]
+    body += _lines(catalogue, "tyre_limit", "f_t = {call}")
+    return [*body, "    return f_s, f_t, m_s, m_us"]
+
+
+def _accelerometers(catalogue: Catalogue) -> list[str]:
+    """Source of `accelerometers`: what is reported of the accelerations of both masses."""
+    body = ["def accelerometers(on, p, a_s, a_us):"]
+    body += _lines(catalogue, "sprung_reading", "a_s = {call}")
+    body += _lines(catalogue, "unsprung_reading", "a_us = {call}")
+    return [*body, "    return a_s, a_us"]
 
 
 def source(catalogue: Catalogue) -> str:
@@ -172,7 +181,7 @@ def source(catalogue: Catalogue) -> str:
         "from er_models.kernel.fast import batch, entry, inline, inner, record, tanh",
         "from er_models.kernel.hooks import compiled as _compiled",
     ]
-    composed = [_damper(catalogue), _chassis(catalogue)]
+    composed = [_damper(catalogue), _chassis(catalogue), _accelerometers(catalogue)]
     composed += [_delay(catalogue, "input_delay"), _delay(catalogue, "output_delay")]
     text = "\n".join("\n".join(["", "", "@inline", *lines]) for lines in composed)
     parts += [

@@ -18,7 +18,7 @@ import numpy as np
 from er_models.kernel.fast import entry, inline, inner
 from er_models.kernel.imposed import input_delay
 from er_models.kernel.inputs import split
-from er_models.kernel.sensors import remember_force, remember_velocity, report
+from er_models.kernel.sensors import accelerometers, remember_force, remember_velocity, report
 from er_models.kernel.states import HOLD, ROWS, SLOPE, STAGE, W0, G, R, W, settle, visit
 
 
@@ -203,11 +203,12 @@ def start_vehicle(on, slots, at_rest, p, q, w, u):
 
 @entry
 def vehicle_point(on, slots, links, p, q, w, u, t, road_rate, rate, drive, out):
-    """Accelerations and forces of a state, and rate and drive of every damper state."""
+    """Accelerations and forces of a state, the reported accelerations, and rate and drive of every damper state."""
     s = np.zeros((ROWS, w.shape[0]))
     for j in range(w.shape[0]):
         s[W, j] = w[j]
     observe(on, slots, links, p, q, s, u, t, road_rate, out, 0)
+    out[0, 4], out[0, 5] = accelerometers(on, p, out[0, 0], out[0, 1])
     for j in range(w.shape[0]):
         rate[j], drive[j] = s[R, j], s[G, j]
 
