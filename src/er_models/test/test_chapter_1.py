@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from er_models.catalogue import CATALOGUE
+from er_models.errors import InputError
 from er_models.files import load_model
+from er_models.linear import NotThisForm, thesis_form
 from er_models.model import Array, Model
 from er_models.predict import motion, predict
 from er_models.rhs import damper_rate
@@ -149,6 +151,25 @@ def in_the_car(damper: Model) -> Model:
     car = load_model(CONFIG / "vehicles" / "inove_quarter_car.yaml")
     effects = {**damper.effects, "quarter_car": car.effects["quarter_car"]}
     return Model(damper.name, effects, damper.scales)
+
+
+@EACH
+def test_linear_forms_take_one_set_and_one_constant_only(name: str) -> None:
+    """The thesis designs observers and controllers with (1.22) alone; what cannot be held is named."""
+    model = in_the_car(shipped(name))
+    if name == "inove_guo":
+        form = thesis_form(model)
+        assert form.B[4] == pytest.approx(F_C[0] / 0.0365, rel=1e-9)
+        assert form.A[4, 4] == pytest.approx(-1.0 / 0.0365, rel=1e-9)
+        return
+    culprit = {
+        "inove_guo_two_sided": "passive_by_direction, guo_yield_by_direction",
+        "inove_bingham_two_sided": "passive_by_direction, bingham_yield_by_direction",
+        "inove_bingham_dynamic": "bingham_yield",
+    }.get(name, "response_table" if printed_response_time(name, 0.2) else "nothing")
+    culprit = "response_quadratic" if "quadratic" in name else culprit
+    with pytest.raises((InputError, NotThisForm), match=culprit):
+        thesis_form(model)
 
 
 def test_series_elements_see_the_stiffness_of_the_direction() -> None:

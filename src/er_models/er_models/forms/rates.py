@@ -47,8 +47,10 @@ def check_parts(model: Model) -> None:
     """Raise `InputError` for a model without the parts the forms are about."""
     for part in ("quarter_car", "response"):
         if part not in model.effects:
-            expected = "a vehicle model with a response time"
-            raise InputError(model.name, f"effects.{part}", expected, "nothing")
+            varying = [n for n in model.effects if "response_time" in model.catalogue[n].hooks]
+            expected = "a vehicle model with a constant response time"
+            found = ", ".join(varying) if part == "response" and varying else "nothing"
+            raise InputError(model.name, f"effects.{part}", expected, found)
     tau = model.value("response", "tau")
     if not tau > 0.0:
         raise InputError(model.name, "effects.response.tau", "a value above 0 s", tau)
