@@ -244,6 +244,16 @@ def test_a_leak_loses_a_share_of_the_force(car: Model) -> None:
         lost_force(form, np.zeros(5), leakage=1.2)
 
 
+def test_frozen_gate_is_the_slope_of_the_form(car: Model) -> None:
+    """Slope 1 is what a small motion feels at that duty, slope 0 what remains beyond yield."""
+    for form in (thesis_form(car), relative_form(car)):
+        small = 1e-7 * np.array([1.0, 0.3, -0.5, 0.8, 1.0])[: form.n]
+        wanted = form.rate(small, 0.3, 0.0)
+        np.testing.assert_allclose(form.frozen(0.3, 1.0) @ small, wanted, rtol=1e-6)
+        np.testing.assert_array_equal(form.frozen(0.3, 0.0), form.A)
+        assert np.linalg.norm(form.frozen(0.3, 0.5) - form.A) > 1.0
+
+
 def test_every_form_refuses_a_damper_it_cannot_hold(car: Model) -> None:
     """A friction bends each of the forms, and each says which effect it is."""
     bent = car.with_effect("coulomb_friction")

@@ -49,6 +49,10 @@ class LinearForm:
         """Rate x' (n,) of a state (n,), the duty and the unknown input [m/s]."""
         return np.asarray(self.A @ x + self.B * (u * np.tanh(self.Gamma @ x)) + self.D1 * unknown)
 
+    def frozen(self, u: float, slope: float) -> Array:
+        """State matrix (n, n) at a held duty, the gate on a line through zero; slope 1 before yield, 0 far beyond."""
+        return np.asarray(self.A + u * slope * np.outer(self.B, self.Gamma))
+
 
 def thesis_form(model: Model) -> LinearForm:
     """The form (2.11)-(2.12), (2.20) of a vehicle model.
