@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from test.blind.calibrate import clean_records, hide, scene_of, table_of
+from test.blind.calibrate import LEAST_RISE, MOST_RISE, clean_records, hide, scene_of, table_of
 from test.blind.case import Case, check_free, excess_after_refit, write
 from test.blind.catalogue import INSIDE, OUTSIDE, choose
 from test.blind.effect import Effect
@@ -20,6 +20,7 @@ from test.blind.plant import Program, Rig, draw_base, draw_motions, within_limit
 __all__ = ["INSIDE", "OUTSIDE", "Case", "excess_after_refit", "main", "make_case", "more_records"]
 
 _ROAD_TRIALS = 3
+_REDRAWS = 4
 _CHOICE, _BASE, _MOTION, _NOISE, _EFFECT = range(5)
 
 
@@ -28,24 +29,46 @@ def _stream(seed: int, part: int, *more: int) -> np.random.Generator:
     return np.random.default_rng([seed, part, *more])
 
 
-def _finished(case: Case) -> Case:
-    """The case with its records simulated, made noisy and written."""
+def _simulated(case: Case) -> Case:
+    """The case with its noiseless records."""
     clean = clean_records(case.motions, case.table, case.base, case.seconds)
+    return replace(case, clean=tuple(clean))
+
+
+def _finished(case: Case) -> Case:
+    """The simulated case with its records made noisy and written."""
     noisy = [
         with_noise(record, case.noise, _stream(case.seed, _NOISE, index))
-        for index, record in enumerate(clean)
+        for index, record in enumerate(case.clean)
     ]
-    done = replace(case, clean=tuple(clean), noisy=tuple(noisy))
+    done = replace(case, noisy=tuple(noisy))
     write(done)
     return done
 
 
-def _hidden(case: Case, chosen: list[Effect], target: float | None) -> Case:
+def _shown(case: Case, chosen: list[Effect], target: float | None) -> Case:
+    """The case with effects that show by 10 to 600 % together; shapes, signs and strengths redrawn until they do.
+
+    Raises:
+        BlindError: they never did; a single effect says so by itself.
+    """
+    found = []
+    for trial in range(_REDRAWS):
+        full = _simulated(_hidden(case, chosen, target, trial))
+        found.append(excess_after_refit(full) if chosen else LEAST_RISE)
+        if LEAST_RISE <= found[-1] <= MOST_RISE:
+            return full
+    names, rises = ", ".join(e.name for e in chosen), ", ".join(f"{r:.1%}" for r in found)
+    raise BlindError(f"{names}: expected a rise of 10 to 600 % together, found {rises}")
+
+
+def _hidden(case: Case, chosen: list[Effect], target: float | None, trial: int) -> Case:
     """The case with calibrated effects, its roads smaller where they let the car move too much."""
     motions, floor = case.motions, case.noise.force
     for _ in range(_ROAD_TRIALS):
         scene = scene_of(motions, case.base, case.seconds)
-        streams = [_stream(case.seed, _EFFECT, one.slot) for one in chosen]
+        more = [trial] if trial else []
+        streams = [_stream(case.seed, _EFFECT, one.slot, *more) for one in chosen]
         hidden = tuple(
             hide(one, motions, scene, floor, rng, target)
             for one, rng in zip(chosen, streams, strict=True)
@@ -86,7 +109,8 @@ def make_case(
             being 10 %; drawn for each effect where absent.
 
     Raises:
-        BlindError: an unknown effect, an occupied folder, or a target out of reach.
+        BlindError: an unknown effect, an occupied folder, a target out of reach, or effects that hide one
+            another.
     """
     if n_records < 1 or (seconds is not None and seconds < 2.0):
         raise BlindError("case: expected at least one record of at least 2 s")
@@ -99,7 +123,7 @@ def make_case(
     motion_seed = np.random.SeedSequence([seed, _MOTION])
     motions = tuple(draw_motions(rig, "rich", n_records, length, base, motion_seed))
     case = Case(out, seed, rig, "rich", length, base, (), noise, motions, (), ())
-    return _finished(_hidden(case, chosen, target))
+    return _finished(_shown(case, chosen, target))
 
 
 def more_records(
@@ -128,16 +152,15 @@ def more_records(
     length = seconds if seconds is not None else case.seconds
     motion_seed = np.random.SeedSequence([seed, _MOTION])
     motions = draw_motions(case.rig, program, n_records, length, case.base, motion_seed)
-    return _finished(
-        replace(
-            case,
-            directory=out,
-            seed=seed,
-            program=program,
-            seconds=length,
-            motions=tuple(motions),
-        )
+    other = replace(
+        case,
+        directory=out,
+        seed=seed,
+        program=program,
+        seconds=length,
+        motions=tuple(motions),
     )
+    return _finished(_simulated(other))
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:

@@ -161,6 +161,14 @@ def test_pair_is_calibrated_one_by_one(tmp_path: Path) -> None:
     assert all(0.1 <= one.rise <= 6.0 for one in case.hidden)
     single = make_case("dead_time", 2, out=tmp_path / "one", n_records=2, seconds=10.0)
     np.testing.assert_array_equal(case.hidden[1].row, single.hidden[0].row)
+    assert 0.1 <= excess_after_refit(case) <= 6.0
+    quiet, much = Noise(force=0.03), ["field_viscosity", "asymmetric_damping"]
+    with pytest.raises(
+        BlindError, match="asymmetric_damping: expected a rise of 10 to 600 % toge"
+    ):
+        make_case(
+            much, 2, out=tmp_path / "much", n_records=1, seconds=6.0, noise=quiet, target=5.6
+        )
 
 
 def test_more_records_keep_the_truth(case: Case, tmp_path: Path) -> None:
