@@ -20,6 +20,14 @@ def vehicle_rate(
 
     q = [z_def, v_s, z_us - z_r, v_us] as in (2.11); no dead time.
     """
+    dq, dw, out = vehicle_point(model, q, w, u, road_rate, t)
+    return dq, dw, out[:3].copy()
+
+
+def vehicle_point(
+    model: Model, q: Array, w: Array, u: float, road_rate: float, t: float = 0.0
+) -> tuple[Array, Array, Array]:
+    """As `vehicle_rate`, with a_s, a_us, F_d, the measured force and both reported accelerations, (6,)."""
     c = model.compiled(plant=True)
     rate, drive, out = np.zeros(w.shape[0]), np.zeros(w.shape[0]), np.zeros((1, 6))
     kernel(model.catalogue).vehicle_point(
@@ -29,7 +37,7 @@ def vehicle_rate(
     dw = np.zeros(w.shape[0])
     dw[c.slots] = drive[c.slots] - rate[c.slots] * w[c.slots]
     dq = np.array([q[1] - q[3], out[0, 0], q[3] - road_rate, out[0, 1]])
-    return dq, dw, out[0, :3].copy()
+    return dq, dw, out[0]
 
 
 def damper_rate(

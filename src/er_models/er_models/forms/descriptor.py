@@ -21,7 +21,7 @@ import numpy as np
 from er_models.forms.linearise import check_equal, rounded
 from er_models.forms.lipschitz import thesis_form
 from er_models.forms.rates import STATES as HEALTHY
-from er_models.forms.rates import rates_of, sizes_of
+from er_models.forms.rates import rates_of
 from er_models.model import Array, Model
 
 STATES = (*HEALTHY, "f")
@@ -47,8 +47,7 @@ class DescriptorForm:
 
 def descriptor_form(model: Model) -> DescriptorForm:
     """The form (2.19) of a vehicle model; raises as `thesis_form`."""
-    healthy, size, rest = thesis_form(model), sizes_of(model), np.zeros(5)
-    lost = float(size[4])
+    healthy, rest, lost = thesis_form(model), np.zeros(5), model.scales.force
     with_loss, with_gain = rates_of(model, lost), rates_of(model, -lost)
     column = (with_loss(rest, 0.0, 0.0) - with_gain(rest, 0.0, 0.0)) / (2.0 * lost)
     form = DescriptorForm(
@@ -65,5 +64,5 @@ def descriptor_form(model: Model) -> DescriptorForm:
         x_e = np.append(x, lost)
         return np.concatenate([form.side(x_e, u, road_rate), form.C @ x_e, [form.F @ x_e]])
 
-    check_equal(model, with_loss, linear, size)
+    check_equal(model, linear, lost)
     return form

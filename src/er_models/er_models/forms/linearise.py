@@ -7,13 +7,16 @@ from collections.abc import Callable
 import numpy as np
 
 from er_models.errors import ErError
-from er_models.forms.rates import NAMES, Rates
+from er_models.forms.rates import NAMES, Rates, envelope_of, rates_of
+from er_models.kernel.compose import arguments
 from er_models.model import Array, Model
 
 DIGITS = 12
 """Significant digits kept of every entry: more than any parameter has, the same everywhere."""
 TOLERANCE = 1e-8
 """Largest departure from the right-hand side, as a share of each rate's range."""
+OTHERS, LATER = 1e-3, 1e3
+"""A value of any other state [SI] and a time [s] at which the form must still hold."""
 
 _USUAL = ("passive", "guo_yield", "response", "quarter_car")
 
@@ -61,22 +64,42 @@ def _slope(gate: Callable[[Array], float], height: float, i: int, step: float) -
     return 0.0  # saturated at any size: `check_equal` refuses the form
 
 
-def check_equal(model: Model, exact: Rates, linear: Rates, size: Array) -> None:
-    """Refuse a form that departs from the right-hand side anywhere in the envelope."""
-    random = np.random.default_rng(0)
+def check_equal(model: Model, linear: Rates, loss: float = 0.0) -> None:
+    """Refuse a form that departs from the right-hand side anywhere in the envelope.
+
+    Nothing but state, duty and road may matter: not the time, no other state, no dead time.
+    """
+    _check_at_once(model)
+    random, size = np.random.default_rng(0), envelope_of(model)
     points = [
         (size * random.uniform(-1, 1, 5), random.uniform(0, 1), random.uniform(-1, 1))
         for _ in range(100)
     ]
-    wanted = np.array([exact(*point) for point in points])
-    departure = np.abs(wanted - np.array([linear(*point) for point in points])).max(axis=0)
-    share = departure / np.maximum(np.abs(wanted).max(axis=0), 1e-300)
-    worst = int(np.argmax(share))
-    if not share[worst] <= TOLERANCE:
-        raise NotThisForm(
-            f"{model.name}: {NAMES[worst]} departs from the linear form with one tanh by "
-            f"{100 * share[worst]:.3g} % of its range; leave out one of {suspects(model)}"
-        )
+    found = np.array([linear(*point) for point in points])
+    for others, t, how in (
+        (0.0, 0.0, "departs from the linear form with one tanh by {:.3g} % of its range"),
+        (OTHERS, 0.0, "follows a state that the form does not have"),
+        (0.0, LATER, "changes with time"),
+    ):
+        exact = rates_of(model, loss, others, t)
+        worst, share = _departure(np.array([exact(*point) for point in points]), found)
+        if not share <= TOLERANCE:
+            text = f"{NAMES[worst]} {how.format(100 * share)}"
+            raise NotThisForm(f"{model.name}: {text}; leave out one of {suspects(model)}")
+
+
+def _departure(wanted: Array, found: Array) -> tuple[int, float]:
+    """Which column of (points, 8) is off most, and by which share of its range."""
+    share = np.abs(wanted - found).max(axis=0) / np.maximum(np.abs(wanted).max(axis=0), 1e-300)
+    return int(np.argmax(share)), float(share.max())
+
+
+def _check_at_once(model: Model) -> None:
+    """Refuse a duty that acts later: no form has a dead time."""
+    for name, values in model.effects.items():
+        delay = model.catalogue[name].hooks.get("input_delay")
+        if delay is not None and delay(**{n: values[n] for n in arguments(delay)}):
+            raise NotThisForm(f"{model.name}: the duty acts after a dead time; leave out {name}")
 
 
 def suspects(model: Model) -> str:

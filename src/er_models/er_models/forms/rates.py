@@ -8,7 +8,7 @@ import numpy as np
 
 from er_models.errors import InputError
 from er_models.model import Array, Model
-from er_models.rhs import vehicle_rate
+from er_models.rhs import vehicle_point
 
 STATES = ("z_def", "v_s", "z_us - z_r", "v_us", "f_y")
 NAMES = (*(f"d({s})/dt" for s in STATES), "sprung acceleration", "unsprung", "F_d")
@@ -18,10 +18,12 @@ Rates = Callable[[Array, float, float], Array]
 """Rates (5,), both accelerations and F_d, (8,), of state (5,), duty and road rate [m/s]."""
 
 
-def rates_of(model: Model, loss: float = 0.0) -> Rates:
+def rates_of(model: Model, loss: float = 0.0, others: float = 0.0, t: float = 0.0) -> Rates:
     """The equations (2.5), or (2.18) where the damper has lost the force `loss` [N].
 
     The loss enters where every damper force does: as the constant force of `preload`, against it.
+    others: value of every state but the five [SI]; t: time since the record began [s]; a model
+    that is one of the forms answers to neither. The accelerations are those reported.
     """
     check_parts(model)
     if loss:
@@ -29,18 +31,24 @@ def rates_of(model: Model, loss: float = 0.0) -> Rates:
     slot = model.catalogue.slots["response"]
 
     def rates(x: Array, u: float, road_rate: float) -> Array:
-        w = np.zeros(max(model.catalogue.n_states, 1))
+        w = np.full(max(model.catalogue.n_states, 1), others)
         w[slot] = x[4]
-        dq, dw, outputs = vehicle_rate(model, np.ascontiguousarray(x[:4]), w, u, road_rate)
-        return np.concatenate([dq, [dw[slot]], outputs])
+        dq, dw, out = vehicle_point(model, np.ascontiguousarray(x[:4]), w, u, road_rate, t)
+        return np.concatenate([dq, [dw[slot]], out[4:], [out[2]]])
 
     return rates
 
 
 def sizes_of(model: Model) -> Array:
-    """Typical sizes of the state (5,), from the envelope of the model."""
+    """Steps for difference quotients of the state (5,), from the envelope of the model."""
     s = model.scales
     return np.array([s.deflection, s.velocity, 0.1 * s.deflection, s.velocity, s.force])
+
+
+def envelope_of(model: Model) -> Array:
+    """Sizes of the state (5,) within which a form must hold: the tyre may leave the road."""
+    s = model.scales
+    return np.array([s.deflection, s.velocity, s.deflection, s.velocity, s.force])
 
 
 def check_parts(model: Model) -> None:
