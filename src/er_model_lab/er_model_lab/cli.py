@@ -57,6 +57,10 @@ HoldOut = Annotated[
     ),
 ]
 Out = Annotated[Path, typer.Option("--out", help="New model file.")]
+EffectsFrom = Annotated[
+    list[Path] | None,
+    typer.Option("--effects-from", help="Python file with effects of your own. Repeatable."),
+]
 
 
 @app.command()
@@ -66,6 +70,7 @@ def compare(
     json_file: Json = None,
     report: Report = None,
     hold_out: HoldOut = None,
+    effects_from: EffectsFrom = None,
     level: Level = "damper",
     seed: Seed = 0,
 ) -> None:
@@ -73,7 +78,7 @@ def compare(
     from er_model_lab import commands, vehicle
 
     def work() -> Outcome:
-        asked = _asked(data, model, seed, hold_out)
+        asked = _asked(data, model, seed, hold_out, effects_from)
         if level == "vehicle":
             return vehicle.compare(asked)
         _damper_only(level, "compare")
@@ -89,6 +94,7 @@ def diagnose(
     json_file: Json = None,
     report: Report = None,
     hold_out: HoldOut = None,
+    effects_from: EffectsFrom = None,
     level: Level = "damper",
     seed: Seed = 0,
 ) -> None:
@@ -97,8 +103,8 @@ def diagnose(
 
     def work() -> Outcome:
         _damper_only(level, "diagnose")
-        with _progress("trying effects") as tick:
-            return commands.diagnose(_asked(data, model, seed, hold_out), tick)
+        with _progress("trying effects", effects_from) as tick:
+            return commands.diagnose(_asked(data, model, seed, hold_out, effects_from), tick)
 
     _run(work, json_file, report)
 
@@ -114,6 +120,7 @@ def add(
     json_file: Json = None,
     report: Report = None,
     hold_out: HoldOut = None,
+    effects_from: EffectsFrom = None,
     level: Level = "damper",
     seed: Seed = 0,
 ) -> None:
@@ -122,8 +129,10 @@ def add(
 
     def work() -> Outcome:
         _damper_only(level, "add")
-        with _progress(f"adding {effect}") as tick:
-            return commands.add(_asked(data, model, seed, hold_out), effect, out, tick)
+        with _progress(f"adding {effect}", effects_from) as tick:
+            return commands.add(
+                _asked(data, model, seed, hold_out, effects_from), effect, out, tick
+            )
 
     _run(work, json_file, report, out)
 
@@ -136,6 +145,7 @@ def improve(
     json_file: Json = None,
     report: Report = None,
     hold_out: HoldOut = None,
+    effects_from: EffectsFrom = None,
     level: Level = "damper",
     seed: Seed = 0,
 ) -> None:
@@ -144,8 +154,8 @@ def improve(
 
     def work() -> Outcome:
         _damper_only(level, "improve")
-        with _progress("trying effects") as tick:
-            return commands.improve(_asked(data, model, seed, hold_out), out, tick)
+        with _progress("trying effects", effects_from) as tick:
+            return commands.improve(_asked(data, model, seed, hold_out, effects_from), out, tick)
 
     _run(work, json_file, report, out)
 
@@ -154,23 +164,33 @@ def improve(
 def effects(
     effect: Annotated[str | None, typer.Argument(help="Show the card of this effect.")] = None,
     json_file: Json = None,
+    effects_from: EffectsFrom = None,
 ) -> None:
     """The catalogue of effects, or the card of one."""
+    from er_models.own import catalogue_with
+
     from er_model_lab.effects_command import card, table
 
     try:
-        result, text = card(effect) if effect else table()
+        catalogue = catalogue_with(effects_from or ())
+        result, text = card(effect, catalogue) if effect else table(catalogue)
         _write_json(json_file, result)
-        Console().print(text)
+        _console().print(text, soft_wrap=bool(effect))
     except ErError as error:
         _fail(error)
 
 
-def _asked(data: list[Path], model: Path, seed: int, hold_out: list[Path] | None) -> Request:
+def _asked(
+    data: list[Path],
+    model: Path,
+    seed: int,
+    hold_out: list[Path] | None,
+    effects_from: list[Path] | None,
+) -> Request:
     """The request of a command line."""
     from er_model_lab.commands import Request
 
-    return Request(data, model, seed, tuple(hold_out or ()))
+    return Request(data, model, seed, tuple(hold_out or ()), tuple(effects_from or ()))
 
 
 def _damper_only(level: str, command: str) -> None:
@@ -209,12 +229,16 @@ def _print(outcome: Outcome, page: Path | None, out: Path | None) -> None:
     """One screen of summary."""
     from er_model_lab.terminal import summary
 
-    wide = Console() if sys.stdout.isatty() else Console(width=100)
-    wide.print(summary(outcome.view))
+    _console().print(summary(outcome.view))
     if out:
         typer.echo(f"new model: {out}")
     if page:
         typer.echo(f"report: {page}")
+
+
+def _console() -> Console:
+    """The terminal; a file or pipe is 100 columns wide."""
+    return Console() if sys.stdout.isatty() else Console(width=100)
 
 
 def _write_report(folder: Path | None, outcome: Outcome) -> Path | None:
@@ -241,12 +265,12 @@ def _fail(error: ErError) -> None:
 
 
 @contextmanager
-def _progress(title: str) -> Iterator[Tick | None]:
+def _progress(title: str, effects_from: list[Path] | None) -> Iterator[Tick | None]:
     """A progress bar with the effect being tried, on a terminal only."""
     if not sys.stderr.isatty():
         yield None
         return
-    from er_models.catalogue import CATALOGUE
+    from er_models.own import catalogue_with
     from rich.progress import (
         BarColumn,
         MofNCompleteColumn,
@@ -256,7 +280,7 @@ def _progress(title: str) -> Iterator[Tick | None]:
         TimeRemainingColumn,
     )
 
-    total = len(CATALOGUE.candidates())
+    total = len(catalogue_with(effects_from or ()).candidates())
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),

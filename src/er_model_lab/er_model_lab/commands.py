@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import shlex
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from er_models.catalogue import Catalogue
 from er_models.errors import ErError, InputError
 from er_models.files import load_model, save_model
 from er_models.model import Model
+from er_models.own import catalogue_with
 
 from er_model_lab.compare import errors, region_tables, worst
 from er_model_lab.diagnose.candidates import baseline
@@ -39,12 +41,25 @@ MOST_PASSES = 3
 
 @dataclass(frozen=True)
 class Request:
-    """What every command is asked: data, data that only score (may be empty), model file and seed."""
+    """What every command is asked: data, data that only score (may be empty), model file and seed.
+
+    effects_from: Python files with the user's own effects.
+    """
 
     data: list[Path]
     model_file: Path
     seed: int = 0
     hold_out: tuple[Path, ...] = ()
+    effects_from: tuple[Path, ...] = ()
+
+    @property
+    def catalogue(self) -> Catalogue:
+        """The catalogue with the user's own effects."""
+        return catalogue_with(self.effects_from)
+
+    def model(self) -> Model:
+        """The model as its file has it."""
+        return load_model(self.model_file, self.catalogue)
 
 
 @dataclass(frozen=True)
@@ -77,12 +92,13 @@ def provenance(records: list[Record], model: Model, ask: Request) -> dict[str, A
     return {
         "data": fingerprint(records), "records": [r.name for r in records], "model_file": str(ask.model_file),
         "model": model.digest(), "seed": ask.seed, "versions": versions(), "command_line": command_line(),
+        "effects_from": {name: asdict(o) for name, o in model.catalogue.origins.items()},
     }  # fmt: skip
 
 
 def compare(ask: Request) -> Outcome:
     """Predict with the model as it is, and say where it fails."""
-    model, (records, sealed) = load_model(ask.model_file), read(ask)
+    model, (records, sealed) = ask.model(), read(ask)
     problem, _ = open_problem(records, model, sealed)
     given = as_given(model, problem)
     base = baseline(on_fused(model), problem)
@@ -107,14 +123,14 @@ def compare(ask: Request) -> Outcome:
 
 def diagnose(ask: Request, tick: Tick | None = None) -> Outcome:
     """Refit, then say which effect is missing."""
-    model, (records, sealed) = load_model(ask.model_file), read(ask)
+    model, (records, sealed) = ask.model(), read(ask)
     study = investigate(records, model, seed=ask.seed, sealed=sealed, tick=tick)
     return _outcome("diagnose", study, final_model(study), records, ask)
 
 
 def add(ask: Request, effect: str, out: Path, tick: Tick | None = None) -> Outcome:
     """Add one effect, refit everything, and write the new model."""
-    model, (records, sealed) = load_model(ask.model_file), read(ask)
+    model, (records, sealed) = ask.model(), read(ask)
     _may_add(model, effect)
     _may_write(out, ask.model_file)
     study = add_effect(records, model, effect, seed=ask.seed, sealed=sealed, tick=tick)
@@ -126,7 +142,7 @@ def add(ask: Request, effect: str, out: Path, tick: Tick | None = None) -> Outco
 
 def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
     """Diagnose and add until the model is adequate or nothing known helps."""
-    model, (records, sealed) = load_model(ask.model_file), read(ask)
+    model, (records, sealed) = ask.model(), read(ask)
     _may_write(out, ask.model_file)
     current, studies = model, list[Study]()
     for n in range(MOST_PASSES):

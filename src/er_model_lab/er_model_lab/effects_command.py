@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from er_models.card import card_text
-from er_models.catalogue import CATALOGUE
+from er_models.catalogue import Catalogue
 from er_models.effect import Effect
 from rich.console import RenderableType
+from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 
 def _data(effect: Effect) -> dict[str, Any]:
@@ -36,17 +38,23 @@ def _finite(value: float | None) -> float | str | None:
     return "inf" if value == float("inf") else value
 
 
-def table() -> tuple[dict[str, Any], RenderableType]:
-    """All effects: plain data and a table."""
+def table(catalogue: Catalogue) -> tuple[dict[str, Any], RenderableType]:
+    """All effects: plain data and a table; those that cannot be known say why."""
     out = Table(title="effects", show_lines=False)
     for column in ("effect", "stage", "what it is", "shows itself as"):
         out.add_column(column, overflow="fold")
-    for effect in CATALOGUE.effects:
-        out.add_row(effect.name, effect.stage, effect.title, effect.signature.mark)
-    return {"effects": [_data(e) for e in CATALOGUE.effects]}, out
+    for effect in catalogue.effects:
+        mark = effect.signature.mark if effect.knowable else because(effect)
+        out.add_row(effect.name, effect.stage, effect.title, escape(mark))
+    return {"effects": [_data(e) for e in catalogue.effects]}, out
 
 
-def card(name: str) -> tuple[dict[str, Any], RenderableType]:
+def card(name: str, catalogue: Catalogue) -> tuple[dict[str, Any], RenderableType]:
     """One effect: plain data and its card; `UnknownName` if there is none."""
-    effect = CATALOGUE[name]
-    return _data(effect), card_text(effect)
+    effect = catalogue[name]
+    return _data(effect), Text(card_text(effect))
+
+
+def because(effect: Effect) -> str:
+    """Why an effect cannot be known."""
+    return f"cannot be known from these channels, because {effect.unknowable_because}"

@@ -20,11 +20,15 @@ Free = tuple[tuple[str, str], ...]
 
 
 def free_parameters(model: Model) -> Free:
-    """All fitted parameters of a model's effects; the car itself is not fitted to a damper force."""
+    """All fitted parameters of a model's effects.
+
+    What acts in the car is not fitted to a damper force, nor is a gain that it cannot show: these
+    keep the model's values.
+    """
     return tuple(
         (name, q.name)
         for name in model.effects
-        if model.catalogue[name].stage != "vehicle"
+        if model.catalogue[name].stage != "vehicle" and model.catalogue[name].knowable
         for q in model.catalogue[name].parameters
         if q.fitted
     )

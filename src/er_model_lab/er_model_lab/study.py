@@ -20,6 +20,8 @@ from er_model_lab.record import Record
 
 Tick = Callable[[str], None]
 
+KINEMATIC = ("velocity_lag", "velocity_gain")
+"""Errors of the velocity channel that are undone before the motion is fused."""
 SMALLEST_LAG = 0.08
 """Lag of the velocity channel that counts, in samples."""
 
@@ -47,15 +49,30 @@ def known_lag(model: Model) -> float | None:
 
 
 def on_fused(model: Model) -> Model:
-    """The model without the lag of the velocity channel: fusion has already undone it."""
-    return model.without_effect("velocity_lag") if "velocity_lag" in model.effects else model
+    """The model without lag and gain of the velocity channel: `open_problem` has already undone them."""
+    for name in KINEMATIC:
+        model = model.without_effect(name) if name in model.effects else model
+    return model
+
+
+def in_scale(records: list[Record], model: Model) -> list[Record]:
+    """The records with the gain of a measured velocity channel undone, where the model holds one."""
+    if "velocity_gain" not in model.effects:
+        return records
+    gain, name = model.value("velocity_gain", "g_v"), "deflection_velocity"
+    return [
+        replace(r, channels={**r.channels, name: r.channels[name] / gain})
+        if r.has(name) and name not in r.derived
+        else r
+        for r in records
+    ]
 
 
 def open_problem(
     records: list[Record], model: Model, sealed: int = 0
 ) -> tuple[Problem, tuple[float, float] | None]:
     """Fused problem, and the lag of the velocity channel when it is there and not yet in the model."""
-    known = known_lag(model)
+    known, records = known_lag(model), in_scale(records, model)
     if known is not None:
         return prepare(records, sealed=sealed, velocity_lag=known), None
     problem = prepare(records, sealed=sealed)
@@ -84,12 +101,9 @@ def investigate(
     bare = on_fused(model)
     lag_base = _as_measured(bare, problem) if lag else None
     found = diagnose(bare, problem, seed=seed, replicates=replicates, tick=tick)
+    found = _restored(found, model)
     if lag:
         found = _with_lag(found, lag_base, lag)
-    elif bare is not model:
-        found = replace(
-            found, best=_keep_lag(found.best, model), base=_keep_lag(found.base, model)
-        )
     return Study(found, problem, model, lag, lag_base, as_given(model, problem))
 
 
@@ -108,9 +122,9 @@ def add_effect(
     given = as_given(model, problem)
     if effect == "velocity_lag" and lag:
         base = _as_measured(bare, problem)
-        inner = diagnose_one(bare, problem, None, seed)
+        inner = _restored(diagnose_one(bare, problem, None, seed), model)
         return Study(_with_lag(inner, base, lag), problem, model, lag, base, given)
-    found = diagnose_one(bare, problem, effect, seed)
+    found = _restored(diagnose_one(bare, problem, effect, seed), model)
     if tick:
         tick(effect)
     return Study(found, problem, model, None, None, given)
@@ -159,9 +173,20 @@ def _with_lag(found: Diagnosis, before: Candidate | None, lag: tuple[float, floa
     )  # fmt: skip
 
 
-def _keep_lag(candidate: Candidate, model: Model) -> Candidate:
-    """A candidate whose model still holds the lag of the velocity channel."""
-    kept = candidate.fit.model.with_effect("velocity_lag", dict(model.effects["velocity_lag"]))
+def _restored(found: Diagnosis, model: Model) -> Diagnosis:
+    """A diagnosis whose models hold again what `on_fused` left out."""
+    base = _kept(found.base, model)
+    return replace(
+        found, base=base, best=base if found.best is found.base else _kept(found.best, model)
+    )
+
+
+def _kept(candidate: Candidate, model: Model) -> Candidate:
+    """A candidate whose model still holds what `on_fused` left out."""
+    kept = candidate.fit.model
+    for name in KINEMATIC:
+        if name in model.effects:
+            kept = kept.with_effect(name, dict(model.effects[name]))
     return replace(candidate, fit=replace(candidate.fit, model=kept))
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from er_models.files import load_model
 from er_models.model import Array, Model
 from er_models.simulate import simulate
 from scipy.optimize import least_squares
@@ -26,7 +25,7 @@ def compare(ask: Request) -> Outcome:
         MissingChannel: Without road, duty or damper_force.
         InputError: When the model has no quarter car.
     """
-    model, (records, _) = load_model(ask.model_file), read(ask)
+    model, (records, _) = ask.model(), read(ask)
     runs = [(r, _predict(model, r)) for r in records]
     by_channel = {name: _rms(runs, name) for name in OUTPUTS}
     force = by_channel["damper_force"]

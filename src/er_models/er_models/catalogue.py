@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from er_models.effect import Effect
@@ -84,11 +84,23 @@ _MODULES = (
 )  # fmt: skip
 
 
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """The file a user's own effect comes from: its name and the SHA-256 of its content."""
+
+    file: str
+    digest: str
+
+
 @dataclass(frozen=True, eq=False)
 class Catalogue:
-    """An ordered set of effects and the layout of their parameters and states in flat vectors."""
+    """An ordered set of effects and the layout of their parameters and states in flat vectors.
+
+    origins: by name, where the effects come from that a user added.
+    """
 
     effects: tuple[Effect, ...]
+    origins: Mapping[str, Origin] = field(default_factory=dict)
 
     offsets: dict[str, int] = field(init=False, compare=False)
     slots: dict[str, int] = field(init=False, compare=False)
@@ -138,9 +150,15 @@ class Catalogue:
         """Effects that can be added to a model: all but the core terms and the unknowable ones."""
         return tuple(e for e in self.effects if e.stage not in ("core", "vehicle") and e.knowable)
 
-    def extended(self, more: Iterable[Effect]) -> Catalogue:
+    def unknowable(self) -> tuple[Effect, ...]:
+        """Effects that the channels of a damper cannot show, whatever the record."""
+        return tuple(e for e in self.effects if not e.knowable)
+
+    def extended(
+        self, more: Iterable[Effect], origins: Mapping[str, Origin] | None = None
+    ) -> Catalogue:
         """This catalogue with a user's own effects at its end."""
-        return Catalogue(self.effects + tuple(more))
+        return Catalogue(self.effects + tuple(more), {**self.origins, **(origins or {})})
 
 
 CATALOGUE = Catalogue(tuple(module.EFFECT for module in _MODULES))

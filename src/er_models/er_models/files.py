@@ -11,14 +11,16 @@ from typing import Any
 
 import yaml
 
-from er_models.catalogue import CATALOGUE, Catalogue
+from er_models.catalogue import CATALOGUE, Catalogue, Origin
 from er_models.errors import InputError, UnknownName
 from er_models.model import Model
 from er_models.scales import Scales
 from er_models.yaml_file import read_yaml
 
 SCHEMA = "er_model 1"
-_KEYS = ("schema", "name", "source", "envelope", "rig", "damper", "effects", "history")
+_KEYS = (
+    "schema", "name", "source", "envelope", "rig", "damper", "effects_from", "effects", "history"
+)  # fmt: skip
 _ENVELOPE = ("force", "deflection", "velocity", "duty")
 _VALUE_KEYS = ("value", "sd", "unit")
 
@@ -26,8 +28,10 @@ _VALUE_KEYS = ("value", "sd", "unit")
 def load_model(path: str | Path, catalogue: Catalogue = CATALOGUE) -> Model:
     """Read a damper or vehicle model file.
 
+    catalogue: with the user's own effects that the file needs (`er_models.own`).
+
     Raises `InputError` naming file, key, expected and found: missing file, broken YAML, unknown key,
-    wrong unit, value out of bounds or not finite.
+    wrong unit, value out of bounds or not finite, an own effect that was not given or is another.
     """
     path = Path(path)
     text = _mapping(path, "", read_yaml(path, "a model file"))
@@ -36,6 +40,7 @@ def load_model(path: str | Path, catalogue: Catalogue = CATALOGUE) -> Model:
             raise InputError(path, str(key), f"one of {', '.join(_KEYS)}", "an unknown key")
     if text.get("schema") != SCHEMA:
         raise InputError(path, "schema", f"'{SCHEMA}'", repr(text.get("schema")))
+    _check_origins(path, text.get("effects_from", []), catalogue)
     base = _damper(path, text["damper"], catalogue) if "damper" in text else None
     scales = _scales(path, text) if "envelope" in text or base is None else base.scales
     effects, deviations = _effects(
@@ -71,6 +76,7 @@ def save_model(model: Model, path: str | Path) -> None:
         "source": model.source,
         "envelope": {k: float(getattr(s, k)) for k in _ENVELOPE},
         "rig": dict(model.rig),
+        **_origins(model),
         "effects": effects,
         "history": [dict(h) for h in model.history],
     }
@@ -78,6 +84,35 @@ def save_model(model: Model, path: str | Path) -> None:
         document, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None
     )
     write_whole(Path(path), text)
+
+
+def _origins(model: Model) -> dict[str, Any]:
+    """The files of the user's own effects in use, by their content."""
+    files: dict[Origin, list[str]] = {}
+    for name in model.effects:
+        if name in model.catalogue.origins:
+            files.setdefault(model.catalogue.origins[name], []).append(name)
+    entries = [{"file": o.file, "sha256": o.digest, "effects": e} for o, e in files.items()]
+    return {"effects_from": entries} if entries else {}
+
+
+def _check_origins(path: Path, found: Any, catalogue: Catalogue) -> None:
+    """Refuse a model with own effects whose file was not given, or has other content."""
+    entries = found if isinstance(found, list) else [found]
+    for i, entry in enumerate(entries):
+        where = f"effects_from[{i}]"
+        entry = _mapping(path, where, entry)
+        file, digest, names = (entry.get(key) for key in ("file", "sha256", "effects"))
+        if not isinstance(names, list) or len(entry) != 3:
+            raise InputError(path, where, "file, sha256 and effects", ", ".join(map(str, entry)))
+        for name in names:
+            given = catalogue.origins.get(name)
+            if given is None:
+                expected = f"the file {file} given as --effects-from, for its effect '{name}'"
+                raise InputError(path, where, expected, "no file with that effect")
+            if given.digest != digest:
+                expected = f"{file} with the content {str(digest)[:12]} (SHA-256)"
+                raise InputError(path, where, expected, f"{given.file} with {given.digest[:12]}")
 
 
 def write_whole(path: Path, text: str) -> None:

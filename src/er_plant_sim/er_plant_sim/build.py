@@ -10,6 +10,7 @@ from typing import Any
 from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Model
+from er_models.own import catalogue_with
 from er_models.program import SCHEMA, Program, load_program, parse_program, resolve
 
 from er_plant_sim.duty_gate import Gate
@@ -42,18 +43,19 @@ def build(p: PlantParameters) -> Rig:
         slew=p.duty_slew or math.inf,
     )
     # a road scaled to a peak velocity means the vehicle as it is known, not what is hidden in it
-    known = load_model(p.model_file)
+    known = load_model(p.model_file, catalogue_with(p.effects_from))
     bounded = replace(program, duration=min(program.duration or LONGEST, LONGEST))
     program = replace(program, road=resolve(bounded, known, dt).road)
     return Rig(simulator(model, dt, noise), gate, program, p.duty_source == "program")
 
 
 def load_plant_model(p: PlantParameters) -> Model:
-    """The vehicle, with the damper of another file where one is given."""
-    vehicle = load_model(p.model_file)
+    """The vehicle, with the damper of another file where one is given; both may use the own effects."""
+    catalogue = catalogue_with(p.effects_from)
+    vehicle = load_model(p.model_file, catalogue)
     if not p.damper_file:
         return vehicle
-    return damper_replaced(vehicle, load_model(p.damper_file))
+    return damper_replaced(vehicle, load_model(p.damper_file, catalogue))
 
 
 def load_given_program(p: PlantParameters) -> Program:

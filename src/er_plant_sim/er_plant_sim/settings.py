@@ -35,6 +35,9 @@ class PlantParameters:
 
     model_file: str = param(REQUIRED, text="model of the vehicle")
     damper_file: str = param("", text="model whose damper replaces that of the vehicle")
+    effects_from: tuple[str, ...] = param(
+        (), text="Python files with own effects that the models use"
+    )
     program_file: str = param("", text="program of road and duty; road.* and duty.* override it")
     duration: float = param(
         -1.0, unit="s", low=-1.0, high=1e6, text="-1: as the program says, 0: no end"

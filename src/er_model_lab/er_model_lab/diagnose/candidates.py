@@ -62,8 +62,7 @@ def restarts(model: Model, problem: Problem) -> list[Model]:
     """The model with the starting values of its terms, scaled to the data: for a damper of another size."""
     grids = {
         name: starts(model.catalogue[name], problem)
-        for name in model.effects
-        if name != "quarter_car"
+        for name in dict.fromkeys(effect for effect, _ in free_parameters(model))
     }
     combinations = itertools.islice(itertools.product(*grids.values()), MOST_RESTARTS)
     return [

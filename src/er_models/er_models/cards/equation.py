@@ -32,7 +32,7 @@ def equations(effect: Effect) -> tuple[Equation, ...]:
 def _equation(hook: str, function: Callable[..., object]) -> Equation:
     """Equation of one hook; only its source where it cannot be written as a formula."""
     source = textwrap.dedent(inspect.getsource(function)).rstrip()
-    meaning = (function.__doc__ or "").strip().splitlines()[0]
+    meaning = (function.__doc__ or "").strip().partition("\n")[0]
     sides = ACTS[hook]
     try:
         value = _value(source)

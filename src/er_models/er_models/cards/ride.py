@@ -52,7 +52,10 @@ def _run(car: Model, effect: Effect) -> dict[str, Array]:
     dt, values = 0.01 / frequency, car.effects["quarter_car"]
     t = np.arange(6000) * dt
     road = amplitude * SCALES.deflection * np.sin(2.0 * np.pi * frequency * t)
-    run = {k: y[-100 * CYCLES - 1 :] for k, y in simulate(car, dt, road, 0.0 * t + DUTY).items()}
+    run = {
+        k: y[-100 * CYCLES - 1 :]
+        for k, y in simulate(car, dt, road, np.full(t.size, DUTY)).items()
+    }
     a_s, a_us = run["sprung_acceleration"], run["unsprung_acceleration"]
     return {
         "deflection": 1e3 * run["deflection"],

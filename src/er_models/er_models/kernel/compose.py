@@ -200,6 +200,8 @@ def fingerprint(catalogue: Catalogue) -> str:
     """Hash of everything the kernel is made of: equations, layout and integrators."""
     digest = hashlib.sha256(source(catalogue).encode())
     digest.update((Path(__file__).parent / "fast.py").read_bytes())
+    for origin in catalogue.origins.values():
+        digest.update(origin.digest.encode())
     for effect in catalogue.effects:
         for function in effect.hooks.values():
             digest.update(inspect.getsource(function).encode())

@@ -20,16 +20,16 @@ def use(catalogue: Catalogue) -> None:
 
 def compiled(effect: str, hook: str) -> Any:
     """The hook of an effect, compiled for inlining, with its helpers and faster elementary functions."""
-    return inline(_with_compiled_names(_in_use[0][effect].hooks[hook]))
+    return inline(with_compiled_names(_in_use[0][effect].hooks[hook]))
 
 
-def _with_compiled_names(function: Any) -> FunctionType:
+def with_compiled_names(function: Any) -> FunctionType:
     """The function again, with what it calls replaced by what can be compiled."""
     names = dict(function.__globals__)
     for name in function.__code__.co_names:
         value = names.get(name)
         if isinstance(value, FunctionType):
-            names[name] = inline(_with_compiled_names(value))
+            names[name] = inline(with_compiled_names(value))
         elif isinstance(value, BuiltinFunctionType):
             names[name] = _FASTER.get(value, value)
     return FunctionType(function.__code__, names, function.__name__, function.__defaults__)

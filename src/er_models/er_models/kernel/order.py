@@ -22,6 +22,32 @@ ORDER = (
     "response", "states", "force", "limit", "late", "sense",
 )  # fmt: skip
 _MAPS = ("duty", "shift_deflection", "shift_velocity")
+KNOWN_FROM = {
+    **dict.fromkeys(("x", "v", "a", "u", "t", "theta"), "duty"),
+    **dict.fromkeys(("k_0", "c_0", "f_y"), "passive_stiffness"),
+    **dict.fromkeys(("yield_scale", "viscous_scale", "stiffness_scale"), "yield_scale"),
+    **dict.fromkeys(("tau_scale", "tau_y", "y"), "yield_scale"),
+    "f_d": "states",
+    "f_m": "sense",
+}
+"""Place of `ORDER` from which a hook may ask for a signal of the damper."""
+_CAR = ("x", "v", "z_t", "v_t", "v_s", "m_s", "m_us")
+OUTSIDE: dict[str, tuple[str, ...]] = {
+    "input_delay": (), "output_delay": (),
+    "sprung_mass": _CAR, "unsprung_mass": _CAR, "spring_force": _CAR, "tyre_force": _CAR,
+    "tyre_limit": (*_CAR, "f_t"),
+    "sprung_reading": ("a_s", "a_us"), "unsprung_reading": ("a_s", "a_us"),
+}  # fmt: skip
+"""Signals of the hooks that do not act within the damper."""
+
+
+def signals_of(effect: Effect, hook: str) -> tuple[str, ...]:
+    """Signals that a hook of an effect may ask for, `w` among them where it has a state."""
+    if hook in OUTSIDE:
+        return OUTSIDE[hook]
+    place = relaxes_at(effect) or "late" if hook in ("relax", "bound") else hook
+    known = tuple(name for name, start in KNOWN_FROM.items() if not _before(place, start))
+    return (*known, "w") if effect.has_state else known
 
 
 def relaxes_at(effect: Effect) -> str:
