@@ -1,0 +1,160 @@
+"""What an identification has to say in words: what is missing in the data, what is weak, what contradicts."""
+
+from __future__ import annotations
+
+import numpy as np
+from er_models.model import Model
+
+from er_model_lab.identify.law import response_time
+from er_model_lab.identify.procedure import Identified
+from er_model_lab.identify.visibility import CHANGE, TIED
+from er_model_lab.report.units import newtons, percent, short
+
+PARTNER = 0.8
+"""Correlation from which a weak parameter's closest companion is named."""
+BEYOND = 1.5
+"""Residual over the white noise of the force from which the model is said to leave too much."""
+SURE = 4.0
+"""Standard deviations from which a difference is real."""
+
+
+def missing(found: Identified) -> list[str]:
+    """What the data lack for the stages the model needs, and which parameters therefore keep their values."""
+    out = [s.left_out for s in found.stages if s.left_out and s.needed]
+    duties = [level.duty for level in found.levels if level.duty > 0.0]
+    if len(duties) == 1 and found.stages[1].done:
+        out.append(
+            f"one duty only ({short(duties[0])}): how the yield force and its response time change "
+            "with the duty rests on the form of the model"
+        )
+    noise = found.refined.visibility.noise
+    for effect, name in found.held:
+        value, unit = found.model.value(effect, name), unit_of(found.model, effect, name)
+        out.append(
+            f"{effect}.{name} keeps the value {short(value, 4)} {unit} of the given model: these data do not say it "
+            f"(what is left is {newtons(noise)})"
+        )
+    return out
+
+
+def findings(found: Identified) -> list[str]:
+    """What a user should know before trusting the values, most important first."""
+    return [*_leaves(found), *_offset(found), *_edges(found), *_weak(found), *_tied(found),
+            *_law(found), *_steps(found), *_lag(found)]  # fmt: skip
+
+
+def unit_of(model: Model, effect: str, name: str) -> str:
+    """Unit of a parameter; empty for pure numbers."""
+    unit = model.catalogue[effect].parameter(name).unit
+    return "" if unit == "1" else unit
+
+
+def _leaves(found: Identified) -> list[str]:
+    """Whether the model leaves more than the noise of the force."""
+    left, white = found.refined.visibility.noise, found.problem.sd_force
+    if left < BEYOND * white:
+        return []
+    return [
+        f"the model leaves {newtons(left)} where the white noise of the force is {newtons(white)}: the values are "
+        "those of a model that lacks something; `lab diagnose` says what"
+    ]
+
+
+def _offset(found: Identified) -> list[str]:
+    """A mean that the residual keeps, which no parameter of the model can take."""
+    r = found.residual[found.problem.train]
+    length = max(round(1.0 / found.problem.motion.dt), 1)
+    means = np.array([b.mean() for b in np.array_split(r, max(r.size // length, 2))])
+    mean, sd = float(r.mean()), float(means.std(ddof=1) / np.sqrt(means.size))
+    if abs(mean) < SURE * sd or abs(mean) < CHANGE * found.refined.visibility.noise:
+        return []
+    return [
+        f"the residual has a mean of {newtons(mean)}: an offset of the force; `lab add preload` takes it"
+    ]
+
+
+def _edges(found: Identified) -> list[str]:
+    """Parameters at their bounds."""
+    fit = found.refined.fit
+    return [
+        f"{e}.{n} is at its bound {short(found.model.value(e, n))} {unit_of(found.model, e, n)}: "
+        "the data would rather have it beyond"
+        for (e, n), edge in zip(fit.free, fit.at_bound, strict=True)
+        if edge
+    ]
+
+
+def _weak(found: Identified) -> list[str]:
+    """Parameters that hardly change the force."""
+    seen, out = found.refined.visibility, []
+    for i, (e, n) in enumerate(found.refined.fit.free):
+        if not seen.weak[i] or found.refined.fit.at_bound[i]:
+            continue
+        row = np.nan_to_num(np.abs(seen.correlation[i]))
+        row[i] = 0.0
+        k = int(np.argmax(row))
+        other = found.refined.fit.free[k]
+        moves = (
+            f"; it moves with {other[0]}.{other[1]} (correlation {seen.correlation[i, k]:.2f})"
+            if row[k] > PARTNER
+            else ""
+        )
+        out.append(
+            f"{e}.{n} is weakly visible: {percent(CHANGE)} of it change the force by {newtons(seen.visible[i])} "
+            f"once the others adjust, what is left is {newtons(seen.noise)}{moves}"
+        )
+    return out
+
+
+def _tied(found: Identified) -> list[str]:
+    """Pairs that are visible each, but hardly apart."""
+    seen, free = found.refined.visibility, found.refined.fit.free
+    pairs = [
+        (i, k)
+        for i in range(len(free))
+        for k in range(i)
+        if abs(np.nan_to_num(seen.correlation[i, k])) > TIED and not (seen.weak[i] or seen.weak[k])
+    ]
+    return [
+        f"{'.'.join(free[k])} and {'.'.join(free[i])} are hardly told apart (correlation {seen.correlation[i, k]:.2f})"
+        for i, k in pairs
+    ]
+
+
+def _law(found: Identified) -> list[str]:
+    """Whether the response time of the model follows the response times of the levels."""
+    table = found.table
+    if table is None or table.duty.size < 2:
+        return []
+    away = table.tau - response_time(found.model, table.duty)
+    worst = int(np.argmax(np.abs(away)))
+    sd = float(table.sd[worst])
+    if not abs(away[worst]) > max(SURE * sd, CHANGE * table.tau[worst]):
+        return []
+    return [
+        f"at duty {short(float(table.duty[worst]))} the response time is {1e3 * table.tau[worst]:.1f} +- {1e3 * sd:.1f} ms, "
+        f"{1e3 * abs(away[worst]):.1f} ms off the model's law: a model with another tau(u) would follow it"
+    ]
+
+
+def _steps(found: Identified) -> list[str]:
+    """Whether the duty ever changes while the damper moves."""
+    m = found.problem.motion
+    inner = np.ones(m.n, bool)
+    inner[m.starts[:-1]] = False
+    changes = np.abs(np.diff(m.u, prepend=m.u[0])) > 0.0
+    if found.table is None or np.any(changes & inner):
+        return []
+    return [
+        "the duty never steps: the response time rests on the turning points of the motion alone"
+    ]
+
+
+def _lag(found: Identified) -> list[str]:
+    """What was done about a lagging velocity channel."""
+    if found.lag is None:
+        return []
+    lag, sd = found.lag
+    return [
+        f"the velocity channel lags deflection by {1e3 * lag:.2f} +- {1e3 * sd:.2f} ms; this was undone first"
+    ]

@@ -1,0 +1,131 @@
+"""Identification as in section 1.5 of the thesis: passive terms, yield force, response time, then all together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from er_models.model import Array, Model
+
+from er_model_lab.fit import Free, with_deviations
+from er_model_lab.identify.law import Quadratic, quadratic
+from er_model_lab.identify.levels import Table
+from er_model_lab.identify.refine import Refined, refine
+from er_model_lab.identify.roles import roles
+from er_model_lab.identify.stages import Stage, linear, response, yield_force
+from er_model_lab.identify.stretches import Level, levels
+from er_model_lab.prepare import WARM_UP, Problem
+from er_model_lab.record import Record
+from er_model_lab.study import as_given, on_fused, open_problem
+
+FADED, GONE = 4.0, 5.0
+"""Response times after which a change of the duty has faded to 2 %, which will do, and to under a hundredth."""
+ROUNDS = 3
+"""How often the stages are repeated with stretches cut to the response time they found."""
+
+
+@dataclass(frozen=True)
+class Identified:
+    """An identified model.
+
+    model: with standard deviations; stages: what each gave on its own; levels: constant duties found; table and
+    quadratic: response time over the duty, where the model has one; given: residual (n,) of the model as it
+    was [N]; lag: of the velocity channel, undone before [s] with its deviation, or None.
+    """
+
+    model: Model
+    before: Model
+    problem: Problem
+    stages: tuple[Stage, ...]
+    levels: tuple[Level, ...]
+    table: Table | None
+    quadratic: Quadratic | None
+    refined: Refined
+    given: Array
+    lag: tuple[float, float] | None
+
+    @property
+    def held(self) -> Free:
+        """Parameters that keep the given model's values because the data do not say them."""
+        return self.refined.held
+
+    @property
+    def residual(self) -> Array:
+        """Measured minus predicted force (n,) [N]."""
+        return self.refined.fit.residual
+
+
+def identify(
+    records: list[Record],
+    model: Model,
+    *,
+    sealed: int = 0,
+    tick: Callable[[str], None] | None = None,
+) -> Identified:
+    """Identify the parameters of a model from records; the last `sealed` of them only score.
+
+    Nothing rests on the model's values but what the data do not say: starts come from the data.
+
+    Raises:
+        MissingChannel: Without force, duty, or both deflection and velocity.
+        InputError: When there is not enough data.
+    """
+    for record in records:
+        record.need("duty", "to identify the yield force")
+    problem, lag = open_problem(records, model, sealed)
+    problem = _all_of(problem, sealed)
+    bare = on_fused(model)
+    say = tick or (lambda _: None)
+    stages, found, table = staged(bare, problem, say)
+    say("all parameters together")
+    refined = refine(stages[-1].model, bare, problem)
+    final = _with_lag(with_deviations(refined.fit, problem), model)
+    return Identified(
+        final, model, problem, stages, tuple(found), table, quadratic(table) if table else None, refined,
+        as_given(model, problem), lag,
+    )  # fmt: skip
+
+
+def staged(
+    model: Model, problem: Problem, say: Callable[[str], None]
+) -> tuple[tuple[Stage, ...], list[Level], Table | None]:
+    """The stages one after another; again, where the response time outlasts the cut of the stretches."""
+    who = roles(model, problem)
+    settle = WARM_UP
+    for _ in range(ROUNDS):
+        found = levels(problem.motion, problem.train, settle)
+        say("passive terms")
+        first = linear(model, who.linear, problem, found)
+        shape = who.shape if first.done else (*who.linear, *who.shape)
+        say("yield force")
+        second = yield_force(first.model, shape, problem, found)
+        say("response time")
+        third, table = response(second.model, shape, who.response, problem, found)
+        longest = float(table.tau.max()) if table else 0.0
+        if FADED * longest <= settle:
+            break
+        settle = GONE * longest
+    return (first, second, third), found, table
+
+
+def _all_of(problem: Problem, sealed: int) -> Problem:
+    """Every record but the sealed ones to learn from; nothing spared."""
+    m = problem.motion
+    fold, held = np.full(m.n, -1, np.int64), np.zeros(m.n, bool)
+    pairs = list(pairwise(int(s) for s in m.starts))
+    for r, (i, j) in enumerate(pairs):
+        rows = slice(min(i + round(WARM_UP / m.dt), j), j)
+        if r < len(pairs) - sealed:
+            fold[rows] = 0
+        else:
+            held[rows] = True
+    return replace(problem, fold=fold, held_out=held)
+
+
+def _with_lag(found: Model, given: Model) -> Model:
+    """The model with the lag of the velocity channel it came with."""
+    if "velocity_lag" not in given.effects:
+        return found
+    return found.with_effect("velocity_lag", dict(given.effects["velocity_lag"]))

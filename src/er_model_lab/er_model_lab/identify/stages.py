@@ -1,0 +1,136 @@
+"""The stages before the joint refinement: passive terms, yield force, response time (thesis 1.5.1 to 1.5.3)."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from er_models.model import Model
+
+from er_model_lab.diagnose.candidates import starts
+from er_model_lab.fit import Fit, Free, fit, with_deviations
+from er_model_lab.identify.law import follow_table
+from er_model_lab.identify.levels import Table, among, response_times
+from er_model_lab.identify.roles import static
+from er_model_lab.identify.stretches import Level
+from er_model_lab.prepare import Problem
+
+MOST_STARTS = 16
+"""Starting points of the yield force."""
+FIRST = 6
+"""Iterations from each of them, before the best is followed to its end."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage: what it estimated, from how many samples, with which error [N]; or why it was left out.
+
+    needed: whether the model has parameters for it, so that leaving it out is a loss.
+    """
+
+    name: str
+    free: Free
+    model: Model
+    samples: int = 0
+    rmse: float = float("nan")
+    left_out: str = ""
+    needed: bool = True
+
+    @property
+    def done(self) -> bool:
+        """Whether the stage was carried out."""
+        return not self.left_out
+
+
+def linear(model: Model, free: Free, problem: Problem, levels: list[Level]) -> Stage:
+    """Stiffness and damping by least squares on the data without field (1.13), (1.14)."""
+    off = [level for level in levels if level.duty == 0.0]
+    if not free:
+        return _left_out("linear", model, "the model has no parameter that acts without field")
+    if not off:
+        reason = f"no stretch at zero duty: {_list(free)} rest on the joint refinement alone"
+        return Stage("linear", free, model, left_out=reason)
+    part = among(problem, off[0].rows)
+    found = fit(static(model), part, free, max_iter=40, tol=1e-10)
+    return _stage("linear", model, found, part)
+
+
+def yield_force(model: Model, free: Free, problem: Problem, levels: list[Level]) -> Stage:
+    """Yield force by nonlinear least squares on F_YS (1.15) at all duties, (1.17) or (1.19).
+
+    The static law, from several starts; what `free` leaves out is held, so that the rest of the force is F_YS.
+    """
+    held = [level for level in levels if level.duty > 0.0]
+    if not free:
+        return _left_out("yield", model, "the model has no yield force")
+    if not held:
+        reason = f"no stretch of constant duty above zero: {_list(free)} rest on the joint refinement alone"
+        return Stage("yield", free, model, left_out=reason)
+    part = among(problem, *(level.rows for level in held))
+    tried = [fit(start, part, free, max_iter=FIRST) for start in _starts(model, free, problem)]
+    best = min(tried, key=lambda f: f.mse(part.train))
+    return _stage("yield", model, fit(best.model, part, free, max_iter=40, tol=1e-8), part)
+
+
+def response(
+    model: Model, shape: Free, free: Free, problem: Problem, levels: list[Level]
+) -> tuple[Stage, Table | None]:
+    """Response time at each constant duty (1.20), then its law over the duty (1.21)."""
+    held = [level for level in levels if level.duty > 0.0]
+    if not free:
+        return _left_out("response", model, "the model is static: it has no response time"), None
+    if not held:
+        reason = f"no stretch of constant duty above zero: {_list(free)} rest on the joint refinement alone"
+        return Stage("response", free, model, left_out=reason), None
+    table = response_times(static(model), shape, problem, held)
+    shaped = taken_over(model, table.model, shape)
+    followed = follow_table(shaped, free, table, problem)
+    rows = sum(int(level.rows.sum()) for level in held)
+    return Stage("response", free, followed, rows), table
+
+
+def taken_over(model: Model, found: Model, free: Free) -> Model:
+    """The model with some values, and their deviations, of another one."""
+    effects = {k: dict(v) for k, v in model.effects.items()}
+    deviations = {k: dict(v) for k, v in model.deviations.items()}
+    for effect, name in free:
+        effects[effect][name] = found.value(effect, name)
+        if name in found.deviations.get(effect, {}):
+            deviations.setdefault(effect, {})[name] = found.deviations[effect][name]
+    return replace(model, effects=effects, deviations=deviations)
+
+
+def names(free: Free) -> list[str]:
+    """Parameters as a user reads them."""
+    return [name for _, name in free]
+
+
+def _list(free: Free) -> str:
+    return ", ".join(names(free))
+
+
+def _left_out(name: str, model: Model, reason: str) -> Stage:
+    """A stage the model does not need."""
+    return Stage(name, (), model, left_out=reason, needed=False)
+
+
+def _stage(name: str, model: Model, found: Fit, part: Problem) -> Stage:
+    """A stage that was carried out, with its values in the whole model."""
+    after = taken_over(model, with_deviations(found, part), found.free)
+    rmse = float(np.sqrt(found.mse(part.train)))
+    return Stage(name, found.free, after, int(part.train.sum()), rmse)
+
+
+def _starts(model: Model, free: Free, problem: Problem) -> Iterator[Model]:
+    """The static model with its own values, then with the starts of its effects, scaled to the data."""
+    bare = static(model)
+    yield bare
+    effects = list(dict.fromkeys(effect for effect, _ in free))
+    grids = [starts(model.catalogue[effect], problem) for effect in effects]
+    for point in itertools.islice(itertools.product(*grids), MOST_STARTS):
+        changed = {k: dict(v) for k, v in bare.effects.items()}
+        for effect, values in zip(effects, point, strict=True):
+            changed[effect] |= {n: v for n, v in values.items() if (effect, n) in free}
+        yield replace(bare, effects=changed)
