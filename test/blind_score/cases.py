@@ -1,0 +1,92 @@
+"""Which cases are asked: every kind, effect and seed, each a function of its seed alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+
+from test.blind.catalogue import BY_NAME, INSIDE, OUTSIDE
+from test.blind.plant import Program
+
+Kind = Literal["singles", "pairs", "complete", "outside", "degenerate"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+
+PAIRS_A_SEED = 10
+COMPLETE_A_SEED = 20
+POOR_A_SEED = 2
+_PAIRS, _POOR, _LAYOUT = range(3)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How much is recorded: number of records, and the length of each [s]."""
+
+    records: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Asked:
+    """One case: its kind, what is hidden (empty: nothing), its seed, and the program of its inputs."""
+
+    kind: Kind
+    hidden: tuple[str, ...]
+    seed: int
+    program: Program = "rich"
+
+    @property
+    def key(self) -> str:
+        """What tells this case from any other."""
+        return f"{self.kind}/{'+'.join(self.hidden) or 'nothing'}/{self.program}/{self.seed}"
+
+
+def layout(seed: int) -> Layout:
+    """One to three records of 40 to 90 s each."""
+    rng = np.random.default_rng([seed, _LAYOUT])
+    return Layout(int(rng.integers(1, 4)), round(2.0 * rng.uniform(40.0, 90.0)) / 2.0)
+
+
+def _several(rng: np.random.Generator, count: int) -> tuple[str, ...]:
+    """Different effects of the catalogue."""
+    return tuple(INSIDE[int(i)].name for i in rng.choice(len(INSIDE), count, replace=False))
+
+
+def of_kind(kind: Kind, seed: int) -> Iterator[Asked]:
+    """Every case of a kind that belongs to a seed."""
+    if kind == "singles":
+        yield from (Asked(kind, (e.name,), seed) for e in INSIDE)
+    elif kind == "outside":
+        yield from (Asked(kind, (e.name,), seed) for e in OUTSIDE)
+    elif kind == "pairs":
+        rng = np.random.default_rng([seed, _PAIRS])
+        pairs = {_several(rng, 2): None for _ in range(PAIRS_A_SEED)}
+        yield from (Asked(kind, pair, seed) for pair in pairs)
+    elif kind == "complete":
+        yield from (Asked(kind, (), 100 * seed + i) for i in range(COMPLETE_A_SEED))
+    else:
+        rng = np.random.default_rng([seed, _POOR])
+        programs: tuple[Program, ...] = ("constant_duty", "one_sine")
+        for program in programs:
+            for _ in range(POOR_A_SEED):
+                yield Asked(kind, _several(rng, 1), seed, program)
+
+
+def plan(
+    kinds: Sequence[Kind], seeds: Sequence[int], effects: Sequence[str] | None = None
+) -> list[Asked]:
+    """All cases asked for, each once, seed by seed so that a run cut short is still balanced.
+
+    effects: only cases that hide one of these; ``none`` for those that hide nothing.
+    """
+    cases = {a.key: a for seed in seeds for kind in kinds for a in of_kind(kind, seed)}
+    if effects is None:
+        return list(cases.values())
+    return [a for a in cases.values() if set(a.hidden or ("none",)) & set(effects)]
+
+
+def known(name: str) -> bool:
+    """Whether an effect can be asked for."""
+    return name == "none" or name in BY_NAME

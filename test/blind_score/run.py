@@ -1,0 +1,136 @@
+"""One case: make it, let the lab improve the model, and note everything that was said."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from er_model_lab.commands import Request, improve
+from er_models.errors import ErError
+from er_models.files import load_model
+
+from test.blind.case import Case, excess_after_refit
+from test.blind.errors import BlindError
+from test.blind.generator import make_case, more_records
+from test.blind_score.cases import Asked, Layout, layout
+from test.blind_score.fresh import fresh_errors
+from test.blind_score.rows import ROOT
+
+MODEL = ROOT / "config" / "dampers" / "inove_guo.yaml"
+REDRAWS = 5
+ANOTHER = 100_000
+"""Distance of the seeds of a case that is drawn again, and of fresh records."""
+SHOWN = 4
+"""Candidates noted with their evidence."""
+
+
+def drawn(asked: Asked, size: Layout, folder: Path) -> tuple[Case, int]:
+    """The case, and how often it was drawn again because its effects could not show as they should.
+
+    Raises:
+        BlindError: never in so many draws.
+    """
+    hidden = list(asked.hidden) or None
+    for trial in range(REDRAWS):
+        seed = asked.seed + ANOTHER * trial
+        try:
+            case = make_case(
+                hidden,
+                seed,
+                out=folder / f"made_{trial}",
+                n_records=size.records,
+                seconds=size.seconds,
+            )
+        except BlindError:
+            if trial == REDRAWS - 1:
+                raise
+        else:
+            break
+    if asked.program == "rich":
+        return case, trial
+    poor = more_records(
+        case, seed, out=folder / "poor", n_records=size.records, program=asked.program
+    )
+    return poor, trial
+
+
+def said(result: dict[str, Any]) -> dict[str, Any]:
+    """What matters of the lab's result."""
+    shown = result["candidates"][:SHOWN]
+    return {
+        "verdict": result["verdict"],
+        "final_verdict": result["final_verdict"],
+        "names": result["effects"],
+        "alternatives": result["alternatives"],
+        "floor": result["noise_floor"],
+        "before": result["rmse"],
+        "after": result["rmse_after"],
+        "explainable": result["explainable"],
+        "explained": result["explained"],
+        "unexplained": result["unexplained"]["share"],
+        "largest": max(
+            (c["evidence"] for c in result["candidates"] if "threshold" in c), default=0.0
+        ),
+        "least_p": min(
+            (c["p_value"] for c in result["candidates"] if "threshold" in c), default=1.0
+        ),
+        "threshold": next(
+            (c["threshold"] for c in result["candidates"] if "threshold" in c), None
+        ),
+        "candidates": [[c["effect"], c["evidence"], c["p_value"]] for c in shown],
+        "parameters": {c["effect"]: c["parameters"] for c in shown if c["status"] == "present"},
+    }
+
+
+def truth_of(case: Case) -> dict[str, Any]:
+    """What was hidden."""
+    return {
+        "rise": [one.rise for one in case.hidden],
+        "rise_together": excess_after_refit(case),
+        "truth": {one.effect.name: one.effect.named(one.row) for one in case.hidden},
+    }
+
+
+def score(asked: Asked, size: Layout | None = None) -> dict[str, Any]:
+    """One row: what was hidden, what was said, and how far the error fell."""
+    size = size or layout(asked.seed)
+    row: dict[str, Any] = {
+        "key": asked.key,
+        "kind": asked.kind,
+        "hidden": list(asked.hidden),
+        "program": asked.program,
+        "seed": asked.seed,
+        "records": size.records,
+        "seconds": size.seconds,
+    }
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        case, row["redrawn"] = drawn(asked, size, folder)
+        row |= truth_of(case)
+        began = time.monotonic()
+        row |= guarded(lambda: _answer(asked, case, folder))
+        row["time"] = round(time.monotonic() - began, 2)
+    return row
+
+
+def guarded(work: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """What the lab answers; its refusal, or its crash, is an answer too."""
+    try:
+        return work()
+    except ErError as error:
+        return {"failed": " ".join(str(error).split())}
+    except (ArithmeticError, ValueError, AssertionError) as error:
+        return {"failed": f"{type(error).__name__}: {error}"}
+
+
+def _answer(asked: Asked, case: Case, folder: Path) -> dict[str, Any]:
+    """The lab's answer, and its error on fresh records where one effect was hidden."""
+    outcome = improve(Request([case.directory], MODEL, asked.seed), folder / "better.yaml")
+    answer = {"model": load_model(MODEL).digest(), **said(outcome.result)}
+    if asked.kind == "singles" and outcome.model is not None:
+        fresh = more_records(case, case.seed + ANOTHER // 2, out=folder / "fresh", n_records=1)
+        answer["fresh"] = fresh_errors(fresh, outcome.model)
+    return answer
