@@ -130,6 +130,9 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         "explainable": found.explainable,
         "explained": found.explained,
         "candidates": entries,
+        "unknowable": [
+            {"effect": e.name, "because": e.unknowable_because} for e in model_after.catalogue.unknowable()
+        ],
         "steps": steps(study),
         "reasons": list(found.reasons),
         "unexplained": {

@@ -19,7 +19,7 @@ from er_model_lab.report.words import joined, title_of, verdict_sentence, verdic
 from er_model_lab.view import View
 
 WIDTH = 100
-MOST_CANDIDATES = 8
+MOST_CANDIDATES = 7
 MOST_STEPS = 5
 MOST_NOTES = 1
 LEAST_ROOM = 18
@@ -104,6 +104,9 @@ def _candidates(view: View, pen: Pen) -> Iterator[RenderableType]:
     said += [f"chance alone reaches a size of {newtons(chance)}"] if chance is not None else []
     if said:
         yield pen.line("; ".join(said), "dim")
+    never = [str(e["effect"]) for e in view.result.get("unknowable") or ()]
+    if never:
+        yield pen.line(f"cannot be known from these channels: {joined(never)}", "dim")
     for e in entries:
         if e["effect"] in (view.result.get("effects") or ()):
             values = ", ".join(

@@ -99,6 +99,7 @@ def view(seconds: float = 12.0, records: int = 2, **result: object) -> View:
         "held_out": 0.029},
         "rmse_after": {"train": 0.21, "held_out": 0.2}, "explainable": 0.89, "explained": 0.99,
         "candidates": [entry(e, s) for e, s in EFFECTS.items()],
+        "unknowable": [{"effect": "force_gain", "because": "the damper's forces scale along."}],
         "reasons": ["error 0.6 N after refitting"],
         "steps": [{"added": None, "rmse_held_out": 0.6}, {"added": "coulomb_friction",
         "rmse_held_out": 0.2}],

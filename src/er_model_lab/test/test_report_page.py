@@ -211,6 +211,12 @@ def test_the_page_shows_the_numbers_of_the_result() -> None:
         assert words in text, words
 
 
+def test_what_no_record_can_show_is_said_with_its_reason() -> None:
+    text = rendered(view()).text
+    assert "Gain of the force channel" in text
+    assert "because the damper's forces scale along." in text
+
+
 def test_the_command_on_the_page_is_the_one_recorded() -> None:
     v = replace(view(), provenance={"command_line": "./er lab diagnose rig.csv --model m.yaml"})
     assert "./er lab diagnose rig.csv --model m.yaml" in rendered(v).text

@@ -119,6 +119,12 @@ def test_every_verdict_stands_in_the_first_line(verdict: str) -> None:
     assert TITLES[verdict] in printed(view(verdict=verdict)).splitlines()[0]
 
 
+def test_what_no_record_can_show_is_said() -> None:
+    line = "cannot be known from these channels: force_gain"
+    assert line in printed(view())
+    assert "cannot be known" not in printed(view(unknowable=[]))
+
+
 def test_brackets_in_names_are_no_markup() -> None:
     v = replace(
         view(candidates=[entry("my [bold] effect", 0.1)]),

@@ -22,8 +22,10 @@ from er_model_lab.write import finished_only
 Stills = dict[str, tuple[bytes, bytes]]
 
 
-def write_report(view: View, folder: Path) -> Path:
+def write_report(view: View, folder: Path, sections: Sequence[Section] | None = None) -> Path:
     """Write folder/index.html and folder/figures/<name>.png and .svg; returns the page.
+
+    sections: what the page shows; by default all that `SECTIONS` make of the view.
 
     Everything is drawn before the first file is written. Figures of an earlier report in the same
     folder that this one does not have are removed, other files are left alone.
@@ -31,7 +33,8 @@ def write_report(view: View, folder: Path) -> Path:
     Raises:
         InputError: When the folder cannot be written, or the plotting library is not installed.
     """
-    sections = [s for make in SECTIONS if (s := make(view)) is not None]
+    if sections is None:
+        sections = [s for make in SECTIONS if (s := make(view)) is not None]
     stills = {f.name: still(f) for s in sections for f in s.figures}
     html = render(view, sections, stills)
     page = folder / "index.html"

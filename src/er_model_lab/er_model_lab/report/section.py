@@ -11,9 +11,10 @@ from er_model_lab.report.figure import Figure
 
 @dataclass(frozen=True)
 class Section:
-    """One section; `key` names its anchor and its template `<key>.html.j2`."""
+    """One section; `key` names its anchor and, unless `template` does, its template `<key>.html.j2`."""
 
     key: str
     title: str
     figures: tuple[Figure, ...] = ()
     facts: Mapping[str, Any] = field(default_factory=dict)
+    template: str = ""

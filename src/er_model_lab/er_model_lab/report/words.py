@@ -44,6 +44,12 @@ def title_of(view: View, effect: str) -> str:
     return " + ".join(titles.get(part, part.replace("_", " ")) for part in parts)
 
 
+def unknowable(view: View) -> list[tuple[str, str]]:
+    """Title of every effect that no record of these channels can show, and why."""
+    entries = view.result.get("unknowable") or ()
+    return [(title_of(view, str(e["effect"])), str(e["because"])) for e in entries]
+
+
 def verdict_title(view: View) -> str:
     """First line of the banner; a comparison has no verdict, so its share of the error stands there."""
     verdict = view.result.get("verdict")

@@ -13,7 +13,7 @@ from er_model_lab.report.ranking import effect_size, largest, limit, ranked
 from er_model_lab.report.section import Section
 from er_model_lab.report.units import gain, newtons, parameter, percent, short
 from er_model_lab.report.words import STATUS as SAID
-from er_model_lab.report.words import title_of
+from er_model_lab.report.words import title_of, unknowable
 from er_model_lab.view import Array, View
 
 MOST_BARS = 14
@@ -35,7 +35,11 @@ def section(view: View) -> Section | None:
         "candidates",
         "Candidates",
         figures,
-        {"first": rows[:FIRST_ROWS], "others": rows[FIRST_ROWS:]},
+        {
+            "first": rows[:FIRST_ROWS],
+            "others": rows[FIRST_ROWS:],
+            "unknowable": unknowable(view),
+        },
     )
 
 
