@@ -77,7 +77,8 @@ def _forces(effect: Effect, catalogue: Catalogue) -> tuple[Array, Array, Motion]
     for i in range(several):
         values = {q.name: base.start(effect.name, q.name, i) for q in effect.parameters}
         forces.append(predict(base.with_effect(effect.name, values), inputs))
-    return max(forces, key=lambda force: float(np.std(force - without))), without, inputs
+    spread = [float(f"{np.std(force - without):.9g}") for force in forces]  # ties: the first start
+    return forces[spread.index(max(spread))], without, inputs
 
 
 def svg(effect: Effect, catalogue: Catalogue = CATALOGUE) -> str:

@@ -21,7 +21,6 @@ from er_models.kernel.inline import inlined
 from er_models.kernel.order import relaxes_at
 
 PARTS = ("states", "inputs", "imposed", "sensors", "vehicle")
-_STEP = ("W0", "R0", "G0", "R", "G")
 _MARK = "# --- below this line: compiled with the composed equations ---\n"
 
 
@@ -75,7 +74,7 @@ def _relax(catalogue: Catalogue, effect: Effect) -> list[str]:
     slot = catalogue.slots[effect.name]
     return [
         *_call(catalogue, effect, "relax", f"s[R, {slot}], s[G, {slot}] = {{call}}"),
-        f"s[W, {slot}] = follow({', '.join(f's[{row}, {slot}]' for row in _STEP)}, h, how)",
+        f"s[W, {slot}] = follow(s, {slot}, h, how)",
         *_bound(catalogue, effect, slot),
     ]
 
@@ -124,8 +123,11 @@ def _damper(catalogue: Catalogue) -> list[str]:
     body += _lines(catalogue, "yield_scale", "yield_scale *= {call}")
     body += _lines(catalogue, "shift_deflection", "x = {call}")
     body += _lines(catalogue, "shift_velocity", "v = {call}")
+    body += ["    x_d, v_d = x, v"]
+    body += _lines(catalogue, "flow_deflection", "x = {call}")
+    body += _lines(catalogue, "flow_velocity", "v = {call}")
     body += _lines(catalogue, "target", "y += {call}")
-    body += ["    y *= yield_scale"]
+    body += ["    y *= yield_scale", "    x, v = x_d, v_d"]
     for name in ("viscous_scale", "stiffness_scale", "tau_scale"):
         body += _lines(catalogue, name, f"{name} *= {{call}}")
     body += _lines(catalogue, "response_time", "tau_y += {call}")
@@ -178,7 +180,8 @@ def source(catalogue: Catalogue) -> str:
         "import math",
         "import numpy as np",
         "from numba import prange",
-        "from er_models.kernel.fast import batch, entry, inline, inner, record, tanh",
+        "from er_models.kernel.elementary import exp, tanh",
+        "from er_models.kernel.fast import batch, entry, inline, inner, record",
         "from er_models.kernel.hooks import compiled as _compiled",
     ]
     composed = [_damper(catalogue), _chassis(catalogue), _accelerometers(catalogue)]
@@ -199,7 +202,8 @@ def source(catalogue: Catalogue) -> str:
 def fingerprint(catalogue: Catalogue) -> str:
     """Hash of everything the kernel is made of: equations, layout and integrators."""
     digest = hashlib.sha256(source(catalogue).encode())
-    digest.update((Path(__file__).parent / "fast.py").read_bytes())
+    for name in ("fast", "elementary"):
+        digest.update((Path(__file__).parent / f"{name}.py").read_bytes())
     for origin in catalogue.origins.values():
         digest.update(origin.digest.encode())
     for effect in catalogue.effects:

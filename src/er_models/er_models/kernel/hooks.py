@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from types import BuiltinFunctionType, FunctionType
 from typing import Any
 
 from er_models.catalogue import CATALOGUE, Catalogue
-from er_models.kernel.fast import inline, tanh
+from er_models.kernel.elementary import FASTER
+from er_models.kernel.fast import inline
 
 _in_use: list[Catalogue] = [CATALOGUE]
-_FASTER: dict[Any, Any] = {math.tanh: tanh}
 
 
 def use(catalogue: Catalogue) -> None:
@@ -31,5 +30,5 @@ def with_compiled_names(function: Any) -> FunctionType:
         if isinstance(value, FunctionType):
             names[name] = inline(with_compiled_names(value))
         elif isinstance(value, BuiltinFunctionType):
-            names[name] = _FASTER.get(value, value)
+            names[name] = FASTER.get(value, ("", value))[1]
     return FunctionType(function.__code__, names, function.__name__, function.__defaults__)

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numba import prange
 
-from er_models.kernel.fast import batch, entry, inner, record
-from er_models.kernel.inputs import delayed, hermite, split
+from er_models.kernel.fast import batch, entry, inline, inner, record
+from er_models.kernel.inputs import at, cubic, delayed, split
 from er_models.kernel.states import HOLD, ROWS, keep, settle, solve, visit
 
 
@@ -26,44 +26,64 @@ def output_delay(on, p):  # type: ignore[no-untyped-def]
 
 # --- below this line: compiled with the composed equations ---
 @inner
+def turning(cut, n_sub):
+    """Step of a sample in which the duty changes, for the share of the sample where it does."""
+    turn = int(cut * n_sub)
+    return turn - 1 if turn / n_sub > cut else turn
+
+
+@inline
+def stops(n_sub, jump, cut, last):
+    """How often the equations are looked at in a sample; in the last one only where the duty changes at once."""
+    if last:
+        return 2 if jump and cut == 0.0 else 0
+    return n_sub + 2 if jump else n_sub
+
+
+@inline
+def stop(j, n_sub, turn, cut, u_now, u_next):
+    """Where within a sample look j is, and under which duty; the change is looked at before and after."""
+    if j < turn:
+        return (j + 1) / n_sub, u_now
+    if j == turn:
+        return cut, u_now
+    return (cut if j == turn + 1 else (j - 1) / n_sub), u_next
+
+
+@inner
 def predict(on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, s, force):
     """Measured force [N] over one record of imposed motion, arrays of length n.
 
     The duty is held from each sample on, later by the dead time: a step that it jumps in is cut in
     two.
     """
-    n = x.shape[0]
+    n, step = x.shape[0], dt / n_sub
     whole, cut = split(input_delay(on, p) / dt)
+    turn = turning(cut, n_sub)
     u_now = u[0]
-    force[0] = settle(on, slots, at_rest, p, s, x[0], v[0], a[0], u_now, theta[0])
+    f_m = settle(on, slots, at_rest, p, s, x[0], v[0], a[0], u_now, theta[0])
+    force[0] = f_m
     for k in range(n):
-        u_next = u[max(k - whole, 0)]
         m = min(k + 1, n - 1)
-        end = 0.0
-        for i in range(n_sub if k + 1 < n else 1):
-            start = i / n_sub
-            goal = (i + 1) / n_sub
-            jump = u_now != u_next and start <= cut < goal
-            for piece in range(0 if jump else 2, 3):
-                q = cut if piece < 2 else goal
-                if (piece == 0 and q == start) or (k + 1 == n and q > 0.0):
-                    continue
-                if piece == 1:
-                    u_now = u_next
-                x_q = hermite(x[k], v[k], x[m], v[m], dt, q)
-                v_q = hermite(v[k], a[k], v[m], a[m], dt, q)
-                a_q = (1.0 - q) * a[k] + q * a[m]
-                th_q = (1.0 - q) * theta[k] + q * theta[m]
-                h = (q - end) * dt
-                _, f_m, _ = solve(
-                    on, links, p, s, h, HOLD, x_q, v_q, a_q, u_now, (k + q) * dt, th_q
-                )
-                keep(slots, s)
-                end = q
-                if q == 0.0:
-                    force[k] = f_m
-        if k + 1 < n:
-            force[k + 1] = f_m
+        u_next = u[max(k - whole, 0)]
+        jump = u_now != u_next
+        x_k, v_k = cubic(x[k], v[k], x[m], v[m], dt), cubic(v[k], a[k], v[m], a[m], dt)
+        a_rise, theta_rise = a[m] - a[k], theta[m] - theta[k]
+        h, end = step, 0.0
+        for j in range(stops(n_sub, jump, cut, m == k)):
+            q = (j + 1) / n_sub
+            if jump:
+                q, u_now = stop(j, n_sub, turn, cut, u_now, u_next)
+                h, end = (q - end) * dt, q
+            _, f_m, _ = solve(
+                on, links, p, s, h, HOLD, at(x_k, q), at(v_k, q), a[k] + q * a_rise, u_now,
+                (k + q) * dt, theta[k] + q * theta_rise,
+            )  # fmt: skip
+            keep(slots, s)
+            if jump and q == 0.0:
+                force[k] = f_m
+        if m > k:
+            force[m] = f_m
 
 
 @record

@@ -14,6 +14,8 @@ from collections.abc import Callable, Mapping
 from types import BuiltinFunctionType
 from typing import Any
 
+from er_models.kernel.elementary import FASTER
+
 _BUILTINS = {"abs": abs, "min": min, "max": max, "float": float}
 
 
@@ -102,5 +104,5 @@ class _Rename(ast.NodeTransformer):
 
     @staticmethod
     def _function(name: str) -> str:
-        """A function of `math`; tanh is the kernel's own."""
-        return "tanh" if name == "tanh" else f"math.{name}"
+        """A function of `math`, or the kernel's own for it."""
+        return FASTER.get(getattr(math, name), (f"math.{name}", None))[0]

@@ -24,6 +24,19 @@ def hermite(y0, d0, y1, d1, h, s):
     )
 
 
+@inline
+def cubic(y0, d0, y1, d1, h):
+    """Coefficients of the same cubic in powers of s, lowest first."""
+    rise, e0, e1 = y1 - y0, h * d0, h * d1
+    return y0, e0, 3.0 * rise - 2.0 * e0 - e1, e0 + e1 - 2.0 * rise
+
+
+@inline
+def at(c, s):
+    """Value of a cubic of four coefficients."""
+    return c[0] + s * (c[1] + s * (c[2] + s * c[3]))
+
+
 @inner
 def split(lag):
     """Whole samples of a delay (in samples) and where within a sample interval the duty changes."""

@@ -1,8 +1,10 @@
 """The order in which the composed damper works, and what follows from it.
 
-    duty, passive_stiffness, passive_damping, yield_scale, shift_deflection, shift_velocity, target,
-    viscous_scale, stiffness_scale, tau_scale, response_time, [response], [states], force, limit,
-    [late states], sense
+    duty, passive_stiffness, passive_damping, yield_scale, shift_deflection, shift_velocity,
+    flow_deflection, flow_velocity, target, viscous_scale, stiffness_scale, tau_scale,
+    response_time, [response], [states], force, limit, [late states], sense
+
+The flow hooks map the motion for `target` alone; what follows sees the motion of the damper again.
 
 A state is brought to the end of the step at one of these places. A hook that reads it earlier sees
 the trial of the search in `kernel.states`; the states for which this happens are the links of a
@@ -18,10 +20,11 @@ from er_models.effect import Effect
 
 ORDER = (
     "duty", "passive_stiffness", "passive_damping", "yield_scale", "shift_deflection",
-    "shift_velocity", "target", "viscous_scale", "stiffness_scale", "tau_scale", "response_time",
-    "response", "states", "force", "limit", "late", "sense",
+    "shift_velocity", "flow_deflection", "flow_velocity", "target", "viscous_scale",
+    "stiffness_scale", "tau_scale", "response_time", "response", "states", "force", "limit", "late",
+    "sense",
 )  # fmt: skip
-_MAPS = ("duty", "shift_deflection", "shift_velocity")
+_MAPS = ("duty", "shift_deflection", "shift_velocity", "flow_deflection", "flow_velocity")
 KNOWN_FROM = {
     **dict.fromkeys(("x", "v", "a", "u", "t", "theta"), "duty"),
     **dict.fromkeys(("k_0", "c_0", "f_y"), "passive_stiffness"),

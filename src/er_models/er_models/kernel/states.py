@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 
+from er_models.kernel.elementary import exp
 from er_models.kernel.fast import inline, inner
 
 
@@ -27,10 +28,10 @@ def damper(on, p, s, h, how, x, v, a, u, t, theta):  # type: ignore[no-untyped-d
 
 
 # --- below this line: compiled with the composed equations ---
-ROWS = 12
-W0, R0, G0, W, R, G, TRY, LAST, MISS, LOW, HIGH, SLOPE = range(ROWS)
+ROWS = 16
+W0, R0, G0, W, R, G, TRY, LAST, MISS, LOW, HIGH, SLOPE, Z, DECAY, ONE, TWO = range(ROWS)
 """Rows of the workspace s (ROWS, n_states): state, rate and drive at the left end of the step; the same at its right
-end; and what the search for the states that feed back needs."""
+end; what the search for the states that feed back needs; and the weights last used, which a constant rate keeps."""
 HOLD, STAGE, SETTLE = 0.0, 1.0, 2.0
 """How a step is taken: first-order hold, one implicit stage, or all the way to equilibrium."""
 INSTANT = 0.999e9
@@ -58,21 +59,25 @@ def weights(z):
         one = 1.0 - z * (0.5 - z * (1.0 / 6.0 - z / 24.0))
         two = 0.5 - z * (1.0 / 6.0 - z * (1.0 / 24.0 - z / 120.0))
         return 1.0 - z * one, one, two
-    decay = math.exp(-z)
+    decay = exp(-z)
     one = (1.0 - decay) / z
     return decay, one, (1.0 - one) / z
 
 
 @inline
-def held(w0, rate0, drive0, rate, drive, h):
+def pace(rate0, rate, h):
+    """Product of rate and step that the weights are taken at, and how many ends of the step are stiff."""
+    stiff = (h * rate0 > STIFF) + (h * rate > STIFF)
+    return (h * rate if stiff == 1 else 0.5 * h * (rate0 + rate)), stiff
+
+
+@inline
+def weighted(w0, rate0, drive0, rate, drive, h, z, stiff, decay, one, two):
     """State after h [s]: exact for a constant rate and a drive linear in time.
 
     A stiff rate that changes sets the pace towards an equilibrium that is linear in time. Where an equation
     becomes stiff or ceases to be (a contact closes or opens), only its end counts.
     """
-    stiff = (h * rate0 > STIFF) + (h * rate > STIFF)
-    z = h * rate if stiff == 1 else 0.5 * h * (rate0 + rate)
-    decay, one, two = weights(z)
     if stiff == 0:
         return decay * w0 + h * ((one - two) * drive0 + two * drive)
     if stiff == 1:
@@ -81,17 +86,39 @@ def held(w0, rate0, drive0, rate, drive, h):
 
 
 @inline
-def follow(w0, rate0, drive0, rate, drive, h, how):
-    """State at the end of a step of length h, by one of the three ways."""
+def held(w0, rate0, drive0, rate, drive, h):
+    """State after h [s], as `weighted`."""
+    z, stiff = pace(rate0, rate, h)
+    decay, one, two = weights(z)
+    return weighted(w0, rate0, drive0, rate, drive, h, z, stiff, decay, one, two)
+
+
+@inline
+def held_again(s, j, h):
+    """As `held` for state j, with the weights of the step before where they are the same."""
+    rate0, rate = s[R0, j], s[R, j]
+    z, stiff = pace(rate0, rate, h)
+    if z != s[Z, j]:
+        s[Z, j] = z
+        s[DECAY, j], s[ONE, j], s[TWO, j] = weights(z)
+    return weighted(
+        s[W0, j], rate0, s[G0, j], rate, s[G, j], h, z, stiff, s[DECAY, j], s[ONE, j], s[TWO, j]
+    )
+
+
+@inline
+def follow(s, j, h, how):
+    """State j at the end of a step of length h, by one of the three ways."""
+    rate, drive = s[R, j], s[G, j]
     if how == SETTLE:
-        return drive / rate if rate > 0.0 and rate0 != RESTING else 0.0
+        return drive / rate if rate > 0.0 and s[R0, j] != RESTING else 0.0
     if rate >= INSTANT:
         return drive / rate
     if h == 0.0:
-        return w0
+        return s[W0, j]
     if how == HOLD:
-        return held(w0, rate0, drive0, rate, drive, h)
-    return (w0 + h * drive) / (1.0 + h * rate)
+        return held_again(s, j, h)
+    return (s[W0, j] + h * drive) / (1.0 + h * rate)
 
 
 @inline
@@ -180,6 +207,7 @@ def settle(on, slots, at_rest, p, s, x, v, a, u, theta):
         for i in range(ROWS):
             s[i, j] = 0.0
         s[R0, j] = RESTING if at_rest[j] else 0.0
+        s[Z, j] = math.nan
     f_m = 0.0
     for _ in range(SWEEPS):
         _, f_m, _ = visit(on, slots[:0], p, s, 0.0, SETTLE, x, v, a, u, 0.0, theta)
