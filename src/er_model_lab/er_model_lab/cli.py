@@ -14,6 +14,7 @@ from er_models.errors import ErError, InputError
 from rich.console import Console
 
 from er_model_lab.import_app import register
+from er_model_lab.thesis_app import register as register_thesis
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,6 +29,7 @@ app = typer.Typer(
     help="Compare a damper model with measurements, find the missing effect, add it, watch the error fall.",
 )
 register(app)
+register_thesis(app)
 
 Data = Annotated[
     list[Path],
@@ -161,6 +163,29 @@ def improve(
 
 
 @app.command()
+def identify(
+    data: Data,
+    model: ModelFile,
+    out: Out,
+    json_file: Json = None,
+    report: Report = None,
+    hold_out: HoldOut = None,
+    level: Level = "damper",
+    seed: Seed = 0,
+    effects_from: EffectsFrom = None,
+) -> None:
+    """Identify every parameter in stages, as in chapter 1 of the thesis, and say what the data cannot tell."""
+    from er_model_lab.identify import command
+
+    def work() -> Outcome:
+        _damper_only(level, "identify")
+        with _stages("identifying", command.STEPS) as tick:
+            return command.run(_asked(data, model, seed, hold_out, effects_from), out, tick)
+
+    _run(work, json_file, report, out)
+
+
+@app.command()
 def effects(
     effect: Annotated[str | None, typer.Argument(help="Show the card of this effect.")] = None,
     json_file: Json = None,
@@ -267,10 +292,19 @@ def _fail(error: ErError) -> None:
 @contextmanager
 def _progress(title: str, effects_from: list[Path] | None) -> Iterator[Tick | None]:
     """A progress bar with the effect being tried, on a terminal only."""
+    from er_models.own import catalogue_with
+
+    total = len(catalogue_with(effects_from or ()).candidates()) if sys.stderr.isatty() else 0
+    with _stages(title, total) as tick:
+        yield tick
+
+
+@contextmanager
+def _stages(title: str, total: int) -> Iterator[Tick | None]:
+    """A progress bar with what is being done, on a terminal only."""
     if not sys.stderr.isatty():
         yield None
         return
-    from er_models.own import catalogue_with
     from rich.progress import (
         BarColumn,
         MofNCompleteColumn,
@@ -280,7 +314,6 @@ def _progress(title: str, effects_from: list[Path] | None) -> Iterator[Tick | No
         TimeRemainingColumn,
     )
 
-    total = len(catalogue_with(effects_from or ()).candidates())
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -292,11 +325,11 @@ def _progress(title: str, effects_from: list[Path] | None) -> Iterator[Tick | No
         task = bar.add_task(title, total=total)
         done = [0]
 
-        def tick(effect: str) -> None:
+        def tick(now: str) -> None:
             done[0] += 1
             if done[0] > total:
                 done[0] = 1
-            bar.update(task, completed=done[0], description=f"{title}: {effect}")
+            bar.update(task, completed=done[0], description=f"{title}: {now}")
 
         yield tick
 

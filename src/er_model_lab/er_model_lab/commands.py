@@ -132,7 +132,7 @@ def add(ask: Request, effect: str, out: Path, tick: Tick | None = None) -> Outco
     """Add one effect, refit everything, and write the new model."""
     model, (records, sealed) = ask.model(), read(ask)
     _may_add(model, effect)
-    _may_write(out, ask.model_file)
+    may_write(out, ask.model_file)
     study = add_effect(records, model, effect, seed=ask.seed, sealed=sealed, tick=tick)
     grown = _with_history(final_model(study), model, study, records, ask.seed, out)
     outcome = _outcome("add", study, grown, records, ask)
@@ -143,7 +143,7 @@ def add(ask: Request, effect: str, out: Path, tick: Tick | None = None) -> Outco
 def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
     """Diagnose and add until the model is adequate or nothing known helps."""
     model, (records, sealed) = ask.model(), read(ask)
-    _may_write(out, ask.model_file)
+    may_write(out, ask.model_file)
     current, studies = model, list[Study]()
     for n in range(MOST_PASSES):
         study = investigate(records, current, seed=ask.seed + 1000 * n, sealed=sealed, tick=tick)
@@ -207,7 +207,7 @@ def _may_add(model: Model, effect: str) -> None:
         )
 
 
-def _may_write(out: Path, model_file: Path) -> None:
+def may_write(out: Path, model_file: Path) -> None:
     """The new model must not overwrite the one it comes from."""
     if out.exists() and out.resolve() == model_file.resolve():
         raise InputError(out, "--out", "another file than --model", "the same file")

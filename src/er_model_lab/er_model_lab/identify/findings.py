@@ -132,8 +132,9 @@ def _law(found: Identified) -> list[str]:
     if not abs(away[worst]) > max(SURE * sd, CHANGE * table.tau[worst]):
         return []
     return [
-        f"at duty {short(float(table.duty[worst]))} the response time is {1e3 * table.tau[worst]:.1f} +- {1e3 * sd:.1f} ms, "
-        f"{1e3 * abs(away[worst]):.1f} ms off the model's law: a model with another tau(u) would follow it"
+        f"at duty {short(float(table.duty[worst]))} the response time is {1e3 * table.tau[worst]:.1f} +- "
+        f"{1e3 * sd:.1f} ms, {1e3 * abs(away[worst]):.1f} ms off the model's law: a model with another tau(u) "
+        "would follow it"
     ]
 
 

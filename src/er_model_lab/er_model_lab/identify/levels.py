@@ -30,12 +30,16 @@ MOST = 60
 
 @dataclass(frozen=True)
 class Table:
-    """Response time at each duty level: duty (m,), tau (m,) [s], covariance (m, m) [s2]; model: shared shape."""
+    """Response time at each duty level: duty (m,), tau (m,) [s], covariance (m, m) [s2].
+
+    model: the shared shape with deviations; rmse: of the fit [N].
+    """
 
     duty: Array
     tau: Array
     covariance: Array
     model: Model
+    rmse: float
 
     @property
     def sd(self) -> Array:
@@ -127,11 +131,15 @@ class _LevelsFit:
         edge = z <= self.spread(self.box.low) + 1e-6 * self.spread(self.box.size)
         model = self.box.model_at(z[: n + 1])
         fitted = Fit(model, (*self.box.free[:n], *names), z, scale, residual, jacobian, edge, MOST)
-        return Table(
-            np.array([level.duty for level in self.levels]), z[n:] * scale[n:],
-            covariance(fitted, among(problem, *(level.rows for level in self.levels)))[n:, n:],
-            model.without_effect("response"),
-        )  # fmt: skip
+        spread = covariance(fitted, among(problem, *(level.rows for level in self.levels)))
+        sd = np.sqrt(np.maximum(np.diag(spread), 0.0))
+        deviations = {k: dict(v) for k, v in model.deviations.items()}
+        for (effect, name), value in zip(self.box.free[:n], sd[:n], strict=True):
+            deviations.setdefault(effect, {})[name] = float(value)
+        shaped = replace(model.without_effect("response"), deviations=deviations)
+        duty = np.array([level.duty for level in self.levels])
+        rmse = float(np.sqrt(np.mean(residual[self.rows] ** 2)))
+        return Table(duty, z[n:] * scale[n:], spread[n:, n:], shaped, rmse)
 
 
 def among(problem: Problem, *masks: NDArray[np.bool_]) -> Problem:

@@ -28,7 +28,7 @@ def identified_json(found: Identified) -> dict[str, Any]:
     problem = found.problem
     lacks = missing(found)
     before, after = _errors(found, found.given), _errors(found, found.residual)
-    return clean({
+    result: dict[str, Any] = clean({
         "command": "identify",
         "verdict": "identified_in_part" if found.held else "identified",
         "model": found.model.name,
@@ -52,6 +52,7 @@ def identified_json(found: Identified) -> dict[str, Any]:
         "notes": list(problem.notes),
         "complete": problem.complete and not lacks,
     })  # fmt: skip
+    return result
 
 
 def parameters(found: Identified) -> dict[str, dict[str, dict[str, Any]]]:

@@ -88,7 +88,7 @@ def response(
     shaped = taken_over(model, table.model, shape)
     followed = follow_table(shaped, free, table, problem)
     rows = sum(int(level.rows.sum()) for level in held)
-    return Stage("response", free, followed, rows), table
+    return Stage("response", (*shape, *free), followed, rows, table.rmse), table
 
 
 def taken_over(model: Model, found: Model, free: Free) -> Model:
