@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_models.effect import Effect, Param, Signature
 from er_models.errors import InputError
 from er_models.forms.descriptor import descriptor_form
 from er_models.forms.linearise import NotThisForm
 from er_models.forms.lipschitz import fingerprint, thesis_form
-from er_models.forms.loss import lost_force
+from er_models.forms.loss import Factors, damaged, lost_force
 from er_models.forms.lti import lti_form
 from er_models.forms.nlpv import DUTY, NLPVForm, nlpv_form
 from er_models.forms.qlpv import qlpv_form
@@ -187,61 +185,57 @@ def test_printed_2_19_disagrees_with_its_own_2_18(car: Model) -> None:
     assert wrong[4] > 500.0
 
 
-def fault_force(
-    f_1: float, f_2: float, f_3: float, k_0: float, c_0: float, x: float, v: float, f_y: float
-) -> float:
-    """Force of the faulty damper (6.8) [N]."""
-    return f_2 * (k_0 * x + f_3 * (c_0 * v + f_1 * f_y))
+FAULTS = [(1.0, 0.6, 1.0), (0.3, 1.0, 1.0), (1.0, 1.0, 0.7), (0.4, 0.8, 0.5)]
 
 
-FAULTS = Effect(
-    name="faults",
-    stage="force",
-    title="Loss of effectiveness",
-    physics="Electrical fault, oil leakage and deformation together.",
-    parameters=tuple(
-        Param(name, "1", 0.0, 1.0, 1.0, (0.5,), "factor left") for name in ("f_1", "f_2", "f_3")
-    ),
-    hooks={"limit": fault_force},
-    signature=Signature(mark="force shrinks", plane="force-velocity", experiment="any"),
-    source="thesis (6.8)",
-)
+def left_force(x: Array, factors: tuple[float, float, float]) -> float:
+    """Force of the faulty damper, (6.8) by hand [N]."""
+    f_1, f_2, f_3 = factors
+    return f_2 * (k_0 * x[0] + f_3 * (c_0 * (x[1] - x[3]) + f_1 * x[4]))
 
 
-def with_faults(model: Model, factors: dict[str, float]) -> Model:
-    """The model with the faults as an effect of its own in the compiled equations."""
-    longer = replace(model, catalogue=model.catalogue.extended([FAULTS]))
-    return longer.with_effect("faults", factors)
+@pytest.mark.parametrize("factors", FAULTS)
+def test_faults_are_weaker_parameters(car: Model, factors: tuple[float, float, float]) -> None:
+    """The compiled car with smaller k0, c0 and f_c has the force (6.8), its F_er weaker alike."""
+    weak = damaged(car, Factors(*factors))
+    scale = np.array([1.0, 1.0, 1.0, 1.0, np.prod(factors)])
+    for x, u, road_rate in random_points(car, 30, seed=8):
+        rate, outputs = exact_rates(weak, scale * x, u, road_rate)
+        healthy, _ = exact_rates(car, x, u, road_rate)
+        assert outputs[2] == pytest.approx(left_force(x, factors), rel=1e-9)
+        assert rate[4] == pytest.approx(scale[4] * healthy[4], rel=1e-9, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    "factors", [(1.0, 0.6, 1.0), (0.3, 1.0, 1.0), (1.0, 1.0, 0.7), (0.4, 0.8, 0.5)]
-)
+@pytest.mark.parametrize("factors", FAULTS)
 def test_descriptor_with_a_lost_force_is_the_faulty_car(
     car: Model, factors: tuple[float, float, float]
 ) -> None:
-    """A compiled damper with the faults (6.8) moves as (2.19) with the f of these faults."""
-    form, healthy = descriptor_form(car), thesis_form(car)
-    truth = with_faults(car, dict(zip(("f_1", "f_2", "f_3"), factors, strict=True)))
+    """The compiled car with the faults (6.8) moves as (2.19) with the f of these faults."""
+    form, healthy, relative = descriptor_form(car), thesis_form(car), relative_form(car)
+    weak = damaged(car, Factors(*factors))
+    scale = np.array([1.0, 1.0, 1.0, 1.0, np.prod(factors)])
     for x, u, road_rate in random_points(car, 30, seed=8):
-        rate, outputs = exact_rates(truth, x, u, road_rate)
-        f = lost_force(healthy, x, *factors)
+        rate, outputs = exact_rates(weak, scale * x, u, road_rate)
+        f = lost_force(healthy, x, Factors(*factors))
         x_e = np.append(x, f)
-        np.testing.assert_allclose(form.side(x_e, u, road_rate), rate, rtol=1e-9, atol=1e-8)
+        found = scale * form.side(x_e, u, road_rate)
+        np.testing.assert_allclose(found, rate, rtol=1e-9, atol=1e-8)
         np.testing.assert_allclose(form.C @ x_e, outputs[:2], rtol=1e-9, atol=1e-8)
         assert form.F @ x_e == pytest.approx(outputs[2], rel=1e-9)
-        relative = relative_form(car)
-        assert lost_force(relative, relative.chart @ x, *factors) == pytest.approx(f, rel=1e-9)
+        again = lost_force(relative, relative.chart @ x, Factors(*factors))
+        assert again == pytest.approx(f, rel=1e-9)
 
 
 def test_a_leak_loses_a_share_of_the_force(car: Model) -> None:
     """(2.16): f = alpha F_d; healthy factors lose nothing, others than 0 to 1 are refused."""
     form = thesis_form(car)
     for x, _, _ in random_points(car, 10, seed=9):
-        assert lost_force(form, x, leakage=0.6) == pytest.approx(0.4 * (form.F @ x), rel=1e-12)
-        assert lost_force(form, x) == pytest.approx(0.0, abs=1e-12)
+        assert lost_force(form, x, Factors(leakage=0.6)) == pytest.approx(
+            0.4 * (form.F @ x), rel=1e-12
+        )
+        assert lost_force(form, x, Factors()) == pytest.approx(0.0, abs=1e-12)
     with pytest.raises(InputError, match=r"leakage: expected a factor.*1\.2"):
-        lost_force(form, np.zeros(5), leakage=1.2)
+        Factors(leakage=1.2)
 
 
 def test_frozen_gate_is_the_slope_of_the_form(car: Model) -> None:

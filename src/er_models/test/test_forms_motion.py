@@ -11,11 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from er_models.catalogue import CATALOGUE
 from er_models.forms.descriptor import descriptor_form
-from er_models.forms.linearise import NotThisForm
-from er_models.forms.lipschitz import LinearForm, thesis_form
-from er_models.forms.loss import lost_force
+from er_models.forms.lipschitz import thesis_form
+from er_models.forms.loss import Factors, lost_force
 from er_models.forms.lti import lti_form
 from er_models.forms.nlpv import nlpv_form
 from er_models.forms.passive import passive_response
@@ -28,12 +26,6 @@ from models_help import exact_rates
 from scipy.integrate import solve_ivp
 
 TIMES = np.linspace(0.0, 0.8, 161)
-REFUSED = {
-    "dead_time", "self_heating", "effectiveness_fade", "viscoelastic_branch", "bouc_wen_hysteresis",
-    "mount_compliance", "tyre_damping", "tyre_lift_off", "guide_friction", "spring_nonlinearity",
-    "accelerometer_bias",
-}  # fmt: skip
-"""Effects that a form could overlook: a delay, a state of their own, time, the road's rate, a reading."""
 TIGHT = {"method": "LSODA", "rtol": 1e-9, "atol": 1e-12}
 CLOSE = 1e-6
 """Largest difference of two solutions, as a share of a signal's range."""
@@ -217,68 +209,17 @@ def test_descriptor_form_moves_as_the_truth(run: tuple[Drive, Array, Array], car
 
     def descriptor(piece: int) -> Rate:
         def rate(t: float, x: Array) -> Array:
-            f = lost_force(healthy, x, leakage=left(t))
+            f = lost_force(healthy, x, Factors(leakage=left(t)))
             return form.side(np.append(x, f), d.duty(t, piece), d.road(t, 1))
 
         return rate
 
     wanted, found = solved(faulty, np.zeros(5), d), solved(descriptor, np.zeros(5), d)
     assert_close(found, wanted)
-    losses = [lost_force(healthy, x, leakage=left(t)) for t, x in zip(TIMES, found, strict=True)]
+    losses = [
+        lost_force(healthy, x, Factors(leakage=left(t))) for t, x in zip(TIMES, found, strict=True)
+    ]
     assert np.ptp(losses) > 0.05 * np.ptp(found @ healthy.F)
-
-
-def sampled(n: int) -> tuple[float, Array, Array]:
-    """Sample time, a road and a duty that jumps, (n,) each."""
-    dt, d = 0.005, drive(1, 0.004, 0.0)
-    road = np.array([d.road(k * dt) for k in range(n)])
-    return dt, road, np.resize(np.repeat([0.0, 0.3, 1.0, 0.1, 0.6], 11), n)
-
-
-def recorded(form: LinearForm, dt: float, road: Array, duty: Array) -> Array:
-    """States (n, 5) of the Lipschitz form on a sampled road, the duty held from each sample on."""
-    x, out = np.zeros(5), []
-    for k in range(road.size):
-        out.append(x)
-        slope = (road[min(k + 1, road.size - 1)] - road[k]) / dt
-
-        def rate(s: float, y: Array, u: float = duty[k], w: float = slope) -> Array:
-            return form.rate(y, u, w)
-
-        x = solve_ivp(rate, (0.0, dt), x, method="LSODA", rtol=1e-8, atol=1e-11).y[:, -1]
-    return np.array(out)
-
-
-def test_recorded_simulation_is_the_same_motion(car: Model) -> None:
-    """The integrator that makes records agrees with the exact form on a sampled road."""
-    dt, road, duty = sampled(161)
-    record, form = simulate(car, dt, road, duty), thesis_form(car)
-    states = recorded(form, dt, road, duty)
-    force, deflection = record["damper_force"], record["deflection"]
-    assert_close((states @ form.F)[:, None], force[:, None], 2e-3)
-    assert_close(states[:, :1], deflection[:, None], 5e-4)
-
-
-NAMES = [e.name for e in CATALOGUE.effects if e.stage != "core" and e.name != "quarter_car"]
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_form_that_is_given_out_moves_as_the_model(car: Model, name: str) -> None:
-    """With any effect added, the accelerometers read what the form says, or there is no form."""
-    model, form, refusal = car.with_effect(name), None, ""
-    try:
-        form = thesis_form(model)
-    except NotThisForm as error:
-        refusal = str(error)
-    if form is None:
-        assert f"leave out one of {name}" in refusal or f"leave out {name}" in refusal
-        return
-    assert name not in REFUSED
-    dt, road, duty = sampled(101)
-    record = simulate(model, dt, road, duty)
-    found = recorded(form, dt, road, duty) @ form.C.T
-    wanted = np.column_stack([record["sprung_acceleration"], record["unsprung_acceleration"]])
-    assert_close(found, wanted, 5e-3)
 
 
 @pytest.mark.parametrize("hertz", [1.5, 4.3, 18.4, 25.0])

@@ -11,4 +11,7 @@ right-hand side (`er_models.rhs`), and each form is a change of coordinates or a
 | `nlpv` | the same, duty as scheduling variable | (2.13)-(2.14), (2.21) |
 | `descriptor` | the same with the lost force as a state | (2.16)-(2.19), corrected |
 | `relative` | without absolute velocities | ours |
+
+What follows from them: `loss` (faults), `response` and `passive` (frequency responses), `zeros` and
+`sensing` (what no sensor shows), `ride` (all of them on one road).
 """

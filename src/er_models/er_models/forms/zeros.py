@@ -38,6 +38,21 @@ def invariant_zeros(A: Array, D: Array, C: Array, H: Array | None = None) -> Arr
     return np.asarray(np.sort_complex(np.linalg.eigvals(moves[: V.shape[1]])))
 
 
+def visibility(A: Array, D: Array, C: Array, H: Array, hertz: Array) -> Array:
+    """How clearly motions at frequencies (k,) [Hz] show: smallest over largest singular value of the pencil, (k,).
+
+    It falls to zero towards a zero of the system on the imaginary axis.
+    """
+    A, D, C, H = _balanced(A, D, C, H)
+    n = A.shape[0]
+    pencil = np.zeros((len(hertz), n + C.shape[0], n + D.shape[1]), complex)
+    pencil[:] = np.block([[-A, -D], [C, H]])
+    pencil[:, :n, :n] += 2j * np.pi * np.asarray(hertz)[:, None, None] * np.eye(n)
+    pencil = pencil / np.abs(pencil).max(axis=2, keepdims=True)
+    values = np.linalg.svd(pencil, compute_uv=False)
+    return np.asarray(values[:, -1] / values[:, 0])
+
+
 def _balanced(A: Array, D: Array, C: Array, H: Array) -> tuple[Array, Array, Array, Array]:
     """The same system with states, inputs and outputs of comparable size."""
     balanced, (scale, _) = matrix_balance(A, permute=False, separate=True)
