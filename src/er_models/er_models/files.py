@@ -108,7 +108,10 @@ def _check_origins(path: Path, found: Any, catalogue: Catalogue) -> None:
         for name in names:
             given = catalogue.origins.get(name)
             if given is None:
-                expected = f"the file {file} given as --effects-from, for its effect '{name}'"
+                expected = (
+                    f"the file {file} given as --effects-from (a node's effects_from), "
+                    f"for its effect '{name}'"
+                )
                 raise InputError(path, where, expected, "no file with that effect")
             if given.digest != digest:
                 expected = f"{file} with the content {str(digest)[:12]} (SHA-256)"

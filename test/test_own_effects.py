@@ -1,0 +1,305 @@
+"""An effect in a file of the user's own: the example of CONTRIBUTING.md, and every way to get one wrong."""
+
+import hashlib
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from er_model_lab.cli import app
+from er_models.catalogue import CATALOGUE
+from er_models.errors import InputError
+from er_models.files import load_model, save_model
+from er_models.own import catalogue_with
+from er_models.predict import motion, predict
+from er_models.simulate import simulate
+from er_plant_sim.build import build
+from er_plant_sim.rig import advance, decide, sense, start
+from er_plant_sim.settings import table
+from er_ros_common.parameter_table import build as checked
+from typer.testing import CliRunner
+
+from test.conftest import ROOT
+
+NAME = "voltage_crosstalk"
+CAR = ROOT / "config/vehicles/inove_quarter_car.yaml"
+DAMPER = ROOT / "config/dampers/inove_guo.yaml"
+
+
+def example() -> str:
+    """The file in the chapter "Your own effect"."""
+    chapter = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").split("## Your own effect")[1]
+    return re.search(r"```python\n(.*?)```", chapter, re.S)[1]
+
+
+@pytest.fixture(scope="module")
+def own(tmp_path_factory):
+    """The example as a file."""
+    path = tmp_path_factory.mktemp("own") / "crosstalk.py"
+    path.write_text(example(), encoding="utf-8")
+    return path
+
+
+def lab(*words):
+    return CliRunner().invoke(app, [str(w) for w in words])
+
+
+def one_line(result, *words):
+    assert result.exit_code == 2, result.output
+    lines = [line for line in result.output.strip().splitlines() if line]
+    assert len(lines) == 1, result.output
+    for word in words:
+        assert word in lines[0]
+
+
+def with_crosstalk(file, own, value=4.0):
+    """A model file's model with the example's effect."""
+    return load_model(file, catalogue_with([own])).with_effect(NAME, {"K": value})
+
+
+def measured(own, path, seed=1, seconds=20.0):
+    """Data of a damper whose load cell has the cross-talk, six sines and steps of duty, noise of every sensor."""
+    rng, dt = np.random.default_rng(seed), 0.005
+    n = round(seconds / dt)
+    t, w = np.arange(n) * dt, 2 * np.pi * np.array([0.7, 1.3, 2.1, 3.4, 5.2, 7.3])
+    size = 0.09 / w / 2.5
+    arg = np.multiply.outer(t, w) + rng.uniform(0, 2 * np.pi, w.size)
+    x, v, a = np.sin(arg) @ size, np.cos(arg) @ (size * w), -np.sin(arg) @ (size * w**2)
+    u = np.repeat(rng.choice([0.0, 0.1, 0.2, 0.3], n // 150 + 1), 150)[:n]
+    force = predict(with_crosstalk(DAMPER, own), motion(dt, x, v, u, a))
+    columns = {
+        "t": t, "deflection": x + 2e-5 * rng.standard_normal(n),
+        "deflection_velocity": v + 1e-3 * rng.standard_normal(n), "duty": u,
+        "damper_force": force + 0.15 * rng.standard_normal(n),
+        "sprung_acceleration": a + 0.025 * rng.standard_normal(n),
+        "unsprung_acceleration": 0.025 * rng.standard_normal(n),
+    }  # fmt: skip
+    rows = np.stack(list(columns.values()), axis=1)
+    np.savetxt(path, rows, delimiter=",", header=",".join(columns), comments="")
+    return path
+
+
+def test_the_example_is_about_forty_lines():
+    assert 25 < len(example().splitlines()) <= 40
+
+
+def test_lab_effects_lists_it_and_shows_its_card(own, tmp_path):
+    listed = lab("effects", "--effects-from", own, "--json", tmp_path / "e.json")
+    assert listed.exit_code == 0, listed.output
+    names = [e["effect"] for e in json.loads((tmp_path / "e.json").read_text())["effects"]]
+    assert names == [*CATALOGUE.names, NAME]
+    card = lab("effects", NAME, "--effects-from", own).output
+    assert "F_m := F_m + K u" in card
+    assert "[N/duty]" in card or "N/duty" in card
+    one_line(lab("effects", NAME), NAME)
+
+
+def test_the_car_is_simulated_with_it(own):
+    dt, n = 0.005, 200
+    road = 0.003 * np.sin(2 * np.pi * 3.0 * np.arange(n) * dt)
+    duty = np.repeat([0.0, 0.2], n // 2)
+    model = with_crosstalk(CAR, own)
+    plain, run = simulate(load_model(CAR), dt, road, duty), simulate(model, dt, road, duty)
+    change = run["damper_force"] - plain["damper_force"]
+    assert change == pytest.approx(4.0 * duty, abs=1e-9)
+    assert np.array_equal(run["deflection"], plain["deflection"])
+
+
+def test_its_model_file_loads_with_the_very_file_only(own, tmp_path):
+    model = with_crosstalk(DAMPER, own)
+    path = tmp_path / "mine.yaml"
+    save_model(model, path)
+    digest = hashlib.sha256(own.read_bytes()).hexdigest()
+    entry = {"file": "crosstalk.py", "sha256": digest, "effects": [NAME]}
+    assert yaml.safe_load(path.read_text())["effects_from"] == [entry]
+    again = load_model(path, catalogue_with([own]))
+    assert again.effects == model.effects
+    assert again.digest() == model.digest() != load_model(DAMPER).digest()
+    with pytest.raises(InputError, match=r"the file crosstalk.py given as --effects-from") as none:
+        load_model(path)
+    changed = tmp_path / "crosstalk.py"
+    changed.write_text(own.read_text().replace("K * u", "K * u * u"))
+    with pytest.raises(InputError, match=r"crosstalk.py with the content") as other:
+        load_model(path, catalogue_with([changed]))
+    for caught in (none, other):
+        assert "\n" not in str(caught.value)
+        assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["crosstalk.py", "[crosstalk.py]", "[{file: a.py}]", "[{file: a, sha256: b, effects: c}]"],
+)
+def test_a_broken_record_of_the_file_is_named(text, tmp_path):
+    path = tmp_path / "m.yaml"
+    path.write_text(DAMPER.read_text() + f"effects_from: {text}\n")
+    with pytest.raises(InputError, match=r"effects_from\[0\]"):
+        load_model(path)
+
+
+def test_a_changed_equation_is_compiled_anew(own, tmp_path):
+    other = tmp_path / "crosstalk.py"
+    other.write_text(own.read_text().replace("K * u", "2.0 * K * u"))
+    inputs = motion(0.005, np.zeros(9), np.zeros(9), np.full(9, 0.3))
+    forces = [predict(with_crosstalk(DAMPER, path), inputs) for path in (own, other, own)]
+    assert forces[0] == pytest.approx(np.full(9, 1.2))
+    assert forces[1] == pytest.approx(np.full(9, 2.4))
+    assert np.array_equal(forces[0], forces[2])
+
+
+def test_several_files_join_and_one_given_twice_counts_once(own, tmp_path):
+    other = tmp_path / "other.py"
+    other.write_text(
+        own.read_text().replace(f'"{NAME}"', '"second"').replace("EFFECT = ", "ONE = ")
+        + "\n\nEFFECTS = [ONE]\n"
+    )
+    catalogue = catalogue_with([own, other, own])
+    assert catalogue.names[-2:] == (NAME, "second")
+    assert catalogue is catalogue_with([own, other])
+    assert {e.name for e in catalogue.candidates()} >= {NAME, "second"}
+    assert not {o.file for o in catalogue.origins.values()} ^ {"crosstalk.py", "other.py"}
+    assert catalogue_with([]) is CATALOGUE
+
+
+@pytest.mark.slow
+def test_diagnose_finds_it_by_name_and_add_writes_it(own, tmp_path):
+    data = measured(own, tmp_path / "run.csv")
+    given = ("--model", DAMPER, "--effects-from", own, "--json", tmp_path / "r.json")
+    result = lab("diagnose", data, *given)
+    assert result.exit_code == 0, result.output
+    r = json.loads((tmp_path / "r.json").read_text())
+    assert (r["verdict"], r["effects"]) == ("missing_effect", [NAME])
+    assert r["provenance"]["effects_from"][NAME]["file"] == "crosstalk.py"
+    out = tmp_path / "mine.yaml"
+    result = lab("add", NAME, data, *given, "--out", out)
+    assert result.exit_code == 0, result.output
+    r = json.loads((tmp_path / "r.json").read_text())
+    value, sd, _ = r["candidates"][0]["parameters"]["K"]
+    assert abs(value - 4.0) < 4.0 * sd < 1.0
+    assert r["steps"][1]["rmse_held_out"] < 0.7 * r["steps"][0]["rmse_held_out"]
+    compared = lab(
+        "compare", data, "--model", out, "--effects-from", own, "--json", tmp_path / "c.json"
+    )
+    assert compared.exit_code == 0, compared.output
+    c = json.loads((tmp_path / "c.json").read_text())
+    assert c["rmse"] < 1.3 * c["noise_floor"]
+    one_line(lab("compare", data, "--model", out), "mine.yaml", "crosstalk.py")
+
+
+def plant(**given):
+    return build(checked(table(given), {"model_file": str(CAR), "safe_duty": 0.2} | given, {}))
+
+
+def test_the_plant_runs_a_model_with_it(own, tmp_path):
+    save_model(with_crosstalk(DAMPER, own), tmp_path / "mine.yaml")
+    program = str(ROOT / "config/experiments/chirp.yaml")
+    given = {"program_file": program, "damper_file": str(tmp_path / "mine.yaml")}
+    forces = []
+    for rig in (plant(program_file=program), plant(**given, effects_from=(str(own),))):
+        state = start(rig)
+        for _ in range(20):
+            state = advance(rig, decide(rig, state)[0])
+        forces.append((sense(rig, state).force, state.gate.duty))
+    assert forces[0][1] > 0.0
+    assert forces[1][0] - forces[0][0] == pytest.approx(4.0 * forces[1][1], abs=1e-9)
+    with pytest.raises(InputError, match="--effects-from"):
+        plant(**given)
+    with pytest.raises(InputError, match="found no file"):
+        plant(**given, effects_from=("nowhere.py",))
+
+
+HOOK = "def sense(K: float, f_m: float, u: float) -> float:"
+BODY = "return f_m + K * u"
+PARAM = '"N/duty", -2.0, 2.0, 0.0, (0.05, -0.05)'
+IDLE = 'Param("L", "1", 0.0, 1.0, 0.0, (0.1,), "idle")'
+MISTAKES = {
+    "syntax": ("EFFECT = Effect(", "EFFECT = Effect((", "line 11", "valid Python"),
+    "no effect": ("EFFECT = ", "MINE = ", "EFFECT = Effect(...)", "neither"),
+    "not an effect": ("EFFECT = ", "EFFECT = 3\nMINE = ", "an Effect", "int"),
+    "fails": ("from er_models", "import nowhere_at_all\nfrom er_models", "line 3", "nowhere_at_all"),
+    "exits": ("from er_models", "raise SystemExit(0)\nfrom er_models", "line 3", "SystemExit"),
+    "unknown argument": (HOOK, HOOK.replace("u:", "q:"), "line 1", "'q' is no parameter or signal"),
+    "signal of elsewhere": (HOOK, HOOK.replace("u:", "z_t:"), f"{NAME}.sense", "'z_t'"),
+    "own state of none": (HOOK, HOOK.replace("u:", "w:"), f"{NAME}.sense", "'w'"),
+    "unknown hook": ('{"sense": sense}', '{"sensing": sense}', "unknown hook 'sensing'"),
+    "clash": (f'"{NAME}"', '"preload"', "no other effect has", "preload"),
+    "bad name": (f'"{NAME}"', '"cross talk"', "letters, digits and _"),
+    "bad stage": ('"sensing"', '"sensor"', "one of force", "'sensor'"),
+    "unknown rival": ('("preload",)', '("prelude",)', "rivals", "'prelude'"),
+    "unknown unit": ("N/duty", "kN/duty", "K.unit", "'kN/duty'"),
+    "bounds": ("-2.0, 2.0", "2.0, -2.0", "a lower bound below the upper"),
+    "start outside": ("(0.05, -0.05)", "(5.0,)", "K.starts"),
+    "neutral outside": (PARAM, PARAM.replace("2.0, 0.0,", "2.0, 9.0,"), "K.neutral"),
+    "no neutral": (PARAM, PARAM.replace("2.0, 0.0,", "2.0, None,"), "a neutral value"),
+    "not neutral": (BODY, "return f_m + K * u + 0.1", "as without the effect", "at its neutral"),
+    "not finite": (BODY, "return f_m + K / u", "a finite value", "u = 0", "nan"),
+    "no number": (BODY, 'return "force"', "one number"),
+    "not compiled": (BODY, "return f_m + K * len(open('x').read())", "numba can compile", "open"),
+    "unused parameter": ("        Param(", f"        {IDLE},\n        Param(", "a parameter of some hook"),
+    "parameter like a signal": ("K", "v", "no signal has", "'v'"),
+    "a lambda of a closure": ('{"sense": sense}', '{"sense": (lambda c: lambda K, f_m: f_m + c * K)(1.0)}',
+                              "a plain function"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_bad_file_is_one_line(mistake, own, tmp_path):
+    old, new, *words = MISTAKES[mistake]
+    text = own.read_text()
+    assert old in text
+    path = tmp_path / "mine.py"
+    path.write_text(text.replace(old, new))
+    one_line(lab("effects", "--effects-from", path), "mine.py", *words)
+
+
+@pytest.mark.parametrize("content", [None, b"", b"\xff\xfe", b"EFFECT = '\x00'"])
+def test_no_file_of_effects_at_all(content, tmp_path):
+    path = tmp_path / "mine.py"
+    if content is not None:
+        path.write_bytes(content)
+    one_line(lab("effects", "--effects-from", path), "mine.py")
+    one_line(lab("effects", "--effects-from", tmp_path), tmp_path.name, "a folder")
+
+
+def test_every_command_with_a_model_takes_the_file(own):
+    from typer.main import get_command
+
+    for name, command in get_command(app).commands.items():
+        options = {option for p in command.params for option in p.opts}
+        if "--model" in options:
+            assert "--effects-from" in options, name
+
+
+def test_an_effect_of_the_car_may_be_ones_own(tmp_path):
+    path = tmp_path / "rail.py"
+    path.write_text(RAIL)
+    catalogue = catalogue_with([path])
+    model = replace(load_model(CAR), catalogue=catalogue).with_effect(
+        "rail_friction", {"F_r": 1.0}
+    )
+    dt, n = 0.005, 200
+    road = 0.003 * np.sin(2 * np.pi * 3.0 * np.arange(n) * dt)
+    runs = [simulate(m, dt, road, np.zeros(n)) for m in (load_model(CAR), model)]
+    assert np.ptp(runs[1]["sprung_acceleration"]) != np.ptp(runs[0]["sprung_acceleration"])
+    assert "rail_friction" not in {e.name for e in catalogue.candidates()}
+
+
+RAIL = '''
+"""Friction of the body on the rail of a rig."""
+from math import tanh
+
+from er_models.effect import Effect, Param, Signature
+
+
+def spring_force(F_r: float, v_s: float) -> float:
+    return F_r * tanh(v_s / 0.01)
+
+
+EFFECT = Effect(
+    "rail_friction", "vehicle", "Friction of the rail", "The body slides on a rail.",
+    (Param("F_r", "N", 0.0, 2.0, 0.0, (0.05,), "friction"),), {"spring_force": spring_force},
+    Signature("none", "acceleration-velocity", "slow sine of the road"), "a test",
+)
+'''
