@@ -16,6 +16,7 @@ from er_model_lab.report.ranking import effect_size, largest, limit, ranked
 from er_model_lab.report.regions import worst
 from er_model_lab.report.units import gain, newtons, parameter, percent, short, where
 from er_model_lab.report.words import joined, title_of, verdict_sentence, verdict_title
+from er_model_lab.terminal_parameters import parameter_lines
 from er_model_lab.view import View
 
 WIDTH = 100
@@ -31,6 +32,8 @@ TONES = {
     "ambiguous": "bold yellow",
     "partial": "bold yellow",
     "unknown_effect": "bold red",
+    "identified": "bold green",
+    "identified_in_part": "bold yellow",
 }
 STATUS = {
     "present": "present",
@@ -65,7 +68,7 @@ class Summary:
         """The parts, one below the other."""
         plain = not console.is_terminal or options.ascii_only
         pen = Pen(min(WIDTH, options.max_width), plain=plain)
-        parts = (_head, _candidates, _alternatives, _steps, _regions, _notes)
+        parts = (_head, parameter_lines, _candidates, _alternatives, _steps, _regions, _notes)
         lines = [line for part in parts for line in part(self.view, pen)]
         if self.report is not None:
             lines.append(pen.line(f"report: {self.report}"))
@@ -179,7 +182,7 @@ def _steps(view: View, pen: Pen) -> Iterator[RenderableType]:
 
 def _regions(view: View, pen: Pen) -> Iterator[RenderableType]:
     """Where most of the error is; more of it where nothing was diagnosed."""
-    found = worst(view.regions, 3 if view.candidates else 6)
+    found = worst(view.regions, 3 if view.candidates or "stages" in view.result else 6)
     if not found:
         return
     rows = [

@@ -74,6 +74,39 @@ def entry(effect: str, size: float) -> dict[str, object]:
     }  # fmt: skip
 
 
+IDENTIFIED: dict[str, object] = {
+    "parameters": {
+        "guo_yield": {
+            "f_c": {
+                "value": 29.3, "sd": 0.01, "unit": "N/duty", "before": 30.0, "status": "identified", "visible": 0.3,
+            },
+            "c1": {"value": 490.0, "sd": 11.0, "unit": "s/m", "before": 500.0, "status": "weak", "visible": 0.004},
+            "k1": {"value": 204.0, "sd": None, "unit": "1/m", "before": 204.0, "status": "not_identified"},
+        },
+        "passive": {
+            "k0": {"value": 9.9, "sd": None, "unit": "N/m", "before": 9.9, "status": "at_bound", "visible": 0.1},
+        },
+    },
+    "correlation": {
+        "names": ["guo_yield.f_c", "guo_yield.c1", "passive.k0"],
+        "matrix": [[1.0, 0.97, None], [0.97, 1.0, None], [None, None, None]],
+    },
+    "stages": [
+        {"stage": "linear", "done": False, "why": "no stretch at zero duty"},
+        {
+            "stage": "yield", "done": True, "samples": 900, "rmse": 0.5,
+            "parameters": {"guo_yield.c1": [90.0, 2.0, "s/m"]},
+        },
+    ],
+    "response_time": {
+        "levels": [{"duty": 0.1, "tau": 0.02, "sd": 1e-4}, {"duty": 0.3, "tau": 0.06, "sd": None}],
+        "model": {"duty": [0.0, 0.3], "tau": [0.04, 0.04]},
+        "quadratic": {"tau_0": [0.0, 0.1, "s"], "tau_1": [0.2, 0.1, "s/duty"], "tau_2": [0.0, 0.1, "s/duty2"]},
+    },
+}  # fmt: skip
+"""What `lab identify` adds to a result."""
+
+
 def card(effect: str, size: float, r: RecordView) -> CandidateView:
     """Evidence of one candidate."""
     rows = slice(100, None, 17)

@@ -20,7 +20,7 @@ from er_model_lab.report.sections import SECTIONS
 from er_model_lab.view import View
 from er_models.errors import InputError
 from PIL import Image
-from report_views import compared, empty, view
+from report_views import IDENTIFIED, compared, empty, view
 
 VOID = {"meta", "img", "br", "link", "input", "hr"}
 LOADING = {"src", "href", "srcset", "action", "data", "poster", "formaction"}
@@ -155,7 +155,8 @@ def test_all_sections_appear_with_their_data() -> None:
         "share": 0.4,
         "line": {"frequency": 50.0, "amplitude": 0.3, "share": 0.2},
     }
-    full = view(alternatives=[["coulomb_friction", "shear_thinning"]], unexplained=rest)
+    groups = [["coulomb_friction", "shear_thinning"]]
+    full = view(alternatives=groups, unexplained=rest, **IDENTIFIED)
     assert sections_of(full) == {make.__module__.rsplit(".", 1)[1] for make in SECTIONS}
 
 

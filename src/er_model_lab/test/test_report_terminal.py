@@ -10,7 +10,7 @@ import pytest
 from er_model_lab.report.words import TITLES
 from er_model_lab.terminal import summary
 from er_model_lab.view import View
-from report_views import TABLES, card, compared, empty, entry, table, view
+from report_views import IDENTIFIED, TABLES, card, compared, empty, entry, table, view
 from rich.console import Console
 from rich.text import Text
 
@@ -135,3 +135,16 @@ def test_brackets_in_names_are_no_markup() -> None:
     assert "my [bold] effect" in text
     assert "rig [bold] 3" in text
     assert "[red]a[/red].csv" in text
+
+
+def test_identified_parameters_are_told_with_what_the_data_say_of_them() -> None:
+    reasons = ["guo_yield.c1 is weakly visible"]
+    v = view(
+        verdict="identified_in_part", candidates=None, steps=None, reasons=reasons, **IDENTIFIED
+    )
+    text = printed(replace(v, candidates=(), command="identify"))
+    assert "490 +- 11 s/m" in text
+    assert "weakly visible" in text
+    for words in ("not said by these data", "at its bound", "20.0 at 0.1", "- guo_yield.c1"):
+        assert words in text, words
+    assert len(text.splitlines()) <= 40

@@ -24,6 +24,8 @@ SAID = {
     "partial": ("Part of what is missing was found: Coulomb friction", ["more is missing"]),
     "unknown_effect": ("catalogue does not know", ["no known effect explains"]),
     "insufficient_data": ("cannot decide", ["only 3 s of data"]),
+    "identified": ("Every parameter was identified", ["falls from 0.600 N", "to 0.200 N"]),
+    "identified_in_part": ("do not say every parameter", ["falls from 0.600 N"]),
 }
 
 
@@ -44,8 +46,10 @@ def test_the_words_cover_the_verdicts_of_the_lab() -> None:
     from typing import get_args
 
     from er_model_lab.diagnose.verdict import Name
+    from er_model_lab.identify.findings import Verdict
 
-    assert set(TITLES) == set(VERDICT) == set(SAID) == set(get_args(Name))
+    known = {*get_args(Name), *get_args(Verdict)}
+    assert set(TITLES) == set(VERDICT) == set(SAID) == known
 
 
 def test_a_comparison_has_no_verdict_but_a_share() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 from er_models.model import Model
 
@@ -10,12 +12,19 @@ from er_model_lab.identify.procedure import Identified
 from er_model_lab.identify.visibility import CHANGE, TIED
 from er_model_lab.report.units import newtons, percent, short
 
+Verdict = Literal["identified", "identified_in_part"]
+"""Whether the data say every parameter that was to be found."""
 PARTNER = 0.8
 """Correlation from which a weak parameter's closest companion is named."""
 BEYOND = 1.5
 """Residual over the white noise of the force from which the model is said to leave too much."""
 SURE = 4.0
 """Standard deviations from which a difference is real."""
+
+
+def verdict(found: Identified) -> Verdict:
+    """One word for the result."""
+    return "identified_in_part" if found.held else "identified"
 
 
 def missing(found: Identified) -> list[str]:

@@ -12,7 +12,7 @@ from er_models.model import Model
 from er_models.scales import Scales
 
 from er_model_lab.compare import errors, region_tables
-from er_model_lab.identify.findings import findings, missing
+from er_model_lab.identify.findings import findings, missing, verdict
 from er_model_lab.identify.law import response_time
 from er_model_lab.identify.procedure import Identified
 from er_model_lab.identify.stages import Stage
@@ -30,7 +30,7 @@ def identified_json(found: Identified) -> dict[str, Any]:
     before, after = _errors(found, found.given), _errors(found, found.residual)
     result: dict[str, Any] = clean({
         "command": "identify",
-        "verdict": "identified_in_part" if found.held else "identified",
+        "verdict": verdict(found),
         "model": found.model.name,
         "parameters": parameters(found),
         "correlation": {

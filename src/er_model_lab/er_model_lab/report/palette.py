@@ -28,6 +28,8 @@ VERDICT: dict[str, str] = {
     "partial": "#9a6a00",
     "unknown_effect": "#b04a00",
     "insufficient_data": "#5f6b7a",
+    "identified": "#00785a",
+    "identified_in_part": "#9a6a00",
 }
 """Colour of the banner by verdict; all are dark enough for white text (contrast above 4.5)."""
 
@@ -37,6 +39,11 @@ DUTY: Stops = (
     (0.0, "#440154"), (0.25, "#3b528b"), (0.5, "#21918c"), (0.75, "#5ec962"), (1.0, "#c8d400"),
 )  # fmt: skip
 """Sequential scale of the duty: viridis, cut where it fades on white."""
+
+CORRELATION: Stops = (
+    (0.0, "#d55e00"), (0.25, "#f2b27f"), (0.5, "#f7f7f7"), (0.75, "#7fb8d9"), (1.0, "#0072b2"),
+)  # fmt: skip
+"""Diverging scale of a correlation: pale where there is none."""
 
 ERROR: Stops = (
     (0.0, "#f3f6fa"), (0.25, "#fdd49e"), (0.5, "#fc8d59"), (0.75, "#d7301f"), (1.0, "#7f0000"),

@@ -17,6 +17,8 @@ TITLES: dict[str, str] = {
     "partial": "Part of what is missing was found",
     "unknown_effect": "Something is missing that the catalogue does not know",
     "insufficient_data": "These data cannot decide",
+    "identified": "Every parameter was identified",
+    "identified_in_part": "These data do not say every parameter",
 }
 """Title of the banner by verdict."""
 
@@ -74,16 +76,17 @@ def verdict_sentence(view: View) -> str:
         "adequate": _adequate, "missing_effect": _missing, "ambiguous": _ambiguous,
         "partial": _partial,
         "unknown_effect": _unknown, "insufficient_data": _insufficient,
+        "identified": _identified, "identified_in_part": _identified,
     }  # fmt: skip
     maker = makers.get(str(result.get("verdict")))
     return maker(view) if maker else _compared(view)
 
 
 def rmse(result: Mapping[str, Any], key: str = "rmse") -> float | None:
-    """Error on held-out data [N] where the result splits it, else over all data."""
+    """Error on held-out data [N] where the result splits it and there are any, else over all data."""
     value = result.get(key)
     if isinstance(value, Mapping):
-        value = value.get("held_out")
+        value = value.get("held_out", value.get("train"))
     return None if value is None else float(value)
 
 
@@ -152,6 +155,15 @@ def _insufficient(view: View) -> str:
         f"What is missing: {'; '.join(blocking)}."
         if blocking
         else "Too little of the damper's range is in them."
+    )
+
+
+def _identified(view: View) -> str:
+    where = "held-out data" if "held_out" in view.result["rmse"] else "the data"
+    after = newtons(rmse(view.result, "rmse_after"))
+    return (
+        f"The error on {where} falls from {newtons(rmse(view.result))} with the values given to {after}; "
+        f"the white noise of the force is {_floor(view)}."
     )
 
 

@@ -11,6 +11,7 @@ from er_model_lab.report.sections import (
     cards,
     falling_error,
     headline,
+    identified,
     loops,
     provenance,
     residual_maps,
@@ -24,6 +25,7 @@ from er_model_lab.view import View
 
 SECTIONS: tuple[Callable[[View], Section | None], ...] = (
     headline.section,
+    identified.section,
     summary.section,
     falling_error.section,
     alternatives.section,
