@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from er_models.catalogue import CATALOGUE, Catalogue
-from er_models.effect import HOOKS
 from er_models.errors import InputError
-from er_models.kernel.compose import fingerprint, group
+from er_models.kernel.compose import fingerprint
+from er_models.kernel.mask import mask
 from er_models.kernel.order import feeds_back, reads_yield_early
 from er_models.scales import Scales
 
@@ -26,7 +26,7 @@ Values = Mapping[str, Mapping[str, float]]
 class Compiled:
     """A model as the flat vectors that the kernel takes.
 
-    on (n_effects + n_hooks,) mask; p (n_parameters,) values; slots: states in use; links: those of them that
+    on: mask (`kernel.mask`); p (n_parameters,) values; slots: states in use; links: those of them that
     feed back; at_rest (n_states,).
     """
 
@@ -106,20 +106,15 @@ class Model:
         plant: without the maps from measured to true motion, for where the motion is the true one.
         """
         c = self.catalogue
-        on = np.zeros(len(c.effects) + len(HOOKS), np.uint8)
         p = np.zeros(c.size)
         used = [e for e in c.effects if e.name in self.effects and not (plant and e.maps_motion)]
         slots, links, rest = set(), set(), np.zeros(max(c.n_states, 1), np.uint8)
         if self.has_response:
             slots.add(c.slots["response"])
-            on[group(c, "response_time")] = 1
         if reads_yield_early(used):
             slots.add(c.slots["response"])
             links.add(c.slots["response"])
         for effect in used:
-            on[c.index(effect.name)] = 1
-            for hook in effect.hooks:
-                on[group(c, hook)] |= effect.stage != "core"
             for j, name in enumerate(effect.names):
                 p[c.offsets[effect.name] + j] = self.effects[effect.name][name]
             if effect.has_state:
@@ -127,7 +122,7 @@ class Model:
                 rest[c.slots[effect.name]] = effect.initial == "zero"
             if feeds_back(effect):
                 links.add(c.slots[effect.name])
-        return Compiled(on, p, _sorted(slots), _sorted(links), rest)
+        return Compiled(mask(c, used), p, _sorted(slots), _sorted(links), rest)
 
     def digest(self) -> str:
         """Hash of what determines the behaviour: effects, values and equations."""

@@ -16,8 +16,9 @@ from types import CodeType
 from typing import Any
 
 from er_models.catalogue import Catalogue
-from er_models.effect import HOOKS, Effect
+from er_models.effect import Effect
 from er_models.kernel.inline import inlined
+from er_models.kernel.mask import LAG, of_hook, of_run, stands_alone
 from er_models.kernel.order import relaxes_at
 
 PARTS = ("states", "inputs", "imposed", "sensors", "vehicle")
@@ -46,27 +47,25 @@ def _call(catalogue: Catalogue, effect: Effect, hook: str, pattern: str) -> list
     return lines
 
 
-def group(catalogue: Catalogue, hook: str) -> int:
-    """Place in the mask that says whether any effect beyond the core uses a hook."""
-    return len(catalogue.effects) + tuple(HOOKS).index(hook)
-
-
 def _masked(catalogue: Catalogue, hook: str, lines_of: Callable[[Effect], list[str]]) -> list[str]:
-    """Masked lines of every effect that has the hook.
-
-    Effects beyond the core stand behind one mask for all of them: a model that uses none of them
-    pays for one branch, not for thirty.
-    """
-    core: list[str] = []
+    """Masked lines of every effect that has the hook; all but one stand behind one more mask for them together."""
+    alone: list[str] = []
     more: list[str] = []
     for i, effect in enumerate(catalogue.effects):
         lines = lines_of(effect) if hook in effect.hooks else []
         if lines:
             block = [f"if on[{i}]:", *("    " + line for line in lines)]
-            (core if effect.stage == "core" else more).extend(block)
+            (alone if stands_alone(catalogue, effect, hook) else more).extend(block)
     if more:
-        core += [f"if on[{group(catalogue, hook)}]:", *("    " + line for line in more)]
-    return ["    " + line for line in core]
+        alone += [f"if on[{of_hook(catalogue, hook)}]:", *("    " + line for line in more)]
+    return ["    " + line for line in alone]
+
+
+def _run(catalogue: Catalogue, run: str, lines: list[str]) -> list[str]:
+    """Lines of a run of hooks behind one mask for them all."""
+    if not lines:
+        return []
+    return [f"    if on[{of_run(catalogue, run)}]:", *("    " + line for line in lines)]
 
 
 def _relax(catalogue: Catalogue, effect: Effect) -> list[str]:
@@ -120,27 +119,41 @@ def _damper(catalogue: Catalogue) -> list[str]:
     body += _lines(catalogue, "passive_damping", "c_0 += {call}")
     body += ["    yield_scale = 1.0", "    viscous_scale = 1.0", "    stiffness_scale = 1.0"]
     body += ["    tau_scale = 1.0", "    tau_y = 0.0", "    y = 0.0"]
-    body += _lines(catalogue, "yield_scale", "yield_scale *= {call}")
-    body += _lines(catalogue, "shift_deflection", "x = {call}")
-    body += _lines(catalogue, "shift_velocity", "v = {call}")
+    body += _early(catalogue)
     body += ["    x_d, v_d = x, v"]
     body += _lines(catalogue, "flow_deflection", "x = {call}")
     body += _lines(catalogue, "flow_velocity", "v = {call}")
     body += _lines(catalogue, "target", "y += {call}")
     body += ["    y *= yield_scale", "    x, v = x_d, v_d"]
-    for name in ("viscous_scale", "stiffness_scale", "tau_scale"):
-        body += _lines(catalogue, name, f"{name} *= {{call}}")
+    body += _scales(catalogue)
     body += _lines(catalogue, "response_time", "tau_y += {call}")
-    body += [f"    if on[{group(catalogue, 'response_time')}]:"]
-    body += ["        " + line for line in _relax(catalogue, catalogue["response"])]
-    body += ["    else:", f"        s[W, {slot}] = y", f"    f_y = s[W, {slot}]", "    f_d = f_y"]
+    response = ["    " + line for line in _relax(catalogue, catalogue["response"])]
+    body += [*_run(catalogue, LAG, response), "    else:", f"        s[W, {slot}] = y"]
+    body += [f"    f_y = s[W, {slot}]", "    f_d = f_y"]
     body += _states(catalogue, "states")
     body += _lines(catalogue, "force", "f_d += {call}")
-    body += _lines(catalogue, "limit", "f_d = {call}")
-    body += _states(catalogue, "late")
-    body += ["    f_m = f_d"]
-    body += _lines(catalogue, "sense", "f_m = {call}")
-    return [*body, "    return f_d, f_m, u"]
+    return [*body, *_end(catalogue), "    return f_d, f_m, u"]
+
+
+def _early(catalogue: Catalogue) -> list[str]:
+    """The scale of the yield force and what acts on the motion, before anything uses them."""
+    lines = _lines(catalogue, "yield_scale", "yield_scale *= {call}")
+    lines += _lines(catalogue, "shift_deflection", "x = {call}")
+    return _run(catalogue, "early", lines + _lines(catalogue, "shift_velocity", "v = {call}"))
+
+
+def _scales(catalogue: Catalogue) -> list[str]:
+    """Scales of viscosity, stiffness and response time."""
+    names = ("viscous_scale", "stiffness_scale", "tau_scale")
+    lines = [line for name in names for line in _lines(catalogue, name, f"{name} *= {{call}}")]
+    return _run(catalogue, "scales", lines)
+
+
+def _end(catalogue: Catalogue) -> list[str]:
+    """What follows once the force is there: its limits, what is driven by it, and its sensor."""
+    lines = _lines(catalogue, "limit", "f_d = {call}") + _states(catalogue, "late")
+    lines += ["    f_m = f_d", *_lines(catalogue, "sense", "f_m = {call}")]
+    return ["    f_m = f_d", *_run(catalogue, "end", lines)]
 
 
 def _delay(catalogue: Catalogue, hook: str) -> list[str]:

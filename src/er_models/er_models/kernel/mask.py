@@ -1,0 +1,63 @@
+"""The mask of a model: which effects are on, and which places of the composed damper can be passed over at once.
+
+A branch costs half a nanosecond even where it is predicted, and a catalogue has fifty effects. So the first
+core effect of a hook stands alone, all others behind one mask for the hook, and hooks that few models use
+behind one mask for a run of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from er_models.catalogue import Catalogue
+from er_models.effect import HOOKS, Effect
+from er_models.kernel.order import relaxes_at
+
+LAG = "lag"
+"""Mask of a yield force with a response time, whichever effect gives it."""
+RUNS: dict[str, tuple[str, ...]] = {
+    "early": ("yield_scale", "shift_deflection", "shift_velocity"),
+    "scales": ("viscous_scale", "stiffness_scale", "tau_scale"),
+    "end": ("limit", "late", "sense"),
+    LAG: ("response_time",),
+}
+"""Places of `kernel.order.ORDER` that follow one another."""
+
+
+def of_hook(catalogue: Catalogue, hook: str) -> int:
+    """Place in the mask that says whether any effect uses a hook, but for the one that stands alone."""
+    return len(catalogue.effects) + tuple(HOOKS).index(hook)
+
+
+def of_run(catalogue: Catalogue, run: str) -> int:
+    """Place in the mask that says whether any effect acts in a run of hooks."""
+    return len(catalogue.effects) + len(HOOKS) + tuple(RUNS).index(run)
+
+
+@lru_cache(maxsize=8)
+def _alone(catalogue: Catalogue) -> dict[str, Effect]:
+    """The first core effect of every hook that has one."""
+    core = [e for e in reversed(catalogue.effects) if e.stage == "core"]
+    return {hook: e for e in core for hook in e.hooks}
+
+
+def stands_alone(catalogue: Catalogue, effect: Effect, hook: str) -> bool:
+    """Whether an effect's hook stands before the mask of the hook."""
+    return _alone(catalogue).get(hook) is effect
+
+
+def mask(catalogue: Catalogue, used: Iterable[Effect]) -> NDArray[np.uint8]:
+    """Mask of a model of these effects (n_effects + n_hooks + n_runs,)."""
+    on = np.zeros(len(catalogue.effects) + len(HOOKS) + len(RUNS), np.uint8)
+    for effect in used:
+        on[catalogue.effects.index(effect)] = 1
+        for hook in effect.hooks:
+            on[of_hook(catalogue, hook)] |= not stands_alone(catalogue, effect, hook)
+        for run, places in RUNS.items():
+            acts = {*effect.hooks, relaxes_at(effect)}
+            on[of_run(catalogue, run)] |= not acts.isdisjoint(places)
+    return on
