@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -56,6 +57,18 @@ def neutral(model: Model, effect: Effect) -> Model:
         for q in effect.parameters
     }
     return model.with_effect(effect.name, values)
+
+
+def box(effect: Effect, scales: Scales) -> list[dict[str, float]]:
+    """Corners and random points of an effect's parameter box [SI]."""
+    sides = []
+    for q in effect.parameters:
+        high = min(q.high, 1e6)
+        sides.append((q.low * scales.of(q.unit), high * scales.of(q.unit)))
+    inside = np.random.default_rng(3).random((8, len(sides)))
+    points = [*itertools.product(*sides)]
+    points += [tuple(a + r * (b - a) for (a, b), r in zip(sides, row)) for row in inside]
+    return [dict(zip(effect.names, point)) for point in points]
 
 
 class Sine:

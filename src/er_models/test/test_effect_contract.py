@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
-import itertools
+import inspect
 import math
 import pkgutil
 
@@ -13,32 +13,34 @@ import numpy as np
 import pytest
 from er_models.catalogue import CATALOGUE
 from er_models.effect import Effect
+from er_models.kernel.order import signals_of
 from er_models.model import Array, Model
-from er_models.predict import Motion, predict
+from er_models.predict import Motion, predict, predict_many
 from er_models.scales import Scales
 from er_models.simulate import simulate
-from models_help import DT, LARGE, SMALL, bingham, car, guo, imposed, neutral, started, typical
+from models_help import (
+    DT,
+    LARGE,
+    SMALL,
+    bingham,
+    box,
+    car,
+    guo,
+    imposed,
+    neutral,
+    started,
+    typical,
+)
 
 EFFECTS = pytest.mark.parametrize("effect", CATALOGUE.effects, ids=lambda e: e.name)
-ADDED = pytest.mark.parametrize("effect", CATALOGUE.candidates(), ids=lambda e: e.name)
+BEYOND = tuple(e for e in CATALOGUE.effects if e.stage not in ("core", "vehicle"))
+ADDED = pytest.mark.parametrize("effect", BEYOND, ids=lambda e: e.name)
 SCALES = pytest.mark.parametrize("scales", [SMALL, LARGE], ids=("20 N", "2000 N"))
 
 
 def base(scales: Scales, *names: str) -> Model:
     """A dynamic Guo damper of these scales."""
     return started(scales, *(names or ("passive", "guo_yield", "response")))
-
-
-def box(effect: Effect, scales: Scales) -> list[dict[str, float]]:
-    """Corners and random points of an effect's parameter box [SI]."""
-    sides = []
-    for q in effect.parameters:
-        high = min(q.high, 1e6)
-        sides.append((q.low * scales.of(q.unit), high * scales.of(q.unit)))
-    inside = np.random.default_rng(3).random((8, len(sides)))
-    points = [*itertools.product(*sides)]
-    points += [tuple(a + r * (b - a) for (a, b), r in zip(sides, row)) for row in inside]
-    return [dict(zip(effect.names, point)) for point in points]
 
 
 def test_every_module_of_the_folders_is_listed() -> None:
@@ -77,9 +79,25 @@ def test_starts_lie_in_bounds_and_units_have_scales(effect: Effect) -> None:
             assert scales.of(q.unit) > 0.0
 
 
-@ADDED
+@pytest.mark.parametrize(
+    "effect", [e for e in CATALOGUE.effects if e.stage != "core"], ids=lambda e: e.name
+)
 def test_has_a_value_at_which_it_vanishes(effect: Effect) -> None:
     assert any(q.neutral is not None for q in effect.parameters)
+
+
+@EFFECTS
+def test_hooks_ask_for_what_is_known_where_they_act(effect: Effect) -> None:
+    for hook, function in effect.hooks.items():
+        known = (*effect.names, *signals_of(effect, hook))
+        assert set(inspect.signature(function).parameters) <= set(known), hook
+
+
+def test_candidates_are_what_a_damper_can_show() -> None:
+    names = {e.name for e in CATALOGUE.candidates()}
+    unknowable = {e.name for e in CATALOGUE.unknowable()}
+    assert unknowable == {"force_gain", "velocity_gain", "duty_gain"}
+    assert names == {e.name for e in BEYOND} - unknowable
 
 
 @EFFECTS
@@ -162,6 +180,17 @@ def test_starts_mean_the_same_for_every_damper(effect: Effect) -> None:
 
     small, large = shape(SMALL, inputs), shape(scales, _scaled(inputs, scales, SMALL))
     assert np.abs(large - small).max() < 1e-6
+
+
+@ADDED
+def test_one_prediction_is_each_of_many(effect: Effect) -> None:
+    """What the batch over all cores computes is, to the last bit, what one prediction computes."""
+    model, inputs = typical(base(SMALL), effect), imposed(SMALL, 0.5)
+    points = [{**model.effects[effect.name], **values} for values in box(effect, SMALL)[:3]]
+    models = [model.with_effect(effect.name, values) for values in points]
+    many = predict_many(model, np.array([m.compiled().p for m in models]), inputs)
+    for row, one in zip(many, models):
+        assert np.array_equal(row, predict(one, inputs))
 
 
 @pytest.mark.parametrize("model", [guo(), bingham()], ids=("guo", "bingham"))
