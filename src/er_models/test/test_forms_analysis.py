@@ -160,6 +160,18 @@ def test_passive_car_peaks_near_4_and_20_hz(car: Model) -> None:
     np.testing.assert_allclose(response, [1.0, 1.0, 0.0], atol=1e-6)
 
 
+def test_passive_car_in_the_weights_of_chapter_6(car: Model) -> None:
+    """With W_zr, W_zs, W_zus of 6.3.1 the passive car has a gain of 0.1889 at 3.34 Hz; 0.07 sqrt(5) at rest."""
+    hertz = np.linspace(1e-3, 40.0, 20001)
+    response = passive_response(car, hertz)
+    comfort, hold = 2.0 * 4.0 / (1j * hertz + 4.0), 20.0 / (1j * hertz + 20.0)
+    gain = 0.07 * np.hypot(np.abs(comfort * response[:, 0]), np.abs(hold * response[:, 1]))
+    (peak,) = peaks(hertz, gain)
+    assert peak.hertz == pytest.approx(3.34, abs=0.01)
+    assert peak.gain == pytest.approx(0.1889, abs=5e-5)
+    assert gain[0] == pytest.approx(0.07 * np.sqrt(5.0), rel=1e-4)
+
+
 def test_absolute_and_relative_forms_answer_the_road_alike(car: Model) -> None:
     """Road rate to force and deflection at frozen gates: the relative form, fed the tyre's rate, gives the same."""
     thesis, relative = thesis_form(car), relative_form(car)
