@@ -1,0 +1,1 @@
+"""What the thesis shows, made again in simulation."""
