@@ -24,7 +24,10 @@ TABLE = {
     "tau_1": 0.01, "tau_2": 0.02, "tau_3": 0.04, "tau_4": 0.05, "tau_5": 0.06,
 }  # fmt: skip
 
-# each row: its effects, the point x v u a, and the force in equilibrium
+CUBE = {"gas_spring": {"k_2": 0.0, "k_3": 1e6}}
+"""Shows the deflection of the damper itself where its passive force does not."""
+
+# each row: its effects, the point x v u a, and the force in equilibrium; a colon tells rows of one effect apart
 FORCES: dict[str, tuple[Values, tuple[float, float, float, float], float]] = {
     "passive": (PASSIVE, (0.01, 0.1, 0.0, 0.0), 6.0),
     "guo_yield": (
@@ -124,6 +127,20 @@ FORCES: dict[str, tuple[Values, tuple[float, float, float, float], float]] = {
         (0.01, 0.1, 0.0, 0.0),
         3.0,
     ),
+    "passive_by_direction: in series": (  # release: as above
+        {
+            "passive_by_direction": {
+                "k0_c": 300.0,
+                "c0_c": 20.0,
+                "k0_r": 100.0,
+                "c0_r": 50.0,
+                "v_0": 1e-3,
+            },
+            "mount_compliance": {"q": 0.01},
+        },
+        (0.01, 0.1, 0.0, 0.0),
+        3.0,
+    ),
     "freeplay": ({**PASSIVE, "freeplay": {"b": 0.002}}, (0.01, 0.1, 0.0, 0.0), 5.8),
     "cavitation": ({**PASSIVE, "cavitation": {"F_v": 5.0}}, (0.01, 0.1, 0.0, 0.0), 5.0),
     "force_lag": ({**PASSIVE, "force_lag": {"T_f": 0.01}}, (0.01, 0.1, 0.0, 0.0), 6.0),
@@ -181,6 +198,34 @@ RATES: dict[str, tuple[Values, float, tuple[float, float, float, float, float], 
         (0.1 * 9.493653765389909 - 2.0) / 10.0,
         9.493653765389909,
     ),
+    "mount_compliance": (  # 4/s of 20 mm, 0.1 + 1 / 50 m/s; 2 N in the mount, and 1e6 (-10 mm)^3
+        {**PASSIVE, **CUBE, "mount_compliance": {"q": 0.01}},
+        0.02,
+        (0.01, 0.1, 0.0, 0.0, 0.0),
+        0.04,
+        1.0,
+    ),
+    "freeplay": (  # open: 2/s of 1 mm, 0.1 + 1 / 50 m/s; free of force but for 1e6 (9 mm)^3
+        {**PASSIVE, **CUBE, "freeplay": {"b": 0.002}},
+        0.001,
+        (0.01, 0.1, 0.0, 0.0, 0.0),
+        0.118,
+        0.729,
+    ),
+    "bouc_wen_hysteresis": (
+        {"bouc_wen_hysteresis": {"F_h": 2.0, "F_u": 10.0, "z_y": 1e-3}},
+        -5e-4,
+        (0.0, -0.1, 0.0, 0.3, 0.0),
+        -0.05,
+        -2.5,
+    ),
+    "viscoelastic_branch": (
+        {"viscoelastic_branch": {"k_m": 100.0, "t_m": 0.05}},
+        0.4,
+        (0.0, 0.2, 0.0, 0.0, 0.0),
+        12.0,
+        0.4,
+    ),
     "force_lag": (
         {**PASSIVE, "force_lag": {"T_f": 0.01}},
         2.0,
@@ -211,10 +256,13 @@ RATES: dict[str, tuple[Values, float, tuple[float, float, float, float, float], 
     ),
 }
 
-ELSEWHERE = {
-    "dead_time": "test_integrator_damper",
-    "force_delay": "test_integrator_damper",
+# each row: parameters, and the delay; what a delay does to a record is in test_integrator_damper
+DELAYS: dict[str, tuple[Mapping[str, float], float]] = {
+    "dead_time": ({"T_d": 0.0123}, 0.0123),
+    "force_delay": ({"d": -0.0042}, -0.0042),
 }
+
+ELSEWHERE: dict[str, str] = {}
 
 
 @pytest.mark.parametrize("name", FORCES)
@@ -233,6 +281,13 @@ def test_rate(name: str) -> None:
     rates, found = damper_rate(Model(name, effects, SMALL), state, x, v, a, u, t)
     assert found == pytest.approx(force, rel=1e-7)
     assert rates[slot] == pytest.approx(rate, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", DELAYS)
+def test_delay(name: str) -> None:
+    parameters, expected = DELAYS[name]
+    found = [f(**parameters) for h, f in CATALOGUE[name].hooks.items() if h.endswith("_delay")]
+    assert found == [expected]
 
 
 def test_rise_is_not_fall() -> None:
@@ -300,4 +355,5 @@ def test_the_bias_of_an_accelerometer_moves_nothing() -> None:
 
 
 def test_every_effect_has_its_value() -> None:
-    assert {*FORCES, *RATES, *RIDES, *ELSEWHERE} == set(CATALOGUE.names)
+    rows = (*FORCES, *RATES, *RIDES, *DELAYS, *ELSEWHERE)
+    assert {row.partition(":")[0] for row in rows} == set(CATALOGUE.names)

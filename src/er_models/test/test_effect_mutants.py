@@ -1,0 +1,98 @@
+"""Hand-worked values are worth what they notice: each hook is broken, one at a time, and its effect's values must fail.
+
+The kernel is run by Python (`plain_kernel`), so a broken equation needs no compiler; that it computes what
+the compiled one does is a test of its own.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+
+import er_models.predict
+import er_models.rhs
+import numpy as np
+import pytest
+import test_effect_values as values
+from er_models.catalogue import CATALOGUE, Catalogue
+from er_models.effect import Effect
+from er_models.model import Model
+from plain_kernel import plain_kernel
+
+CHECKS: tuple[tuple[Callable[[str], None], Iterable[str]], ...] = (
+    (values.test_force, values.FORCES),
+    (values.test_rate, values.RATES),
+    (values.test_ride, values.RIDES),
+    (values.test_delay, values.DELAYS),
+)
+HOOKS = [(e, hook) for e in CATALOGUE.effects for hook in e.hooks]
+BREAKS: dict[str, Callable[[float], float]] = {
+    "negated": lambda y: -y,
+    "1 % too large": lambda y: 1.01 * y,
+}
+
+
+def broken(effect: Effect, hook: str, change: Callable[..., object]) -> Catalogue:
+    """The catalogue with what a hook returns changed."""
+    function = effect.hooks[hook]
+
+    def other(*arguments: float, **named: float) -> object:
+        return change(function(*arguments, **named))
+
+    other.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]
+    changed = dataclasses.replace(effect, hooks={**effect.hooks, hook: other})
+    return Catalogue(tuple(changed if e is effect else e for e in CATALOGUE.effects))
+
+
+def mutants(effect: Effect, hook: str) -> Iterator[tuple[str, Catalogue]]:
+    """Every break of a hook; of a pair also each half by itself."""
+    for name, change in BREAKS.items():
+        if hook != "relax":
+            yield name, broken(effect, hook, change)
+            continue
+        for part, both in (
+            ("rate", (True, False)),
+            ("drive", (False, True)),
+            ("both", (True, True)),
+        ):
+
+            def pair(found: tuple[float, float], change=change, both=both) -> object:  # type: ignore[no-untyped-def]
+                return tuple(change(y) if b else y for y, b in zip(found, both, strict=True))
+
+            yield f"{part} {name}", broken(effect, hook, pair)
+
+
+def failures(name: str, catalogue: Catalogue, patch: pytest.MonkeyPatch) -> int:
+    """How many of an effect's values fail with a catalogue."""
+    kernel = plain_kernel(catalogue)
+    with patch.context() as p, np.errstate(all="ignore"):
+        for module in (er_models.predict, er_models.rhs, values):
+            p.setattr(module, "kernel", lambda _: kernel)
+        p.setattr(values, "CATALOGUE", catalogue)
+        p.setattr(values, "Model", partial(Model, catalogue=catalogue))
+        rows = ((c, row) for c, table in CHECKS for row in table if row.partition(":")[0] == name)
+        return sum(_fails(check, row) for check, row in rows)
+
+
+def _fails(check: Callable[[str], None], name: str) -> bool:
+    """Whether a check fails, or cannot even compute its value."""
+    try:
+        check(name)
+    except (AssertionError, ArithmeticError):
+        return True
+    return False
+
+
+def test_python_computes_what_the_kernel_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    for effect in CATALOGUE.effects:
+        assert failures(effect.name, CATALOGUE, monkeypatch) == 0, effect.name
+
+
+@pytest.mark.parametrize(("effect", "hook"), HOOKS, ids=[f"{e.name}.{h}" for e, h in HOOKS])
+def test_a_broken_hook_is_noticed(
+    effect: Effect, hook: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for how, catalogue in mutants(effect, hook):
+        assert failures(effect.name, catalogue, monkeypatch) > 0, f"{hook} {how}: nobody notices"
