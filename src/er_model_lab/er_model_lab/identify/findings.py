@@ -11,6 +11,7 @@ from er_model_lab.identify.law import response_time
 from er_model_lab.identify.procedure import Identified
 from er_model_lab.identify.visibility import CHANGE, TIED
 from er_model_lab.report.units import newtons, percent, short
+from er_model_lab.report.words import joined
 
 Verdict = Literal["identified", "identified_in_part"]
 """Whether the data say every parameter that was to be found."""
@@ -36,12 +37,16 @@ def missing(found: Identified) -> list[str]:
             f"one duty only ({short(duties[0])}): how the yield force and its response time change "
             "with the duty rests on the form of the model"
         )
-    noise = found.refined.visibility.noise
-    for effect, name in found.held:
-        value, unit = found.model.value(effect, name), unit_of(found.model, effect, name)
+    for q, others in found.refined.taken_up.items():
+        value, unit = found.model.value(*q), unit_of(found.model, *q)
+        for_it = (
+            f"; valid for that value only: {joined(['.'.join(o) for o in others])}"
+            if others
+            else ""
+        )
         out.append(
-            f"{effect}.{name} keeps the value {short(value, 4)} {unit} of the given model: these data do not say it "
-            f"(what is left is {newtons(noise)})"
+            f"{'.'.join(q)} keeps the value of the given model, {f'{short(value, 4)} {unit}'.strip()}: "
+            f"these data do not say it{for_it}"
         )
     return out
 

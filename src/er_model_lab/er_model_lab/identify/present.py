@@ -111,7 +111,11 @@ def _parameter(found: Identified, effect: str, name: str) -> dict[str, Any]:
     if (effect, name) not in fit.free:
         return out | {"status": "given"}
     i = fit.free.index((effect, name))
-    status = "at_bound" if fit.at_bound[i] else "weak" if seen.weak[i] else "identified"
+    tied = any((effect, name) in others for others in found.refined.taken_up.values())
+    status = (
+        "at_bound" if fit.at_bound[i]
+        else "conditional" if tied else "weak" if seen.weak[i] else "identified"
+    )  # fmt: skip
     sd = float(np.sqrt(max(seen.covariance[i, i], 0.0)))
     return out | {"sd": sd, "status": status, "visible": float(seen.visible[i])}
 

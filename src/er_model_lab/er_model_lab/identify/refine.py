@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,7 @@ from er_models.model import Model
 
 from er_model_lab.fit import Box, Fit, Free, fit, free_parameters
 from er_model_lab.identify.stages import taken_over
-from er_model_lab.identify.visibility import Visibility, visibility
+from er_model_lab.identify.visibility import Visibility, imitators, visibility
 from er_model_lab.prepare import Problem
 
 MOST_ITERATIONS = 60
@@ -20,11 +21,15 @@ POOR = 1.3
 
 @dataclass(frozen=True)
 class Refined:
-    """The refined fit, what the data say of its parameters, and what was held at the given model's value."""
+    """The refined fit, what the data say of its parameters, and what was held at the given model's value.
+
+    taken_up: for each held parameter, those that take up its change: their values hold for that value only.
+    """
 
     fit: Fit
     visibility: Visibility
     held: Free
+    taken_up: Mapping[tuple[str, str], Free]
 
 
 def refine(start: Model, given: Model, problem: Problem) -> Refined:
@@ -38,15 +43,18 @@ def refine(start: Model, given: Model, problem: Problem) -> Refined:
         best = min(best, other, key=lambda f: f.mse(problem.train))
     free = free_parameters(given)
     held: Free = ()
+    taken_up: dict[tuple[str, str], Free] = {}
     seen = visibility(best, problem)
     while np.any(seen.unknown) and free:
         out = _least_known(best, seen, problem)
         held = (*held, *out)
+        taken_up |= {q: imitators(best, problem, best.free.index(q)) for q in out}
         free = tuple(q for q in free if q not in out)
         kept = taken_over(best.model, _inside(given, out, problem), out)
         best = fit(kept, problem, free, max_iter=MOST_ITERATIONS, tol=TOLERANCE)
         seen = visibility(best, problem)
-    return Refined(best, seen, held)
+    fitted = {q: tuple(o for o in others if o in best.free) for q, others in taken_up.items()}
+    return Refined(best, seen, held, fitted)
 
 
 def _least_known(fitted: Fit, seen: Visibility, problem: Problem) -> Free:

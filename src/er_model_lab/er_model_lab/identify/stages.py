@@ -50,7 +50,7 @@ def linear(model: Model, free: Free, problem: Problem, levels: list[Level]) -> S
     if not free:
         return _left_out("linear", model, "the model has no parameter that acts without field")
     if not off:
-        reason = f"no stretch at zero duty: {_list(free)} rest on the joint refinement alone"
+        reason = f"no stretch at zero duty: no stage for {_list(free)}"
         return Stage("linear", free, model, left_out=reason)
     part = among(problem, off[0].rows)
     found = fit(static(model), part, free, max_iter=40, tol=1e-10)
@@ -66,7 +66,7 @@ def yield_force(model: Model, free: Free, problem: Problem, levels: list[Level])
     if not free:
         return _left_out("yield", model, "the model has no yield force")
     if not held:
-        reason = f"no stretch of constant duty above zero: {_list(free)} rest on the joint refinement alone"
+        reason = f"no stretch of constant duty above zero: no stage for {_list(free)}"
         return Stage("yield", free, model, left_out=reason)
     part = among(problem, *(level.rows for level in held))
     tried = [fit(start, part, free, max_iter=FIRST) for start in _starts(model, free, problem)]
@@ -82,7 +82,7 @@ def response(
     if not free:
         return _left_out("response", model, "the model is static: it has no response time"), None
     if not held:
-        reason = f"no stretch of constant duty above zero: {_list(free)} rest on the joint refinement alone"
+        reason = f"no stretch of constant duty above zero: no stage for {_list(free)}"
         return Stage("response", free, model, left_out=reason), None
     table = response_times(static(model), shape, problem, held)
     shaped = taken_over(model, table.model, shape)

@@ -32,11 +32,21 @@ def stretches(motion: Motion) -> list[tuple[int, int]]:
     for first, end in itertools.pairwise(int(s) for s in motion.starts):
         i = first
         while i < end:
-            away = np.flatnonzero(np.abs(motion.u[i:end] - motion.u[i]) > width)
-            j = i + int(away[0]) if away.size else end
+            j = _end(motion.u[i:end], width) + i
             found.append((i, j))
             i = j
     return found
+
+
+def _end(u: NDArray[np.float64], width: float) -> int:
+    """Number of samples until the duty (n,) leaves its first value; looked for in windows that double."""
+    looked, window = 0, 64
+    while looked < u.size:
+        away = np.flatnonzero(np.abs(u[looked : looked + window] - u[0]) > width)
+        if away.size:
+            return looked + int(away[0])
+        looked, window = looked + window, 2 * window
+    return int(u.size)
 
 
 def levels(motion: Motion, use: NDArray[np.bool_], settle: float) -> list[Level]:

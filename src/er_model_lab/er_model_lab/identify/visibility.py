@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from er_models.model import Array
 
-from er_model_lab.fit import Box, Fit, covariance
+from er_model_lab.fit import Box, Fit, Free, covariance
 from er_model_lab.prepare import Problem
 
 UNKNOWN = 0.5
@@ -21,6 +21,8 @@ WEAK = 0.1
 """Visibility below which a parameter is called weakly visible."""
 TIED = 0.95
 """Correlation of two estimates from which they are called tied."""
+IMITATED, PART = 0.9, 0.3
+"""Correlation with the best mixture of others from which a parameter counts as taken up by them; least part in it."""
 CHANGE = 0.1
 """Relative change of a parameter of which the visibility is stated."""
 
@@ -67,6 +69,21 @@ def visibility(fitted: Fit, problem: Problem) -> Visibility:
     with np.errstate(invalid="ignore", divide="ignore"):
         correlation = spread / np.outer(sd, sd)
     return Visibility(relative, CHANGE * outside * share, noise, spread, correlation)
+
+
+def imitators(fitted: Fit, problem: Problem, which: int) -> Free:
+    """The parameters that take up a change of another one, where they can do so nearly in full."""
+    size = np.maximum(np.abs(fitted.theta), Box(fitted.model, fitted.free, problem.scales).size)
+    derivative = fitted.jacobian[problem.train] * size
+    column, others = derivative[:, which], np.delete(np.arange(size.size), which)
+    share = np.linalg.lstsq(derivative[:, others], column, rcond=1e-10)[0]
+    left = column - derivative[:, others] @ share
+    if not np.mean(left**2) < (1.0 - IMITATED**2) * np.mean(column**2):
+        return ()
+    parts = np.abs(share) * np.sqrt(np.mean(derivative[:, others] ** 2, axis=0))
+    return tuple(
+        fitted.free[k] for k, part in zip(others, parts, strict=True) if part > PART * parts.max()
+    )
 
 
 def _outside(derivative: Array) -> Array:

@@ -16,6 +16,7 @@ from er_model_lab.view import Array, View
 SAID: dict[str, tuple[str, str]] = {
     "identified": ("identified", STATUS["present"]),
     "weak": ("weakly visible", STATUS["confounded"]),
+    "conditional": ("for what was held", STATUS["confounded"]),
     "at_bound": ("at its bound", STATUS["confounded"]),
     "not_identified": ("not said by these data", STATUS["not_excited"]),
     "given": ("given, not fitted", STATUS["absent"]),

@@ -1,0 +1,125 @@
+"""Scores `lab identify` on dampers whose parameters are known: ``./er exec python -m test.identify_score --seeds 100``.
+
+Every seed draws noise, phases and starting values up to a factor of three off. Prints Markdown.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+from er_models.files import load_model
+from er_models.model import Model
+
+from test.identify_data import TRUTHS, Truth, program
+
+ROOT = Path(__file__).resolve().parents[1]
+WRONG = 3.0
+"""Largest factor by which a starting value is off."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What one seed gave for one parameter; sd is NaN where the data were said not to tell it."""
+
+    name: str
+    true: float
+    value: float
+    sd: float
+    status: str
+
+
+def started(truth: Truth, seed: int) -> Model:
+    """The shipped model with every fitted value off by a random factor, kept inside its bounds."""
+    model = load_model(ROOT / "config" / "dampers" / f"{truth.model}.yaml")
+    rng = np.random.default_rng([seed, 1])
+    effects = {k: dict(v) for k, v in model.effects.items()}
+    for effect, values in effects.items():
+        for q in model.catalogue[effect].parameters:
+            if q.fitted:
+                wrong = values[q.name] * WRONG ** rng.uniform(-1.0, 1.0)
+                values[q.name] = float(np.clip(wrong, *model.bounds(effect, q.name)))
+    return replace(model, effects=effects)
+
+
+def estimates(truth: Truth, seed: int, seconds: float) -> list[Estimate]:
+    """Identify one seed from wrong starting values."""
+    from er_model_lab.identify import identify
+    from er_model_lab.identify.present import parameters
+
+    found = parameters(identify(program(truth, seed, seconds), started(truth, seed)))
+    flat = {name: entry for values in found.values() for name, entry in values.items()}
+    return [
+        Estimate(n, t, flat[n]["value"], np.nan if flat[n]["sd"] is None else flat[n]["sd"], flat[n]["status"])
+        for n, t in truth.values().items()
+    ]  # fmt: skip
+
+
+def rows(runs: list[list[Estimate]]) -> Iterable[tuple[str, ...]]:
+    """One row a parameter: truth, bias, deviations claimed and seen, share within three of those claimed."""
+    for parts in zip(*runs, strict=True):
+        true = parts[0].true
+        value, sd = np.array([p.value for p in parts]), np.array([p.sd for p in parts])
+        error = value / true - 1.0
+        inside = np.abs(value - true) < 3.0 * sd
+        weak = np.mean([p.status != "identified" for p in parts])
+        yield (
+            parts[0].name, f"{true:.5g}", f"{100 * error.mean():+.2f}", f"{100 * np.mean(sd / abs(true)):.2f}",
+            f"{100 * error.std(ddof=1):.2f}" if len(parts) > 1 else "-", f"{100 * inside.mean():.0f}",
+            f"{100 * weak:.0f}",
+        )  # fmt: skip
+
+
+HEAD = (
+    "parameter",
+    "truth",
+    "bias [%]",
+    "sd claimed [%]",
+    "sd seen [%]",
+    "within 3 sd [%]",
+    "weak [%]",
+)
+
+
+def _quiet() -> None:
+    """One thread a process."""
+    import numba
+
+    numba.set_num_threads(1)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seeds", type=int, default=10, help="how many, from 1")
+    parser.add_argument("--seconds", type=float, default=6.0, help="length of each record")
+    parser.add_argument("--dampers", nargs="+", default=list(TRUTHS), choices=list(TRUTHS))
+    given = parser.parse_args()
+    seeds = range(1, given.seeds + 1)
+    context = get_context("spawn")
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        os.environ[name] = "1"
+    with ProcessPoolExecutor(os.cpu_count(), context, _quiet) as pool:
+        for damper in given.dampers:
+            truth, began = TRUTHS[damper], time.monotonic()
+            many = len(seeds)
+            runs = list(pool.map(estimates, [truth] * many, seeds, [given.seconds] * many))
+            each = os.cpu_count() * (time.monotonic() - began) / many
+            sys.stdout.write(
+                f"\n{truth.model}: seeds 1 to {many}, {each:.0f} s a seed and core\n\n"
+            )
+            sys.stdout.write("| " + " | ".join(HEAD) + " |\n|" + "---|" * len(HEAD) + "\n")
+            for row in rows(runs):
+                sys.stdout.write("| " + " | ".join(row) + " |\n")
+            sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()
