@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from er_models.kernel.load import kernel
 from er_models.model import Array, Model
+from er_models.parallel import over_cores
 
 SUBSTEP = 0.625e-3
 """Longest step of the integrator [s]; the error at 200 Hz is shown by test_integrate."""
@@ -84,21 +86,27 @@ def substeps(dt: float) -> int:
 
 def predict(model: Model, inputs: Motion) -> Array:
     """Measured damper force [N], shape (n,)."""
-    c = model.compiled()
     force = np.empty(inputs.n)
-    kernel(model.catalogue).predict_records(
-        c.on, c.slots, c.links, c.at_rest, c.p, inputs.dt, inputs.starts, inputs.x, inputs.v, inputs.a,
-        inputs.u, inputs.theta, substeps(inputs.dt), force,
-    )  # fmt: skip
+    _rows(model, model.compiled().p[None], inputs)(force[None], 0, 1)
     return force
 
 
 def predict_many(model: Model, vectors: Array, inputs: Motion) -> Array:
     """Forces (m, n) of one model for m flat parameter vectors (m, n_parameters), over all cores."""
-    c = model.compiled()
     forces = np.empty((vectors.shape[0], inputs.n))
-    kernel(model.catalogue).predict_batch(
-        c.on, c.slots, c.links, c.at_rest, vectors, inputs.dt, inputs.starts, inputs.x, inputs.v, inputs.a,
-        inputs.u, inputs.theta, substeps(inputs.dt), forces,
-    )  # fmt: skip
+    rows = _rows(model, vectors, inputs)
+    over_cores(lambda i, j: rows(forces, i, j), forces.shape[0], forces.size * substeps(inputs.dt))
     return forces
+
+
+def _rows(model: Model, vectors: Array, inputs: Motion) -> Callable[[Array, int, int], None]:
+    """What predicts rows i to j of the vectors into those of an array (m, n); it holds no lock of Python."""
+    c, run, n_sub = model.compiled(), kernel(model.catalogue).predict_rows, substeps(inputs.dt)
+
+    def rows(forces: Array, i: int, j: int) -> None:
+        run(
+            c.on, c.slots, c.links, c.at_rest, vectors[i:j], inputs.dt, inputs.starts, inputs.x, inputs.v,
+            inputs.a, inputs.u, inputs.theta, n_sub, forces[i:j],
+        )  # fmt: skip
+
+    return rows

@@ -192,9 +192,8 @@ def source(catalogue: Catalogue) -> str:
         '"""Generated from the catalogue of effects; do not edit."""',
         "import math",
         "import numpy as np",
-        "from numba import prange",
         "from er_models.kernel.elementary import exp, tanh",
-        "from er_models.kernel.fast import batch, entry, inline, inner, record",
+        "from er_models.kernel.fast import entry, inline, inner, record",
         "from er_models.kernel.hooks import compiled as _compiled",
     ]
     composed = [_damper(catalogue), _chassis(catalogue), _accelerometers(catalogue)]

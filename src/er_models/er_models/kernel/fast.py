@@ -27,5 +27,3 @@ record = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=Tru
 """As `inner`, for functions that make arrays or cut them."""
 entry = njit(cache=True, nogil=True, error_model="numpy")
 """For what Python calls; kept on disk."""
-batch = njit(cache=True, nogil=True, parallel=True, error_model="numpy")
-"""As `entry`, over all cores."""

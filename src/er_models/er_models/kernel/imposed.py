@@ -7,9 +7,8 @@ The text below the marker is compiled together with the equations of a catalogue
 from __future__ import annotations
 
 import numpy as np
-from numba import prange
 
-from er_models.kernel.fast import batch, entry, inline, inner, record
+from er_models.kernel.fast import entry, inline, inner, record
 from er_models.kernel.inputs import at, cubic, delayed, split
 from er_models.kernel.states import HOLD, ROWS, keep, settle, solve, visit
 
@@ -103,15 +102,9 @@ def predict_one(on, slots, links, at_rest, p, dt, starts, x, v, a, u, theta, n_s
 
 
 @entry
-def predict_records(on, slots, links, at_rest, p, dt, starts, x, v, a, u, theta, n_sub, force):
-    """As `predict_one`; the entry point that is compiled to disk."""
-    predict_one(on, slots, links, at_rest, p, dt, starts, x, v, a, u, theta, n_sub, force)
-
-
-@batch
-def predict_batch(on, slots, links, at_rest, ps, dt, starts, x, v, a, u, theta, n_sub, forces):
-    """One prediction per row of `ps` (m, n_parameters) into `forces` (m, n), over all cores."""
-    for i in prange(ps.shape[0]):
+def predict_rows(on, slots, links, at_rest, ps, dt, starts, x, v, a, u, theta, n_sub, forces):
+    """One prediction per row of `ps` (m, n_parameters) into `forces` (m, n)."""
+    for i in range(ps.shape[0]):
         predict_one(
             on, slots, links, at_rest, ps[i], dt, starts, x, v, a, u, theta, n_sub, forces[i]
         )
