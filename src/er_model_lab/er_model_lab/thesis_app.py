@@ -1,4 +1,4 @@
-"""`er lab thesis chapter1`: the validation cases of the thesis, made again in simulation."""
+"""`er lab thesis CHAPTER`: what a chapter of the thesis shows, made again in simulation."""
 
 from __future__ import annotations
 
@@ -7,12 +7,18 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import typer
 from er_models.errors import ErError
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+if TYPE_CHECKING:
+    from er_model_lab.report.section import Section
+    from er_model_lab.view import View
+
+Tick = Callable[[str], None] | None
 
 
 def register(parent: typer.Typer) -> None:
@@ -21,7 +27,12 @@ def register(parent: typer.Typer) -> None:
 
 
 def thesis_command(
-    chapter: Annotated[Literal["chapter1"], typer.Argument(help="What to make again.")],
+    chapter: Annotated[
+        Literal["chapter1", "chapter2"],
+        typer.Argument(
+            help="chapter1: identify and validate the dampers; chapter2: the car in all its forms."
+        ),
+    ],
     config: Annotated[
         Path, typer.Option("--config", help="Folder with models, programs and sensor noise.")
     ] = Path("config"),
@@ -33,32 +44,69 @@ def thesis_command(
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of the sensors' noise.")] = 0,
 ) -> None:
-    """Identify the damper models as in section 1.5 and validate them on the four cases of section 1.6."""
-    from er_model_lab.thesis.cases import chapter_1
-    from er_model_lab.thesis.present import lines, result
-
+    """Make again what a chapter of the thesis shows, with its figures beside ours."""
     try:
         with _progress(chapter) as tick:
-            found = chapter_1(config, seed, tick)
-        data = result(found, seed)
+            made = _CHAPTERS[chapter](config, seed, tick)
         if json_file is not None:
             from er_models.files import write_whole
 
-            write_whole(json_file, json.dumps(data, indent=1, allow_nan=False) + "\n")
-        typer.echo("\n".join(lines(found)))
+            write_whole(json_file, json.dumps(made.data, indent=1, allow_nan=False) + "\n")
+        typer.echo("\n".join(made.lines))
         if report is not None:
-            typer.echo(f"report: {_report(found, data, report)}")
+            from er_model_lab.report.page import write_report
+
+            view, sections = made.page()
+            typer.echo(f"report: {write_report(view, report, sections)}")
     except ErError as error:
         typer.echo(" ".join(str(error).split()), err=True)
         raise typer.Exit(error.exit_status) from None
 
 
-def _report(found: Any, data: dict[str, Any], folder: Path) -> Path:
-    """Write the page with the pictures of the cases."""
-    from er_model_lab.report.page import write_report
-    from er_model_lab.report.thesis import sections, view
+class _Made(NamedTuple):
+    """A chapter as plain data, as lines for the screen, and what makes its page."""
 
-    return write_report(view(found, data), folder, sections(found, data))
+    data: dict[str, Any]
+    lines: list[str]
+    page: Callable[[], tuple[View, list[Section]]]
+
+
+def _chapter_1(config: Path, seed: int, tick: Tick) -> _Made:
+    """Identify the damper models as in section 1.5 and validate them on the four cases of section 1.6."""
+    from er_model_lab.thesis.cases import chapter_1
+    from er_model_lab.thesis.present import lines, result
+
+    found = chapter_1(config, seed, tick)
+    data = result(found, seed)
+
+    def page() -> tuple[View, list[Section]]:
+        from er_model_lab.report.thesis import sections, view
+
+        return view(found, data), sections(found, data)
+
+    return _Made(data, lines(found), page)
+
+
+def _chapter_2(config: Path, _seed: int, tick: Tick) -> _Made:
+    """The quarter car in all its forms; nothing in it is random."""
+    from er_model_lab.thesis.present_quarter_car import lines, result
+    from er_model_lab.thesis.quarter_car import chapter_2
+
+    found = chapter_2(config, tick)
+    data = result(found)
+
+    def page() -> tuple[View, list[Section]]:
+        from er_model_lab.report.thesis_quarter_car import sections, view
+
+        return view(found, data), sections(found, data)
+
+    return _Made(data, lines(found), page)
+
+
+_CHAPTERS: dict[str, Callable[[Path, int, Tick], _Made]] = {
+    "chapter1": _chapter_1,
+    "chapter2": _chapter_2,
+}
 
 
 @contextmanager
