@@ -1,18 +1,31 @@
 """Measurements of a damper with Coulomb friction on an imposed motion, for tests of commands."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from er_models.files import load_model
+from er_models.model import Model
 from er_models.predict import motion, predict
 
 from test.conftest import ROOT
 
 
-def write_sample(path: Path, *, seed: int, seconds: float = 20.0) -> Path:
-    """Write a CSV with the contract's columns: six sines, steps of duty, noise of every sensor."""
-    truth = load_model(ROOT / "config/dampers/inove_guo.yaml")
-    truth = truth.with_effect("coulomb_friction", {"F_c": 1.0, "v_0": 0.003})
+def with_friction(damper: str) -> Model:
+    """A shipped damper with Coulomb friction."""
+    model = load_model(ROOT / f"config/dampers/{damper}.yaml")
+    return model.with_effect("coulomb_friction", {"F_c": 1.0, "v_0": 0.003})
+
+
+def write_sample(
+    path: Path, *, seed: int, seconds: float = 20.0, truth: Model | None = None,
+    levels: Sequence[float] = (0.0, 0.1, 0.2, 0.3), hold: int = 150,
+) -> Path:  # fmt: skip
+    """Write a CSV with the contract's columns: six sines, steps of duty, noise of every sensor.
+
+    truth: the damper, by default the Guo damper with friction; levels, hold: duties and samples each is held.
+    """
+    truth = truth or with_friction("inove_guo")
     rng, dt = np.random.default_rng(seed), 0.005
     n = round(seconds / dt)
     t = np.arange(n) * dt
@@ -24,7 +37,7 @@ def write_sample(path: Path, *, seed: int, seconds: float = 20.0) -> Path:
         np.cos(arg) @ (amplitude * w),
         -np.sin(arg) @ (amplitude * w**2),
     )
-    u = np.repeat(rng.choice([0.0, 0.1, 0.2, 0.3], n // 150 + 1), 150)[:n]
+    u = np.repeat(rng.choice(levels, n // hold + 1), hold)[:n]
     columns = {
         "t": t,
         "deflection": x + 2e-5 * rng.standard_normal(n),

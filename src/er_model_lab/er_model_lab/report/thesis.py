@@ -15,8 +15,16 @@ from er_model_lab.report.samples import margin
 from er_model_lab.report.section import Section
 from er_model_lab.report.sections import provenance
 from er_model_lab.report.thin import every
-from er_model_lab.thesis.cases import LAWS, ROADS, Case, Chapter1
-from er_model_lab.thesis.present import HEAD, static_against_dynamic, table_1_5, ways
+from er_model_lab.thesis.cases import LAWS, Case, Chapter1
+from er_model_lab.thesis.present import (
+    CASE_2_HEAD,
+    HEAD,
+    STAND_IN,
+    WAYS_HEAD,
+    static_against_dynamic,
+    table_1_5,
+    ways,
+)
 from er_model_lab.versions import versions
 from er_model_lab.view import Array, View
 
@@ -35,49 +43,43 @@ def view(found: Chapter1, data: Mapping[str, Any]) -> View:
         "versions": versions(),
         "command_line": command_line(),
     }
-    return View(
-        "thesis", "chapter 1", "", result=data, records=(), notes=found_notes(), provenance=known
-    )
+    return View("thesis", "chapter 1", "", data, (), notes=(STAND_IN,), provenance=known)
 
 
-def found_notes() -> tuple[str, ...]:
-    """What the reader must know."""
-    return (
-        "The real damper is replaced by a simulated one that holds more than the models: compare orders, not digits.",
-    )
-
-
-def sections(found: Chapter1, _data: Mapping[str, Any]) -> list[Section]:
+def sections(found: Chapter1, data: Mapping[str, Any]) -> list[Section]:
     """All sections of the page."""
     made = [
-        _errors(found),
+        _table_1_5(found),
         _response_time(found),
         _case_1(found.tests),
         _case_2(found.tests),
         _validation(found.validation["bumps"], "case_3", "Case 3: sinusoidal bumps, duty 0.2"),
         _validation(found.validation["iso"], "case_4", "Case 4: ISO 8608 road, duty 0.225"),
+        _ways(found),
     ]
-    last = provenance.section(view(found, _data))
+    last = provenance.section(view(found, data))
     return [*made, last] if last else made
 
 
-def _errors(found: Chapter1) -> Section:
-    """Table 1.5, and what each step of the identification changes."""
-    roads = [f"{law}, {road}" for road in ROADS.values() for law in LAWS]
-    blank = ("",) * (len(HEAD) - 1)
-    more = [("by way of identification", *roads, ""), *((*row, "") for row in ways(found))]
-    rows = [*table_1_5(found), ("", *blank), *more]
+def _table_1_5(found: Chapter1) -> Section:
+    """The thesis's errors beside ours."""
     text = (
-        *found_notes(),
+        STAND_IN,
         "NRMSE is the rms error over the range of the measured force. The last column is what the simulated damper "
         "itself leaves on the measured motion: no model can do better.",
     )
-    return Section(
-        "table_1_5",
-        "Table 1.5",
-        facts={"text": text, "head": HEAD, "rows": rows},
-        template="prose",
+    facts = {"text": text, "head": HEAD, "rows": table_1_5(found)}
+    return Section("table_1_5", "Table 1.5", facts=facts, template="prose")
+
+
+def _ways(found: Chapter1) -> Section:
+    """What each step of the identification changes."""
+    text = (
+        "Stage by stage is the procedure of section 1.5; all parameters together is the refinement after it. "
+        "The motion is fused from all sensors, but for one row. Static: the yield stage alone.",
     )
+    facts = {"text": text, "head": WAYS_HEAD, "rows": ways(found)}
+    return Section("ways", "Ways of identification", facts=facts, template="prose")
 
 
 def _response_time(found: Chapter1) -> Section:
@@ -86,7 +88,7 @@ def _response_time(found: Chapter1) -> Section:
     marks: list[Line | Points] = [
         Line(duty, 1e3 * response_time_of(found.truth, duty), "measured damper", MEASURED)
     ]
-    printed = 0.3643 * duty**2 + 0.1124 * duty + 0.002
+    printed = response_time_of(found.polynomial, duty)
     marks.append(Line(duty, 1e3 * printed, "thesis (1.21)", MUTED, dash="dash"))
     for law, identified in found.identified.items():
         table = identified.table
@@ -132,10 +134,9 @@ def _case_2(case: Case) -> Section:
     panels.append(Panel(velocity, Axis("time [s]", span.span), Axis("v [mm/s]")))
     alt = "Measured force, static and dynamic model over time; they part around zero velocity."
     figure = Figure("case_2", alt, tuple(panels), height=680, heights=(2.0, 2.0, 1.0), linked=True)
-    head = ("rms error [N]", "static", "dynamic", "static, turning", "dynamic, turning")
     facts = {
         "text": ("Turning: the tenth of the velocity range around zero.",),
-        "head": head,
+        "head": CASE_2_HEAD,
         "rows": static_against_dynamic(case),
     }
     return Section("case_2", "Case 2: static against dynamic", (figure,), facts, template="prose")

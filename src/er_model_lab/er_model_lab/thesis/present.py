@@ -12,6 +12,7 @@ from er_model_lab.identify import Identified
 from er_model_lab.present import clean, parameters
 from er_model_lab.thesis.cases import LAWS, PUBLISHED, ROADS, Case, Chapter1
 
+STAND_IN = "The real damper is replaced by a simulated one that holds more than the models: compare orders, not digits."
 KINDS = {
     "": "all parameters together",
     "_staged": "stage by stage",
@@ -19,6 +20,11 @@ KINDS = {
     "_static": "static",
 }
 """Ending of a model's name to what it is."""
+WAYS_HEAD = (
+    "NRMSE by way of identification",
+    *(f"{law}, {road}" for road in ROADS.values() for law in LAWS),
+)
+CASE_2_HEAD = ("rms error [N]", "static", "dynamic", "static, turning", "dynamic, turning")
 HEAD = ("NRMSE", *(f"{law}, {who}" for law in LAWS for who in ("thesis", "ours")), "truth itself")
 
 
@@ -56,7 +62,7 @@ def static_against_dynamic(case: Case) -> list[tuple[str, ...]]:
 def result(found: Chapter1, seed: int) -> dict[str, Any]:
     """Everything as plain data: NRMSE of every model on every case, parameters, response times."""
     cases = {"yield": found.tests, **found.validation}
-    return clean({
+    data: dict[str, Any] = clean({
         "command": "thesis chapter1", "seed": seed, "truth": found.truth.name,
         "table_1_5": {
             ROADS[name]: {
@@ -69,6 +75,7 @@ def result(found: Chapter1, seed: int) -> dict[str, Any]:
         "parameters": {law: _parameters(i.model) for law, i in found.identified.items()},
         "response_time": {law: response_time(i) for law, i in found.identified.items()},
     })  # fmt: skip
+    return data
 
 
 def errors(case: Case) -> dict[str, Any]:
@@ -102,13 +109,10 @@ def _parameters(model: Model) -> Mapping[str, Any]:
 
 def lines(found: Chapter1) -> list[str]:
     """The screen: Table 1.5, what each step changes, static against dynamic."""
-    roads = [f"{law}, {road}" for road in ROADS.values() for law in LAWS]
-    case_2 = ("case 2, rms error [N]", "static", "dynamic", "static, turning", "dynamic, turning")
     return [
-        "The real damper is replaced by a simulated one that holds more than the models: compare orders, not digits.",
-        "", *columns(HEAD, table_1_5(found)),
-        "", *columns(("NRMSE by way of identification", *roads), ways(found)),
-        "", *columns(case_2, static_against_dynamic(found.tests)),
+        STAND_IN, "", *columns(HEAD, table_1_5(found)),
+        "", *columns(WAYS_HEAD, ways(found)),
+        "", *columns(CASE_2_HEAD, static_against_dynamic(found.tests)),
     ]  # fmt: skip
 
 
