@@ -70,6 +70,17 @@ def test_the_default_graph_is_a_closed_loop_with_an_observer() -> None:
     assert found["nlpv_polytopic_observer"].parameters["listeners"] == 0
 
 
+def test_files_of_own_effects_reach_the_plant_alone(tmp_path: Path) -> None:
+    files = [tmp_path / name for name in ("one.py", "two.py")]
+    for file in files:
+        file.touch()
+    found = specs(f"effects_from:={files[0]}, {files[1]}")
+    assert found["plant"].parameters["effects_from"] == tuple(str(file) for file in files)
+    assert "effects_from" not in found["nlpv_polytopic_observer"].parameters
+    with pytest.raises(InputError, match=r"three.py: expected a file, found no such file"):
+        specs("effects_from:=three.py")
+
+
 def test_the_plant_waits_for_the_recorder_too(tmp_path: Path) -> None:
     found = specs(f"record:={tmp_path / 'bag'}", "observers:=none", "controller:=none")
     assert list(found) == ["recorder", "plant"]

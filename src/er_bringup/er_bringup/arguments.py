@@ -27,6 +27,7 @@ ARGUMENTS = (
     Argument("namespace", "", "namespace of the corner, for instance front_left"),
     Argument("model", "inove_quarter_car", "vehicle model: a file, or a name in config/vehicles"),
     Argument("damper", "", "model whose damper is put into the plant: an effect can hide there"),
+    Argument("effects_from", "", "Python files with own effects of these models, commas between"),
     Argument("program", "iso_steps", "road and duty: a file, or a name in config/experiments"),
     Argument("duration", "-1", "s; -1: as the program says, 0: until Ctrl-C", kind=float),
     Argument("seed", "-1", "of road, duty and sensor noise; -1: the program's", kind=int),

@@ -121,6 +121,9 @@ def _plant(given: Mapping[str, str], config: Path, listeners: Sequence[Role]) ->
         parameters["wait_for_nodes"] = [role.executable for role in listeners]
     if given["damper"]:
         parameters["damper_file"] = find(given["damper"], config, "dampers")
+    if given["effects_from"]:
+        own = given["effects_from"].split(",")
+        parameters["effects_from"] = tuple(find(file.strip(), config) for file in own)
     files = [_own(PLANT, config)]
     if given["plant_params"]:
         files.append(find(given["plant_params"], config))
