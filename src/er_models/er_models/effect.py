@@ -49,6 +49,8 @@ HOOKS: dict[str, str] = {
     "passive_damping": "adds to the passive damping that a series element sees",
     "shift_deflection": "maps the measured deflection to that of the damper",
     "shift_velocity": "maps the measured velocity to that of the damper",
+    "flow_deflection": "maps the deflection of the damper to that which the yield force sees",
+    "flow_velocity": "maps the velocity of the damper to that which the yield force sees",
     "stiffness_scale": "multiplies the passive stiffness",
     "viscous_scale": "multiplies the passive damping",
     "yield_scale": "multiplies the yield force",

@@ -32,7 +32,8 @@ POINTS = 64
 """Random points at which every hook is tried, besides rest."""
 _NAME = re.compile(r"[a-zA-Z]\w*")
 _MAPPED = {
-    "duty": "u", "shift_deflection": "x", "shift_velocity": "v", "limit": "f_d", "sense": "f_m",
+    "duty": "u", "shift_deflection": "x", "shift_velocity": "v", "flow_deflection": "x",
+    "flow_velocity": "v", "limit": "f_d", "sense": "f_m",
     "tyre_limit": "f_t", "sprung_reading": "a_s", "unsprung_reading": "a_us",
 }  # fmt: skip
 """Signal that a hook which maps leaves as it is where the effect does nothing."""

@@ -9,9 +9,9 @@ import pytest
 from er_models.catalogue import CATALOGUE
 from er_models.kernel.load import kernel
 from er_models.model import Model
-from er_models.predict import predict
+from er_models.predict import motion, predict
 from er_models.rhs import damper_rate, vehicle_rate
-from models_help import SMALL, one_sample
+from models_help import DT, SMALL, one_sample
 
 Values = Mapping[str, Mapping[str, float]]
 
@@ -95,9 +95,9 @@ FORCES: dict[str, tuple[Values, tuple[float, float, float, float], float]] = {
     ),
     "quadratic_damping": ({"quadratic_damping": {"c_2": 200.0}}, (0.0, -0.1, 0.0, 0.0), -2.0),
     "herschel_bulkley": (
-        {"herschel_bulkley": {"c_h": 100.0, "n": 0.5, "v_r": 0.1}},
-        (0.0, -0.025, 0.2, 0.0),
-        -10.0,
+        {"herschel_bulkley": {"c_h": 100.0, "n": 0.5, "v_0": 0.03, "v_r": 0.1}},
+        (0.0, -0.04, 0.2, 0.0),
+        -11.313708498984761,  # -100 0.2 0.4 / 0.25^(1/4)
     ),
     "asymmetric_damping": ({"asymmetric_damping": {"c_a": 10.0}}, (0.0, -0.2, 0.0, 0.0), 2.0),
     "shear_thinning": (
@@ -151,6 +151,11 @@ FORCES: dict[str, tuple[Values, tuple[float, float, float, float], float]] = {
         {**YIELD, "field_exponent": {"b": 2.0, "u_r": 0.5}},
         (0.0, 0.1, 0.25, 0.0),
         2.5,  # 20 * 0.5 * (1/2)^2
+    ),
+    "field_saturation": (
+        {**YIELD, "field_saturation": {"s": 2.0}},
+        (0.0, 0.1, 0.25, 0.0),
+        10.0 / 3.0,  # 20 0.25 / 1.5
     ),
     "velocity_lag": (
         {**PASSIVE, "velocity_lag": {"T_v": 0.01}},
@@ -226,6 +231,16 @@ RATES: dict[str, tuple[Values, float, tuple[float, float, float, float, float], 
         12.0,
         0.4,
     ),
+    "piston_play": (  # open: 6 tanh(100 9 mm + 10 (v - f_y / 100)), with v such that it is 6 tanh 1
+        {
+            "guo_yield": {"f_c": 20.0, "k1": 100.0, "c1": 10.0},
+            "piston_play": {"b": 0.002, "c_p": 100.0},
+        },
+        0.001,
+        (0.01, 0.05569564935734589, 0.0, 0.3, 0.0),
+        0.04569564935734589,
+        4.569564935734589,
+    ),
     "force_lag": (
         {**PASSIVE, "force_lag": {"T_f": 0.01}},
         2.0,
@@ -262,7 +277,18 @@ DELAYS: dict[str, tuple[Mapping[str, float], float]] = {
     "force_delay": ({"d": -0.0042}, -0.0042),
 }
 
-ELSEWHERE: dict[str, str] = {}
+# each row: its effects, a velocity held for 0.05 s from where its states rest, the duty, and the force at the end
+STROKES: dict[str, tuple[Values, float, float, float]] = {
+    "piston_play": (  # closed: 6 tanh(100 (2.5 - 0.5) mm + 16 0.05 m/s)
+        {
+            "guo_yield": {"f_c": 20.0, "k1": 100.0, "c1": 16.0},
+            "piston_play": {"b": 5e-4, "c_p": 20.0},
+        },
+        0.05,
+        0.3,
+        4.569564935734589,
+    ),
+}
 
 
 @pytest.mark.parametrize("name", FORCES)
@@ -281,6 +307,14 @@ def test_rate(name: str) -> None:
     rates, found = damper_rate(Model(name, effects, SMALL), state, x, v, a, u, t)
     assert found == pytest.approx(force, rel=1e-7)
     assert rates[slot] == pytest.approx(rate, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", STROKES)
+def test_stroke(name: str) -> None:
+    effects, v, u, expected = STROKES[name]
+    t = np.arange(11) * DT
+    found = predict(Model(name, effects, SMALL), motion(DT, v * t, 0.0 * t + v, 0.0 * t + u))
+    assert found[-1] == pytest.approx(expected, rel=1e-7)
 
 
 @pytest.mark.parametrize("name", DELAYS)
@@ -355,5 +389,5 @@ def test_the_bias_of_an_accelerometer_moves_nothing() -> None:
 
 
 def test_every_effect_has_its_value() -> None:
-    rows = (*FORCES, *RATES, *RIDES, *DELAYS, *ELSEWHERE)
+    rows = (*FORCES, *RATES, *RIDES, *DELAYS, *STROKES)
     assert {row.partition(":")[0] for row in rows} == set(CATALOGUE.names)

@@ -29,6 +29,8 @@ ACTS: dict[str, tuple[str, str]] = {
     "passive_damping": ("c_0 +=", r"c_0 \mathrel{+}="),
     "shift_deflection": ("x :=", r"x \mathrel{:=}"),
     "shift_velocity": ("v :=", r"v \mathrel{:=}"),
+    "flow_deflection": ("x_f :=", r"x_f \mathrel{:=}"),
+    "flow_velocity": ("v_f :=", r"v_f \mathrel{:=}"),
     "stiffness_scale": ("s_k *=", r"s_k \mathrel{\times}="),
     "viscous_scale": ("s_c *=", r"s_c \mathrel{\times}="),
     "yield_scale": ("s_y *=", r"s_y \mathrel{\times}="),
