@@ -22,6 +22,7 @@ from er_ros_common.parameter_table import build as checked
 from typer.testing import CliRunner
 
 from test.conftest import ROOT
+from test.sample import write_sample
 
 NAME = "voltage_crosstalk"
 CAR = ROOT / "config/vehicles/inove_quarter_car.yaml"
@@ -57,28 +58,6 @@ def one_line(result, *words):
 def with_crosstalk(file, own, value=4.0):
     """A model file's model with the example's effect."""
     return load_model(file, catalogue_with([own])).with_effect(NAME, {"K": value})
-
-
-def measured(own, path, seed=1, seconds=20.0):
-    """Data of a damper whose load cell has the cross-talk, six sines and steps of duty, noise of every sensor."""
-    rng, dt = np.random.default_rng(seed), 0.005
-    n = round(seconds / dt)
-    t, w = np.arange(n) * dt, 2 * np.pi * np.array([0.7, 1.3, 2.1, 3.4, 5.2, 7.3])
-    size = 0.09 / w / 2.5
-    arg = np.multiply.outer(t, w) + rng.uniform(0, 2 * np.pi, w.size)
-    x, v, a = np.sin(arg) @ size, np.cos(arg) @ (size * w), -np.sin(arg) @ (size * w**2)
-    u = np.repeat(rng.choice([0.0, 0.1, 0.2, 0.3], n // 150 + 1), 150)[:n]
-    force = predict(with_crosstalk(DAMPER, own), motion(dt, x, v, u, a))
-    columns = {
-        "t": t, "deflection": x + 2e-5 * rng.standard_normal(n),
-        "deflection_velocity": v + 1e-3 * rng.standard_normal(n), "duty": u,
-        "damper_force": force + 0.15 * rng.standard_normal(n),
-        "sprung_acceleration": a + 0.025 * rng.standard_normal(n),
-        "unsprung_acceleration": 0.025 * rng.standard_normal(n),
-    }  # fmt: skip
-    rows = np.stack(list(columns.values()), axis=1)
-    np.savetxt(path, rows, delimiter=",", header=",".join(columns), comments="")
-    return path
 
 
 def test_the_example_is_about_forty_lines():
@@ -165,7 +144,7 @@ def test_several_files_join_and_one_given_twice_counts_once(own, tmp_path):
 
 @pytest.mark.slow
 def test_diagnose_finds_it_by_name_and_add_writes_it(own, tmp_path):
-    data = measured(own, tmp_path / "run.csv")
+    data = write_sample(tmp_path / "run.csv", seed=1, truth=with_crosstalk(DAMPER, own))
     given = ("--model", DAMPER, "--effects-from", own, "--json", tmp_path / "r.json")
     result = lab("diagnose", data, *given)
     assert result.exit_code == 0, result.output
