@@ -26,12 +26,14 @@ CHECKS: tuple[tuple[Callable[[str], None], Iterable[str]], ...] = (
     (values.test_rate, values.RATES),
     (values.test_ride, values.RIDES),
     (values.test_delay, values.DELAYS),
+    (values.test_stroke, values.STROKES),
 )
 HOOKS = [(e, hook) for e in CATALOGUE.effects for hook in e.hooks]
 BREAKS: dict[str, Callable[[float], float]] = {
     "negated": lambda y: -y,
     "1 % too large": lambda y: 1.01 * y,
 }
+HALVES = {"rate": (True, False), "drive": (False, True), "both": (True, True)}
 
 
 def broken(effect: Effect, hook: str, change: Callable[..., object]) -> Catalogue:
@@ -47,21 +49,27 @@ def broken(effect: Effect, hook: str, change: Callable[..., object]) -> Catalogu
 
 
 def mutants(effect: Effect, hook: str) -> Iterator[tuple[str, Catalogue]]:
-    """Every break of a hook; of a pair also each half by itself."""
+    """Every break of a hook; of a pair (rate, drive) also each half by itself."""
     for name, change in BREAKS.items():
         if hook != "relax":
             yield name, broken(effect, hook, change)
             continue
-        for part, both in (
-            ("rate", (True, False)),
-            ("drive", (False, True)),
-            ("both", (True, True)),
-        ):
+        for part, chosen in HALVES.items():
+            if part != "rate" or _decays(effect):
+                yield f"{part} {name}", broken(effect, hook, partial(_changed, change, chosen))
 
-            def pair(found: tuple[float, float], change=change, both=both) -> object:  # type: ignore[no-untyped-def]
-                return tuple(change(y) if b else y for y, b in zip(found, both, strict=True))
 
-            yield f"{part} {name}", broken(effect, hook, pair)
+def _changed(
+    change: Callable[[float], float], chosen: tuple[bool, bool], pair: tuple[float, float]
+) -> tuple[float, ...]:
+    """A pair with the chosen halves changed."""
+    return tuple(change(y) if yes else y for y, yes in zip(pair, chosen, strict=True))
+
+
+def _decays(effect: Effect) -> bool:
+    """Whether the state of an effect has a rate of its own; zero cannot be broken."""
+    relax: Callable[..., tuple[float, float]] = effect.hooks["relax"]  # type: ignore[assignment]
+    return relax(*[0.7] * len(inspect.signature(relax).parameters))[0] != 0.0
 
 
 def failures(name: str, catalogue: Catalogue, patch: pytest.MonkeyPatch) -> int:
