@@ -81,7 +81,8 @@ def identify(
     stages, found, table = staged(bare, problem, say)
     say("all parameters together")
     refined = refine(stages[-1].model, bare, problem)
-    final = _with_lag(with_deviations(refined.fit, problem), model)
+    fitted = replace(refined.fit, model=replace(refined.fit.model, deviations=bare.deviations))
+    final = _with_lag(with_deviations(fitted, problem), model)
     return Identified(
         final, model, problem, stages, tuple(found), table, quadratic(table) if table else None, refined,
         as_given(model, problem), lag,

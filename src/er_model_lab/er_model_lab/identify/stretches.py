@@ -9,7 +9,7 @@ import numpy as np
 from er_models.predict import Motion
 from numpy.typing import NDArray
 
-SAME = 0.025
+SAME = 0.05
 """Stretches whose duties differ by less than this share of the largest duty are at one level."""
 OFF = 0.005
 """Share of the largest duty below which the field counts as off, and a change as none."""
