@@ -43,6 +43,14 @@ def own(tmp_path_factory):
     return path
 
 
+@pytest.fixture(scope="module")
+def both(own):
+    """The example, and an effect of the car: one kernel serves every test that simulates."""
+    bushing = own.with_name("bushing.py")
+    bushing.write_text(BUSHING, encoding="utf-8")
+    return own, bushing
+
+
 def lab(*words):
     return CliRunner().invoke(app, [str(w) for w in words])
 
@@ -55,9 +63,9 @@ def one_line(result, *words):
         assert word in lines[0]
 
 
-def with_crosstalk(file, own, value=4.0):
-    """A model file's model with the example's effect."""
-    return load_model(file, catalogue_with([own])).with_effect(NAME, {"K": value})
+def with_crosstalk(file, *files):
+    """A model file's model with the example's effect, of the catalogue with these files."""
+    return load_model(file, catalogue_with(files)).with_effect(NAME, {"K": 4.0})
 
 
 def test_the_example_is_about_forty_lines():
@@ -75,12 +83,14 @@ def test_lab_effects_lists_it_and_shows_its_card(own, tmp_path):
     one_line(lab("effects", NAME), NAME)
 
 
-def test_the_car_is_simulated_with_it(own):
-    dt, n = 0.005, 200
-    road = 0.003 * np.sin(2 * np.pi * 3.0 * np.arange(n) * dt)
-    duty = np.repeat([0.0, 0.2], n // 2)
-    model = with_crosstalk(CAR, own)
-    plain, run = simulate(load_model(CAR), dt, road, duty), simulate(model, dt, road, duty)
+DT, N = 0.005, 200
+ROAD = 0.003 * np.sin(2 * np.pi * 3.0 * np.arange(N) * DT)
+
+
+def test_the_car_is_simulated_with_it(both):
+    duty = np.repeat([0.0, 0.2], N // 2)
+    model = with_crosstalk(CAR, *both)
+    plain, run = (simulate(m, DT, ROAD, duty) for m in (load_model(CAR), model))
     change = run["damper_force"] - plain["damper_force"]
     assert change == pytest.approx(4.0 * duty, abs=1e-9)
     assert np.array_equal(run["deflection"], plain["deflection"])
@@ -118,6 +128,7 @@ def test_a_broken_record_of_the_file_is_named(text, tmp_path):
         load_model(path)
 
 
+@pytest.mark.slow
 def test_a_changed_equation_is_compiled_anew(own, tmp_path):
     other = tmp_path / "crosstalk.py"
     other.write_text(own.read_text().replace("K * u", "2.0 * K * u"))
@@ -171,12 +182,13 @@ def plant(**given):
     return build(checked(table(given), {"model_file": str(CAR), "safe_duty": 0.2} | given, {}))
 
 
-def test_the_plant_runs_a_model_with_it(own, tmp_path):
-    save_model(with_crosstalk(DAMPER, own), tmp_path / "mine.yaml")
+def test_the_plant_runs_a_model_with_it(both, tmp_path):
+    save_model(with_crosstalk(DAMPER, *both), tmp_path / "mine.yaml")
     program = str(ROOT / "config/experiments/chirp.yaml")
     given = {"program_file": program, "damper_file": str(tmp_path / "mine.yaml")}
+    files = tuple(str(file) for file in both)
     forces = []
-    for rig in (plant(program_file=program), plant(**given, effects_from=(str(own),))):
+    for rig in (plant(program_file=program), plant(**given, effects_from=files)):
         state = start(rig)
         for _ in range(20):
             state = advance(rig, decide(rig, state)[0])
@@ -251,34 +263,32 @@ def test_every_command_with_a_model_takes_the_file(own):
             assert "--effects-from" in options, name
 
 
-def test_an_effect_of_the_car_may_be_ones_own(tmp_path):
-    path = tmp_path / "rail.py"
-    path.write_text(RAIL)
-    catalogue = catalogue_with([path])
-    model = replace(load_model(CAR), catalogue=catalogue).with_effect(
-        "rail_friction", {"F_r": 1.0}
-    )
-    dt, n = 0.005, 200
-    road = 0.003 * np.sin(2 * np.pi * 3.0 * np.arange(n) * dt)
-    runs = [simulate(m, dt, road, np.zeros(n)) for m in (load_model(CAR), model)]
-    assert np.ptp(runs[1]["sprung_acceleration"]) != np.ptp(runs[0]["sprung_acceleration"])
-    assert "rail_friction" not in {e.name for e in catalogue.candidates()}
+def test_an_effect_of_the_car_may_be_ones_own(both):
+    """Damping beside the damper moves the car as the same damping inside it, but the load cell does not see it."""
+    catalogue = catalogue_with(both)
+    beside = replace(load_model(CAR), catalogue=catalogue)
+    beside = beside.with_effect("bushing_damping", {"c_b": 9.0})
+    values = load_model(CAR).effects["passive"]
+    inside = load_model(CAR).with_effect("passive", {**values, "c0": values["c0"] + 9.0})
+    wanted, found = (simulate(m, DT, ROAD, 0.0 * ROAD) for m in (inside, beside))
+    assert found["deflection"] == pytest.approx(wanted["deflection"], abs=1e-9)
+    unseen = 9.0 * found["deflection_velocity"]
+    assert wanted["damper_force"] - found["damper_force"] == pytest.approx(unseen, abs=1e-6)
+    assert "bushing_damping" not in {e.name for e in catalogue.candidates()}
 
 
-RAIL = '''
-"""Friction of the body on the rail of a rig."""
-from math import tanh
-
+BUSHING = '''
+"""Damping of the bushings."""
 from er_models.effect import Effect, Param, Signature
 
 
-def spring_force(F_r: float, v_s: float) -> float:
-    return F_r * tanh(v_s / 0.01)
+def spring_force(c_b: float, v: float) -> float:
+    return c_b * v
 
 
 EFFECT = Effect(
-    "rail_friction", "vehicle", "Friction of the rail", "The body slides on a rail.",
-    (Param("F_r", "N", 0.0, 2.0, 0.0, (0.05,), "friction"),), {"spring_force": spring_force},
+    "bushing_damping", "vehicle", "Damping of the bushings", "Rubber bushings are viscous.",
+    (Param("c_b", "N s/m", 0.0, 2.0, 0.0, (0.05,), "damping"),), {"spring_force": spring_force},
     Signature("none", "acceleration-velocity", "slow sine of the road"), "a test",
 )
 '''
