@@ -90,6 +90,19 @@ def test_the_polynomial_is_not_the_table() -> None:
     assert np.std(best - table) < 0.7 * np.sqrt(np.mean((printed - table) ** 2))
 
 
+def test_the_model_of_guo_is_a_special_case() -> None:
+    """(1.9) is (1.10) at one duty, with stiffness and damping in the proportion of k1 and c1."""
+    a_1, a_2, a_3, ratio, u = 6.0, 65.0, 500.0, 0.4, 0.2  # ratio: V_0 / X_0
+    effects = {
+        "passive": {"k0": a_2 * ratio, "c0": a_2},
+        "guo_yield": {"f_c": a_1 / u, "k1": a_3 * ratio, "c1": a_3},
+    }
+    for x, v in ((0.004, 0.001), (-0.006, 0.002), (0.002, -0.1)):
+        lean = v + ratio * x
+        found = predict(Model("guo 2006", effects, SMALL), one_sample(x, v, u))[0]
+        assert found == pytest.approx(a_2 * lean + a_1 * np.tanh(a_3 * lean), rel=1e-9)
+
+
 @TWO_SIDED
 def test_the_change_of_direction_converges_to_the_printed_jump(name: str) -> None:
     """Half the width squares the distance: it decays as exp(-2 |v| / v_0)."""
