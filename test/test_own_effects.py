@@ -151,6 +151,10 @@ def test_several_files_join_and_one_given_twice_counts_once(own, tmp_path):
     assert {e.name for e in catalogue.candidates()} >= {NAME, "second"}
     assert not {o.file for o in catalogue.origins.values()} ^ {"crosstalk.py", "other.py"}
     assert catalogue_with([]) is CATALOGUE
+    twin = tmp_path / "twin.py"
+    twin.write_text(own.read_text())
+    with pytest.raises(InputError, match=f"twin.py: name: .* found {NAME}"):
+        catalogue_with([own, twin])
 
 
 @pytest.mark.slow
