@@ -142,7 +142,6 @@ FORCES: dict[str, tuple[Values, tuple[float, float, float, float], float]] = {
         3.0,
     ),
     "freeplay": ({**PASSIVE, "freeplay": {"b": 0.002}}, (0.01, 0.1, 0.0, 0.0), 5.8),
-    "cavitation": ({**PASSIVE, "cavitation": {"F_v": 5.0}}, (0.01, 0.1, 0.0, 0.0), 5.0),
     "force_lag": ({**PASSIVE, "force_lag": {"T_f": 0.01}}, (0.01, 0.1, 0.0, 0.0), 6.0),
     "field_viscosity": ({"field_viscosity": {"c_u": 100.0}}, (0.0, 0.1, 0.3, 0.0), 3.0),
     "field_stiffness": ({"field_stiffness": {"k_u": 1000.0}}, (0.01, 0.0, 0.3, 0.0), 3.0),
@@ -216,6 +215,20 @@ RATES: dict[str, tuple[Values, float, tuple[float, float, float, float, float], 
         (0.01, 0.1, 0.0, 0.0, 0.0),
         0.118,
         0.729,
+    ),
+    "cavitation": (  # 5 N pull where 4 N can be: 1 / 50 m/s; 3 / 4 of the newton is missing
+        {**PASSIVE, "cavitation": {"F_v": 4.0, "w_s": 1e-3}},
+        3e-3,
+        (0.01, 0.1, 0.0, 0.0, 0.0),
+        0.02,
+        5.25,
+    ),
+    "cavitation: closing in compression": (  # 1 N where -4 N would be held: -5 / 50 m/s
+        {**PASSIVE, "cavitation": {"F_v": -4.0, "w_s": 1e-3}},
+        1e-3,
+        (0.01, 0.02, 0.0, 0.0, 0.0),
+        -0.1,
+        -0.5,
     ),
     "bouc_wen_hysteresis": (
         {"bouc_wen_hysteresis": {"F_h": 2.0, "F_u": 10.0, "z_y": 1e-3}},
@@ -301,7 +314,7 @@ def test_force(name: str) -> None:
 @pytest.mark.parametrize("name", RATES)
 def test_rate(name: str) -> None:
     effects, w, (x, v, a, u, t), rate, force = RATES[name]
-    slot = CATALOGUE.slots.get(name, CATALOGUE.slots["response"])
+    slot = CATALOGUE.slots.get(name.split(":")[0], CATALOGUE.slots["response"])
     state = np.zeros(CATALOGUE.n_states)
     state[slot] = w
     rates, found = damper_rate(Model(name, effects, SMALL), state, x, v, a, u, t)

@@ -1,25 +1,50 @@
-"""Cavitation: the rebound force cannot exceed F_v."""
+"""Cavitation: beyond F_v a void of the stroke w opens, and holds the force there until it is closed again."""
 
 from er_models.effect import Effect, Param, Signature
 
 
-def limit(F_v: float, f_d: float) -> float:
-    """Force after cavitation [N]: the pressure in the low chamber cannot fall below vapour pressure."""
-    return min(f_d, F_v)
+def relax(F_v: float, c_0: float, v: float, f_y: float, w: float) -> tuple[float, float]:
+    """Rate [1/s] and drive [m/s] of the void: the stroke less what the fluid follows at vapour pressure."""
+    excess = c_0 * v + f_y - F_v if F_v > 0.0 else F_v - c_0 * v - f_y
+    return (0.0, excess / (c_0 + 1e-9)) if w > 0.0 or excess > 0.0 else (1e9, 0.0)
+
+
+def limit(F_v: float, w_s: float, c_0: float, v: float, f_y: float, f_d: float, w: float) -> float:
+    """Force [N]: with a void w the fluid pushes with F_v instead of c_0 v + f_y; springs act as ever."""
+    return f_d + (F_v - c_0 * v - f_y) * w / (w + w_s) if w > 0.0 else f_d
 
 
 EFFECT = Effect(
     name="cavitation",
     stage="force",
     title="Cavitation",
-    physics="Fast extension draws the pressure in one chamber to vapour pressure; the force "
-    "cannot grow further.",
+    physics="A fast stroke draws one chamber to vapour pressure: the force cannot grow, "
+    "and stays until the stroke back has closed the void.",
     parameters=(
-        Param("F_v", "N", 0.05, 1e6, float("inf"), (0.7, 0.4), "force where the fluid cavitates"),
+        Param(
+            "F_v",
+            "N",
+            -1e6,
+            1e6,
+            float("inf"),
+            (0.5, 0.7, 0.9, 0.35, -0.5, -0.7, -0.9, -0.35),
+            "force at vapour pressure; negative in compression",
+        ),
+        Param(
+            "w_s",
+            "m",
+            1e-4,
+            0.1,
+            None,
+            (2e-3,),
+            "void at which half of the limit acts",
+            fitted=False,
+        ),
     ),
-    hooks={"limit": limit},
+    hooks={"relax": relax, "limit": limit},
+    initial="zero",
     signature=Signature(
-        mark="force is cut off on one side",
+        mark="force is cut off on one side, and comes back late",
         plane="force-velocity",
         experiment="fast large sine at high duty",
         rivals=("asymmetric_damping",),
