@@ -186,6 +186,56 @@ def identify(
 
 
 @app.command()
+def plan(
+    model: ModelFile,
+    between: Annotated[
+        tuple[str, str] | None, typer.Option(help="Two effects to tell apart.")
+    ] = None,
+    reveal: Annotated[
+        str | None, typer.Option(help="One effect to tell from its absence.")
+    ] = None,
+    data: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--data", help="What is already measured; effects as fitted to it. Repeatable."
+        ),
+    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", help="Program file to write.")] = None,
+    vehicle: Annotated[
+        Path | None, typer.Option(help="Vehicle file, where the model is a damper alone.")
+    ] = None,
+    stroke: Annotated[
+        float | None, typer.Option(help="Largest |deflection| [m]; else the model's rig.")
+    ] = None,
+    velocity: Annotated[
+        float | None,
+        typer.Option(help="Largest |deflection velocity| [m/s]; else the model's rig."),
+    ] = None,
+    duty_max: Annotated[
+        float | None, typer.Option(help="Largest duty; else the model's rig.")
+    ] = None,
+    duration: Annotated[float | None, typer.Option(help="Length of the program [s]; 30.")] = None,
+    json_file: Json = None,
+    report: Report = None,
+    effects_from: EffectsFrom = None,
+    level: Level = "damper",
+    seed: Seed = 0,
+) -> None:
+    """The road and duty that would tell two effects apart best, within the rig's limits."""
+    from er_model_lab.plan import command
+    from er_model_lab.plan.limits import Asked
+
+    def work() -> Outcome:
+        _damper_only(level, "plan")
+        limits = Asked(stroke, velocity, duty_max, duration)
+        wanted = command.Wanted(between or (), reveal, vehicle, limits, out)
+        with _stages("planning", command.STEPS) as tick:
+            return command.run(_asked(data or [], model, seed, None, effects_from), wanted, tick)
+
+    _run(work, json_file, report)
+
+
+@app.command()
 def effects(
     effect: Annotated[str | None, typer.Argument(help="Show the card of this effect.")] = None,
     json_file: Json = None,

@@ -20,6 +20,7 @@ from er_model_lab.diagnose.candidates import baseline
 from er_model_lab.diagnose.floor import noise_floor
 from er_model_lab.diagnose.null import simulate_null
 from er_model_lab.load import fingerprint, load
+from er_model_lab.plan.suggest import suggestions
 from er_model_lab.present import clean, compare_json, diagnosis_json, headline, study_view, views
 from er_model_lab.record import Record
 from er_model_lab.study import (
@@ -188,6 +189,7 @@ def _outcome(
     result = {"command": command, **diagnosis_json(study, model)}
     origin = provenance(records, study.model, ask)
     result["provenance"] = origin
+    result["next"] = suggestions(result, ask.model_file, ask.data, ask.effects_from)
     result = clean(result)
     return Outcome(
         result, study_view(command, study, result, ask.seed, origin), model, study.problem.complete

@@ -17,6 +17,7 @@ from er_model_lab.report.regions import worst
 from er_model_lab.report.units import gain, newtons, parameter, percent, short, where
 from er_model_lab.report.words import joined, title_of, verdict_sentence, verdict_title
 from er_model_lab.terminal_parameters import parameter_lines
+from er_model_lab.terminal_plan import plan_lines
 from er_model_lab.view import View
 
 WIDTH = 100
@@ -34,6 +35,11 @@ TONES = {
     "unknown_effect": "bold red",
     "identified": "bold green",
     "identified_in_part": "bold yellow",
+    "told_apart": "bold green",
+    "revealed": "bold green",
+    "one_way": "bold yellow",
+    "not_told_apart": "bold red",
+    "not_revealed": "bold red",
 }
 STATUS = {
     "present": "present",
@@ -68,7 +74,9 @@ class Summary:
         """The parts, one below the other."""
         plain = not console.is_terminal or options.ascii_only
         pen = Pen(min(WIDTH, options.max_width), plain=plain)
-        parts = (_head, parameter_lines, _candidates, _alternatives, _steps, _regions, _notes)
+        parts = (
+            _head, parameter_lines, plan_lines, _candidates, _alternatives, _steps, _regions, _next, _notes,
+        )  # fmt: skip
         lines = [line for part in parts for line in part(self.view, pen)]
         if self.report is not None:
             lines.append(pen.line(f"report: {self.report}"))
@@ -204,6 +212,12 @@ def _regions(view: View, pen: Pen) -> Iterator[RenderableType]:
         ],
         rows,
     )
+
+
+def _next(view: View, pen: Pen) -> Iterator[RenderableType]:
+    """What would plan the experiment that these data lack, ready to be pasted."""
+    for command in view.result.get("next") or ():
+        yield pen.line(f"next: {command}")
 
 
 def _notes(view: View, pen: Pen) -> Iterator[RenderableType]:

@@ -69,11 +69,36 @@ class CandidateView:
 
 
 @dataclass(frozen=True)
+class ImitationView:
+    """One truth and its best imitation along a program: forces (n,) [N], and the noise floor [N]."""
+
+    truth: str
+    imitation: str
+    force: Array
+    imitated: Array
+    floor: float
+
+
+@dataclass(frozen=True)
+class ProgramView:
+    """A planned program: road [m], deflection [m] and duty over time, each (n,), and one cycle's length [s]."""
+
+    name: str
+    t: Array
+    road: Array
+    deflection: Array
+    duty: Array
+    cycle: float
+    imitations: tuple[ImitationView, ...]
+
+
+@dataclass(frozen=True)
 class View:
     """Everything a report of one command shows.
 
     headline: one line in newtons; result: the contract's JSON; regions: where it fails; candidates best
-    first; steps: the falling error; notes: what was repaired, derived or left out.
+    first; steps: the falling error; notes: what was repaired, derived or left out; programs: planned ones,
+    the proposed one first.
     """
 
     command: str
@@ -85,3 +110,4 @@ class View:
     candidates: tuple[CandidateView, ...] = ()
     notes: tuple[str, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    programs: tuple[ProgramView, ...] = ()

@@ -6,7 +6,16 @@ import itertools
 from dataclasses import replace
 
 import numpy as np
-from er_model_lab.view import Array, CandidateView, RecordView, Region, RegionTable, View
+from er_model_lab.view import (
+    Array,
+    CandidateView,
+    ImitationView,
+    ProgramView,
+    RecordView,
+    Region,
+    RegionTable,
+    View,
+)
 
 NOISE = 0.2
 
@@ -105,6 +114,38 @@ IDENTIFIED: dict[str, object] = {
     },
 }  # fmt: skip
 """What `lab identify` adds to a result."""
+
+
+PLANNED: dict[str, object] = {
+    "between": ["coulomb_friction", "shear_thinning"],
+    "why": ["What the best imitation leaves is 2 times the noise.", "The program repeats every 8 s."],
+    "programs": [
+        {
+            "name": f"program {k}", "separation": {"coulomb_friction": 3.3, "shear_thinning": 2.0 / k},
+            "used": {"stroke": 0.0116, "velocity": 0.149, "duty": 0.3, "road": 0.03},
+        }
+        for k in (1, 2)
+    ],
+    "identification": {
+        "name": "identification", "separation": {"coulomb_friction": 0.1, "shear_thinning": 0.02},
+        "used": {"stroke": 0.004, "velocity": 0.149, "duty": 0.27, "road": 0.02},
+    },
+    "measurements": {e: {"right": 5, "runs": 5} for e in ("coulomb_friction", "shear_thinning")},
+    "measurements_identification": {e: {"right": 1, "runs": 5} for e in ("coulomb_friction", "shear_thinning")},
+    "strengths": {
+        e: {"parameters": {"F_c": [0.23, None, "N"]}, "source": "fitted to the data"}
+        for e in ("coulomb_friction", "shear_thinning")
+    },
+    "program_file": "next.yaml",
+}  # fmt: skip
+"""What `lab plan` adds to a result."""
+
+
+def program(name: str, r: RecordView) -> ProgramView:
+    """A planned program along the motion of a record."""
+    both = (("Coulomb friction", "Shear thinning"), ("Shear thinning", "Coulomb friction"))
+    found = tuple(ImitationView(a, b, r.measured, r.before, NOISE) for a, b in both)
+    return ProgramView(name, r.t, -2.0 * r.deflection, r.deflection, r.duty, 4.0, found)
 
 
 def card(effect: str, size: float, r: RecordView) -> CandidateView:

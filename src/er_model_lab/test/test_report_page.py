@@ -20,7 +20,7 @@ from er_model_lab.report.sections import SECTIONS
 from er_model_lab.view import View
 from er_models.errors import InputError
 from PIL import Image
-from report_views import IDENTIFIED, compared, empty, view
+from report_views import IDENTIFIED, PLANNED, compared, empty, program, view
 
 VOID = {"meta", "img", "br", "link", "input", "hr"}
 LOADING = {"src", "href", "srcset", "action", "data", "poster", "formaction"}
@@ -156,8 +156,23 @@ def test_all_sections_appear_with_their_data() -> None:
         "line": {"frequency": 50.0, "amplitude": 0.3, "share": 0.2},
     }
     groups = [["coulomb_friction", "shear_thinning"]]
-    full = view(alternatives=groups, unexplained=rest, **IDENTIFIED)
+    full = view(alternatives=groups, unexplained=rest, **IDENTIFIED, **PLANNED)
     assert sections_of(full) == {make.__module__.rsplit(".", 1)[1] for make in SECTIONS}
+
+
+def test_a_planned_program_is_drawn_with_the_forces_of_both_truths() -> None:
+    base = view(verdict="told_apart", **PLANNED)
+    shown = [program(name, base.records[0]) for name in ("program 1", "identification")]
+    v = replace(base, command="plan", records=(), regions=(), programs=tuple(shown))
+    drawn = {f.name: f for f in figures(v)}
+    assert {"planned_program", "planned_forces", "everyday_program", "everyday_forces"} <= set(
+        drawn
+    )
+    titles = [p.title for p in drawn["planned_forces"].panels]
+    assert "Shear thinning, imitated by Coulomb friction" in titles
+    page = rendered(v)
+    assert "imitation leaves is 2 times" in page.text
+    assert "10 of 10" in page.text
 
 
 @pytest.mark.parametrize(

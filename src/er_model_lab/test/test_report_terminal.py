@@ -10,7 +10,7 @@ import pytest
 from er_model_lab.report.words import TITLES
 from er_model_lab.terminal import summary
 from er_model_lab.view import View
-from report_views import IDENTIFIED, TABLES, card, compared, empty, entry, table, view
+from report_views import IDENTIFIED, PLANNED, TABLES, card, compared, empty, entry, table, view
 from rich.console import Console
 from rich.text import Text
 
@@ -148,3 +148,21 @@ def test_identified_parameters_are_told_with_what_the_data_say_of_them() -> None
     for words in ("not said by these data", "at its bound", "20.0 at 0.1", "- guo_yield.c1"):
         assert words in text, words
     assert len(text.splitlines()) <= 40
+
+
+def test_a_plan_is_told_with_what_each_program_separates_and_where_it_was_written() -> None:
+    v = view(verdict="told_apart", candidates=None, steps=None, **PLANNED)
+    text = printed(replace(v, candidates=(), command="plan"))
+    rows = [" ".join(line.split()) for line in text.splitlines()]
+    assert "program 1 3.3 2.0 11.6 0.149 0.30 10 of 10" in rows
+    assert "program 2 3.3 1.0 11.6 0.149 0.30" in rows
+    assert "identification 0.10 0.020 4.00 0.149 0.27 2 of 10" in rows
+    for words in ("repeats every 8 s", "program: next.yaml", "fitted to the data: F_c 0.23 N"):
+        assert words in text, words
+    assert len(text.splitlines()) <= 40
+
+
+def test_what_to_plan_next_can_be_pasted() -> None:
+    command = "./er lab plan --model m.yaml --data d.csv --between a b --out next.yaml"
+    lines = printed(view(next=[command])).splitlines()
+    assert f"next: {command}" in lines

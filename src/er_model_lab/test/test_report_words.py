@@ -12,7 +12,7 @@ from er_model_lab.report.regions import worst
 from er_model_lab.report.sections import headline
 from er_model_lab.report.units import gain, newtons, parameter, percent, short, ticks, where
 from er_model_lab.report.words import TITLES, verdict_sentence, verdict_title
-from report_views import TABLES, compared, entry, table, view
+from report_views import PLANNED, TABLES, compared, entry, table, view
 
 SAID = {
     "adequate": ("The model is adequate", ["0.600 N", "0.200 N", "No known effect"]),
@@ -26,13 +26,23 @@ SAID = {
     "insufficient_data": ("cannot decide", ["only 3 s of data"]),
     "identified": ("Every parameter was identified", ["falls from 0.600 N", "to 0.200 N"]),
     "identified_in_part": ("do not say every parameter", ["falls from 0.600 N"]),
+    "told_apart": ("tells them apart", ["2 times the noise"]),
+    "one_way": ("not if the other is", ["2 times the noise"]),
+    "not_told_apart": ("No program within the limits", ["2 times the noise"]),
+    "revealed": ("A program that shows it", ["2 times the noise"]),
+    "not_revealed": ("No program within the limits shows it", ["2 times the noise"]),
 }
 
 
 @pytest.mark.parametrize("verdict", list(SAID))
 def test_each_verdict_is_said_in_plain_words_with_its_numbers(verdict: str) -> None:
     group = [["coulomb_friction", "shear_thinning"]] if verdict == "ambiguous" else []
-    v = view(verdict=verdict, alternatives=group, coverage={"blocking": ["only 3 s of data"]})
+    v = view(
+        verdict=verdict,
+        alternatives=group,
+        coverage={"blocking": ["only 3 s of data"]},
+        why=PLANNED["why"],
+    )
     title, pieces = SAID[verdict]
     assert title in verdict_title(v)
     for piece in pieces:
@@ -47,8 +57,9 @@ def test_the_words_cover_the_verdicts_of_the_lab() -> None:
 
     from er_model_lab.diagnose.verdict import Name
     from er_model_lab.identify.findings import Verdict
+    from er_model_lab.plan.present import Verdict as Planned
 
-    known = {*get_args(Name), *get_args(Verdict)}
+    known = {*get_args(Name), *get_args(Verdict), *get_args(Planned)}
     assert set(TITLES) == set(VERDICT) == set(SAID) == known
 
 

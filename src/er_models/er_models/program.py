@@ -38,7 +38,7 @@ from er_models.spec import REQUIRED, Array, Kind, Number, Setting, Text, choose,
 from er_models.yaml_file import read_yaml
 
 __all__ = [
-    "Program", "duty", "load_program", "parse_program", "resolve", "save_program", "times",
+    "Program", "document_of", "duty", "load_program", "parse_program", "resolve", "save_program", "times",
 ]  # fmt: skip
 
 SCHEMA = "er_program 1"
@@ -103,13 +103,17 @@ def load_program(path: str | Path) -> Program:
 
 def save_program(program: Program, path: str | Path) -> None:
     """Write a program file, whole or not at all; readable again by `load_program`."""
-    document = {
+    text = yaml.safe_dump(document_of(program), sort_keys=False, allow_unicode=True, width=99)
+    write_whole(Path(path), text)
+
+
+def document_of(program: Program) -> dict[str, Any]:
+    """The mapping that a program file holds, of plain numbers and text."""
+    return {
         "schema": SCHEMA, "name": program.name, "source": program.source,
         "duration": program.duration, "seed": program.seed, "moves": program.moves,
         "road": _plain(program.road), "duty": _plain(program.duty),
     }  # fmt: skip
-    text = yaml.safe_dump(document, sort_keys=False, allow_unicode=True, width=99)
-    write_whole(Path(path), text)
 
 
 def _plain(value: object) -> Any:

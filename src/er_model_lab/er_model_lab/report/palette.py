@@ -30,6 +30,11 @@ VERDICT: dict[str, str] = {
     "insufficient_data": "#5f6b7a",
     "identified": "#00785a",
     "identified_in_part": "#9a6a00",
+    "told_apart": "#00785a",
+    "one_way": "#9a6a00",
+    "not_told_apart": "#b04a00",
+    "revealed": "#00785a",
+    "not_revealed": "#b04a00",
 }
 """Colour of the banner by verdict; all are dark enough for white text (contrast above 4.5)."""
 

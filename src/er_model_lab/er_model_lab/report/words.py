@@ -19,8 +19,16 @@ TITLES: dict[str, str] = {
     "insufficient_data": "These data cannot decide",
     "identified": "Every parameter was identified",
     "identified_in_part": "These data do not say every parameter",
+    "told_apart": "A program that tells them apart",
+    "one_way": "A program that tells them apart if one is true, not if the other is",
+    "not_told_apart": "No program within the limits tells them apart",
+    "revealed": "A program that shows it",
+    "not_revealed": "No program within the limits shows it",
 }
 """Title of the banner by verdict."""
+
+PLANNED = ("told_apart", "one_way", "not_told_apart", "revealed", "not_revealed")
+"""Verdicts of a plan."""
 
 STATUS: dict[str, str] = {
     "present": "present",
@@ -77,6 +85,7 @@ def verdict_sentence(view: View) -> str:
         "partial": _partial,
         "unknown_effect": _unknown, "insufficient_data": _insufficient,
         "identified": _identified, "identified_in_part": _identified,
+        **dict.fromkeys(PLANNED, _planned),
     }  # fmt: skip
     maker = makers.get(str(result.get("verdict")))
     return maker(view) if maker else _compared(view)
@@ -165,6 +174,10 @@ def _identified(view: View) -> str:
         f"The error on {where} falls from {newtons(rmse(view.result))} with the values given to {after}; "
         f"the white noise of the force is {_floor(view)}."
     )
+
+
+def _planned(view: View) -> str:
+    return str((view.result.get("why") or [""])[0])
 
 
 def _compared(view: View) -> str:

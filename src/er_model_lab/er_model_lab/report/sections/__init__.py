@@ -13,6 +13,7 @@ from er_model_lab.report.sections import (
     headline,
     identified,
     loops,
+    programs,
     provenance,
     residual_maps,
     spectrum,
@@ -26,6 +27,7 @@ from er_model_lab.view import View
 SECTIONS: tuple[Callable[[View], Section | None], ...] = (
     headline.section,
     identified.section,
+    programs.section,
     summary.section,
     falling_error.section,
     alternatives.section,

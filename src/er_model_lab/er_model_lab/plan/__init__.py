@@ -1,0 +1,1 @@
+"""Which experiment next: the road and duty that would tell two effects apart, within a rig's limits."""

@@ -1,0 +1,251 @@
+"""Which pieces, together, separate best: every motion and duty of the menu, then what is near the best."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from er_models.model import Model
+from er_models.program import Program
+
+from er_model_lab.diagnose.search import SMALLEST_SHARE
+from er_model_lab.plan import menu
+from er_model_lab.plan.bench import Run, run_all
+from er_model_lab.plan.limits import Limits, Sensors
+from er_model_lab.plan.linear import Triangle, design, floor_of, left, triangle
+from er_model_lab.plan.segment import Segment, program_of
+from er_model_lab.plan.strength import Rivals
+
+MARGIN = 0.97
+"""Share of a limit that is used, so that another run does not exceed it."""
+SCALINGS = 4
+MOST_PIECES = 3
+MOTIONS_KEPT = 5
+"""Motions for which every duty is tried."""
+TYPICAL = (0, 2, 5)
+"""Places of the duties that every motion is tried with: none, stairs, a square wave."""
+SWEEPS = 2
+"""How often the neighbours of the best pieces are tried."""
+ENOUGH_TONES = 3
+"""Fewer frequencies the lab takes for a single tone."""
+
+Tick = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """A piece scaled to the limits, and for each truth the triangles of every mimic."""
+
+    segment: Segment
+    parts: Mapping[str, tuple[Triangle, ...]]
+
+
+@dataclass(frozen=True)
+class Bench:
+    """Everything a piece is judged with; sd_velocity: error of the fused velocity [m/s]."""
+
+    rivals: Rivals
+    limits: Limits
+    sensors: Sensors
+    sd_velocity: float
+    seed: int
+
+    @property
+    def car(self) -> bool:
+        """Whether the model is a vehicle."""
+        return self.rivals.question.base.is_vehicle
+
+    @property
+    def models(self) -> dict[str, Model]:
+        """Every model that may turn out true, by name of its effect: the limits must hold for all."""
+        return {"": self.rivals.question.base, **self.rivals.truths}
+
+    def program(self, segments: Sequence[Segment], *, once: bool = False) -> Program:
+        """The segments as a program of this rig; once: only once through."""
+        return program_of(segments, self.limits, seed=self.seed, car=self.car, once=once)
+
+    def runs(self, program: Program, names: Iterable[str]) -> dict[str, Run]:
+        """The program run with some of the models."""
+        models = self.models
+        return run_all({name: models[name] for name in names}, program, self.limits.dt)
+
+
+def scaled(segment: Segment, bench: Bench) -> tuple[Segment, dict[str, Run]] | None:
+    """The piece as large as its level of the limits allows, and its run for every truth; None if it cannot be run."""
+    names = tuple(bench.rivals.truths) or ("",)
+    for _ in range(SCALINGS):
+        runs = bench.runs(bench.program([segment], once=True), names)
+        share = max(r.share(bench.limits) for r in runs.values())
+        if not np.isfinite(share):
+            segment = segment.scaled(0.1)
+            continue
+        if not segment.moves or (0.9 * segment.level < share <= segment.level):
+            return segment, runs
+        segment = segment.scaled(MARGIN * segment.level / max(share, 1e-9))
+    return (segment, runs) if share <= segment.level else None
+
+
+def judged(segment: Segment, bench: Bench) -> Tried | None:
+    """A piece with its triangles; None if it cannot be run within the limits."""
+    ready = scaled(segment, bench)
+    if ready is None:
+        return None
+    segment, runs = ready
+    rivals, base = bench.rivals, bench.rivals.question.base
+    parts = {}
+    for name, mimics in rivals.mimics.items():
+        noise = floor_of(base, runs[name], bench.sensors, bench.sd_velocity, bench.seed)
+        problem = design(runs[name], bench.sensors, base.scales)
+        parts[name] = tuple(triangle(m, problem, noise) for m in mimics)
+    return Tried(segment, parts)
+
+
+def separations(pieces: Sequence[Tried]) -> dict[str, float]:
+    """By truth: what the best imitation leaves over the noise, in a program of these pieces."""
+    names = pieces[0].parts
+    return {
+        name: min(left(group) for group in zip(*(p.parts[name] for p in pieces), strict=True))
+        for name in names
+    }
+
+
+def score(pieces: Sequence[Tried], directions: Sequence[str]) -> float:
+    """The smaller of the separations that count."""
+    found = separations(pieces)
+    return min(found[name] for name in directions)
+
+
+def broad(pieces: Sequence[Tried]) -> bool:
+    """Whether the motion has so many frequencies that the lab does not take it for a single tone."""
+    return len({round(t, 6) for p in pieces for t in p.segment.tones}) >= ENOUGH_TONES
+
+
+def typical(bench: Bench, tick: Tick | None = None) -> list[Tried]:
+    """All motions of the menu with the typical duties."""
+    found = []
+    for motion in menu.motions(bench.limits):
+        kinds = list(menu.duties(bench.limits, motion))
+        found += _judged((replace(motion, duty=kinds[k]) for k in TYPICAL), bench, tick)
+    return found
+
+
+def tried_menu(bench: Bench, tick: Tick | None = None) -> list[Tried]:
+    """All motions with the typical duties, then the most telling motions with all duties."""
+    found = typical(bench, tick)
+    for motion in _most_telling(found, tuple(bench.rivals.mimics)):
+        kinds = list(menu.duties(bench.limits, motion))
+        more = (replace(motion, duty=k) for i, k in enumerate(kinds) if i not in TYPICAL)
+        found += _judged(more, bench, tick)
+    return found
+
+
+def _most_telling(pieces: Sequence[Tried], names: Sequence[str]) -> list[Segment]:
+    """For each truth the motions whose best piece separates most."""
+    kept: list[Segment] = []
+    for name in names:
+        best: list[Segment] = []
+        for piece in sorted(pieces, key=lambda p: -separations([p])[name]):
+            motion = piece.segment
+            if not any(_same_motion(motion, m) for m in best) and len(best) < MOTIONS_KEPT:
+                best.append(motion)
+        kept += [m for m in best if not any(_same_motion(m, k) for k in kept)]
+    return kept
+
+
+def _same_motion(one: Segment, other: Segment) -> bool:
+    """Whether two pieces differ in their duty only."""
+    return one.road == other.road and one.level == other.level
+
+
+def directions(pieces: Sequence[Tried]) -> tuple[str, ...]:
+    """The truths that some piece tells from the other explanation; all where none does.
+
+    A special case of another effect is always imitated: nothing is to be gained by asking for it.
+    """
+    names = tuple(pieces[0].parts)
+    best = {n: max(separations([p])[n] for p in pieces) for n in names}
+    seen = tuple(n for n in names if best[n] >= SMALLEST_SHARE)
+    return seen or names
+
+
+def best_sets(
+    pieces: Sequence[Tried], directions: Sequence[str], most: int
+) -> list[tuple[Tried, ...]]:
+    """The most separating programs of a few pieces, best first, broad enough for the lab."""
+    pool = sorted(pieces, key=lambda p: -score([p], directions))[: 3 * most]
+    for name in directions:
+        pool += sorted(pieces, key=lambda p: -separations([p])[name])[:most]
+    found = []
+    for seed in dict.fromkeys(pool):
+        chosen = _broadened(_grown((seed,), pool, directions), pieces, directions)
+        if chosen is not None:
+            found.append(chosen)
+    found.sort(key=lambda c: -score(c, directions))
+    return _different(found)[:most]
+
+
+def _grown(
+    chosen: tuple[Tried, ...], pool: Sequence[Tried], directions: Sequence[str]
+) -> tuple[Tried, ...]:
+    """Pieces added while they raise the score."""
+    while len(chosen) < MOST_PIECES:
+        options = [(*chosen, p) for p in pool if p not in chosen]
+        if not options:
+            break
+        more = max(options, key=lambda c: score(c, directions))
+        if score(more, directions) <= 1.02 * score(chosen, directions):
+            break
+        chosen = more
+    return chosen
+
+
+def _broadened(
+    chosen: tuple[Tried, ...], pieces: Sequence[Tried], directions: Sequence[str]
+) -> tuple[Tried, ...] | None:
+    """The pieces with one more where their motion is a single tone; None if none would do."""
+    if broad(chosen):
+        return chosen
+    options = [(*chosen, p) for p in pieces if broad((*chosen, p))]
+    return max(options, key=lambda c: score(c, directions), default=None)
+
+
+def refined(
+    chosen: tuple[Tried, ...], bench: Bench, directions: Sequence[str], tick: Tick | None = None
+) -> tuple[Tried, ...]:
+    """The pieces replaced by neighbours as long as that separates better."""
+    for _ in range(SWEEPS):
+        before = score(chosen, directions)
+        for place in range(len(chosen)):
+            options = menu.variants(chosen[place].segment, bench.limits)
+            for other in _judged(options, bench, tick):
+                trial = (*chosen[:place], other, *chosen[place + 1 :])
+                new = all(p.segment != other.segment for p in chosen)
+                if new and broad(trial) and score(trial, directions) > score(chosen, directions):
+                    chosen = trial
+        if score(chosen, directions) < 1.02 * before:
+            break
+    return chosen
+
+
+def _judged(segments: Iterable[Segment], bench: Bench, tick: Tick | None) -> list[Tried]:
+    """The pieces that can be run."""
+    out = []
+    for segment in segments:
+        piece = judged(segment, bench)
+        if tick:
+            tick("pieces of a program")
+        if piece is not None:
+            out.append(piece)
+    return out
+
+
+def _different(sets: Sequence[tuple[Tried, ...]]) -> list[tuple[Tried, ...]]:
+    """Sets whose pieces differ in more than the order."""
+    seen, out = set[frozenset[int]](), []
+    for chosen in sets:
+        key = frozenset(id(p) for p in chosen)
+        if key not in seen:
+            seen.add(key)
+            out.append(chosen)
+    return out

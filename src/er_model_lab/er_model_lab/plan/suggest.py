@@ -1,0 +1,40 @@
+"""Which plan to ask for after a diagnosis: the command line, ready to be pasted."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from er_model_lab.plan.question import KINEMATIC
+
+MOST = 2
+
+
+def suggestions(
+    result: Mapping[str, Any],
+    model_file: Path,
+    data: Sequence[Path],
+    effects_from: Sequence[Path] = (),
+) -> list[str]:
+    """Commands that plan what the data could not decide: tied effects first, else one not excited."""
+    words = ["./er", "lab", "plan", "--model", str(model_file)]
+    words += [w for f in data for w in ("--data", str(f))]
+    words += [w for f in effects_from for w in ("--effects-from", str(f))]
+    asked = [
+        ["--between", *group[:2]] for group in result.get("alternatives") or () if len(group) > 1
+    ]
+    if not asked:
+        asked = _hidden(result)
+    return [shlex.join([*words, *a, "--out", "next.yaml"]) for a in asked[:MOST]]
+
+
+def _hidden(result: Mapping[str, Any]) -> list[list[str]]:
+    """The first effect that the data did not excite, and that a plan can be asked for."""
+    found = [
+        c["effect"]
+        for c in result.get("candidates") or ()
+        if c.get("status") == "not_excited" and c["effect"] != KINEMATIC
+    ]
+    return [["--reveal", found[0]]] if found else []
