@@ -30,6 +30,8 @@ from test.blind_score.rows import ROOT
 
 VEHICLE = ROOT / "config" / "vehicles" / "inove_quarter_car.yaml"
 DRAWS = 12
+FINER = 8
+"""Steps of the simulation in a sample: the road is a straight line within a step, and each bend is a jerk."""
 _SPAN = 1.4
 _FASTEST, _LONGEST = 0.2, 0.02
 _DIVERGED = 1e3
@@ -109,14 +111,19 @@ def draw_truth(name: str, seed: int, records: int, seconds: float) -> LabTruth:
     motions = draw_motions(
         "car", "rich", records, seconds, draw_base(rng), np.random.SeedSequence([seed, records])
     )
-    n = round(seconds / SAMPLE)
+    n = round(seconds / SAMPLE) * FINER
     inputs = [
-        (m.drive[: -1 : 2 * SUBSTEPS, 0][:n], m.duty[LEAD_SAMPLES : LEAD_SAMPLES + n]) for m in motions
-    ]  # fmt: skip
+        (
+            m.drive[:: 2 * SUBSTEPS // FINER, 0][:n],
+            np.repeat(m.duty[LEAD_SAMPLES:], FINER)[:n],
+        )
+        for m in motions
+    ]
 
     def made(values: dict[str, float]) -> list[Channels]:
         full = model.with_effect(name, values)
-        return [simulate(full, SAMPLE, road, duty) for road, duty in inputs]
+        fine = [simulate(full, SAMPLE / FINER, road, duty) for road, duty in inputs]
+        return [{k: y[::FINER] for k, y in record.items()} for record in fine]
 
     for _ in range(DRAWS):
         point, goal = shape(effect, model, rng), between(rng, 0.15, 4.0)
