@@ -76,7 +76,8 @@ def _ways(found: Chapter1) -> Section:
     """What each step of the identification changes."""
     text = (
         "Stage by stage is the procedure of section 1.5; all parameters together is the refinement after it. "
-        "The motion is fused from all sensors, but for one row. Static: the yield stage alone.",
+        "The motion is fused from all sensors, but for one row. Static: the yield stage alone. The last row "
+        "has one effect more than the thesis's model.",
     )
     facts = {"text": text, "head": WAYS_HEAD, "rows": ways(found)}
     return Section("ways", "Ways of identification", facts=facts, template="prose")
