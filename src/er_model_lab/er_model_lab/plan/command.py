@@ -9,6 +9,7 @@ from typing import Any
 from er_models.errors import InputError
 from er_models.model import Model
 from er_models.program import save_program
+from threadpoolctl import threadpool_limits
 
 from er_model_lab.commands import Outcome, Request, command_line, read
 from er_model_lab.load import fingerprint
@@ -47,7 +48,8 @@ def run(request: Request, wanted: Wanted, tick: Tick | None = None) -> Outcome:
     if problem is not None:
         limits = replace(limits, dt=problem.motion.dt)
     sensors, noise_source = sensors_of(model, problem)
-    found = plan(question, limits, sensors, problem=problem, seed=request.seed, tick=tick)
+    with threadpool_limits(1):  # small matrices: threads would only wait for one another
+        found = plan(question, limits, sensors, problem=problem, seed=request.seed, tick=tick)
     result = plan_json(found, noise_source)
     result["program_file"] = None
     if wanted.out is not None and found.finalists:

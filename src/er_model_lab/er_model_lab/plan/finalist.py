@@ -9,7 +9,7 @@ import numpy as np
 from er_models.model import Array
 from er_models.program import Program
 
-from er_model_lab.diagnose.candidates import Candidate, baseline, refit
+from er_model_lab.diagnose.candidates import Candidate, refit
 from er_model_lab.fit import Fit, cross_validated, fit
 from er_model_lab.fuse import Noise
 from er_model_lab.plan.bench import Run
@@ -106,7 +106,7 @@ def imitated(truth: str, made: Run, bench: Bench) -> Direction:
     question = bench.rivals.question
     problem = clean_problem(made, bench.sensors)
     floor = floor_of(question.base, made, bench.sensors, bench.sd_velocity, bench.seed)
-    base = baseline(question.base, problem)
+    base = candidate(fit(question.base, problem), problem)
     own = candidate(fit(bench.rivals.truths[truth], problem), problem)
     others = [n for n in question.names if n != truth]
     other = refit(base, question.effect(others[0]), problem) if others else base

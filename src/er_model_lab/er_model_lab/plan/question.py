@@ -52,7 +52,9 @@ def ask(model: Model, between: tuple[str, ...], reveal: str | None) -> Question:
     if len(names) == 2 and names[0] == names[1]:
         raise ErError(f"--between: expected two different effects, found '{names[0]}' twice")
     kept = {k: v for k, v in model.effects.items() if k not in names}
-    return Question(replace(model, effects=kept), names[0], names[1] if len(names) == 2 else None)
+    held = {k: v for k, v in model.effects.items() if k in names}
+    second = names[1] if len(names) == 2 else None
+    return Question(replace(model, effects=kept), names[0], second, held)
 
 
 def _can_be_asked(model: Model, name: str) -> None:

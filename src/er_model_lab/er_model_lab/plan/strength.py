@@ -29,7 +29,9 @@ from er_model_lab.prepare import Problem
 
 STANDS_OUT = 1.0
 """Unexplained change of the force over the noise at the strength that is taken without data."""
-MOST_STARTS = 4
+MOST_STARTS = 2
+"""Starting points of an imitation, beside the other effect at its own strength."""
+MOST_POINTS = 8
 TRIES = 6
 FITTED = "fitted to the data"
 HELD = "the model's own"
@@ -104,7 +106,7 @@ def _rivals(
 def _grid(effect: Effect, scales: Scales) -> list[dict[str, float]]:
     """Combinations of an effect's starting values [SI]."""
     grids = [[s * scales.of(q.unit) for s in q.starts] for q in effect.parameters]
-    points = itertools.islice(itertools.product(*grids), 2 * MOST_STARTS)
+    points = itertools.islice(itertools.product(*grids), MOST_POINTS)
     return [dict(zip(effect.names, point, strict=True)) for point in points]
 
 

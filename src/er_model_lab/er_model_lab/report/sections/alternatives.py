@@ -19,11 +19,9 @@ def section(view: View) -> Section | None:
             "effects": list(group),
         })  # fmt: skip
     hints = tuple((view.result.get("coverage") or {}).get("hints") or ())
-    return (
-        Section("alternatives", "Alternatives", facts={"groups": groups, "hints": hints})
-        if groups
-        else None
-    )
+    plans = list(view.result.get("next") or ())
+    facts = {"groups": groups, "hints": hints, "plans": plans}
+    return Section("alternatives", "Alternatives", facts=facts) if groups else None
 
 
 def _experiments(cards: list[CandidateView]) -> list[tuple[str, list[str]]]:
