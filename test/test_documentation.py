@@ -53,6 +53,7 @@ def place(tmp_path_factory):
     (folder.parent / "shared").symlink_to(ROOT.parent / "shared")
     for name in ("my_damper.yaml", "better.yaml"):
         (folder / name).write_text((ROOT / "config/dampers/inove_guo.yaml").read_text())
+    (folder / "next.yaml").write_text((ROOT / "config/experiments/chirp.yaml").read_text())
     return folder
 
 
