@@ -38,7 +38,8 @@ EFFECT = Effect(
     title="Passive stiffness and viscosity by direction",
     physics="As the passive force, with one pair of values in compression (negative velocity) and one in "
     "release (positive), which takes in some friction and valve asymmetry. It stands in place of the "
-    "passive force with one pair.",
+    "passive force with one pair. The stiffness is no spring's: around an extended position it gives energy "
+    "where k0_c exceeds k0_r. An element in series takes the direction from the measured motion.",
     parameters=(
         Param("k0_c", "N/m", -2.0, 20.0, 0.0, (0.12,), "effective stiffness in compression"),
         Param("c0_c", "N s/m", 0.0, 20.0, 0.0, (0.45,), "viscous damping in compression"),

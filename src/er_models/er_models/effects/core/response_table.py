@@ -20,8 +20,8 @@ EFFECT = Effect(
     stage="core",
     title="Response time, tabulated over the duty",
     physics="Response times as measured at five duties, linear between them and held outside: below the "
-    "first and above the last duty nothing was measured. Takes the place of the constant response time; the "
-    "lag itself is that of `response`.",
+    "first and above the last duty nothing was measured. Each value needs data near its duty. Takes the place "
+    "of the constant response time; the lag itself is that of `response`.",
     parameters=(
         Param(
             "u_1", "duty", 0.0, 3.0, None, (1.0 / 3.0,), "first duty of the table", fitted=False
