@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.plan import menu, planner, search
+from er_model_lab.plan import menu, piece, planner, search
 from er_model_lab.plan.bench import run_all
 from er_model_lab.plan.decide import NOTHING, TIED, decision, measured
 from er_model_lab.plan.finalist import finalist
@@ -43,7 +43,7 @@ def question(model: Model, *names: str) -> Question:
     return ask(model, names, None) if len(names) == 2 else ask(model, (), names[0])
 
 
-def bench(model: Model, *names: str, **limits: float) -> search.Bench:
+def bench(model: Model, *names: str, **limits: float) -> piece.Bench:
     asked = question(model, *names)
     sensors, _ = sensors_of(model, None)
     return bench_for(asked, limits_of(model, Asked(**limits), DT), sensors, None, 0)
@@ -99,11 +99,11 @@ def test_the_program_separates_where_others_do_not(stops: Plan) -> None:
     assert sum(o.right for o in stops.everyday_outcomes.values()) < 5
 
 
-def poor(found: search.Bench) -> planner.Finalist:
+def poor(found: piece.Bench) -> planner.Finalist:
     """A gentle motion at one duty."""
     several = next(m for m in menu.motions(found.limits) if m.road["kind"] == "multisine")
     segment = replace(several, duty={"kind": "constant", "level": 0.15}, level=0.2)
-    ready = search.scaled(segment, found)
+    ready = piece.scaled(segment, found)
     assert ready is not None
     program = finalist("poor", [ready[0]], found)
     assert program is not None
@@ -138,8 +138,8 @@ def test_the_result_holds_what_is_needed_to_run_and_to_judge(stops: Plan, tmp_pa
 
 def test_the_linear_estimate_agrees_with_the_labs_own_refits(stops: Plan) -> None:
     """Within a factor of two: it only has to order hundreds of programs."""
-    pieces = [p for s in stops.best.segments if (p := search.judged(s, stops.bench)) is not None]
-    estimate = search.separations(pieces)
+    pieces = [p for s in stops.best.segments if (p := piece.judged(s, stops.bench)) is not None]
+    estimate = piece.separations(pieces)
     for truth, direction in stops.best.directions.items():
         assert 0.5 < direction.separation / estimate[truth] < 2.0
 
@@ -165,8 +165,8 @@ def test_what_contains_another_imitates_it_and_that_does_not_count() -> None:
     """Stribeck friction without its peak is Coulomb friction."""
     found = bench(damper(), "coulomb_friction", "stribeck_friction")
     several = [m for m in menu.motions(found.limits) if m.road["kind"] == "multisine"][:1]
-    pieces = [p for m in several if (p := search.judged(m, found)) is not None]
-    apart = search.separations(pieces)
+    pieces = [p for m in several if (p := piece.judged(m, found)) is not None]
+    apart = piece.separations(pieces)
     assert apart["coulomb_friction"] < 0.02
     assert apart["stribeck_friction"] > 0.1
     assert search.directions(pieces) == ("stribeck_friction",)
@@ -183,7 +183,7 @@ def test_the_lab_names_ties_and_nothing_as_it_does_elsewhere() -> None:
     named = {}
     for level in (0.0, 0.3):
         duty = menu.square(level, 0.3, 11.0)
-        ready = search.scaled(Segment(road, duty, 15.0, tones=(1.3, 3.1, 7.7)), found)
+        ready = piece.scaled(Segment(road, duty, 15.0, tones=(1.3, 3.1, 7.7)), found)
         assert ready is not None
         record = measured(ready[1]["dead_time"], found.sensors, np.random.default_rng(1), "r")
         named[level] = decision(found.rivals.question, prepare([record]), 0)

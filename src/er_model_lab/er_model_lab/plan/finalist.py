@@ -15,7 +15,7 @@ from er_model_lab.fuse import Noise
 from er_model_lab.plan.bench import Run
 from er_model_lab.plan.limits import Sensors
 from er_model_lab.plan.linear import floor_of
-from er_model_lab.plan.search import MARGIN, Bench
+from er_model_lab.plan.piece import MARGIN, Bench
 from er_model_lab.plan.segment import Segment
 from er_model_lab.prepare import Problem, split
 

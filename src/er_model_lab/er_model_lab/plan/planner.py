@@ -10,21 +10,10 @@ from er_model_lab.plan import menu
 from er_model_lab.plan.decide import Outcome, outcomes
 from er_model_lab.plan.finalist import Finalist, finalist
 from er_model_lab.plan.limits import Limits, Sensors
+from er_model_lab.plan.piece import Bench, Tried, judged, scaled, separations
 from er_model_lab.plan.question import Question
 from er_model_lab.plan.rig import bench_for
-from er_model_lab.plan.search import (
-    Bench,
-    Tick,
-    Tried,
-    best_sets,
-    directions,
-    judged,
-    refined,
-    scaled,
-    separations,
-    tried_menu,
-    typical,
-)
+from er_model_lab.plan.search import Tick, best_sets, directions, refined, tried_menu, typical
 from er_model_lab.prepare import Problem
 
 SETS = 4

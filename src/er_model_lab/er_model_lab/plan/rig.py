@@ -12,8 +12,8 @@ from er_model_lab.plan.bench import Run
 from er_model_lab.plan.decide import measured
 from er_model_lab.plan.limits import Limits, Sensors
 from er_model_lab.plan.linear import floor_of
+from er_model_lab.plan.piece import Bench, scaled
 from er_model_lab.plan.question import Question
-from er_model_lab.plan.search import Bench, scaled
 from er_model_lab.plan.strength import Rivals, from_data, standing_out
 from er_model_lab.prepare import Problem, prepare
 

@@ -22,9 +22,8 @@ def suggestions(
     words = ["./er", "lab", "plan", "--model", str(model_file)]
     words += [w for f in data for w in ("--data", str(f))]
     words += [w for f in effects_from for w in ("--effects-from", str(f))]
-    asked = [
-        ["--between", *group[:2]] for group in result.get("alternatives") or () if len(group) > 1
-    ]
+    groups = [[e for e in g if e != KINEMATIC] for g in result.get("alternatives") or ()]
+    asked = [["--between", *group[:2]] for group in groups if len(group) > 1]
     if not asked:
         asked = _hidden(result)
     return [shlex.join([*words, *a, "--out", "next.yaml"]) for a in asked[:MOST]]

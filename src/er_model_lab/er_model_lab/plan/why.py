@@ -119,9 +119,11 @@ def _everyday(plan: Plan) -> list[str]:
     far = min(plan.everyday.directions[n].separation for n in plan.counted)
     right = sum(o.right for o in plan.everyday_outcomes.values())
     runs = sum(o.runs for o in plan.everyday_outcomes.values())
+    planned = sum(o.right for o in plan.outcomes.values())
+    enough = ", as good as it needs to be" if right >= max(planned, SURE * runs) else ""
     return [
         f"A random road with random steps of the duty leaves {far:.2g} times the noise; "
-        f"{right} of {runs} simulated measurements then name the truth."
+        f"{right} of {runs} simulated measurements then name the truth{enough}."
     ]
 
 
