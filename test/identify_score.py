@@ -16,6 +16,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
+from er_model_lab.versions import versions
 from er_models.files import load_model
 from er_models.model import Model
 
@@ -113,7 +114,8 @@ def main() -> None:
             runs = list(pool.map(estimates, [truth] * many, seeds, [given.seconds] * many))
             each = os.cpu_count() * (time.monotonic() - began) / many
             sys.stdout.write(
-                f"\n{truth.model}: seeds 1 to {many}, {each:.0f} s a seed and core\n\n"
+                f"\n{truth.model}: seeds 1 to {many}, {each:.0f} s a seed and core, "
+                f"version {versions().get('commit', 'unknown')}\n\n"
             )
             sys.stdout.write("| " + " | ".join(HEAD) + " |\n|" + "---|" * len(HEAD) + "\n")
             for row in rows(runs):

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from er_model_lab.fit import fit
 from er_model_lab.identify.law import follow_table, quadratic, response_time
-from er_model_lab.identify.levels import Table, among, response_times
+from er_model_lab.identify.levels import Table, response_times
+from er_model_lab.identify.part import among
 from er_model_lab.identify.procedure import _all_of
 from er_model_lab.identify.roles import roles, static
 from er_model_lab.identify.stretches import levels, stretches

@@ -99,25 +99,29 @@ def _edges(found: Identified) -> list[str]:
 
 
 def _weak(found: Identified) -> list[str]:
-    """Parameters that hardly change the force."""
-    seen, out = found.refined.visibility, []
-    for i, (e, n) in enumerate(found.refined.fit.free):
-        if not seen.weak[i] or found.refined.fit.at_bound[i]:
-            continue
-        row = np.nan_to_num(np.abs(seen.correlation[i]))
-        row[i] = 0.0
-        k = int(np.argmax(row))
-        other = found.refined.fit.free[k]
-        moves = (
-            f"; it moves with {other[0]}.{other[1]} (correlation {seen.correlation[i, k]:.2f})"
-            if row[k] > PARTNER
-            else ""
-        )
-        out.append(
-            f"{e}.{n} is weakly visible: {percent(CHANGE)} of it change the force by {newtons(seen.visible[i])} "
-            f"once the others adjust, what is left is {newtons(seen.noise)}{moves}"
-        )
-    return out
+    """Parameters that hardly change the force, in one sentence."""
+    seen, free = found.refined.visibility, found.refined.fit.free
+    weak = [i for i in range(len(free)) if seen.weak[i] and not found.refined.fit.at_bound[i]]
+    if not weak:
+        return []
+    each = [
+        f"{'.'.join(free[i])} ({newtons(seen.visible[i])}{_companion(found, i)})" for i in weak
+    ]
+    return [
+        f"weakly visible, {percent(CHANGE)} of the value changes the force by no more than this once the others "
+        f"adjust, and {newtons(seen.noise)} are left anyway: {joined(each)}"
+    ]
+
+
+def _companion(found: Identified, i: int) -> str:
+    """What a weak parameter moves with, as the end of a clause."""
+    seen = found.refined.visibility
+    row = np.nan_to_num(np.abs(seen.correlation[i]))
+    row[i] = 0.0
+    k = int(np.argmax(row))
+    if row[k] <= PARTNER:
+        return ""
+    return f"; moves with {'.'.join(found.refined.fit.free[k])}, correlation {seen.correlation[i, k]:.2f}"
 
 
 def _tied(found: Identified) -> list[str]:

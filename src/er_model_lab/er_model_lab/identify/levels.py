@@ -8,15 +8,14 @@ the pre-yield range both delay the force there, so they are estimated together.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 from er_models.model import Array, Model
-from er_models.predict import Motion, predict_many
-from numpy.typing import NDArray
+from er_models.predict import predict_many
 from scipy.optimize import least_squares
 
 from er_model_lab.fit import Box, Fit, Free, covariance
+from er_model_lab.identify.part import among, records_of
 from er_model_lab.identify.stretches import Level
 from er_model_lab.prepare import Problem
 
@@ -24,8 +23,8 @@ GRID = 12
 """Response times tried first, geometrically from a fifth of a sample to `LONGEST`."""
 LONGEST = 0.5
 """Longest response time tried first, as a share of its bound."""
-MOST = 60
-"""Evaluations of the least squares."""
+MOST, CLOSE = 60, 1e-7
+"""Evaluations of the least squares, and the relative change at which it ends."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,7 @@ def response_times(bare: Model, shape: Free, problem: Problem, levels: list[Leve
     edge = 1e-9 * np.minimum(high - low, np.maximum(np.abs(start), 1.0))
     found = least_squares(
         levels_fit.residual, np.clip(start, low + edge, high - edge), levels_fit.jacobian, bounds=(low, high),
-        x_scale=np.maximum(np.abs(start), 0.1 * levels_fit.spread(box.size)), xtol=1e-9, ftol=1e-9, max_nfev=MOST,
+        x_scale=np.maximum(np.abs(start), 0.1 * levels_fit.spread(box.size)), xtol=CLOSE, ftol=CLOSE, max_nfev=MOST,
     )  # fmt: skip
     return levels_fit.table(found.x)
 
@@ -72,7 +71,7 @@ class _LevelsFit:
     def __init__(self, box: Box, problem: Problem, levels: list[Level]) -> None:
         self.box, self.problem, self.levels = box, problem, levels
         self.n = len(box.free) - 1
-        cut = [_records_of(problem.motion, level.rows) for level in levels]
+        cut = [records_of(problem.motion, level.rows) for level in levels]
         self.motions = [motion for motion, _ in cut]
         self.inside = [level.rows[rows] for level, (_, rows) in zip(levels, cut, strict=True)]
         self.rows = np.concatenate([np.flatnonzero(level.rows) for level in levels])
@@ -140,19 +139,3 @@ class _LevelsFit:
         duty = np.array([level.duty for level in self.levels])
         rmse = float(np.sqrt(np.mean(residual[self.rows] ** 2)))
         return Table(duty, z[n:] * scale[n:], spread[n:, n:], shaped, rmse)
-
-
-def among(problem: Problem, *masks: NDArray[np.bool_]) -> Problem:
-    """The problem with only some rows to learn from."""
-    rows = np.logical_or.reduce(masks)
-    return replace(problem, fold=np.where(rows, 0, -1), held_out=np.zeros(rows.size, bool))
-
-
-def _records_of(motion: Motion, rows: NDArray[np.bool_]) -> tuple[Motion, NDArray[np.int64]]:
-    """Motion of the records that hold any of the rows (n,), and the places of its samples in the whole."""
-    pairs = [(int(i), int(j)) for i, j in pairwise(motion.starts) if rows[i:j].any()]
-    kept = np.concatenate([np.arange(i, j) for i, j in pairs])
-    starts = np.concatenate([[0], np.cumsum([j - i for i, j in pairs])])
-    m = motion
-    cut = Motion(m.dt, m.x[kept], m.v[kept], m.a[kept], m.u[kept], m.theta[kept], starts)
-    return cut, kept

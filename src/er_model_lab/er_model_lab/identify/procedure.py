@@ -15,13 +15,15 @@ from er_model_lab.identify.levels import Table
 from er_model_lab.identify.refine import Refined, refine
 from er_model_lab.identify.roles import roles
 from er_model_lab.identify.stages import Stage, linear, response, yield_force
-from er_model_lab.identify.stretches import Level, levels
+from er_model_lab.identify.stretches import Level, levels, stretches
 from er_model_lab.prepare import WARM_UP, Problem
 from er_model_lab.record import Record
 from er_model_lab.study import as_given, on_fused, open_problem
 
 FADED, GONE = 4.0, 5.0
 """Response times after which a change of the duty has faded to 2 %, which will do, and to under a hundredth."""
+AT_MOST = 0.5
+"""Share of the usual stretch that is cut at most."""
 ROUNDS = 3
 """How often the stages are repeated with stretches cut to the response time they found."""
 
@@ -107,8 +109,14 @@ def staged(
         longest = float(table.tau.max()) if table else 0.0
         if FADED * longest <= settle:
             break
-        settle = GONE * longest
+        settle = max(min(GONE * longest, AT_MOST * _usual_stretch(problem)), settle)
     return (first, second, third), found, table
+
+
+def _usual_stretch(problem: Problem) -> float:
+    """Length of the stretches of constant duty that hold most of the samples [s]: median over samples."""
+    lengths = np.array([j - i for i, j in stretches(problem.motion)])
+    return float(np.median(np.repeat(lengths, lengths))) * problem.motion.dt
 
 
 def _all_of(problem: Problem, sealed: int) -> Problem:

@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from er_models.model import Model
+from er_models.predict import predict_many
 
 from er_model_lab.diagnose.candidates import starts
-from er_model_lab.fit import Fit, Free, fit, with_deviations
+from er_model_lab.fit import Box, Fit, Free, fit, with_deviations
 from er_model_lab.identify.law import follow_table
-from er_model_lab.identify.levels import Table, among, response_times
+from er_model_lab.identify.levels import Table, response_times
+from er_model_lab.identify.part import among, only
 from er_model_lab.identify.roles import static
 from er_model_lab.identify.stretches import Level
 from er_model_lab.prepare import Problem
 
 MOST_STARTS = 16
-"""Starting points of the yield force."""
+"""Starting points of the yield force that are looked at."""
+FOLLOWED = 3
+"""How many of them are followed, beside the model's own values."""
+MOST_ITERATIONS, TOLERANCE = 30, 1e-7
 FIRST = 6
 """Iterations from each of them, before the best is followed to its end."""
 
@@ -52,8 +56,8 @@ def linear(model: Model, free: Free, problem: Problem, levels: list[Level]) -> S
     if not off:
         reason = f"no stretch at zero duty: no stage for {_list(free)}"
         return Stage("linear", free, model, left_out=reason)
-    part = among(problem, off[0].rows)
-    found = fit(static(model), part, free, max_iter=40, tol=1e-10)
+    part = only(problem, off[0].rows)
+    found = fit(static(model), part, free, max_iter=MOST_ITERATIONS, tol=TOLERANCE)
     return _stage("linear", model, found, part)
 
 
@@ -69,9 +73,11 @@ def yield_force(model: Model, free: Free, problem: Problem, levels: list[Level])
         reason = f"no stretch of constant duty above zero: no stage for {_list(free)}"
         return Stage("yield", free, model, left_out=reason)
     part = among(problem, *(level.rows for level in held))
-    tried = [fit(start, part, free, max_iter=FIRST) for start in _starts(model, free, problem)]
+    tried = [fit(start, part, free, max_iter=FIRST) for start in _starts(model, free, part)]
     best = min(tried, key=lambda f: f.mse(part.train))
-    return _stage("yield", model, fit(best.model, part, free, max_iter=40, tol=1e-8), part)
+    return _stage(
+        "yield", model, fit(best.model, part, free, max_iter=MOST_ITERATIONS, tol=TOLERANCE), part
+    )
 
 
 def response(
@@ -123,14 +129,17 @@ def _stage(name: str, model: Model, found: Fit, part: Problem) -> Stage:
     return Stage(name, found.free, after, int(part.train.sum()), rmse)
 
 
-def _starts(model: Model, free: Free, problem: Problem) -> Iterator[Model]:
-    """The static model with its own values, then with the starts of its effects, scaled to the data."""
-    bare = static(model)
-    yield bare
+def _starts(model: Model, free: Free, problem: Problem) -> list[Model]:
+    """The static model with its own values, and with the likeliest starts of its effects, scaled to the data."""
+    box = Box(static(model), free, problem.scales)
     effects = list(dict.fromkeys(effect for effect, _ in free))
     grids = [starts(model.catalogue[effect], problem) for effect in effects]
-    for point in itertools.islice(itertools.product(*grids), MOST_STARTS):
-        changed = {k: dict(v) for k, v in bare.effects.items()}
-        for effect, values in zip(effects, point, strict=True):
-            changed[effect] |= {n: v for n, v in values.items() if (effect, n) in free}
-        yield replace(bare, effects=changed)
+    points = [box.start()]
+    for values in itertools.islice(itertools.product(*grids), MOST_STARTS):
+        known = dict(zip(effects, values, strict=True))
+        point = np.array([known[effect][name] for effect, name in free]) / box.scale
+        points.append(np.clip(point, box.low, box.high))
+    forces = predict_many(box.model, box.vectors(np.array(points)), problem.motion)
+    costs = np.mean((problem.force - forces)[:, problem.train] ** 2, axis=1)
+    best = np.argsort(np.nan_to_num(costs[1:], nan=np.inf), kind="stable")[:FOLLOWED]
+    return [box.model_at(points[k]) for k in (0, *(1 + best))]
