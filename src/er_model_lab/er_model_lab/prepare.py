@@ -6,7 +6,7 @@ Held-out samples are never used for fitting or for choosing an effect; they only
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from er_models.errors import InputError, MissingChannel
@@ -106,9 +106,7 @@ def prepare(
     longest = max(range(len(measured)), key=lambda r: measured[r].z.shape[0])
     part = measured[longest].first(FOR_NOISE)
     lag, lag_sd = _lag_evidence(part) if velocity_lag is None else (velocity_lag, 0.0)
-    raw, noise, losses = _usable(measured, part, lag)
-    if velocity_lag is not None:
-        noise = replace(estimate_lag(part.only(raw[0].has), noise), lag=velocity_lag)
+    raw, noise, losses = _usable(measured, part, lag, velocity_lag or 0.0)
     fused = tuple(
         fuse(c, noise if r == longest else adapt(c.first(FOR_NOISE), noise))
         for r, c in enumerate(raw)
@@ -261,15 +259,16 @@ def _lag_evidence(channels: Channels) -> tuple[float, float]:
 
 
 def _usable(
-    measured: tuple[Channels, ...], part: Channels, lag: float
+    measured: tuple[Channels, ...], part: Channels, lag: float, undone: float
 ) -> tuple[tuple[Channels, ...], Noise, tuple[str, ...]]:
     """Channels to fuse, their noise levels, and what was left out.
 
     Accelerations that change faster than the sampling resolves contradict the other channels: fused
     with them, the velocity seems to lag where deflection and velocity alone say that it does not. They are
-    then kept as accelerations, but the velocity is not made from them.
+    then kept as accelerations, but the velocity is not made from them. undone: lag of the velocity channel
+    that fusion takes out, in the noise returned.
     """
-    noise = estimate_noise(part)
+    noise = estimate_noise(part, undone)
     if not (part.has[0] and part.has[1] and part.has[2]):
         return measured, noise, ()
     seen = estimate_lag(part, noise)
@@ -280,7 +279,7 @@ def _usable(
         "the accelerations change faster than the sampling resolves: "
         "the velocity is fused from deflection and velocity only"
     )
-    return tuple(c.only(kept) for c in measured), estimate_noise(part.only(kept)), (note,)
+    return tuple(c.only(kept) for c in measured), estimate_noise(part.only(kept), undone), (note,)
 
 
 def _losses(record: Record) -> tuple[str, ...]:

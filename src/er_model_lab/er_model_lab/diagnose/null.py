@@ -14,7 +14,7 @@ from er_models.model import Array
 from er_models.predict import join, predict
 
 from er_model_lab.diagnose.candidates import Candidate
-from er_model_lab.fuse import fuse
+from er_model_lab.fuse import as_measured, fuse
 from er_model_lab.prepare import FOLDS, Problem, white_noise
 
 
@@ -71,7 +71,7 @@ def _input_error(
         i, j = m.starts[r], m.starts[r + 1]
         noise = fused.noise
         sd = np.array([noise.x, noise.v, noise.a])
-        clean = np.stack([fused.x, fused.v - noise.lag * fused.a, fused.a], axis=1)
+        clean = as_measured(fused, m.dt)
         noisy = replace(channels, z=clean + rng.standard_normal(clean.shape) * sd)
         again = fuse(noisy, noise)
         a = again.a if channels.has[2] or not channels.measured_a else m.a[i:j]

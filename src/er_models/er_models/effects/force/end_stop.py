@@ -15,7 +15,7 @@ EFFECT = Effect(
     physics="Near the end of the stroke a rubber stop is touched and its stiffness adds.",
     parameters=(
         Param("k_b", "N/m", 0.0, 50.0, 0.0, (2.0,), "stiffness of the stop"),
-        Param("x_b", "m", 0.2, 1.0, None, (0.6, 0.85), "free stroke to each side"),
+        Param("x_b", "m", 0.2, 2.0, None, (0.6, 0.85, 1.05), "free stroke to each side"),
     ),
     hooks={"force": force},
     signature=Signature(
