@@ -86,6 +86,16 @@ def test_the_limits_hold_whichever_is_true(stops: Plan) -> None:
     assert stops.best.used["velocity"] > 0.9 * limits.velocity
 
 
+def test_a_program_that_asks_for_too_much_is_made_smaller(stops: Plan) -> None:
+    limits = stops.bench.limits
+    found = finalist("large", [s.scaled(3.0) for s in stops.best.segments], stops.bench)
+    assert found is not None
+    assert found.used["velocity"] <= limits.velocity
+    assert found.used["stroke"] <= limits.stroke
+    assert found.used["road"] <= limits.road
+    assert max(found.used[k] / getattr(limits, k) for k in ("velocity", "stroke", "road")) > 0.9
+
+
 def test_the_program_separates_where_others_do_not(stops: Plan) -> None:
     best, gentle = stops.best, poor(stops.bench)
     assert stops.everyday is not None
