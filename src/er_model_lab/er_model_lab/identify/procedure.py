@@ -14,7 +14,7 @@ from er_model_lab.identify.law import Quadratic, quadratic
 from er_model_lab.identify.levels import Table
 from er_model_lab.identify.refine import Refined, refine
 from er_model_lab.identify.roles import roles
-from er_model_lab.identify.stages import Stage, linear, response, yield_force
+from er_model_lab.identify.stages import FOLLOWED, Stage, linear, response, yield_force
 from er_model_lab.identify.stretches import Level, levels, stretches
 from er_model_lab.prepare import WARM_UP, Problem
 from er_model_lab.record import Record
@@ -97,18 +97,19 @@ def staged(
     """The stages one after another; again, where the response time outlasts the cut of the stretches."""
     who = roles(model, problem)
     settle = WARM_UP
-    for _ in range(ROUNDS):
+    for again in range(ROUNDS):
         found = levels(problem.motion, problem.train, settle)
         say("passive terms")
         first = linear(model, who.linear, problem, found)
         shape = who.shape if first.done else (*who.linear, *who.shape)
         say("yield force")
-        second = yield_force(first.model, shape, problem, found)
+        second = yield_force(first.model, shape, problem, found, follow=0 if again else FOLLOWED)
         say("response time")
         third, table = response(second.model, shape, who.response, problem, found)
         longest = float(table.tau.max()) if table else 0.0
         if FADED * longest <= settle:
             break
+        model = third.model
         settle = max(min(GONE * longest, AT_MOST * _usual_stretch(problem)), settle)
     return (first, second, third), found, table
 

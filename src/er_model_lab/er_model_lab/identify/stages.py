@@ -21,7 +21,7 @@ from er_model_lab.prepare import Problem
 MOST_STARTS = 16
 """Starting points of the yield force that are looked at."""
 FOLLOWED = 3
-"""How many of them are followed, beside the model's own values."""
+"""How many of them are usually followed, beside the model's own values."""
 MOST_ITERATIONS, TOLERANCE = 30, 1e-7
 FIRST = 6
 """Iterations from each of them, before the best is followed to its end."""
@@ -61,10 +61,13 @@ def linear(model: Model, free: Free, problem: Problem, levels: list[Level]) -> S
     return _stage("linear", model, found, part)
 
 
-def yield_force(model: Model, free: Free, problem: Problem, levels: list[Level]) -> Stage:
+def yield_force(
+    model: Model, free: Free, problem: Problem, levels: list[Level], *, follow: int
+) -> Stage:
     """Yield force by nonlinear least squares on F_YS (1.15) at all duties, (1.17) or (1.19).
 
-    The static law, from several starts; what `free` leaves out is held, so that the rest of the force is F_YS.
+    The static law, from the model's values and from the `follow` likeliest starts of its effects; what `free`
+    leaves out is held, so that the rest of the force is F_YS.
     """
     held = [level for level in levels if level.duty > 0.0]
     if not free:
@@ -73,7 +76,9 @@ def yield_force(model: Model, free: Free, problem: Problem, levels: list[Level])
         reason = f"no stretch of constant duty above zero: no stage for {_list(free)}"
         return Stage("yield", free, model, left_out=reason)
     part = among(problem, *(level.rows for level in held))
-    tried = [fit(start, part, free, max_iter=FIRST) for start in _starts(model, free, part)]
+    tried = [
+        fit(start, part, free, max_iter=FIRST) for start in _starts(model, free, part, follow)
+    ]
     best = min(tried, key=lambda f: f.mse(part.train))
     return _stage(
         "yield", model, fit(best.model, part, free, max_iter=MOST_ITERATIONS, tol=TOLERANCE), part
@@ -129,7 +134,7 @@ def _stage(name: str, model: Model, found: Fit, part: Problem) -> Stage:
     return Stage(name, found.free, after, int(part.train.sum()), rmse)
 
 
-def _starts(model: Model, free: Free, problem: Problem) -> list[Model]:
+def _starts(model: Model, free: Free, problem: Problem, follow: int) -> list[Model]:
     """The static model with its own values, and with the likeliest starts of its effects, scaled to the data."""
     box = Box(static(model), free, problem.scales)
     effects = list(dict.fromkeys(effect for effect, _ in free))
@@ -141,5 +146,5 @@ def _starts(model: Model, free: Free, problem: Problem) -> list[Model]:
         points.append(np.clip(point, box.low, box.high))
     forces = predict_many(box.model, box.vectors(np.array(points)), problem.motion)
     costs = np.mean((problem.force - forces)[:, problem.train] ** 2, axis=1)
-    best = np.argsort(np.nan_to_num(costs[1:], nan=np.inf), kind="stable")[:FOLLOWED]
+    best = np.argsort(np.nan_to_num(costs[1:], nan=np.inf), kind="stable")[:follow]
     return [box.model_at(points[k]) for k in (0, *(1 + best))]
