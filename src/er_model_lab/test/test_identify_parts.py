@@ -11,7 +11,7 @@ from er_model_lab.fit import fit
 from er_model_lab.identify.law import follow_table, quadratic, response_time
 from er_model_lab.identify.levels import Table, response_times
 from er_model_lab.identify.part import among
-from er_model_lab.identify.procedure import _all_of
+from er_model_lab.identify.procedure import learn_from_all
 from er_model_lab.identify.roles import roles, static
 from er_model_lab.identify.stretches import levels, stretches
 from er_model_lab.identify.visibility import imitators, visibility
@@ -45,7 +45,7 @@ def problem_of(model: Model, duty: np.ndarray) -> Problem:
     force = predict(model, m)
     channels = {"deflection": m.x, "deflection_velocity": m.v, "duty": duty, "damper_force": force}
     made = prepare([Record("r", np.arange(m.n) * DT, channels)])
-    return _all_of(replace(made, motion=m), sealed=0)
+    return learn_from_all(replace(made, motion=m), sealed=0)
 
 
 def stairs(*duties: float, seconds: float = 2.0) -> np.ndarray:

@@ -77,7 +77,7 @@ def identify(
     for record in records:
         record.need("duty", "to identify the yield force")
     problem, lag = open_problem(records, model, sealed)
-    problem = _all_of(problem, sealed)
+    problem = learn_from_all(problem, sealed)
     bare = on_fused(model)
     say = tick or (lambda _: None)
     stages, found, table = staged(bare, problem, say)
@@ -120,7 +120,7 @@ def _usual_stretch(problem: Problem) -> float:
     return float(np.median(np.repeat(lengths, lengths))) * problem.motion.dt
 
 
-def _all_of(problem: Problem, sealed: int) -> Problem:
+def learn_from_all(problem: Problem, sealed: int) -> Problem:
     """Every record but the sealed ones to learn from; nothing spared."""
     m = problem.motion
     fold, held = np.full(m.n, -1, np.int64), np.zeros(m.n, bool)
