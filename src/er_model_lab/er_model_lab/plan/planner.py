@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from er_model_lab.fit import free_parameters
 from er_model_lab.plan import menu
 from er_model_lab.plan.decide import Outcome, outcomes
 from er_model_lab.plan.finalist import Finalist, finalist
@@ -19,7 +20,10 @@ from er_model_lab.prepare import Problem
 SETS = 4
 REFINED = 2
 MEASUREMENTS = 5
-"""Simulated measurements for every truth."""
+"""Simulated measurements for every truth, of a model of up to `LIGHT` parameters; fewer of larger ones."""
+LIGHT = 12
+CLOSE = 0.5
+"""Share of the first program's separation from which the second is tried where the lab fails on the first."""
 SURE = 0.8
 """Share of them in which the lab must name the truth."""
 RAISED = {"stroke": 2.0, "velocity": 2.0, "duty": 2.0}
@@ -80,7 +84,7 @@ def plan(
     ranked = sorted(_finalists(pieces, counted, bench, tick), key=lambda f: -f.separation(counted))
     everyday = _everyday(bench)
     decided = [_decisions(f, bench, tick) for f in ranked[:1]]
-    if len(ranked) > 1 and _verdict(decided[0]) != "told_apart":
+    if _verdict(decided[0] if decided else {}) != "told_apart" and _rivalled(ranked, counted):
         decided.append(_decisions(ranked[1], bench, tick))
         if _right(decided[1]) > _right(decided[0]):
             ranked[:2], decided = ranked[1::-1], decided[::-1]
@@ -93,6 +97,13 @@ def plan(
         verdict=verdict,
         raised=() if verdict == "told_apart" else tuple(_raised(bench, counted, ranked, tick)),
     )  # fmt: skip
+
+
+def _rivalled(ranked: Sequence[Finalist], counted: Sequence[str]) -> bool:
+    """Whether the second program separates nearly as well as the first."""
+    return len(ranked) > 1 and ranked[1].separation(counted) > CLOSE * ranked[0].separation(
+        counted
+    )
 
 
 def _finalists(
@@ -117,7 +128,9 @@ def _everyday(bench: Bench) -> Finalist | None:
 
 def _decisions(found: Finalist, bench: Bench, tick: Tick | None) -> dict[str, Outcome]:
     """The lab's decisions on simulated measurements of a program."""
-    seeds = range(bench.seed, bench.seed + MEASUREMENTS)
+    size = max(len(free_parameters(m)) for m in bench.rivals.truths.values())
+    runs = max(2, round(MEASUREMENTS * min(1.0, LIGHT / size)))
+    seeds = range(bench.seed, bench.seed + runs)
     return outcomes(bench.rivals.question, found.runs, bench.sensors, seeds, tick)
 
 
