@@ -23,7 +23,7 @@ from er_model_lab.present import clean
 from er_model_lab.study import on_fused, open_problem
 from er_model_lab.versions import versions
 
-STEPS = 160
+STEPS = 150
 """Ticks of the progress in most cases."""
 
 
