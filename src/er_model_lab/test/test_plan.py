@@ -167,7 +167,7 @@ def test_without_stroke_the_end_stop_stays_hidden_and_the_plan_says_so() -> None
     assert found.best.directions["end_stop"].separation < 0.05
     assert found.outcomes["end_stop"].named == {NOTHING: 2}
     text = " ".join(sentences(found))
-    assert "Raising the stroke to 0.008" in text
+    assert "Raising the stroke to 0.008 m would" in text
     assert plan_json(found, "")["verdict"] == "not_revealed"
 
 

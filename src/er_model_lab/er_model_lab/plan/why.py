@@ -13,6 +13,7 @@ from er_model_lab.view import Region
 
 WOULD_DO = 0.3
 """Separation that is enough for a limit to be worth raising."""
+UNITS = {"stroke": "m", "velocity": "m/s", "duty": "", "duration": "s"}
 NO_PLACE = ("time", "work done", "frequency")
 """Quantities that are no place in the range of the damper."""
 NOTABLE = 0.1
@@ -137,7 +138,9 @@ def _raising(plan: Plan) -> list[str]:
         tried = ", ".join(f"{r.limit} by {r.factor:.3g}" for r in plan.raised)
         return [f"Raising a single limit ({tried or ', '.join(RAISED)}) would not do either."]
     best = max(enough, key=lambda r: gains[r.limit])
-    value = getattr(plan.bench.limits, best.limit) * best.factor
+    value = (
+        f"{getattr(plan.bench.limits, best.limit) * best.factor:.3g} {UNITS[best.limit]}".rstrip()
+    )
     return [
-        f"Raising the {best.limit} to {value:.3g} would give {gains[best.limit]:.2g} times the noise."
+        f"Raising the {best.limit} to {value} would give {gains[best.limit]:.2g} times the noise."
     ]
