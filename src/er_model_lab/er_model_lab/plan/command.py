@@ -45,8 +45,10 @@ def run(request: Request, wanted: Wanted, tick: Tick | None = None) -> Outcome:
     limits = limits_of(model, wanted.limits, Limits.dt)
     _may_write(wanted.out)
     problem, origin = _measured(request, question)
-    if problem is not None:
-        limits = replace(limits, dt=problem.motion.dt)
+    if (
+        problem is not None
+    ):  # finer than the rig's own rate is not planned: it would only take longer
+        limits = replace(limits, dt=max(problem.motion.dt, Limits.dt))
     sensors, noise_source = sensors_of(model, problem)
     with threadpool_limits(1):  # small matrices: threads would only wait for one another
         found = plan(question, limits, sensors, problem=problem, seed=request.seed, tick=tick)
