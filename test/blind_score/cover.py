@@ -39,6 +39,8 @@ SHARED = {
     ("coulomb_friction", "F_c"): "F_c",
 }
 """Parameters of the lab that mean the same in the generator, and their symbols there."""
+REFERRED = {("herschel_bulkley", "c_h")}
+"""Parameters that mean a force at a reference which the lab takes from the data: another one than the truth's."""
 
 
 class Estimate(NamedTuple):
@@ -70,7 +72,9 @@ def _estimates(name: str, seed: int) -> dict[str, Any]:
         data = write_noisy(truth, seed, Path(place) / "data")
         result = add(Request([data], MODEL, seed), name, Path(place) / "new.yaml").result
     found = next(c for c in result["candidates"] if c["effect"] == name)["parameters"]
-    fitted = {q.name for q in CATALOGUE[name].parameters if q.fitted}
+    fitted = {
+        q.name for q in CATALOGUE[name].parameters if q.fitted and (name, q.name) not in REFERRED
+    }
     return {
         "rise": truth.rise,
         "verdict": result["verdict"],

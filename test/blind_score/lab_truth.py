@@ -30,6 +30,7 @@ from test.blind_score.rows import ROOT
 
 VEHICLE = ROOT / "config" / "vehicles" / "inove_quarter_car.yaml"
 DRAWS = 12
+MOST_FACTOR = 3.0
 FINER = 8
 """Steps of the simulation in a sample: the road is a straight line within a step, and each bend is a jerk."""
 _SPAN = 1.4
@@ -92,10 +93,16 @@ def moved(effect: Effect, point: dict[str, float], size: float, model: Model) ->
 
 
 def inside(effect: Effect, values: dict[str, float], model: Model) -> bool:
-    """Whether no fitted value is at a bound, where no interval can be asked for."""
+    """Whether every fitted value is one to ask an interval for.
+
+    None is at a bound, and a factor or power whose neutral value is one is at most threefold or a third.
+    """
     for q in effect.parameters:
         low, high = model.bounds(effect.name, q.name)
-        if q.fitted and not low + 1e-9 * abs(low) < values[q.name] < high - 1e-9 * abs(high):
+        value = values[q.name]
+        if q.fitted and not low + 1e-9 * abs(low) < value < high - 1e-9 * abs(high):
+            return False
+        if q.neutral == 1.0 and not 1.0 / MOST_FACTOR <= value <= MOST_FACTOR:
             return False
     return True
 

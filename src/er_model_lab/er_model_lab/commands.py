@@ -126,7 +126,7 @@ def diagnose(ask: Request, tick: Tick | None = None) -> Outcome:
     """Refit, then say which effect is missing."""
     model, (records, sealed) = ask.model(), read(ask)
     study = investigate(records, model, seed=ask.seed, sealed=sealed, tick=tick)
-    return _outcome("diagnose", study, final_model(study), records, ask)
+    return _outcome("diagnose", study, final_model(study, ask.seed), records, ask)
 
 
 def add(ask: Request, effect: str, out: Path, tick: Tick | None = None) -> Outcome:
@@ -135,7 +135,7 @@ def add(ask: Request, effect: str, out: Path, tick: Tick | None = None) -> Outco
     _may_add(model, effect)
     may_write(out, ask.model_file)
     study = add_effect(records, model, effect, seed=ask.seed, sealed=sealed, tick=tick)
-    grown = _with_history(final_model(study), model, study, records, ask.seed, out)
+    grown = _with_history(final_model(study, ask.seed), model, study, records, ask.seed, out)
     outcome = _outcome("add", study, grown, records, ask)
     save_model(grown, out)
     return outcome
@@ -151,7 +151,9 @@ def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
         studies.append(study)
         if not study.diagnosis.effects:
             break
-        current = _with_history(final_model(study), current, study, records, ask.seed, out)
+        current = _with_history(
+            final_model(study, ask.seed), current, study, records, ask.seed, out
+        )
         if study.diagnosis.verdict != "partial":
             break
     outcome = _improved(studies, current, records, ask)

@@ -47,10 +47,13 @@ def parameters(model: Model, effect: str) -> dict[str, list[Any]]:
     return out
 
 
-def entry(candidate: Candidate, step: Round, found: Diagnosis, problem: Problem) -> dict[str, Any]:
-    """One entry of `candidates` in the contract's JSON."""
+def entry(
+    candidate: Candidate, step: Round, found: Diagnosis, problem: Problem, after: Model
+) -> dict[str, Any]:
+    """One entry of `candidates` in the contract's JSON; an effect that was kept has the final model's values."""
     name = candidate.name
-    model = with_deviations(candidate.fit, problem)
+    kept = name in found.effects and name in after.effects
+    model = after if kept else with_deviations(candidate.fit, problem)
     size = effect_size(step.base, candidate)
     status, rivals = _status(candidate, found)
     return {
@@ -102,10 +105,14 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
     """The contract's JSON of `diagnose`, `add` and `improve`."""
     found, problem = study.diagnosis, study.problem
     first = found.rounds[0]
-    entries = [entry(c, first, found, problem) for c in first.candidates]
+    entries = [entry(c, first, found, problem, model_after) for c in first.candidates]
     for step in found.rounds[1:]:
         known = {e["effect"] for e in entries}
-        entries += [entry(c, step, found, problem) for c in step.candidates if c.name not in known]
+        entries += [
+            entry(c, step, found, problem, model_after)
+            for c in step.candidates
+            if c.name not in known
+        ]
     if study.lag:
         entries = [e for e in entries if e["effect"] != "velocity_lag"]
         entries.insert(0, _lag_entry(study))

@@ -14,7 +14,7 @@ from er_model_lab.diagnose.floor import Floor, noise_floor
 from er_model_lab.diagnose.null import Null, simulate_null
 from er_model_lab.diagnose.search import Round, passes, threshold
 from er_model_lab.diagnose.verdict import Diagnosis, diagnose, judge
-from er_model_lab.fit import with_deviations
+from er_model_lab.estimate import estimated
 from er_model_lab.prepare import Problem, prepare
 from er_model_lab.record import Record
 
@@ -190,10 +190,17 @@ def _kept(candidate: Candidate, model: Model) -> Candidate:
     return replace(candidate, fit=replace(candidate.fit, model=kept))
 
 
-def final_model(study: Study) -> Model:
-    """The best model with standard deviations of everything that was fitted."""
-    model = with_deviations(study.diagnosis.best.fit, study.problem)
-    if study.lag:
-        deviations = {**model.deviations, "velocity_lag": {"T_v": study.lag[1]}}
-        model = replace(model, deviations=deviations)
-    return model
+def final_model(study: Study, seed: int = 0) -> Model:
+    """The best model with estimates of everything that was fitted: values without bias, and deviations."""
+    best = study.diagnosis.best.fit
+    held = best.model.effects.get("velocity_lag")
+    model = estimated(replace(best, model=on_fused(best.model)), study.problem, seed)
+    if held is None:
+        return model
+    deviations = (
+        study.lag[1] if study.lag else best.model.deviations.get("velocity_lag", {}).get("T_v")
+    )
+    model = model.with_effect("velocity_lag", dict(held))
+    if deviations is None:
+        return model
+    return replace(model, deviations={**model.deviations, "velocity_lag": {"T_v": deviations}})

@@ -1,40 +1,13 @@
 """What a model predicts without a block is what it predicts when it was fitted without that block."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from er_model_lab.diagnose.candidates import baseline, refit
 from er_model_lab.fit import cross_validated, fit
-from er_model_lab.prepare import FOLDS, prepare
-from er_model_lab.record import Record
-from er_models.files import load_model
-from er_models.predict import motion, predict
-
-GUO = Path(__file__).resolve().parents[3] / "config" / "dampers" / "inove_guo.yaml"
-DT, FORCE_NOISE = 0.005, 0.15
-
-
-def problem_of(effect, values, seconds=24.0, seed=1):
-    """Measurements of an imposed motion of six sines with steps of duty, and the model without the effect."""
-    model, rng = load_model(GUO), np.random.default_rng(seed)
-    n = round(seconds / DT)
-    w = 2 * np.pi * np.array([0.7, 1.3, 2.1, 3.4, 5.2, 7.3])
-    size = 0.09 / w / 2.5
-    phase = np.multiply.outer(np.arange(n) * DT, w) + rng.uniform(0, 2 * np.pi, w.size)
-    x, v, a = np.sin(phase) @ size, np.cos(phase) @ (size * w), -np.sin(phase) @ (size * w**2)
-    u = np.repeat(rng.choice([0.0, 0.1, 0.2, 0.3], n // 150 + 1), 150)[:n]
-    force = predict(model.with_effect(effect, values), motion(DT, x, v, u, a))
-    channels = {
-        "deflection": x + 2e-5 * rng.standard_normal(n),
-        "deflection_velocity": v + 1e-3 * rng.standard_normal(n),
-        "sprung_acceleration": a + 0.025 * rng.standard_normal(n),
-        "unsprung_acceleration": 0.025 * rng.standard_normal(n),
-        "duty": u,
-        "damper_force": force + FORCE_NOISE * rng.standard_normal(n),
-    }
-    return model, prepare([Record("made", np.arange(n) * DT, channels)])
+from er_model_lab.prepare import FOLDS
+from lab_help import FORCE_NOISE, problem_of
 
 
 def test_one_step_is_as_good_as_fitting_again():

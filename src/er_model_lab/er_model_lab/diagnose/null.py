@@ -7,15 +7,15 @@ the whole catalogue is recorded (Westfall and Young 1993), so that asking thirty
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from er_models.model import Array
-from er_models.predict import join, predict
+from er_models.predict import predict
 
 from er_model_lab.diagnose.candidates import Candidate
-from er_model_lab.fuse import as_measured, fuse
 from er_model_lab.prepare import FOLDS, Problem, white_noise
+from er_model_lab.renoise import renoised
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,8 @@ def simulate_null(
     """Replicates of `problem` under the fitted model, scored for every rival by one linear step."""
     rng = np.random.default_rng(seed)
     truth = predict(base.fit.model, problem.motion)
-    wobble = np.array([_input_error(base, problem, truth, rng) for _ in range(replicates)])
+    model = base.fit.model
+    wobble = np.array([truth - predict(model, renoised(problem, rng)) for _ in range(replicates)])
     input_error = float(np.sqrt(np.mean(wobble[:, problem.train] ** 2)))
     held_out = float(np.sqrt(np.mean(wobble[:, problem.held_out] ** 2)))
     noise, colour = _force_noise(rivals[0] if rivals else base, problem, input_error)
@@ -60,24 +61,6 @@ def simulate_null(
         gain = start - _linear_losses(rival.fit.jacobian, errors, problem)
         best = np.maximum(best, np.sqrt(np.maximum(gain, 0.0)))
     return Null(best, input_error, held_out, noise, colour)
-
-
-def _input_error(
-    base: Candidate, problem: Problem, truth: Array, rng: np.random.Generator
-) -> Array:
-    """Force error (n,) that one draw of the sensors' noise causes through the fused motion."""
-    m, parts = problem.motion, []
-    for r, (channels, fused) in enumerate(zip(problem.raw, problem.fused, strict=True)):
-        i, j = m.starts[r], m.starts[r + 1]
-        noise = fused.noise
-        sd = np.array([noise.x, noise.v, noise.a])
-        clean = as_measured(fused, m.dt)
-        noisy = replace(channels, z=clean + rng.standard_normal(clean.shape) * sd)
-        again = fuse(noisy, noise)
-        a = again.a if channels.has[2] or not channels.measured_a else m.a[i:j]
-        u, theta, ends = m.u[i:j], m.theta[i:j], np.array([0, j - i])
-        parts.append(replace(m, x=again.x, v=again.v, a=a, u=u, theta=theta, starts=ends))
-    return truth - predict(base.fit.model, join(parts))
 
 
 def _force_noise(best: Candidate, problem: Problem, input_error: float) -> tuple[float, float]:

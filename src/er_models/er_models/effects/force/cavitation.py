@@ -38,7 +38,6 @@ EFFECT = Effect(
             None,
             (2e-3,),
             "void at which half of the limit acts",
-            fitted=False,
         ),
     ),
     hooks={"relax": relax, "limit": limit},

@@ -1,0 +1,34 @@
+"""Measurements of an imposed motion under a known model, for tests of fits."""
+
+from pathlib import Path
+
+import numpy as np
+from er_model_lab.prepare import prepare
+from er_model_lab.record import Record
+from er_models.files import load_model
+from er_models.predict import motion, predict
+
+GUO = Path(__file__).resolve().parents[3] / "config" / "dampers" / "inove_guo.yaml"
+DT, FORCE_NOISE = 0.005, 0.15
+
+
+def problem_of(effect, values, seconds=24.0, seed=1, accelerometers=True, blur=1.0):
+    """The model without an effect, and measurements with it: six imposed sines, steps of duty."""
+    model, rng = load_model(GUO), np.random.default_rng(seed)
+    n = round(seconds / DT)
+    w = 2 * np.pi * np.array([0.7, 1.3, 2.1, 3.4, 5.2, 7.3])
+    size = 0.09 / w / 2.5
+    phase = np.multiply.outer(np.arange(n) * DT, w) + rng.uniform(0, 2 * np.pi, w.size)
+    x, v, a = np.sin(phase) @ size, np.cos(phase) @ (size * w), -np.sin(phase) @ (size * w**2)
+    u = np.repeat(rng.choice([0.0, 0.1, 0.2, 0.3], n // 150 + 1), 150)[:n]
+    force = predict(model.with_effect(effect, values), motion(DT, x, v, u, a))
+    channels = {
+        "deflection": x + blur * 2e-5 * rng.standard_normal(n),
+        "deflection_velocity": v + blur * 1e-3 * rng.standard_normal(n),
+        "duty": u,
+        "damper_force": force + FORCE_NOISE * rng.standard_normal(n),
+    }
+    if accelerometers:
+        channels["sprung_acceleration"] = a + 0.025 * rng.standard_normal(n)
+        channels["unsprung_acceleration"] = 0.025 * rng.standard_normal(n)
+    return model, prepare([Record("made", np.arange(n) * DT, channels)])

@@ -1,0 +1,61 @@
+"""Estimates: the bias of noisy motion is taken off, and deviations hold where forces jump."""
+
+import numpy as np
+from er_model_lab.estimate import estimated
+from er_model_lab.fit import fit, with_deviations
+from lab_help import problem_of
+
+TRUE = {"F_c": 1.0, "v_0": 0.003}
+
+
+def errors(model, of):
+    """Errors of the friction's parameters in standard deviations."""
+    values, sds = model.effects["coulomb_friction"], of.deviations["coulomb_friction"]
+    return np.array([(values[q] - TRUE[q]) / sds[q] for q in TRUE])
+
+
+def test_noise_of_the_motion_no_longer_widens_the_friction():
+    before, after = [], []
+    for seed in range(1, 7):
+        model, problem = problem_of(
+            "coulomb_friction", TRUE, seed=seed, accelerometers=False, blur=10.0
+        )
+        fitted = fit(model.with_effect("coulomb_friction"), problem, max_iter=30)
+        plain, better = with_deviations(fitted, problem), estimated(fitted, problem, seed)
+        before.append(errors(plain, plain)[1])
+        after.append(errors(better, better)[1])
+    assert np.mean(before) > 1.5
+    assert abs(np.mean(after)) < 0.6 * np.mean(before)
+
+
+def test_clean_motion_is_left_where_it_is():
+    model, problem = problem_of("coulomb_friction", TRUE, seed=2, blur=0.05)
+    fitted = fit(model.with_effect("coulomb_friction"), problem, max_iter=30)
+    plain, better = with_deviations(fitted, problem), estimated(fitted, problem, 0)
+    assert np.all(np.abs(errors(plain, plain) - errors(better, plain)) < 0.3)
+    assert np.all(np.abs(errors(better, better)) < 3.0)
+
+
+def test_a_gap_gets_a_deviation_of_its_own_size():
+    model, problem = problem_of("freeplay", {"b": 2.3e-5}, seed=6)
+    fitted = fit(model.with_effect("freeplay", {"b": 2.0e-5}), problem)
+    better = estimated(fitted, problem, 0)
+    b, sd = better.value("freeplay", "b"), better.deviations["freeplay"]["b"]
+    assert 1e-8 < sd < 4e-6
+    assert abs(b - 2.3e-5) < 4.0 * sd
+
+
+def test_a_value_at_its_bound_has_no_deviation():
+    model, problem = problem_of("coulomb_friction", TRUE, seed=3)
+    fitted = fit(model.with_effect("duty_dead_band", {"u_0": 0.0}), problem)
+    better = estimated(fitted, problem, 0)
+    if better.value("duty_dead_band", "u_0") == 0.0:
+        assert better.deviations["duty_dead_band"]["u_0"] == np.inf
+    assert np.isfinite(better.deviations["passive"]["k0"])
+
+
+def test_the_same_seed_gives_the_same_values():
+    model, problem = problem_of("coulomb_friction", TRUE, seed=4, seconds=12.0)
+    fitted = fit(model.with_effect("coulomb_friction"), problem)
+    assert estimated(fitted, problem, 5).effects == estimated(fitted, problem, 5).effects
+    assert estimated(fitted, problem, 5).effects != estimated(fitted, problem, 6).effects
