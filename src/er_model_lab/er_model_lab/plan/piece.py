@@ -24,10 +24,14 @@ ENOUGH_TONES = 3
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """A piece scaled to the limits, and for each truth the triangles of every mimic."""
+    """A piece scaled to the limits, and for each truth the triangles of every mimic and of the truth itself.
+
+    What a truth leaves of its own force is the sampling's: a jump between two samples.
+    """
 
     segment: Segment
     parts: Mapping[str, tuple[Triangle, ...]]
+    own: Mapping[str, Triangle]
 
 
 @dataclass(frozen=True)
@@ -83,21 +87,23 @@ def judged(segment: Segment, bench: Bench) -> Tried | None:
         return None
     segment, runs = ready
     rivals, base = bench.rivals, bench.rivals.question.base
-    parts = {}
+    parts, own = {}, {}
     for name, mimics in rivals.mimics.items():
         noise = floor_of(base, runs[name], bench.sensors, bench.sd_velocity, bench.seed)
         problem = design(runs[name], bench.sensors, base.scales)
         parts[name] = tuple(triangle(m, problem, noise) for m in mimics)
-    return Tried(segment, parts)
+        own[name] = triangle(rivals.truths[name], problem, noise)
+    return Tried(segment, parts, own)
 
 
 def separations(pieces: Sequence[Tried]) -> dict[str, float]:
-    """By truth: what the best imitation leaves over the noise, in a program of these pieces."""
-    names = pieces[0].parts
-    return {
-        name: min(left(group) for group in zip(*(p.parts[name] for p in pieces), strict=True))
-        for name in names
-    }
+    """By truth: what the best imitation leaves beyond what the truth leaves of itself, over the noise."""
+    out = {}
+    for name in pieces[0].parts:
+        groups = zip(*(p.parts[name] for p in pieces), strict=True)
+        rest = min(left(group) for group in groups) ** 2 - left([p.own[name] for p in pieces]) ** 2
+        out[name] = float(np.sqrt(max(rest, 0.0)))
+    return out
 
 
 def score(pieces: Sequence[Tried], directions: Sequence[str]) -> float:
