@@ -38,8 +38,11 @@ class Estimate:
     status: str
 
 
-def started(truth: Truth, seed: int) -> Model:
-    """The shipped model with every fitted value off by a random factor, kept inside its bounds."""
+def started(truth: Truth, seed: int, width: float = 0.0) -> Model:
+    """The shipped model with every fitted value off by a random factor, kept inside its bounds.
+
+    width: of the smooth switches [m/s] in place of the shipped one; 0 leaves it.
+    """
     model = load_model(ROOT / "config" / "dampers" / f"{truth.model}.yaml")
     rng = np.random.default_rng([seed, 1])
     effects = {k: dict(v) for k, v in model.effects.items()}
@@ -48,15 +51,17 @@ def started(truth: Truth, seed: int) -> Model:
             if q.fitted:
                 wrong = values[q.name] * WRONG ** rng.uniform(-1.0, 1.0)
                 values[q.name] = float(np.clip(wrong, *model.bounds(effect, q.name)))
+        if width and "v_0" in values:
+            values["v_0"] = width
     return replace(model, effects=effects)
 
 
-def estimates(truth: Truth, seed: int, seconds: float) -> list[Estimate]:
+def estimates(truth: Truth, seed: int, seconds: float, width: float = 0.0) -> list[Estimate]:
     """Identify one seed from wrong starting values."""
     from er_model_lab.identify import identify
     from er_model_lab.identify.present import parameters
 
-    found = parameters(identify(program(truth, seed, seconds), started(truth, seed)))
+    found = parameters(identify(program(truth, seed, seconds), started(truth, seed, width)))
     flat = {name: entry for values in found.values() for name, entry in values.items()}
     return [
         Estimate(n, t, flat[n]["value"], np.nan if flat[n]["sd"] is None else flat[n]["sd"], flat[n]["status"])
@@ -101,6 +106,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=10, help="how many, from 1")
     parser.add_argument("--seconds", type=float, default=6.0, help="length of each record")
+    parser.add_argument("--width", type=float, default=0.0, help="of the smooth switches [m/s]")
     parser.add_argument("--dampers", nargs="+", default=list(TRUTHS), choices=list(TRUTHS))
     given = parser.parse_args()
     seeds = range(1, given.seeds + 1)
@@ -111,7 +117,11 @@ def main() -> None:
         for damper in given.dampers:
             truth, began = TRUTHS[damper], time.monotonic()
             many = len(seeds)
-            runs = list(pool.map(estimates, [truth] * many, seeds, [given.seconds] * many))
+            runs = list(
+                pool.map(
+                    estimates, [truth] * many, seeds, [given.seconds] * many, [given.width] * many
+                )
+            )
             each = os.cpu_count() * (time.monotonic() - began) / many
             sys.stdout.write(
                 f"\n{truth.model}: seeds 1 to {many}, {each:.0f} s a seed and core, "
