@@ -30,8 +30,8 @@ def config(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("config")
     for name in ("dampers", "vehicles"):
         (folder / name).symlink_to(ROOT / "config" / name)
-    (folder / "experiments").mkdir()
-    (folder / "experiments" / "chapter_2.yaml").write_text(PROGRAM)
+    (folder / "simulations").mkdir()
+    (folder / "simulations" / "chapter_2.yaml").write_text(PROGRAM)
     return folder
 
 
@@ -107,7 +107,7 @@ def test_command_prints_the_tables_and_writes_them(config: Path, tmp_path: Path)
 
 def test_a_car_that_the_forms_cannot_hold_is_one_line(config: Path, tmp_path: Path) -> None:
     """A damped tyre is named, with exit status 2."""
-    for name in ("dampers", "experiments"):
+    for name in ("dampers", "simulations"):
         (tmp_path / name).symlink_to(config / name)
     text = (config / "vehicles" / "inove_quarter_car.yaml").read_text()
     text += "  tyre_damping:\n    c_t: {value: 7.0, unit: N s/m}\n"

@@ -89,12 +89,12 @@ class Chapter2:
 def chapter_2(config: Path, tick: Callable[[str], None] | None = None) -> Chapter2:
     """Make all of it.
 
-    config: folder with `vehicles/inove_quarter_car.yaml` and `experiments/chapter_2.yaml`. Raises
+    config: folder with `vehicles/inove_quarter_car.yaml` and `simulations/chapter_2.yaml`. Raises
     `InputError` for files that are not there or not good, `NotThisForm` for a car the forms cannot hold.
     """
     say = tick or (lambda _: None)
     model = load_model(config / "vehicles" / "inove_quarter_car.yaml")
-    program = resolve(load_program(config / "experiments" / "chapter_2.yaml"), model, DT)
+    program = resolve(load_program(config / "simulations" / "chapter_2.yaml"), model, DT)
     say("frequency responses")
     systems = sensings(model)
     visible = tuple(visibility(s.A, s.D, s.C, s.H, SLOW) for s in systems)
