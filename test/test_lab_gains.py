@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from er_model_lab.cli import app
 from er_model_lab.diagnose.candidates import baseline, missing, restarts
-from er_model_lab.fit import free_parameters
+from er_model_lab.forward import free_parameters
 from er_model_lab.load import load
 from er_model_lab.study import as_given, on_fused, open_problem
 from er_models.catalogue import CATALOGUE

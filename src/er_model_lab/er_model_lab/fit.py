@@ -10,33 +10,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from er_models.model import Array, Model
-from er_models.predict import predict, predict_many
 from er_models.scales import Scales
 from numpy.typing import NDArray
 
+from er_model_lab.forward import Free
 from er_model_lab.prepare import FOLDS, Problem
 
 DOUBTFUL = 1.1
 """Mean square without each block, over that of the fit, above which a straight line is not believed."""
 SHARES = np.array([0.0, 0.1, 0.3, 1.0])
 """Shares of a step that are tried where it is not."""
-
-Free = tuple[tuple[str, str], ...]
-
-
-def free_parameters(model: Model) -> Free:
-    """All fitted parameters of a model's effects.
-
-    What acts in the car is not fitted to a damper force, nor is a gain that it cannot show: these
-    keep the model's values.
-    """
-    return tuple(
-        (name, q.name)
-        for name in model.effects
-        if model.catalogue[name].stage != "vehicle" and model.catalogue[name].knowable
-        for q in model.catalogue[name].parameters
-        if q.fitted
-    )
 
 
 @dataclass(frozen=True)
@@ -110,9 +93,9 @@ def fit(
     known (n, k): derivatives by the first k free parameters near the start, from the model before it
     grew; they serve the first step, and the last too where an effect turns out to change nothing.
     """
-    box = Box(model, free if free is not None else free_parameters(model), problem.scales)
+    box = Box(model, free if free is not None else problem.forward.free(model), problem.scales)
     theta, train, y = box.start(), problem.train, problem.force
-    f = predict(box.model_at(theta), problem.motion)
+    f = problem.predict(box.model_at(theta))
     cost = float(np.mean((y - f)[train] ** 2))
     damping, exact = 1e-3, known is None
     jacobian = _jacobian(box, theta, f, problem, known)
@@ -120,7 +103,7 @@ def fit(
     while rounds < max_iter:
         rounds += 1
         trials = _trials(jacobian[train], (y - f)[train], theta, box, damping)
-        forces = predict_many(box.model, box.vectors(trials), problem.motion)
+        forces = problem.predict_many(box.model, box.vectors(trials))
         costs = np.mean((y - forces)[:, train] ** 2, axis=1)
         best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
         if not costs[best] < cost * (1.0 - 1e-9):
@@ -155,7 +138,7 @@ def _jacobian(box: Box, theta: Array, f: Array, problem: Problem, known: Array |
     first = 0 if known is None else known.shape[1]
     step = _steps(box, theta)
     points = (theta + np.diag(step))[first:]
-    forces = predict_many(box.model, box.vectors(points), problem.motion)
+    forces = problem.predict_many(box.model, box.vectors(points))
     new = np.nan_to_num((forces - f).T / step[first:])
     return new if known is None else np.hstack([known, new])
 
@@ -218,7 +201,7 @@ def _truly_left_out(fitted: Fit, problem: Problem, steps: Array) -> Array:
         rows = problem.fold == b
         points = fitted.theta + np.multiply.outer(SHARES, steps[b])
         points = np.clip(points, box.low, box.high)
-        left = problem.force - predict_many(box.model, box.vectors(points), problem.motion)
+        left = problem.force - problem.predict_many(box.model, box.vectors(points))
         rest = np.mean(left[:, train & ~rows] ** 2, axis=1)
         best = int(np.argmin(np.where(np.isfinite(rest), rest, np.inf)))
         r[rows] = left[best, rows]
@@ -232,7 +215,7 @@ def covariance(fitted: Fit, problem: Problem) -> Array:
     j, r = fitted.jacobian[train][:, inner], fitted.residual[train]
     h = j.T @ j
     inverse = np.linalg.pinv(h, rcond=1e-12)
-    length = max(round(1.0 / problem.motion.dt), 1)
+    length = problem.second
     blocks = train // length
     edges = np.flatnonzero(np.diff(blocks)) + 1
     scores = np.add.reduceat(j * r[:, None], np.concatenate([[0], edges]), axis=0)

@@ -10,10 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from er_models.errors import InputError, MissingChannel
+from er_models.model import Model
 from er_models.predict import Motion, join
 from er_models.scales import Scales
 from numpy.typing import NDArray
 
+from er_model_lab.forward import DAMPER, Forward
 from er_model_lab.fuse import (
     Channels,
     Fused,
@@ -42,7 +44,8 @@ FOLDS = 12
 class Problem:
     """A data set ready for prediction and fitting; all arrays (n,), records laid end to end.
 
-    force: measured [N]; fold: block of each training sample, -1 elsewhere; held_out: mask of samples that
+    force: measured [N], or at the level of the vehicle every output of each sample in turn, weighted to newtons
+    (motion then has fewer rows); forward: what predicts it; fold: block of each training sample, -1 elsewhere; held_out: mask of samples that
     only score; raw: measured channels before fusion; fused: per record, each with the noise model of its own
     motion; noise: that of the longest record; sd_force: white noise of the force.
     """
@@ -59,6 +62,20 @@ class Problem:
     complete: bool
     sd_force: float
     velocity_lag: tuple[float, float]
+    forward: Forward = DAMPER
+
+    def predict(self, model: Model) -> Array:
+        """What a model predicts (n,) [N]."""
+        return self.forward.predict(self, model)
+
+    def predict_many(self, model: Model, vectors: Array) -> Array:
+        """What a model predicts (m, n) [N] for m flat parameter vectors (m, n_parameters)."""
+        return self.forward.predict_many(self, model, vectors)
+
+    @property
+    def second(self) -> int:
+        """Rows of a second."""
+        return max(round(1.0 / self.motion.dt), 1) * self.forward.outputs
 
     @property
     def train(self) -> NDArray[np.bool_]:
@@ -79,7 +96,9 @@ class Problem:
     @property
     def scales(self) -> Scales:
         """Envelope of the data: robust peaks of force, deflection, velocity and duty."""
-        m = self.motion
+        m, known = self.motion, self.forward.scales(self)
+        if known is not None:
+            return known
 
         def peak(y: Array) -> float:
             return float(max(np.quantile(np.abs(y - np.median(y)), 0.995), 1e-9))

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from er_models.predict import Motion, join
 
 from er_model_lab.fuse import as_measured, fuse
-from er_model_lab.prepare import Problem
+
+if TYPE_CHECKING:
+    from er_model_lab.prepare import Problem
 
 
 def renoised(problem: Problem, rng: np.random.Generator) -> Motion:

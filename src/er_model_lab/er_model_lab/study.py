@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from er_models.model import Array, Model
-from er_models.predict import Motion, predict
+from er_models.predict import Motion
 
 from er_model_lab.diagnose.candidates import Candidate, baseline, refit
 from er_model_lab.diagnose.floor import Floor, noise_floor
@@ -84,7 +84,7 @@ def open_problem(
 
 def as_given(model: Model, problem: Problem) -> Array:
     """Residual (n,) of a model without any refit [N]."""
-    return np.asarray(problem.force - predict(on_fused(model), problem.motion))
+    return np.asarray(problem.force - problem.predict(on_fused(model)))
 
 
 def investigate(

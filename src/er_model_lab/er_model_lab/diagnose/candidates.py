@@ -13,9 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
-from er_models.predict import predict_many
 
-from er_model_lab.fit import Fit, cross_validated, fit, free_parameters
+from er_model_lab.fit import Fit, cross_validated, fit
 from er_model_lab.prepare import Problem
 
 FOREIGN = 0.25
@@ -62,7 +61,11 @@ def restarts(model: Model, problem: Problem) -> list[Model]:
     """The model with the starting values of its terms, scaled to the data: for a damper of another size."""
     grids = {
         name: starts(model.catalogue[name], problem)
-        for name in dict.fromkeys(effect for effect, _ in free_parameters(model))
+        for name in dict.fromkeys(
+            effect
+            for effect, _ in problem.forward.free(model)
+            if model.catalogue[effect].stage != "vehicle"
+        )
     }
     combinations = itertools.islice(itertools.product(*grids.values()), MOST_RESTARTS)
     return [
@@ -79,7 +82,7 @@ def missing(model: Model, problem: Problem) -> tuple[Effect, ...]:
     """
     core = () if model.has_response else (model.catalogue["response"],)
     held = {*model.effects, "velocity_lag"} if problem.kinematic_lag else set(model.effects)
-    return tuple(e for e in core + model.catalogue.candidates() if e.name not in held)
+    return tuple(e for e in core + problem.forward.candidates(model) if e.name not in held)
 
 
 def starts(effect: Effect, problem: Problem) -> list[dict[str, float]]:
@@ -111,7 +114,7 @@ def screen(
     for row, point in zip(vectors, points, strict=True):
         row[offset : offset + len(effect.names)] = [point[n] for n in effect.names]
     base_force = problem.force - base.fit.residual
-    directions = (predict_many(grown, vectors, problem.motion) - base_force)[:, train].T
+    directions = (problem.predict_many(grown, vectors) - base_force)[:, train].T
     directions = np.nan_to_num(directions)
     j, r = base.fit.jacobian[train], base.fit.residual[train]
     absorbed = j @ np.linalg.lstsq(j, directions, rcond=1e-10)[0]
@@ -188,7 +191,7 @@ def effect_size(base: Candidate, candidate: Candidate) -> float:
 def without(candidate: Candidate, name: str, problem: Problem) -> Candidate:
     """A fitted model with one of its added effects taken out again and refitted."""
     model = candidate.fit.model.without_effect(name)
-    fitted = fit(model, problem, free_parameters(model))
+    fitted = fit(model, problem)
     residual, losses = cross_validated(fitted, problem)
     mse = float(np.mean(residual[problem.train] ** 2))
     kept = tuple(e for e in candidate.effects if e != name)

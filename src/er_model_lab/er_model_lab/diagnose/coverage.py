@@ -36,7 +36,7 @@ def coverage(problem: Problem) -> Coverage:
     levels = len(np.unique(np.round(u, 2)))
     steps = int(np.sum(np.abs(np.diff(u)) > 0.01))
     tones = _tones(problem)
-    seconds = float(problem.used.sum() * m.dt)
+    seconds = float(problem.used.sum() / problem.forward.outputs * m.dt)
     blocking, hints = [], []
     if seconds < 5.0:
         blocking.append(f"only {seconds:.1f} s of usable data: record at least 20 s")

@@ -11,11 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from er_models.model import Array
-from er_models.predict import predict
 
 from er_model_lab.diagnose.candidates import Candidate
 from er_model_lab.prepare import FOLDS, Problem, white_noise
-from er_model_lab.renoise import renoised
 
 
 @dataclass(frozen=True)
@@ -46,14 +44,13 @@ def simulate_null(
 ) -> Null:
     """Replicates of `problem` under the fitted model, scored for every rival by one linear step."""
     rng = np.random.default_rng(seed)
-    truth = predict(base.fit.model, problem.motion)
-    model = base.fit.model
-    wobble = np.array([truth - predict(model, renoised(problem, rng)) for _ in range(replicates)])
+    wobble = problem.forward.input_errors(problem, base.fit.model, rng, replicates)
     input_error = float(np.sqrt(np.mean(wobble[:, problem.train] ** 2)))
     held_out = float(np.sqrt(np.mean(wobble[:, problem.held_out] ** 2)))
-    noise, colour = _force_noise(rivals[0] if rivals else base, problem, input_error)
-    errors = wobble + np.array(
-        [_coloured(rng, truth.size, noise, colour) for _ in range(replicates)]
+    leader = rivals[0] if rivals else base
+    noise, colour = _force_noise(leader, problem, input_error)
+    errors = wobble + problem.forward.output_errors(
+        leader.fit.residual, noise, colour, rng, replicates
     )
     start = _linear_losses(base.fit.jacobian, errors, problem)
     best = np.zeros(replicates)
@@ -70,14 +67,6 @@ def _force_noise(best: Candidate, problem: Problem, input_error: float) -> tuple
     size = float(np.sqrt(max(left, white_noise([r]) ** 2, 1e-24)))
     colour = float(np.clip(np.mean(r[1:] * r[:-1]) / max(float(np.mean(r**2)), 1e-300), 0.0, 0.9))
     return size, min(colour, 0.5)
-
-
-def _coloured(rng: np.random.Generator, n: int, size: float, colour: float) -> Array:
-    """First-order autoregressive noise (n,)."""
-    from scipy.signal import lfilter
-
-    white = rng.standard_normal(n) * np.sqrt(1.0 - colour**2)
-    return np.asarray(size * lfilter([1.0], [1.0, -colour], white))
 
 
 def _linear_losses(jacobian: Array, errors: Array, problem: Problem) -> Array:

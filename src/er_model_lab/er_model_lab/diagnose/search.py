@@ -58,7 +58,7 @@ def block_t(better: Candidate, worse: Candidate, problem: Problem) -> float:
     """Paired t of the squared errors of two candidates over one-second blocks; positive: `better` is."""
     rows = problem.train
     d = worse.residual[rows] ** 2 - better.residual[rows] ** 2
-    length = max(round(1.0 / problem.motion.dt), 1)
+    length = problem.second
     means: Array = d[: d.size // length * length].reshape(-1, length).mean(axis=1)
     spread = float(means.std(ddof=1)) / np.sqrt(means.size)
     return float(means.mean() / max(spread, 1e-300))
@@ -96,7 +96,13 @@ def tied(
 
 
 def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
-    """Whether two candidates make nearly the same force, so that one contains the other."""
+    """Whether two candidates make nearly the same force, so that one contains the other.
+
+    What acts in the car and what acts in the damper are no forms of one another, however alike.
+    """
+    stages = [c.fit.model.catalogue[c.name].stage == "vehicle" for c in (simple, rich)]
+    if stages[0] != stages[1]:
+        return False
     rows = problem.train
     change = simple.fit.residual[rows] - rich.fit.residual[rows]
     return bool(

@@ -10,7 +10,8 @@ import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
 
-from er_model_lab.fit import Box, Free
+from er_model_lab.fit import Box
+from er_model_lab.forward import Free
 from er_model_lab.identify.levels import Table
 from er_model_lab.prepare import Problem
 

@@ -14,7 +14,8 @@ from er_models.model import Array, Model
 from er_models.predict import predict_many
 from scipy.optimize import least_squares
 
-from er_model_lab.fit import Box, Fit, Free, covariance
+from er_model_lab.fit import Box, Fit, covariance
+from er_model_lab.forward import Free
 from er_model_lab.identify.part import among, records_of
 from er_model_lab.identify.stretches import Level
 from er_model_lab.prepare import Problem

@@ -9,7 +9,8 @@ from itertools import pairwise
 import numpy as np
 from er_models.model import Array, Model
 
-from er_model_lab.fit import Free, with_deviations
+from er_model_lab.fit import with_deviations
+from er_model_lab.forward import Free
 from er_model_lab.identify.law import Quadratic, quadratic
 from er_model_lab.identify.levels import Table
 from er_model_lab.identify.refine import Refined, refine

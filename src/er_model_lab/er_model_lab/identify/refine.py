@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from er_models.model import Model
 
-from er_model_lab.fit import Box, Fit, Free, fit, free_parameters
+from er_model_lab.fit import Box, Fit, fit
+from er_model_lab.forward import Free, free_parameters
 from er_model_lab.identify.stages import taken_over
 from er_model_lab.identify.visibility import Visibility, imitators, visibility
 from er_model_lab.prepare import Problem

@@ -10,7 +10,8 @@ from er_models.model import Array, Model
 from er_models.predict import Motion, predict, predict_many
 from numpy.typing import NDArray
 
-from er_model_lab.fit import Box, Free, free_parameters
+from er_model_lab.fit import Box
+from er_model_lab.forward import Free, free_parameters
 from er_model_lab.prepare import Problem
 
 SEEN = 1e-6

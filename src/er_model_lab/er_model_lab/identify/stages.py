@@ -10,7 +10,8 @@ from er_models.model import Model
 from er_models.predict import predict_many
 
 from er_model_lab.diagnose.candidates import starts
-from er_model_lab.fit import Box, Fit, Free, fit, with_deviations
+from er_model_lab.fit import Box, Fit, fit, with_deviations
+from er_model_lab.forward import Free
 from er_model_lab.identify.law import follow_table
 from er_model_lab.identify.levels import Table, response_times
 from er_model_lab.identify.part import among, only

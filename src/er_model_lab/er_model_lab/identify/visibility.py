@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from er_models.model import Array
 
-from er_model_lab.fit import Box, Fit, Free, covariance
+from er_model_lab.fit import Box, Fit, covariance
+from er_model_lab.forward import Free
 from er_model_lab.prepare import Problem
 
 UNKNOWN = 0.5

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from er_model_lab.fit import free_parameters
+from er_model_lab.forward import free_parameters
 from er_model_lab.plan import menu
 from er_model_lab.plan.decide import Outcome, outcomes
 from er_model_lab.plan.finalist import Finalist, finalist

@@ -1,0 +1,113 @@
+"""What a problem predicts and how its data err: all that differs between the levels of the lab."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from er_models.effect import Effect
+from er_models.model import Array, Model
+from er_models.predict import predict, predict_many
+from er_models.scales import Scales
+from scipy.signal import lfilter
+
+from er_model_lab.renoise import renoised
+
+if TYPE_CHECKING:
+    from er_model_lab.prepare import Problem
+
+Free = tuple[tuple[str, str], ...]
+
+
+class Forward(Protocol):
+    """A level of the lab: rows (n,) of data that a model predicts, `outputs` of them for each sample.
+
+    candidates: effects of the catalogue that may be tried; free: parameters that are fitted, (effect, name).
+    input_errors (m, n): errors [N] that draws of the input sensors' noise cause; output_errors (m, n): noise
+    as the residual (n,) of a fit shows it, `size` [N] and lag-one correlation `colour` of its training rows.
+    """
+
+    outputs: int
+
+    def predict_many(self, problem: Problem, model: Model, vectors: Array) -> Array:
+        """Rows (m, n) of one model for m flat parameter vectors (m, n_parameters)."""
+
+    def predict(self, problem: Problem, model: Model) -> Array:
+        """Rows (n,) of a model."""
+
+    def free(self, model: Model) -> Free:
+        """Fitted parameters of a model."""
+
+    def candidates(self, model: Model) -> tuple[Effect, ...]:
+        """Effects of the catalogue that may be tried."""
+
+    def scales(self, problem: Problem) -> Scales | None:
+        """Envelope of the data; None where motion and force say it themselves."""
+
+    def input_errors(
+        self, problem: Problem, model: Model, rng: np.random.Generator, m: int
+    ) -> Array:
+        """Errors (m, n) that other draws of the input sensors' noise would have caused."""
+
+    def output_errors(
+        self, residual: Array, size: float, colour: float, rng: np.random.Generator, m: int
+    ) -> Array:
+        """Noise (m, n) of the outputs as it may have been."""
+
+
+class DamperForward:
+    """The force of the damper, from its measured motion."""
+
+    outputs = 1
+
+    def predict_many(self, problem: Problem, model: Model, vectors: Array) -> Array:
+        """Forces (m, n) along the motion."""
+        return predict_many(model, vectors, problem.motion)
+
+    def predict(self, problem: Problem, model: Model) -> Array:
+        """Force (n,) along the motion."""
+        return predict(model, problem.motion)
+
+    def free(self, model: Model) -> Free:
+        """Fitted parameters of the damper.
+
+        What acts in the car is not fitted to a damper force, nor is a gain that it cannot show: these
+        keep the model's values.
+        """
+        return free_parameters(model)
+
+    def candidates(self, model: Model) -> tuple[Effect, ...]:
+        """Effects of the damper and its sensors."""
+        return model.catalogue.candidates()
+
+    def scales(self, problem: Problem) -> Scales | None:
+        """Nothing beyond motion and force."""
+        del problem
+
+    def input_errors(
+        self, problem: Problem, model: Model, rng: np.random.Generator, m: int
+    ) -> Array:
+        """The motion gets the noise of every sensor and is fused again."""
+        truth = predict(model, problem.motion)
+        return np.array([truth - predict(model, renoised(problem, rng)) for _ in range(m)])
+
+    def output_errors(
+        self, residual: Array, size: float, colour: float, rng: np.random.Generator, m: int
+    ) -> Array:
+        """First-order autoregressive noise of the force."""
+        white = rng.standard_normal((m, residual.size)) * np.sqrt(1.0 - colour**2)
+        return np.asarray(size * lfilter([1.0], [1.0, -colour], white))
+
+
+def free_parameters(model: Model, *, car: bool = False) -> Free:
+    """Parameters of the effects that channels can show, those of the car among them or not."""
+    return tuple(
+        (name, q.name)
+        for name in model.effects
+        if (car or model.catalogue[name].stage != "vehicle") and model.catalogue[name].knowable
+        for q in model.catalogue[name].parameters
+        if q.fitted
+    )
+
+
+DAMPER = DamperForward()
