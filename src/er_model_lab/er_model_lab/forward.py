@@ -83,6 +83,7 @@ class DamperForward:
     def scales(self, problem: Problem) -> Scales | None:
         """Nothing beyond motion and force."""
         del problem
+        return None
 
     def input_errors(
         self, problem: Problem, model: Model, rng: np.random.Generator, m: int

@@ -44,9 +44,10 @@ FOLDS = 12
 class Problem:
     """A data set ready for prediction and fitting; all arrays (n,), records laid end to end.
 
-    force: measured [N], or at the level of the vehicle every output of each sample in turn, weighted to newtons
-    (motion then has fewer rows); forward: what predicts it; fold: block of each training sample, -1 elsewhere; held_out: mask of samples that
-    only score; raw: measured channels before fusion; fused: per record, each with the noise model of its own
+    force: measured [N]; where `forward`, which predicts it, has several outputs, those of each sample in turn,
+    weighted to newtons, and motion has fewer rows; fold: block of each training sample, -1 elsewhere; held_out:
+    mask of samples that only score; raw: measured channels before fusion; fused: per record, each with the
+    noise model of its own
     motion; noise: that of the longest record; sd_force: white noise of the force.
     """
 

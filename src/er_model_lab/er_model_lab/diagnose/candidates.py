@@ -15,6 +15,7 @@ from er_models.effect import Effect
 from er_models.model import Array, Model
 
 from er_model_lab.fit import Fit, cross_validated, fit
+from er_model_lab.forward import free_parameters
 from er_model_lab.prepare import Problem
 
 FOREIGN = 0.25
@@ -61,11 +62,7 @@ def restarts(model: Model, problem: Problem) -> list[Model]:
     """The model with the starting values of its terms, scaled to the data: for a damper of another size."""
     grids = {
         name: starts(model.catalogue[name], problem)
-        for name in dict.fromkeys(
-            effect
-            for effect, _ in problem.forward.free(model)
-            if model.catalogue[effect].stage != "vehicle"
-        )
+        for name in dict.fromkeys(effect for effect, _ in free_parameters(model))
     }
     combinations = itertools.islice(itertools.product(*grids.values()), MOST_RESTARTS)
     return [
