@@ -16,7 +16,7 @@ from models_help import DT, SMALL, Sine, bingham, car, guo, imposed, span, typic
 from reference import damper_force
 from scipy.integrate import solve_ivp
 
-CONTACTS = ("freeplay", "piston_play")
+CONTACTS = ("freeplay", "piston_play", "cavitation")
 """They jump; their tests are of their own."""
 STATES = [
     e.name for e in CATALOGUE.effects if e.has_state and e.name not in ("response", *CONTACTS)
@@ -233,6 +233,31 @@ def test_freeplay_is_a_rigid_gap() -> None:
     inputs = motion(DT, sine(t, 0), sine(t, 1), np.full(n, u), sine(t, 2))
     error = predict(guo().with_effect("freeplay", {"b": b}), inputs) - force[:: round(DT / h)]
     assert error.std() < 1e-3 * span(force)
+    assert (predict(guo(), inputs) - force[:: round(DT / h)]).std() > 1e-2 * span(force)
+
+
+def test_cavitation_is_a_void_that_opens_and_closes() -> None:
+    """Against small explicit steps: the void begins where the fluid would pull harder than it can, and ends at zero."""
+    F_v, w_s, u, h = 6.0, 2e-5, 0.2, 5e-6
+    p, y = guo().effects["passive"], guo().effects["guo_yield"]
+    sine = Sine(SMALL).derivative
+    fine = np.arange(round(0.5 / h) + 1) * h
+    x, v = sine(fine, 0), sine(fine, 1)
+    target = y["f_c"] * u * np.tanh(y["k1"] * x + y["c1"] * v)
+    w, f_y, force, open_for = 0.0, target[0], np.empty(fine.size), 0
+    for i in range(fine.size):
+        pull = p["c0"] * v[i] + f_y
+        force[i] = p["k0"] * x[i] + pull + (F_v - pull) * w / (w + w_s)
+        open_for += w > 0.0
+        w = max(w + h * (pull - F_v) / p["c0"], 0.0)
+        f_y += h / 0.0365 * (target[i] - f_y)
+    assert 0.1 < open_for / fine.size < 0.9
+    n = fine[:: round(DT / h)].size
+    t = np.arange(n) * DT
+    inputs = motion(DT, sine(t, 0), sine(t, 1), np.full(n, u), sine(t, 2))
+    model = guo().with_effect("cavitation", {"F_v": F_v, "w_s": w_s})
+    error = predict(model, inputs) - force[:: round(DT / h)]
+    assert error.std() < 2e-4 * span(force)
     assert (predict(guo(), inputs) - force[:: round(DT / h)]).std() > 1e-2 * span(force)
 
 
