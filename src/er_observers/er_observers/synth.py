@@ -20,6 +20,7 @@ from er_models.linear import relative_form
 from er_models.model import Model
 from rich.console import Console
 
+from er_observers.compare.command import register as register_compare
 from er_observers.gains import save_gains
 from er_observers.observers.evaluate import SCENARIOS, evaluate
 from er_observers.observers.nlpv_polytopic import NAME, load_gains
@@ -31,6 +32,7 @@ from er_observers.synthesis.scaling import scaling_of
 from er_observers.synthesis.spec import Spec, force_output
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+register_compare(app)
 ModelFile = Annotated[Path, typer.Option(help="Vehicle model file.")]
 
 

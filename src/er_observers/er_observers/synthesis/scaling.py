@@ -24,20 +24,34 @@ class Scaling:
     rate: float
 
 
+def road_density(model: Model) -> float:
+    """Density [m2/s] of the white road velocity that moves the passive car over its envelope.
+
+    The deflection velocity then has a third of the envelope as its standard deviation.
+    """
+    return _passive_ride(model)[1]
+
+
 def scaling_of(model: Model, form: LinearForm) -> Scaling:
     """Scaling of a vehicle model in the coordinates of `form`."""
     car = thesis_form(model)
-    road = np.outer(car.D1, car.D1)
-    covariance = solve_continuous_lyapunov(car.A, -road)
-    velocity = np.array([0.0, 1.0, 0.0, -1.0, 0.0])
-    typical = (model.scales.velocity / 3.0) ** 2 / (velocity @ covariance @ velocity)
-    covariance = covariance * typical
+    unit, density = _passive_ride(model)
+    covariance = unit * density
     covariance[4, 4] = (0.5 * model.scales.duty * car.B[4] / car.A[4, 4]) ** 2
     sizes = np.sqrt(np.diag(form.chart @ covariance @ form.chart.T))
     outputs = np.sqrt(np.diag(car.C @ covariance @ car.C.T))
     poles = np.abs(np.linalg.eigvals(car.A))
     rate = np.exp(np.mean(np.log(poles), keepdims=True))
     return Scaling(_round(sizes), _round(outputs), float(_round(rate)[0]))
+
+
+def _passive_ride(model: Model) -> tuple[Array, float]:
+    """Covariance (5, 5) of the passive car for a road velocity of density one, and the density for its envelope."""
+    car = thesis_form(model)
+    covariance = solve_continuous_lyapunov(car.A, -np.outer(car.D1, car.D1))
+    velocity = np.array([0.0, 1.0, 0.0, -1.0, 0.0])
+    density = (model.scales.velocity / 3.0) ** 2 / (velocity @ covariance @ velocity)
+    return covariance, float(density)
 
 
 def _round(values: Array) -> Array:

@@ -1,0 +1,1 @@
+"""Observers and their peers on the same drives: errors, tables, pictures."""

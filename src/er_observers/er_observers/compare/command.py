@@ -1,0 +1,104 @@
+"""`er synth compare`: all scenarios, all observers, the peers, the thesis's tables."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from er_models.files import load_model, write_whole
+from er_models.model import Model
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from er_observers.compare.estimators import Estimator, estimators_of
+from er_observers.compare.run import compare, follow
+from er_observers.compare.table import csv_lines, document
+from er_observers.compare.terminal import tables
+from er_observers.scenarios.drive import drive
+from er_observers.scenarios.files import choose_scenarios, load_scenarios
+from er_observers.scenarios.scenario import Scenario
+from er_observers.scenarios.starts import first_state
+
+_WIDTH = 200
+Folder = Annotated[Path, typer.Option(help="Folder with vehicles, gains and scenarios.")]
+
+
+def register(parent: typer.Typer) -> None:
+    """Add the command to the synthesis's application."""
+    parent.command("compare")(compare_command)
+
+
+def compare_command(
+    only: Annotated[
+        list[str] | None, typer.Argument(help="Scenarios or their files; all by default.")
+    ] = None,
+    config: Folder = Path("config"),
+    model: Annotated[
+        Path | None, typer.Option(help="Vehicle model that the observers believe in.")
+    ] = None,
+    seeds: Annotated[
+        int | None, typer.Option(min=1, help="Roads of a scenario; all of its own by default.")
+    ] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write medians per window here.")
+    ] = None,
+    csv_file: Annotated[
+        Path | None, typer.Option("--csv", help="Write every road and window here.")
+    ] = None,
+    pictures: Annotated[
+        Path | None, typer.Option(help="Draw force and error of each scenario's first road here.")
+    ] = None,
+) -> None:
+    """Compare the observers with Kalman filters on named drives, beside the figures of the thesis."""
+    car = load_model(model or config / "vehicles" / "inove_quarter_car.yaml")
+    gains = config / "gains"
+    estimators = estimators_of(car, gains)
+    scenarios = choose_scenarios(load_scenarios(config / "scenarios"), only or [])
+    with _progress() as tick:
+        outcomes = compare(scenarios, car, gains, seeds, tick)
+    titles = {e.name: e.title for e in estimators}
+    ours = [e.name for e in estimators if e.ours]
+    console = Console(width=None if sys.stdout.isatty() else _WIDTH)
+    for table in tables(scenarios, outcomes, titles, ours):
+        console.print(table)
+    if json_file is not None:
+        text = json.dumps(document(scenarios, outcomes, titles), indent=1, allow_nan=False)
+        write_whole(json_file, text + "\n")
+    if csv_file is not None:
+        write_whole(csv_file, "\n".join(csv_lines(scenarios, outcomes)) + "\n")
+    if pictures is not None:
+        _draw(pictures, scenarios, car, estimators)
+        console.print(f"pictures: {pictures}", soft_wrap=True)
+
+
+def _draw(
+    folder: Path, scenarios: Sequence[Scenario], car: Model, estimators: Sequence[Estimator]
+) -> None:
+    """The first road of each scenario as a picture."""
+    from er_observers.compare.report.pictures import draw
+
+    folder.mkdir(parents=True, exist_ok=True)
+    for s in scenarios:
+        record = drive(s, car)
+        forces = {
+            e.title: follow(e, record, first_state(s, e.form, e.name, record)).force
+            for e in estimators
+        }
+        draw(folder / f"{s.name.replace('/', '_')}.png", s.title, record, forces)
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int], None] | None]:
+    """Roads done and of all, on a terminal only."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    shown = (TextColumn("roads"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*shown, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("roads", total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)

@@ -1,0 +1,58 @@
+"""What is compared: our observers with the gains of a folder, and the Kalman filters, behind one face."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from er_models.linear import LinearForm
+from er_models.model import Array, Model
+
+from er_observers.observers import nlpv_polytopic
+from er_observers.observers.nlpv_polytopic import Estimate, Sample
+from er_observers.peers import kalman
+
+Start = Callable[[Any, Sample, Array | None], Any]
+Step = Callable[[Any, Any, Sample], tuple[Any, Estimate]]
+
+
+@dataclass(frozen=True, eq=False)
+class Estimator:
+    """One way to the force: `start(parameters, sample, x)`, `step(parameters, state, sample)`.
+
+    name: short, as in files; title: for people; ours: whether it is one of the observers.
+    """
+
+    name: str
+    title: str
+    ours: bool
+    parameters: Any
+    start: Start
+    step: Step
+    form: LinearForm
+
+
+_OURS = (("nlpv_polytopic", "NLPV polytopic", nlpv_polytopic),)
+
+
+def estimators_of(model: Model, gains: str | Path) -> tuple[Estimator, ...]:
+    """Every observer that has a gain file in the folder, then the peers.
+
+    Raises `InputError` when a gain file does not belong to the model.
+    """
+    found = []
+    for name, title, module in _OURS:
+        path = Path(gains) / f"{name}.yaml"
+        if path.exists():
+            loaded = module.load_gains(path, model)
+            found.append(
+                Estimator(name, title, True, loaded, module.start, module.step, loaded.form)
+            )
+    for name, kind in kalman.KINDS.items():
+        made = kalman.make(name, model)
+        found.append(
+            Estimator(name, kind.title, False, made, kalman.start, kalman.step, made.form)
+        )
+    return tuple(found)

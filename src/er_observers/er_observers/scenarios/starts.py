@@ -1,0 +1,43 @@
+"""How wrong an observer starts, in the thesis's state [z_def, v_s, z_us - z_r, v_us, F_er] from rest.
+
+The thesis starts its observers differently: the NLPV ones 10 mm wrong in deflection (4.5), the
+unified one from z_0 of (3.5), which its printed R turns into 1.05 mm.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from er_models.linear import LinearForm
+from er_models.model import Array
+
+from er_observers.scenarios.scenario import Scenario
+
+NLPV = np.array([0.01, -0.1, 0.001, -0.1, 5.0])
+_Z_0 = np.array([0.01, -0.4, 0.001, -0.15, 2.0])
+_R = np.array([
+    [0.0017, 0.0017, -7.4710e-05, 1.8433e-05, -1.9070e-04],
+    [-0.0906, 1.6206e-05, -7.1142e-07, 3.4945e-07, 8.9622e-06],
+    [-3.2373e-07, -3.2373e-07, -3.2373e-07, -3.5062e-09, -1.8944e-05],
+    [-1.6206e-05, 0.0906, 7.1142e-07, -3.4945e-07, -8.9622e-06],
+    [7.1142e-07, 7.1142e-07, 0.0906, 1.5340e-08, 3.9342e-07],
+])  # fmt: skip
+UNIFIED = _R @ _Z_0
+"""R z_0 as printed in 3.4.1; at rest the accelerations add nothing."""
+
+
+def first_state(
+    scenario: Scenario, form: LinearForm, observer: str, record: dict[str, Array]
+) -> Array | None:
+    """The wrong first state (n,) in the coordinates of `form`; None where the observer finds its own.
+
+    Errors are added to the true first state, which is rest for every scenario of the thesis.
+    """
+    if scenario.start == "own":
+        return None
+    error = UNIFIED if scenario.start == "thesis" and observer == "unified" else NLPV
+    true = np.array([
+        record["deflection"][0], record["deflection_velocity"][0], record["tyre_deflection"][0],
+    ])  # fmt: skip
+    x = form.chart @ error
+    x[:3] += true
+    return np.asarray(x)

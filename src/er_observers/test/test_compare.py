@@ -1,0 +1,86 @@
+"""The comparison measures what it says."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from er_observers.compare.estimators import estimators_of
+from er_observers.compare.nrmse import nrmse, settling_time
+from er_observers.compare.run import Outcome, compare
+from er_observers.compare.table import ratio_to_peers, rows_of
+from er_observers.scenarios.files import choose_scenarios, load_scenarios
+from er_observers.synth import app
+from typer.testing import CliRunner
+
+CONFIG = Path(__file__).resolve().parents[3] / "config"
+
+
+def test_nrmse_by_hand():
+    """(3.79)-(3.80): rms of (3, 0, 0, 3) is 3 / sqrt 2, the true force spans 8."""
+    true = np.array([-4.0, 0.0, 1.0, 4.0])
+    assert nrmse(true, true + [3.0, 0.0, 0.0, -3.0]) == pytest.approx(3.0 / np.sqrt(2.0) / 8.0)
+
+
+def test_settling_by_hand():
+    """An error of 1 on a range of 10 until 0.5 s, nothing after: its rms over 0.1 s fades until 0.595 s."""
+    t = 0.005 * np.arange(400)
+    true = np.where(t < 1.0, 10.0, 0.0)
+    assert settling_time(t, true, true) == 0.0
+    assert settling_time(t, true, true + (t < 0.5)) == pytest.approx(0.595)
+    assert settling_time(t, true, true + 1.0) == np.inf
+
+
+def test_rows_hold_medians_and_ratios():
+    (s,) = choose_scenarios(load_scenarios(CONFIG / "scenarios"), ["wrong_parameters"])
+    errors = {"mine": (3.0, 1.0, 2.0), "ekf": (1.0, 1.0, 9.0), "ukf": (4.0, 4.0, 4.0)}
+    made = [
+        Outcome(s.name, k, name, (values[k],), 0.0, 0.0, 1e-6)
+        for name, values in errors.items()
+        for k in range(3)
+    ]
+    (row,) = rows_of([s], made)
+    assert row.errors == {"mine": 2.0, "ekf": 1.0, "ukf": 4.0}
+    assert row.worst["ekf"] == 9.0
+    assert row.roads == 3
+    assert ratio_to_peers(row, "mine", ["ekf", "ukf"]) == 2.0
+
+
+@pytest.fixture(scope="module")
+def outcomes(car):
+    """Friction hidden in the plant, and nothing wrong, a road of each."""
+    names = ["hidden_effects/coulomb_friction", "chapter_5_noise_equal"]
+    chosen = choose_scenarios(load_scenarios(CONFIG / "scenarios"), names)
+    return rows_of(chosen, compare(chosen, car, CONFIG / "gains", seeds=1))
+
+
+def test_ours_keeps_up_with_the_peers_once_running(outcomes):
+    for row in outcomes:
+        if row.window.begin == 2.0:
+            ours = [n for n in row.errors if n not in ("ekf", "ukf")]
+            assert ours
+            assert all(ratio_to_peers(row, n, ["ekf", "ukf"]) < 1.1 for n in ours)
+
+
+def test_what_is_hidden_costs_everyone(outcomes):
+    friction = next(r for r in outcomes if "friction" in r.scenario.name)
+    plain = next(r for r in outcomes if r.window.begin == 2.0 and r is not friction)
+    assert all(friction.errors[n] > 1.3 * plain.errors[n] for n in plain.errors)
+
+
+def test_the_command_prints_and_writes(tmp_path, monkeypatch, car):
+    monkeypatch.chdir(CONFIG.parent)
+    csv, table, pictures = tmp_path / "a.csv", tmp_path / "a.json", tmp_path / "pictures"
+    files = ["--json", str(table), "--csv", str(csv), "--pictures", str(pictures)]
+    done = CliRunner().invoke(app, ["compare", "chapter_5_step", *files])
+    assert done.exit_code == 0, done.output
+    names = [e.name for e in estimators_of(car, CONFIG / "gains")]
+    assert {"ekf", "ukf", "nlpv_polytopic"} <= set(names)
+    found = json.loads(table.read_text())
+    assert found["windows"][0]["published"]["unified"] == 0.0212
+    assert set(found["windows"][0]["nrmse"]) == set(names)
+    assert f"{100 * found['windows'][0]['nrmse']['ekf']:.2f}" in done.output
+    assert len(csv.read_text().splitlines()) == 1 + len(names)
+    assert (pictures / "chapter_5_step.png").stat().st_size > 10_000
