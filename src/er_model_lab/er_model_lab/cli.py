@@ -6,6 +6,7 @@ import json
 import sys
 from collections.abc import Callable
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,6 +15,7 @@ from er_models.errors import ErError, InputError
 from rich.console import Console
 
 from er_model_lab.import_app import register
+from er_model_lab.rule import RULE, Rule
 from er_model_lab.thesis_app import register as register_thesis
 
 if TYPE_CHECKING:
@@ -59,6 +61,17 @@ HoldOut = Annotated[
     ),
 ]
 Out = Annotated[Path, typer.Option("--out", help="New model file.")]
+FalseAlarm = Annotated[
+    float,
+    typer.Option(
+        "--false-alarm",
+        help="Rate at which a complete model may be given a missing effect, above 0 and below 1.",
+    ),
+]
+Smallest = Annotated[
+    float,
+    typer.Option(help="Effects smaller than this share of the noise are given no name."),
+]
 EffectsFrom = Annotated[
     list[Path] | None,
     typer.Option("--effects-from", help="Python file with effects of your own. Repeatable."),
@@ -99,6 +112,8 @@ def diagnose(
     effects_from: EffectsFrom = None,
     level: Level = "damper",
     seed: Seed = 0,
+    false_alarm: FalseAlarm = RULE.false_alarm,
+    smallest: Smallest = RULE.smallest,
 ) -> None:
     """Refit the model, then say which effect is missing, with evidence."""
     from er_model_lab import commands
@@ -106,7 +121,8 @@ def diagnose(
     def work() -> Outcome:
         _damper_only(level, "diagnose")
         with _progress("trying effects", effects_from) as tick:
-            return commands.diagnose(_asked(data, model, seed, hold_out, effects_from), tick)
+            asked = _asked(data, model, seed, hold_out, effects_from)
+            return commands.diagnose(replace(asked, rule=Rule(false_alarm, smallest)), tick)
 
     _run(work, json_file, report)
 
@@ -150,6 +166,8 @@ def improve(
     effects_from: EffectsFrom = None,
     level: Level = "damper",
     seed: Seed = 0,
+    false_alarm: FalseAlarm = RULE.false_alarm,
+    smallest: Smallest = RULE.smallest,
 ) -> None:
     """Diagnose and add, again and again, until the model is adequate or nothing known helps."""
     from er_model_lab import commands
@@ -157,7 +175,8 @@ def improve(
     def work() -> Outcome:
         _damper_only(level, "improve")
         with _progress("trying effects", effects_from) as tick:
-            return commands.improve(_asked(data, model, seed, hold_out, effects_from), out, tick)
+            asked = _asked(data, model, seed, hold_out, effects_from)
+            return commands.improve(replace(asked, rule=Rule(false_alarm, smallest)), out, tick)
 
     _run(work, json_file, report, out)
 

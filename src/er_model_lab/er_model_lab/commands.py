@@ -23,6 +23,7 @@ from er_model_lab.load import fingerprint, load
 from er_model_lab.plan.suggest import suggestions
 from er_model_lab.present import clean, compare_json, diagnosis_json, headline, study_view, views
 from er_model_lab.record import Record
+from er_model_lab.rule import RULE, Rule
 from er_model_lab.study import (
     Study,
     Tick,
@@ -44,7 +45,7 @@ MOST_PASSES = 3
 class Request:
     """What every command is asked: data, data that only score (may be empty), model file and seed.
 
-    effects_from: Python files with the user's own effects.
+    effects_from: Python files with the user's own effects; rule: when an effect is worth a name.
     """
 
     data: list[Path]
@@ -52,6 +53,7 @@ class Request:
     seed: int = 0
     hold_out: tuple[Path, ...] = ()
     effects_from: tuple[Path, ...] = ()
+    rule: Rule = RULE
 
     @property
     def catalogue(self) -> Catalogue:
@@ -103,7 +105,7 @@ def compare(ask: Request) -> Outcome:
     problem, _ = open_problem(records, model, sealed)
     given = as_given(model, problem)
     base = baseline(on_fused(model), problem)
-    null = simulate_null(base, [], problem, ask.seed, replicates=4)
+    null = simulate_null(base, [], problem, ask.seed)
     floor = noise_floor(problem, base, null.input_error, ask.seed)
     mse = float(np.mean(given[problem.used] ** 2))
     explainable = max(1.0 - floor.floor**2 / mse, 0.0)
@@ -125,7 +127,7 @@ def compare(ask: Request) -> Outcome:
 def diagnose(ask: Request, tick: Tick | None = None) -> Outcome:
     """Refit, then say which effect is missing."""
     model, (records, sealed) = ask.model(), read(ask)
-    study = investigate(records, model, seed=ask.seed, sealed=sealed, tick=tick)
+    study = investigate(records, model, seed=ask.seed, sealed=sealed, rule=ask.rule, tick=tick)
     return _outcome("diagnose", study, final_model(study, ask.seed), records, ask)
 
 
@@ -147,7 +149,9 @@ def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
     may_write(out, ask.model_file)
     current, studies = model, list[Study]()
     for n in range(MOST_PASSES):
-        study = investigate(records, current, seed=ask.seed + 1000 * n, sealed=sealed, tick=tick)
+        study = investigate(
+            records, current, seed=ask.seed + 1000 * n, sealed=sealed, rule=ask.rule, tick=tick
+        )
         studies.append(study)
         if not study.diagnosis.effects:
             break

@@ -2,11 +2,12 @@ r"""From a fit to estimates: values freed of the bias that noisy motion causes, 
 
 Least squares on measured motion is biased, since the noise of the motion enters the model and its derivatives
 alike (errors in variables): a gate 2 mm/s wide looks wider. The bias is simulated: with the fitted model as the
-truth and fresh noise of the motion sensors, one Gauss-Newton step says how far the fit would move,
+truth along motions x that the sensors may have meant, one Gauss-Newton step says how far the fit along the
+fused motion \hat x would move,
 
-.. math:: \delta = (\tilde J^T \tilde J)^{-1} \tilde J^T [f(x) - f(\tilde x)]
+.. math:: \delta = (J^T J)^{-1} J^T [f(x) - f(\hat x)]
 
-with derivatives along the noisy motion; the mean of a few draws is taken off (Carroll et al. 2006, ch. 4).
+and the mean of a few draws is taken off (regression calibration: Carroll et al. 2006, ch. 4).
 Derivatives are secants over a few hundredths of each value: where a gap closes or a void collapses, the tangent
 sees every event by itself and not what many of them do together. There the sum of squares is rough, too: what
 two lengths of the secant make of it differs, and that difference is part of the uncertainty.
@@ -22,13 +23,13 @@ from er_models.predict import Motion, predict, predict_many
 from numpy.typing import NDArray
 
 from er_model_lab.fit import Box, Fit, covariance
+from er_model_lab.motion_error import drawn
 from er_model_lab.prepare import Problem
-from er_model_lab.renoise import renoised
 
 SECANTS = (0.01, 0.03)
 """Steps of a derivative, as shares of the value."""
 DRAWS = 6
-"""Draws of the sensors' noise."""
+"""Draws of the motion."""
 MOST_BIAS = 4.0
 """Bias that one step can be trusted with, in standard deviations."""
 POLISH = 6
@@ -92,10 +93,10 @@ def estimate(fitted: Fit, problem: Problem, seed: int) -> Estimate:
         np.random.default_rng(seed),
         problem.train,
     )
-    f = predict(fitted.model, problem.motion)
+    seen, j = secants(box, fitted.theta, problem.motion)
     inner, moves = ~fitted.at_bound, []
     for _ in range(DRAWS):
-        seen, j = secants(box, fitted.theta, renoised(problem, rng))
+        f = predict(fitted.model, drawn(problem, rng))
         moves.append(_step(j[train], (f - seen)[train], inner))
     bias, spread = np.mean(moves, axis=0), np.std(moves, axis=0, ddof=1)
     found = covariance(fitted, problem)

@@ -11,7 +11,7 @@ from er_models.predict import predict, predict_many
 from er_models.scales import Scales
 from scipy.signal import lfilter
 
-from er_model_lab.renoise import renoised
+from er_model_lab.motion_error import drawn
 
 if TYPE_CHECKING:
     from er_model_lab.prepare import Problem
@@ -88,9 +88,9 @@ class DamperForward:
     def input_errors(
         self, problem: Problem, model: Model, rng: np.random.Generator, m: int
     ) -> Array:
-        """The motion gets the noise of every sensor and is fused again."""
-        truth = predict(model, problem.motion)
-        return np.array([truth - predict(model, renoised(problem, rng)) for _ in range(m)])
+        """Forces along motions that the sensors may have meant, less that along the fused one."""
+        seen = predict(model, problem.motion)
+        return np.array([predict(model, drawn(problem, rng)) - seen for _ in range(m)])
 
     def output_errors(
         self, residual: Array, size: float, colour: float, rng: np.random.Generator, m: int

@@ -94,7 +94,7 @@ def _ramps(s, lag, out):
 
 
 @njit(cache=True)
-def _transition(dt, order, lag, m):
+def transition(dt: float, order: int, lag: float, m: int) -> Array:
     """Transition matrix (m, m) over one sample of a chain of that order, with the lagging state where m is 6."""
     f = np.eye(m)
     f[0, 1] = f[1, 2] = dt
@@ -112,7 +112,7 @@ def _transition(dt, order, lag, m):
 
 
 @njit(cache=True)
-def _diffusion(dt, order, lag, m):
+def diffusion(dt: float, order: int, lag: float, m: int) -> Array:
     """Covariance (m, m) that white noise of unit intensity at the end of the chain adds over one sample.
 
     Gauss-Legendre with five points: exact for the chain, and to 3e-5 for a lag of a tenth of a sample.
@@ -149,7 +149,7 @@ def _filter(
     n = zs.shape[0]
     m = rows.shape[1]
     x = np.zeros(m)
-    f, d = _transition(dt, order, lag, m), _diffusion(dt, order, lag, m)
+    f, d = transition(dt, order, lag, m), diffusion(dt, order, lag, m)
     p = np.zeros((m, m))
     for i in range(order):
         p[i, i] = spread[i]
@@ -189,7 +189,7 @@ def _filter(
 @njit(cache=True)
 def _smooth(dt, order, lag, xs, ps, xp, pp):
     """Rauch-Tung-Striebel backward pass, in place in xs and ps."""
-    f = _transition(dt, order, lag, xs.shape[1])
+    f = transition(dt, order, lag, xs.shape[1])
     for k in range(xs.shape[0] - 2, -1, -1):
         full = pp[k + 1].copy()
         if order == 3:
@@ -218,7 +218,9 @@ class Channels:
         return replace(self, z=self.z[:n], activity=self.activity[:n])
 
 
-def _run(ch: Channels, noise: Noise) -> tuple[float, Array, Array, Array, Array]:
+def _run(
+    ch: Channels, noise: Noise, spread: Array | None = None
+) -> tuple[float, Array, Array, Array, Array]:
     """Filter pass: log likelihood and the arrays the smoother needs."""
     n, m = ch.z.shape[0], 6 if noise.lag > SHORTEST_LAG * ch.dt else 5
     rows = np.zeros((3, m))
@@ -243,7 +245,7 @@ def _run(ch: Channels, noise: Noise) -> tuple[float, Array, Array, Array, Array]
         noise.drive,
         bias_var,
         activity,
-        _spread(ch),
+        initial_spread(ch) if spread is None else spread,
         xs,
         ps,
         xp,
@@ -252,7 +254,7 @@ def _run(ch: Channels, noise: Noise) -> tuple[float, Array, Array, Array, Array]
     return float(scores), xs, ps, xp, pp
 
 
-def _spread(ch: Channels) -> Array:
+def initial_spread(ch: Channels) -> Array:
     """Variance (4,) of the unknown state at the first sample: the size of what was measured."""
     size = np.mean(ch.z**2, axis=0) + 1e-12
     v2 = size[1] if ch.has[1] else np.mean(np.diff(ch.z[:, 0]) ** 2) / ch.dt**2
@@ -377,9 +379,9 @@ def _activity(a: Array) -> Array:
     return np.asarray(local / local.mean())
 
 
-def fuse(ch: Channels, noise: Noise) -> Fused:
-    """Smoothed motion of one record."""
-    _, xs, ps, xp, pp = _run(ch, noise)
+def fuse(ch: Channels, noise: Noise, spread: Array | None = None) -> Fused:
+    """Smoothed motion of one record; spread: variance (4,) of the state at the first sample, else from the data."""
+    _, xs, ps, xp, pp = _run(ch, noise, spread)
     _smooth(ch.dt, noise.order, noise.lag, xs, ps, xp, pp)
     names = tuple(
         n

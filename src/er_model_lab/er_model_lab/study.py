@@ -17,6 +17,7 @@ from er_model_lab.diagnose.verdict import Diagnosis, diagnose, judge
 from er_model_lab.estimate import estimated
 from er_model_lab.prepare import Problem, prepare
 from er_model_lab.record import Record
+from er_model_lab.rule import RULE, Rule
 
 Tick = Callable[[str], None]
 
@@ -93,14 +94,14 @@ def investigate(
     *,
     seed: int,
     sealed: int = 0,
-    replicates: int = 16,
+    rule: Rule = RULE,
     tick: Tick | None = None,
 ) -> Study:
     """Diagnose a model on records; a lagging velocity channel is undone first and named."""
     problem, lag = open_problem(records, model, sealed)
     bare = on_fused(model)
     lag_base = _as_measured(bare, problem) if lag else None
-    found = diagnose(bare, problem, seed=seed, replicates=replicates, tick=tick)
+    found = diagnose(bare, problem, seed=seed, rule=rule, tick=tick)
     found = _restored(found, model)
     if lag:
         found = _with_lag(found, lag_base, lag)

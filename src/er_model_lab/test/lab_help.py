@@ -12,16 +12,22 @@ GUO = Path(__file__).resolve().parents[3] / "config" / "dampers" / "inove_guo.ya
 DT, FORCE_NOISE = 0.005, 0.15
 
 
-def problem_of(effect, values, seconds=24.0, seed=1, accelerometers=True, blur=1.0):
-    """The model without an effect, and measurements with it: six imposed sines, steps of duty."""
-    model, rng = load_model(GUO), np.random.default_rng(seed)
-    n = round(seconds / DT)
+def imposed(rng, n):
+    """Deflection, velocity and acceleration of six sines, and steps of duty."""
     w = 2 * np.pi * np.array([0.7, 1.3, 2.1, 3.4, 5.2, 7.3])
     size = 0.09 / w / 2.5
     phase = np.multiply.outer(np.arange(n) * DT, w) + rng.uniform(0, 2 * np.pi, w.size)
     x, v, a = np.sin(phase) @ size, np.cos(phase) @ (size * w), -np.sin(phase) @ (size * w**2)
-    u = np.repeat(rng.choice([0.0, 0.1, 0.2, 0.3], n // 150 + 1), 150)[:n]
-    force = predict(model.with_effect(effect, values), motion(DT, x, v, u, a))
+    return x, v, a, np.repeat(rng.choice([0.0, 0.1, 0.2, 0.3], n // 150 + 1), 150)[:n]
+
+
+def problem_of(effect, values, seconds=24.0, seed=1, accelerometers=True, blur=1.0):
+    """The model without an effect (None: nothing is hidden), and measurements with it along an imposed motion."""
+    model, rng = load_model(GUO), np.random.default_rng(seed)
+    n = round(seconds / DT)
+    x, v, a, u = imposed(rng, n)
+    truth = model.with_effect(effect, values) if effect else model
+    force = predict(truth, motion(DT, x, v, u, a))
     channels = {
         "deflection": x + blur * 2e-5 * rng.standard_normal(n),
         "deflection_velocity": v + blur * 1e-3 * rng.standard_normal(n),

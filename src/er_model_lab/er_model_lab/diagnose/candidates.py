@@ -21,6 +21,8 @@ from er_model_lab.prepare import Problem
 FOREIGN = 0.25
 """Share of the force left unexplained above which a model's own values are taken to be another damper's."""
 MOST_RESTARTS = 16
+FIRST_ITERATIONS, FINALISTS = 10, 4
+"""Iterations every candidate gets, and how many of the best are then fitted to the end."""
 
 
 @dataclass(frozen=True)
@@ -53,9 +55,7 @@ def baseline(model: Model, problem: Problem) -> Candidate:
     if np.sqrt(fitted.mse(problem.train)) > FOREIGN * size:
         others = [fit(other, problem) for other in restarts(model, problem)]
         fitted = min([fitted, *others], key=lambda f: f.mse(problem.train))
-    residual, losses = cross_validated(fitted, problem)
-    mse = float(np.mean(residual[problem.train] ** 2))
-    return Candidate((), fitted, residual, losses, mse, 1.0, float("inf"))
+    return _judged((), fitted, problem, 1.0, float("inf"))
 
 
 def restarts(model: Model, problem: Problem) -> list[Model]:
@@ -101,8 +101,12 @@ def _amplitudes(effect: Effect) -> list[int]:
 
 def screen(
     base: Candidate, effect: Effect, problem: Problem
-) -> tuple[dict[str, float], float, float, float]:
-    """Best starting values, kept fraction, reach, and linearised gain of an effect [N2]."""
+) -> tuple[list[dict[str, float]], float, float]:
+    """Starting values of an effect, most promising first, the kept fraction and the reach.
+
+    Where amplitudes switch the effect on, a start promises what it gains once they are scaled; where none
+    does (a limit whose neutral value is infinite), what it gains as it is.
+    """
     model, train = base.fit.model, problem.train
     points = starts(effect, problem)
     grown = model.with_effect(effect.name, points[0])
@@ -118,21 +122,19 @@ def screen(
     outside = directions - absorbed
     power = np.sum(outside**2, axis=0)
     size = np.sum(directions**2, axis=0)
-    gains = np.where(
-        power > 1e-12 * np.maximum(size, 1e-300),
-        (outside.T @ r) ** 2 / np.maximum(power, 1e-300),
-        0,
-    )
-    best = int(np.argmax(gains))
+    along = outside.T @ r
+    seen = power > 1e-12 * np.maximum(size, 1e-300)
+    amplitudes = np.where(seen, along / np.maximum(power, 1e-300), 0.0)
+    if not _amplitudes(effect):
+        amplitudes = np.where(seen, 1.0, 0.0)
+    gains = 2.0 * amplitudes * along - amplitudes**2 * power
     kept = float(np.sqrt(np.max(power / np.maximum(size, 1e-300))))
     reach = float(np.sqrt(np.max(power) / train.sum()) / max(problem.sd_force, 1e-12))
-    amplitude = float(outside[:, best] @ r / max(power[best], 1e-300))
-    return (
-        _scaled(points[best], effect, amplitude, problem),
-        kept,
-        reach,
-        float(gains[best] / train.sum()),
-    )
+    ranked = [
+        _scaled(points[k], effect, float(amplitudes[k]), problem)
+        for k in np.argsort(-gains, kind="stable")
+    ]
+    return ranked, kept, reach
 
 
 def _scaled(
@@ -151,17 +153,42 @@ def _scaled(
     return out
 
 
-def refit(base: Candidate, effect: Effect, problem: Problem, *, max_iter: int = 10) -> Candidate:
+def refit(
+    base: Candidate, effect: Effect, problem: Problem, *, max_iter: int = FIRST_ITERATIONS
+) -> Candidate:
     """Add one effect to a fitted model, refit everything, and cross-validate.
 
-    The result is never worse in training than the model without the effect.
+    Where no amplitude switches the effect on, a straight line promises little: the two best starts are tried.
     """
-    values, kept, reach, _ = screen(base, effect, problem)
-    grown = base.fit.model.with_effect(effect.name, values)
-    fitted = fit(grown, problem, known=base.fit.jacobian, max_iter=max_iter)
+    points, kept, reach = screen(base, effect, problem)
+    fits = [
+        fit(
+            base.fit.model.with_effect(effect.name, values),
+            problem,
+            known=base.fit.jacobian,
+            max_iter=max_iter,
+        )
+        for values in points[: 1 if _amplitudes(effect) else 2]
+    ]
+    fitted = min(fits, key=lambda f: f.mse(problem.train))
+    return _judged((*base.effects, effect.name), fitted, problem, kept, reach)
+
+
+def finished(candidate: Candidate, problem: Problem, max_iter: int = 30) -> Candidate:
+    """A candidate whose fit had used up its iterations, fitted on."""
+    fitted = fit(candidate.fit.model, problem, max_iter=max_iter)
+    if not fitted.mse(problem.train) < candidate.fit.mse(problem.train):
+        return candidate
+    return _judged(candidate.effects, fitted, problem, candidate.kept, candidate.reach)
+
+
+def _judged(
+    effects: tuple[str, ...], fitted: Fit, problem: Problem, kept: float, reach: float
+) -> Candidate:
+    """A fitted model with its cross-validation."""
     residual, losses = cross_validated(fitted, problem)
     mse = float(np.mean(residual[problem.train] ** 2))
-    return Candidate((*base.effects, effect.name), fitted, residual, losses, mse, kept, reach)
+    return Candidate(effects, fitted, residual, losses, mse, kept, reach)
 
 
 def refit_all(
@@ -170,13 +197,18 @@ def refit_all(
     effects: Iterable[Effect] | None = None,
     tick: Callable[[str], None] | None = None,
 ) -> list[Candidate]:
-    """Every missing effect refitted, best held-out error first."""
+    """Every missing effect refitted, best held-out error first; the best few are fitted to the end."""
     found = []
     for effect in effects if effects is not None else missing(base.fit.model, problem):
         found.append(refit(base, effect, problem))
         if tick:
             tick(effect.name)
-    return sorted(found, key=lambda c: c.mse)
+    found.sort(key=lambda c: c.mse)
+    ahead = [
+        finished(c, problem) if c.fit.iterations >= FIRST_ITERATIONS else c
+        for c in found[:FINALISTS]
+    ]
+    return sorted([*ahead, *found[FINALISTS:]], key=lambda c: c.mse)
 
 
 def effect_size(base: Candidate, candidate: Candidate) -> float:
@@ -187,9 +219,6 @@ def effect_size(base: Candidate, candidate: Candidate) -> float:
 
 def without(candidate: Candidate, name: str, problem: Problem) -> Candidate:
     """A fitted model with one of its added effects taken out again and refitted."""
-    model = candidate.fit.model.without_effect(name)
-    fitted = fit(model, problem)
-    residual, losses = cross_validated(fitted, problem)
-    mse = float(np.mean(residual[problem.train] ** 2))
+    fitted = fit(candidate.fit.model.without_effect(name), problem)
     kept = tuple(e for e in candidate.effects if e != name)
-    return Candidate(kept, fitted, residual, losses, mse, 1.0, float("inf"))
+    return _judged(kept, fitted, problem, 1.0, float("inf"))

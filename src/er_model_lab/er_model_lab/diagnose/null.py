@@ -1,8 +1,11 @@
 """How large an effect appears by chance when the model is complete.
 
-The current model is taken as the truth: its motion gets the noise of every sensor, is fused again, and
-the force gets noise of the size and colour that the best model leaves. The largest effect size over
-the whole catalogue is recorded (Westfall and Young 1993), so that asking thirty questions costs nothing.
+The fitted model is taken as the truth along motions that the sensors may have meant, and the force gets noise
+of the size and colour that the best model leaves. Every effect of the catalogue, from each of its starts and
+where it was fitted, is then added along the fused motion in a straight line and cross-validated over the same
+blocks. The largest effect size over the catalogue is recorded (Westfall and Young 1993), so that asking thirty
+questions costs nothing. Beyond what few replicates resolve, the squared size falls exponentially (peaks over a
+threshold, Pickands 1975); its mean is known from few peaks only, and what another one exceeds follows from F.
 """
 
 from __future__ import annotations
@@ -13,7 +16,13 @@ import numpy as np
 from er_models.model import Array
 
 from er_model_lab.diagnose.candidates import Candidate
-from er_model_lab.prepare import FOLDS, Problem, white_noise
+from er_model_lab.diagnose.chance import largest
+from er_model_lab.prepare import Problem, white_noise
+
+MOTIONS = 4
+"""Draws of the motion; each serves many draws of the force noise."""
+PEAKS = 12
+"""Largest replicates from which the tail is drawn on."""
 
 
 @dataclass(frozen=True)
@@ -30,34 +39,54 @@ class Null:
     force_noise: float
     colour: float
 
-    def threshold(self, level: float = 0.05, factor: float = 1.3) -> float:
-        """Effect size that chance passes with this probability, with a safety factor [N]."""
-        return factor * float(np.quantile(self.maxima, 1.0 - level)) if self.maxima.size else 0.0
+    def _peaks(self) -> int:
+        """Replicates from which the tail is drawn on."""
+        return min(PEAKS, int(np.sum(self.maxima > 0.0)))
+
+    def _tail(self) -> tuple[float, float, float]:
+        """Size where the tail begins [N], mean of the squares beyond it [N2], and its probability."""
+        order, k = np.sort(self.maxima), self._peaks()
+        begin = float(order[-k - 1]) if k < order.size else 0.0
+        excess = float(np.mean(order[-k:] ** 2 - begin**2)) if k else 0.0
+        return begin, excess, k / max(order.size, 1)
+
+    def threshold(self, false_alarm: float) -> float:
+        """Effect size that chance passes with this probability [N]."""
+        if not self.maxima.size:
+            return 0.0
+        begin, mean, share = self._tail()
+        if false_alarm >= share:
+            return float(np.quantile(self.maxima, 1.0 - false_alarm))
+        beyond = self._peaks() * ((share / false_alarm) ** (1.0 / self._peaks()) - 1.0)
+        return float(np.sqrt(begin**2 + mean * beyond))
 
     def p_value(self, size: float) -> float:
-        """Share of complete models in which chance alone does as well, never below 1 / (replicates + 1)."""
-        return float((1 + np.sum(self.maxima >= size)) / (self.maxima.size + 1))
+        """Probability that chance alone does as well in a complete model."""
+        begin, mean, share = self._tail()
+        if size <= begin or mean <= 0.0:
+            return float((1 + np.sum(self.maxima >= size)) / (self.maxima.size + 1))
+        beyond = (size**2 - begin**2) / (mean * self._peaks())
+        return float(share * (1.0 + beyond) ** -self._peaks())
 
 
 def simulate_null(
-    base: Candidate, rivals: list[Candidate], problem: Problem, seed: int, replicates: int = 16
+    base: Candidate, rivals: list[Candidate], problem: Problem, seed: int, replicates: int = 64
 ) -> Null:
-    """Replicates of `problem` under the fitted model, scored for every rival by one linear step."""
+    """Replicates of `problem` under the fitted model, scored for every rival."""
     rng = np.random.default_rng(seed)
-    wobble = problem.forward.input_errors(problem, base.fit.model, rng, replicates)
+    wobble = problem.forward.input_errors(problem, base.fit.model, rng, MOTIONS)
     input_error = float(np.sqrt(np.mean(wobble[:, problem.train] ** 2)))
     held_out = float(np.sqrt(np.mean(wobble[:, problem.held_out] ** 2)))
     leader = rivals[0] if rivals else base
     noise, colour = _force_noise(leader, problem, input_error)
-    errors = wobble + problem.forward.output_errors(
-        leader.fit.residual, noise, colour, rng, replicates
+    if not rivals:
+        return Null(np.zeros(0), input_error, held_out, noise, colour)
+    many = -(-replicates // MOTIONS)
+    errors = np.repeat(wobble, many, axis=0) + problem.forward.output_errors(
+        leader.fit.residual, noise, colour, rng, many * MOTIONS
     )
-    start = _linear_losses(base.fit.jacobian, errors, problem)
-    best = np.zeros(replicates)
-    for rival in rivals:
-        gain = start - _linear_losses(rival.fit.jacobian, errors, problem)
-        best = np.maximum(best, np.sqrt(np.maximum(gain, 0.0)))
-    return Null(best, input_error, held_out, noise, colour)
+    maxima = largest(base, rivals, problem, errors.T)
+    return Null(maxima, input_error, held_out, noise, colour)
 
 
 def _force_noise(best: Candidate, problem: Problem, input_error: float) -> tuple[float, float]:
@@ -67,21 +96,3 @@ def _force_noise(best: Candidate, problem: Problem, input_error: float) -> tuple
     size = float(np.sqrt(max(left, white_noise([r]) ** 2, 1e-24)))
     colour = float(np.clip(np.mean(r[1:] * r[:-1]) / max(float(np.mean(r**2)), 1e-300), 0.0, 0.9))
     return size, min(colour, 0.5)
-
-
-def _linear_losses(jacobian: Array, errors: Array, problem: Problem) -> Array:
-    """Cross-validated mean squares (replicates,) of error series after a linear fit on all columns."""
-    train = problem.train
-    size = np.sqrt(np.mean(jacobian[train] ** 2, axis=0))
-    j = jacobian[:, size > 1e-12 * max(float(size.max(initial=0.0)), 1e-300)]
-    j = j / np.sqrt(np.mean(j[train] ** 2, axis=0))
-    h = j[train].T @ j[train]
-    g = j[train].T @ errors[:, train].T
-    ridge = 1e-9 * np.trace(h) / max(h.shape[0], 1) * np.eye(h.shape[0])
-    total = np.zeros(errors.shape[0])
-    for b in range(FOLDS):
-        rows = problem.fold == b
-        jb, eb = j[rows], errors[:, rows].T
-        theta = np.linalg.solve(h - jb.T @ jb + ridge, g - jb.T @ eb)
-        total += np.sum((eb - jb @ theta) ** 2, axis=0)
-    return np.asarray(total / train.sum())

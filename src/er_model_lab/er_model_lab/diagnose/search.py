@@ -12,13 +12,14 @@ from er_models.model import Array
 from er_model_lab.diagnose.candidates import Candidate, effect_size, refit, refit_all, without
 from er_model_lab.diagnose.null import Null, simulate_null
 from er_model_lab.prepare import Problem
+from er_model_lab.rule import RULE, Rule
 
 SENSING_FIRST = ("force_delay", "force_lag", "velocity_lag", "deflection_zero", "preload")
-SMALLEST_SHARE = 0.1
-"""An effect smaller than this share of the noise is not worth a name."""
 PAIRS_OF = 6
 """Pairs are tried among this many best singles."""
 MOST_EFFECTS = 3
+DOUBT, SURE = 2.0, 4.5
+"""Paired t below which two candidates are tied in any case, and from which on they never are."""
 
 
 @dataclass(frozen=True)
@@ -33,13 +34,13 @@ class Round:
     ties: list[str]
 
 
-def threshold(null: Null, floor: float) -> float:
+def threshold(null: Null, floor: float, rule: Rule = RULE) -> float:
     """Smallest effect size that counts [N]."""
-    return max(null.threshold(), SMALLEST_SHARE * floor)
+    return max(null.threshold(rule.false_alarm), rule.smallest * floor)
 
 
 def passes(base: Candidate, candidate: Candidate, limit: float) -> bool:
-    """Whether an effect is there: large, steady over blocks, and not at an absurd value.
+    """Whether an effect is there: large, and steady over blocks.
 
     The fall must exceed the limit and be positive in half of the blocks at least. Unless it is three times
     the limit (records of different kind, where some cannot show the effect), it must also be steady: a
@@ -80,8 +81,8 @@ def tied(
 ) -> list[Candidate]:
     """Candidates the data cannot tell from the best one, simplest first.
 
-    A tie needs nearly the same effect size, and a paired difference within 2 standard errors or one too
-    small to count as an effect of its own. Nested forms of one force are no tie: the simpler stands for both.
+    A tie needs nearly the same effect size, and a paired difference within `DOUBT` standard errors, or within
+    `SURE` and too small to count as an effect of its own.
     """
     best = candidates[0]
     size = effect_size(base, best)
@@ -89,8 +90,8 @@ def tied(
     for other in candidates[1:]:
         if not passes(base, other, limit) or effect_size(base, other) < 0.85 * size:
             continue
-        gap = np.sqrt(max(other.mse - best.mse, 0.0))
-        if gap < limit or block_t(best, other, problem) < 2.0:
+        gap, t = np.sqrt(max(other.mse - best.mse, 0.0)), block_t(best, other, problem)
+        if t < (SURE if gap < limit else DOUBT):
             near.append(other)
     return sorted(near, key=complexity)
 
@@ -110,23 +111,28 @@ def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
     )
 
 
+def rivals(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
+    """Whether a tie is worth telling: of nested forms the simpler stands for both, unless the data ask for more."""
+    return not nested(simple, rich, problem) or block_t(rich, simple, problem) >= DOUBT
+
+
 def one_round(
     base: Candidate,
     problem: Problem,
     seed: int,
-    replicates: int,
+    rule: Rule = RULE,
     tick: Callable[[str], None] | None = None,
 ) -> Round:
     """Refit every missing effect, calibrate, and choose the best or nothing."""
     candidates = refit_all(base, problem, tick=tick)
-    null = simulate_null(base, candidates, problem, seed, replicates)
-    limit = threshold(null, np.sqrt(min(candidates[0].mse, base.mse)))
+    null = simulate_null(base, candidates, problem, seed)
+    limit = threshold(null, np.sqrt(min(candidates[0].mse, base.mse)), rule)
     able = _without_refinements(base, [c for c in candidates if passes(base, c, limit)], limit)
     if not able:
         return Round(base, candidates, null, limit, None, [])
     group = tied(base, able, problem, limit)
     taken = group[0]
-    ties = [c.name for c in group if c is taken or not nested(taken, c, problem)]
+    ties = [c.name for c in group if c is taken or rivals(taken, c, problem)]
     return Round(base, candidates, null, limit, taken, ties)
 
 

@@ -15,6 +15,7 @@ from er_model_lab.diagnose.floor import Floor, noise_floor
 from er_model_lab.diagnose.null import Null
 from er_model_lab.diagnose.search import MOST_EFFECTS, Round, one_round, prune, try_pairs
 from er_model_lab.prepare import Problem
+from er_model_lab.rule import RULE, Rule
 
 Name = Literal[
     "adequate", "missing_effect", "ambiguous", "partial", "unknown_effect", "insufficient_data"
@@ -56,15 +57,15 @@ def diagnose(
     problem: Problem,
     *,
     seed: int = 0,
-    replicates: int = 16,
+    rule: Rule = RULE,
     tick: Callable[[str], None] | None = None,
 ) -> Diagnosis:
     """Refit the model, then find which effects are missing and how sure that is."""
     base = baseline(model, problem)
-    rounds = [one_round(base, problem, seed, replicates, tick)]
+    rounds = [one_round(base, problem, seed, rule, tick)]
     best = rounds[0].taken or base
     floor = noise_floor(problem, _leader(rounds[0]), rounds[0].null.input_error, seed)
-    best, rounds, floor = _grow(best, rounds, floor, problem, seed, replicates, tick)
+    best, rounds, floor = _grow(best, rounds, floor, problem, seed, rule, tick)
     if len(best.effects) > 1:
         best = prune(best, problem, rounds[0].threshold)
     return judge(base, best, rounds, floor, problem)
@@ -94,7 +95,7 @@ def _leader(step: Round) -> Candidate:
 
 
 def _grow(
-    best: Candidate, rounds: list[Round], floor: Floor, problem: Problem, seed: int, replicates: int,
+    best: Candidate, rounds: list[Round], floor: Floor, problem: Problem, seed: int, rule: Rule,
     tick: Callable[[str], None] | None,
 ) -> tuple[Candidate, list[Round], Floor]:  # fmt: skip
     """Add further effects while each explains most of what is left."""
@@ -103,7 +104,7 @@ def _grow(
         left = best.mse - floor.floor**2
         if left < 0.05 * best.mse and floor.explained <= VISIBLE:
             break
-        step = one_round(best, problem, seed + len(rounds), replicates, tick)
+        step = one_round(best, problem, seed + len(rounds), rule, tick)
         leader = _leader(step)
         deeper = noise_floor(problem, leader, step.null.input_error, seed)
         floor = deeper if deeper.floor < floor.floor else floor
@@ -129,11 +130,14 @@ def _grow(
 
 
 def _alternatives(best: Candidate, rounds: list[Round]) -> tuple[tuple[str, ...], ...]:
-    """Groups the data cannot tell apart, for the effects that were kept."""
+    """Groups the data cannot tell apart, for the effects that were kept; two that are both needed are no rivals."""
     groups = []
     for step in rounds:
-        if step.taken is not None and step.taken.name in best.effects and len(step.ties) > 1:
-            groups.append(tuple(step.ties))
+        if step.taken is None or step.taken.name not in best.effects:
+            continue
+        group = [n for n in step.ties if n == step.taken.name or n not in best.effects]
+        if len(group) > 1:
+            groups.append(tuple(group))
     return tuple(groups)
 
 

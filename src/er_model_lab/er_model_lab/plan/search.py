@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
-from er_model_lab.diagnose.search import SMALLEST_SHARE
 from er_model_lab.plan import menu
 from er_model_lab.plan.piece import Bench, Tried, broad, judged, score, separations
 from er_model_lab.plan.segment import Segment
+from er_model_lab.rule import RULE
 
 MOST_PIECES = 3
 MOTIONS_KEPT = 5
@@ -65,7 +65,7 @@ def directions(pieces: Sequence[Tried]) -> tuple[str, ...]:
     """
     names = tuple(pieces[0].parts)
     best = {n: max(separations([p])[n] for p in pieces) for n in names}
-    seen = tuple(n for n in names if best[n] >= SMALLEST_SHARE)
+    seen = tuple(n for n in names if best[n] >= RULE.smallest)
     return seen or names
 
 

@@ -19,13 +19,13 @@ from er_models.predict import predict
 from er_models.scales import Scales
 
 from er_model_lab.diagnose.candidates import baseline, effect_size, refit
-from er_model_lab.diagnose.search import SMALLEST_SHARE
 from er_model_lab.fit import with_deviations
 from er_model_lab.plan.bench import Run
 from er_model_lab.plan.limits import Sensors
 from er_model_lab.plan.linear import design, left, triangle
 from er_model_lab.plan.question import Question
 from er_model_lab.prepare import Problem
+from er_model_lab.rule import RULE
 
 STANDS_OUT = 1.0
 """Unexplained change of the force over the noise at the strength that is taken without data."""
@@ -80,7 +80,7 @@ def from_data(assumed: Rivals, problem: Problem, rich: Rich, sensors: Sensors) -
     truths, shown, sources = {}, {}, {}
     for name in question.names:
         found = refit(base, question.effect(name), problem, max_iter=20)
-        seen = effect_size(base, found) >= SMALLEST_SHARE * np.sqrt(found.mse)
+        seen = effect_size(base, found) >= RULE.smallest * np.sqrt(found.mse)
         values = assumed.truths[name].effects[name]
         truth = with_deviations(found.fit, problem) if seen else model.with_effect(name, values)
         truths[name] = replace(truth, scales=question.base.scales)

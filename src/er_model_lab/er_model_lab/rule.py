@@ -1,0 +1,33 @@
+"""When an effect is worth a name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from er_models.errors import InputError
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Two thresholds; an effect must pass both.
+
+    false_alarm: rate at which a complete model may be given a missing effect; smallest: size as a share of the
+    noise below which no effect is named, however certain: what differs so little may as well be the form of
+    another law.
+
+    Raises:
+        InputError: a rate or a share that is none.
+    """
+
+    false_alarm: float = 0.01
+    smallest: float = 0.12
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.false_alarm < 1.0:
+            raise InputError("--false-alarm", "", "a rate above 0 and below 1", self.false_alarm)
+        if not 0.0 <= self.smallest <= 1.0:
+            raise InputError("--smallest", "", "a share from 0 to 1", self.smallest)
+
+
+RULE = Rule()
+"""The rule unless another is asked for."""

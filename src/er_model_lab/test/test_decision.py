@@ -1,0 +1,89 @@
+"""When an effect is worth a name: what chance gives, ties, and effects that are needed together."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from er_model_lab.diagnose.candidates import baseline, refit
+from er_model_lab.diagnose.null import Null, simulate_null
+from er_model_lab.diagnose.search import Round, tied
+from er_model_lab.diagnose.verdict import _alternatives
+from er_model_lab.motion_error import drawn
+from er_model_lab.rule import Rule
+from er_models.errors import InputError
+from lab_help import imposed, problem_of
+
+
+@pytest.mark.parametrize("accelerometers", [True, False])
+def test_drawn_motions_miss_the_fused_one_as_it_misses_the_true_one(accelerometers):
+    _, problem = problem_of(None, {}, seed=4, accelerometers=accelerometers)
+    rng, m = np.random.default_rng(0), problem.motion
+    x, v, _, _ = imposed(np.random.default_rng(4), m.n)
+    draws = [drawn(problem, rng) for _ in range(4)]
+    for true, seen, shown in (
+        (x, m.x, [d.x for d in draws]),
+        (v, m.v, [d.v for d in draws]),
+    ):
+        missed = np.std((true - seen)[problem.train])
+        assert np.std([(y - seen)[problem.train] for y in shown]) == pytest.approx(
+            missed, rel=0.25
+        )
+
+
+def test_chance_passes_its_threshold_as_often_as_it_is_allowed_to():
+    sizes = np.sqrt(np.random.default_rng(3).exponential(2.0, 4096))
+    for alarm in (0.3, 0.05, 0.01):
+        rates, values = [], []
+        for part in sizes.reshape(-1, 64):
+            null = Null(part, 0.0, 0.0, 1.0, 0.0)
+            limit = null.threshold(alarm)
+            rates.append(np.exp(-(limit**2) / 2.0))
+            values.append(null.p_value(limit))
+        assert np.mean(rates) == pytest.approx(alarm, rel=0.5)
+        assert np.median(values) == pytest.approx(alarm, rel=0.3)
+
+
+def test_a_complete_model_stays_below_what_chance_gives_and_an_effect_does_not():
+    limits = {}
+    for effect, values in ((None, {}), ("coulomb_friction", {"F_c": 0.5, "v_0": 0.003})):
+        model, problem = problem_of(effect, values, seed=5)
+        base = baseline(model, problem)
+        found = [
+            refit(base, model.catalogue[n], problem) for n in ("coulomb_friction", "end_stop")
+        ]
+        null = simulate_null(base, found, problem, seed=1)
+        limits[effect] = null.threshold(0.01), np.sqrt(max(base.mse - found[0].mse, 0.0))
+    assert limits[None][1] < limits[None][0] < 0.05
+    assert limits["coulomb_friction"][1] > 3.0 * limits["coulomb_friction"][0]
+
+
+@pytest.mark.parametrize(("rate", "share"), [(0.0, 0.1), (1.0, 0.1), (0.01, -0.1)])
+def test_a_rule_that_cannot_be_is_refused(rate, share):
+    with pytest.raises(InputError):
+        Rule(rate, share)
+
+
+@pytest.fixture(scope="module")
+def friction():
+    model, problem = problem_of(
+        "stribeck_friction", {"F_c": 0.5, "F_s": 1.5, "v_s": 0.01, "v_0": 0.002}, seed=2
+    )
+    base = baseline(model, problem)
+    names = ("stribeck_friction", "coulomb_friction")
+    found = [refit(base, model.catalogue[n], problem, max_iter=30) for n in names]
+    return base, sorted(found, key=lambda c: c.mse), problem
+
+
+def test_a_small_difference_that_is_sure_is_no_tie(friction):
+    base, found, problem = friction
+    near = tied(base, found, problem, limit=0.01)
+    assert [c.name for c in near] == ["stribeck_friction"]
+
+
+def test_effects_that_are_both_needed_are_no_rivals(friction):
+    base, found, _ = friction
+    null = Null(np.zeros(0), 0.0, 0.0, 1.0, 0.0)
+    step = Round(base, found, null, 0.1, found[0], [c.name for c in found])
+    both = replace(found[0], effects=tuple(c.name for c in found))
+    assert _alternatives(both, [step]) == ()
+    assert _alternatives(found[0], [step]) == (tuple(c.name for c in found),)
