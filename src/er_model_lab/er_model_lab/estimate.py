@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from er_models.model import Array, Model
 from er_models.predict import Motion, predict, predict_many
+from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
 
 from er_model_lab.fit import Box, Fit, covariance
@@ -49,11 +50,12 @@ def secants(
     box: Box, theta: Array, motion: Motion, share: float = SECANTS[0]
 ) -> tuple[Array, Array]:
     """Force (n,) and its derivative (n, p) by scaled parameters, over a share of each value."""
-    step = share * np.maximum(np.abs(theta), 0.1 * box.size)
-    step = np.where(theta + step > box.high, -step, step)
-    points = np.vstack([theta, theta + np.diag(step)])
-    forces = predict_many(box.model, box.vectors(points), motion)
-    return forces[0], np.nan_to_num((forces[1:] - forces[0]).T / step)
+
+    def forces(points: Array) -> Array:
+        return predict_many(box.model, box.vectors(points), motion)
+
+    here = forces(theta[None])[0]
+    return here, quotients(forces, theta, steps(box.parameters, theta, share), here)
 
 
 def _step(j: Array, e: Array, inner: NDArray[np.bool_]) -> Array:

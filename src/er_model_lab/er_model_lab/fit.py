@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from er_models.model import Array, Model
 from er_models.scales import Scales
+from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
 
 from er_model_lab.forward import Free
@@ -50,14 +51,12 @@ class Box:
     def __init__(self, model: Model, free: Free, scales: Scales) -> None:
         self.model, self.free = model, free
         c = model.catalogue
-        params = [c[e].parameter(p) for e, p in free]
+        params = self.parameters = [c[e].parameter(p) for e, p in free]
         self.columns = np.array([c.column(e, p) for e, p in free], int)
         self.scale = np.array([scales.of(q.unit) for q in params])
         self.low = np.array([q.low for q in params])
         self.high = np.array([q.high for q in params])
-        self.size = np.array(
-            [max([abs(s) for s in q.starts if np.isfinite(s)] + [1e-3]) for q in params]
-        )
+        self.size = np.array([q.size for q in params])
 
     def start(self) -> Array:
         """Scaled values of the model, moved into the box."""
@@ -124,22 +123,15 @@ def fit(
     return Fit(box.model_at(theta), box.free, theta, box.scale, y - f, jacobian, edge, rounds)
 
 
-def _steps(box: Box, theta: Array) -> Array:
-    """Difference steps in scaled units, pointing into the box."""
-    step = 1e-4 * np.maximum(np.abs(theta), 0.1 * box.size)
-    return np.asarray(np.where(theta + step > box.high, -step, step))
-
-
 def _jacobian(box: Box, theta: Array, f: Array, problem: Problem, known: Array | None) -> Array:
     """Derivative of the force (n, p) by scaled parameters, one batch of predictions.
 
     Columns that are known already are taken over.
     """
-    first = 0 if known is None else known.shape[1]
-    step = _steps(box, theta)
-    points = (theta + np.diag(step))[first:]
-    forces = problem.predict_many(box.model, box.vectors(points))
-    new = np.nan_to_num((forces - f).T / step[first:])
+    new = quotients(
+        lambda points: problem.predict_many(box.model, box.vectors(points)), theta,
+        steps(box.parameters, theta), f, 0 if known is None else known.shape[1],
+    )  # fmt: skip
     return new if known is None else np.hstack([known, new])
 
 

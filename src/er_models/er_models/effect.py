@@ -9,6 +9,7 @@ so each equation stands in one place.
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
@@ -73,13 +74,18 @@ HOOKS: dict[str, str] = {
     "unsprung_reading": "maps the acceleration of the unsprung mass to the reported one",
 }
 
+SMOOTH, CONTACT, SWITCH = 3e-6, 1e-5, 1e-2
+"""Steps of derivatives, as shares of a value: of a smooth equation, of one with a contact that
+opens and closes, of one that jumps."""
+
 
 @dataclass(frozen=True, slots=True)
 class Param:
     """One parameter; low, high and starts are multiples of the natural scale of its unit.
 
     The natural scale comes from the data or the model (`er_models.scales`), so that the same declaration
-    serves dampers that differ by a factor of 100 in force.
+    serves dampers that differ by a factor of 100 in force. step: share of the value over which a derivative
+    is taken (`er_models.sensitivity`); longer where the value moves the instants of jumps.
     """
 
     name: str
@@ -90,6 +96,12 @@ class Param:
     starts: tuple[float, ...]
     meaning: str
     fitted: bool = True
+    step: float = SMOOTH
+
+    @property
+    def size(self) -> float:
+        """Magnitude of typical values, in multiples of the natural scale."""
+        return max([abs(s) for s in self.starts if math.isfinite(s)] + [1e-3])
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,16 +7,18 @@ import importlib
 import inspect
 import math
 import pkgutil
+from collections.abc import Callable
 
 import er_models.effects
 import numpy as np
 import pytest
 from er_models.catalogue import CATALOGUE
-from er_models.effect import Effect
+from er_models.effect import SMOOTH, Effect
 from er_models.kernel.order import signals_of
 from er_models.model import Array, Model
 from er_models.predict import Motion, predict, predict_many
 from er_models.scales import Scales
+from er_models.sensitivity import sensitivities
 from er_models.simulate import simulate
 from models_help import (
     DT,
@@ -191,6 +193,51 @@ def test_one_prediction_is_each_of_many(effect: Effect) -> None:
     many = predict_many(model, np.array([m.compiled().p for m in models]), inputs)
     for row, one in zip(many, models):
         assert np.array_equal(row, predict(one, inputs))
+
+
+def _runs(model: Model) -> Callable[[Array], Array]:
+    """Outputs (m, n) of flat parameter vectors: the force along a motion, or readings of the car on a road."""
+    if not model.is_vehicle:
+        inputs = imposed(SMALL, 2.0)
+        return lambda vectors: predict_many(model, vectors, inputs)
+    t = np.arange(300) * DT
+    road = 2.0 * SMALL.deflection * (np.sin(11.0 * t) + 0.3 * np.sin(100.0 * t))
+    duty = SMALL.duty * np.repeat([0.2, 0.8], 150)
+
+    def readings(vectors: Array) -> Array:
+        out = []
+        for p in vectors:
+            of = {e: {n: p[CATALOGUE.column(e, n)] for n in v} for e, v in model.effects.items()}
+            run = simulate(dataclasses.replace(model, effects=of), DT, road, duty)
+            channels = ("sprung_acceleration", "unsprung_acceleration", "deflection")
+            out.append(np.concatenate([run[c] / np.std(run[c]) for c in channels]))
+        return np.array(out)
+
+    return readings
+
+
+@EFFECTS
+def test_derivatives_by_its_parameters_are_central_differences(effect: Effect) -> None:
+    """At random points near each start; where a value moves jumps, a secant on one side instead."""
+    rng = np.random.default_rng(7)
+    car = ("quarter_car",) if effect.stage == "vehicle" else ()
+    for which in range(max(len(q.starts) for q in effect.parameters)):
+        model = base(SMALL, "passive", "guo_yield", "response", *car)
+        values = {q.name: model.start(effect.name, q.name, which) for q in effect.parameters}
+        off = {n: v * rng.uniform(0.9, 1.1) for n, v in values.items()}
+        model = model.with_effect(effect.name, off)
+        parameters = [(effect.name, q.name) for q in effect.parameters]
+        rows = _runs(model)
+        here, slopes = sensitivities(model, parameters, rows)
+        for q, slope in zip(effect.parameters, slopes.T, strict=True):
+            smooth, size = q.step == SMOOTH, q.size * SMALL.of(q.unit)
+            step = 3e-5 * size if smooth else q.step * max(abs(off[q.name]), 0.1 * size)
+            vectors = np.tile(model.compiled().p, (2, 1))
+            vectors[:, CATALOGUE.column(effect.name, q.name)] += (step, -step if smooth else 0.0)
+            after, before = rows(vectors)
+            expected = (after - before) / (2.0 * step if smooth else step)
+            error = np.linalg.norm(slope - expected)
+            assert error <= 1e-5 * np.linalg.norm(expected) + 1e-9 * np.linalg.norm(here) / size, q
 
 
 @pytest.mark.parametrize("model", [guo(), bingham()], ids=("guo", "bingham"))

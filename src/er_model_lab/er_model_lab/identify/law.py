@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
+from er_models.sensitivity import steps
 
 from er_model_lab.fit import Box
 from er_model_lab.forward import Free
@@ -70,7 +71,7 @@ def follow_table(model: Model, response: Free, table: Table, problem: Problem) -
     theta = box.start()
     for _ in range(10):
         now = response_time(box.model_at(theta), table.duty)
-        step = 1e-6 * np.maximum(np.abs(theta), 0.1 * box.size)
+        step = steps(box.parameters, theta)
         slopes = [
             (response_time(box.model_at(theta + d), table.duty) - now) / d.sum()
             for d in np.diag(step)

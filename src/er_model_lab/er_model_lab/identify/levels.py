@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from er_models.model import Array, Model
 from er_models.predict import predict_many
+from er_models.sensitivity import steps
 from scipy.optimize import least_squares
 
 from er_model_lab.fit import Box, Fit, covariance
@@ -107,14 +108,12 @@ class _LevelsFit:
     def jacobian(self, z: Array) -> Array:
         """Derivative of the force (rows, n + m) by the scaled unknowns."""
         out, at = np.zeros((self.rows.size, z.size)), 0
-        steps, points = [], []
+        own, points = [], []
         for tau in z[self.n :]:
             point = np.append(z[: self.n], tau)
-            step = 1e-4 * np.maximum(np.abs(point), 0.1 * self.box.size)
-            step = np.where(point + step > self.box.high, -step, step)
-            steps.append(step)
+            own.append(step := steps(self.box.parameters, point))
             points.append(np.vstack([point, point + np.diag(step)]))
-        for k, (f, step) in enumerate(zip(self.forces(points), steps, strict=True)):
+        for k, (f, step) in enumerate(zip(self.forces(points), own, strict=True)):
             block = slice(at, at + f.shape[1])
             slopes = np.nan_to_num((f[1:] - f[0]).T / step)
             out[block, : self.n], out[block, self.n + k] = slopes[:, : self.n], slopes[:, self.n]

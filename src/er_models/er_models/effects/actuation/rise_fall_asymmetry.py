@@ -1,6 +1,6 @@
 """Rise and fall differ: the yield force falls with r tau."""
 
-from er_models.effect import Effect, Param, Signature
+from er_models.effect import SWITCH, Effect, Param, Signature
 
 
 def tau_scale(r: float, y: float, f_y: float) -> float:
@@ -15,7 +15,14 @@ EFFECT = Effect(
     physics="Chains break faster (or slower) than they form.",
     parameters=(
         Param(
-            "r", "1", 0.1, 5.0, 1.0, (1.4, 0.7), "time constant of the fall over that of the rise"
+            "r",
+            "1",
+            0.1,
+            5.0,
+            1.0,
+            (1.4, 0.7),
+            "time constant of the fall over that of the rise",
+            step=SWITCH,
         ),
     ),
     hooks={"tau_scale": tau_scale},

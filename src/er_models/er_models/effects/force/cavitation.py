@@ -1,6 +1,6 @@
 """Cavitation: beyond F_v a void of the stroke w opens, and holds the force there until it is closed again."""
 
-from er_models.effect import Effect, Param, Signature
+from er_models.effect import CONTACT, Effect, Param, Signature
 
 
 def relax(F_v: float, c_0: float, v: float, f_y: float, w: float) -> tuple[float, float]:
@@ -29,6 +29,7 @@ EFFECT = Effect(
             float("inf"),
             (0.5, 0.7, 0.9, 0.35, -0.5, -0.7, -0.9, -0.35),
             "force at vapour pressure; negative in compression",
+            step=CONTACT,
         ),
         Param(
             "w_s",
@@ -38,6 +39,7 @@ EFFECT = Effect(
             None,
             (2e-3,),
             "void at which half of the limit acts",
+            step=CONTACT,
         ),
     ),
     hooks={"relax": relax, "limit": limit},

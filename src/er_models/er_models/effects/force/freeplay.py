@@ -1,6 +1,6 @@
 """Freeplay: a joint with a gap of +-b, in series with the damper, that carries no force until it closes."""
 
-from er_models.effect import Effect, Param, Signature
+from er_models.effect import CONTACT, Effect, Param, Signature
 
 
 def relax(k_0: float, c_0: float, x: float, v: float, f_y: float) -> tuple[float, float]:
@@ -31,7 +31,7 @@ EFFECT = Effect(
     title="Freeplay (backlash)",
     physics="A worn joint must cross its gap each time the force changes its sign, before the damper works "
     "again; meanwhile the damper is free and relaxes.",
-    parameters=(Param("b", "m", 0.0, 0.3, 0.0, (0.01, 0.03), "half the gap"),),
+    parameters=(Param("b", "m", 0.0, 0.3, 0.0, (0.01, 0.03), "half the gap", step=CONTACT),),
     hooks={
         "relax": relax,
         "bound": bound,

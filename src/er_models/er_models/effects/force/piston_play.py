@@ -1,6 +1,6 @@
 """Damped play of the piston: c_p w' carries the yield force until the play +-b is used up."""
 
-from er_models.effect import Effect, Param, Signature
+from er_models.effect import SWITCH, Effect, Param, Signature
 
 
 def relax(c_p: float, f_y: float) -> tuple[float, float]:
@@ -31,8 +31,17 @@ EFFECT = Effect(
     "squeezed out of the play resists in proportion to the velocity; only then must the fluid pass "
     "the field. Seals rub all the time.",
     parameters=(
-        Param("b", "m", 0.0, 0.3, 0.0, (0.01, 0.03), "half the play"),
-        Param("c_p", "N s/m", 0.05, 50.0, None, (3.0, 0.5), "damping while the play is crossed"),
+        Param("b", "m", 0.0, 0.3, 0.0, (0.01, 0.03), "half the play", step=SWITCH),
+        Param(
+            "c_p",
+            "N s/m",
+            0.05,
+            50.0,
+            None,
+            (3.0, 0.5),
+            "damping while the play is crossed",
+            step=SWITCH,
+        ),
     ),
     hooks={
         "relax": relax,

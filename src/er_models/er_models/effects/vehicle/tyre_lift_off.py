@@ -1,6 +1,6 @@
 """Tyre lift-off: the tyre can push but not pull, F_t <= r (m_s + m_us) g."""
 
-from er_models.effect import Effect, Param, Signature
+from er_models.effect import CONTACT, Effect, Param, Signature
 
 g = 9.80665
 """Standard acceleration of free fall [m/s2]."""
@@ -28,6 +28,7 @@ EFFECT = Effect(
             float("inf"),
             (1.0,),
             "static load of the tyre over the weight, g = 9.80665 m/s2",
+            step=CONTACT,
         ),
     ),
     hooks={"tyre_limit": tyre_limit},

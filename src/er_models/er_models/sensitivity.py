@@ -1,0 +1,64 @@
+"""Derivatives of what a model computes by its parameters: difference quotients, all columns in one batch.
+
+Each parameter declares its step (`Param.step`). Where the equations are smooth, a few millionths of the value err
+as little as exact derivatives would for any fit. Where a jump moves with the parameter, so small a step sees it in one
+sample or in none, and a longer secant sees what many of them do together. The steps were measured:
+docs/decisions/0004-sensitivities.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from er_models.effect import Param
+from er_models.model import Array, Model
+
+Rows = Callable[[Array], Array]
+"""Outputs (m, n) at points (m, p), for instance `predict_many`."""
+LEAST = 0.1
+"""A step is a share of the value, or of this much of the parameter's size where the value is smaller."""
+
+
+def steps(parameters: Sequence[Param], values: Array, share: float | None = None) -> Array:
+    """Steps (p,) of a difference quotient at values (p,), both in multiples of the natural scales.
+
+    They point into the box. share: of the values, in place of what the parameters declare.
+    """
+    shares = np.array([q.step if share is None else share for q in parameters])
+    size, high = (np.array([getattr(q, n) for q in parameters]) for n in ("size", "high"))
+    step = shares * np.maximum(np.abs(values), LEAST * size)
+    return np.asarray(np.where(values + step > high, -step, step))
+
+
+def quotients(rows: Rows, at: Array, step: Array, here: Array, first: int = 0) -> Array:
+    """Derivatives (n, p - first) of rows by the coordinates of a point at (p,), from the first one on.
+
+    here (n,): outputs at the point; zero where the model gives no number.
+    """
+    points = (at + np.diag(step))[first:]
+    exact = (points - at)[:, first:].diagonal()
+    return np.nan_to_num((rows(points) - here).T / exact)
+
+
+def sensitivities(
+    model: Model, parameters: Sequence[tuple[str, str]], rows: Rows
+) -> tuple[Array, Array]:
+    """Outputs (n,) of a model and their derivatives (n, p) by parameters (effect, name) [per SI unit].
+
+    rows: outputs (m, n) of flat parameter vectors (m, n_parameters), `predict_many` or many simulations.
+    """
+    c, base = model.catalogue, model.compiled().p
+    known = [c[effect].parameter(name) for effect, name in parameters]
+    columns = np.array([c.column(*q) for q in parameters], int)
+    scale = np.array([model.scales.of(q.unit) for q in known])
+    at = base[columns]
+
+    def outputs(points: Array) -> Array:
+        vectors = np.tile(base, (points.shape[0], 1))
+        vectors[:, columns] = points
+        return rows(vectors)
+
+    here = rows(base[None])[0]
+    return here, quotients(outputs, at, steps(known, at / scale) * scale, here)
