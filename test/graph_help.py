@@ -21,7 +21,9 @@ GAINS = str(CONFIG / "gains/nlpv_polytopic.yaml")
 MODULES = {
     "plant": "er_plant_sim.nodes.plant",
     "skyhook_controller": "er_ftc_controller.nodes.skyhook_controller",
+    "unified_observer": "er_observers.nodes.unified_observer",
     "nlpv_polytopic_observer": "er_observers.nodes.nlpv_polytopic_observer",
+    "nlpv_gridding_observer": "er_observers.nodes.nlpv_gridding_observer",
     "recorder": "er_model_lab.nodes.recorder",
     "up": "er_bringup.up",
     "doctor": "er_bringup.doctor",

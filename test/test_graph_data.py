@@ -47,7 +47,10 @@ def test_a_bad_argument_is_one_line(pair: str, words: str) -> None:
     [
         ("program:=nix", "expected a file, or one of .*chirp.*, found no such file"),
         ("model:=nix", "expected a file, or one of inove_quarter_car"),
-        ("observers:=nlpv_polytopic,nix", "observers: expected none, or some of nlpv_polytopic"),
+        (
+            "observers:=nlpv_polytopic,nix",
+            "observers: expected none, or some of unified, nlpv_polytopic",
+        ),
     ],
 )
 def test_a_name_that_does_not_exist_is_one_line(pair: str, words: str) -> None:

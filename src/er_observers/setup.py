@@ -22,7 +22,9 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
+            "unified_observer = er_observers.nodes.unified_observer:main",
             "nlpv_polytopic_observer = er_observers.nodes.nlpv_polytopic_observer:main",
+            "nlpv_gridding_observer = er_observers.nodes.nlpv_gridding_observer:main",
         ],
     },
 )

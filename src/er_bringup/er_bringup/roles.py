@@ -32,10 +32,6 @@ CONTROLLERS = {
     ),
 }
 OBSERVERS = {
-    "nlpv_polytopic": Role(
-        "er_observers",
-        "nlpv_polytopic_observer",
-        ("acceleration", "applied"),
-        "force/nlpv_polytopic",
-    ),
+    name: Role("er_observers", f"{name}_observer", ("acceleration", "applied"), f"force/{name}")
+    for name in ("unified", "nlpv_polytopic", "nlpv_gridding")
 }

@@ -15,21 +15,22 @@ import numpy as np
 import yaml
 from er_models.errors import InputError
 from er_models.files import write_whole
-from er_models.linear import LinearForm, fingerprint, relative_form
+from er_models.linear import LinearForm, fingerprint
 from er_models.model import Model
 
 from er_observers.claim_file import claim_of, sections
+from er_observers.forms import COORDINATES, SENSORS, form_of
 from er_observers.gain_file import Document, digest, read
 from er_observers.observers.kernel import SUBSTEP
-from er_observers.observers.matrices import Matrices, closed_matrices, open_matrices
+from er_observers.observers.matrices import Plan, bridge_plan, plan_of
 from er_observers.observers.status import LIMITS, Limits
 from er_observers.observers.watch import Watch, watch_of
 from er_observers.synthesis.proof import Claim, prove
 
 SCHEMA = "er_gains 1"
 _KEYS = (
-    *("schema", "observer", "model", "spec", "scaling"),
-    *("solution", "certificate", "solver", "digest"),
+    *("schema", "observer", "model", "spec", "scaling", "law", "solution", "common"),
+    *("certificate", "trade_off", "solver", "digest"),
 )
 
 
@@ -37,7 +38,7 @@ _KEYS = (
 class Gains:
     """Proved gains of one observer for one model, with what the loop takes from them.
 
-    matrices: the observer; bridge: the model alone; watch: constants of its health.
+    plan: the observer; bridge: the model alone; watch: constants of its health.
     """
 
     observer: str
@@ -46,22 +47,26 @@ class Gains:
     figures: Mapping[str, Any]
     digest: str
     limits: Limits = LIMITS
-    matrices: Matrices = field(init=False)
-    bridge: Matrices = field(init=False)
+    plan: Plan = field(init=False)
+    bridge: Plan = field(init=False)
     watch: Watch = field(init=False)
 
     def __post_init__(self) -> None:
-        form, L = self.form, self.claim.solution.L
-        rho, size = self.claim.spec.rho, self.claim.scaling.state
-        poles = np.array([np.linalg.eigvals(form.A - gain @ form.C) for gain in L])
-        object.__setattr__(self, "matrices", closed_matrices(form, L, rho, size))
-        object.__setattr__(self, "bridge", open_matrices(form, size))
+        form, law, size = self.form, self.claim.solution.law, self.claim.scaling.state
+        poles = np.array([np.linalg.eigvals(M) for M in law.M])
+        object.__setattr__(self, "plan", plan_of(form, law, size))
+        object.__setattr__(self, "bridge", bridge_plan(form, size))
         object.__setattr__(self, "watch", watch_of(form, poles))
 
     @property
     def form(self) -> LinearForm:
         """Linear form of the model the gains belong to."""
         return self.claim.form
+
+    @property
+    def sees_deflection(self) -> bool:
+        """Whether the gains were made for a deflection sensor beside the accelerometers."""
+        return self.form.C.shape[0] == len(SENSORS)
 
 
 def save_gains(
@@ -71,14 +76,18 @@ def save_gains(
     claim: Claim,
     notes: Mapping[str, Mapping[str, Any]],
 ) -> None:
-    """Write a gain file, whole or not at all; notes: `certificate` and `solver`."""
+    """Write a gain file, whole or not at all; notes: `certificate`, `solver`, perhaps `trade_off`."""
     names = {"name": model.name, "fingerprint": fingerprint(model)}
     content: dict[str, Any] = {
         "schema": SCHEMA,
         "observer": observer,
-        "model": {**names, "states": list(claim.form.states)},
+        "model": {
+            **names,
+            "states": list(claim.form.states),
+            "outputs": list(SENSORS[: claim.form.C.shape[0]]),
+        },
         **sections(claim),
-        "certificate": dict(notes["certificate"]),
+        **{key: dict(note) for key, note in notes.items() if key != "solver"},
         "solver": {**notes["solver"], "status": claim.solution.solver_status},
     }
     content["digest"] = digest(content)
@@ -86,8 +95,13 @@ def save_gains(
     write_whole(Path(path), text)
 
 
+def observer_of(path: str | Path) -> str:
+    """Which observer a gain file is for; raises `InputError` for what is no gain file."""
+    return str(read(Path(path)).at("observer"))
+
+
 def load_gains(path: str | Path, model: Model, observer: str, limits: Limits = LIMITS) -> Gains:
-    """Read a gain file for this model and prove its inequalities again, exactly (about 20 ms).
+    """Read a gain file for this model and prove its inequalities again, exactly (20 to 400 ms).
 
     Raises `InputError` in one line: no file, not a gain file, another observer, edited by hand,
     made for another model, or inequalities that do not hold.
@@ -95,7 +109,7 @@ def load_gains(path: str | Path, model: Model, observer: str, limits: Limits = L
     file = read(Path(path))
     again = f"make it again: python -m er_observers.synth {observer} --model MODEL --out {path}"
     _check_identity(file, model, observer, again)
-    claim = claim_of(file, relative_form(model))
+    claim = claim_of(file, _form(file, model))
     _, failed = prove(claim)
     if failed:
         expected = f"inequalities that hold for model '{model.name}' ({again})"
@@ -106,6 +120,26 @@ def load_gains(path: str | Path, model: Model, observer: str, limits: Limits = L
         raise InputError(path, "certificate.discrete.substep", expected, found)
     figures, name = file.at("certificate"), str(file.at("digest"))
     return Gains(observer, model.name, claim, figures, name, limits)
+
+
+def _form(file: Document, model: Model) -> LinearForm:
+    """The form that the file's states and outputs name."""
+    deflection = len(SENSORS) == len(_names(file, "model.outputs", [*SENSORS]))
+    forms = {name: form_of(model, name, deflection=deflection) for name in COORDINATES}
+    states = file.at("model.states")
+    for form in forms.values():
+        if list(form.states) == states:
+            return form
+    expected = " or ".join(str(list(form.states)) for form in forms.values())
+    raise InputError(file.path, "model.states", expected, states)
+
+
+def _names(file: Document, key: str, known: list[str]) -> list[str]:
+    """Outputs: both accelerations, perhaps the deflection."""
+    found = file.at(key)
+    if found not in (known, known[:-1]):
+        raise InputError(file.path, key, f"{known[:-1]} or {known}", found)
+    return list(found)
 
 
 def _check_identity(file: Document, model: Model, observer: str, again: str) -> None:

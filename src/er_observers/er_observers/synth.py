@@ -1,8 +1,8 @@
 """Command line of the synthesis.
 
-``python -m er_observers.synth nlpv_polytopic --model MODEL --out GAINS`` computes, proves and
-writes gains; ``python -m er_observers.synth evaluate --model MODEL --gains GAINS`` shows what they
-are worth.
+``python -m er_observers.synth OBSERVER --model MODEL --out GAINS`` computes, proves and writes gains,
+``all`` those of every observer; ``python -m er_observers.synth evaluate --model MODEL --gains GAINS``
+shows what they are worth.
 """
 
 from __future__ import annotations
@@ -16,20 +16,17 @@ from typing import Annotated
 import typer
 from er_models.errors import ErError
 from er_models.files import load_model
-from er_models.linear import relative_form
 from er_models.model import Model
 from rich.console import Console
 
 from er_observers.compare.command import register as register_compare
-from er_observers.gains import save_gains
+from er_observers.forms import COORDINATES
+from er_observers.gains import observer_of, save_gains
 from er_observers.observers.evaluate import SCENARIOS, evaluate
-from er_observers.observers.nlpv_polytopic import NAME, load_gains
+from er_observers.observers.ready import ready
 from er_observers.synth_tables import certificate_table, figures, score_table
-from er_observers.synthesis import nlpv_polytopic
-from er_observers.synthesis.certify import Certificate, certify
-from er_observers.synthesis.proof import Claim
-from er_observers.synthesis.scaling import scaling_of
-from er_observers.synthesis.spec import Spec, force_output
+from er_observers.synthesis.make import OUTPUTS, THEOREMS, Wish, make
+from er_observers.synthesis.spec import SECTORS, SLOPE, Spec
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 register_compare(app)
@@ -41,24 +38,66 @@ def synth() -> None:
     """Compute observer gains offline, prove them, write them to a gain file, try them."""
 
 
-@app.command(NAME)
-def nlpv_polytopic_command(
+def _command(observer: str) -> None:
+    """Add the command that makes the gains of one observer."""
+
+    def command(
+        model: ModelFile,
+        out: Annotated[Path, typer.Option(help="Gain file to write.")],
+        radius: Annotated[float, typer.Option(help="Bound of every pole [1/s].")] = Spec.radius,
+        decay: Annotated[float, typer.Option(help="Least decay of every pole [1/s].")] = 0.0,
+        damping: Annotated[float, typer.Option(help="Least damping ratio of every pole.")] = 0.0,
+        noise: Annotated[
+            tuple[float, float], typer.Option(help="Accelerations that count as one [m/s2].")
+        ] = (Spec.noise[0], Spec.noise[1]),
+        force: Annotated[float, typer.Option(help="Force error that counts as one [N].")] = 5.0,
+        deflection: Annotated[
+            float | None,
+            typer.Option(help="Use a deflection sensor; the deflection that counts as one [m]."),
+        ] = None,
+        output: Annotated[
+            str, typer.Option(help=f"Performance output: {', '.join(OUTPUTS)}.")
+        ] = "force",
+        coordinates: Annotated[
+            str, typer.Option(help=f"Velocities: {', '.join(COORDINATES)}.")
+        ] = "relative",
+        sector: Annotated[
+            str, typer.Option(help=f"Bound of the gate: {', '.join(SECTORS)}.")
+        ] = SLOPE.name,
+        duty: Annotated[tuple[float, float], typer.Option(help="Range of the duty.")] = Spec.rho,
+    ) -> None:
+        if sector not in SECTORS:
+            raise ErError(f"sector: expected one of {', '.join(SECTORS)}, found '{sector}'")
+        spec = Spec(SECTORS[sector], duty, noise, radius=radius, decay=decay, damping=damping)
+        wish = Wish(spec, output, coordinates, force, deflection)
+        write_gains(observer, load_model(model), wish, out)
+
+    app.command(observer, help=f"Gains of {THEOREMS[observer]}.")(command)
+
+
+for _name in THEOREMS:
+    _command(_name)
+
+
+@app.command("all")
+def all_command(
     model: ModelFile,
-    out: Annotated[Path, typer.Option(help="Gain file to write.")],
-    radius: Annotated[float, typer.Option(help="Bound of every pole [1/s].")] = Spec.radius,
-    noise: Annotated[
-        tuple[float, float], typer.Option(help="Accelerations that count as one [m/s2].")
-    ] = (Spec.noise[0], Spec.noise[1]),
-    force: Annotated[float, typer.Option(help="Force error that counts as one [N].")] = 5.0,
+    out: Annotated[Path, typer.Option(help="Folder for the gain files.")],
 ) -> None:
-    """NLPV polytopic observer, Theorem 4.3.1, relative coordinates, slope-restricted gate."""
-    begun = time.perf_counter()
+    """Gains of every observer with its default wish."""
     car = load_model(model)
-    claim, certificate = synthesise(car, Spec(radius=radius, noise=noise), force)
+    for observer in THEOREMS:
+        write_gains(observer, car, Wish(), out / f"{observer}.yaml")
+
+
+def write_gains(observer: str, car: Model, wish: Wish, out: Path) -> None:
+    """Solve, prove, write and show; raises as `make`."""
+    begun = time.perf_counter()
+    claim, certificate = make(observer, car, wish)
     solver = {"name": "Clarabel", "version": version("clarabel"), "cvxpy": version("cvxpy")}
     notes = {"certificate": figures(certificate), "solver": solver}
-    save_gains(out, NAME, car, claim, notes)
-    title = f"{nlpv_polytopic.THEOREM}, {time.perf_counter() - begun:.1f} s"
+    save_gains(out, observer, car, claim, notes)
+    title = f"{THEOREMS[observer]}, {time.perf_counter() - begun:.1f} s"
     Console().print(certificate_table(title, claim, certificate))
     Console().print(f"wrote {out}", soft_wrap=True)
 
@@ -73,20 +112,8 @@ def evaluate_command(
 ) -> None:
     """Errors of the observer on simulated drives with sensor noise and a wrong start."""
     car = load_model(model)
-    loaded, driven = load_gains(gains, car), load_model(plant) if plant else car
+    loaded, driven = ready(gains, car, observer_of(gains)), load_model(plant) if plant else car
     Console().print(score_table([evaluate(driven, loaded, scenario) for scenario in SCENARIOS]))
-
-
-def synthesise(model: Model, spec: Spec, force: float = 5.0) -> tuple[Claim, Certificate]:
-    """Solve, prove and certify, with a force error of `force` [N] as one.
-
-    Raises `SynthesisFailed`, or what `relative_form` raises.
-    """
-    form = relative_form(model)
-    scaling, output = scaling_of(model, form), force_output(form, force)
-    solution = nlpv_polytopic.solve(form, output, spec, scaling)
-    claim = Claim(form, output, spec, scaling, solution)
-    return claim, certify(claim, nlpv_polytopic.THEOREM)
 
 
 def main() -> None:

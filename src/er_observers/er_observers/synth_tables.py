@@ -19,8 +19,8 @@ def figures(c: Certificate) -> dict[str, Any]:
     return {
         "margins": {
             "lyapunov": _short(c.margins.lyapunov),
-            "dissipation": [_short(v) for v in c.margins.dissipation],
-            "disc": [_short(v) for v in c.margins.disc],
+            "dissipation": _short(min(c.margins.dissipation)),
+            "regions": _short(min(c.margins.regions)),
         },
         "sweep": {name: _short(value) for name, value in peak._asdict().items()},
         "poles": [[[_short(p.real), _short(p.imag)] for p in end] for end in c.poles],
@@ -45,7 +45,7 @@ def certificate_table(title: str, claim: Claim, c: Certificate) -> Table:
         ("smallest margin", f"{c.margins.smallest:.1e}", "eigenvalues; half of it in fractions"),
         *(
             (f"poles, duty {rho:g} [1/s]", _poles(end), f"disc of {spec.radius:g}")
-            for rho, end in zip(spec.rho, c.poles, strict=True)
+            for rho, end in zip(spec.rho, (c.poles[0], c.poles[-1]), strict=True)
         ),
         ("slowest pole [1/s]", f"{c.slowest:.3f}", "any duty and slope; before yield"),
         ("discrete decay [1/s]", f"{c.run.decay:.3f}", where),

@@ -13,10 +13,9 @@ from er_models.model import Model
 from er_models.simulate import simulate
 from er_observers.gains import Gains
 from er_observers.observers.nlpv_polytopic import Sample, load_gains
-from er_observers.synth import synthesise
 from er_observers.synthesis.certify import Certificate
+from er_observers.synthesis.make import Wish, make
 from er_observers.synthesis.proof import Claim
-from er_observers.synthesis.spec import Spec
 
 DT = 0.005
 CONFIG = Path(__file__).resolve().parents[3] / "config"
@@ -49,7 +48,7 @@ def gains(car: Model, gain_file: Path) -> Gains:
 @pytest.fixture(scope="session")
 def synthesis(car: Model) -> tuple[Claim, Certificate]:
     """A fresh synthesis with the default specification."""
-    return synthesise(car, Spec())
+    return make("nlpv_polytopic", car, Wish())
 
 
 @pytest.fixture(scope="session")

@@ -105,15 +105,15 @@ def _set(section: str, key: str, value: object) -> Callable[[dict[str, Any]], No
 @pytest.mark.parametrize(
     ("edit", "sealed", "named"),
     [
-        (_scale("solution", "L", 1.001), False, "digest"),
+        (_scale("law", "L", 1.001), False, "digest"),
         (_set("solution", "gamma", 1.0), False, "digest"),
         (_set("certificate", "slowest", -5.0), False, "digest"),
-        (_scale("solution", "L", -1.0), True, "solution"),
+        (_scale("law", "L", -1.0), True, "solution"),
         (_set("solution", "gamma", 1.0), True, "dissipation"),
         (_scale("solution", "P", 0.5), True, "solution"),
         (_set("solution", "multipliers", [-1.0, -1.0]), True, "multiplier"),
         (_set("solution", "gamma", float("nan")), True, "solution.gamma"),
-        (_set("solution", "L", {"shape": [2, 2, 2], "data": [0.0] * 8}), True, "solution.L"),
+        (_set("law", "L", {"shape": [2, 2, 2], "data": [0.0] * 8}), True, "law.L"),
         (_set("solution", "P", {"shape": [4, 4], "data": [1.0] * 3}), True, "solution.P"),
         (_set("spec", "rho", [1.0, 0.0]), True, "spec.rho"),
         (_set("spec", "sector", "circle"), True, "spec.sector"),
@@ -161,8 +161,8 @@ def test_what_is_no_gain_file_is_refused(car: Model, gain_file: Path, tmp_path: 
 
 def test_gains_carry_what_the_loop_needs(gains: Gains) -> None:
     """Matrices of the kernel reproduce A - L C at both ends."""
-    m, form = gains.matrices, gains.form
-    for rho, L in zip(gains.claim.spec.rho, gains.claim.solution.L, strict=True):
-        whole = (m.m_0 + rho * m.m_1) * m.size[:, None] / m.size
-        np.testing.assert_allclose(whole, form.A - L @ form.C, rtol=1e-9, atol=1e-6)
-        np.testing.assert_allclose((m.l_0 + rho * m.l_1) * m.size[:, None], L, rtol=1e-9)
+    M, J, size = (gains.plan.part(name) for name in ("M", "J", "size"))
+    for k, L in enumerate(gains.claim.solution.L):
+        whole = M[k] * size[:, None] / size
+        np.testing.assert_allclose(whole, gains.form.A - L @ gains.form.C, rtol=1e-9, atol=1e-6)
+        np.testing.assert_allclose(J[k] * size[:, None], L, rtol=1e-9)

@@ -10,8 +10,8 @@ from typing import Any
 from er_models.linear import LinearForm
 from er_models.model import Array, Model
 
-from er_observers.observers import nlpv_polytopic
-from er_observers.observers.nlpv_polytopic import Estimate, Sample
+from er_observers.observers import nlpv_gridding, nlpv_polytopic, unified
+from er_observers.observers.runtime import Estimate, Sample
 from er_observers.peers import kalman
 
 Start = Callable[[Any, Sample, Array | None], Any]
@@ -34,7 +34,11 @@ class Estimator:
     form: LinearForm
 
 
-_OURS = (("nlpv_polytopic", "NLPV polytopic", nlpv_polytopic),)
+_OURS = (
+    ("nlpv_polytopic", "NLPV polytopic", nlpv_polytopic),
+    ("nlpv_gridding", "NLPV gridding", nlpv_gridding),
+    ("unified", "unified", unified),
+)
 
 
 def estimators_of(model: Model, gains: str | Path) -> tuple[Estimator, ...]:

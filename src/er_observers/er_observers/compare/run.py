@@ -15,7 +15,7 @@ from er_models.parallel import cores
 
 from er_observers.compare.estimators import Estimator, estimators_of
 from er_observers.compare.nrmse import SETTLED, nrmse, settling_time
-from er_observers.observers.nlpv_polytopic import Estimate, Sample
+from er_observers.observers.runtime import Estimate, Sample
 from er_observers.observers.status import Status
 from er_observers.scenarios.drive import drive
 from er_observers.scenarios.scenario import Scenario

@@ -1,1 +1,1 @@
-"""Observers as pure step functions of gains, state and sample."""
+"""Observers as pure steps: one runtime, and for each observer the name its gains are kept under."""

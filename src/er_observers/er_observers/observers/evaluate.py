@@ -16,7 +16,7 @@ from er_models.program import Program, resolve, times
 from er_models.simulate import simulate
 
 from er_observers.gains import Gains
-from er_observers.observers.nlpv_polytopic import Estimate, Sample, start, step
+from er_observers.observers.runtime import Estimate, Sample, start, step
 from er_observers.observers.status import Status
 
 DT = 0.005
@@ -110,6 +110,7 @@ def noisy(record: Mapping[str, Array], scenario: Scenario) -> dict[str, Array]:
 def replay(gains: Gains, record: Mapping[str, Array], x: Array | None = None) -> list[Estimate]:
     """Estimates of the observer on a record with the contract's columns; x (n,): known start."""
     columns = ("t", "sprung_acceleration", "unsprung_acceleration", "duty")
+    columns += ("deflection",) if gains.sees_deflection else ()
     samples = [Sample(*row) for row in zip(*(record[c].tolist() for c in columns), strict=True)]
     state = start(gains, samples[0], x)
     estimates = [state.estimate]

@@ -1,8 +1,10 @@
-r"""Advances ``x' = M(rho) x + b rho tanh(Gamma x) + L(rho) y`` over one sample, compiled.
+r"""Advances ``z' = M(rho) z + J(rho) y + b rho tanh(s)``, ``s = gamma z + feed y`` over one sample, compiled.
+
+It serves every observer: unified, polytopic and gridding differ in their numbers only (`er_observers.law`).
 
 The linear part with first-order-hold y is exact (phi functions of h M by scaling and doubling).
-The gate enters with its mean over the straight line from Gamma x at the start to Gamma x at the
-end of a substep,
+The gate enters with its mean over the straight line from s at the start to s at the end of a
+substep,
 
 .. math::  \bar\varphi = \frac{\ln\cosh s_1 - \ln\cosh s_0}{s_1 - s_0}
 
@@ -26,7 +28,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-SUBSTEP = 3.125e-4
+SUBSTEP = 1.25e-3
 """Longest substep [s]; the certificate shows that the discrete observer converges with it."""
 
 _TERMS = 13
@@ -57,20 +59,21 @@ def _multiply(a: Array, b: Array, out: Array) -> None:
     n = a.shape[0]
     for i in range(n):
         for j in range(n):
-            total = 0.0
-            for k in range(n):
-                total += a[i, k] * b[k, j]
-            out[i, j] = total
+            out[i, j] = 0.0
+        for k in range(n):
+            factor = a[i, k]
+            for j in range(n):
+                out[i, j] += factor * b[k, j]
 
 
 @compiled
-def _apply(a: Array, x: Array) -> Array:
-    """Product a x, (n, m) times (m,)."""
-    out = np.zeros(a.shape[0])
+def _apply(a: Array, x: Array, out: Array) -> None:
+    """Product a x, (n, m) times (m,), into out."""
     for i in range(a.shape[0]):
+        total = 0.0
         for j in range(a.shape[1]):
-            out[i] += a[i, j] * x[j]
-    return out
+            total += a[i, j] * x[j]
+        out[i] = total
 
 
 @compiled
@@ -104,21 +107,25 @@ def _double_phi(phi: Array, square: Array, product: Array) -> None:
 
 
 @compiled
-def phi_functions(m: Array) -> Array:
-    """The three matrices (3, n, n) phi_0 = exp(m), phi_1 and phi_2 of m (n, n)."""
+def fill_phi(m: Array, phi: Array, square: Array, product: Array) -> None:
+    """Fill phi (3, n, n) with phi_0 = exp(m), phi_1 and phi_2 of m (n, n), which is scaled in place."""
     n = m.shape[0]
     norm = 0.0
     for i in range(n):
-        norm = max(norm, np.abs(m[i]).sum())
+        total = 0.0
+        for j in range(n):
+            total += abs(m[i, j])
+        norm = max(norm, total)
     doublings, scale = 0, 1.0
     while norm * scale > 1.0 and doublings < 60:
         scale *= 0.5
         doublings += 1
-    phi, square, product = np.empty((3, n, n)), np.empty((n, n)), np.empty((n, n))
-    _small_phi(m * scale, phi, product)
+    for i in range(n):
+        for j in range(n):
+            m[i, j] *= scale
+    _small_phi(m, phi, product)
     for _ in range(doublings):
         _double_phi(phi, square, product)
-    return phi
 
 
 @compiled
@@ -187,27 +194,28 @@ def solve_gate(s_0: float, free: float, gain: float) -> tuple[float, float]:
 
 @compiled
 def _march(
-    phi: Array, drive: Array, ramp: Array, kick: Array, gamma: Array, n_sub: int, x: Array
-) -> float:
-    """Take n_sub substeps from x (n,), in place; returns Gamma x at the end.
+    phi: Array, steady: Array, ramp: Array, kick: Array, gamma: Array, start: float, rise: float,
+    n_sub: int, free: Array, x: Array,
+) -> float:  # fmt: skip
+    """Take n_sub substeps from x (n,), in place; returns the gate's input at the end.
 
-    drive (n,): input at the start; ramp (n,): its growth per substep; kick (n,): effect of an
-    open gate.
+    steady (n,): effect of the input during the first substep; ramp (n,): what it grows by from one
+    to the next; kick (n,): effect of an open gate. start, rise: what the outputs add to the gate's
+    input at the start and per substep.
     """
     n = x.shape[0]
-    free = np.empty(n)
-    gain = s_0 = 0.0
+    gain, s_0 = 0.0, start
     for i in range(n):
         gain += gamma[i] * kick[i]
         s_0 += gamma[i] * x[i]
     for k in range(n_sub):
-        target = 0.0
+        target = start + (k + 1) * rise
         for i in range(n):
-            free[i] = 0.0
+            total = steady[i] + k * ramp[i]
             for j in range(n):
-                now = drive[j] + k * ramp[j]
-                free[i] += phi[0, i, j] * x[j] + phi[1, i, j] * now + phi[2, i, j] * ramp[j]
-            target += gamma[i] * free[i]
+                total += phi[0, i, j] * x[j]
+            free[i] = total
+            target += gamma[i] * total
         s_0, mean = solve_gate(s_0, target, gain)
         for i in range(n):
             x[i] = free[i] + kick[i] * mean
@@ -215,22 +223,92 @@ def _march(
 
 
 @compiled
-def advance(
-    size: Array, m_0: Array, m_1: Array, l_0: Array, l_1: Array, b: Array, gamma: Array,
-    x: Array, y_0: Array, y_1: Array, rho: float, dt: float, n_sub: int, out: Array,
-) -> float:  # fmt: skip
-    """State out (n,) after dt [s] from x (n,), y (m,) going straight from y_0 to y_1, rho held.
+def _blend(rho: float, nodes: Array, values: Array, factor: float, out: Array) -> None:
+    """Into out (...,): factor times values (K, ...) on the straight line between nodes (K,)."""
+    k = 0
+    while k < nodes.shape[0] - 2 and rho > nodes[k + 1]:
+        k += 1
+    high = min(max((rho - nodes[k]) / (nodes[k + 1] - nodes[k]), 0.0), 1.0)
+    low = factor * (1.0 - high)
+    high *= factor
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            out[i, j] = low * values[k, i, j] + high * values[k + 1, i, j]
 
-    Matrices are in states divided by size (n,): M = m_0 + rho m_1 (n, n), L = l_0 + rho l_1 (n,
-    m), b (n,) at rho = 1, gamma (n,). Returns Gamma x at the end.
+
+@compiled
+def _parts(
+    shape: tuple[int, int, int], values: Array
+) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
+    """rho, M, J, b, gamma, feed, size of a `matrices.Plan`, as views."""
+    n, m, k = shape
+    at = k + k * n * (n + m)
+    return (
+        values[:k],
+        values[k : k + k * n * n].reshape((k, n, n)),
+        values[k + k * n * n : at].reshape((k, n, m)),
+        values[at : at + n],
+        values[at + n : at + 2 * n],
+        values[at + 2 * n : at + 2 * n + m],
+        values[at + 2 * n + m :],
+    )
+
+
+@compiled
+def _room(n: int, scratch: Array) -> tuple[Array, Array, Array]:
+    """Views of the scratch: phi (3, n, n), three more matrices, six vectors."""
+    a, b = 3 * n * n, 6 * n * n
+    return (
+        scratch[:a].reshape((3, n, n)),
+        scratch[a:b].reshape((3, n, n)),
+        scratch[b : b + 6 * n].reshape((6, n)),
+    )
+
+
+@compiled
+def _inputs(gain: Array, y_0: Array, y_1: Array, n_sub: int, drive: Array, slope: Array) -> None:
+    """Into drive (n,) and slope (n,): effect of the outputs at the start, and its growth per substep."""
+    for i in range(drive.shape[0]):
+        drive[i] = slope[i] = 0.0
+        for j in range(y_0.shape[0]):
+            drive[i] += gain[i, j] * y_0[j]
+            slope[i] += gain[i, j] * (y_1[j] - y_0[j]) / n_sub
+
+
+@compiled
+def advance(
+    shape: tuple[int, int, int], values: Array, scratch: Array,
+    z: Array, y_0: Array, y_1: Array, rho: float, dt: float, n_sub: int, out: Array,
+) -> float:  # fmt: skip
+    """State out (N,) after dt [s] from z (N,), y (m,) going straight from y_0 to y_1, rho held.
+
+    shape, values, scratch: a `matrices.Plan`. Returns the gate's input at the end. Asks for no
+    memory.
     """
+    n, m, _ = shape
+    nodes, m_nodes, j_nodes, b, gamma, feed, size = _parts(shape, values)
+    phi, more, rows = _room(n, scratch)
+    square, product, whole = more[0], more[1], more[2]
+    drive, slope, kick, free, steady, ramp = rows[0], rows[1], rows[2], rows[3], rows[4], rows[5]
     h = dt / n_sub
-    phi = phi_functions(h * (m_0 + rho * m_1))
-    gain = h * (l_0 + rho * l_1)
-    drive = _apply(gain, y_0)
-    ramp = _apply(gain, (y_1 - y_0) / n_sub)
-    kick = _apply(phi[1], h * rho * b)
-    out[:] = x / size
-    end = _march(phi, drive, ramp, kick, gamma, n_sub, out)
-    out *= size
-    return end
+    gain = square[:, :m]
+    _blend(rho, nodes, j_nodes, h, gain)
+    _inputs(gain, y_0, y_1, n_sub, drive, slope)
+    _blend(rho, nodes, m_nodes, h, whole)
+    fill_phi(whole, phi, square, product)
+    _apply(phi[1], drive, steady)
+    _apply(phi[1], slope, ramp)
+    _apply(phi[2], slope, free)
+    start = rise = 0.0
+    for j in range(m):
+        start += feed[j] * y_0[j]
+        rise += feed[j] * (y_1[j] - y_0[j]) / n_sub
+    for i in range(n):
+        steady[i] += free[i]
+        drive[i] = h * rho * b[i]
+        out[i] = z[i] / size[i]
+    _apply(phi[1], drive, kick)
+    s_1 = _march(phi, steady, ramp, kick, gamma, start, rise, n_sub, free, out)
+    for i in range(n):
+        out[i] *= size[i]
+    return s_1

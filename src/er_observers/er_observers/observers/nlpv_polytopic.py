@@ -1,77 +1,24 @@
-"""NLPV polytopic observer of the damper force: `load_gains`, `start`, `step`.
+"""NLPV polytopic observer of the damper force: gains at both ends of the duty's range, one Lyapunov function.
 
-It sees two accelerometers and the duty.
+Gains by `load_gains`; `start` and `step` are those of every observer (`runtime`).
 
-``step(gains, state, sample) -> (state, estimate)`` is pure: no clock, no file, no memory but the
-state. Nothing in the loop raises; what is wrong shows as a status.
-
-Source: thesis chapter 4 and `er_observers.synthesis.nlpv_polytopic`.
+Source: thesis section 4.3.2 and `er_observers.synthesis.nlpv_polytopic`.
 """
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
-from typing import NamedTuple
 
-import numpy as np
-from er_models.model import Array, Model
+from er_models.model import Model
 
-from er_observers import gains as gain_files
 from er_observers.gains import Gains
-from er_observers.observers import watch as watching
-from er_observers.observers.kernel import advance, substeps
-from er_observers.observers.status import LIMITS, ROUNDING, Health, Limits, Status, judge
+from er_observers.observers.ready import ready
+from er_observers.observers.runtime import Estimate, Sample, State, start, step
+from er_observers.observers.status import LIMITS, Limits
+
+__all__ = ["NAME", "Estimate", "Sample", "State", "load_gains", "start", "step"]
 
 NAME = "nlpv_polytopic"
-
-
-class Sample(NamedTuple):
-    """Both accelerations at t [m/s2] and the duty applied from t until the next sample.
-
-    Accelerations are those of the motion, upwards, without gravity.
-    """
-
-    t: float
-    sprung_acceleration: float
-    unsprung_acceleration: float
-    duty: float
-
-
-class Estimate(NamedTuple):
-    """Damper force [N], deflection [m] and its velocity [m/s] at the sample's time, with health.
-
-    test_ratio: above one the accelerations contradict the model. An INVALID estimate holds zeros,
-    never NaN; a WEAK one is the model's, and a wrong deflection would not be noticed.
-    """
-
-    force: float
-    deflection: float
-    deflection_velocity: float
-    status: Status
-    test_ratio: float
-    reason: str
-
-
-class State(NamedTuple):
-    """Memory between samples.
-
-    t: time of the last sample [s]; x (n,): state then; y (2,): accelerations then; change: of the
-    relative acceleration since the sample before [m/s2]; duty: in force since t; running: whether
-    a first valid sample has come; resets: fresh starts after it; rejected: samples not used or
-    repaired.
-    """
-
-    t: float
-    x: Array
-    y: Array
-    change: float
-    duty: float
-    health: Health
-    estimate: Estimate
-    running: bool
-    resets: int
-    rejected: int
 
 
 def load_gains(path: str | Path, model: Model, limits: Limits = LIMITS) -> Gains:
@@ -79,138 +26,4 @@ def load_gains(path: str | Path, model: Model, limits: Limits = LIMITS) -> Gains
 
     Raises `InputError` in one line when they are not (see `er_observers.gains`).
     """
-    gains = gain_files.load_gains(path, model, NAME, limits)
-    rest = Sample(0.0, 0.0, 0.0, 0.0)
-    step(gains, start(gains, rest), rest._replace(t=0.005))
-    return gains
-
-
-def start(gains: Gains, sample: Sample, x: Array | None = None) -> State:
-    """State at the first sample: the likeliest for its accelerations, or x (n,) where known.
-
-    A sample that is not valid leaves the observer waiting for one that is.
-    """
-    duty, _ = _duty(gains, sample.duty, 0.0)
-    health = watching.begin(gains.watch)
-    y, running = np.zeros(2), _valid(gains, sample)
-    if running:
-        y = np.array([sample.sprung_acceleration, sample.unsprung_acceleration])
-    else:
-        health = health._replace(lost=math.inf)
-    first = _likeliest(gains, y, duty) if x is None else np.array(x, float)
-    estimate = _estimate(gains, first, health)
-    rejected = 0 if running else 1
-    return State(sample.t, first, y, 0.0, duty, health, estimate, running, 0, rejected)
-
-
-def step(gains: Gains, state: State, sample: Sample) -> tuple[State, Estimate]:
-    """Estimate at the time of this sample; until then the duty of the state was in force.
-
-    Samples that are late or double change nothing. A jump of time by more than the hold limit, or
-    valid data after so long without, starts afresh.
-    """
-    hold = gains.limits.hold + ROUNDING
-    dt = sample.t - state.t
-    if not state.running and math.isfinite(sample.t):
-        state = _restart(gains, state, sample)
-    elif not math.isfinite(dt) or -hold < dt <= 0.0:
-        state = state._replace(rejected=state.rejected + 1)
-    elif abs(dt) > hold:
-        state = _restart(gains, state, sample)
-    elif not _valid(gains, sample):
-        state = _bridge(gains, state, sample, dt)
-    elif state.health.lost + dt > hold:
-        state = _restart(gains, state, sample)
-    else:
-        state = _follow(gains, state, sample, dt)
-    return state, state.estimate
-
-
-def _follow(gains: Gains, state: State, sample: Sample, dt: float) -> State:
-    """Advance with the measurement."""
-    x = np.empty(gains.form.n)
-    y = np.array([sample.sprung_acceleration, sample.unsprung_acceleration])
-    last = state.duty
-    end = advance(*gains.matrices, state.x, state.y, y, last, dt, substeps(dt), x)
-    duty, repaired = _duty(gains, sample.duty, last)
-    before = float(state.y[0] - state.y[1])
-    change = sample.sprung_acceleration - sample.unsprung_acceleration - before
-    facts = watching.Facts(
-        rate=watching.decay_rate(gains.watch, last, 1.0 - math.tanh(end) ** 2),
-        correction=float(x[1] - state.x[1]) - dt * (before + 0.5 * change),
-        bend=change - state.change,
-        repaired=repaired,
-    )
-    health = watching.follow(gains.watch, gains.limits, state.health, dt, facts)
-    return state._replace(
-        t=sample.t,
-        x=x,
-        y=y,
-        change=change,
-        duty=duty,
-        health=health,
-        estimate=_estimate(gains, x, health),
-        rejected=state.rejected + repaired,
-    )
-
-
-def _bridge(gains: Gains, state: State, sample: Sample, dt: float) -> State:
-    """Advance without a measurement, on the model alone."""
-    x, nothing = np.empty(gains.form.n), np.zeros(2)
-    advance(*gains.bridge, state.x, nothing, nothing, state.duty, dt, substeps(dt), x)
-    health = watching.missed(gains.limits, state.health, dt)
-    return state._replace(
-        t=sample.t,
-        x=x,
-        y=gains.form.C @ x,
-        change=0.0,
-        duty=_duty(gains, sample.duty, state.duty)[0],
-        health=health,
-        estimate=_estimate(gains, x, health),
-        rejected=state.rejected + 1,
-    )
-
-
-def _restart(gains: Gains, state: State, sample: Sample) -> State:
-    """Start afresh, counting it."""
-    fresh = start(gains, sample)
-    return fresh._replace(
-        resets=state.resets + state.running, rejected=state.rejected + fresh.rejected
-    )
-
-
-def _valid(gains: Gains, sample: Sample) -> bool:
-    """Whether both accelerations are numbers within belief; comparisons with NaN are false."""
-    sprung, unsprung = gains.limits.acceleration
-    return (
-        abs(sample.sprung_acceleration) <= sprung
-        and abs(sample.unsprung_acceleration) <= unsprung
-        and math.isfinite(sample.t)
-    )
-
-
-def _duty(gains: Gains, duty: float, before: float) -> tuple[float, bool]:
-    """Duty within the gains' range, and whether it was repaired; NaN keeps the one before."""
-    low, high = gains.claim.spec.rho
-    if not math.isfinite(duty):
-        return before, True
-    return min(max(duty, low), high), not low - 1e-6 <= duty <= high + 1e-6
-
-
-def _likeliest(gains: Gains, y: Array, duty: float) -> Array:
-    """State of largest likelihood that makes the accelerations y, typical sizes as spread."""
-    form = gains.form
-    at = int(np.argmax(np.abs(form.B)))
-    spread = gains.claim.scaling.state**2
-    spread[at] = (0.5 * duty * form.B[at] / form.A[at, at]) ** 2
-    weighted = spread[:, None] * form.C.T
-    return np.asarray(weighted @ np.linalg.solve(form.C @ weighted, y))
-
-
-def _estimate(gains: Gains, x: Array, health: Health) -> Estimate:
-    """What the state says; zeros when it is invalid."""
-    status, reason = judge(gains.limits, health)
-    if status is Status.INVALID:
-        return Estimate(0.0, 0.0, 0.0, status, 0.0, reason)
-    ratio = watching.contradiction(health.power, health.floor)
-    return Estimate(float(gains.form.F @ x), float(x[0]), float(x[1]), status, ratio, reason)
+    return ready(path, model, NAME, limits)

@@ -26,8 +26,8 @@ class Limits:
     window: length of all averages [s]. settled: share of the first error that may be left. weak,
     strong: rates at which an error of the deflection decays, below which observability is called
     weak and above which good again [1/s]. acceleration: largest believable magnitudes, sprung and
-    unsprung [m/s2]. noise: accelerometer noise that contradicts nothing [m/s2]. clear: test ratio
-    below which a contradiction is over.
+    unsprung [m/s2]. deflection: largest believable one [m]. noise: accelerometer noise that
+    contradicts nothing [m/s2]. clear: test ratio below which a contradiction is over.
     """
 
     hold: float = 0.05
@@ -38,6 +38,7 @@ class Limits:
     weak: float = 2.0
     strong: float = 4.0
     acceleration: tuple[float, float] = (200.0, 2000.0)
+    deflection: float = 1.0
     noise: float = 0.05
     clear: float = 0.7
 

@@ -16,7 +16,7 @@ import numpy as np
 from er_models.linear import LinearForm, relative_form
 from er_models.model import Array, Model
 
-from er_observers.observers.nlpv_polytopic import Estimate, Sample
+from er_observers.observers.runtime import Estimate, Sample
 from er_observers.observers.status import Status
 from er_observers.peers.extended import extended_sample
 from er_observers.peers.flow import noise_covariance, substep_matrices

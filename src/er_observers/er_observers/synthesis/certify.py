@@ -10,8 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from er_models.model import Array
 
+from er_observers.law import RESIDUAL
 from er_observers.observers.kernel import SUBSTEP
-from er_observers.synthesis.discrete import Contraction, contraction
+from er_observers.synthesis.discrete import Contraction, step_storage
 from er_observers.synthesis.proof import Claim, Margins, prove
 from er_observers.synthesis.spec import SynthesisFailed
 from er_observers.synthesis.sweep import Peak, peak_gain
@@ -38,34 +39,41 @@ class Certificate:
 
 def certify(claim: Claim, theorem: str) -> Certificate:
     """Certificate of a claim; `SynthesisFailed` naming the first statement that does not hold."""
-    form, spec, solution = claim.form, claim.spec, claim.solution
+    solution = claim.solution
 
     def demand(reason: str, *, holds: bool) -> None:
         if not holds:
             raise SynthesisFailed(theorem, reason, solution.solver_status)
 
+    slowest, law = _slowest(claim), solution.law
+    reason = f"the law has a pole at {slowest:.3g} 1/s for some duty and slope of the gate"
+    demand(reason, holds=slowest < 0.0)
+    residual = law.residual(claim.form, claim.scaling.state)
+    reason = f"the error is not free of the state: residual {residual:.3g}"
+    demand(reason, holds=residual <= RESIDUAL)
     margins, failed = prove(claim)
     demand(f"the solver's answer is no proof: {failed}", holds=not failed)
-    peak = peak_gain(form, claim.output, spec, solution)
+    peak = peak_gain(claim)
     reason = f"the sweep finds a gain of {peak.gain:.4g}, above the proved {solution.gamma:.4g}"
     demand(reason, holds=peak.gain <= solution.gamma)
-    run = contraction(form, solution, spec, steps=(0.5 * SUBSTEP, SUBSTEP))
+    steps = (0.5 * SUBSTEP, SUBSTEP)
+    shrinking, run = step_storage(claim, steps, slowest)
     reason = f"the discrete observer does not converge at rho = {run.rho:.3g}: {run.decay:.4g} 1/s"
     demand(reason, holds=run.decay > 0.0 and run.loop < 2.0)
-    roams = wandering(claim)
+    roams = wandering(claim, shrinking)
     reason = f"two runs drift apart by {roams:.6f} per sample along random duties"
     demand(reason, holds=roams < 1.0)
-    poles = [np.sort_complex(np.linalg.eigvals(form.A - gain @ form.C)) for gain in solution.L]
-    return Certificate(margins, peak, np.array(poles), _slowest(claim), run, roams)
+    poles = [np.sort_complex(np.linalg.eigvals(M)) for M in solution.law.M]
+    return Certificate(margins, peak, np.array(poles), slowest, run, roams)
 
 
 def _slowest(claim: Claim) -> float:
-    """Largest real part of a pole of A - L C + slope rho B Gamma, over duty and slope [1/s]."""
-    form, spec = claim.form, claim.spec
+    """Largest real part of a pole of M + slope rho T B Gamma R, over duty and slope [1/s]."""
+    law, e = claim.solution.law, claim.error
     worst = -np.inf
-    for rho in np.linspace(spec.rho[0], spec.rho[1], 11):
-        loop = form.A - claim.solution.gain(float(rho), spec) @ form.C
+    for rho in np.linspace(law.rho[0], law.rho[-1], 11):
+        M, _ = law.at(float(rho))
         for slope in np.linspace(0.0, 1.0, 11):
-            poles = np.linalg.eigvals(loop + slope * rho * np.outer(form.B, form.Gamma))
+            poles = np.linalg.eigvals(M + slope * rho * e.b @ e.G)
             worst = max(worst, float(poles.real.max()))
     return float(worst)

@@ -1,13 +1,14 @@
 """Definiteness of small matrices, decided in exact rational arithmetic.
 
-Every double is a fraction, so a matrix made of doubles is known exactly, and so are the pivots of
-its ``L D L'`` factorisation. The answer is a proof, not an estimate: no rounding, no tolerance, no
+Every double is a fraction, so a matrix made of doubles is known exactly, and so are its leading
+minors. The answer is a proof, not an estimate: no rounding, no tolerance, no
 trust in a solver.
 """
 
 from __future__ import annotations
 
 from fractions import Fraction
+from math import lcm
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,16 +25,22 @@ def exact(values: object) -> Exact:
 
 
 def is_positive_definite(matrix: Exact) -> bool:
-    """Whether a symmetric matrix of fractions (n, n) is positive definite."""
-    a = matrix.copy()
-    n = a.shape[0]
-    if any(a[i, j] != a[j, i] for i in range(n) for j in range(i)):
+    """Whether a symmetric matrix of fractions (n, n) is positive definite.
+
+    By the leading minors, which Bareiss's elimination finds without division but for exact ones.
+    """
+    n = matrix.shape[0]
+    if any(matrix[i, j] != matrix[j, i] for i in range(n) for j in range(i)):
         return False
+    shared = lcm(*(value.denominator for value in matrix.ravel()))
+    a = [[int(value * shared) for value in row] for row in matrix]
+    before = 1
     for k in range(n):
-        if not a[k, k] > 0:
+        minor = a[k][k]
+        if minor <= 0:
             return False
         for i in range(k + 1, n):
-            factor = a[i, k] / a[k, k]
-            for j in range(k, n):
-                a[i, j] = a[i, j] - factor * a[k, j]
+            for j in range(k + 1, n):
+                a[i][j] = (a[i][j] * minor - a[i][k] * a[k][j]) // before
+        before = minor
     return True

@@ -38,8 +38,9 @@ def scaling_of(model: Model, form: LinearForm) -> Scaling:
     unit, density = _passive_ride(model)
     covariance = unit * density
     covariance[4, 4] = (0.5 * model.scales.duty * car.B[4] / car.A[4, 4]) ** 2
-    sizes = np.sqrt(np.diag(form.chart @ covariance @ form.chart.T))
-    outputs = np.sqrt(np.diag(car.C @ covariance @ car.C.T))
+    covariance = form.chart @ covariance @ form.chart.T
+    sizes = np.sqrt(np.diag(covariance))
+    outputs = np.sqrt(np.diag(form.C @ covariance @ form.C.T))
     poles = np.abs(np.linalg.eigvals(car.A))
     rate = np.exp(np.mean(np.log(poles), keepdims=True))
     return Scaling(_round(sizes), _round(outputs), float(_round(rate)[0]))

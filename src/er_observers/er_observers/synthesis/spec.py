@@ -10,6 +10,8 @@ from er_models.errors import ErError
 from er_models.linear import LinearForm
 from er_models.model import Array
 
+from er_observers.law import Law
+
 
 class SynthesisFailed(ErError):
     """No gain was found or none could be proved; carries the reason and the solver's word."""
@@ -41,6 +43,7 @@ SLOPE = Sector(
 LIPSCHITZ = Sector(
     "lipschitz", np.array([[1.0, 0.0], [0.0, -1.0]]), "|d| <= |s|: thesis (4.4), (4.16)"
 )
+SECTORS = {sector.name: sector for sector in (SLOPE, LIPSCHITZ)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +59,11 @@ def force_output(form: LinearForm, unit: float = 5.0) -> Output:
     return Output("force", form.F[None, :] / unit)
 
 
+def every_state(unit: Array) -> Output:
+    """All states, in units (n,) [SI]."""
+    return Output("states", np.diag(1.0 / unit))
+
+
 def state_output(form: LinearForm, states: Sequence[str]) -> Output:
     """Named states in SI units, as the C_z of (4.3)."""
     chosen = [form.states.index(s) for s in states]
@@ -66,9 +74,11 @@ def state_output(form: LinearForm, states: Sequence[str]) -> Output:
 class Spec:
     """What the gains must do.
 
-    rho: range of the duty. noise (2,): accelerations that count as one [m/s2]. unknown_input: rate
-    of the unknown input that counts as one [m/s]. radius: bound of every pole [1/s]. slack: how
-    far above the optimum gamma may end for the sake of margins. gamma_max: refuse anything above.
+    rho: range of the duty. noise (m,): outputs that count as one [m/s2], a deflection in m.
+    unknown_input: rate of the unknown input that counts as one [m/s]. Region of every pole, the
+    gate open wide: radius [1/s] of a disc, decay [1/s] at least, damping ratio at least. slack:
+    how far above the optimum gamma may end for the sake of margins. gamma_max: refuse anything
+    above.
 
     The noise is a design weight, not the sensor's: a heavy weight on the unsprung acceleration,
     which carries the road, gave the smallest errors with wrong parameters, biased sensors and a
@@ -79,7 +89,9 @@ class Spec:
     rho: tuple[float, float] = (0.0, 1.0)
     noise: tuple[float, ...] = (0.05, 8.0)
     unknown_input: float = 1.0
-    radius: float = 4000.0
+    radius: float = 8000.0
+    decay: float = 0.0
+    damping: float = 0.0
     slack: float = 1.05
     gamma_max: float = float("inf")
 
@@ -95,19 +107,31 @@ class Spec:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """What a theorem returns, in SI units: gains and the Lyapunov function that proves them.
+    """What a theorem returns, in SI units: a law, and the Lyapunov function that proves it.
 
-    L (2, n, outputs), P (n, n), multipliers (2,) of the sector at the vertices.
+    law: nodes K, order N. P, P_1 (N, N): V = z' (P + rho P_1) z, for duties that change by no more
+    than `rate` [1/s] where P_1 is not zero. multipliers (K,) of the sector at the nodes, on
+    straight lines between. gamma: proved; optimum: the smallest that the solver found.
     """
 
-    L: Array
+    law: Law
     P: Array
+    P_1: Array
+    rate: float
     multipliers: Array
     gamma: float
     optimum: float
     solver_status: str
 
-    def gain(self, rho: float, spec: Spec) -> Array:
-        """L(rho) (n, outputs), on the straight line between the vertices."""
-        share = (rho - spec.rho[0]) / (spec.rho[1] - spec.rho[0])
-        return np.asarray((1.0 - share) * self.L[0] + share * self.L[1])
+    @property
+    def L(self) -> Array:
+        """Gains (K, N, m) of the law: those of a Luenberger observer."""
+        return self.law.J
+
+    def gain(self, rho: float) -> Array:
+        """Gain (N, m) at a duty."""
+        return self.law.at(rho)[1]
+
+    def storage(self, rho: float) -> Array:
+        """P + rho P_1 (N, N)."""
+        return np.asarray(self.P + rho * self.P_1)

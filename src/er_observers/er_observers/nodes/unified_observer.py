@@ -1,0 +1,20 @@
+"""The unified observer node; the estimate is `er_observers.observers.unified`."""
+
+from __future__ import annotations
+
+import sys
+
+from er_observers.nodes.shell import serve
+from er_observers.observers.unified import NAME
+from er_ros_common import topics
+
+TEXT = "Damper force from two accelerometers: unified H-infinity observer, the road decoupled."
+
+
+def main() -> None:
+    """Entry point of the executable."""
+    sys.exit(serve(NAME, topics.FORCE_UNIFIED, TEXT))
+
+
+if __name__ == "__main__":
+    main()

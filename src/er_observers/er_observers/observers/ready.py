@@ -1,0 +1,23 @@
+"""Gains of an observer, loaded and ready to run: proved again, and the compiled part warm."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from er_models.model import Model
+
+from er_observers import gains as gain_files
+from er_observers.gains import Gains
+from er_observers.observers.runtime import Sample, start, step
+from er_observers.observers.status import LIMITS, Limits
+
+
+def ready(path: str | Path, model: Model, observer: str, limits: Limits = LIMITS) -> Gains:
+    """Gains of the named observer for this model.
+
+    Raises `InputError` in one line when they are not (see `er_observers.gains`).
+    """
+    gains = gain_files.load_gains(path, model, observer, limits)
+    rest = Sample(0.0, 0.0, 0.0, 0.0, 0.0)
+    step(gains, start(gains, rest), rest._replace(t=0.005))
+    return gains

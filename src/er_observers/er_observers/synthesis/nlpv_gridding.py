@@ -1,0 +1,93 @@
+r"""NLPV gridding observer: a Lyapunov function of the duty, gains on a grid of duties.
+
+Theorem 4.3.2. With ``P(rho) = P_0 + rho P_1`` and ``|rho'| <= nu`` the observer of Theorem 4.3.1 has the
+same properties if the inequalities of `lmi` hold for both signs of nu P_1 at every duty. The (1, 3)
+and (3, 1) blocks of (4.26) are to be transposes of each other. They are asked for at the grid (4.47);
+the gain ``L(rho_k) = P(rho_k)^{-1} Y_k`` needs no least-squares fit (4.44), which loses part of
+gamma (`fitted`), and goes straight from one grid point to the next. What the grid leaves open is closed
+afterwards: `proof` shows the inequalities for every duty between, not on a finer grid.
+
+The duty of a rig is held for a sample and then jumps, which no bound of its rate describes. So a
+common Lyapunov function is sought for the same gains; without one they are refused.
+
+Source: thesis Theorem 4.3.2, (4.37)-(4.48).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from er_models.linear import LinearForm
+from er_models.model import Array
+
+from er_observers.law import luenberger
+from er_observers.synthesis import lmi
+from er_observers.synthesis.family import luenberger_family
+from er_observers.synthesis.proof import Claim
+from er_observers.synthesis.scaling import Scaling
+from er_observers.synthesis.spec import Output, Solution, Spec
+
+NAME = "nlpv_gridding"
+THEOREM = "nlpv_gridding (Theorem 4.3.2)"
+POINTS = 11
+"""Points of the grid (4.47)."""
+RATE = 200.0
+"""Fastest change of the duty [1/s]: its whole range in a sample of 5 ms, section 4.4.1."""
+
+
+def claim(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Claim:
+    """Gains with both Lyapunov functions: of the duty, and common to all duties; raises as `solve`."""
+    found = solve(form, output, spec, scaling)
+    asked = problem(form, output, spec, scaling, RATE, POINTS)
+    return Claim(form, output, spec, scaling, found, common(asked, found))
+
+
+def solve(
+    form: LinearForm,
+    output: Output,
+    spec: Spec,
+    scaling: Scaling,
+    rate: float = RATE,
+    points: int = POINTS,
+) -> Solution:
+    """Gains on the grid and P(rho); raises `SynthesisFailed` naming what makes it impossible."""
+    return lmi.solve(problem(form, output, spec, scaling, rate, points))
+
+
+def problem(
+    form: LinearForm, output: Output, spec: Spec, scaling: Scaling, rate: float, points: int
+) -> lmi.Problem:
+    """The theorem's inequalities on a grid."""
+    nodes = np.linspace(*spec.rho, points)
+    return lmi.Problem(THEOREM, form, output, spec, scaling, luenberger_family, nodes, rate=rate)
+
+
+def common(claimed: lmi.Problem, solution: Solution) -> Solution:
+    """One Lyapunov function for all duties and the same gains, for duties that jump."""
+    return lmi.analyse(replace(claimed, rate=None), solution.law)
+
+
+def fitted(form: LinearForm, solution: Solution) -> tuple[Array, Array]:
+    """L_0 and L_1 (n, m) of (4.38) by the least squares (4.43)-(4.44), for comparison.
+
+    Y(rho) = -P(rho) L(rho) is first brought to the quadratic (4.39) through the grid points.
+    """
+    s, rho = solution, solution.law.rho
+    Y = np.array([-s.storage(float(r)) @ L for r, L in zip(rho, s.L, strict=True)])
+    flat = Y.reshape(len(rho), -1)
+    Y_0, Y_1, Y_2 = np.polynomial.polynomial.polyfit(rho, flat, 2).reshape(3, *Y.shape[1:])
+    nothing = np.zeros_like(s.P)
+    left = np.block([[s.P, nothing], [s.P_1, s.P], [nothing, s.P_1]])
+    size = np.concatenate([1.0 / np.sqrt(np.diag(s.P))] * 3)
+    rows = left * size[:, None]
+    L = -np.linalg.pinv(rows) @ (np.vstack([Y_0, Y_1, Y_2]) * size[:, None])
+    return L[: form.n], L[form.n :]
+
+
+def straight(form: LinearForm, L_0: Array, L_1: Array, rho: Array) -> Solution:
+    """The law (4.48) at duties rho (K,), without proof."""
+    law = luenberger(form, rho, np.array([L_0 + r * L_1 for r in rho]))
+    nothing = np.zeros((form.n, form.n))
+    ones = np.ones(len(rho))
+    return Solution(law, nothing, nothing, 0.0, ones, np.inf, np.inf, "not asked")
