@@ -66,7 +66,7 @@ class Gains:
     @property
     def sees_deflection(self) -> bool:
         """Whether the gains were made for a deflection sensor beside the accelerometers."""
-        return self.form.C.shape[0] == len(SENSORS)
+        return len(self.form.C) == len(SENSORS)
 
 
 def save_gains(

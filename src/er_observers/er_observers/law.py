@@ -39,7 +39,7 @@ class Law:
     @property
     def order(self) -> int:
         """States N of the observer."""
-        return self.T.shape[0]
+        return int(self.T.shape[0])
 
     @property
     def is_luenberger(self) -> bool:

@@ -109,8 +109,8 @@ def noisy(record: Mapping[str, Array], scenario: Scenario) -> dict[str, Array]:
 
 def replay(gains: Gains, record: Mapping[str, Array], x: Array | None = None) -> list[Estimate]:
     """Estimates of the observer on a record with the contract's columns; x (n,): known start."""
-    columns = ("t", "sprung_acceleration", "unsprung_acceleration", "duty")
-    columns += ("deflection",) if gains.sees_deflection else ()
+    columns = ["t", "sprung_acceleration", "unsprung_acceleration", "duty"]
+    columns += ["deflection"] if gains.sees_deflection else []
     samples = [Sample(*row) for row in zip(*(record[c].tolist() for c in columns), strict=True)]
     state = start(gains, samples[0], x)
     estimates = [state.estimate]

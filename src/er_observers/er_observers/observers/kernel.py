@@ -129,6 +129,16 @@ def fill_phi(m: Array, phi: Array, square: Array, product: Array) -> None:
 
 
 @compiled
+def phi_functions(m: Array) -> Array:
+    """The three matrices (3, n, n) phi_0 = exp(m), phi_1 and phi_2 of m (n, n), in memory of their own."""
+    n = m.shape[0]
+    phi, room = np.empty((3, n, n)), np.empty((3, n, n))
+    room[2] = m
+    fill_phi(room[2], phi, room[0], room[1])
+    return phi
+
+
+@compiled
 def _log_cosh(s: float) -> float:
     """Natural logarithm of cosh s, without overflow."""
     size = abs(s)

@@ -34,6 +34,7 @@ from typing import cast
 import cvxpy as cp
 import numpy as np
 from cvxpy.atoms.affine.bmat import bmat
+from cvxpy.atoms.affine.trace import trace
 from er_models.linear import LinearForm
 from er_models.model import Array
 
@@ -119,7 +120,7 @@ def solve(problem: Problem) -> Solution:
         _bound_variance(v, P, noise)
     found = optimise(p.theorem, p.spec, v, constraints, p.solver)
     Z = [
-        np.linalg.solve(v.storage(float(rho)).value, np.asarray(gain.value))
+        np.linalg.solve(np.asarray(v.storage(float(rho)).value), np.asarray(gain.value))
         for rho, gain in zip(p.nodes, Y, strict=True)
     ]
     return _solution(p, s, v, law_of(s, p.form, family, p.nodes, Z), units(s, family), found)
@@ -158,7 +159,7 @@ def _solution(
         P_1=P[1] if p.rate is not None else np.zeros_like(P[0]),
         rate=p.rate or 0.0,
         multipliers=rounded(np.ravel([m.value for m in v.multipliers]) / s.gate**2),
-        gamma=float(f"{np.sqrt(v.gamma_2.value):.8g}"),
+        gamma=float(f"{np.sqrt(np.asarray(v.gamma_2.value)):.8g}"),
         optimum=float(f"{optimum:.6g}"),
         solver_status=status,
     )
@@ -176,14 +177,15 @@ def optimise(
     status = run(cp.Problem(cp.Minimize(v.gamma_2), [*constraints, v.t == 0.0]), solver)
     if "infeasible" in status or v.gamma_2.value is None or not float(v.gamma_2.value) > 0.0:
         raise SynthesisFailed(theorem, NO_SOLUTION, status)
-    optimum = float(np.sqrt(v.gamma_2.value))
+    optimum = float(np.sqrt(np.asarray(v.gamma_2.value)))
     gamma = optimum * spec.slack
     if gamma > spec.gamma_max:
         reason = f"gamma {gamma:.4g} is above the {spec.gamma_max:.4g} asked for"
         raise SynthesisFailed(theorem, reason, status)
     held = [*constraints, v.gamma_2 == gamma**2]
     if v.variances:
-        total, bounds = cp.sum([cp.trace(Q) for Q, _ in v.variances]), [c for _, c in v.variances]
+        total = cast(cp.Expression, sum(trace(Q) for Q, _ in v.variances))  # type: ignore[no-untyped-call]
+        bounds = [c for _, c in v.variances]
         run(cp.Problem(cp.Minimize(total), [*held, *bounds, v.t == 0.0]), solver)
         if total.value is not None:
             held += [*bounds, total <= spec.slack * float(total.value)]

@@ -33,6 +33,7 @@ Convert = Callable[[object], Any]
 """Doubles to the numbers that are reckoned with: doubles again, or fractions."""
 Point = tuple[int, int]
 """Two nodes; the duty in the middle between them."""
+_Build = Callable[[Point, Convert], Any]
 
 
 class Margins(NamedTuple):
@@ -101,7 +102,7 @@ class Claim:
             W=np.array([road - J @ N for J in law.J]),
         )
 
-    def dissipation(self, s: Solution, point: Point, sign: int, convert: Convert) -> Any:
+    def dissipation(self, s: Solution, sign: int, point: Point, convert: Convert) -> Any:
         """Minus the dissipation matrix at a point, scaled to its variables; sign of the duty's rate."""
         e, q = self.error, convert(self.spec.sector.form)
         mid = partial(_middle, point=point, convert=convert)
@@ -125,7 +126,7 @@ class Claim:
         sizes = convert(np.concatenate([self.sizes, [wide], np.ones(W.shape[1])]))
         return -matrix * sizes * sizes[:, None]
 
-    def region(self, s: Solution, point: Point, which: str, convert: Convert) -> Any:
+    def region(self, s: Solution, which: str, point: Point, convert: Convert) -> Any:
         """Matrix, positive definite when the poles at a point lie in the disc, the half-plane or the cone."""
         mid = partial(_middle, point=point, convert=convert)
         P = convert(s.P) + convert(s.P_1) * mid(s.law.rho)
@@ -158,36 +159,38 @@ def prove(claim: Claim) -> tuple[Margins, str]:
     if claim.common is not None and not failed:
         more, failed = _prove(claim, claim.common)
         failed = failed and f"common Lyapunov function: {failed}"
-        both = zip(margins, more, strict=True)
-        margins = Margins(min(margins[0], more[0]), *(a + b for a, b in list(both)[1:]))
+        margins = Margins(
+            min(margins.lyapunov, more.lyapunov),
+            margins.dissipation + more.dissipation,
+            margins.regions + more.regions,
+        )
     return margins, failed
 
 
 def _prove(claim: Claim, s: Solution) -> tuple[Margins, str]:
     """As `prove`, for one Lyapunov function of the claim's law."""
-    nodes, signs = range(len(s.law.rho)), (1, -1) if np.any(s.P_1) else (1,)
-    checks: list[tuple[list[float], str, Callable[[Point, Convert], Any]]] = []
-    lyapunov: list[float] = []
-    inside: list[float] = []
-    regions: list[float] = []
-    checks += [(lyapunov, "P", partial(claim.lyapunov, s))]
-    checks += [
-        (inside, "dissipation", lambda at, c, sign=sign: claim.dissipation(s, at, sign, c))
-        for sign in signs
-    ]
-    checks += [
-        (regions, name, lambda at, c, name=name: claim.region(s, at, name, c))
-        for name in _regions(claim.spec)
-    ]
+    nodes = [(k, k) for k in range(len(s.law.rho))]
+    points = nodes + (list(pairwise(range(len(s.law.rho)))) if np.any(s.P_1) else [])
+    signs = (1, -1) if np.any(s.P_1) else (1,)
     failed = [] if np.all(s.multipliers > 0.0) else ["a multiplier of the sector is not positive"]
-    for margins, name, build in checks:
-        curved = np.any(s.P_1) and name != "P"
-        for point in [(k, k) for k in nodes] + [*pairwise(nodes)] * bool(curved):
+
+    def check(name: str, build: _Build, where: list[Point]) -> tuple[float, ...]:
+        found = []
+        for point in where:
             rho = 0.5 * (s.law.rho[point[0]] + s.law.rho[point[1]])
             margin, text = _check(f"{name} at rho = {rho:g}", partial(_bernstein, build, point))
-            margins.append(margin)
-            failed += [text] if text else []
-    return Margins(min(lyapunov), tuple(inside), tuple(regions)), failed[0] if failed else ""
+            found.append(margin)
+            failed.extend([text] if text else [])
+        return tuple(found)
+
+    lyapunov = check("P", partial(claim.lyapunov, s), nodes)
+    inside: tuple[float, ...] = ()
+    for sign in signs:
+        inside += check("dissipation", partial(claim.dissipation, s, sign), points)
+    regions: tuple[float, ...] = ()
+    for name in _regions(claim.spec):
+        regions += check(name, partial(claim.region, s, name), points)
+    return Margins(min(lyapunov), inside, regions), failed[0] if failed else ""
 
 
 def _regions(spec: Spec) -> list[str]:
@@ -196,7 +199,7 @@ def _regions(spec: Spec) -> list[str]:
     return ["disc", *(name for name, wanted in asked.items() if wanted)]
 
 
-def _bernstein(build: Callable[[Point, Convert], Any], point: Point, convert: Convert) -> Any:
+def _bernstein(build: _Build, point: Point, convert: Convert) -> Any:
     """The matrix at a node; between two nodes the middle Bernstein coefficient."""
     a, b = point
     if a == b:
