@@ -93,11 +93,8 @@ def compare(
     from er_model_lab import commands, vehicle
 
     def work() -> Outcome:
-        asked = _asked(data, model, seed, hold_out, effects_from)
-        if level == "vehicle":
-            return vehicle.compare(asked)
-        _damper_only(level, "compare")
-        return commands.compare(asked)
+        asked = _asked(data, model, seed, hold_out, effects_from, level)
+        return vehicle.compare(asked) if level == "vehicle" else commands.compare(asked)
 
     _run(work, json_file, report)
 
@@ -119,9 +116,8 @@ def diagnose(
     from er_model_lab import commands
 
     def work() -> Outcome:
-        _damper_only(level, "diagnose")
         with _progress("trying effects", effects_from) as tick:
-            asked = _asked(data, model, seed, hold_out, effects_from)
+            asked = _asked(data, model, seed, hold_out, effects_from, level)
             return commands.diagnose(replace(asked, rule=Rule(false_alarm, smallest)), tick)
 
     _run(work, json_file, report)
@@ -146,10 +142,9 @@ def add(
     from er_model_lab import commands
 
     def work() -> Outcome:
-        _damper_only(level, "add")
         with _progress(f"adding {effect}", effects_from) as tick:
             return commands.add(
-                _asked(data, model, seed, hold_out, effects_from), effect, out, tick
+                _asked(data, model, seed, hold_out, effects_from, level), effect, out, tick
             )
 
     _run(work, json_file, report, out)
@@ -173,9 +168,8 @@ def improve(
     from er_model_lab import commands
 
     def work() -> Outcome:
-        _damper_only(level, "improve")
         with _progress("trying effects", effects_from) as tick:
-            asked = _asked(data, model, seed, hold_out, effects_from)
+            asked = _asked(data, model, seed, hold_out, effects_from, level)
             return commands.improve(replace(asked, rule=Rule(false_alarm, smallest)), out, tick)
 
     _run(work, json_file, report, out)
@@ -280,11 +274,16 @@ def _asked(
     seed: int,
     hold_out: list[Path] | None,
     effects_from: list[Path] | None,
+    level: str = "damper",
 ) -> Request:
     """The request of a command line."""
     from er_model_lab.commands import Request
 
-    return Request(data, model, seed, tuple(hold_out or ()), tuple(effects_from or ()))
+    if level not in ("damper", "vehicle"):
+        raise InputError("--level", "", "damper or vehicle", level)
+    return Request(
+        data, model, seed, tuple(hold_out or ()), tuple(effects_from or ()), level=level
+    )
 
 
 def _damper_only(level: str, command: str) -> None:

@@ -45,7 +45,8 @@ MOST_PASSES = 3
 class Request:
     """What every command is asked: data, data that only score (may be empty), model file and seed.
 
-    effects_from: Python files with the user's own effects; rule: when an effect is worth a name.
+    effects_from: Python files with the user's own effects; rule: when an effect is worth a name;
+    level: damper or vehicle.
     """
 
     data: list[Path]
@@ -54,6 +55,7 @@ class Request:
     hold_out: tuple[Path, ...] = ()
     effects_from: tuple[Path, ...] = ()
     rule: Rule = RULE
+    level: str = "damper"
 
     @property
     def catalogue(self) -> Catalogue:
@@ -127,16 +129,20 @@ def compare(ask: Request) -> Outcome:
 def diagnose(ask: Request, tick: Tick | None = None) -> Outcome:
     """Refit, then say which effect is missing."""
     model, (records, sealed) = ask.model(), read(ask)
-    study = investigate(records, model, seed=ask.seed, sealed=sealed, rule=ask.rule, tick=tick)
+    study = investigate(
+        records, model, seed=ask.seed, sealed=sealed, rule=ask.rule, tick=tick, level=ask.level
+    )
     return _outcome("diagnose", study, final_model(study, ask.seed), records, ask)
 
 
 def add(ask: Request, effect: str, out: Path, tick: Tick | None = None) -> Outcome:
     """Add one effect, refit everything, and write the new model."""
     model, (records, sealed) = ask.model(), read(ask)
-    _may_add(model, effect)
+    _may_add(model, effect, ask.level)
     may_write(out, ask.model_file)
-    study = add_effect(records, model, effect, seed=ask.seed, sealed=sealed, tick=tick)
+    study = add_effect(
+        records, model, effect, seed=ask.seed, sealed=sealed, tick=tick, level=ask.level
+    )
     grown = _with_history(final_model(study, ask.seed), model, study, records, ask.seed, out)
     outcome = _outcome("add", study, grown, records, ask)
     save_model(grown, out)
@@ -150,7 +156,13 @@ def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
     current, studies = model, list[Study]()
     for n in range(MOST_PASSES):
         study = investigate(
-            records, current, seed=ask.seed + 1000 * n, sealed=sealed, rule=ask.rule, tick=tick
+            records,
+            current,
+            seed=ask.seed + 1000 * n,
+            sealed=sealed,
+            rule=ask.rule,
+            tick=tick,
+            level=ask.level,
         )
         studies.append(study)
         if not study.diagnosis.effects:
@@ -195,24 +207,23 @@ def _outcome(
     result = {"command": command, **diagnosis_json(study, model)}
     origin = provenance(records, study.model, ask)
     result["provenance"] = origin
-    result["next"] = suggestions(result, ask.model_file, ask.data, ask.effects_from)
+    if ask.level == "damper":
+        result["next"] = suggestions(result, ask.model_file, ask.data, ask.effects_from)
     result = clean(result)
     return Outcome(
         result, study_view(command, study, result, ask.seed, origin), model, study.problem.complete
     )
 
 
-def _may_add(model: Model, effect: str) -> None:
+def _may_add(model: Model, effect: str, level: str) -> None:
     """An effect must exist, be knowable, and not be in the model yet."""
     known = model.catalogue[effect]
     if not known.knowable:
         raise ErError(f"{effect} cannot be known from these channels: {known.unknowable_because}")
     if effect in model.effects:
         raise ErError(f"{effect} is already part of the model '{model.name}'")
-    if known.stage == "vehicle":
-        raise ErError(
-            f"{effect} acts in the vehicle, not in the damper: it cannot be added to a damper model"
-        )
+    if known.stage == "vehicle" and level != "vehicle":
+        raise ErError(f"{effect} acts in the vehicle, not in the damper: --level vehicle adds it")
 
 
 def may_write(out: Path, model_file: Path) -> None:
@@ -240,7 +251,7 @@ def _with_history(
             "before": errors(study.problem, found.base.fit.residual, held).rmse,
             "after": errors(study.problem, found.best.fit.residual, held).rmse,
         },
-        "noise_floor": found.floor.held_out,
+        "noise_floor": (*found.floor.parts, found.floor)[0].held_out,
         "from": before.name,
     }
     source = f"fitted to {len(records)} records, beginning from '{before.name}' ({before.source})"

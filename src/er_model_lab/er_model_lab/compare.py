@@ -29,15 +29,18 @@ class Errors:
 
 
 def errors(problem: Problem, residual: Array, mask: NDArray[np.bool_]) -> Errors:
-    """RMSE [N] and NRMSE = RMSE / (max - min of the force), thesis (3.79)-(3.80)."""
-    rmse = float(np.sqrt(np.mean(residual[mask] ** 2))) if mask.any() else float("nan")
-    span = float(np.ptp(problem.force[mask])) if mask.any() else float("nan")
+    """RMSE [N] and NRMSE = RMSE / (max - min of the force), thesis (3.79)-(3.80); of the first output."""
+    n = problem.forward.outputs
+    y, e, mask = problem.force[::n], residual[::n], mask[::n]
+    rmse = float(np.sqrt(np.mean(e[mask] ** 2))) if mask.any() else float("nan")
+    span = float(np.ptp(y[mask])) if mask.any() else float("nan")
     return Errors(rmse, rmse / span if span > 0 else float("nan"))
 
 
 def region_tables(problem: Problem, residual: Array, seed: int) -> tuple[RegionTable, ...]:
     """Error against deflection, velocity, acceleration, duty, duty rate, time, work done, direction, frequency."""
-    m = problem.motion
+    n, problem = problem.forward.outputs, problem.parts[0]
+    residual, m = residual[::n], problem.motion
     rate = np.concatenate([[0.0], np.diff(m.u)]) / m.dt
     recent = np.asarray(lfilter([1.0], [1.0, -np.exp(-m.dt / 0.05)], np.abs(rate) * m.dt))
     recent = np.where(recent < 1e-3, 0.0, recent)

@@ -84,13 +84,15 @@ def fit(
     free: Free | None = None,
     *,
     known: Array | None = None,
+    target: float = np.inf,
     max_iter: int = 20,
     tol: float = 1e-4,
 ) -> Fit:
     """Fit the free parameters (all by default) to the training samples, from the model's values.
 
     known (n, k): derivatives by the first k free parameters near the start, from the model before it
-    grew; they serve the first step, and the last too where an effect turns out to change nothing.
+    grew; they serve the first step, and the last too where an effect turns out to change nothing. target: mean
+    square [N2] that this first step must reach, or no more is done.
     """
     box = Box(model, free if free is not None else problem.forward.free(model), problem.scales)
     theta, train, y = box.start(), problem.train, problem.force
@@ -99,7 +101,7 @@ def fit(
     damping, exact = 1e-3, known is None
     jacobian = _jacobian(box, theta, f, problem, known)
     rounds = 0
-    while rounds < max_iter:
+    while rounds < max_iter and np.isfinite(cost):
         rounds += 1
         trials = _trials(jacobian[train], (y - f)[train], theta, box, damping)
         forces = problem.predict_many(box.model, box.vectors(trials))
@@ -110,13 +112,15 @@ def fit(
                 break
             if exact:
                 damping *= 30.0
+            elif cost > target:
+                break
             else:
                 jacobian, exact = _jacobian(box, theta, f, problem, None), True
             continue
         gain = 1.0 - costs[best] / cost
         theta, f, cost = trials[best], forces[best], float(costs[best])
         damping = max(damping * (0.1, 1.0, 10.0)[best], 1e-7)
-        if gain < tol:
+        if gain < tol or (cost > target and not exact):
             break
         jacobian, exact = _jacobian(box, theta, f, problem, None), True
     edge = (theta <= box.low + 1e-9 * box.size) | (theta >= box.high - 1e-9 * np.abs(box.high))

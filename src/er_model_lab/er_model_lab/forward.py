@@ -27,7 +27,13 @@ class Forward(Protocol):
     as the residual (n,) of a fit shows it, `size` [N] and lag-one correlation `colour` of its training rows.
     """
 
-    outputs: int
+    @property
+    def outputs(self) -> int:
+        """Rows of a sample."""
+
+    @property
+    def worth(self) -> float:
+        """Share of the mean square that the first step with an effect may leave; else no more are taken."""
 
     def predict_many(self, problem: Problem, model: Model, vectors: Array) -> Array:
         """Rows (m, n) of one model for m flat parameter vectors (m, n_parameters)."""
@@ -59,6 +65,7 @@ class DamperForward:
     """The force of the damper, from its measured motion."""
 
     outputs = 1
+    worth = np.inf
 
     def predict_many(self, problem: Problem, model: Model, vectors: Array) -> Array:
         """Forces (m, n) along the motion."""
@@ -100,12 +107,12 @@ class DamperForward:
         return np.asarray(size * lfilter([1.0], [1.0, -colour], white))
 
 
-def free_parameters(model: Model, *, car: bool = False) -> Free:
-    """Parameters of the effects that channels can show, those of the car among them or not."""
+def free_parameters(model: Model) -> Free:
+    """Parameters of the damper's effects that channels can show."""
     return tuple(
         (name, q.name)
         for name in model.effects
-        if (car or model.catalogue[name].stage != "vehicle") and model.catalogue[name].knowable
+        if model.catalogue[name].stage != "vehicle" and model.catalogue[name].knowable
         for q in model.catalogue[name].parameters
         if q.fitted
     )

@@ -6,7 +6,7 @@ Held-out samples are never used for fitting or for choosing an effect; they only
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from er_models.errors import InputError, MissingChannel
@@ -45,10 +45,10 @@ class Problem:
     """A data set ready for prediction and fitting; all arrays (n,), records laid end to end.
 
     force: measured [N]; where `forward`, which predicts it, has several outputs, those of each sample in turn,
-    weighted to newtons, and motion has fewer rows; fold: block of each training sample, -1 elsewhere; held_out:
-    mask of samples that only score; raw: measured channels before fusion; fused: per record, each with the
-    noise model of its own
-    motion; noise: that of the longest record; sd_force: white noise of the force.
+    weighted to newtons, and motion and extra (what else moves, by name) have fewer rows; fold: block of each
+    training sample, -1 elsewhere; held_out: mask of samples that only score; raw: measured channels before
+    fusion; fused: per record, each with the noise model of its own motion; noise: that of the longest record;
+    sd_force: white noise of the force.
     """
 
     motion: Motion
@@ -64,6 +64,7 @@ class Problem:
     sd_force: float
     velocity_lag: tuple[float, float]
     forward: Forward = DAMPER
+    extra: tuple[tuple[str, Array], ...] = ()
 
     def predict(self, model: Model) -> Array:
         """What a model predicts (n,) [N]."""
@@ -72,6 +73,19 @@ class Problem:
     def predict_many(self, model: Model, vectors: Array) -> Array:
         """What a model predicts (m, n) [N] for m flat parameter vectors (m, n_parameters)."""
         return self.forward.predict_many(self, model, vectors)
+
+    @property
+    def parts(self) -> tuple[Problem, ...]:
+        """One problem for each output, rows `c::outputs` of this one."""
+        n = self.forward.outputs
+        if n == 1:
+            return (self,)
+        return tuple(
+            replace(
+                self, force=self.force[c::n], fold=self.fold[c::n], held_out=self.held_out[c::n], forward=DAMPER
+            )
+            for c in range(n)
+        )  # fmt: skip
 
     @property
     def second(self) -> int:
@@ -86,6 +100,8 @@ class Problem:
     @property
     def kinematic_lag(self) -> bool:
         """Whether deflection and accelerometers can show a lag of the velocity channel by themselves."""
+        if not self.raw:
+            return False
         has = self.raw[0].has
         return bool(has[1] and (has[0] or has[2]))
 
@@ -131,7 +147,7 @@ def prepare(
         fuse(c, noise if r == longest else adapt(c.first(FOR_NOISE), noise))
         for r, c in enumerate(raw)
     )
-    force = [_resampled(r, "damper_force", dt) for r in records]
+    force = [resampled(r, "damper_force", dt) for r in records]
     motion = join([_motion(r, f, c, dt) for r, f, c in zip(records, fused, raw, strict=True)])
     fold, held_out = split(motion, sealed)
     y = np.concatenate(force)
@@ -226,17 +242,17 @@ def _channels(record: Record, dt: float) -> Channels:
     both = record.has("sprung_acceleration") and record.has("unsprung_acceleration")
     a = None
     if both:
-        a = _resampled(record, "sprung_acceleration", dt) - _resampled(
+        a = resampled(record, "sprung_acceleration", dt) - resampled(
             record, "unsprung_acceleration", dt
         )
     v = None
     if record.has("deflection_velocity") and "deflection_velocity" not in record.derived:
-        v = _resampled(record, "deflection_velocity", dt)
-    x = _resampled(record, "deflection", dt) if record.has("deflection") else None
+        v = resampled(record, "deflection_velocity", dt)
+    x = resampled(record, "deflection", dt) if record.has("deflection") else None
     return channels_of(dt, x, v, a)
 
 
-def _resampled(record: Record, channel: str, dt: float) -> Array:
+def resampled(record: Record, channel: str, dt: float) -> Array:
     """A channel on the common grid; averaged over the longer step when the grid is coarser."""
     y = record.need(channel, "to compare the damper force")
     ratio = dt / record.dt
@@ -253,10 +269,10 @@ def _resampled(record: Record, channel: str, dt: float) -> Array:
 def _motion(record: Record, fused: Fused, channels: Channels, dt: float) -> Motion:
     """Inputs of the damper model of one record."""
     n = fused.x.shape[0]
-    u = _resampled(record, "duty", dt) if record.has("duty") else np.zeros(n)
+    u = resampled(record, "duty", dt) if record.has("duty") else np.zeros(n)
     theta = np.zeros(n)
     if record.has("temperature"):
-        theta = _resampled(record, "temperature", dt)
+        theta = resampled(record, "temperature", dt)
         theta = theta - theta[0]
     a = fused.a if channels.has[2] or not channels.measured_a else channels.z[:, 2].copy()
     return Motion(dt, fused.x, fused.v, a, np.ascontiguousarray(u), theta, np.array([0, n]))

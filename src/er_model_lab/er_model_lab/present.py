@@ -16,6 +16,7 @@ from er_model_lab.diagnose.search import Round
 from er_model_lab.diagnose.verdict import Diagnosis
 from er_model_lab.fit import with_deviations
 from er_model_lab.prepare import Problem
+from er_model_lab.ride_result import ride_json
 from er_model_lab.study import Study
 from er_model_lab.view import CandidateView, RecordView, View
 
@@ -104,7 +105,7 @@ def reason(candidate: Candidate, step: Round, found: Diagnosis) -> str:
 def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
     """The contract's JSON of `diagnose`, `add` and `improve`."""
     found, problem = study.diagnosis, study.problem
-    first = found.rounds[0]
+    first, floor = found.rounds[0], (*found.floor.parts, found.floor)[0]
     entries = [entry(c, first, found, problem, model_after) for c in first.candidates]
     for step in found.rounds[1:]:
         known = {e["effect"] for e in entries}
@@ -125,8 +126,8 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         "verdict": found.verdict,
         "effects": list(found.effects),
         "alternatives": [list(group) for group in found.alternatives],
-        "noise_floor": found.floor.held_out,
-        "noise_floor_train": found.floor.floor,
+        "noise_floor": floor.held_out,
+        "noise_floor_train": floor.floor,
         "rmse": {"train": train.rmse, "held_out": held.rmse},
         "nrmse": {"train": train.nrmse, "held_out": held.nrmse},
         "rmse_as_given": errors(problem, study.given, problem.held_out).rmse,
@@ -148,9 +149,9 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
             "line": dict(zip(("frequency", "amplitude", "share"), found.floor.line, strict=True)),
         },
         "noise": {
-            "force_white": found.floor.white, "input_error": found.floor.input_error,
+            "force_white": floor.white, "input_error": found.floor.input_error,
             "motion": {"deflection": problem.noise.x, "velocity": problem.noise.v, "acceleration": problem.noise.a},
-            "fused_velocity_sd": float(np.mean([f.sd_v for f in problem.fused])),
+            "fused_velocity_sd": float(np.mean([f.sd_v for f in problem.fused])) if problem.fused else None,
         },
         "coverage": {
             "hints": list(found.coverage.hints), "blocking": list(found.coverage.blocking),
@@ -160,6 +161,7 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         "model": model_after.name,
         "notes": list(problem.notes),
         "complete": problem.complete,
+        **ride_json(study),
     }  # fmt: skip
 
 
@@ -227,7 +229,9 @@ def record_views(study: Study) -> tuple[RecordView, ...]:
 
 
 def views(problem: Problem, before: Array, after: Array | None) -> tuple[RecordView, ...]:
-    """Per-record slices of a problem and its predictions."""
+    """Per-record slices of a problem and its predictions, of the first output."""
+    n, problem = problem.forward.outputs, problem.parts[0]
+    before, after = before[::n], None if after is None else after[::n]
     m, out = problem.motion, []
     for name, i, j in zip(problem.names, m.starts[:-1], m.starts[1:], strict=True):
         cut = slice(int(i), int(j))
@@ -263,15 +267,17 @@ def _card(
 ) -> CandidateView:
     """One evidence card: the change of force the effect makes beside what the model left."""
     effect = candidate.fit.model.catalogue[candidate.name]
+    n, problem = problem.forward.outputs, problem.parts[0]
     rows = np.flatnonzero(problem.train)
     rows = rows[:: max(1, rows.size // POINTS)]
     axis = {"force-deflection": problem.motion.x, "force-duty": problem.motion.u, "time": problem.motion.t,
             "force-acceleration": problem.motion.a}.get(effect.signature.plane, problem.motion.v)  # fmt: skip
-    change = step.base.fit.residual - candidate.fit.residual
+    left = step.base.fit.residual[::n]
+    change = left - candidate.fit.residual[::n]
     return CandidateView(
         candidate.name, effect.title, effect.physics, equation_of(candidate.fit.model, candidate.name),
         effect.signature.mark, effect.signature.experiment, fields, reason(candidate, step, found),
-        effect.signature.plane, axis[rows], change[rows], step.base.fit.residual[rows],
+        effect.signature.plane, axis[rows], change[rows], left[rows],
     )  # fmt: skip
 
 

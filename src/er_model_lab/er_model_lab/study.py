@@ -15,8 +15,11 @@ from er_model_lab.diagnose.null import Null, simulate_null
 from er_model_lab.diagnose.search import Round, passes, threshold
 from er_model_lab.diagnose.verdict import Diagnosis, diagnose, judge
 from er_model_lab.estimate import estimated
+from er_model_lab.fit import fit, with_deviations
 from er_model_lab.prepare import Problem, prepare
 from er_model_lab.record import Record
+from er_model_lab.ride_forward import RideForward
+from er_model_lab.ride_problem import open_ride
 from er_model_lab.rule import RULE, Rule
 
 Tick = Callable[[str], None]
@@ -96,8 +99,13 @@ def investigate(
     sealed: int = 0,
     rule: Rule = RULE,
     tick: Tick | None = None,
+    level: str = "damper",
 ) -> Study:
     """Diagnose a model on records; a lagging velocity channel is undone first and named."""
+    if level == "vehicle":
+        problem, fitted = open_ride(records, model, sealed)
+        found = diagnose(fitted.model, problem, seed=seed, rule=rule, tick=tick)
+        return _ridden(found, problem, model)
     problem, lag = open_problem(records, model, sealed)
     bare = on_fused(model)
     lag_base = _as_measured(bare, problem) if lag else None
@@ -116,8 +124,12 @@ def add_effect(
     seed: int,
     sealed: int = 0,
     tick: Tick | None = None,
+    level: str = "damper",
 ) -> Study:
     """Add one named effect, refit everything, and judge it alone."""
+    if level == "vehicle":
+        problem, fitted = open_ride(records, model, sealed)
+        return _ridden(diagnose_one(fitted.model, problem, effect, seed), problem, model)
     problem, lag = open_problem(records, model, sealed)
     bare = on_fused(model)
     given = as_given(model, problem)
@@ -143,6 +155,11 @@ def diagnose_one(model: Model, problem: Problem, effect: str | None, seed: int) 
     step = Round(base, rivals, null, limit, able[0] if able else None, [])
     found = judge(base, able[0] if able else base, [step], floor, problem)
     return replace(found, best=rivals[0]) if rivals else found
+
+
+def _ridden(found: Diagnosis, problem: Problem, model: Model) -> Study:
+    """The study of a car, whose sensors are simulated: nothing is undone before."""
+    return Study(found, problem, model, None, None, problem.force - problem.predict(model))
 
 
 def _as_measured(model: Model, problem: Problem) -> Candidate:
@@ -194,6 +211,8 @@ def _kept(candidate: Candidate, model: Model) -> Candidate:
 def final_model(study: Study, seed: int = 0) -> Model:
     """The best model with estimates of everything that was fitted: values without bias, and deviations."""
     best = study.diagnosis.best.fit
+    if isinstance(study.problem.forward, RideForward):
+        return with_deviations(fit(best.model, study.problem, tol=1e-7), study.problem)
     held = best.model.effects.get("velocity_lag")
     model = estimated(replace(best, model=on_fused(best.model)), study.problem, seed)
     if held is None:

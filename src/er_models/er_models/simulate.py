@@ -110,9 +110,7 @@ def simulate(
     """
     plant = prepare(model, dt)
     start = initial_state(plant, float(road[0]), float(duty[0]), q)
-    _, states, outputs = _run(plant, start, np.asarray(road, float), np.asarray(duty, float), True)
-    states = np.concatenate([start.q[None], states])
-    outputs = np.concatenate([_first(plant, start, road), outputs])
+    _, states, outputs = history(plant, start, np.asarray(road, float), np.asarray(duty, float))
     return {
         "t": np.arange(states.shape[0]) * dt,
         "road": np.asarray(road, float),
@@ -124,6 +122,16 @@ def simulate(
         "unsprung_acceleration": outputs[:, 1],
         "tyre_deflection": states[:, 2],
     }
+
+
+def history(plant: Plant, start: State, road: Array, duty: Array) -> tuple[State, Array, Array]:
+    """A record (n,) from a state on: the state at its last sample, mechanical states (n, 4) and outputs (n, 6).
+
+    outputs: both reported accelerations, true and measured force, reported deflection and velocity.
+    """
+    end, states, outputs = _run(plant, start, road, duty, True)
+    states = np.concatenate([start.q[None], states])
+    return end, states, np.concatenate([_first(plant, start, road), outputs])
 
 
 def _run(

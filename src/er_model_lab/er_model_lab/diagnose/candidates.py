@@ -161,15 +161,15 @@ def refit(
     Where no amplitude switches the effect on, a straight line promises little: the two best starts are tried.
     """
     points, kept, reach = screen(base, effect, problem)
-    fits = [
-        fit(
-            base.fit.model.with_effect(effect.name, values),
-            problem,
-            known=base.fit.jacobian,
-            max_iter=max_iter,
-        )
-        for values in points[: 1 if _amplitudes(effect) else 2]
-    ]
+    target = base.fit.mse(problem.train) * problem.forward.worth
+
+    def begun(values: dict[str, float]) -> Fit:
+        grown = base.fit.model.with_effect(effect.name, values)
+        return fit(grown, problem, known=base.fit.jacobian, target=target, max_iter=max_iter)
+
+    fits = [begun(values) for values in points[: 1 if _amplitudes(effect) else 2]]
+    fits = [f for f in fits if np.isfinite(f.mse(problem.train))]
+    fits = fits or [begun(starts(effect, problem)[0])]
     fitted = min(fits, key=lambda f: f.mse(problem.train))
     return _judged((*base.effects, effect.name), fitted, problem, kept, reach)
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from er_models.model import Array
+from er_models.parallel import WORTH, over_cores
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 from sklearn.ensemble import HistGradientBoostingRegressor
@@ -35,7 +36,7 @@ class Floor:
     out, which have motion of their own and so feel errors of its sensors differently; white: white force
     noise; input_error: from the sensors of the motion; explained: share of the residual that boosted trees
     explain; importance: of each feature, by name; line: (frequency [Hz], amplitude [N], share) of the
-    strongest spectral line.
+    strongest spectral line; parts: floors of the outputs, where there are several.
     """
 
     floor: float
@@ -45,10 +46,11 @@ class Floor:
     explained: float
     importance: dict[str, float]
     line: tuple[float, float, float]
+    parts: tuple[Floor, ...] = ()
 
 
 def features(problem: Problem, force: Array) -> Array:
-    """Inputs (n, features) of the regression, in the order of `FEATURES`."""
+    """Inputs (n, features) of the regression, in the order of `FEATURES` and then of the problem's own."""
     m = problem.motion
     dt, u = m.dt, m.u
 
@@ -70,7 +72,7 @@ def features(problem: Problem, force: Array) -> Array:
         m.x, m.v, m.a, u, ago(u, 0.02), ago(u, 0.06), ago(m.v, 0.01), ago(m.v, 0.03), force, gate, m.t,
         slow(np.abs(force * m.v), 15.0), reversal, u - slow(u, 0.05), ago(m.x, 0.05),
     ]  # fmt: skip
-    return np.stack(columns, axis=1)
+    return np.stack([*columns, *(y for _, y in problem.extra)], axis=1)
 
 
 def _trees(seed: int) -> HistGradientBoostingRegressor:
@@ -121,7 +123,7 @@ def importance(problem: Problem, residual: Array, inputs: Array, seed: int) -> d
     rng = np.random.default_rng(seed)
     base = float(np.mean((target - trees.predict(known)) ** 2))
     out = {}
-    for i, name in enumerate(FEATURES):
+    for i, name in enumerate((*FEATURES, *(name for name, _ in problem.extra))):
         shuffled = known.copy()
         shuffled[:, i] = rng.permutation(shuffled[:, i])
         worse = float(np.mean((target - trees.predict(shuffled)) ** 2))
@@ -150,24 +152,65 @@ def spectral_line(problem: Problem, residual: Array) -> tuple[float, float, floa
 
 
 def noise_floor(problem: Problem, best: Candidate, input_error: float, seed: int) -> Floor:
-    """Floor under the best model found so far.
+    """Floor under the best model found so far; of several outputs, that of their mean square."""
+    n = problem.forward.outputs
+    parts, found = problem.parts, dict[int, Floor]()
+
+    def run(i: int, j: int) -> None:
+        for c in range(i, j):
+            left, in_fit = best.residual[c::n], best.fit.residual[c::n]
+            found[c] = _floor(parts[c], left, in_fit, input_error, seed)
+
+    with threadpool_limits(1):
+        over_cores(run, n, WORTH * n)
+    floors = tuple(found[c] for c in range(n))
+    return floors[0] if n == 1 else _together(floors, best.mse)
+
+
+def _floor(
+    problem: Problem, residual: Array, in_fit: Array, input_error: float, seed: int
+) -> Floor:
+    """Floor of one output, from its residual without each sample's block and from that of the fit.
 
     The trees are small: on one thread they are as fast as on two, and do not wait for busy cores.
     """
-    inputs = features(problem, problem.force - best.fit.residual)
-    with threadpool_limits(1):
-        share = max(boosted(problem, best.residual, inputs, seed), 0.0)
-        unseen = max(boosted_held_out(problem, best.fit.residual, inputs, seed), 0.0)
-        weights = importance(problem, best.residual, inputs, seed) if share > 0.03 else {}
-    line = spectral_line(problem, best.residual)
+    inputs = features(problem, problem.force - in_fit)
+    with threadpool_limits(1, "openmp"):
+        share = max(boosted(problem, residual, inputs, seed), 0.0)
+        unseen = max(boosted_held_out(problem, in_fit, inputs, seed), 0.0)
+        weights = importance(problem, residual, inputs, seed) if share > 0.03 else {}
     starts = problem.motion.starts
-    white = white_noise([best.fit.residual[i:j] for i, j in itertools.pairwise(starts)])
+    white = white_noise([in_fit[i:j] for i, j in itertools.pairwise(starts)])
+    held = float(np.mean(in_fit[problem.held_out] ** 2))
     return Floor(
-        floor=float(np.sqrt(best.mse * (1.0 - share))),
-        held_out=float(np.sqrt(best.fit.mse(problem.held_out) * (1.0 - unseen))),
+        floor=float(np.sqrt(float(np.mean(residual[problem.train] ** 2)) * (1.0 - share))),
+        held_out=float(np.sqrt(held * (1.0 - unseen))),
         white=white,
         input_error=input_error,
         explained=share,
         importance=weights,
-        line=line,
+        line=spectral_line(problem, residual),
+    )
+
+
+def _together(floors: tuple[Floor, ...], mse: float) -> Floor:
+    """One floor of several outputs, each with its share of the mean square error [N2]."""
+    low = np.array([f.floor**2 for f in floors])
+    error = low / np.maximum(1.0 - np.array([f.explained for f in floors]), 1e-9)
+    shares = error / error.sum()
+    importance: dict[str, float] = {}
+    for share, f in zip(shares, floors, strict=True):
+        for name, weight in f.importance.items():
+            importance[name] = importance.get(name, 0.0) + float(share) * weight
+    frequency, amplitude, _ = max((f.line for f in floors), key=lambda line: line[2])
+    line = max(float(s) * f.line[2] for s, f in zip(shares, floors, strict=True))
+    return Floor(
+        floor=float(np.sqrt(low.mean())),
+        held_out=float(np.sqrt(np.mean([f.held_out**2 for f in floors]))),
+        white=floors[0].white,
+        input_error=floors[0].input_error,
+        explained=max(1.0 - float(low.mean()) / mse, 0.0),
+        importance=dict(sorted(importance.items(), key=lambda kv: -kv[1])),
+        line=(frequency, amplitude, line),
+        parts=floors,
     )
