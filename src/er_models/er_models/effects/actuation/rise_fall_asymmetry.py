@@ -1,11 +1,16 @@
 """Rise and fall differ: the yield force falls with r tau."""
 
-from er_models.effect import SWITCH, Effect, Param, Signature
+from er_models.effect import Effect, Param, Signature
 
 
 def tau_scale(r: float, y: float, f_y: float) -> float:
-    """Factor on the response time [1]: r while the yield force shrinks, 1 while it grows."""
-    return r if (y - f_y) * f_y < 0.0 else 1.0
+    """Factor on the response time [1]: r while the yield force shrinks, 1 while it grows, r^(1/2) at its zero.
+
+    The powers pass into one another where |f_y| is a few hundredths of |y|: a step there jumps with every
+    parameter that moves the instant of the zero, and no least squares gets over a sum of such jumps.
+    """
+    towards = f_y / (abs(f_y) + 0.05 * abs(y) + 1e-12)
+    return float(r ** (0.5 - 0.5 * towards if y > f_y else 0.5 + 0.5 * towards))
 
 
 EFFECT = Effect(
@@ -22,7 +27,6 @@ EFFECT = Effect(
             1.0,
             (1.4, 0.7),
             "time constant of the fall over that of the rise",
-            step=SWITCH,
         ),
     ),
     hooks={"tau_scale": tau_scale},
