@@ -15,6 +15,7 @@ import numpy as np
 import yaml
 from er_models.errors import InputError
 from er_models.files import write_whole
+from er_models.forms.relative import STATES as RELATIVE
 from er_models.linear import LinearForm, fingerprint
 from er_models.model import Model
 
@@ -23,6 +24,7 @@ from er_observers.forms import COORDINATES, SENSORS, form_of
 from er_observers.gain_file import Document, digest, read
 from er_observers.observers.kernel import SUBSTEP
 from er_observers.observers.matrices import Plan, bridge_plan, plan_of
+from er_observers.observers.start_phase import Opening, opening_of
 from er_observers.observers.status import LIMITS, Limits
 from er_observers.observers.watch import Watch, watch_of
 from er_observers.synthesis.proof import Claim, prove
@@ -38,7 +40,8 @@ _KEYS = (
 class Gains:
     """Proved gains of one observer for one model, with what the loop takes from them.
 
-    plan: the observer; bridge: the model alone; watch: constants of its health.
+    plan: the observer; bridge: the model alone; watch: constants of its health; opening: of its
+    start phase, None where it needs none or its states are not the relative ones.
     """
 
     observer: str
@@ -47,6 +50,7 @@ class Gains:
     figures: Mapping[str, Any]
     digest: str
     limits: Limits = LIMITS
+    opening: Opening | None = None
     plan: Plan = field(init=False)
     bridge: Plan = field(init=False)
     watch: Watch = field(init=False)
@@ -119,7 +123,16 @@ def load_gains(path: str | Path, model: Model, observer: str, limits: Limits = L
         found = file.at("certificate.discrete.substep")
         raise InputError(path, "certificate.discrete.substep", expected, found)
     figures, name = file.at("certificate"), str(file.at("digest"))
-    return Gains(observer, model.name, claim, figures, name, limits)
+    return Gains(
+        observer, model.name, claim, figures, name, limits, _opening(model, claim, limits)
+    )
+
+
+def _opening(model: Model, claim: Claim, limits: Limits) -> Opening | None:
+    """The start phase; a measured deflection leaves no doubt that would need one."""
+    if claim.form.C.shape[0] == len(SENSORS) or claim.form.states != RELATIVE:
+        return None
+    return opening_of(model, claim.form, model.rig.get("acceleration_noise", limits.noise))
 
 
 def _form(file: Document, model: Model) -> LinearForm:

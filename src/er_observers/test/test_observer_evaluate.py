@@ -32,7 +32,7 @@ def test_below_one_per_cent_from_10_mm_wrong(car: Model, gains: Gains, scenario:
     assert score.nrmse < 0.006
     assert score.largest < 1.0
     assert score.first_ok is not None
-    assert score.first_ok < 1.0
+    assert score.first_ok < (5.0 if scenario is CHIRP else 1.0)  # it begins slowly, before yield
     assert score.test_ratio < 1.0
 
 
@@ -101,10 +101,11 @@ def test_hidden_friction(car: Model, gains: Gains) -> None:
 
 
 def test_slow_chirp_before_yield_is_called_weak(car: Model, gains: Gains) -> None:
-    """Full field and a slow start: a 10 mm error stays, and the status says so."""
+    """Full field and a slow start: the start phase finds the 10 mm, and nobody could see them come back."""
     stiff = replace(CHIRP, program=replace(CHIRP.program, duty={"kind": "constant", "level": 1.0}))
+    assert evaluate(car, replace(gains, opening=None), stiff).nrmse > 0.01
     score = evaluate(car, gains, stiff)
-    assert score.nrmse > 0.01
+    assert score.nrmse < 0.006
     assert score.weak > 0.3
     assert score.first_ok is not None
     assert score.first_ok > 5.0

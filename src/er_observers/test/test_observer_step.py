@@ -48,7 +48,7 @@ def test_first_state_explains_the_first_sample(gains: Gains) -> None:
         state = start(gains, Sample(0.0, 2.0, -7.0, duty))
         np.testing.assert_allclose(gains.form.C @ state.x, [2.0, -7.0], rtol=1e-9)
         assert state.estimate.status is Status.INITIALISING
-    assert start(gains, Sample(0.0, 2.0, -7.0, 0.0)).x[3] == 0.0
+    assert abs(start(gains, Sample(0.0, 2.0, -7.0, 0.0)).x[3]) < 1e-12
 
 
 def test_duty_acts_after_its_stamp(gains: Gains, drive: Drive) -> None:
@@ -166,7 +166,7 @@ def test_jitter_of_the_stamps_is_followed(car: Model, gains: Gains) -> None:
     """Samples at uneven times: the true interval is integrated, not the nominal one."""
     n, fine = 1600, 10
     t = np.arange(n * fine) * DT / fine
-    road = 2e-3 * np.sin(2 * np.pi * 3.0 * t)
+    road = 2e-3 * np.sin(2 * np.pi * 15.0 * t)
     record = simulate(car, DT / fine, road, np.full(t.size, 0.3))
     pick = np.arange(0, t.size, fine)
     pick = pick + np.random.default_rng(7).integers(0, 6, pick.size)
@@ -174,7 +174,7 @@ def test_jitter_of_the_stamps_is_followed(car: Model, gains: Gains) -> None:
 
     def error(times: Array) -> float:
         force = np.array([e.force for e in replay(gains, {**uneven, "t": times})])
-        return float(np.sqrt(np.mean((force - uneven["damper_force"])[400:] ** 2)))
+        return float(np.sqrt(np.mean((force - uneven["damper_force"])[800:] ** 2)))
 
     assert error(uneven["t"]) < 0.15
     assert error(uneven["t"]) < 0.5 * error(np.arange(n) * DT)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from er_models.linear import LinearForm, relative_form
 from er_models.model import Model
-from er_observers.observers.nlpv_polytopic import Sample
+from er_observers.observers.runtime import Sample
 from er_observers.observers.status import Status
 from er_observers.peers import kalman
 from er_observers.peers.flow import flow, jacobian, noise_covariance, substep_matrices

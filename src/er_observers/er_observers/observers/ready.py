@@ -19,5 +19,7 @@ def ready(path: str | Path, model: Model, observer: str, limits: Limits = LIMITS
     """
     gains = gain_files.load_gains(path, model, observer, limits)
     rest = Sample(0.0, 0.0, 0.0, 0.0, 0.0)
-    step(gains, start(gains, rest), rest._replace(t=0.005))
+    state = start(gains, rest)
+    for P in {id(m): m for m in (state.P, None)}.values():  # both phases
+        step(gains, state._replace(P=P), rest._replace(t=0.005))
     return gains

@@ -17,6 +17,7 @@ import numpy as np
 from er_models.model import Array
 
 from er_observers.gains import Gains
+from er_observers.observers import start_phase
 from er_observers.observers import watch as watching
 from er_observers.observers.kernel import advance, substeps
 from er_observers.observers.status import ROUNDING, Health, Status, judge
@@ -55,14 +56,16 @@ class State(NamedTuple):
     """Memory between samples.
 
     t: time of the last sample [s]; z (N,): the observer's own state then; x (n,): the estimate of
-    the model's; y (m,): outputs then; change: of the relative acceleration since the sample before
-    [m/s2]; duty: in force since t; running: whether a first valid sample has come; resets: fresh
-    starts after it; rejected: samples not used or repaired.
+    the model's; P (n, n): covariance of x during the start phase, None after it; y (m,): outputs
+    then; change: of the relative acceleration since the sample before [m/s2]; duty: in force since
+    t; running: whether a first valid sample has come; resets: fresh starts after it; rejected:
+    samples not used or repaired.
     """
 
     t: float
     z: Array
     x: Array
+    P: Array | None
     y: Array
     change: float
     duty: float
@@ -84,11 +87,14 @@ def start(gains: Gains, sample: Sample, x: Array | None = None) -> State:
     y = _outputs(gains, sample) if running else np.zeros(law.S.shape[1])
     if not running:
         health = health._replace(lost=math.inf)
-    first = _likeliest(gains, y, duty) if x is None else np.array(x, float)
+    first, P = _likeliest(gains, y, duty) if x is None else np.array(x, float), None
+    if running and gains.opening is not None:
+        prior = gains.opening.prior
+        first, P = start_phase.follow(gains.opening, first, prior, duty, 0.0, y)
     z = law.state(first, y, np.zeros(law.order))
     estimate = _estimate(gains, first, health)
     rejected = 0 if running else 1
-    return State(sample.t, z, first, y, 0.0, duty, health, estimate, running, 0, rejected)
+    return State(sample.t, z, first, P, y, 0.0, duty, health, estimate, running, 0, rejected)
 
 
 def step(gains: Gains, state: State, sample: Sample) -> tuple[State, Estimate]:
@@ -116,10 +122,8 @@ def step(gains: Gains, state: State, sample: Sample) -> tuple[State, Estimate]:
 
 def _follow(gains: Gains, state: State, sample: Sample, dt: float) -> State:
     """Advance with the measurement."""
-    law, z = gains.claim.solution.law, np.empty_like(state.z)
     y, last = _outputs(gains, sample), state.duty
-    end = advance(*gains.plan, state.z, state.y, y, last, dt, substeps(dt), z)
-    x = law.R @ z + law.S @ y
+    z, x, P, end = _advanced(gains, state, y, dt)
     duty, repaired = _duty(gains, sample.duty, last)
     before = float(state.y[0] - state.y[1])
     change = sample.sprung_acceleration - sample.unsprung_acceleration - before
@@ -130,10 +134,13 @@ def _follow(gains: Gains, state: State, sample: Sample, dt: float) -> State:
         repaired=repaired,
     )
     health = watching.follow(gains.watch, gains.limits, state.health, dt, facts)
+    if state.P is not None:
+        health = health._replace(doubt=0.0 if P is None else 1.0)
     return state._replace(
         t=sample.t,
         z=z,
         x=x,
+        P=P,
         y=y,
         change=change,
         duty=duty,
@@ -143,16 +150,34 @@ def _follow(gains: Gains, state: State, sample: Sample, dt: float) -> State:
     )
 
 
+def _advanced(
+    gains: Gains, state: State, y: Array, dt: float
+) -> tuple[Array, Array, Array | None, float]:
+    """z, x, P and the gate's input dt [s] later: by the proved gain, or in the start phase."""
+    law = gains.claim.solution.law
+    if state.P is None or gains.opening is None:
+        z = np.empty_like(state.z)
+        end = advance(*gains.plan, state.z, state.y, y, state.duty, dt, substeps(dt), z)
+        return z, law.R @ z + law.S @ y, None, end
+    x, P = start_phase.follow(gains.opening, state.x, state.P, state.duty, dt, y)
+    done = start_phase.finished(gains.opening, P)
+    return law.state(x, y, state.z), x, None if done else P, float(gains.form.Gamma @ x)
+
+
 def _bridge(gains: Gains, state: State, sample: Sample, dt: float) -> State:
     """Advance without a measurement, on the model alone."""
-    x, nothing = np.empty_like(state.x), np.zeros_like(state.y)
-    advance(*gains.bridge, state.x, nothing, nothing, state.duty, dt, substeps(dt), x)
+    x, P, nothing = np.empty_like(state.x), state.P, np.zeros_like(state.y)
+    if P is None or gains.opening is None:
+        advance(*gains.bridge, state.x, nothing, nothing, state.duty, dt, substeps(dt), x)
+    else:
+        x, P = start_phase.follow(gains.opening, state.x, P, state.duty, dt, nothing + math.nan)
     y = gains.form.C @ x
     health = watching.missed(gains.limits, state.health, dt)
     return state._replace(
         t=sample.t,
         z=gains.claim.solution.law.state(x, y, state.z),
         x=x,
+        P=P,
         y=y,
         change=0.0,
         duty=_duty(gains, sample.duty, state.duty)[0],

@@ -1,0 +1,82 @@
+"""The start phase: a wrong start is found in a tenth of a second, and the proved gain takes over unchanged."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from er_observers.compare.estimators import estimators_of
+from er_observers.compare.nrmse import nrmse, settling_time
+from er_observers.compare.run import follow as follow_record
+from er_observers.observers import runtime, start_phase
+from er_observers.observers.runtime import Sample
+from er_observers.observers.status import Status
+from er_observers.scenarios.drive import drive
+from er_observers.scenarios.files import choose_scenarios, load_scenarios
+from er_observers.scenarios.starts import NLPV
+
+CONFIG = Path(__file__).resolve().parents[3] / "config"
+
+
+@pytest.fixture(scope="module")
+def record(car):
+    """Three seconds of the noisy ISO road of chapter 5."""
+    (s,) = choose_scenarios(load_scenarios(CONFIG / "scenarios"), ["chapter_5_noise"])
+    return drive(replace(s, program=replace(s.program, duration=3.0)), car)
+
+
+@pytest.mark.parametrize("name", ["nlpv_polytopic", "nlpv_gridding", "unified"])
+def test_every_observer_settles_in_a_fifth_of_the_time(car, record, name):
+    """From 10 mm wrong; without the phase the same gains need far longer and start 14 N wrong."""
+    (e,) = [e for e in estimators_of(car, CONFIG / "gains") if e.name == name]
+    x, t, true = e.form.chart @ NLPV, record["t"], record["damper_force"]
+    found = follow_record(e, record, x)
+    plain = follow_record(replace(e, parameters=replace(e.parameters, opening=None)), record, x)
+    assert settling_time(t, true, found.force) < 0.5
+    assert nrmse(true, found.force) < 0.4 * nrmse(true, plain.force)
+    wrong = np.abs(found.force - true) > 0.02 * np.ptp(true)
+    assert not np.any(wrong[t < 0.5] & (found.status[t < 0.5] == Status.OK))
+
+
+def test_it_ends_and_the_proved_gain_goes_on_from_there(gains, drive):
+    samples = drive(400, 0.2)
+    state, phases = runtime.start(gains, samples[0]), []
+    for sample in samples[1:]:
+        before = state
+        state, _ = runtime.step(gains, state, sample)
+        phases.append(state.P is not None)
+        if before.P is None:
+            free = runtime.step(replace(gains, opening=None), before, sample)[0]
+            assert np.array_equal(free.x, state.x)
+    assert phases[0]
+    assert not phases[-1]
+    assert sorted(phases, reverse=True) == phases
+
+
+def test_the_doubt_grows_over_a_gap_and_the_prior_is_the_envelope(gains):
+    o = gains.opening
+    assert np.sqrt(np.diag(o.prior))[:2] == pytest.approx([0.010, 0.1])
+    assert o.cost @ [1e-3, 0.0, 0.0, 0.0] == pytest.approx(-1.396)  # k_s times a millimetre
+    x, P = start_phase.follow(o, np.zeros(4), o.prior, 0.2, 0.0, np.zeros(2))
+    assert P[0, 0] < o.prior[0, 0]
+    blind = start_phase.follow(o, x, P, 0.2, 0.005, np.full(2, np.nan))[1]
+    seen = start_phase.follow(o, x, P, 0.2, 0.005, np.zeros(2))[1]
+    assert blind[2, 2] > P[2, 2]
+    assert np.all(np.linalg.eigvalsh(blind - seen) > -1e-12)
+    assert start_phase.finished(o, 1e-6 * P)
+    assert not start_phase.finished(o, P)
+
+
+def test_samples_that_are_missing_do_not_end_it(gains):
+    rest = Sample(0.0, 0.1, -0.2, 0.2)
+    state = runtime.start(gains, rest)
+    for k in range(1, 5):
+        gap = Sample(0.005 * k, float("nan"), 0.0, 0.2)
+        state, estimate = runtime.step(gains, state, gap)
+        assert state.P is not None
+        assert np.isfinite(estimate.force)
+    state, _ = runtime.step(gains, state, rest._replace(t=0.025))
+    assert state.P is not None
+    assert state.estimate.status is not Status.OK
