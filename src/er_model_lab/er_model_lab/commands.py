@@ -108,7 +108,7 @@ def compare(ask: Request) -> Outcome:
     given = as_given(model, problem)
     base = baseline(on_fused(model), problem)
     null = simulate_null(base, [], problem, ask.seed)
-    floor = noise_floor(problem, base, null.input_error, ask.seed)
+    floor = noise_floor(problem, base, null, ask.seed)
     mse = float(np.mean(given[problem.used] ** 2))
     explainable = max(1.0 - floor.floor**2 / mse, 0.0)
     tables = region_tables(problem, given, ask.seed)

@@ -145,6 +145,7 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         "reasons": list(found.reasons),
         "unexplained": {
             "share": found.floor.explained,
+            "bursts": found.floor.bursts,
             "depends_on": {k: v for k, v in list(found.floor.importance.items())[:5] if v > 0.01},
             "line": dict(zip(("frequency", "amplitude", "share"), found.floor.line, strict=True)),
         },

@@ -149,7 +149,7 @@ def diagnose_one(model: Model, problem: Problem, effect: str | None, seed: int) 
     rivals = [refit(base, model.catalogue[effect], problem, max_iter=20)] if effect else []
     null: Null = simulate_null(base, rivals, problem, seed)
     leader = min([base, *rivals], key=lambda c: c.mse)
-    floor: Floor = noise_floor(problem, leader, null.input_error, seed)
+    floor: Floor = noise_floor(problem, leader, null, seed)
     limit = threshold(null, floor.floor)
     able = [c for c in rivals if passes(base, c, limit)]
     step = Round(base, rivals, null, limit, able[0] if able else None, [])

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_model_lab.diagnose.candidates import baseline, refit
+from er_model_lab.diagnose.left import bursts, filtered
 from er_model_lab.diagnose.null import Null, simulate_null
 from er_model_lab.diagnose.search import Round, tied
 from er_model_lab.diagnose.verdict import _alternatives
@@ -12,6 +13,7 @@ from er_model_lab.motion_error import drawn
 from er_model_lab.rule import Rule
 from er_models.errors import InputError
 from lab_help import imposed, problem_of
+from scipy.signal import lfilter
 
 
 @pytest.mark.parametrize("accelerometers", [True, False])
@@ -35,7 +37,7 @@ def test_chance_passes_its_threshold_as_often_as_it_is_allowed_to():
     for alarm in (0.3, 0.05, 0.01):
         rates, values = [], []
         for part in sizes.reshape(-1, 64):
-            null = Null(part, 0.0, 0.0, 1.0, 0.0)
+            null = Null(part, 0.0, 0.0, 1.0, 0.0, np.zeros(0))
             limit = null.threshold(alarm)
             rates.append(np.exp(-(limit**2) / 2.0))
             values.append(null.p_value(limit))
@@ -80,9 +82,23 @@ def test_a_small_difference_that_is_sure_is_no_tie(friction):
     assert [c.name for c in near] == ["stribeck_friction"]
 
 
+def test_what_noise_does_not_leave_is_seen_and_noise_is_not():
+    model, problem = problem_of(None, {}, seed=6)
+    residual, none = baseline(model, problem).fit.residual, np.zeros(problem.motion.n)
+    rng, n = np.random.default_rng(1), problem.motion.n
+    edges = 3.0 * lfilter([1.0], [1.0, -0.8], np.diff(problem.motion.u, prepend=0.0))
+    events = np.repeat(rng.random(n // 10 + 1) < 0.04, 10)[:n]
+    assert filtered(problem, residual, residual)[0] < 0.02
+    assert bursts(problem, residual, none) == 0.0
+    share, unseen, worth = filtered(problem, residual + edges, residual + edges)
+    assert min(share, unseen) > 0.03
+    assert next(iter(worth)) == "duty change, its past"
+    assert bursts(problem, residual + 0.5 * events, none) > 0.1
+
+
 def test_effects_that_are_both_needed_are_no_rivals(friction):
     base, found, _ = friction
-    null = Null(np.zeros(0), 0.0, 0.0, 1.0, 0.0)
+    null = Null(np.zeros(0), 0.0, 0.0, 1.0, 0.0, np.zeros(0))
     step = Round(base, found, null, 0.1, found[0], [c.name for c in found])
     both = replace(found[0], effects=tuple(c.name for c in found))
     assert _alternatives(both, [step]) == ()

@@ -18,6 +18,8 @@ from sklearn.ensemble import HistGradientBoostingRegressor
 from threadpoolctl import threadpool_limits
 
 from er_model_lab.diagnose.candidates import Candidate
+from er_model_lab.diagnose.left import bursts, filtered
+from er_model_lab.diagnose.null import Null
 from er_model_lab.prepare import Problem, white_noise
 
 MAX_SAMPLES = 5000
@@ -35,8 +37,9 @@ class Floor:
     floor: root of the smallest mean square left on unseen stretches; held_out: the same on the samples held
     out, which have motion of their own and so feel errors of its sensors differently; white: white force
     noise; input_error: from the sensors of the motion; explained: share of the residual that boosted trees
-    explain; importance: of each feature, by name; line: (frequency [Hz], amplitude [N], share) of the
-    strongest spectral line; parts: floors of the outputs, where there are several.
+    or linear filters explain; importance: of each feature, by name; line: (frequency [Hz], amplitude [N],
+    share) of the strongest spectral line; bursts: share that comes in bursts; parts: floors of the outputs,
+    where there are several.
     """
 
     floor: float
@@ -46,6 +49,7 @@ class Floor:
     explained: float
     importance: dict[str, float]
     line: tuple[float, float, float]
+    bursts: float = 0.0
     parts: tuple[Floor, ...] = ()
 
 
@@ -151,7 +155,7 @@ def spectral_line(problem: Problem, residual: Array) -> tuple[float, float, floa
     return float(frequency), float(np.sqrt(2.0 * share * np.var(y))), share
 
 
-def noise_floor(problem: Problem, best: Candidate, input_error: float, seed: int) -> Floor:
+def noise_floor(problem: Problem, best: Candidate, null: Null, seed: int) -> Floor:
     """Floor under the best model found so far; of several outputs, that of their mean square."""
     n = problem.forward.outputs
     parts, found = problem.parts, dict[int, Floor]()
@@ -159,7 +163,7 @@ def noise_floor(problem: Problem, best: Candidate, input_error: float, seed: int
     def run(i: int, j: int) -> None:
         for c in range(i, j):
             left, in_fit = best.residual[c::n], best.fit.residual[c::n]
-            found[c] = _floor(parts[c], left, in_fit, input_error, seed)
+            found[c] = _floor(parts[c], left, in_fit, null, c, seed)
 
     with threadpool_limits(1):
         over_cores(run, n, WORTH * n)
@@ -168,28 +172,34 @@ def noise_floor(problem: Problem, best: Candidate, input_error: float, seed: int
 
 
 def _floor(
-    problem: Problem, residual: Array, in_fit: Array, input_error: float, seed: int
+    problem: Problem, residual: Array, in_fit: Array, null: Null, output: int, seed: int
 ) -> Floor:
     """Floor of one output, from its residual without each sample's block and from that of the fit.
 
     The trees are small: on one thread they are as fast as on two, and do not wait for busy cores.
     """
     inputs = features(problem, problem.force - in_fit)
+    share, unseen, weights = filtered(problem, residual, in_fit)
     with threadpool_limits(1, "openmp"):
-        share = max(boosted(problem, residual, inputs, seed), 0.0)
-        unseen = max(boosted_held_out(problem, in_fit, inputs, seed), 0.0)
-        weights = importance(problem, residual, inputs, seed) if share > 0.03 else {}
+        trees = boosted(problem, residual, inputs, seed)
+        if trees > max(share, 0.03):
+            weights = importance(problem, residual, inputs, seed)
+        unseen = max(boosted_held_out(problem, in_fit, inputs, seed), unseen, 0.0)
+    share = max(trees, share, 0.0)
+    loud = bursts(problem, residual, null.input_square[output :: null.outputs])
     starts = problem.motion.starts
     white = white_noise([in_fit[i:j] for i, j in itertools.pairwise(starts)])
     held = float(np.mean(in_fit[problem.held_out] ** 2))
+    square = float(np.mean(residual[problem.train] ** 2))
     return Floor(
-        floor=float(np.sqrt(float(np.mean(residual[problem.train] ** 2)) * (1.0 - share))),
+        floor=float(np.sqrt(square * (1.0 - share) * (1.0 - loud))),
         held_out=float(np.sqrt(held * (1.0 - unseen))),
         white=white,
-        input_error=input_error,
+        input_error=null.input_error,
         explained=share,
-        importance=weights,
+        importance=weights if share > 0.03 else {},
         line=spectral_line(problem, residual),
+        bursts=loud,
     )
 
 
@@ -212,5 +222,6 @@ def _together(floors: tuple[Floor, ...], mse: float) -> Floor:
         explained=max(1.0 - float(low.mean()) / mse, 0.0),
         importance=dict(sorted(importance.items(), key=lambda kv: -kv[1])),
         line=(frequency, amplitude, line),
+        bursts=float(sum(s * f.bursts for s, f in zip(shares, floors, strict=True))),
         parts=floors,
     )

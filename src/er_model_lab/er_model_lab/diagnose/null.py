@@ -19,7 +19,7 @@ from er_model_lab.diagnose.candidates import Candidate
 from er_model_lab.diagnose.chance import largest
 from er_model_lab.prepare import Problem, white_noise
 
-MOTIONS = 4
+MOTIONS = 6
 """Draws of the motion; each serves many draws of the force noise."""
 PEAKS = 12
 """Largest replicates from which the tail is drawn on."""
@@ -30,7 +30,8 @@ class Null:
     """Largest effect sizes [N] by chance, one per replicate.
 
     input_error: force error [N] that the motion sensors cause on the training samples, and on the held-out ones;
-    force_noise [N] with its lag-one correlation `colour`.
+    force_noise [N] with its lag-one correlation `colour`; input_square (n,): mean square [N2] over the draws of
+    the motion, of `outputs` rows a sample.
     """
 
     maxima: Array
@@ -38,6 +39,8 @@ class Null:
     input_error_held_out: float
     force_noise: float
     colour: float
+    input_square: Array
+    outputs: int = 1
 
     def _peaks(self) -> int:
         """Replicates from which the tail is drawn on."""
@@ -79,14 +82,15 @@ def simulate_null(
     held_out = float(np.sqrt(np.mean(wobble[:, problem.held_out] ** 2)))
     leader = rivals[0] if rivals else base
     noise, colour = _force_noise(leader, problem, input_error)
+    square, outputs = np.mean(wobble**2, axis=0), problem.forward.outputs
     if not rivals:
-        return Null(np.zeros(0), input_error, held_out, noise, colour)
+        return Null(np.zeros(0), input_error, held_out, noise, colour, square, outputs)
     many = -(-replicates // MOTIONS)
     errors = np.repeat(wobble, many, axis=0) + problem.forward.output_errors(
         leader.fit.residual, noise, colour, rng, many * MOTIONS
     )
     maxima = largest(base, rivals, problem, errors.T)
-    return Null(maxima, input_error, held_out, noise, colour)
+    return Null(maxima, input_error, held_out, noise, colour, square, outputs)
 
 
 def _force_noise(best: Candidate, problem: Problem, input_error: float) -> tuple[float, float]:

@@ -64,7 +64,7 @@ def diagnose(
     base = baseline(model, problem)
     rounds = [one_round(base, problem, seed, rule, tick)]
     best = rounds[0].taken or base
-    floor = noise_floor(problem, _leader(rounds[0]), rounds[0].null.input_error, seed)
+    floor = noise_floor(problem, _leader(rounds[0]), rounds[0].null, seed)
     best, rounds, floor = _grow(best, rounds, floor, problem, seed, rule, tick)
     if len(best.effects) > 1:
         best = prune(best, problem, rounds[0].threshold)
@@ -106,7 +106,7 @@ def _grow(
             break
         step = one_round(best, problem, seed + len(rounds), rule, tick)
         leader = _leader(step)
-        deeper = noise_floor(problem, leader, step.null.input_error, seed)
+        deeper = noise_floor(problem, leader, step.null, seed)
         floor = deeper if deeper.floor < floor.floor else floor
         if step.taken is None:
             break
@@ -150,13 +150,15 @@ def _decide(
     reasons = [
         f"root mean square error {np.sqrt(base.mse):.3g} N after refitting, noise floor {floor.floor:.3g} N"
     ]
-    unexplained = floor.explained > VISIBLE or floor.line[2] > VISIBLE
+    unexplained = floor.explained > VISIBLE or floor.line[2] > VISIBLE or floor.bursts > 0.0
     if not best.effects:
         if cover.blocking:
             return "insufficient_data", reasons + list(cover.blocking)
         if unexplained or explainable > 2 * VISIBLE:
             reasons.append(
-                "no known effect passes, yet the residual can be predicted from the inputs"
+                "no known effect passes, yet the residual comes in bursts that noise does not make"
+                if floor.bursts > 0.0
+                else "no known effect passes, yet the residual can be predicted from the inputs"
             )
             return "unknown_effect", reasons
         reasons.append(

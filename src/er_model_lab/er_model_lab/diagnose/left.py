@@ -1,0 +1,107 @@
+"""What is left by a model though noise would not leave it: an answer of linear filters, and bursts."""
+
+from __future__ import annotations
+
+import numpy as np
+from er_models.model import Array
+from numpy.typing import NDArray
+
+from er_model_lab.prepare import Problem
+
+LONGEST = 0.16
+"""Memory of the filters [s]."""
+MOST_ROWS = 20_000
+RIDGE = 1e-3
+WINDOW = 0.1
+"""Length of the windows in which the power is looked at [s]."""
+LOUD = 2.0
+"""Power of a window over the calm level from which on it belongs to a burst."""
+BURSTS = 0.1
+"""Share of the power that must lie in bursts before they are believed."""
+
+Rows = NDArray[np.intp]
+
+
+def filtered(
+    problem: Problem, residual: Array, in_fit: Array
+) -> tuple[float, float, dict[str, float]]:
+    """What finite impulse responses of model force, velocity and duty change explain of a residual.
+
+    Shares on unseen stretches of the training samples and on the held-out ones, and what each of the three
+    is worth. A resonance of the frame or a pulse at each edge of the duty is small beside noise in every
+    sample, and stands out in many.
+    """
+    m = problem.motion
+    signals = {
+        "model force, its past": problem.force - in_fit,
+        "velocity, its past": m.v,
+        "duty change, its past": np.diff(m.u, prepend=m.u[0]),
+    }
+    train, held = _thinned(problem.train), _thinned(problem.held_out)
+    second = max(round(1.0 / m.dt), 1)
+    columns = {name: _lags(y, train, m.dt) for name, y in signals.items()}
+    target, groups = residual[train], (train // second) % 4
+    share = _explained(np.hstack(list(columns.values())), target, groups)
+    weights = _solved(np.hstack(list(columns.values())), in_fit[train])
+    unseen = np.hstack([_lags(y, held, m.dt) for y in signals.values()])
+    left = in_fit[held] - unseen @ weights
+    kept = 1.0 - float(np.mean(left**2) / max(float(np.mean(in_fit[held] ** 2)), 1e-300))
+    worth = {}
+    if share > 0.0:
+        for name in columns:
+            others = np.hstack([y for other, y in columns.items() if other != name])
+            worth[name] = share - _explained(others, target, groups)
+    return share, kept, dict(sorted(worth.items(), key=lambda kv: -kv[1]))
+
+
+def bursts(problem: Problem, residual: Array, input_square: Array) -> float:
+    """Share of the residual's power that lies in bursts: above what noise does in any window.
+
+    input_square (n,): mean square of the force error that the motion sensors cause, at each sample; where the
+    gate closes it is large, and that is no burst. Zero below `BURSTS`.
+    """
+    rows, length = np.flatnonzero(problem.train), max(round(WINDOW / problem.motion.dt), 8)
+    many = rows.size // length * length
+    if many < 20 * length:
+        return 0.0
+    power = _windows(residual[rows[:many]] ** 2, length)
+    moved = _windows(input_square[rows[:many]], length)
+    steady = max(float(power.mean() - moved.mean()), 0.1 * float(power.mean()), 1e-300)
+    power = power / (steady + moved)
+    calm = float(np.median(power)) / (1.0 - 2.0 / (9.0 * length)) ** 3
+    share = 1.0 - float(np.mean(np.minimum(power, LOUD * calm))) / max(float(power.mean()), 1e-300)
+    return share if share > BURSTS else 0.0
+
+
+def _windows(y: Array, length: int) -> Array:
+    """Means of windows side by side."""
+    return np.asarray(y.reshape(-1, length).mean(axis=1))
+
+
+def _thinned(mask: NDArray[np.bool_]) -> Rows:
+    """Places of a mask, at most so many."""
+    rows = np.flatnonzero(mask)
+    return rows[:: max(1, -(-rows.size // MOST_ROWS))]
+
+
+def _lags(y: Array, rows: Rows, dt: float) -> Array:
+    """A signal and its past (rows, lags), of unit size."""
+    past = np.arange(max(round(LONGEST / dt), 1))
+    size = max(float(np.std(y)), 1e-300)
+    return np.asarray(y[np.maximum(rows[:, None] - past, 0)] / size)
+
+
+def _solved(columns: Array, target: Array) -> Array:
+    """Ridge regression."""
+    normal = columns.T @ columns + RIDGE * columns.shape[0] * np.eye(columns.shape[1])
+    return np.asarray(np.linalg.solve(normal, columns.T @ target))
+
+
+def _explained(columns: Array, target: Array, groups: NDArray[np.intp]) -> float:
+    """Share that is explained on groups left out."""
+    left = target.copy()
+    for g in range(int(groups.max(initial=0)) + 1):
+        out = groups == g
+        if out.any() and not out.all():
+            left[out] -= columns[out] @ _solved(columns[~out], target[~out])
+    return 1.0 - float(np.mean(left**2) / max(float(np.mean(target**2)), 1e-300))
