@@ -80,7 +80,7 @@ def test_one_sample_is_the_differential_equation(gains: Gains, rho: float) -> No
     errors = []
     for n in (substeps(0.005), 4 * substeps(0.005), 16 * substeps(0.005)):
         out = np.empty(4)
-        end = advance(*gains.plan, x, y[0], y[1], rho, 0.005, n, out)
+        end = advance(*gains.plan, x, y[0], y[1], np.zeros(2), rho, 0.005, n, out)
         assert end == pytest.approx(gains.form.Gamma @ out, rel=1e-9, abs=1e-9)
         errors.append(np.abs((out - exact) / gains.plan.part("size")).max())
         force = abs(gains.form.F @ (out - exact))
@@ -91,10 +91,30 @@ def test_one_sample_is_the_differential_equation(gains: Gains, rho: float) -> No
         assert errors[0] < 1e-8
 
 
+def test_a_bend_is_a_parabola(gains: Gains) -> None:
+    """Outputs that follow a parabola, against an ODE solver; a straight line would be far off."""
+    law, dt = gains.claim.solution.law, 0.005  # at duty 0, where nothing else is bent
+    z = np.array([2e-4, 0.05, 1e-4, 2.0])
+    y_0, y_1, bend = np.array([1.0, -4.0]), np.array([1.5, 6.0]), np.array([0.4, -5.0])
+
+    def rate(t: float, z: Array) -> Array:
+        th = t / dt
+        y = y_0 + (y_1 - y_0) * th + bend * (th * th - th)
+        return np.asarray(law.M[0] @ z + law.J[0] @ y)
+
+    exact = solve_ivp(rate, (0.0, dt), z, method="Radau", rtol=1e-9, atol=1e-12).y[:, -1]
+    errors = []
+    for one in (bend, np.zeros(2)):
+        out = np.empty(4)
+        advance(*gains.plan, z, y_0, y_1, one, 0.0, dt, 4, out)
+        errors.append(np.abs((out - exact) / gains.plan.part("size"))[:3].max())
+    assert errors[0] < 0.08 * errors[1]
+
+
 def test_bridge_is_the_model_with_a_fading_tyre(gains: Gains) -> None:
     """Without measurement the state follows the model; the tyre deflection decays with 20 ms."""
     x, nothing, out = np.array([1e-3, 0.01, 3e-4, 1.0]), np.zeros(2), np.empty(4)
-    advance(*gains.bridge, x, nothing, nothing, 0.0, 0.02, substeps(0.02), out)
+    advance(*gains.bridge, x, nothing, nothing, nothing, 0.0, 0.02, substeps(0.02), out)
     assert out[2] == pytest.approx(3e-4 * np.exp(-1.0), rel=1e-9)
     assert out[3] == pytest.approx(np.exp(0.02 * gains.form.A[3, 3]), rel=1e-9)
 

@@ -2,7 +2,9 @@ r"""Advances ``z' = M(rho) z + J(rho) y + b rho tanh(s)``, ``s = gamma z + feed 
 
 It serves every observer: unified, polytopic and gridding differ in their numbers only (`er_observers.law`).
 
-The linear part with first-order-hold y is exact (phi functions of h M by scaling and doubling).
+The linear part is exact (phi functions of h M by scaling and doubling) for a y that goes straight
+along each substep. Over the sample these straight lines join points of a parabola, ``y_0 + (y_1 -
+y_0) th + bend (th^2 - th)``.
 The gate enters with its mean over the straight line from s at the start to s at the end of a
 substep,
 
@@ -204,14 +206,15 @@ def solve_gate(s_0: float, free: float, gain: float) -> tuple[float, float]:
 
 @compiled
 def _march(
-    phi: Array, steady: Array, ramp: Array, kick: Array, gamma: Array, start: float, rise: float,
-    n_sub: int, free: Array, x: Array,
+    phi: Array, steady: Array, ramp: Array, level: Array, slant: Array, kick: Array, gamma: Array,
+    start: float, rise: float, hump: float, n_sub: int, free: Array, x: Array,
 ) -> float:  # fmt: skip
     """Take n_sub substeps from x (n,), in place; returns the gate's input at the end.
 
     steady (n,): effect of the input during the first substep; ramp (n,): what it grows by from one
-    to the next; kick (n,): effect of an open gate. start, rise: what the outputs add to the gate's
-    input at the start and per substep.
+    to the next; level, slant (n,): effect of a bend of one that stays and that grows by one; kick
+    (n,): effect of an open gate. start, rise, hump: what the outputs add to the gate's input at the
+    start, per substep and by their bend.
     """
     n = x.shape[0]
     gain, s_0 = 0.0, start
@@ -219,16 +222,18 @@ def _march(
         gain += gamma[i] * kick[i]
         s_0 += gamma[i] * x[i]
     for k in range(n_sub):
-        target = start + (k + 1) * rise
+        here, there = k / n_sub, (k + 1) / n_sub
+        low, high = here * here - here, there * there - there
+        target = start + (k + 1) * rise + high * hump
         for i in range(n):
-            total = steady[i] + k * ramp[i]
+            total = steady[i] + k * ramp[i] + low * level[i] + (high - low) * slant[i]
             for j in range(n):
                 total += phi[0, i, j] * x[j]
             free[i] = total
             target += gamma[i] * total
-        s_0, mean = solve_gate(s_0, target, gain)
+        s_0, gate = solve_gate(s_0, target, gain)
         for i in range(n):
-            x[i] = free[i] + kick[i] * mean
+            x[i] = free[i] + kick[i] * gate
     return s_0
 
 
@@ -266,12 +271,12 @@ def _parts(
 
 @compiled
 def _room(n: int, scratch: Array) -> tuple[Array, Array, Array]:
-    """Views of the scratch: phi (3, n, n), three more matrices, six vectors."""
+    """Views of the scratch: phi (3, n, n), three more matrices, eight vectors."""
     a, b = 3 * n * n, 6 * n * n
     return (
         scratch[:a].reshape((3, n, n)),
         scratch[a:b].reshape((3, n, n)),
-        scratch[b : b + 6 * n].reshape((6, n)),
+        scratch[b : b + 8 * n].reshape((8, n)),
     )
 
 
@@ -288,9 +293,9 @@ def _inputs(gain: Array, y_0: Array, y_1: Array, n_sub: int, drive: Array, slope
 @compiled
 def advance(
     shape: tuple[int, int, int], values: Array, scratch: Array,
-    z: Array, y_0: Array, y_1: Array, rho: float, dt: float, n_sub: int, out: Array,
+    z: Array, y_0: Array, y_1: Array, bend: Array, rho: float, dt: float, n_sub: int, out: Array,
 ) -> float:  # fmt: skip
-    """State out (N,) after dt [s] from z (N,), y (m,) going straight from y_0 to y_1, rho held.
+    """State out (N,) after dt [s] from z (N,), y (m,) going from y_0 to y_1 with a bend (m,), rho held.
 
     shape, values, scratch: a `matrices.Plan`. Returns the gate's input at the end. Asks for no
     memory.
@@ -300,17 +305,22 @@ def advance(
     phi, more, rows = _room(n, scratch)
     square, product, whole = more[0], more[1], more[2]
     drive, slope, kick, free, steady, ramp = rows[0], rows[1], rows[2], rows[3], rows[4], rows[5]
+    level, slant = rows[6], rows[7]
     h = dt / n_sub
     gain = square[:, :m]
     _blend(rho, nodes, j_nodes, h, gain)
     _inputs(gain, y_0, y_1, n_sub, drive, slope)
+    _apply(gain, bend, kick)
     _blend(rho, nodes, m_nodes, h, whole)
     fill_phi(whole, phi, square, product)
     _apply(phi[1], drive, steady)
     _apply(phi[1], slope, ramp)
     _apply(phi[2], slope, free)
-    start = rise = 0.0
+    _apply(phi[1], kick, level)
+    _apply(phi[2], kick, slant)
+    start = rise = hump = 0.0
     for j in range(m):
+        hump += feed[j] * bend[j]
         start += feed[j] * y_0[j]
         rise += feed[j] * (y_1[j] - y_0[j]) / n_sub
     for i in range(n):
@@ -318,7 +328,7 @@ def advance(
         drive[i] = h * rho * b[i]
         out[i] = z[i] / size[i]
     _apply(phi[1], drive, kick)
-    s_1 = _march(phi, steady, ramp, kick, gamma, start, rise, n_sub, free, out)
+    s_1 = _march(phi, steady, ramp, level, slant, kick, gamma, start, rise, hump, n_sub, free, out)
     for i in range(n):
         out[i] *= size[i]
     return s_1

@@ -53,7 +53,7 @@ def plan_of(form: LinearForm, law: Law, state: Array) -> Plan:
 
 def scratch_length(n: int) -> int:
     """Numbers the kernel needs room for, for n states."""
-    return 6 * n * n + 6 * n
+    return 6 * n * n + 8 * n
 
 
 def bridge_plan(form: LinearForm, state: Array) -> Plan:

@@ -22,6 +22,13 @@ from er_observers.observers import watch as watching
 from er_observers.observers.kernel import advance, substeps
 from er_observers.observers.status import ROUNDING, Health, Status, judge
 
+BEND = 0.6
+"""Share of the parabola through the last three samples that the outputs follow between two.
+
+Whole, it over-bends what moves at a quarter of the sampling rate; from 0.5 to 0.7 the errors on ISO
+roads are the smallest, a tenth to a sixth below those of straight lines.
+"""
+
 
 class Sample(NamedTuple):
     """Both accelerations at t [m/s2] and the duty applied from t until the next sample.
@@ -57,9 +64,9 @@ class State(NamedTuple):
 
     t: time of the last sample [s]; z (N,): the observer's own state then; x (n,): the estimate of
     the model's; P (n, n): covariance of x during the start phase, None after it; y (m,): outputs
-    then; change: of the relative acceleration since the sample before [m/s2]; duty: in force since
-    t; running: whether a first valid sample has come; resets: fresh starts after it; rejected:
-    samples not used or repaired.
+    then; pace (m,): the rate they came with, NaN where it is not known; change: of the relative
+    acceleration since the sample before [m/s2]; duty: in force since t; running: whether a first
+    valid sample has come; resets: fresh starts after it; rejected: samples not used or repaired.
     """
 
     t: float
@@ -67,6 +74,7 @@ class State(NamedTuple):
     x: Array
     P: Array | None
     y: Array
+    pace: Array
     change: float
     duty: float
     health: Health
@@ -94,7 +102,9 @@ def start(gains: Gains, sample: Sample, x: Array | None = None) -> State:
     z = law.state(first, y, np.zeros(law.order))
     estimate = _estimate(gains, first, health)
     rejected = 0 if running else 1
-    return State(sample.t, z, first, P, y, 0.0, duty, health, estimate, running, 0, rejected)
+    return State(
+        sample.t, z, first, P, y, y + math.nan, 0.0, duty, health, estimate, running, 0, rejected
+    )
 
 
 def step(gains: Gains, state: State, sample: Sample) -> tuple[State, Estimate]:
@@ -142,6 +152,7 @@ def _follow(gains: Gains, state: State, sample: Sample, dt: float) -> State:
         x=x,
         P=P,
         y=y,
+        pace=(y - state.y) / dt,
         change=change,
         duty=duty,
         health=health,
@@ -157,18 +168,29 @@ def _advanced(
     law = gains.claim.solution.law
     if state.P is None or gains.opening is None:
         z = np.empty_like(state.z)
-        end = advance(*gains.plan, state.z, state.y, y, state.duty, dt, substeps(dt), z)
+        bend = _bend(state, y, dt)
+        end = advance(*gains.plan, state.z, state.y, y, bend, state.duty, dt, substeps(dt), z)
         return z, law.R @ z + law.S @ y, None, end
     x, P = start_phase.follow(gains.opening, state.x, state.P, state.duty, dt, y)
     done = start_phase.finished(gains.opening, P)
     return law.state(x, y, state.z), x, None if done else P, float(gains.form.Gamma @ x)
 
 
+def _bend(state: State, y: Array, dt: float) -> Array:
+    """Bend (m,) of the outputs over the last dt [s], from the change of their rate; none after a gap.
+
+    The whole change would be that of a parabola through three samples.
+    """
+    change = (y - state.y) / dt - state.pace
+    return np.nan_to_num(0.5 * BEND * dt * change, copy=False, nan=0.0)
+
+
 def _bridge(gains: Gains, state: State, sample: Sample, dt: float) -> State:
     """Advance without a measurement, on the model alone."""
     x, P, nothing = np.empty_like(state.x), state.P, np.zeros_like(state.y)
     if P is None or gains.opening is None:
-        advance(*gains.bridge, state.x, nothing, nothing, state.duty, dt, substeps(dt), x)
+        n_sub = substeps(dt)
+        advance(*gains.bridge, state.x, nothing, nothing, nothing, state.duty, dt, n_sub, x)
     else:
         x, P = start_phase.follow(gains.opening, state.x, P, state.duty, dt, nothing + math.nan)
     y = gains.form.C @ x
@@ -179,6 +201,7 @@ def _bridge(gains: Gains, state: State, sample: Sample, dt: float) -> State:
         x=x,
         P=P,
         y=y,
+        pace=y + math.nan,
         change=0.0,
         duty=_duty(gains, sample.duty, state.duty)[0],
         health=health,

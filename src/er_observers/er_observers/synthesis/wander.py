@@ -24,6 +24,7 @@ def wandering(
     root = np.linalg.cholesky(P).T
     worst = start = 0.0
     x, y = np.zeros((2, size.size)), np.zeros((2, form.C.shape[0]))
+    straight = np.zeros(form.C.shape[0])
     for _ in range(samples):
         before = float(np.linalg.norm(root @ (x[1] - x[0])))
         if before <= 1e-3 * start:
@@ -33,7 +34,7 @@ def wandering(
         rho = random.choice([*rhos, random.uniform(*rhos)])
         after = np.empty_like(x)
         for run, out in zip(x, after, strict=True):
-            advance(*plan, run, y[0], y[1], rho, period, substeps(period), out)
+            advance(*plan, run, y[0], y[1], straight, rho, period, substeps(period), out)
         x = after
         worst = max(worst, float(np.linalg.norm(root @ (x[1] - x[0]))) / before)
     return worst
