@@ -1,7 +1,9 @@
 """``er bench``: measures speed; figures hold for the machine and the moment, ratios for longer.
 
-er bench models [ARGS]   prediction and simulation, against SciPy in the same run
+er bench models [ARGS]   prediction and simulation, against SciPy and C in the same run; their memory
 er bench graph [ARGS]    lost messages, latency and CPU of the running graph
+
+-h after a name shows its arguments.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ PARTS = {"models": "er_models.bench", "graph": "er_bringup.bench_graph"}
 def main() -> None:
     """Hand over to the benchmark that is named."""
     name = sys.argv[1] if len(sys.argv) > 1 else ""
-    if name in ("-h", "--help"):
+    if name in ("", "-h", "--help"):
         sys.stdout.write((__doc__ or "") + "\n")
         sys.exit(0)
     if name not in PARTS:

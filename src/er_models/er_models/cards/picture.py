@@ -82,8 +82,12 @@ def _forces(effect: Effect, catalogue: Catalogue) -> tuple[Array, Array, Motion]
 
 
 def svg(effect: Effect, catalogue: Catalogue = CATALOGUE) -> str:
-    """The picture as SVG, about 10 kB; coordinates in tenths of a pixel."""
-    drawn = panels(effect, catalogue)
+    """The picture as SVG, about 10 kB."""
+    return drawing(panels(effect, catalogue))
+
+
+def drawing(drawn: tuple[Panel, ...]) -> str:
+    """Panels side by side as SVG; coordinates in tenths of a pixel."""
     width, height = 300, 220
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width * len(drawn)}" height="{height}" '

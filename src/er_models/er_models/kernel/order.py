@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterable
+from functools import cache
 
 from er_models.effect import Effect
 
@@ -53,6 +54,7 @@ def signals_of(effect: Effect, hook: str) -> tuple[str, ...]:
     return (*known, "w") if effect.has_state else known
 
 
+@cache
 def relaxes_at(effect: Effect) -> str:
     """Place of `ORDER` at which an effect's state is brought forward; empty where it has none."""
     if not effect.has_state:
@@ -65,6 +67,7 @@ def relaxes_at(effect: Effect) -> str:
     return "late" if "f_d" in _arguments(effect, "relax") else "states"
 
 
+@cache
 def feeds_back(effect: Effect) -> bool:
     """Whether an effect's own state is read before it is brought forward."""
     place = relaxes_at(effect)
@@ -76,11 +79,16 @@ def feeds_back(effect: Effect) -> bool:
 
 def reads_yield_early(effects: Iterable[Effect]) -> bool:
     """Whether any effect reads the yield force f_y before it is brought forward."""
-    for effect in effects:
-        for hook in effect.hooks:
-            place = relaxes_at(effect) if hook == "relax" else hook
-            if place in ORDER and _before(place, "response") and "f_y" in _arguments(effect, hook):
-                return True
+    return any(_reads_yield_early(effect) for effect in effects)
+
+
+@cache
+def _reads_yield_early(effect: Effect) -> bool:
+    """Whether one effect does."""
+    for hook in effect.hooks:
+        place = relaxes_at(effect) if hook == "relax" else hook
+        if place in ORDER and _before(place, "response") and "f_y" in _arguments(effect, hook):
+            return True
     return False
 
 
