@@ -25,11 +25,13 @@ from er_observers.gains import observer_of, save_gains
 from er_observers.observers.evaluate import SCENARIOS, evaluate
 from er_observers.observers.ready import ready
 from er_observers.synth_tables import certificate_table, figures, score_table
-from er_observers.synthesis.make import OUTPUTS, THEOREMS, Wish, make
+from er_observers.synth_variants import register as register_variants
+from er_observers.synthesis.make import OUTPUTS, STRUCTURES, THEOREMS, Wish, make
 from er_observers.synthesis.spec import SECTORS, SLOPE, Spec
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 register_compare(app)
+register_variants(app)
 ModelFile = Annotated[Path, typer.Option(help="Vehicle model file.")]
 
 
@@ -64,12 +66,15 @@ def _command(observer: str) -> None:
         sector: Annotated[
             str, typer.Option(help=f"Bound of the gate: {', '.join(SECTORS)}.")
         ] = SLOPE.name,
+        structure: Annotated[
+            str, typer.Option(help=f"Of the unified observer: {', '.join(STRUCTURES)}.")
+        ] = "full",
         duty: Annotated[tuple[float, float], typer.Option(help="Range of the duty.")] = Spec.rho,
     ) -> None:
         if sector not in SECTORS:
             raise ErError(f"sector: expected one of {', '.join(SECTORS)}, found '{sector}'")
         spec = Spec(SECTORS[sector], duty, noise, radius=radius, decay=decay, damping=damping)
-        wish = Wish(spec, output, coordinates, force, deflection)
+        wish = Wish(spec, output, coordinates, force, deflection, structure)
         write_gains(observer, load_model(model), wish, out)
 
     app.command(observer, help=f"Gains of {THEOREMS[observer]}.")(command)

@@ -23,6 +23,7 @@ def figures(c: Certificate) -> dict[str, Any]:
             "regions": _short(min(c.margins.regions)),
         },
         "sweep": {name: _short(value) for name, value in peak._asdict().items()},
+        "slopes": _short(c.slopes),
         "poles": [[[_short(p.real), _short(p.imag)] for p in end] for end in c.poles],
         "slowest": _short(c.slowest),
         "discrete": {"substep": SUBSTEP, "decay": _short(run.decay), "rho": _short(run.rho)},
@@ -42,6 +43,7 @@ def certificate_table(title: str, claim: Claim, c: Certificate) -> Table:
     rows = [
         ("gamma, to the force", f"{s.gamma:.4f}", f"inequalities; optimum {s.optimum:.4f}"),
         ("gain, frozen gate", f"{peak.gain:.4f}", f"sweep: {at}"),
+        ("gain, any slope", f"{c.slopes:.4f}", "one P for slopes 0 and 1: a second method"),
         ("smallest margin", f"{c.margins.smallest:.1e}", "eigenvalues; half of it in fractions"),
         *(
             (f"poles, duty {rho:g} [1/s]", _poles(end), f"disc of {spec.radius:g}")

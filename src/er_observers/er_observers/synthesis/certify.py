@@ -16,7 +16,11 @@ from er_observers.synthesis.discrete import Contraction, step_storage
 from er_observers.synthesis.proof import Claim, Margins, prove
 from er_observers.synthesis.spec import SynthesisFailed
 from er_observers.synthesis.sweep import Peak, peak_gain
+from er_observers.synthesis.vertices import vertex_gain
 from er_observers.synthesis.wander import wandering
+
+_NEARLY = 1.01
+"""Two ways to one number, each with the accuracy of a solver."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +28,7 @@ class Certificate:
     """What was proved or measured of a claim.
 
     margins: of the inequalities, exact. peak: L2 gain with a frozen gate, below the proved gamma.
+    slopes: L2 gain with the gate as an uncertain slope, a second way to the incremental gain.
     poles (ends, n): of A - L C [1/s]. slowest: largest real part of a pole over duty and gate
     slope [1/s]. run: contraction of the discrete observer. wandering: the same along random
     duties, measured on the compiled kernel.
@@ -31,6 +36,7 @@ class Certificate:
 
     margins: Margins
     peak: Peak
+    slopes: float
     poles: Array
     slowest: float
     run: Contraction
@@ -56,6 +62,9 @@ def certify(claim: Claim, theorem: str) -> Certificate:
     peak = peak_gain(claim)
     reason = f"the sweep finds a gain of {peak.gain:.4g}, above the proved {solution.gamma:.4g}"
     demand(reason, holds=peak.gain <= solution.gamma)
+    slopes = vertex_gain(claim)
+    reason = f"slopes of the gate ask for gamma {slopes:.4g}, above the proved {claim.jumping.gamma:.4g}"
+    demand(reason, holds=peak.gain <= slopes <= claim.jumping.gamma * _NEARLY)
     steps = (0.5 * SUBSTEP, SUBSTEP)
     shrinking, run = step_storage(claim, steps, slowest)
     reason = f"the discrete observer does not converge at rho = {run.rho:.3g}: {run.decay:.4g} 1/s"
@@ -64,7 +73,7 @@ def certify(claim: Claim, theorem: str) -> Certificate:
     reason = f"two runs drift apart by {roams:.6f} per sample along random duties"
     demand(reason, holds=roams < 1.0)
     poles = [np.sort_complex(np.linalg.eigvals(M)) for M in solution.law.M]
-    return Certificate(margins, peak, np.array(poles), slowest, run, roams)
+    return Certificate(margins, peak, slopes, np.array(poles), slowest, run, roams)
 
 
 def _slowest(claim: Claim) -> float:

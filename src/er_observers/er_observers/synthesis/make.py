@@ -9,7 +9,7 @@ from er_models.linear import LinearForm
 from er_models.model import Model
 
 from er_observers.forms import COORDINATES, form_of
-from er_observers.synthesis import nlpv_gridding, nlpv_polytopic, unified
+from er_observers.synthesis import nlpv_gridding, nlpv_polytopic, proportional_integral, unified
 from er_observers.synthesis.certify import Certificate, certify
 from er_observers.synthesis.proof import Claim
 from er_observers.synthesis.scaling import scaling_of
@@ -23,6 +23,12 @@ from er_observers.synthesis.spec import (
 
 THEOREMS = {each.NAME: each.THEOREM for each in (unified, nlpv_polytopic, nlpv_gridding)}
 """Title of the theorem behind each observer."""
+STRUCTURES = {
+    "full": unified.solve,
+    "proportional": unified.solve_proportional,
+    "integral": proportional_integral.solve,
+}
+"""The unified observer (3.4) and its special cases (3.5), (3.6)."""
 OUTPUTS = ("force", "states", "thesis")
 """Performance outputs: the damper force, all states of the form, z_e of (4.3)."""
 
@@ -32,7 +38,7 @@ class Wish:
     """What gains are to be made for.
 
     force: force error that counts as one [N]; deflection: the one that counts as one [m] where its
-    sensor is used, None where there is no such sensor.
+    sensor is used, None where there is no such sensor; structure: of the unified observer.
     """
 
     spec: Spec = field(default_factory=Spec)
@@ -40,9 +46,11 @@ class Wish:
     coordinates: str = "relative"
     force: float = 5.0
     deflection: float | None = None
+    structure: str = "full"
 
     def __post_init__(self) -> None:
-        for key, known in (("output", OUTPUTS), ("coordinates", tuple(COORDINATES))):
+        choices = (("output", OUTPUTS), ("coordinates", COORDINATES), ("structure", STRUCTURES))
+        for key, known in choices:
             if getattr(self, key) not in known:
                 raise ErError(
                     f"{key}: expected one of {', '.join(known)}, found '{getattr(self, key)}'"
@@ -67,7 +75,9 @@ def solve(observer: str, model: Model, wish: Wish) -> Claim:
     scaling, output = scaling_of(model, form), output_of(wish, form, model)
     if observer == nlpv_gridding.NAME:
         return nlpv_gridding.claim(form, output, spec, scaling)
-    theorem = unified.solve if observer == unified.NAME else nlpv_polytopic.solve
+    theorem = nlpv_polytopic.solve
+    if observer == unified.NAME:
+        theorem = STRUCTURES[wish.structure]
     return Claim(form, output, spec, scaling, theorem(form, output, spec, scaling))
 
 

@@ -26,6 +26,7 @@ from __future__ import annotations
 
 import numpy as np
 from er_models.forms.linearise import rounded
+from er_models.forms.zeros import invariant_zeros
 from er_models.linear import LinearForm
 from er_models.model import Array
 from scipy.linalg import null_space, qr
@@ -38,6 +39,7 @@ from er_observers.synthesis.spec import Output, Solution, Spec, SynthesisFailed
 
 NAME = "unified"
 THEOREM = "unified (Theorem 3.3.1)"
+PROPORTIONAL = "proportional (3.5)"
 
 
 def solve(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Solution:
@@ -50,10 +52,16 @@ def solve_family(
 ) -> Solution:
     """As `solve`, for a structure with decoupled input."""
     check_ranks(theorem, form)
+    check_zeros(theorem, form)
     nodes = np.array(spec.rho)
     return lmi.solve(
         lmi.Problem(theorem, form, output, spec, scaling, family, nodes, one_gain=True)
     )
+
+
+def solve_proportional(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Solution:
+    """The special case (3.5), without v, Remark 3.3.1; raises as `solve`."""
+    return solve_family(PROPORTIONAL, proportional_family, form, output, spec, scaling)
 
 
 def check_ranks(theorem: str, form: LinearForm) -> None:
@@ -63,6 +71,22 @@ def check_ranks(theorem: str, form: LinearForm) -> None:
         reason = (
             f"the unknown input {form.unknown_input} cannot be decoupled: rank(C D1) = {seen}, "
             f"rank(D1) = {whole}, (3.33)"
+        )
+        raise SynthesisFailed(theorem, reason)
+
+
+def check_zeros(theorem: str, form: LinearForm) -> None:
+    """Raise `SynthesisFailed` where an invariant zero of (A, D1, C) does not decay.
+
+    An error free of the unknown input keeps the zeros among its poles, whatever the gain.
+    """
+    slowest = 1e-6 * float(np.abs(np.linalg.eigvals(form.A)).max())
+    zeros = [z for z in invariant_zeros(form.A, form.D1[:, None], form.C) if z.real > -slowest]
+    if zeros:
+        names = ", ".join(f"{np.where(np.abs(z) < slowest, 0.0, z):.3g}" for z in zeros)
+        reason = (
+            f"the unknown input {form.unknown_input} has the invariant zero s = {names} 1/s: where it is "
+            "decoupled exactly that is a pole of the error, whatever the gain, so no error decays"
         )
         raise SynthesisFailed(theorem, reason)
 
