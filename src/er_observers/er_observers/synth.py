@@ -24,9 +24,9 @@ from er_observers.forms import COORDINATES
 from er_observers.gains import observer_of, save_gains
 from er_observers.observers.evaluate import SCENARIOS, evaluate
 from er_observers.observers.ready import ready
-from er_observers.synth_tables import certificate_table, figures, score_table
+from er_observers.synth_tables import certificate_table, figures, plain, score_table
 from er_observers.synth_variants import register as register_variants
-from er_observers.synthesis.make import OUTPUTS, STRUCTURES, THEOREMS, Wish, make
+from er_observers.synthesis.make import OUTPUTS, STRUCTURES, THEOREMS, Wish, make, trade_off
 from er_observers.synthesis.spec import SECTORS, SLOPE, Spec
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
@@ -100,10 +100,17 @@ def write_gains(observer: str, car: Model, wish: Wish, out: Path) -> None:
     begun = time.perf_counter()
     claim, certificate = make(observer, car, wish)
     solver = {"name": "Clarabel", "version": version("clarabel"), "cvxpy": version("cvxpy")}
-    notes = {"certificate": figures(certificate), "solver": solver}
+    curve = trade_off(observer, car, wish)
+    notes = {
+        "certificate": figures(certificate),
+        "trade_off": {"radius": [r for r, _ in curve], "gamma": [plain(g) for _, g in curve]},
+        "solver": solver,
+    }
     save_gains(out, observer, car, claim, notes)
     title = f"{THEOREMS[observer]}, {time.perf_counter() - begun:.1f} s"
     Console().print(certificate_table(title, claim, certificate))
+    pairs = ", ".join(f"{r:g}: {g:.4g}" for r, g in curve)
+    Console().print(f"gamma over the bound of the poles [1/s]: {pairs}")
     Console().print(f"wrote {out}", soft_wrap=True)
 
 

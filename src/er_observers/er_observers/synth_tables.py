@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 from rich.table import Table
 
 from er_observers.observers.evaluate import Score
@@ -79,6 +80,11 @@ def _poles(poles: Sequence[complex]) -> str:
         if p.imag >= 0.0
     ]
     return "\n".join(texts)
+
+
+def plain(value: float) -> float | None:
+    """Five significant digits, None for infinity."""
+    return _short(value) if np.isfinite(value) else None
 
 
 def _short(value: float) -> float:

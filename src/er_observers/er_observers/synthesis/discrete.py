@@ -62,7 +62,7 @@ def step_storage(
     which no gain moves: first for a coarse grid, then again with the worst point of the fine one of
     `contraction`, until that is in order.
     """
-    points = [*product(steps, np.linspace(*claim.spec.rho, 5), map(tuple, lens(5)))]
+    points = [*product(steps, np.linspace(*claim.spec.rho, 3), map(tuple, lens(3)))]
     for _ in range(_ROUNDS):
         P = _storage(claim, points, 0.8 * abs(slowest))
         run = contraction(claim, P, steps)
@@ -100,7 +100,7 @@ def contraction(claim: Claim, P: Array, steps: tuple[float, ...], duties: int = 
         for rho in np.unique([*np.linspace(law.rho[0], law.rho[-1], duties), *law.rho]):
             linear, kick = substep(law.at(float(rho))[0], e.b[:, 0] * rho, step)
             loop = max(loop, float(e.G[0] @ kick))
-            maps = np.array([error_map(linear, kick, e.G[0], gate) for gate in edge])
+            maps = error_map(linear, kick, e.G[0], edge)
             growth = np.linalg.norm(root @ maps @ back, 2, axis=(1, 2))
             at = int(np.argmax(growth))
             decay = float(-np.log(growth[at]) / step)
@@ -127,6 +127,8 @@ def substep(M: Array, b: Array, step: float) -> tuple[Array, Array]:
 
 
 def error_map(linear: Array, kick: Array, gamma: Array, gate: Array) -> Array:
-    """Map (N, N) of the difference of two runs over one substep, for (k_0, k_1) = gate (2,)."""
-    loop = np.outer(kick, gamma)
-    return np.linalg.solve(np.eye(len(kick)) - gate[1] * loop, linear + gate[0] * loop)
+    """Maps (..., N, N) of the difference of two runs over one substep, for (k_0, k_1) = gate (..., 2)."""
+    loop, k = np.outer(kick, gamma), gate[..., None, None]
+    return np.linalg.solve(
+        np.eye(len(kick)) - k[..., 1, :, :] * loop, linear + k[..., 0, :, :] * loop
+    )

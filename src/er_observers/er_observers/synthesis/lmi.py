@@ -46,7 +46,10 @@ from er_observers.synthesis.scaling import Scaling
 from er_observers.synthesis.spec import Output, Solution, Spec, SynthesisFailed
 
 SOLVER = cp.CLARABEL
-OPTIONS: dict[str, dict[str, object]] = {SOLVER: {"chordal_decomposition_enable": False}}
+OPTIONS: dict[str, dict[str, object]] = {
+    SOLVER: {"chordal_decomposition_enable": False},
+    cp.SCS: {"eps": 1e-7, "max_iters": 20000},
+}
 """The matrices are small and full; taken apart, the badly conditioned ones fail."""
 Maker = Callable[[Array, Array, Array], Family]
 """A structure from scaled A, C and D1."""
@@ -98,17 +101,56 @@ class Unknowns:
 def solve(problem: Problem) -> Solution:
     """Gains and Lyapunov function; raises `SynthesisFailed` naming what makes it impossible.
 
-    Solved twice: for the smallest gamma, then with gamma held `spec.slack` above it for the widest
-    margins, which is what makes the result survive rounding and un-scaling.
+    Solved three times, see `optimise`.
     """
     p = problem
     reasons = violated(p.form, p.output, p.spec)
     if reasons:
         raise SynthesisFailed(p.theorem, "; ".join(reasons))
+    posed = _pose(p)
+    return _gains(p, posed, optimise(p.theorem, p.spec, posed.v, posed.constraints, p.solver))
+
+
+def smallest(problem: Problem) -> float:
+    """The optimum of gamma alone, infinite for none: one solution in the place of three."""
+    posed = _pose(problem)
+    held = [*posed.constraints, posed.v.t == 0.0]
+    status = run(cp.Problem(cp.Minimize(posed.v.gamma_2), held), problem.solver)
+    value = posed.v.gamma_2.value
+    return float(np.sqrt(np.asarray(value))) if "optimal" in status else float("inf")
+
+
+def widest(problem: Problem, gamma: float) -> Solution:
+    """Gains of the widest margins (at most 1, scaled) for a gamma that is given.
+
+    Raises `SynthesisFailed` where there is no margin.
+    """
+    p, posed = problem, _pose(problem)
+    v = posed.v
+    held = [*posed.constraints, v.gamma_2 == gamma**2, v.t <= 1.0]
+    status = run(cp.Problem(cp.Maximize(v.t), held), p.solver)
+    if v.t.value is None or not float(v.t.value) > 0.0:
+        raise SynthesisFailed(p.theorem, f"no margin at gamma {gamma:.4g}", status)
+    return _gains(p, posed, (gamma, status))
+
+
+@dataclass(frozen=True, eq=False)
+class _Posed:
+    """A problem's inequalities: scaled, structure, variables, gains at the nodes."""
+
+    s: Scaled
+    family: Family
+    v: Unknowns
+    Y: list[cp.Variable]
+    constraints: list[cp.Constraint]
+
+
+def _pose(p: Problem) -> _Posed:
+    """The inequalities at every node."""
     s = scale(p.form, p.output, p.spec, p.scaling)
     family = p.family(s.A, s.C, s.D1)
-    v = _unknowns(p, family.A11.shape[0])
     order, q = family.A11.shape[0], family.A12.shape[0]
+    v = _unknowns(p, order)
     Y = [cp.Variable((order, q)) for _ in range(1 if p.one_gain else len(p.nodes))]
     Y *= len(p.nodes) if p.one_gain else 1
     constraints: list[cp.Constraint] = []
@@ -118,10 +160,15 @@ def solve(problem: Problem) -> Solution:
         noise = P @ (family.T @ s.W) - (P @ family.B11 - Y[k] @ family.B12) @ s.N
         constraints += _node(p, s, family, v, k, S, noise)
         _bound_variance(v, P, noise)
-    found = optimise(p.theorem, p.spec, v, constraints, p.solver)
+    return _Posed(s, family, v, Y, constraints)
+
+
+def _gains(p: Problem, posed: _Posed, found: tuple[float, str]) -> Solution:
+    """The solver's values as gains in SI units."""
+    s, family, v = posed.s, posed.family, posed.v
     Z = [
         np.linalg.solve(np.asarray(v.storage(float(rho)).value), np.asarray(gain.value))
-        for rho, gain in zip(p.nodes, Y, strict=True)
+        for rho, gain in zip(p.nodes, posed.Y, strict=True)
     ]
     return _solution(p, s, v, law_of(s, p.form, family, p.nodes, Z), units(s, family), found)
 

@@ -9,10 +9,16 @@ from er_models.linear import LinearForm
 from er_models.model import Model
 
 from er_observers.forms import COORDINATES, form_of
-from er_observers.synthesis import nlpv_gridding, nlpv_polytopic, proportional_integral, unified
+from er_observers.synthesis import (
+    lmi,
+    nlpv_gridding,
+    nlpv_polytopic,
+    proportional_integral,
+    unified,
+)
 from er_observers.synthesis.certify import Certificate, certify
 from er_observers.synthesis.proof import Claim
-from er_observers.synthesis.scaling import scaling_of
+from er_observers.synthesis.scaling import Scaling, scaling_of
 from er_observers.synthesis.spec import (
     Output,
     Spec,
@@ -68,17 +74,31 @@ def make(observer: str, model: Model, wish: Wish) -> tuple[Claim, Certificate]:
 
 def solve(observer: str, model: Model, wish: Wish) -> Claim:
     """Gains and what they promise, not yet proved; raises as `make`."""
+    asked = _asked(model, wish)
+    if observer == nlpv_gridding.NAME:
+        return nlpv_gridding.claim(*asked)
+    theorem = STRUCTURES[wish.structure] if observer == unified.NAME else nlpv_polytopic.solve
+    return Claim(*asked, theorem(*asked))
+
+
+def trade_off(
+    observer: str, model: Model, wish: Wish, factors: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0)
+) -> list[tuple[float, float]]:
+    """Pole radius [1/s] and the gamma it allows, for multiples of the radius asked for."""
+    form, output, spec, scaling = _asked(model, wish)
+    theorem = {"unified": unified, "nlpv_polytopic": nlpv_polytopic}.get(observer, nlpv_gridding)
+    problem = theorem.problem(form, output, spec, scaling)
+    specs = [replace(spec, radius=factor * spec.radius) for factor in factors]
+    return [(each.radius, lmi.smallest(replace(problem, spec=each))) for each in specs]
+
+
+def _asked(model: Model, wish: Wish) -> tuple[LinearForm, Output, Spec, Scaling]:
+    """Form, performance output, specification and scaling of a wish."""
     form = form_of(model, wish.coordinates, deflection=wish.deflection is not None)
     spec = wish.spec
     if wish.deflection is not None:
         spec = replace(spec, noise=(*spec.noise[:2], wish.deflection))
-    scaling, output = scaling_of(model, form), output_of(wish, form, model)
-    if observer == nlpv_gridding.NAME:
-        return nlpv_gridding.claim(form, output, spec, scaling)
-    theorem = nlpv_polytopic.solve
-    if observer == unified.NAME:
-        theorem = STRUCTURES[wish.structure]
-    return Claim(form, output, spec, scaling, theorem(form, output, spec, scaling))
+    return form, output_of(wish, form, model), spec, scaling_of(model, form)
 
 
 def output_of(wish: Wish, form: LinearForm, model: Model) -> Output:

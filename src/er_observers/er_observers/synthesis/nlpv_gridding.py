@@ -3,7 +3,7 @@ r"""NLPV gridding observer: a Lyapunov function of the duty, gains on a grid of 
 Theorem 4.3.2. With ``P(rho) = P_0 + rho P_1`` and ``|rho'| <= nu`` the observer of Theorem 4.3.1 has the
 same properties if the inequalities of `lmi` hold for both signs of nu P_1 at every duty. The (1, 3)
 and (3, 1) blocks of (4.26) are to be transposes of each other. They are asked for at the grid (4.47);
-the gain ``L(rho_k) = P(rho_k)^{-1} Y_k`` needs no least-squares fit (4.44), which loses part of
+the gain ``L(rho_k) = P(rho_k)^{-1} Y_k`` needs no least-squares fit (4.44), which costs
 gamma (`fitted`), and goes straight from one grid point to the next. What the grid leaves open is closed
 afterwards: `proof` shows the inequalities for every duty between, not on a finer grid.
 
@@ -21,7 +21,7 @@ import numpy as np
 from er_models.linear import LinearForm
 from er_models.model import Array
 
-from er_observers.law import luenberger
+from er_observers.law import Law, luenberger
 from er_observers.synthesis import lmi
 from er_observers.synthesis.family import luenberger_family
 from er_observers.synthesis.proof import Claim
@@ -39,7 +39,7 @@ RATE = 200.0
 def claim(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Claim:
     """Gains with both Lyapunov functions: of the duty, and common to all duties; raises as `solve`."""
     found = solve(form, output, spec, scaling)
-    asked = problem(form, output, spec, scaling, RATE, POINTS)
+    asked = problem(form, output, spec, scaling)
     return Claim(form, output, spec, scaling, found, common(asked, found))
 
 
@@ -56,7 +56,12 @@ def solve(
 
 
 def problem(
-    form: LinearForm, output: Output, spec: Spec, scaling: Scaling, rate: float, points: int
+    form: LinearForm,
+    output: Output,
+    spec: Spec,
+    scaling: Scaling,
+    rate: float = RATE,
+    points: int = POINTS,
 ) -> lmi.Problem:
     """The theorem's inequalities on a grid."""
     nodes = np.linspace(*spec.rho, points)
@@ -85,9 +90,6 @@ def fitted(form: LinearForm, solution: Solution) -> tuple[Array, Array]:
     return L[: form.n], L[form.n :]
 
 
-def straight(form: LinearForm, L_0: Array, L_1: Array, rho: Array) -> Solution:
-    """The law (4.48) at duties rho (K,), without proof."""
-    law = luenberger(form, rho, np.array([L_0 + r * L_1 for r in rho]))
-    nothing = np.zeros((form.n, form.n))
-    ones = np.ones(len(rho))
-    return Solution(law, nothing, nothing, 0.0, ones, np.inf, np.inf, "not asked")
+def straight(form: LinearForm, L_0: Array, L_1: Array, rho: Array) -> Law:
+    """The law (4.48) at duties rho (K,)."""
+    return luenberger(form, rho, np.array([L_0 + r * L_1 for r in rho]))

@@ -29,7 +29,12 @@ NAME = "nlpv_polytopic"
 THEOREM = "nlpv_polytopic (Theorem 4.3.1)"
 
 
+def problem(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> lmi.Problem:
+    """The theorem's inequalities at both ends of the duty's range."""
+    nodes = np.array(spec.rho)
+    return lmi.Problem(THEOREM, form, output, spec, scaling, luenberger_family, nodes)
+
+
 def solve(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Solution:
     """Gains at both ends and P; raises `SynthesisFailed` naming what makes it impossible."""
-    nodes = np.array(spec.rho)
-    return lmi.solve(lmi.Problem(THEOREM, form, output, spec, scaling, luenberger_family, nodes))
+    return lmi.solve(problem(form, output, spec, scaling))

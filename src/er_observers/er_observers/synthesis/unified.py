@@ -42,26 +42,31 @@ THEOREM = "unified (Theorem 3.3.1)"
 PROPORTIONAL = "proportional (3.5)"
 
 
-def solve(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Solution:
-    """Matrices of (3.4) and X; raises `SynthesisFailed` naming what makes it impossible."""
-    return solve_family(THEOREM, unified_family, form, output, spec, scaling)
-
-
-def solve_family(
-    theorem: str, family: lmi.Maker, form: LinearForm, output: Output, spec: Spec, scaling: Scaling
-) -> Solution:
-    """As `solve`, for a structure with decoupled input."""
+def problem(
+    form: LinearForm,
+    output: Output,
+    spec: Spec,
+    scaling: Scaling,
+    theorem: str = THEOREM,
+    family: lmi.Maker | None = None,
+) -> lmi.Problem:
+    """The theorem's inequalities; raises `SynthesisFailed` where the road cannot be decoupled."""
     check_ranks(theorem, form)
     check_zeros(theorem, form)
-    nodes = np.array(spec.rho)
-    return lmi.solve(
-        lmi.Problem(theorem, form, output, spec, scaling, family, nodes, one_gain=True)
+    made = family or unified_family
+    return lmi.Problem(
+        theorem, form, output, spec, scaling, made, np.array(spec.rho), one_gain=True
     )
+
+
+def solve(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Solution:
+    """Matrices of (3.4) and X; raises `SynthesisFailed` naming what makes it impossible."""
+    return lmi.solve(problem(form, output, spec, scaling))
 
 
 def solve_proportional(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Solution:
     """The special case (3.5), without v, Remark 3.3.1; raises as `solve`."""
-    return solve_family(PROPORTIONAL, proportional_family, form, output, spec, scaling)
+    return lmi.solve(problem(form, output, spec, scaling, PROPORTIONAL, proportional_family))
 
 
 def check_ranks(theorem: str, form: LinearForm) -> None:

@@ -22,7 +22,7 @@ from er_observers.synthesis.lmi import SOLVER, blocks, run
 from er_observers.synthesis.proof import Claim
 from er_observers.synthesis.spec import SynthesisFailed
 
-_TRACES = (0.0, 1e-6, 1e-4)
+_TRACES = (0.0, 1e-8, 1e-6, 1e-4, 1e-3)
 """Shares of every scaled state in the output, tried in turn: what no output shows makes P singular."""
 
 
