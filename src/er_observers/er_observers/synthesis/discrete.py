@@ -129,6 +129,5 @@ def substep(M: Array, b: Array, step: float) -> tuple[Array, Array]:
 def error_map(linear: Array, kick: Array, gamma: Array, gate: Array) -> Array:
     """Maps (..., N, N) of the difference of two runs over one substep, for (k_0, k_1) = gate (..., 2)."""
     loop, k = np.outer(kick, gamma), gate[..., None, None]
-    return np.linalg.solve(
-        np.eye(len(kick)) - k[..., 1, :, :] * loop, linear + k[..., 0, :, :] * loop
-    )
+    left = np.eye(len(kick)) - k[..., 1, :, :] * loop
+    return np.asarray(np.linalg.solve(left, linear + k[..., 0, :, :] * loop), np.float64)
