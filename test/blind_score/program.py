@@ -26,6 +26,7 @@ def parser_of(name: str, text: str | None) -> argparse.ArgumentParser:
     parser.add_argument("--seeds", nargs="+", default=["1"], help="numbers, or ranges like 1-10")
     parser.add_argument("--workers", type=int, default=2, help="processes, one thread each")
     parser.add_argument("--results", type=Path, help="JSON lines: noted here, and gone on with")
+    parser.add_argument("--noted", action="store_true", help="make nothing, show what is noted")
     parser.add_argument("--table", type=Path, help="write the tables here as well")
     return parser
 
@@ -55,7 +56,7 @@ def collect(
     made_by = digest()
     known = read(given.results) if given.results else ()
     rows = {r["key"]: r for r in known if r.get("code") == made_by and fits(r)}
-    wanted = [job for key, job in asked.items() if key not in rows]
+    wanted = [job for key, job in asked.items() if key not in rows and not given.noted]
     columns = (
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
     )  # fmt: skip
@@ -67,7 +68,7 @@ def collect(
             if given.results:
                 append(given.results, row)
             bar.update(task, advance=1, description=row["key"])
-    return [rows[key] for key in asked]
+    return [rows[key] for key in asked if key in rows]
 
 
 def heading(given: argparse.Namespace, rows: Rows) -> str:
