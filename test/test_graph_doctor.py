@@ -13,6 +13,8 @@ pytest.importorskip("rclpy")
 
 from test.graph_help import Graph, own_domain, plant_arguments
 
+pytestmark = pytest.mark.alone
+
 INTRUDER = """
 import rclpy
 from std_msgs.msg import Float64

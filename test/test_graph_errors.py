@@ -24,6 +24,8 @@ from test.graph_help import (
     skyhook_arguments,
 )
 
+pytestmark = pytest.mark.alone
+
 
 @pytest.fixture
 def graph(tmp_path: Path) -> Iterator[Graph]:

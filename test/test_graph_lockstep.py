@@ -13,6 +13,8 @@ from rosbags.highlevel import AnyReader
 
 from test.graph_help import Graph, own_domain
 
+pytestmark = pytest.mark.alone
+
 TICKS = 600
 TOPICS = (
     "/sensors/acceleration",

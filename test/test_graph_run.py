@@ -21,6 +21,8 @@ from rosbags.highlevel import AnyReader
 
 from test.graph_help import VEHICLE, Graph, own_domain
 
+pytestmark = pytest.mark.alone
+
 SECONDS = 6.0
 RATE = 200.0
 WARM_UP = 1.0

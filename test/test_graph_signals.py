@@ -22,6 +22,8 @@ from test.graph_help import (
     skyhook_arguments,
 )
 
+pytestmark = pytest.mark.alone
+
 NODES = {
     "plant": plant_arguments("-p", "duration:=0.0"),
     "skyhook_controller": skyhook_arguments(),

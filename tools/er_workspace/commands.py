@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 
-from er_workspace import colcon, prerequisites, venv
+from er_workspace import colcon, prerequisites, suite, venv
 from er_workspace.environment import command_environment
 from er_workspace.layout import Layout, Stop, find_layout, work_root
 from er_workspace.process import locked, say
@@ -68,6 +68,8 @@ def main(argv: Sequence[str]) -> int:
         if name == "setup":
             return _setup(layout, args)
         ensure(layout)
+        if name == "test" and not _names_paths(layout, args):
+            return _test(layout, args)
         _hand_over(layout, name, args)
     except Stop as error:
         say(f"er: {error}")
@@ -116,7 +118,7 @@ def _hand_over(layout: Layout, name: str, args: list[str]) -> None:
     env = command_environment(layout, os.environ)
     module = COMMANDS[name][2]
     make: dict[str, Callable[[], list[str]]] = {
-        "test": lambda: _test_command(layout, args),
+        "test": lambda: [str(layout.python), "-m", "pytest", *args],
         "run": lambda: _run_command(layout, args),
         "exec": lambda: args,
     }
@@ -133,12 +135,20 @@ def _hand_over(layout: Layout, name: str, args: list[str]) -> None:
         raise Stop(f"{command[0]}: {error.strerror}") from None
 
 
-def _test_command(layout: Layout, args: list[str]) -> list[str]:
-    """Pytest on the paths among the arguments, or on every test folder where there is none."""
+def _names_paths(layout: Layout, args: Sequence[str]) -> bool:
+    return any((layout.root / a.split("::")[0]).exists() for a in args if not a.startswith("-"))
+
+
+def _test_folders(layout: Layout) -> list[str]:
     folders = [layout.root / "test", *(package / "test" for package in layout.packages().values())]
-    named = any((layout.root / a.split("::")[0]).exists() for a in args if not a.startswith("-"))
-    where = [] if named else [str(f.relative_to(layout.root)) for f in folders if f.is_dir()]
-    return [str(layout.python), "-m", "pytest", *args, *where]
+    return [str(f.relative_to(layout.root)) for f in folders if f.is_dir()]
+
+
+def _test(layout: Layout, args: list[str]) -> int:
+    """Every test folder, where the arguments name no path."""
+    os.chdir(layout.root)
+    env = command_environment(layout, os.environ) | {"ROS_PYTHON_CHECK_FIELDS": "1"}
+    return suite.whole(layout.python, args, _test_folders(layout), env)
 
 
 def _run_command(layout: Layout, args: list[str]) -> list[str]:

@@ -11,6 +11,8 @@ from time import monotonic, sleep
 import pytest
 from er_bringup.processes import Child, stop, worst
 
+pytestmark = pytest.mark.alone
+
 
 def child(code: str, out: io.StringIO | None = None, label: str = "node") -> Child:
     """A Python program as a child."""

@@ -1,0 +1,48 @@
+"""How `./er test` runs the whole suite."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+from test.conftest import ROOT
+
+sys.path.insert(0, str(ROOT / "tools"))
+
+from er_workspace.suite import runs, whole
+
+
+def test_the_suite_is_run_beside_and_alone() -> None:
+    """Tests that time themselves get the machine to themselves; choices hold in both runs."""
+    beside, alone = runs(["-q", "-m", "not slow"], cores=2)
+    assert beside == ["-q", "-n", "2", "--dist", "loadfile", "-m", "(not slow) and not alone"]
+    assert alone == ["-q", "-m", "(not slow) and alone"]
+    assert runs(["-x"], cores=4)[1] == ["-x", "-m", "alone"]
+    assert runs(["-n", "3"], cores=2) == [["-n", "3"]]
+    assert runs(["-q"], cores=1) == [["-q"]]
+
+
+@pytest.mark.parametrize(
+    ("bodies", "args", "status"),
+    [
+        (("", ""), [], 0),
+        (("assert False", ""), [], 1),
+        (("", "assert False"), [], 1),
+        (("", ""), ["-k", "nothing_of_this_name"], 5),
+        (("", ""), ["-k", "test_second"], 0),
+        (("", ""), ["--no-such-option"], 4),
+    ],
+)
+def test_the_suite_fails_where_any_test_fails(
+    tmp_path: Path, bodies: tuple[str, str], args: list[str], status: int
+) -> None:
+    first, second = (body or "pass" for body in bodies)
+    (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers = alone: by itself\n")
+    (tmp_path / "test_it.py").write_text(
+        f"import pytest\n\n\ndef test_first():\n    {first}\n\n\n"
+        f"@pytest.mark.alone\ndef test_second():\n    {second}\n"
+    )
+    assert whole(Path(sys.executable), args, [str(tmp_path)], os.environ) == status

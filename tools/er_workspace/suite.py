@@ -1,0 +1,49 @@
+"""The whole test suite: what computes on all cores first, then what times itself, with nothing beside it."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+NOTHING_SELECTED = 5
+"""Exit status of pytest where no test was left."""
+ALONE = "alone"
+"""Marker of tests that run with nothing beside them."""
+
+
+def runs(args: Sequence[str], cores: int) -> list[list[str]]:
+    """Arguments of the runs that make up the suite.
+
+    Whoever says how many processes there shall be gets one run.
+    """
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument("-m", dest="marked")
+    parser.add_argument("-n", "--numprocesses")
+    given, others = parser.parse_known_args(list(args))
+    if given.numprocesses is not None or cores < 2:
+        return [list(args)]
+    chosen = f"({given.marked}) and " if given.marked else ""
+    beside = ["-n", str(cores), "--dist", "loadfile"]
+    return [[*others, *beside, "-m", f"{chosen}not {ALONE}"], [*others, "-m", chosen + ALONE]]
+
+
+def whole(
+    python: Path, args: Sequence[str], folders: Sequence[str], env: Mapping[str, str]
+) -> int:
+    """Run the suite; returns the first exit status that is not success.
+
+    A stop on request (Ctrl-C, a failure under `-x`) ends it at once.
+    """
+    worst = NOTHING_SELECTED
+    for run in runs(args, os.cpu_count() or 1):
+        status = subprocess.run(
+            [str(python), "-m", "pytest", *run, *folders], env=dict(env), check=False
+        ).returncode
+        if worst in (0, NOTHING_SELECTED) and status != NOTHING_SELECTED:
+            worst = status
+        if status < 0 or status == 2 or (status and "-x" in args):
+            break
+    return worst
