@@ -21,6 +21,7 @@ from rich.console import Console
 
 from er_observers.compare.command import register as register_compare
 from er_observers.forms import COORDINATES
+from er_observers.frequency.command import register as register_figures
 from er_observers.gains import observer_of, save_gains
 from er_observers.observers.evaluate import SCENARIOS, evaluate
 from er_observers.observers.ready import ready
@@ -32,6 +33,7 @@ from er_observers.synthesis.spec import SECTORS, SLOPE, Spec
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 register_compare(app)
 register_variants(app)
+register_figures(app)
 ModelFile = Annotated[Path, typer.Option(help="Vehicle model file.")]
 
 
