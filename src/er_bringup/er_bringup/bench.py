@@ -1,7 +1,8 @@
 """``er bench``: measures speed; figures hold for the machine and the moment, ratios for longer.
 
-er bench models [ARGS]   prediction and simulation, against SciPy and C in the same run; their memory
-er bench graph [ARGS]    lost messages, latency and CPU of the running graph
+er bench models [ARGS]     prediction and simulation, against SciPy and C in the same run; their memory
+er bench observers [ARGS]  one step of every observer and of the Kalman filters beside them; load, memory
+er bench graph [ARGS]      lost messages, latency and CPU of the running graph
 
 -h after a name shows its arguments.
 """
@@ -11,7 +12,11 @@ from __future__ import annotations
 import runpy
 import sys
 
-PARTS = {"models": "er_models.bench", "graph": "er_bringup.bench_graph"}
+PARTS = {
+    "models": "er_models.bench",
+    "observers": "er_observers.bench",
+    "graph": "er_bringup.bench_graph",
+}
 
 
 def main() -> None:

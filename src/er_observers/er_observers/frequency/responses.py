@@ -59,4 +59,5 @@ def respond(
     rows = np.vstack([np.eye(n), form.F])
     answer = frequency_response(M, entry, rows @ law.R, hertz, rows @ through)
     gains = np.abs(answer).max(axis=2)
-    return Response(observer, duty, gains, np.linalg.svd(answer[:, :n], compute_uv=False)[:, 0])
+    sigma = np.linalg.svd(answer[:, :n], compute_uv=False)[:, 0]
+    return Response(observer, duty, gains, np.asarray(sigma, np.float64))
