@@ -17,16 +17,17 @@ from er_models.errors import InputError
 from er_models.files import write_whole
 from er_models.forms.relative import STATES as RELATIVE
 from er_models.linear import LinearForm, fingerprint
-from er_models.model import Model
+from er_models.model import Array, Model
 
 from er_observers.claim_file import claim_of, sections
 from er_observers.forms import COORDINATES, SENSORS, form_of
 from er_observers.gain_file import Document, digest, read
 from er_observers.observers.kernel import SUBSTEP
 from er_observers.observers.matrices import Plan, bridge_plan, plan_of
+from er_observers.observers.sample import Layout
 from er_observers.observers.start_phase import Opening, opening_of
 from er_observers.observers.status import LIMITS, Limits
-from er_observers.observers.watch import Watch, watch_of
+from er_observers.observers.watch import Watch, rules_of, watch_of
 from er_observers.synthesis.proof import Claim, prove
 
 SCHEMA = "er_gains 1"
@@ -41,7 +42,9 @@ class Gains:
     """Proved gains of one observer for one model, with what the loop takes from them.
 
     plan: the observer; bridge: the model alone; watch: constants of its health; opening: of its
-    start phase, None where it needs none or its states are not the relative ones.
+    start phase, None where it needs none or its states are not the relative ones; layout, reading,
+    rules: as `sample.run_sample` takes them; sees_deflection: whether the gains were made for a
+    deflection sensor beside the accelerometers.
     """
 
     observer: str
@@ -54,23 +57,27 @@ class Gains:
     plan: Plan = field(init=False)
     bridge: Plan = field(init=False)
     watch: Watch = field(init=False)
+    layout: Layout = field(init=False)
+    sees_deflection: bool = field(init=False)
+    reading: Array = field(init=False)
+    rules: Array = field(init=False)
 
     def __post_init__(self) -> None:
         form, law, size = self.form, self.claim.solution.law, self.claim.scaling.state
         poles = np.array([np.linalg.eigvals(M) for M in law.M])
         object.__setattr__(self, "plan", plan_of(form, law, size))
         object.__setattr__(self, "bridge", bridge_plan(form, size))
-        object.__setattr__(self, "watch", watch_of(form, poles))
+        watch, parts = watch_of(form, poles), (law.R, law.S, form.F, form.Gamma)
+        object.__setattr__(self, "watch", watch)
+        object.__setattr__(self, "sees_deflection", len(form.C) == len(SENSORS))
+        object.__setattr__(self, "layout", Layout(form.C.shape[0], form.n, law.order))
+        object.__setattr__(self, "reading", np.concatenate([np.ravel(p) for p in parts]))
+        object.__setattr__(self, "rules", rules_of(watch, self.limits))
 
     @property
     def form(self) -> LinearForm:
         """Linear form of the model the gains belong to."""
         return self.claim.form
-
-    @property
-    def sees_deflection(self) -> bool:
-        """Whether the gains were made for a deflection sensor beside the accelerometers."""
-        return len(self.form.C) == len(SENSORS)
 
 
 def save_gains(

@@ -33,10 +33,17 @@ Array = NDArray[np.float64]
 SUBSTEP = 1.25e-3
 """Longest substep [s]; the certificate shows that the discrete observer converges with it."""
 
+_SLOTS = 2
+"""Duties whose phi functions are remembered: one that stays, or two that alternate (Skyhook)."""
 _TERMS = 13
 _NEAR = 1e-2
 _SATURATED = 20.0
 _LN_2 = math.log(2.0)
+
+
+def scratch_of(n: int) -> Array:
+    """Room for one step of n states; remembers nothing yet."""
+    return np.full(3 * n * n + 8 * n + _SLOTS * (2 + 3 * n * n), np.nan)
 
 
 F = TypeVar("F", bound=Callable[..., object])
@@ -271,13 +278,32 @@ def _parts(
 
 @compiled
 def _room(n: int, scratch: Array) -> tuple[Array, Array, Array]:
-    """Views of the scratch: phi (3, n, n), three more matrices, eight vectors."""
-    a, b = 3 * n * n, 6 * n * n
+    """Views of the scratch: three matrices, eight vectors, what is remembered (`_SLOTS`, 2 + 3 n n)."""
+    a, b = 3 * n * n, 3 * n * n + 8 * n
     return (
         scratch[:a].reshape((3, n, n)),
-        scratch[a:b].reshape((3, n, n)),
-        scratch[b : b + 8 * n].reshape((8, n)),
+        scratch[a:b].reshape((8, n)),
+        scratch[b:].reshape((_SLOTS, 2 + a)),
     )
+
+
+@compiled
+def _remembered(kept: Array, rho: float, h: float) -> int:
+    """Row of `kept` that holds phi of this duty and step; -1 for none. Comparisons with NaN are false."""
+    for k in range(kept.shape[0]):
+        if kept[k, 0] == rho and kept[k, 1] == h:
+            return k
+    return -1
+
+
+@compiled
+def _oldest(kept: Array, rho: float, h: float) -> int:
+    """Row for phi of another duty: the last one, after the others have moved up."""
+    for k in range(kept.shape[0] - 1):
+        kept[k] = kept[k + 1]
+    last = int(kept.shape[0]) - 1
+    kept[last, 0], kept[last, 1] = rho, h
+    return last
 
 
 @compiled
@@ -302,7 +328,7 @@ def advance(
     """
     n, m, _ = shape
     nodes, m_nodes, j_nodes, b, gamma, feed, size = _parts(shape, values)
-    phi, more, rows = _room(n, scratch)
+    more, rows, kept = _room(n, scratch)
     square, product, whole = more[0], more[1], more[2]
     drive, slope, kick, free, steady, ramp = rows[0], rows[1], rows[2], rows[3], rows[4], rows[5]
     level, slant = rows[6], rows[7]
@@ -311,8 +337,14 @@ def advance(
     _blend(rho, nodes, j_nodes, h, gain)
     _inputs(gain, y_0, y_1, n_sub, drive, slope)
     _apply(gain, bend, kick)
-    _blend(rho, nodes, m_nodes, h, whole)
-    fill_phi(whole, phi, square, product)
+    row = _remembered(kept, rho, h)
+    known = row >= 0
+    if not known:
+        row = _oldest(kept, rho, h)
+    phi = kept[row, 2:].reshape((3, n, n))
+    if not known:
+        _blend(rho, nodes, m_nodes, h, whole)
+        fill_phi(whole, phi, square, product)
     _apply(phi[1], drive, steady)
     _apply(phi[1], slope, ramp)
     _apply(phi[2], slope, free)

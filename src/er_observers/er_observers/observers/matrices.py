@@ -9,6 +9,7 @@ from er_models.linear import LinearForm
 from er_models.model import Array
 
 from er_observers.law import Law, luenberger
+from er_observers.observers.kernel import scratch_of
 
 FORGET = 0.02
 """Time in which the tyre deflection is forgotten while no measurement tells about the road [s]."""
@@ -19,7 +20,8 @@ class Plan(NamedTuple):
 
     shape: states N, outputs m, nodes K. values: rho (K,), M (K, N, N), J (K, N, m), b (N,) at duty
     1, gamma (N,), feed (m,) and size (N,) one after the other, states divided by size. scratch:
-    room for one step, so that none has to be asked for; what it holds means nothing between steps.
+    room for one step, so that none has to be asked for; what it remembers from one step to the next
+    is what would be computed again.
     """
 
     shape: tuple[int, int, int]
@@ -48,12 +50,7 @@ def plan_of(form: LinearForm, law: Law, state: Array) -> Plan:
     parts = (law.rho, M, J, b, gamma, feed, size)
     shape = (law.order, form.C.shape[0], len(law.rho))
     values = np.concatenate([np.ravel(p) for p in parts])
-    return Plan(shape, values, np.empty(scratch_length(law.order)))
-
-
-def scratch_length(n: int) -> int:
-    """Numbers the kernel needs room for, for n states."""
-    return 6 * n * n + 8 * n
+    return Plan(shape, values, scratch_of(law.order))
 
 
 def bridge_plan(form: LinearForm, state: Array) -> Plan:

@@ -11,7 +11,7 @@ thread at a time: the compiled part works in its scratch.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 from er_models.model import Array
@@ -20,14 +20,12 @@ from er_observers.gains import Gains
 from er_observers.observers import start_phase
 from er_observers.observers import watch as watching
 from er_observers.observers.kernel import advance, substeps
-from er_observers.observers.status import ROUNDING, Health, Status, judge
+from er_observers.observers.sample import CHANGE, HEALTH, Layout, duty_within, keep, run_sample
+from er_observers.observers.sample import said as said_of
+from er_observers.observers.start_phase import Opening
+from er_observers.observers.status import ROUNDING, VERDICTS, Health, Status
 
-BEND = 0.6
-"""Share of the parabola through the last three samples that the outputs follow between two.
-
-Whole, it over-bends what moves at a quarter of the sampling rate; from 0.5 to 0.7 the errors on ISO
-roads are the smallest, a tenth to a sixth below those of straight lines.
-"""
+Said = tuple[float, float, float, float, int]
 
 
 class Sample(NamedTuple):
@@ -62,26 +60,44 @@ class Estimate(NamedTuple):
 class State(NamedTuple):
     """Memory between samples.
 
-    t: time of the last sample [s]; z (N,): the observer's own state then; x (n,): the estimate of
-    the model's; P (n, n): covariance of x during the start phase, None after it; y (m,): outputs
-    then; pace (m,): the rate they came with, NaN where it is not known; change: of the relative
-    acceleration since the sample before [m/s2]; duty: in force since t; running: whether a first
-    valid sample has come; resets: fresh starts after it; rejected: samples not used or repaired.
+    t: time of the last sample [s]; memory: what the compiled part keeps, see `sample`; layout: where
+    things lie in it; P (n, n): covariance of x during the start phase, None after it; duty: in force
+    since t; running: whether a first valid sample has come; resets: fresh starts after it; rejected:
+    samples not used or repaired.
     """
 
     t: float
-    z: Array
-    x: Array
+    memory: Array
+    layout: Layout
     P: Array | None
-    y: Array
-    pace: Array
-    change: float
     duty: float
-    health: Health
     estimate: Estimate
     running: bool
     resets: int
     rejected: int
+
+    @property
+    def x(self) -> Array:
+        """Estimate of the model's state (n,)."""
+        return self.memory[self.layout.x]
+
+    @property
+    def z(self) -> Array:
+        """The observer's own state (N,)."""
+        return self.memory[self.layout.z]
+
+    @property
+    def y(self) -> Array:
+        """Outputs of the last sample (m,), or what the model gave in their place."""
+        return self.memory[self.layout.y]
+
+    @property
+    def health(self) -> Health:
+        """Memory of the watch."""
+        doubt, decay, lost, healing, power, floor, weak, contradicted = self.memory[
+            HEALTH
+        ].tolist()
+        return Health(doubt, decay, lost, healing, power, floor, weak > 0.0, contradicted > 0.0)
 
 
 def start(gains: Gains, sample: Sample, x: Array | None = None) -> State:
@@ -90,21 +106,19 @@ def start(gains: Gains, sample: Sample, x: Array | None = None) -> State:
     A sample that is not valid leaves the observer waiting for one that is.
     """
     duty, _ = _duty(gains, sample.duty, 0.0)
-    health = watching.begin(gains.watch)
     law, running = gains.claim.solution.law, _valid(gains, sample)
     y = _outputs(gains, sample) if running else np.zeros(law.S.shape[1])
-    if not running:
-        health = health._replace(lost=math.inf)
     first, P = _likeliest(gains, y, duty) if x is None else np.array(x, float), None
     if running and gains.opening is not None:
         prior = gains.opening.prior
         first, P = start_phase.follow(gains.opening, first, prior, duty, 0.0, y)
     z = law.state(first, y, np.zeros(law.order))
-    estimate = _estimate(gains, first, health)
+    memory = np.concatenate([watching.begin(gains.rules), [0.0], y, y + math.nan, first, z])
+    if not running:
+        memory[watching.LOST] = math.inf
+    estimate = _estimate(gains, memory)
     rejected = 0 if running else 1
-    return State(
-        sample.t, z, first, P, y, y + math.nan, 0.0, duty, health, estimate, running, 0, rejected
-    )
+    return State(sample.t, memory, gains.layout, P, duty, estimate, running, 0, rejected)
 
 
 def step(gains: Gains, state: State, sample: Sample) -> tuple[State, Estimate]:
@@ -123,7 +137,7 @@ def step(gains: Gains, state: State, sample: Sample) -> tuple[State, Estimate]:
         state = _restart(gains, state, sample)
     elif not _valid(gains, sample):
         state = _bridge(gains, state, sample, dt)
-    elif state.health.lost + dt > hold:
+    elif state.memory[watching.LOST] + dt > hold:
         state = _restart(gains, state, sample)
     else:
         state = _follow(gains, state, sample, dt)
@@ -132,80 +146,58 @@ def step(gains: Gains, state: State, sample: Sample) -> tuple[State, Estimate]:
 
 def _follow(gains: Gains, state: State, sample: Sample, dt: float) -> State:
     """Advance with the measurement."""
-    y, last = _outputs(gains, sample), state.duty
-    z, x, P, end = _advanced(gains, state, y, dt)
-    duty, repaired = _duty(gains, sample.duty, last)
-    before = float(state.y[0] - state.y[1])
-    change = sample.sprung_acceleration - sample.unsprung_acceleration - before
-    facts = watching.Facts(
-        rate=watching.decay_rate(gains.watch, last, 1.0 - math.tanh(end) ** 2),
-        correction=float(x[1] - state.x[1]) - dt * (before + 0.5 * change),
-        bend=change - state.change,
-        repaired=repaired,
-    )
-    health = watching.follow(gains.watch, gains.limits, state.health, dt, facts)
-    if state.P is not None:
-        health = health._replace(doubt=0.0 if P is None else 1.0)
-    return state._replace(
-        t=sample.t,
-        z=z,
-        x=x,
-        P=P,
-        y=y,
-        pace=(y - state.y) / dt,
-        change=change,
-        duty=duty,
-        health=health,
-        estimate=_estimate(gains, x, health),
-        rejected=state.rejected + repaired,
-    )
+    memory, P = np.empty_like(state.memory), None
+    if state.P is not None and gains.opening is not None:
+        P, said, duty, repaired = _found(gains, state, sample, dt, memory)
+    else:
+        _, sprung, unsprung, duty, deflection = sample
+        said, duty, repaired = run_sample(
+            *gains.plan, gains.reading, gains.rules,
+            state.memory, sprung, unsprung, deflection, state.duty, duty, dt, memory,
+        )  # fmt: skip
+    rejected = state.rejected + repaired
+    estimate = _says(*said)
+    return State(sample.t, memory, state.layout, P, duty, estimate, True, state.resets, rejected)
 
 
-def _advanced(
-    gains: Gains, state: State, y: Array, dt: float
-) -> tuple[Array, Array, Array | None, float]:
-    """z, x, P and the gate's input dt [s] later: by the proved gain, or in the start phase."""
-    law = gains.claim.solution.law
-    if state.P is None or gains.opening is None:
-        z = np.empty_like(state.z)
-        bend = _bend(state, y, dt)
-        end = advance(*gains.plan, state.z, state.y, y, bend, state.duty, dt, substeps(dt), z)
-        return z, law.R @ z + law.S @ y, None, end
-    x, P = start_phase.follow(gains.opening, state.x, state.P, state.duty, dt, y)
-    done = start_phase.finished(gains.opening, P)
-    return law.state(x, y, state.z), x, None if done else P, float(gains.form.Gamma @ x)
-
-
-def _bend(state: State, y: Array, dt: float) -> Array:
-    """Bend (m,) of the outputs over the last dt [s], from the change of their rate; none after a gap.
-
-    The whole change would be that of a parabola through three samples.
-    """
-    change = (y - state.y) / dt - state.pace
-    return np.nan_to_num(0.5 * BEND * dt * change, copy=False, nan=0.0)
+def _found(
+    gains: Gains, state: State, sample: Sample, dt: float, memory: Array
+) -> tuple[Array | None, Said, float, bool]:
+    """Covariance, what is said and the duty in the start phase, whose last sample ends the doubt."""
+    opening, lay, y = cast(Opening, gains.opening), state.layout, _outputs(gains, sample)
+    duty, repaired = _duty(gains, sample.duty, state.duty)
+    x, P = start_phase.follow(opening, state.x, cast(Array, state.P), state.duty, dt, y)
+    z = gains.claim.solution.law.state(x, y, state.z)
+    memory[lay.y], memory[lay.x], memory[lay.z] = y, x, z
+    end, rest = float(gains.form.Gamma @ x), (lay.m, lay.n, memory)
+    keep(gains.reading, gains.rules, state.memory, state.duty, dt, repaired, end, *rest)
+    done = start_phase.finished(opening, P)
+    memory[watching.DOUBT] = 0.0 if done else 1.0
+    said = said_of(gains.reading, gains.rules, *rest)
+    return None if done else P, said, duty, repaired
 
 
 def _bridge(gains: Gains, state: State, sample: Sample, dt: float) -> State:
     """Advance without a measurement, on the model alone."""
-    x, P, nothing = np.empty_like(state.x), state.P, np.zeros_like(state.y)
+    lay, P = state.layout, state.P
+    x, nothing = np.empty(lay.n), np.zeros(lay.m)
     if P is None or gains.opening is None:
         n_sub = substeps(dt)
         advance(*gains.bridge, state.x, nothing, nothing, nothing, state.duty, dt, n_sub, x)
     else:
         x, P = start_phase.follow(gains.opening, state.x, P, state.duty, dt, nothing + math.nan)
     y = gains.form.C @ x
-    health = watching.missed(gains.limits, state.health, dt)
+    memory = state.memory.copy()
+    watching.missed(gains.rules, memory[HEALTH], dt)
+    memory[CHANGE] = 0.0
+    memory[lay.y], memory[lay.pace], memory[lay.x] = y, math.nan, x
+    memory[lay.z] = gains.claim.solution.law.state(x, y, state.z)
     return state._replace(
         t=sample.t,
-        z=gains.claim.solution.law.state(x, y, state.z),
-        x=x,
+        memory=memory,
         P=P,
-        y=y,
-        pace=y + math.nan,
-        change=0.0,
         duty=_duty(gains, sample.duty, state.duty)[0],
-        health=health,
-        estimate=_estimate(gains, x, health),
+        estimate=_estimate(gains, memory),
         rejected=state.rejected + 1,
     )
 
@@ -237,11 +229,8 @@ def _outputs(gains: Gains, sample: Sample) -> Array:
 
 
 def _duty(gains: Gains, duty: float, before: float) -> tuple[float, bool]:
-    """Duty within the gains' range, and whether it was repaired; NaN keeps the one before."""
-    low, high = gains.claim.spec.rho
-    if not math.isfinite(duty):
-        return before, True
-    return min(max(duty, low), high), not low - 1e-6 <= duty <= high + 1e-6
+    """Duty within the gains' range, and whether it was repaired."""
+    return duty_within(duty, before, *gains.claim.spec.rho)
 
 
 def _likeliest(gains: Gains, y: Array, duty: float) -> Array:
@@ -254,10 +243,17 @@ def _likeliest(gains: Gains, y: Array, duty: float) -> Array:
     return np.asarray(weighted @ np.linalg.solve(form.C @ weighted, y))
 
 
-def _estimate(gains: Gains, x: Array, health: Health) -> Estimate:
-    """What the state says; zeros when it is invalid."""
-    status, reason = judge(gains.limits, health)
+def _estimate(gains: Gains, memory: Array) -> Estimate:
+    """What the memory says."""
+    m, n, _ = gains.layout
+    return _says(*said_of(gains.reading, gains.rules, m, n, memory))
+
+
+def _says(
+    force: float, deflection: float, velocity: float, ratio: float, verdict: int
+) -> Estimate:
+    """The estimate; zeros when it is invalid."""
+    status, reason = VERDICTS[verdict]
     if status is Status.INVALID:
         return Estimate(0.0, 0.0, 0.0, status, 0.0, reason)
-    ratio = watching.contradiction(health.power, health.floor)
-    return Estimate(float(gains.form.F @ x), float(x[0]), float(x[1]), status, ratio, reason)
+    return Estimate(force, deflection, velocity, status, ratio, reason)

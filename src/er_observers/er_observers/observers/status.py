@@ -51,7 +51,7 @@ LIMITS = Limits()
 
 
 class Health(NamedTuple):
-    """Memory of the watch.
+    """Memory of the watch, as `watch` keeps it in an array (8,) in this order.
 
     doubt: share of the first error that may be left, 1 at the start; decay: average rate at which
     an error decays [1/s]; lost: time since the last valid sample [s]; healing: time until a repair
@@ -69,27 +69,12 @@ class Health(NamedTuple):
     contradicted: bool
 
 
-_REASONS = {
-    Status.OK: "",
-    Status.INITIALISING: "the first error has not decayed yet",
-    Status.DEGRADED: "samples or duties were repaired",
-    Status.INVALID: "no valid sample for too long",
-    Status.WEAK: "the fluid hardly yields: accelerometers do not see the deflection",
-}
-_CONTRADICTED = "the accelerations contradict the damper model"
-
-
-def judge(limits: Limits, health: Health) -> tuple[Status, str]:
-    """Status and its reason, worst first."""
-    status = Status.OK
-    if health.lost > limits.hold + ROUNDING:
-        status = Status.INVALID
-    elif health.doubt > limits.settled:
-        status = Status.WEAK if health.weak else Status.INITIALISING
-    elif health.lost > limits.bridge + ROUNDING or health.healing > 0.0:
-        status = Status.DEGRADED
-    elif health.contradicted:
-        return Status.DEGRADED, _CONTRADICTED
-    elif health.weak:
-        status = Status.WEAK
-    return status, _REASONS[status]
+VERDICTS = (
+    (Status.OK, ""),
+    (Status.INITIALISING, "the first error has not decayed yet"),
+    (Status.DEGRADED, "samples or duties were repaired"),
+    (Status.INVALID, "no valid sample for too long"),
+    (Status.WEAK, "the fluid hardly yields: accelerometers do not see the deflection"),
+    (Status.DEGRADED, "the accelerations contradict the damper model"),
+)
+"""What `watch.judge` may say: a status and its reason."""

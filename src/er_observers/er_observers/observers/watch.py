@@ -23,10 +23,16 @@ import numpy as np
 from er_models.linear import LinearForm
 from er_models.model import Array
 
-from er_observers.observers.status import ROUNDING, Health, Limits
+from er_observers.observers.kernel import compiled
+from er_observers.observers.status import ROUNDING, Limits
 
 SHARE = 4.0
 """Correction, in multiples of what noise and sampling explain, that is a contradiction."""
+
+
+DOUBT, DECAY, LOST, HEALING, POWER, FLOOR, WEAK, CONTRADICTED = range(8)
+"""Places of `status.Health` in its array."""
+_KEPT = ("hold", "bridge", "recover", "window", "settled", "weak", "strong", "noise", "clear")
 
 
 class Watch(NamedTuple):
@@ -45,20 +51,6 @@ class Watch(NamedTuple):
     noise_gain: float
 
 
-class Facts(NamedTuple):
-    """What one valid sample tells.
-
-    rate: of `decay_rate` [1/s]; correction: velocity the observer added [m/s]; bend: second
-    difference of the relative acceleration [m/s2], whose twelfth times dt is the error of a
-    straight line between samples; repaired: whether the duty had to be.
-    """
-
-    rate: float
-    correction: float
-    bend: float
-    repaired: bool
-
-
 def watch_of(form: LinearForm, poles: Array) -> Watch:
     """Constants from the linear form in relative coordinates and the poles of A - L C [1/s]."""
     at = int(np.argmax(np.abs(form.B)))
@@ -73,63 +65,90 @@ def watch_of(form: LinearForm, poles: Array) -> Watch:
     )
 
 
-def decay_rate(watch: Watch, rho: float, slope: float) -> float:
+def rules_of(watch: Watch, limits: Limits) -> Array:
+    """Watch and limits as the compiled functions take them: the numbers of `Watch`, then of `_KEPT`."""
+    return np.array([*watch, *(getattr(limits, name) for name in _KEPT)], float)
+
+
+@compiled
+def decay_rate(rules: Array, rho: float, slope: float) -> float:
     """Rate at which an error of the deflection decays [1/s], for the gate's slope (0 to 1)."""
     share = rho * slope
-    stiffness = watch.stiffness + share * watch.gate_stiffness
-    return min(stiffness / (watch.damping + share * watch.gate_damping), watch.pace)
+    stiffness, damping = rules[0] + share * rules[2], rules[1] + share * rules[3]
+    return float(min(stiffness / damping, rules[4]))
 
 
-def begin(watch: Watch) -> Health:
-    """Health at the first valid sample."""
-    return Health(1.0, watch.pace, 0.0, 0.0, 0.0, 0.0, weak=False, contradicted=False)
+def begin(rules: Array) -> Array:
+    """Health (8,) at the first valid sample."""
+    return np.array([1.0, rules[4], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 
 
-def missed(limits: Limits, health: Health, dt: float) -> Health:
-    """Health after a sample that could not be used, dt [s] after the one before."""
-    lost = health.lost + dt
-    return health._replace(
-        lost=lost, healing=limits.recover if lost > limits.bridge + ROUNDING else health.healing
-    )
+@compiled
+def missed(rules: Array, health: Array, dt: float) -> None:
+    """Health (8,), in place, after a sample that could not be used, dt [s] after the one before."""
+    bridge, recover = rules[7], rules[8]
+    health[LOST] += dt
+    if health[LOST] > bridge + ROUNDING:
+        health[HEALING] = recover
 
 
-def follow(watch: Watch, limits: Limits, health: Health, dt: float, facts: Facts) -> Health:
-    """Health after a valid sample, dt [s] after the one before."""
-    weight = min(1.0, dt / limits.window)
-    decay = health.decay + weight * (facts.rate - health.decay)
-    power, floor = _powers(watch, limits, health, dt, facts)
-    ratio = contradiction(power, floor)
-    return Health(
-        doubt=health.doubt * math.exp(-facts.rate * dt),
-        decay=decay,
-        lost=0.0,
-        healing=limits.recover if facts.repaired else max(0.0, health.healing - dt),
-        power=power,
-        floor=floor,
-        weak=decay < (limits.strong if health.weak else limits.weak),
-        contradicted=ratio > (limits.clear if health.contradicted else 1.0),
-    )
+@compiled
+def follow(
+    rules: Array, health: Array, dt: float, rate: float, correction: float, bend: float,
+    repaired: bool,
+) -> None:  # fmt: skip
+    """Health (8,), in place, after a valid sample, dt [s] after the one before.
+
+    rate: of `decay_rate` [1/s]; correction: velocity the observer added [m/s]; bend: second
+    difference of the relative acceleration [m/s2], whose twelfth times dt is the error of a
+    straight line between samples; repaired: whether the duty had to be.
+    """
+    recover, window, weak, strong, clear = rules[8], rules[9], rules[11], rules[12], rules[14]
+    weight = min(1.0, dt / window)
+    health[DECAY] += weight * (rate - health[DECAY])
+    _powers(rules, health, dt, correction, bend)
+    ratio = contradiction(health[POWER], health[FLOOR])
+    health[DOUBT] *= math.exp(-rate * dt)
+    health[LOST] = 0.0
+    health[HEALING] = recover if repaired else max(0.0, health[HEALING] - dt)
+    health[WEAK] = health[DECAY] < (strong if health[WEAK] > 0.0 else weak)
+    health[CONTRADICTED] = ratio > (clear if health[CONTRADICTED] > 0.0 else 1.0)
 
 
-def _powers(
-    watch: Watch, limits: Limits, health: Health, dt: float, facts: Facts
-) -> tuple[float, float]:
-    """Averages of the squared correction and of what explains it [m2/s2].
+@compiled
+def _powers(rules: Array, health: Array, dt: float, correction: float, bend: float) -> None:
+    """Averages of the squared correction and of what explains it [m2/s2], in place.
 
     They start with the noise that is allowed and rest while an error of the start or of a repair is
     still being corrected.
     """
-    noise = (watch.noise_gain * limits.noise) ** 2
-    if health.doubt > limits.settled:
-        return 0.0, noise
-    if health.lost > 0.0 or health.healing > 0.0:
-        return health.power, health.floor
-    weight = min(1.0, dt / limits.window)
-    explained = noise + (dt * facts.bend / 12.0) ** 2
-    power = health.power + weight * (facts.correction * facts.correction - health.power)
-    return power, health.floor + weight * (explained - health.floor)
+    noise_gain, window, settled, noise = rules[5], rules[9], rules[10], rules[13]
+    allowed = (noise_gain * noise) ** 2
+    if health[DOUBT] > settled:
+        health[POWER], health[FLOOR] = 0.0, allowed
+    elif not (health[LOST] > 0.0 or health[HEALING] > 0.0):
+        weight = min(1.0, dt / window)
+        explained = allowed + (dt * bend / 12.0) ** 2
+        health[POWER] += weight * (correction * correction - health[POWER])
+        health[FLOOR] += weight * (explained - health[FLOOR])
 
 
+@compiled
 def contradiction(power: float, floor: float) -> float:
     """Correction over its gate; above one the accelerations contradict the model."""
     return math.sqrt(power / floor) / SHARE if floor > 0.0 else 0.0
+
+
+@compiled
+def judge(rules: Array, health: Array) -> int:
+    """Place in `status.VERDICTS` of what the health says, worst first."""
+    hold, bridge, settled = rules[6], rules[7], rules[10]
+    if health[LOST] > hold + ROUNDING:
+        return 3
+    if health[DOUBT] > settled:
+        return 4 if health[WEAK] > 0.0 else 1
+    if health[LOST] > bridge + ROUNDING or health[HEALING] > 0.0:
+        return 2
+    if health[CONTRADICTED] > 0.0:
+        return 5
+    return 4 if health[WEAK] > 0.0 else 0

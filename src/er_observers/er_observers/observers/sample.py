@@ -1,0 +1,147 @@
+"""One sample of an observer in one compiled call: the state, what it says, and its health.
+
+The memory between samples is one array: health (8,), change (1,), y (m,), pace (m,), x (n,), z (N,).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from er_models.model import Array
+
+from er_observers.observers.kernel import SUBSTEP, advance, compiled
+from er_observers.observers.watch import (
+    FLOOR,
+    POWER,
+    contradiction,
+    decay_rate,
+    follow,
+    judge,
+)
+
+BEND = 0.6
+"""Share of the parabola through the last three samples that the outputs follow between two.
+
+Whole, it over-bends what moves at a quarter of the sampling rate; from 0.5 to 0.7 the errors on ISO
+roads are the smallest, a tenth to a sixth below those of straight lines.
+"""
+_PICOSECONDS = 1e12
+HEALTH = slice(0, 8)
+CHANGE = 8
+
+
+class Layout(NamedTuple):
+    """Where things lie in the memory: outputs m, model states n, observer states N."""
+
+    m: int
+    n: int
+    order: int
+
+    @property
+    def y(self) -> slice:
+        """Outputs of the last sample (m,)."""
+        return slice(9, 9 + self.m)
+
+    @property
+    def pace(self) -> slice:
+        """The rate they came with (m,), NaN where it is not known."""
+        return slice(9 + self.m, 9 + 2 * self.m)
+
+    @property
+    def x(self) -> slice:
+        """Estimate of the model's state (n,)."""
+        return slice(9 + 2 * self.m, 9 + 2 * self.m + self.n)
+
+    @property
+    def z(self) -> slice:
+        """The observer's own state (N,)."""
+        return slice(9 + 2 * self.m + self.n, 9 + 2 * self.m + self.n + self.order)
+
+
+@compiled
+def bend_of(y_0: Array, y_1: Array, pace: Array, dt: float, out: Array) -> None:
+    """Bend (m,) of the outputs over dt [s], from the change of their rate; none where it is not known.
+
+    The whole change would be that of a parabola through three samples.
+    """
+    for j in range(y_0.shape[0]):
+        change = (y_1[j] - y_0[j]) / dt - pace[j]
+        out[j] = 0.5 * BEND * dt * change if math.isfinite(change) else 0.0
+
+
+@compiled
+def duty_within(duty: float, before: float, low: float, high: float) -> tuple[float, bool]:
+    """Duty within the gains' range, and whether it was repaired; NaN keeps the one before."""
+    if not math.isfinite(duty):
+        return before, True
+    return min(max(duty, low), high), not low - 1e-6 <= duty <= high + 1e-6
+
+
+@compiled
+def run_sample(
+    shape: tuple[int, int, int], values: Array, scratch: Array, reading: Array, rules: Array,
+    before: Array, sprung: float, unsprung: float, deflection: float, last: float, asked: float,
+    dt: float, after: Array,
+) -> tuple[tuple[float, float, float, float, int], float, bool]:  # fmt: skip
+    """Fill the memory `after` from `before`, dt [s] later, with the duty `last` in force.
+
+    shape, values, scratch: a `matrices.Plan`. reading: R (n, N), S (n, m), F (n,), Gamma (n,) one
+    after the other. rules: of `watch.rules_of`. sprung, unsprung, deflection: outputs, as many as
+    there are. Returns `said`, and the duty from now on as `duty_within` has it.
+    """
+    order, m, nodes = shape
+    n = before.shape[0] - 9 - 2 * m - order
+    dt = np.round(dt * _PICOSECONDS) / _PICOSECONDS  # stamps are sums of rounded periods
+    duty, repaired = duty_within(asked, last, values[0], values[nodes - 1])
+    y, at = after[9 : 9 + m], 9 + 2 * m + n
+    y[0], y[1] = sprung, unsprung
+    if m > 2:
+        y[2] = deflection
+    y_0, bend = before[9 : 9 + m], after[9 + m : 9 + 2 * m]
+    bend_of(y_0, y, before[9 + m : 9 + 2 * m], dt, bend)
+    n_sub = max(1, math.ceil(dt / SUBSTEP - 1e-6))
+    end = advance(shape, values, scratch, before[at:], y_0, y, bend, last, dt, n_sub, after[at:])
+    for i in range(n):
+        total = 0.0
+        for k in range(order):
+            total += reading[i * order + k] * after[at + k]
+        for j in range(m):
+            total += reading[n * order + i * m + j] * y[j]
+        after[9 + 2 * m + i] = total
+    return keep(reading, rules, before, last, dt, repaired, end, m, n, after), duty, repaired
+
+
+@compiled
+def keep(
+    reading: Array, rules: Array, before: Array, duty: float, dt: float, repaired: bool, end: float,
+    m: int, n: int, after: Array,
+) -> tuple[float, float, float, float, int]:  # fmt: skip
+    """The rest of the memory where y, x and z are known; end: the gate's input. Returns `said`."""
+    x = 9 + 2 * m
+    relative = before[9] - before[10]
+    change = after[9] - after[10] - relative
+    correction = after[x + 1] - before[x + 1] - dt * (relative + 0.5 * change)
+    for j in range(m):
+        after[9 + m + j] = (after[9 + j] - before[9 + j]) / dt
+    after[:8] = before[:8]
+    after[CHANGE] = change
+    slope = 1.0 - math.tanh(end) ** 2
+    rate = decay_rate(rules, duty, slope)
+    follow(rules, after[:8], dt, rate, correction, change - before[CHANGE], repaired)
+    return said(reading, rules, m, n, after)
+
+
+@compiled
+def said(
+    reading: Array, rules: Array, m: int, n: int, memory: Array
+) -> tuple[float, float, float, float, int]:
+    """Force [N], deflection [m], its velocity [m/s], test ratio, and the place of the verdict."""
+    x = 9 + 2 * m
+    at = reading.shape[0] - 2 * n
+    force = 0.0
+    for i in range(n):
+        force += reading[at + i] * memory[x + i]
+    ratio = contradiction(memory[POWER], memory[FLOOR])
+    return force, memory[x], memory[x + 1], ratio, judge(rules, memory[:8])
