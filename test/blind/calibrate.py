@@ -30,8 +30,8 @@ class Hidden:
     Attributes:
         effect: what it is.
         row: its parameters, (N_COLUMNS,); the strength first.
-        target: rise of the residual over the floor that was drawn; 0.1 is 10 %.
-        rise: the rise reached with this effect alone.
+        target: rise of the residual over the floor that was drawn; 0.1 is 10 %. Zero for an effect of the car.
+        rise: the rise reached with this effect alone; the same.
     """
 
     effect: Effect
@@ -105,7 +105,7 @@ def hide(
     rng: np.random.Generator,
     target: float | None = None,
 ) -> Hidden:
-    """Draw an effect's shape and sign, and set its strength to the target.
+    """Draw an effect's shape and sign, and set its strength to the target, or draw it.
 
     Args:
         effect: what to hide.
@@ -118,6 +118,11 @@ def hide(
     Raises:
         BlindError: no strength in the effect's range shows by at least 10 % and at most 600 %.
     """
+    if not effect.shown_by_force:
+        strength = between(rng, effect.least, effect.most)
+        negative = effect.most_negative > 0.0 and rng.random() < 0.5
+        size = -min(strength, effect.most_negative) if negative else strength
+        return Hidden(effect, effect.row(size, effect.draw(rng, scene)), 0.0, 0.0)
     goal = target if target is not None else between(rng, *_DRAWN_RISE)
     rise = strength = 0.0
     for _ in range(_DRAWS):

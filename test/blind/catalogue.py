@@ -7,6 +7,7 @@ import numpy as np
 from test.blind.effect import Effect
 from test.blind.errors import BlindError
 from test.blind.truth import (
+    accelerometer,
     actuation,
     asymmetric_damping,
     bouc_wen_hysteresis,
@@ -28,6 +29,8 @@ from test.blind.truth import (
     sensing,
     shear_thinning,
     stribeck_friction,
+    suspension,
+    tyre,
     viscoelastic_branch,
 )
 
@@ -74,7 +77,17 @@ OUTSIDE: tuple[Effect, ...] = (
     outside_signal.CROSSTALK,
 )
 
-BY_NAME = {effect.name: effect for effect in (*INSIDE, *OUTSIDE)}
+VEHICLE: tuple[Effect, ...] = (
+    tyre.DAMPING,
+    tyre.LIFT,
+    suspension.FRICTION,
+    suspension.STIFFENING,
+    suspension.LOAD,
+    accelerometer.EFFECT,
+)
+"""Effects of the car: the damper force along the measured motion does not show them."""
+
+BY_NAME = {effect.name: effect for effect in (*INSIDE, *OUTSIDE, *VEHICLE)}
 
 
 def choose(effect: str | list[str] | None, rng: np.random.Generator) -> list[Effect]:

@@ -40,6 +40,8 @@ class Effect:
         least, most: range of the strength's magnitude.
         draw: the other parameters from a generator and the scene.
         most_negative: largest magnitude of a negative strength; zero where it must be positive.
+        shown_by_force: the force along the measured motion shows it, so that its strength can be set by what it
+            leaves there; else the strength is drawn.
         hides_in_bias: the effect equals a force offset, so the base must be refitted without one.
     """
 
@@ -52,6 +54,7 @@ class Effect:
     draw: Callable[[np.random.Generator, Scene], tuple[float, ...]]
     most_negative: float = 0.0
     hides_in_bias: bool = False
+    shown_by_force: bool = True
 
     def row(self, strength: float, shape: tuple[float, ...]) -> Array:
         """Row of the effect table, (N_COLUMNS,)."""

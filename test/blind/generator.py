@@ -55,7 +55,8 @@ def _shown(case: Case, chosen: list[Effect], target: float | None) -> Case:
     found = []
     for trial in range(_REDRAWS):
         full = _simulated(_hidden(case, chosen, target, trial))
-        found.append(excess_after_refit(full) if chosen else LEAST_RISE)
+        shown = any(one.shown_by_force for one in chosen)
+        found.append(excess_after_refit(full) if shown else LEAST_RISE)
         if LEAST_RISE <= found[-1] <= MOST_RISE:
             return full
     names, rises = ", ".join(e.name for e in chosen), ", ".join(f"{r:.1%}" for r in found)

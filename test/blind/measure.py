@@ -11,6 +11,7 @@ from test.blind.integrate import LEAD_SAMPLES, SAMPLE, STEP, SUBSTEPS
 from test.blind.jit import Array
 from test.blind.plant import Motion
 from test.blind.slots import (
+    BIAS,
     DEFLECTION_ZERO,
     FORCE_DELAY,
     FORCE_LAG,
@@ -101,8 +102,8 @@ def noiseless(fine: Array, motion: Motion, table: Array, seconds: float) -> dict
         "deflection_velocity": _velocity_channel(fine, table)[keep],
         "duty": motion.duty[keep],
         "damper_force": _force_channel(fine, motion, table)[keep],
-        "sprung_acceleration": every[keep, OAS],
-        "unsprung_acceleration": every[keep, OAU],
+        "sprung_acceleration": every[keep, OAS] + table[BIAS, 0],
+        "unsprung_acceleration": every[keep, OAU] + table[BIAS, 0] * table[BIAS, 1],
     }
 
 

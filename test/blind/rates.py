@@ -23,14 +23,13 @@ from test.blind.slots import (
     INERTIA,
     K1,
     KS,
-    KT,
-    MS,
     MU,
     MX1,
     MX2,
     TAU,
     TF,
     TW,
+    TYR,
     VD,
     VISCOELASTIC,
     VOID,
@@ -48,6 +47,8 @@ from test.blind.truth import (
     joint,
     response,
     self_heating,
+    suspension,
+    tyre,
 )
 
 
@@ -174,12 +175,13 @@ def damper(
 def car(force: float, road: float, y: Array, dy: Array, rows: Array, masses: Array) -> float:
     """Fill the car's rates, thesis (2.5); returns the damper force with outer inertia [N]."""
     mass = 0.0 if joint.present(rows) else rows[INERTIA, 0]
-    spring = masses[KS] * (y[ZS] - y[ZU])
-    tyre = masses[KT] * (y[ZU] - road)
-    mobility = 1.0 / masses[MS] + 1.0 / masses[MU]
-    free = -(spring + force) * mobility + tyre / masses[MU]
+    x, z, m_s = y[ZS] - y[ZU], y[ZU] - road, suspension.body(rows, masses)
+    spring = masses[KS] * x + suspension.beside(x, y[VS] - y[VU], rows, masses)
+    contact = tyre.force(z, y[TYR], rows, masses)
+    mobility = 1.0 / m_s + 1.0 / masses[MU]
+    free = -(spring + force) * mobility + contact / masses[MU]
     total = force + mass * free / (1.0 + mass * mobility)
-    dy[ZS], dy[ZU] = y[VS], y[VU]
-    dy[VS] = -(spring + total) / masses[MS]
-    dy[VU] = (spring + total - tyre) / masses[MU]
+    dy[ZS], dy[ZU], dy[TYR] = y[VS], y[VU], tyre.rate(z, y[TYR], rows)
+    dy[VS] = -(spring + total) / m_s
+    dy[VU] = (spring + total - contact) / masses[MU]
     return float(total)

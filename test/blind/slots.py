@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-# States: car, field force, joint, hysteresis, Maxwell branches, void, field, amplifier, heat.
-ZS, VS, ZU, VU, FER, XD, VD, HYS, MX1, MX2, VOID, FLD, AM1, AM2, TF, TW = range(16)
-N_STATES = 16
+# States: car, field force, joint, hysteresis, Maxwell branches, void, field, amplifier, heat, tyre.
+ZS, VS, ZU, VU, FER, XD, VD, HYS, MX1, MX2, VOID, FLD, AM1, AM2, TF, TW, TYR = range(17)
+N_STATES = 17
 
 # Memory updated once per step, not by the rates: last turning point, last stroke, last direction.
 TURN, STROKE, DIRECTION = range(3)
@@ -56,6 +56,12 @@ N_OUT = 12
     OUT_STICK,
     OUT_RESONANCE,
     OUT_CROSSTALK,
-) = range(37)
-N_EFFECTS = 37
+    TYRE_DAMPING,
+    TYRE_LIFT,
+    GUIDE,
+    SPRING,
+    MASS,
+    BIAS,
+) = range(43)
+N_EFFECTS = 43
 N_COLUMNS = 7

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp, trapezoid
 from scipy.interpolate import CubicSpline
 
 from test.blind import calibrate, plant, refit
-from test.blind.catalogue import BY_NAME
+from test.blind.catalogue import BY_NAME, VEHICLE
 from test.blind.integrate import LEAD_SAMPLES, SAMPLE, STEP, SUBSTEPS
 from test.blind.jit import Array
 from test.blind.measure import COLUMNS
@@ -16,6 +16,7 @@ from test.blind.short import complete, hidden_alone, short_motion
 from test.blind.slots import KS, KT, MS, MU, OF, OFER, OVS, OVU, OZS, OZU
 
 NAMES = tuple(BY_NAME)
+SHOWN = tuple(name for name in NAMES if BY_NAME[name].shown_by_force)
 ACTS_ON_SIGNAL_ONLY = {
     "force_delay",
     "force_lag",
@@ -73,7 +74,9 @@ def test_zero_strength_is_the_base_model_exactly(name: str) -> None:
 def test_effect_changes_what_it_should(name: str) -> None:
     pairs = list(zip(hidden_alone(name, 1)[1], complete(1), strict=True))
     changed = {c for c in COLUMNS for new, old in pairs if np.any(new[c] != old[c])}
-    if name in ACTS_ON_SIGNAL_ONLY:
+    if name == "accelerometer_bias":
+        assert changed == {"sprung_acceleration", "unsprung_acceleration"}
+    elif name in ACTS_ON_SIGNAL_ONLY:
         assert len(changed) == 1
     else:
         assert {"damper_force", "deflection", "sprung_acceleration"} <= changed
@@ -81,7 +84,7 @@ def test_effect_changes_what_it_should(name: str) -> None:
 
 
 @pytest.mark.parametrize("seed", [1, 3])
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", SHOWN)
 def test_excess_is_10_to_600_percent(name: str, seed: int) -> None:
     one, records = hidden_alone(name, seed)
     left = refit.refit(list(records), offset=name != "preload").rms
@@ -146,3 +149,28 @@ def test_integration_agrees_with_an_adaptive_solver() -> None:
         state, start = found.y[:, -1], int(stop)
         assert fine[stop * SUBSTEPS, OFER] == pytest.approx(state[0], abs=1e-5)
     assert start > 200
+
+
+@pytest.mark.parametrize("name", [effect.name for effect in VEHICLE])
+def test_forces_of_the_car_move_its_masses(name: str) -> None:
+    """Newton on both masses, with the force that the effect adds written out again."""
+    one, records = hidden_alone(name, 1)
+    a, b = one.row[:2]
+    m_s, m_u, k_s = plant.CAR[[MS, MU, KS]]
+    for r in records:
+        x, v = r["deflection"], r["deflection_velocity"]
+        spring, load = k_s * x, m_s * r["sprung_acceleration"]
+        if name == "guide_friction":
+            spring = spring + a * 2.0 / np.pi * np.arctan(v / b)
+        elif name == "spring_nonlinearity":
+            spring = spring + k_s * (np.sinh(a * x) / a - x)
+        elif name == "sprung_mass_error":
+            load = load * (1.0 + a)
+        elif name == "accelerometer_bias":
+            load = load - m_s * a
+        np.testing.assert_allclose(load, -spring - r["damper_force"], atol=1e-9)
+        if name == "tyre_lift_off":
+            pull = -load - m_u * r["unsprung_acceleration"]
+            weight = (m_s + m_u) * 9.81 / a
+            assert pull.max() < weight
+            assert pull.min() < -weight

@@ -40,9 +40,10 @@ CHANNELS = {
 
 @dataclass(frozen=True)
 class Course:
-    """Inputs of one record: road at every step (m (n - 1) + 1,), duty (n,), first rows of the blocks and the end."""
+    """Inputs of one record: road at each step (m (n - 1) + 1,), its rate and duty (n,), first rows of blocks, end."""
 
     road: Array
+    rates: Array
     duty: Array
     edges: tuple[int, ...]
 
@@ -51,9 +52,18 @@ def course(dt: float, road: Array, duty: Array, *, smooth: bool) -> Course:
     """Inputs of a record; between samples the road is a cubic spline, or straight lines."""
     n, m = road.size, steps(dt)
     at, fine = np.arange(n) * dt, np.arange(m * (n - 1) + 1) * (dt / m)
-    height = CubicSpline(at, road)(fine) if smooth else np.interp(fine, at, road)
+    if smooth:
+        curve = CubicSpline(at, road)
+        height, rates = curve(fine), curve(at, 1)
+    else:
+        height, rates = np.interp(fine, at, road), np.append(np.diff(road) / dt, 0.0)
     count = max(1, round(n * dt / BLOCK))
-    return Course(np.asarray(height), duty, tuple(int(e) for e in np.linspace(0, n, count + 1)))
+    return Course(
+        np.asarray(height),
+        np.asarray(rates),
+        duty,
+        tuple(int(e) for e in np.linspace(0, n, count + 1)),
+    )
 
 
 def steps(dt: float) -> int:
@@ -67,9 +77,8 @@ def drive(model: Model, dt: float, path: Course, starts: Array | None) -> tuple[
     starts (blocks, 4): mechanical state at the start of each block; None: at rest, and no cuts.
     """
     m = steps(dt)
-    plant = prepare(model, dt / m)
-    plant = replace(plant, n_sub=1, tolerance=EXACT * plant.tolerance)
-    duty = np.repeat(path.duty, m)
+    plant = prepare(model, dt)
+    plant = replace(plant, n_sub=m, tolerance=EXACT * plant.tolerance)
     edges = path.edges if starts is not None else (0, path.edges[-1])
     states, outputs = np.empty((edges[-1], 4)), np.empty((edges[-1], 6))
     state: State | None = None
@@ -78,9 +87,10 @@ def drive(model: Model, dt: float, path: Course, starts: Array | None) -> tuple[
         if state is None:
             state = initial_state(plant, float(path.road[0]), float(path.duty[0]), q)
         state = state._replace(q=np.array(q, float))
-        part = slice(i * m, min(j * m, path.road.size - 1) + 1)
-        state, at, seen = history(plant, state, path.road[part], duty[part])
-        states[i:j], outputs[i:j] = at[::m][: j - i], seen[::m][: j - i]
+        last = min(j, edges[-1] - 1)
+        road, at = path.road[i * m : last * m + 1], slice(i, last + 1)
+        state, found, seen = history(plant, state, road, path.duty[at], path.rates[at])
+        states[i:j], outputs[i:j] = found[: j - i], seen[: j - i]
     return states, outputs
 
 

@@ -93,9 +93,9 @@ def initial_state(
 def step(plant: Plant, state: State, inputs: tuple[float, float]) -> tuple[State, Output]:
     """Advance by one sample: inputs are the road height at its end [m] and the duty held during it."""
     road, duty = inputs
-    end, _, o = _run(
-        plant, state, np.array([state.road, road], float), np.array([duty], float), False
-    )
+    heights = np.array([state.road, road], float)
+    rates = np.diff(heights) / plant.dt
+    end, _, o = _run(plant, state, heights, np.array([duty], float), rates, False)
     return end, Output(o[0, 0], o[0, 1], o[0, 4], o[0, 5], o[0, 2], o[0, 3])
 
 
@@ -124,36 +124,42 @@ def simulate(
     }
 
 
-def history(plant: Plant, start: State, road: Array, duty: Array) -> tuple[State, Array, Array]:
+def history(
+    plant: Plant, start: State, road: Array, duty: Array, rates: Array | None = None
+) -> tuple[State, Array, Array]:
     """A record (n,) from a state on: the state at its last sample, mechanical states (n, 4) and outputs (n, 6).
 
-    outputs: both reported accelerations, true and measured force, reported deflection and velocity.
+    outputs: both reported accelerations, true and measured force, reported deflection and velocity. road
+    (m (n - 1) + 1,): m straight lines a sample, of which the plant's steps are a multiple. rates (n,): of the road
+    at each sample [m/s]; else those of the lines to the next one, m being 1.
     """
-    end, states, outputs = _run(plant, start, road, duty, True)
+    if rates is None:
+        rates = np.append(np.diff(road) / plant.dt, 0.0)
+    end, states, outputs = _run(plant, start, road, duty, rates[1:], True)
     states = np.concatenate([start.q[None], states])
-    return end, states, np.concatenate([_first(plant, start, road), outputs])
+    return end, states, np.concatenate([_first(plant, start, float(rates[0])), outputs])
 
 
 def _run(
-    plant: Plant, state: State, road: Array, duty: Array, ahead: bool
+    plant: Plant, state: State, road: Array, duty: Array, rates: Array, ahead: bool
 ) -> tuple[State, Array, Array]:
-    """State after the road (n + 1,), mechanical states (n, 4) and outputs (n, 6) at the end of each sample."""
-    c, n = plant.c, road.shape[0] - 1
+    """State after a road, mechanical states (n, 4) and outputs (n, 6) at the end of each sample."""
+    c, n = plant.c, rates.shape[0]
     q, w, memory = state.q.copy(), state.w.copy(), state.memory.copy()
     states, outputs = np.empty((n, 4)), np.empty((n, 6))
     kernel(plant.model.catalogue).run_vehicle(
         c.on, c.slots, c.links, c.p, q, w, state.duties, np.ascontiguousarray(duty), state.t, plant.dt,
-        np.ascontiguousarray(road), plant.n_sub, plant.tolerance, ahead, plant.reading, memory, states, outputs,
+        np.ascontiguousarray(road), np.ascontiguousarray(rates), plant.n_sub, plant.tolerance, ahead, plant.reading,
+        memory, states, outputs,
     )  # fmt: skip
     duties = np.concatenate([state.duties, duty[:n]])[-plant.depth :]
     end = State(state.t + n * plant.dt, float(road[-1]), q, w, duties, memory)
     return end, states, outputs
 
 
-def _first(plant: Plant, start: State, road: Array) -> Array:
+def _first(plant: Plant, start: State, slope: float) -> Array:
     """Outputs (1, 6) at the start of a record."""
     c, out, rate = plant.c, np.zeros((1, 6)), np.zeros(start.w.shape[0])
-    slope = float(road[1] - road[0]) / plant.dt if road.shape[0] > 1 else 0.0
     kernel(plant.model.catalogue).vehicle_point(
         c.on,
         c.slots,

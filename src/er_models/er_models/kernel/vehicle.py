@@ -121,12 +121,16 @@ def sample(
     t,
     dt,
     n_sub,
-    road_rate,
+    road,
+    first,
+    lines,
     tolerance,
     reading,
     memory,
 ):
     """One sample of the quarter car, in place: the duty is u_0 until the share `cut` of the sample, then u_1.
+
+    The road goes on from its node `first` in so many straight lines.
 
     Nothing is remembered from the sample before but q, the states and the sensors' memory, so that
     a record can be cut anywhere.
@@ -137,6 +141,8 @@ def sample(
         s[SLOPE, links[i]] = 0.0
     for i in range(n_sub):
         goal = (i + 1) / n_sub
+        node = first + i * lines // n_sub
+        road_rate = (road[node + 1] - road[node]) * lines / dt
         for piece in range(0 if u_0 != u_1 and end < cut < goal else 1, 2):
             q_end = cut if piece == 0 else goal
             u = u_1 if end >= cut else u_0
@@ -226,6 +232,7 @@ def run_vehicle(
     t,
     dt,
     road,
+    rates,
     n_sub,
     tolerance,
     ahead,
@@ -237,10 +244,11 @@ def run_vehicle(
     """The quarter car over n samples, in place, from q, w and the sensors' memory on.
 
     past: duties before, newest last, as many as the dead time needs. u: held from each sample on.
-    road (n + 1,). ahead: whether the outputs at the end of a sample see the duty and the road of
-    the next one (a record, u (n + 1,)) or not yet (a plant, u (n,)). Fills states (n, 4) with q,
-    and outputs (n, 6) with both accelerations, true and measured force, reported deflection and
-    velocity, all at the end of each sample.
+    road (lines n + 1,), in straight lines of equal length; rates (n,): of the road, as the outputs
+    at the end of each sample see it. ahead: whether these see the duty of the next sample (a record, u (n + 1,)) or
+    not yet (a plant, u (n,)). Fills states (n, 4) with q, and outputs (n, 6) with both
+    accelerations, true and measured force, reported deflection and velocity, all at the end of
+    each sample.
     """
     n, n_states = states.shape[0], w.shape[0]
     s = np.zeros((ROWS, n_states))
@@ -248,17 +256,17 @@ def run_vehicle(
     for j in range(n_states):
         s[W, j] = w[j]
     whole, cut = split(input_delay(on, p) / dt)
+    lines = (road.shape[0] - 1) // max(n, 1)
     for k in range(n):
         before, now = duty_at(past, u, k - whole - 1), duty_at(past, u, k - whole)
-        slope = (road[k + 1] - road[k]) / dt
         sample(
-            on, slots, links, p, q, q0, s, before, now, cut, t, dt, n_sub, slope, tolerance, reading, memory
+            on, slots, links, p, q, q0, s, before, now, cut, t, dt, n_sub, road, k * lines, lines,
+            tolerance, reading, memory,
         )  # fmt: skip
         t += dt
         if ahead:
-            slope = (road[k + 2] - road[k + 1]) / dt if k + 1 < n else 0.0
             now = duty_at(past, u, k + 1 - whole) if cut == 0.0 else now
-        observe(on, slots, links, p, q, s, now, t, slope, outputs, k)
+        observe(on, slots, links, p, q, s, now, t, rates[k], outputs, k)
         report(on, p, q, reading, memory, dt / n_sub, outputs, k)
         for j in range(4):
             states[k, j] = q[j]
