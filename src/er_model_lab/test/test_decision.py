@@ -7,7 +7,7 @@ import pytest
 from er_model_lab.diagnose.candidates import baseline, refit
 from er_model_lab.diagnose.left import bursts, filtered
 from er_model_lab.diagnose.null import Null, simulate_null
-from er_model_lab.diagnose.search import Round, tied
+from er_model_lab.diagnose.search import Round, swapped, tied
 from er_model_lab.diagnose.verdict import _alternatives
 from er_model_lab.motion_error import drawn
 from er_model_lab.rule import Rule
@@ -103,3 +103,21 @@ def test_effects_that_are_both_needed_are_no_rivals(friction):
     both = replace(found[0], effects=tuple(c.name for c in found))
     assert _alternatives(both, [step]) == ()
     assert _alternatives(found[0], [step]) == (tuple(c.name for c in found),)
+
+
+def test_a_tie_counts_beside_everything_else_that_is_missing():
+    """Beside another missing effect the friction was taken for a thinning; in the whole model it no longer is."""
+    model, problem = problem_of("coulomb_friction", {"F_c": 0.5, "v_0": 0.003}, seed=3)
+    drag = 0.05 * problem.scales.force * problem.motion.x / problem.scales.deflection
+    problem = replace(problem, force=problem.force + drag * problem.motion.u / 0.3)
+    base = baseline(model, problem)
+    catalogue = model.catalogue
+    names = ("shear_thinning", "coulomb_friction")
+    found = [refit(base, catalogue[n], problem) for n in names]
+    null = Null(np.zeros(0), 0.0, 0.0, 1.0, 0.0, np.zeros(0))
+    step = Round(base, found, null, 0.02, found[0], list(names))
+    both = refit(found[0], catalogue["field_stiffness"], problem)
+    best, ties = swapped(both, [step], problem)
+    assert best.effects == ("coulomb_friction", "field_stiffness")
+    assert best.mse < both.mse
+    assert ties == ()

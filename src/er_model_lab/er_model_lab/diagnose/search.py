@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from er_models.model import Array
@@ -161,6 +161,39 @@ def try_pairs(step: Round, problem: Problem, target: float) -> Candidate | None:
     if best is None or best.mse > target or effect_size(top, best) < step.threshold:
         return None
     return best
+
+
+def swapped(
+    best: Candidate, rounds: list[Round], problem: Problem
+) -> tuple[Candidate, tuple[tuple[str, ...], ...]]:
+    """The best model once every tied effect was exchanged for its rivals, and the groups still tied then.
+
+    A tie of the first round is one beside all that was still missing; what counts is the tie in the whole model.
+    """
+    groups = []
+    for step in rounds:
+        if step.taken is None or len(step.ties) < 2 or step.taken.name not in best.effects:
+            continue
+        others = [n for n in step.ties if n not in best.effects]
+        if not others:
+            continue
+        place, rest = (
+            best.effects.index(step.taken.name),
+            without(best, step.taken.name, problem),
+        )
+        trials = [exchanged(rest, place, n, problem) for n in others]
+        near = tied(rest, sorted([best, *trials], key=lambda c: c.mse), problem, step.threshold)
+        best = near[0]
+        groups.append(
+            tuple(c.effects[place] for c in near if c is best or rivals(best, c, problem))
+        )
+    return best, tuple(g for g in groups if len(g) > 1)
+
+
+def exchanged(rest: Candidate, place: int, name: str, problem: Problem) -> Candidate:
+    """A model with another effect in the place of the one that was taken out."""
+    found = refit(rest, rest.fit.model.catalogue[name], problem, max_iter=20)
+    return replace(found, effects=(*rest.effects[:place], name, *rest.effects[place:]))
 
 
 def prune(candidate: Candidate, problem: Problem, limit: float) -> Candidate:

@@ -13,7 +13,7 @@ from er_model_lab.diagnose.candidates import Candidate, baseline, effect_size
 from er_model_lab.diagnose.coverage import Coverage, coverage
 from er_model_lab.diagnose.floor import Floor, noise_floor
 from er_model_lab.diagnose.null import Null
-from er_model_lab.diagnose.search import MOST_EFFECTS, Round, one_round, prune, try_pairs
+from er_model_lab.diagnose.search import MOST_EFFECTS, Round, one_round, prune, swapped, try_pairs
 from er_model_lab.prepare import Problem
 from er_model_lab.rule import RULE, Rule
 
@@ -68,18 +68,21 @@ def diagnose(
     best, rounds, floor = _grow(best, rounds, floor, problem, seed, rule, tick)
     if len(best.effects) > 1:
         best = prune(best, problem, rounds[0].threshold)
-    return judge(base, best, rounds, floor, problem)
+    ties = _alternatives(best, rounds)
+    if len(best.effects) > 1:
+        best, ties = swapped(best, rounds, problem)
+    return judge(base, best, rounds, floor, problem, ties)
 
 
 def judge(
-    base: Candidate, best: Candidate, rounds: list[Round], floor: Floor, problem: Problem
-) -> Diagnosis:
-    """The verdict on what a search found."""
+    base: Candidate, best: Candidate, rounds: list[Round], floor: Floor, problem: Problem,
+    ties: tuple[tuple[str, ...], ...] = (),
+) -> Diagnosis:  # fmt: skip
+    """The verdict on what a search found; ties: groups that the data cannot tell apart."""
     cover = coverage(problem)
     limit = floor.floor**2
     explainable = max(1.0 - limit / base.mse, 0.0)
     explained = (base.mse - best.mse) / max(base.mse - limit, 1e-12 * base.mse)
-    ties = _alternatives(best, rounds)
     name, reasons = _decide(base, best, rounds, floor, explainable, explained, ties, cover)
     if name in ("adequate", "insufficient_data", "unknown_effect"):
         best, ties = base, ()
