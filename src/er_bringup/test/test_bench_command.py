@@ -25,7 +25,7 @@ def test_refuses_another_name(monkeypatch, capsys):
     with pytest.raises(SystemExit) as stop:
         bench.main()
     assert stop.value.code == 2
-    assert "expected one of models, graph, found 'speed'" in capsys.readouterr().err
+    assert f"expected one of {', '.join(bench.PARTS)}, found 'speed'" in capsys.readouterr().err
 
 
 def test_hands_its_arguments_over(monkeypatch):
