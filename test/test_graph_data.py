@@ -51,6 +51,7 @@ def test_a_bad_argument_is_one_line(pair: str, words: str) -> None:
             "observers:=nlpv_polytopic,nix",
             "observers: expected none, or some of unified, nlpv_polytopic",
         ),
+.*found unified,nlpv"),
     ],
 )
 def test_a_name_that_does_not_exist_is_one_line(pair: str, words: str) -> None:
@@ -63,11 +64,15 @@ def test_every_argument_is_documented_in_the_table() -> None:
     assert [line.split()[0] for line in lines] == [a.name for a in ARGUMENTS]
 
 
-def test_the_default_graph_is_a_closed_loop_with_an_observer() -> None:
+def test_the_default_graph_is_a_closed_loop_with_three_observers() -> None:
     found = specs()
-    assert list(found) == ["nlpv_polytopic_observer", "skyhook_controller", "plant"]
+    observers = ["unified_observer", "nlpv_polytopic_observer", "nlpv_gridding_observer"]
+    assert list(found) == [*observers, "skyhook_controller", "plant"]
+    for name in observers:
+        file = str(found[name].parameters["gains_file"])
+        assert file.endswith(f"gains/{name.removesuffix('_observer')}.yaml")
     assert found["plant"].parameters["duty_source"] == "topic"
-    assert found["plant"].parameters["wait_for"] == [2, 1, 0, 0, 1]
+    assert found["plant"].parameters["wait_for"] == [4, 1, 0, 0, 3]
     assert found["plant"].parameters["wait_for_nodes"] == list(found)[:-1]
     assert found["skyhook_controller"].parameters["listeners"] == 1
     assert found["nlpv_polytopic_observer"].parameters["listeners"] == 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -17,9 +18,11 @@ import pytest
 pytest.importorskip("rclpy")
 
 from er_models.files import load_model
+from er_observers.observers.known import OBSERVERS
+from er_observers.observers.runtime import Sample, start, step
 from rosbags.highlevel import AnyReader
 
-from test.graph_help import VEHICLE, Graph, own_domain
+from test.graph_help import CONFIG, VEHICLE, Graph, own_domain
 
 pytestmark = pytest.mark.alone
 
@@ -106,7 +109,7 @@ def late(run: Run) -> float:
     ("topic", "node", "share"),
     [
         ("/pwm/command", "/skyhook_controller", 0.8),
-        ("/force/nlpv_polytopic", "/nlpv_polytopic_observer", 0.95),
+        *((f"/force/{name}", f"/{name}_observer", 0.95) for name in OBSERVERS),
     ],
 )
 def test_no_answer_is_lost_after_the_first_second(
@@ -161,14 +164,36 @@ def test_the_controller_switches(run: Run) -> None:
     assert duties == {0.0, 0.3}
 
 
-def test_the_observer_follows_the_force(run: Run) -> None:
+@pytest.mark.parametrize("name", OBSERVERS)
+def test_the_observer_follows_the_force(run: Run, name: str) -> None:
     measured = {stamp(m): m.force for m in run.messages["/sensors/force"]}
-    estimates = [m for m in run.after_warm_up("/force/nlpv_polytopic") if m.valid]
+    estimates = [m for m in run.after_warm_up(f"/force/{name}") if m.valid]
     errors = np.array([m.force - measured[stamp(m)] for m in estimates])
     spread = max(measured.values()) - min(measured.values())
     assert len(errors) > 0.9 * (SECONDS - WARM_UP) * RATE
     # thesis, experiment: 4.8 %; here with 0.15 N of noise on the measured force
     assert np.sqrt(np.mean(errors**2)) / spread < 0.04
+
+
+@pytest.mark.parametrize("name", OBSERVERS)
+def test_replay_of_the_recording_is_the_node_bit_by_bit(run: Run, name: str) -> None:
+    """Up to the first sample that the node did not answer."""
+    gains = OBSERVERS[name](CONFIG / "gains" / f"{name}.yaml", load_model(VEHICLE))
+    answers = {m.seq: m for m in run.messages[f"/force/{name}"]}
+    duties = {m.seq: m.duty for m in run.messages["/pwm/applied"]}
+    accelerations = run.messages["/sensors/acceleration"]
+    base, state, same = stamp(accelerations[0]), None, 0
+    for m in accelerations:
+        if m.seq not in answers:
+            break
+        t = 1e-9 * (stamp(m) - base)
+        sample = Sample(t, m.sprung, m.unsprung, duties.get(m.seq, math.nan))
+        state = start(gains, sample) if state is None else step(gains, state, sample)[0]
+        if not answers[m.seq].valid:
+            continue
+        assert answers[m.seq].force == state.estimate.force
+        same += 1
+    assert same > 0.5 * len(accelerations) or late(run) > 0.015
 
 
 def test_latched_topics_are_recorded_although_nobody_waited_for_them(run: Run) -> None:
@@ -212,7 +237,9 @@ def longest_stall(ended: threading.Event) -> float:
 
 def test_the_doctor_finds_the_graph_healthy(tmp_path: Path) -> None:
     with own_domain() as env, Graph(env, tmp_path) as graph, ThreadPoolExecutor(1) as pool:
-        up = graph.start("up", f"record:={tmp_path / 'bag'}", "duration:=0")
+        up = graph.start(
+            "up", f"record:={tmp_path / 'bag'}", "duration:=0", "observers:=nlpv_polytopic"
+        )
         up.wait_for("[plant]: running")
         for attempt in range(4):
             ended = threading.Event()

@@ -39,7 +39,11 @@ ARGUMENTS = (
     ),
     Argument("controller", "skyhook", "controller to run", choices=("skyhook", "none")),
     Argument("duty", "command", "who says the duty of the plant", choices=("command", "program")),
-    Argument("observers", "nlpv_polytopic", "observers with commas between, or none"),
+    Argument(
+        "observers",
+        "unified,nlpv_polytopic,nlpv_gridding",
+        "observers with commas between, or none",
+    ),
     Argument("gains", "", "gains: a file, or a name in config/gains; by default the observer's"),
     Argument("record", "", "folder to be made for a recording; by default nothing is recorded"),
     Argument("storage", "mcap", "format of the recording", choices=("mcap", "sqlite3")),

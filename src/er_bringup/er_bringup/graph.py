@@ -146,6 +146,9 @@ def _observers(given: Mapping[str, str]) -> list[Role]:
         if name not in OBSERVERS:
             expected = f"none, or some of {', '.join(OBSERVERS)}, with commas between"
             raise InputError("arguments", "observers", expected, f"'{name}'")
+    if given["gains"] and len(names) > 1:
+        expected = "one observer beside it (observers:=NAME), as gains belong to one"
+        raise InputError("arguments", "gains", expected, given["observers"])
     return [OBSERVERS[name] for name in names]
 
 
