@@ -51,7 +51,7 @@ def test_a_bad_argument_is_one_line(pair: str, words: str) -> None:
             "observers:=nlpv_polytopic,nix",
             "observers: expected none, or some of unified, nlpv_polytopic",
         ),
-.*found unified,nlpv"),
+        ("gains:=unified", "gains: expected one observer beside it .*found unified,nlpv"),
     ],
 )
 def test_a_name_that_does_not_exist_is_one_line(pair: str, words: str) -> None:
