@@ -14,7 +14,7 @@ from er_models.scales import Scales
 from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
 
-from er_model_lab.forward import Free
+from er_model_lab.forward import Free, Limits
 from er_model_lab.prepare import FOLDS, Problem
 
 DOUBTFUL = 1.1
@@ -46,9 +46,11 @@ class Fit:
 
 
 class Box:
-    """Scaled box of the free parameters of a model."""
+    """Scaled box of the free parameters of a model; limits [SI] of some of them replace the catalogue's."""
 
-    def __init__(self, model: Model, free: Free, scales: Scales) -> None:
+    def __init__(
+        self, model: Model, free: Free, scales: Scales, limits: Limits | None = None
+    ) -> None:
         self.model, self.free = model, free
         c = model.catalogue
         params = self.parameters = [c[e].parameter(p) for e, p in free]
@@ -56,6 +58,9 @@ class Box:
         self.scale = np.array([scales.of(q.unit) for q in params])
         self.low = np.array([q.low for q in params])
         self.high = np.array([q.high for q in params])
+        for k, name in enumerate(free):
+            if limits and name in limits:
+                self.low[k], self.high[k] = np.array(limits[name]) / self.scale[k]
         self.size = np.array([q.size for q in params])
 
     def start(self) -> Array:
@@ -94,7 +99,10 @@ def fit(
     grew; they serve the first step, and the last too where an effect turns out to change nothing. target: mean
     square [N2] that this first step must reach, or no more is done.
     """
-    box = Box(model, free if free is not None else problem.forward.free(model), problem.scales)
+    forward = problem.forward
+    box = Box(
+        model, free if free is not None else forward.free(model), problem.scales, forward.limits
+    )
     theta, train, y = box.start(), problem.train, problem.force
     f = problem.predict(box.model_at(theta))
     cost = float(np.mean((y - f)[train] ** 2))
@@ -191,7 +199,7 @@ def _leaving_out(fitted: Fit, problem: Problem) -> Array:
 
 def _truly_left_out(fitted: Fit, problem: Problem, steps: Array) -> Array:
     """Residual (n,) predicted by the model itself without each block."""
-    box = Box(fitted.model, fitted.free, problem.scales)
+    box = Box(fitted.model, fitted.free, problem.scales, problem.forward.limits)
     r, train = fitted.residual.copy(), problem.train
     for b in range(FOLDS):
         rows = problem.fold == b

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from er_model_lab.prepare import Problem
 
 Free = tuple[tuple[str, str], ...]
+Limits = Mapping[tuple[str, str], tuple[float, float]]
 
 
 class Forward(Protocol):
@@ -30,6 +33,10 @@ class Forward(Protocol):
     @property
     def outputs(self) -> int:
         """Rows of a sample."""
+
+    @property
+    def limits(self) -> Limits:
+        """Bounds [SI] of parameters by (effect, name), in place of the catalogue's."""
 
     @property
     def worth(self) -> float:
@@ -65,6 +72,7 @@ class DamperForward:
     """The force of the damper, from its measured motion."""
 
     outputs = 1
+    limits: Limits = MappingProxyType({})
     worth = np.inf
 
     def predict_many(self, problem: Problem, model: Model, vectors: Array) -> Array:

@@ -7,7 +7,7 @@ newton of the damper force where it is measured, else of the force that the body
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -16,7 +16,7 @@ from er_models.effect import Effect
 from er_models.model import Array, Model
 from er_models.scales import Scales
 
-from er_model_lab.forward import Free
+from er_model_lab.forward import Free, Limits
 from er_model_lab.ride import CHANNELS, SETTLE, Course, drive, drive_many, with_values
 
 if TYPE_CHECKING:
@@ -32,6 +32,8 @@ UNSEEN = {
 """Effects of a sensor that only its own channel shows."""
 ABSURD = 1e3
 """Outputs beyond this multiple of the largest measured one are none: the car has fallen over."""
+FACTOR = 2.0
+"""By so much these may be off: with an effect missing, a fit would else pay with a wheel without mass."""
 NUDGE = 1e-3
 """Change of a start for its sensitivity, as a share of the motion's size."""
 
@@ -42,7 +44,7 @@ class RideForward:
 
     names, weights, noise (c,): outputs, newtons per unit of each, and its white noise; measured (n c,); sizes (4,):
     of the mechanical state; starts (blocks, 4); slopes: rows of each block by its start over `sizes`, (rows, 4);
-    pulls: that start from the errors of the first rows, (4, rows).
+    pulls: that start from the errors of the first rows, (4, rows); car: values of the quarter car as given.
     """
 
     dt: float
@@ -52,10 +54,19 @@ class RideForward:
     noise: Array
     measured: Array
     envelope: Scales
+    car: Mapping[str, float]
     sizes: Array
     starts: Array
     slopes: tuple[Array, ...] = ()
     pulls: tuple[Array, ...] = ()
+
+    @property
+    def limits(self) -> Limits:
+        """What is fitted of the quarter car stays near what was given."""
+        return {
+            ("quarter_car", name): (self.car[name] / FACTOR, self.car[name] * FACTOR)
+            for name in CAR
+        }
 
     @property
     def worth(self) -> float:

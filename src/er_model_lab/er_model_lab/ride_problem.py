@@ -99,6 +99,7 @@ def _ride(data: Measured, model: Model) -> RideForward:
     seen = np.concatenate([o for _, o in runs])
     return RideForward(
         data.dt, courses, data.names, np.ones(c), np.ones(c), data.outputs.ravel(), _envelope(data, seen),
+        model.effects["quarter_car"],
         np.maximum(states.std(axis=0), 1e-9), np.concatenate(starts),
     )  # fmt: skip
 

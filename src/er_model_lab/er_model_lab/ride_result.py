@@ -15,7 +15,7 @@ from er_model_lab.study import Study
 
 UNKNOWN = 1.0 / 3.0
 """Standard deviation of a change of parameters, all by one share of their values, from which it is not known."""
-PART = 0.3
+PART = 0.1
 """Least part of a parameter in such a change, over the largest."""
 
 

@@ -1,0 +1,167 @@
+"""The level of the vehicle: records that begin in motion, what is knowable of a car, friction beside the damper."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from er_model_lab.cli import app
+from er_model_lab.diagnose.floor import noise_floor
+from er_model_lab.diagnose.null import simulate_null
+from er_model_lab.record import Record
+from er_model_lab.ride import CHANNELS, SETTLE
+from er_model_lab.ride_problem import open_ride
+from er_model_lab.ride_result import confounded
+from er_models.files import load_model
+from er_models.simulate import simulate
+from typer.testing import CliRunner
+
+CAR = Path(__file__).resolve().parents[3] / "config" / "vehicles" / "inove_quarter_car.yaml"
+DT, LEAD = 0.005, 200
+NOISE = {
+    "damper_force": 0.15, "sprung_acceleration": 0.025, "unsprung_acceleration": 0.025, "deflection": 2e-5,
+    "deflection_velocity": 1e-3,
+}  # fmt: skip
+FRICTION = {"F_g": 0.8, "v_0": 0.003}
+
+
+def ride(seed=1, seconds=14.0, truth=None, without=()):
+    """A record of a car on sines of road that was in motion before, with noise on every output."""
+    rng, n = np.random.default_rng(seed), round(seconds / DT) + LEAD
+    t = np.arange(n) * DT
+    f = np.array([1.1, 1.9, 2.7, 3.6, 4.6, 6.1])
+    phase = np.multiply.outer(t, 2 * np.pi * f) + rng.uniform(0, 2 * np.pi, f.size)
+    road = np.sin(phase) @ (0.012 / f) * np.minimum(t / 0.5, 1.0)
+    duty = np.repeat(rng.choice([0.0, 0.1, 0.2, 0.3], n // 150 + 1), 150)[:n]
+    run = simulate(truth or load_model(CAR), DT, road, duty)
+    channels = {c: run[c] + sd * rng.standard_normal(n) for c, sd in NOISE.items()}
+    channels |= {"road": road, "duty": duty}
+    kept = {c: y[LEAD:] for c, y in channels.items() if c not in without}
+    return Record(f"ride {seed}", t[LEAD:], kept)
+
+
+def hidden():
+    return load_model(CAR).with_effect("guide_friction", FRICTION)
+
+
+@pytest.fixture(scope="module")
+def opened():
+    return open_ride([ride()], load_model(CAR))
+
+
+def test_a_record_that_begins_in_motion_leaves_its_noise_alone(opened):
+    problem, fitted = opened
+    forward = problem.forward
+    assert forward.names == tuple(CHANNELS)
+    for c, name in enumerate(forward.names):
+        left = fitted.residual[c :: len(forward.names)][problem.used[c :: len(forward.names)]]
+        assert np.std(left) / forward.weights[c] == pytest.approx(NOISE[name], rel=0.06)
+        assert forward.noise[c] == pytest.approx(NOISE[name], rel=0.2)
+    at_rest = replace(forward, starts=0.0 * forward.starts, slopes=(), pulls=())
+    rows = at_rest.weighted(at_rest.ride(fitted.model)[1][None])[0]
+    first = slice(0, round(0.1 / DT) * forward.outputs)
+    assert np.std((problem.force - rows)[first]) > 2.0 * np.std(fitted.residual[first])
+
+
+def test_starts_suit_every_model_and_are_not_scored(opened):
+    problem, fitted = opened
+    n = problem.forward.outputs
+    for i, _ in problem.forward.blocks():
+        assert not problem.used[i * n : (i + round(SETTLE / DT)) * n].any()
+    wrong = fitted.model.with_effect("gas_spring")
+    moved = replace(problem.forward, starts=problem.forward.starts + 0.02 * problem.forward.sizes)
+    for model in (fitted.model, wrong):
+        here, there = problem.predict(model), moved.predict(problem, model)
+        assert np.std(here - there) < 0.05 * problem.sd_force
+    assert len(list(problem.forward.blocks())) == 1
+    longer = open_ride([ride(seconds=21.0)], load_model(CAR))[0]
+    assert len(list(longer.forward.blocks())) == 2
+
+
+def test_a_known_car_comes_back_with_its_deviations(opened):
+    from er_model_lab.fit import with_deviations
+
+    problem, fitted = opened
+    model, truth = with_deviations(fitted, problem), load_model(CAR)
+    for effect, name in fitted.free:
+        sd = model.deviations[effect][name]
+        assert abs(model.value(effect, name) - truth.value(effect, name)) < 4.5 * sd
+        assert sd < 0.2 * abs(truth.value(effect, name))
+    assert model.value("quarter_car", "m_s") == truth.value("quarter_car", "m_s")
+
+
+def test_two_springs_are_one_where_the_force_is_not_measured(opened):
+    problem, fitted = opened
+    assert confounded(fitted, problem) == []
+    blind, fit = open_ride([ride(without=("damper_force",))], load_model(CAR))
+    groups = confounded(fit, blind)
+    assert any({"passive.k0", "quarter_car.k_s"} <= set(group) for group in groups)
+    assert blind.sd_force == pytest.approx(2.27 * 0.025, rel=0.1)
+
+
+def test_the_floor_has_a_part_for_every_output(opened):
+    from er_model_lab.diagnose.candidates import Candidate
+
+    problem, fitted = opened
+    base = Candidate(
+        (), fitted, fitted.residual, np.zeros(12), fitted.mse(problem.train), 1.0, 1.0
+    )
+    floor = noise_floor(problem, base, simulate_null(base, [], problem, 0), 0)
+    assert len(floor.parts) == problem.forward.outputs
+    for part, sd, weight in zip(floor.parts, NOISE.values(), problem.forward.weights, strict=True):
+        assert part.held_out / weight == pytest.approx(sd, rel=0.1)
+    assert floor.floor == pytest.approx(problem.sd_force, rel=0.05)
+
+
+def write(path, record):
+    table = np.stack([record.t, *record.channels.values()], axis=1)
+    names = ",".join(["t", *record.channels])
+    np.savetxt(path, table, delimiter=",", header=names, comments="")
+    return path
+
+
+def lab(*words):
+    return CliRunner().invoke(app, [str(w) for w in words])
+
+
+def test_friction_beside_the_damper_is_added_with_its_value(tmp_path):
+    import json
+
+    data = write(tmp_path / "a.csv", ride(seconds=10.0, truth=hidden()))
+    out, found = tmp_path / "new.yaml", tmp_path / "r.json"
+    words = ("add", "guide_friction", data, "--model", CAR, "--out", out, "--json", found)
+    assert lab(*words).exit_code == 2
+    result = lab(*words, "--level", "vehicle")
+    assert result.exit_code == 0, result.output
+    r, model = json.loads(found.read_text()), load_model(out)
+    assert (r["verdict"], r["effects"], r["level"]) == (
+        "missing_effect",
+        ["guide_friction"],
+        "vehicle",
+    )
+    value, sd, unit = r["candidates"][0]["parameters"]["F_g"]
+    assert unit == "N"
+    assert abs(value - FRICTION["F_g"]) < 4.5 * sd < 0.2
+    assert model.value("guide_friction", "F_g") == pytest.approx(value)
+    assert r["channels"]["sprung_acceleration"]["unit"] == "m/s2"
+    for name, sd in NOISE.items():
+        assert r["channels"][name]["rmse_after"] == pytest.approx(sd, rel=0.1)
+    body = r["channels"]["sprung_acceleration"]
+    assert body["rmse"] > 2.0 * body["rmse_after"]
+
+
+@pytest.mark.parametrize(("without", "missing"), [("road", "road"), ("duty", "duty")])
+def test_without_road_or_duty_one_line_says_so(without, missing, tmp_path):
+    data = write(tmp_path / "a.csv", ride(seconds=6.0, without=(without,)))
+    result = lab("diagnose", data, "--model", CAR, "--level", "vehicle")
+    assert result.exit_code == 4
+    assert f"channel '{missing}' is needed" in result.output
+    assert len(result.output.strip().splitlines()) == 1
+
+
+def test_a_damper_alone_cannot_ride(tmp_path):
+    damper = CAR.parents[1] / "dampers" / "inove_guo.yaml"
+    data = write(tmp_path / "a.csv", ride(seconds=6.0))
+    result = lab("diagnose", data, "--model", damper, "--level", "vehicle")
+    assert result.exit_code == 2
+    assert "quarter_car" in result.output
