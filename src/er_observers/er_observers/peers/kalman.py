@@ -28,8 +28,8 @@ class Kind(NamedTuple):
     """A filter: title, what it does with a sample, substeps of a sample, and its share of the road's density.
 
     Two substeps make the extended filter cheaper and better than more: its Jacobian then sees the
-    gate as wide as a step is long. The share was searched for on roads of other seeds than the
-    comparison's (`er_observers.compare.tune`).
+    gate as wide as a step is long. The share is what the ISO roads of the scenarios have: their tyre
+    deflection changes by 0.043 m/s in rms from sample to sample.
     """
 
     title: str
