@@ -7,6 +7,7 @@ import numpy as np
 from er_models.files import load_model
 from er_models.model import Model
 from er_models.predict import motion, predict
+from er_models.simulate import simulate
 
 from test.conftest import ROOT
 
@@ -47,6 +48,29 @@ def write_sample(
         "sprung_acceleration": a + 0.025 * rng.standard_normal(n),
         "unsprung_acceleration": 0.025 * rng.standard_normal(n),
     }
+    table = np.stack(list(columns.values()), axis=1)
+    np.savetxt(path, table, delimiter=",", header=",".join(columns), comments="")
+    return path
+
+
+def write_ride(path: Path, *, seed: int, seconds: float = 8.0) -> Path:
+    """Write a CSV of a quarter car with friction beside its damper: six sines of road, noise of every sensor."""
+    car = load_model(ROOT / "config/vehicles/inove_quarter_car.yaml")
+    truth = car.with_effect("guide_friction", {"F_g": 0.8, "v_0": 0.003})
+    rng, dt = np.random.default_rng(seed), 0.005
+    n = round(seconds / dt)
+    t, f = np.arange(n) * dt, np.array([1.1, 1.9, 2.7, 3.6, 4.6, 6.1])
+    phase = np.multiply.outer(t, 2 * np.pi * f) + rng.uniform(0, 2 * np.pi, f.size)
+    u = np.repeat(rng.choice((0.0, 0.1, 0.2, 0.3), n // 100 + 1), 100)[:n]
+    run = simulate(truth, dt, np.sin(phase) @ (0.012 / f), u)
+    noise = {
+        "damper_force": 0.15,
+        "sprung_acceleration": 0.025,
+        "unsprung_acceleration": 0.025,
+        "deflection": 2e-5,
+    }
+    columns = {"t": t, "road": run["road"], "duty": u}
+    columns |= {name: run[name] + sd * rng.standard_normal(n) for name, sd in noise.items()}
     table = np.stack(list(columns.values()), axis=1)
     np.savetxt(path, table, delimiter=",", header=",".join(columns), comments="")
     return path

@@ -41,8 +41,8 @@ CASES = list({case.values[0]: case for case in commands()}.values())
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory):
-    """A folder with the configuration, measurements called DATA and MORE, and files the documents name."""
-    from test.sample import write_sample
+    """A folder with the configuration, measurements called DATA, MORE and RIDE, and files the documents name."""
+    from test.sample import write_ride, write_sample
 
     folder = tmp_path_factory.mktemp("user") / "repository"
     folder.mkdir()
@@ -50,6 +50,8 @@ def place(tmp_path_factory):
     for name, seed in (("DATA", 1), ("MORE", 2)):
         (folder / name).mkdir()
         write_sample(folder / name / "run.csv", seed=seed)
+    (folder / "RIDE").mkdir()
+    write_ride(folder / "RIDE" / "run.csv", seed=1)
     (folder.parent / "shared").symlink_to(ROOT.parent / "shared")
     for name in ("my_damper.yaml", "better.yaml"):
         (folder / name).write_text((ROOT / "config/dampers/inove_guo.yaml").read_text())

@@ -17,6 +17,10 @@ from er_model_lab.record import Record
 from er_model_lab.ride import CHANNELS, SETTLE, Course, course, drive
 from er_model_lab.ride_forward import RideForward, with_starts
 
+ROADS = {
+    "the road between samples is taken as smooth": True,
+    "the road between samples is taken as straight: that leaves less than a smooth one": False,
+}
 LEAST_NOISE = 1e-3
 """Noise that an output is taken to have at least, as a share of its size: no simulation is nearer to a car."""
 
@@ -53,11 +57,17 @@ def open_ride(records: list[Record], model: Model, sealed: int = 0) -> tuple[Pro
     left = fitted.residual.reshape(-1, len(data.names)) / first.weights
     again = _weighted(first, data, model, _noise(data, left))
     found = []
-    for smooth in (True, False):
+    for road, smooth in ROADS.items():
         forward = with_starts(replace(again, courses=_courses(data, smooth=smooth)), fitted.model)
         problem = _problem(records, data, forward, fitted.model, sealed)
-        found.append((problem, fit(fitted.model, problem)))
+        notes = (*problem.notes, road, _measure(data))
+        found.append((replace(problem, notes=notes), fit(fitted.model, problem)))
     return min(found, key=lambda pf: pf[1].mse(pf[0].train))
+
+
+def _measure(data: Measured) -> str:
+    """What a newton of an effect's size is."""
+    return f"sizes of effects are of all outputs together, each weighted by its noise to that of {data.names[0]}"
 
 
 def measured(records: list[Record]) -> Measured:
