@@ -28,9 +28,10 @@ def register(parent: typer.Typer) -> None:
 
 def thesis_command(
     chapter: Annotated[
-        Literal["chapter1", "chapter2"],
+        Literal["chapter1", "chapter2", "chapter6"],
         typer.Argument(
-            help="chapter1: identify and validate the dampers; chapter2: the car in all its forms."
+            help="chapter1: identify and validate the dampers; chapter2: the car in all its forms; "
+            "chapter6: faults and the duties that mimic them."
         ),
     ],
     config: Annotated[
@@ -103,9 +104,26 @@ def _chapter_2(config: Path, _seed: int, tick: Tick) -> _Made:
     return _Made(data, lines(found), page)
 
 
+def _chapter_6(config: Path, _seed: int, tick: Tick) -> _Made:
+    """Faults of the damper and the duties that mimic them; nothing in it is random."""
+    from er_model_lab.thesis.faults import chapter_6
+    from er_model_lab.thesis.present_faults import lines, result
+
+    found = chapter_6(config, tick)
+    data = result(found)
+
+    def page() -> tuple[View, list[Section]]:
+        from er_model_lab.report.thesis_faults import sections, view
+
+        return view(found, data), sections(found, data)
+
+    return _Made(data, lines(found), page)
+
+
 _CHAPTERS: dict[str, Callable[[Path, int, Tick], _Made]] = {
     "chapter1": _chapter_1,
     "chapter2": _chapter_2,
+    "chapter6": _chapter_6,
 }
 
 

@@ -27,6 +27,7 @@ from er_models.effects.core import (
     response_quadratic,
     response_table,
 )
+from er_models.effects.fault import duct_deformation, electrical_fault, oil_leakage
 from er_models.effects.force import (
     asymmetric_damping,
     bouc_wen_hysteresis,
@@ -76,6 +77,7 @@ _MODULES = (
     dead_time, amplifier_lag, duty_gain, duty_dead_band, field_exponent, field_saturation,
     varying_time_constant, rise_fall_asymmetry,
     self_heating, effectiveness_fade,
+    electrical_fault, oil_leakage, duct_deformation,
     mount_compliance, freeplay, piston_play,
     preload, gas_spring, coulomb_friction, stribeck_friction, quadratic_damping,
     asymmetric_damping, shear_thinning, position_dependent_damping, end_stop,
@@ -149,8 +151,9 @@ class Catalogue:
         return self.offsets[name] + effect.names.index(parameter)
 
     def candidates(self) -> tuple[Effect, ...]:
-        """Effects that can be added to a model: all but the core terms and the unknowable ones."""
-        return tuple(e for e in self.effects if e.stage not in ("core", "vehicle") and e.knowable)
+        """Effects that the diagnosis of a damper tries: neither core terms nor faults nor the unknowable ones."""
+        left_out = ("core", "fault", "vehicle")
+        return tuple(e for e in self.effects if e.stage not in left_out and e.knowable)
 
     def unknowable(self) -> tuple[Effect, ...]:
         """Effects that the channels of a damper cannot show, whatever the record."""

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
 
-Stage = Literal["core", "force", "actuation", "heat", "sensing", "vehicle"]
+Stage = Literal["core", "force", "actuation", "heat", "sensing", "fault", "vehicle"]
 
 SIGNALS: dict[str, str] = {
     "x": "deflection of the damper, extension positive [m]",

@@ -268,6 +268,33 @@ RATES: dict[str, tuple[Values, float, tuple[float, float, float, float, float], 
         0.0,
         4.482910658811462,
     ),
+    **{
+        f"{fault}: {when}": (  # no state: 1 N stiffness, 5 N viscous, 6 N yield
+            {
+                **PASSIVE,
+                **YIELD,
+                fault: {"f": 0.6, "t_0": 2.0, "t_r": t_r, "q": q, "d": 0.25},
+            },
+            0.0,
+            (0.01, 0.1, 0.0, 0.3, t),
+            0.0,
+            1.0 * stiff + 5.0 * viscous + 6.0 * field,
+        )
+        for fault, losses in {
+            "electrical_fault": (0.0, 0.0, 1.0),
+            "oil_leakage": (1.0, 1.0, 1.0),
+            "duct_deformation": (0.0, 1.0, 1.0),
+        }.items()
+        for when, t_r, q, t, loss in (
+            ("before it", 0.0, 0.0, 1.9, 0.0),
+            ("a step", 0.0, 0.0, 2.0, 0.4),
+            ("half grown", 1.0, 0.0, 2.5, 0.2),
+            ("grown", 1.0, 0.0, 50.0, 0.4),
+            ("gone for a while", 0.0, 0.25, 3.5, 0.0),
+            ("back, half grown", 1.0, 0.25, 6.5, 0.2),
+        )
+        for stiff, viscous, field in [tuple(1.0 - loss * part for part in losses)]
+    },
     "varying_time_constant": (
         {**YIELD, "response": {"tau": 0.05}, "varying_time_constant": {"g": 5.0}},
         1.0,
