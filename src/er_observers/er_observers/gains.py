@@ -20,7 +20,7 @@ from er_models.linear import LinearForm, fingerprint
 from er_models.model import Array, Model
 
 from er_observers.claim_file import claim_of, sections
-from er_observers.forms import COORDINATES, SENSORS, form_of
+from er_observers.forms import SENSORS, form_of
 from er_observers.gain_file import Document, digest, read
 from er_observers.observers.kernel import SUBSTEP
 from er_observers.observers.matrices import Plan, bridge_plan, plan_of
@@ -143,15 +143,13 @@ def _opening(model: Model, claim: Claim, limits: Limits) -> Opening | None:
 
 
 def _form(file: Document, model: Model) -> LinearForm:
-    """The form that the file's states and outputs name."""
+    """The form of the file's outputs; its states are the relative ones, which the loop is made for."""
     deflection = len(SENSORS) == len(_names(file, "model.outputs", [*SENSORS]))
-    forms = {name: form_of(model, name, deflection=deflection) for name in COORDINATES}
+    form = form_of(model, deflection=deflection)
     states = file.at("model.states")
-    for form in forms.values():
-        if list(form.states) == states:
-            return form
-    expected = " or ".join(str(list(form.states)) for form in forms.values())
-    raise InputError(file.path, "model.states", expected, states)
+    if list(form.states) != states:
+        raise InputError(file.path, "model.states", str(list(form.states)), states)
+    return form
 
 
 def _names(file: Document, key: str, known: list[str]) -> list[str]:

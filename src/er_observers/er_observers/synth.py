@@ -108,12 +108,15 @@ def write_gains(observer: str, car: Model, wish: Wish, out: Path) -> None:
         "trade_off": {"radius": [r for r, _ in curve], "gamma": [plain(g) for _, g in curve]},
         "solver": solver,
     }
-    save_gains(out, observer, car, claim, notes)
+    loadable = wish.coordinates == "relative"
+    if loadable:
+        save_gains(out, observer, car, claim, notes)
     title = f"{THEOREMS[observer]}, {time.perf_counter() - begun:.1f} s"
     Console().print(certificate_table(title, claim, certificate))
     pairs = ", ".join(f"{r:g}: {g:.4g}" for r, g in curve)
     Console().print(f"gamma over the bound of the poles [1/s]: {pairs}")
-    Console().print(f"wrote {out}", soft_wrap=True)
+    told = f"wrote {out}" if loadable else "not written: the loop needs relative coordinates"
+    Console().print(told, soft_wrap=True)
 
 
 @app.command("evaluate")

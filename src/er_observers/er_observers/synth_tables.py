@@ -24,7 +24,7 @@ def figures(c: Certificate) -> dict[str, Any]:
             "regions": _short(min(c.margins.regions)),
         },
         "sweep": {name: _short(value) for name, value in peak._asdict().items()},
-        "slopes": _short(c.slopes),
+        "slopes": plain(c.slopes),
         "poles": [[[_short(p.real), _short(p.imag)] for p in end] for end in c.poles],
         "slowest": _short(c.slowest),
         "discrete": {"substep": SUBSTEP, "decay": _short(run.decay), "rho": _short(run.rho)},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from er_models.program import Program
 from er_models.road.peak import factor_for_peak_velocity
 from er_models.simulate import initial_state, prepare
 from er_models.simulate import step as plant_step
-from er_observers.gains import Gains
+from er_observers.gains import Gains, save_gains
 from er_observers.observers.evaluate import (
     DT,
     SCENARIOS,
@@ -20,7 +21,10 @@ from er_observers.observers.evaluate import (
     noisy,
     replay,
 )
+from er_observers.observers.nlpv_polytopic import load_gains
 from er_observers.observers.status import Status
+from er_observers.synth_tables import figures
+from er_observers.synthesis.make import Wish, make
 
 CHIRP, ISO = SCENARIOS[0], SCENARIOS[2]
 
@@ -109,3 +113,19 @@ def test_slow_chirp_before_yield_is_called_weak(car: Model, gains: Gains) -> Non
     assert score.weak > 0.3
     assert score.first_ok is not None
     assert score.first_ok > 5.0
+
+
+def test_a_deflection_sensor_ends_the_weakness(car: Model, tmp_path: Path) -> None:
+    """The same theorem with a third output: never WEAK before yield, OK at once, through a gain file."""
+    claim, certificate = make("nlpv_polytopic", car, Wish(deflection=1e-3))
+    notes = {"certificate": figures(certificate), "solver": {"name": "Clarabel", "version": "0"}}
+    save_gains(tmp_path / "gains.yaml", "nlpv_polytopic", car, claim, notes)
+    gains = load_gains(tmp_path / "gains.yaml", car)
+    assert gains.sees_deflection
+    stiff = replace(CHIRP, program=replace(CHIRP.program, duty={"kind": "constant", "level": 1.0}))
+    score = evaluate(car, gains, stiff)
+    assert score.weak == 0.0
+    assert score.nrmse < 0.0025
+    assert score.first_ok is not None
+    assert score.first_ok < 0.1
+    assert certificate.slowest < -40.0

@@ -7,12 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_models.model import Model
+from er_observers.forms import form_of
 from er_observers.law import luenberger
 from er_observers.synthesis import lmi, nlpv_gridding
 from er_observers.synthesis.family import luenberger_family
 from er_observers.synthesis.make import Wish, solve
-from er_observers.synthesis.proof import Claim, prove
-from er_observers.synthesis.spec import Spec, SynthesisFailed
+from er_observers.synthesis.proof import Claim, gaps, prove
+from er_observers.synthesis.scaling import scaling_of
+from er_observers.synthesis.spec import Spec, SynthesisFailed, force_output
 from er_observers.synthesis.vertices import vertex_gain
 
 
@@ -53,6 +55,19 @@ def test_the_middle_of_two_grid_points_is_looked_at(claim: Claim) -> None:
     margins, failed = prove(replace(claim, solution=spoilt, common=None))
     assert "rho = " in failed
     assert len(margins.dissipation) == 2 * (2 * len(points) - 1)
+
+
+def test_the_grid_grows_where_its_middles_ask_for_it(car: Model) -> None:
+    """Three points are not enough; the inequalities hold after all."""
+    form, spec = form_of(car), Spec()
+    asked = (form, force_output(form), spec, scaling_of(car, form))
+    alone = Claim(*asked, nlpv_gridding.solve(*asked, points=3))
+    assert gaps(alone) != []
+    assert "rho = " in prove(alone)[1]
+    grown = nlpv_gridding.claim(*asked, points=3)
+    assert len(grown.solution.law.rho) > 3
+    assert gaps(grown) == []
+    assert prove(grown)[1] == ""
 
 
 def test_least_squares_fit_costs_gamma(claim: Claim) -> None:

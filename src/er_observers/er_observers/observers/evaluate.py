@@ -27,13 +27,15 @@ DT = 0.005
 class Scenario:
     """A drive and how wrong things are.
 
-    noise: of both accelerometers [m/s2]; deflection_error: of the start [m], None for the
-    observer's own start; after: time from which errors count [s].
+    noise: of both accelerometers [m/s2]; deflection_noise: of that sensor where it is used [m];
+    deflection_error: of the start [m], None for the observer's own start; after: time from which
+    errors count [s].
     """
 
     name: str
     program: Program
     noise: float = 0.025
+    deflection_noise: float = 1e-4
     deflection_error: float | None = 0.01
     after: float = 2.0
 
@@ -97,14 +99,16 @@ def evaluate(plant: Model, gains: Gains, scenario: Scenario) -> Score:
 
 
 def noisy(record: Mapping[str, Array], scenario: Scenario) -> dict[str, Array]:
-    """The record with noise on both accelerations, seeded by the scenario's program."""
+    """The record with noise on what the sensors read, seeded by the scenario's program."""
     random = np.random.default_rng([scenario.program.seed, 1])
-    return {
-        name: values + scenario.noise * random.standard_normal(values.shape)
-        if name.endswith("sprung_acceleration")
-        else values
-        for name, values in record.items()
+    sizes = {"sprung_acceleration": scenario.noise, "unsprung_acceleration": scenario.noise}
+    sizes["deflection"] = scenario.deflection_noise
+    noise = {
+        name: size * random.standard_normal(record[name].shape)
+        for name, size in sizes.items()
+        if name in record
     }
+    return {name: values + noise.get(name, 0.0) for name, values in record.items()}
 
 
 def replay(gains: Gains, record: Mapping[str, Array], x: Array | None = None) -> list[Estimate]:

@@ -23,6 +23,7 @@ import numpy as np
 from er_models.linear import LinearForm
 from er_models.model import Array
 
+from er_observers.forms import SENSORS
 from er_observers.observers.kernel import compiled
 from er_observers.observers.status import ROUNDING, Limits
 
@@ -52,11 +53,14 @@ class Watch(NamedTuple):
 
 
 def watch_of(form: LinearForm, poles: Array) -> Watch:
-    """Constants from the linear form in relative coordinates and the poles of A - L C [1/s]."""
+    """Constants from the linear form in relative coordinates and the poles of the observer [1/s].
+
+    Where the deflection is measured its error decays as fast as the observer, whatever the gate.
+    """
     at = int(np.argmax(np.abs(form.B)))
     through = -form.C[0, at] * form.B[at] / form.A[at, at]
     return Watch(
-        stiffness=float(form.C[0, 0]),
+        stiffness=float(form.C[0, 0]) if form.C.shape[0] < len(SENSORS) else -math.inf,
         damping=float(form.C[0, 1]),
         gate_stiffness=float(through * form.Gamma[0]),
         gate_damping=float(through * form.Gamma[1]),

@@ -28,6 +28,7 @@ from er_observers.synthesis.proof import Claim
 from er_observers.synthesis.spec import SynthesisFailed
 
 _ROUNDS = 8
+_SHARES = (0.8, 0.2, 0.02)
 _Point = tuple[float, float, tuple[float, float]]
 """Step length [s], duty, gate."""
 
@@ -59,12 +60,26 @@ def step_storage(
     """P (N, N) of a Lyapunov function that every substep shrinks, and how fast; `SynthesisFailed` without.
 
     One for all step lengths [s], duties and gates, with a decay of 80 % of the slowest pole [1/s],
-    which no gain moves: first for a coarse grid, then again with the worst point of the fine one of
-    `contraction`, until that is in order.
+    or less where that cannot be had: first for a coarse grid, then again with the worst point of
+    the fine one of `contraction`, until that is in order.
     """
     points = [*product(steps, np.linspace(*claim.spec.rho, 3), map(tuple, lens(3)))]
+    failure: SynthesisFailed | None = None
+    for share in _SHARES:
+        try:
+            return _refine(claim, steps, points, share * abs(slowest))
+        except SynthesisFailed as error:
+            failure = failure or error
+    raise failure or AssertionError
+
+
+def _refine(
+    claim: Claim, steps: tuple[float, ...], points: list[_Point], decay: float
+) -> tuple[Array, Contraction]:
+    """As `step_storage`, for one decay [1/s]."""
+    points = [*points]
     for _ in range(_ROUNDS):
-        P = _storage(claim, points, 0.8 * abs(slowest))
+        P = _storage(claim, points, decay)
         run = contraction(claim, P, steps)
         if run.decay > 0.0:
             break

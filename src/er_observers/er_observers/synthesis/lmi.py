@@ -64,8 +64,9 @@ class Problem:
     """What to solve.
 
     family: structure, made of scaled A, C and D1. nodes (K,): duties at which the inequalities are
-    asked for. one_gain: the same gain for all of them. rate: fastest change of the duty [1/s] that
-    a Lyapunov function of the duty must bear; None: one function for all duties.
+    asked for. degree: of Y = P Z in the duty, 0: one gain for all, None: free at each node. rate:
+    fastest change of the duty [1/s] that a Lyapunov function of the duty must bear; None: one
+    function for all duties.
     """
 
     theorem: str
@@ -75,7 +76,7 @@ class Problem:
     scaling: Scaling
     family: Maker
     nodes: Array
-    one_gain: bool = False
+    degree: int | None = None
     rate: float | None = None
     solver: str = SOLVER
 
@@ -141,7 +142,7 @@ class _Posed:
     s: Scaled
     family: Family
     v: Unknowns
-    Y: list[cp.Variable]
+    Y: list[cp.Expression]
     constraints: list[cp.Constraint]
 
 
@@ -151,8 +152,11 @@ def _pose(p: Problem) -> _Posed:
     family = p.family(s.A, s.C, s.D1)
     order, q = family.A11.shape[0], family.A12.shape[0]
     v = _unknowns(p, order)
-    Y = [cp.Variable((order, q)) for _ in range(1 if p.one_gain else len(p.nodes))]
-    Y *= len(p.nodes) if p.one_gain else 1
+    count = len(p.nodes) if p.degree is None else p.degree + 1
+    parts = [cp.Variable((order, q)) for _ in range(count)]
+    Y: list[cp.Expression] = [*parts]
+    if p.degree is not None:
+        Y = [sum(rho**i * part for i, part in enumerate(parts)) for rho in p.nodes]
     constraints: list[cp.Constraint] = []
     for k, rho in enumerate(p.nodes):
         P = v.storage(float(rho))

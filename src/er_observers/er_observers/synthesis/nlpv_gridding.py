@@ -24,7 +24,7 @@ from er_models.model import Array
 from er_observers.law import Law, luenberger
 from er_observers.synthesis import lmi
 from er_observers.synthesis.family import luenberger_family
-from er_observers.synthesis.proof import Claim
+from er_observers.synthesis.proof import Claim, gaps
 from er_observers.synthesis.scaling import Scaling
 from er_observers.synthesis.spec import Output, Solution, Spec
 
@@ -32,15 +32,28 @@ NAME = "nlpv_gridding"
 THEOREM = "nlpv_gridding (Theorem 4.3.2)"
 POINTS = 11
 """Points of the grid (4.47)."""
+_ROUNDS = 6
 RATE = 200.0
 """Fastest change of the duty [1/s]: its whole range in a sample of 5 ms, section 4.4.1."""
 
 
-def claim(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Claim:
-    """Gains with both Lyapunov functions: of the duty, and common to all duties; raises as `solve`."""
-    found = solve(form, output, spec, scaling)
-    asked = problem(form, output, spec, scaling)
-    return Claim(form, output, spec, scaling, found, common(asked, found))
+def claim(
+    form: LinearForm, output: Output, spec: Spec, scaling: Scaling, points: int = POINTS
+) -> Claim:
+    """Gains with both Lyapunov functions: of the duty, and common to all duties; raises as `solve`.
+
+    Where the inequalities hold at two grid points and not between them, Y becomes the quadratic
+    (4.39), so that gains of neighbours are alike, and the middle joins the grid.
+    """
+    asked = problem(form, output, spec, scaling, points=points)
+    for _ in range(_ROUNDS):
+        found = lmi.solve(asked)
+        claimed = Claim(form, output, spec, scaling, found)
+        between = gaps(claimed)
+        if not between:
+            break
+        asked = replace(asked, nodes=np.unique([*asked.nodes, *between]), degree=2)
+    return replace(claimed, common=common(asked, found))
 
 
 def solve(

@@ -167,6 +167,20 @@ def prove(claim: Claim) -> tuple[Margins, str]:
     return margins, failed
 
 
+def gaps(claim: Claim) -> list[float]:
+    """Duties in the middle between two nodes where an inequality does not hold, in floating point."""
+    s, found = claim.solution, []
+    for a, b in pairwise(range(len(s.law.rho))):
+        builds: list[_Build] = [partial(claim.dissipation, s, sign) for sign in (1, -1)]
+        builds += [partial(claim.region, s, name) for name in _regions(claim.spec)]
+        for build in builds:
+            matrix = _bernstein(build, (a, b), _floats)
+            if not float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T))[0]) > 0.0:
+                found.append(0.5 * float(s.law.rho[a] + s.law.rho[b]))
+                break
+    return found
+
+
 def _prove(claim: Claim, s: Solution) -> tuple[Margins, str]:
     """As `prove`, for one Lyapunov function of the claim's law."""
     nodes = [(k, k) for k in range(len(s.law.rho))]

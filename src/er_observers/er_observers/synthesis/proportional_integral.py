@@ -32,7 +32,7 @@ def solve(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Sol
     """The observer with its integral, and X; raises `SynthesisFailed` naming what makes it impossible."""
     inner = solve_proportional(form, output, spec, scaling)
     asked = lmi.Problem(
-        THEOREM, form, output, spec, scaling, luenberger_family, inner.law.rho, one_gain=True
+        THEOREM, form, output, spec, scaling, luenberger_family, inner.law.rho, degree=0
     )
     return lmi.analyse(asked, with_integral(form, inner.law, _slowest(form, inner.law)))
 

@@ -54,9 +54,7 @@ def problem(
     check_ranks(theorem, form)
     check_zeros(theorem, form)
     made = family or unified_family
-    return lmi.Problem(
-        theorem, form, output, spec, scaling, made, np.array(spec.rho), one_gain=True
-    )
+    return lmi.Problem(theorem, form, output, spec, scaling, made, np.array(spec.rho), degree=0)
 
 
 def solve(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Solution:

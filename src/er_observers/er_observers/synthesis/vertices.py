@@ -29,18 +29,17 @@ _TRACES = (0.0, 1e-8, 1e-6, 1e-4, 1e-3)
 def vertex_gain(claim: Claim, low: float = 0.0, solver: str = SOLVER) -> float:
     """Smallest gamma that one P proves for slopes from `low` to 1 of the gate and every duty.
 
-    Raises `SynthesisFailed` where no P proves any.
+    NaN where the solver gives no answer. Raises `SynthesisFailed` where it says that there is no P.
     """
-    status = ""
     for trace in _TRACES:
         gamma_2, constraints = _problem(claim, low, trace)
         status = run(cp.Problem(cp.Minimize(gamma_2), constraints), solver)
         if "optimal" in status and float(np.asarray(gamma_2.value)) > 0.0:
             return float(np.sqrt(np.asarray(gamma_2.value)))
         if status == cp.INFEASIBLE:
-            break
-    reason = f"no common P for slopes from {low:g} to 1 of the gate"
-    raise SynthesisFailed("vertices of the gate's slope", reason, status)
+            reason = f"no common P for slopes from {low:g} to 1 of the gate"
+            raise SynthesisFailed("vertices of the gate's slope", reason, status)
+    return float("nan")
 
 
 def _problem(claim: Claim, low: float, trace: float) -> tuple[cp.Variable, list[cp.Constraint]]:
