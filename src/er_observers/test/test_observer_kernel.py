@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from er_models.model import Array
 from er_observers.gains import Gains
+from er_observers.observers.compiled import compiled, digest_of
 from er_observers.observers.kernel import (
     advance,
-    compiled,
     mean_gate,
     phi_functions,
     solve_gate,
@@ -16,6 +18,8 @@ from er_observers.observers.kernel import (
 )
 from scipy.integrate import quad, solve_ivp
 from scipy.linalg import expm
+
+from er_observers import observers
 
 
 @pytest.mark.parametrize("size", [1e-6, 0.3, 3.0, 40.0])
@@ -124,3 +128,16 @@ def test_compiles_where_nothing_can_be_written() -> None:
     namespace: dict[str, object] = {}
     exec("def twice(x):\n    return 2.0 * x", namespace)
     assert compiled(namespace["twice"])(1.5) == 3.0  # type: ignore[type-var]
+
+
+def test_compiled_code_is_kept_by_all_its_sources(tmp_path: Path) -> None:
+    """A change in one file makes everything anew: numba would go on with what other files had compiled."""
+    for name in ("observers", "peers"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "a.py").write_text(name)
+    before = digest_of(tmp_path)
+    assert digest_of(tmp_path) == before
+    (tmp_path / "peers" / "a.py").write_text("other")
+    assert digest_of(tmp_path) != before
+    kept = Path(advance._cache.cache_path)  # type: ignore[attr-defined]
+    assert digest_of(Path(observers.__file__).parents[1]) in kept.parts

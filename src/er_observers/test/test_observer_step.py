@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -301,3 +302,17 @@ def test_step_is_fast(gains: Gains, drive: Drive) -> None:
         state, _ = step(gains, state, sample)
         durations.append(time.perf_counter() - begun)
     assert np.median(durations) < 1e-4
+
+
+def test_what_is_remembered_changes_nothing(gains: Gains) -> None:
+    """Phi functions kept from earlier duties and steps give the bits that computing them again gives."""
+    random, t, samples = np.random.default_rng(11), 0.0, []
+    for _ in range(300):
+        t += float(random.choice([0.005, 0.003]))
+        duty = float(random.choice([0.0, 0.3, 0.7]))
+        samples.append(Sample(t, *random.normal(size=2), duty))
+    state, fresh = start(gains, samples[0]), start(replace(gains), samples[0])
+    for sample in samples[1:]:
+        state, _ = step(gains, state, sample)
+        fresh, _ = step(replace(gains), fresh, sample)  # a new scratch remembers nothing
+        assert np.array_equal(state.x, fresh.x)

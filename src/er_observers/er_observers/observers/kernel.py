@@ -21,12 +21,11 @@ field).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import TypeVar, cast
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from er_observers.observers.compiled import compiled
 
 Array = NDArray[np.float64]
 
@@ -44,17 +43,6 @@ _LN_2 = math.log(2.0)
 def scratch_of(n: int) -> Array:
     """Room for one step of n states; remembers nothing yet."""
     return np.full(3 * n * n + 8 * n + _SLOTS * (2 + 3 * n * n), np.nan)
-
-
-F = TypeVar("F", bound=Callable[..., object])
-
-
-def compiled(function: F) -> F:
-    """The function compiled, on disk where there is a place for it and in memory where not."""
-    try:
-        return cast(F, njit(cache=True, error_model="numpy")(function))
-    except RuntimeError:  # numba finds no folder it may write to
-        return cast(F, njit(error_model="numpy")(function))
 
 
 def substeps(dt: float) -> int:

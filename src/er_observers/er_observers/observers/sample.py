@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from er_models.model import Array
 
-from er_observers.observers.kernel import SUBSTEP, advance, compiled
+from er_observers.observers.compiled import compiled
+from er_observers.observers.kernel import SUBSTEP, advance
 from er_observers.observers.watch import (
     FLOOR,
     POWER,

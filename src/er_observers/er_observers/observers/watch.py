@@ -24,7 +24,7 @@ from er_models.linear import LinearForm
 from er_models.model import Array
 
 from er_observers.forms import SENSORS
-from er_observers.observers.kernel import compiled
+from er_observers.observers.compiled import compiled
 from er_observers.observers.status import ROUNDING, Limits
 
 SHARE = 4.0

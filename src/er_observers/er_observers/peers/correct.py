@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from er_models.model import Array
 
-from er_observers.observers.kernel import compiled
+from er_observers.observers.compiled import compiled
 
 
 @compiled

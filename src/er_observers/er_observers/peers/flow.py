@@ -12,7 +12,8 @@ from er_models.linear import LinearForm
 from er_models.model import Array
 from scipy.linalg import expm
 
-from er_observers.observers.kernel import compiled, mean_gate, phi_functions, solve_gate
+from er_observers.observers.compiled import compiled
+from er_observers.observers.kernel import mean_gate, phi_functions, solve_gate
 
 
 def substep_matrices(form: LinearForm, h: float) -> tuple[Array, Array]:

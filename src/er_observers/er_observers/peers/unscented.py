@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from er_models.model import Array
 
-from er_observers.observers.kernel import compiled
+from er_observers.observers.compiled import compiled
 from er_observers.peers.correct import correct
 from er_observers.peers.flow import flow
 
