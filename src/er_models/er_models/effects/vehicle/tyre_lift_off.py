@@ -26,7 +26,7 @@ EFFECT = Effect(
             0.05,
             1e6,
             float("inf"),
-            (1.0,),
+            (1.0, 0.5, 0.3),
             "static load of the tyre over the weight, g = 9.80665 m/s2",
             step=CONTACT,
         ),
