@@ -14,6 +14,8 @@ from er_models.errors import InputError
 from er_models.model import Model
 from er_observers.gain_file import digest
 from er_observers.gains import Gains, save_gains
+from er_observers.observers.evaluate import SCENARIOS, evaluate
+from er_observers.observers.known import OBSERVERS
 from er_observers.observers.nlpv_polytopic import NAME, load_gains
 from er_observers.synth_tables import figures
 from er_observers.synthesis.certify import Certificate
@@ -166,3 +168,29 @@ def test_gains_carry_what_the_loop_needs(gains: Gains) -> None:
         whole = M[k] * size[:, None] / size
         np.testing.assert_allclose(whole, gains.form.A - L @ gains.form.C, rtol=1e-9, atol=1e-6)
         np.testing.assert_allclose(J[k] * size[:, None], L, rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", OBSERVERS)
+def test_every_committed_observer_follows_the_force(
+    car: Model, gain_file: Path, name: str
+) -> None:
+    """The three gain files fit the model; each is below half a per cent on a rough road."""
+    gains = OBSERVERS[name](gain_file.parent / f"{name}.yaml", car)
+    score = evaluate(car, gains, SCENARIOS[5])
+    assert score.nrmse < 0.005
+    assert score.first_ok is not None
+    assert score.first_ok < 0.5
+
+
+def test_a_law_whose_error_follows_the_state_is_refused(
+    car: Model, gain_file: Path, tmp_path: Path
+) -> None:
+    """The unified observer rests on identities; an edited matrix breaks them, sealed or not."""
+    file = gain_file.parent / "unified.yaml"
+    content = yaml.safe_load(file.read_text(encoding="utf-8"))
+    content["law"]["J"]["data"] = [1.01 * v for v in content["law"]["J"]["data"]]
+    content["digest"] = digest(content)
+    path = tmp_path / "edited.yaml"
+    path.write_text(yaml.safe_dump(content), encoding="utf-8")
+    with pytest.raises(InputError, match="a residual of"):
+        OBSERVERS["unified"](path, car)
