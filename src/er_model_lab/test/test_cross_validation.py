@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.diagnose.candidates import baseline, refit
+from er_model_lab.diagnose.candidates import baseline, effect_size, refit
 from er_model_lab.fit import cross_validated, fit
 from er_model_lab.prepare import FOLDS
 from lab_help import FORCE_NOISE, problem_of
@@ -32,3 +32,15 @@ def test_an_effect_that_jumps_is_not_lost_by_a_straight_line(effect, values, see
     found = refit(base, model.catalogue[effect], problem)
     assert found.fit.mse(problem.train) < 0.8 * base.fit.mse(problem.train)
     assert found.mse == pytest.approx(found.fit.mse(problem.train), rel=0.1)
+
+
+def test_left_out_blocks_never_gain_more_than_the_fit():
+    """A straight line that fails for the model alone must not look like an effect."""
+    model, problem = problem_of(None, {}, seed=7, seconds=12.0)
+    base = baseline(model, problem)
+    bad = replace(base, mse=1.1 * base.mse)
+    for name in ("end_stop", "coulomb_friction"):
+        found = refit(bad, model.catalogue[name], problem)
+        gained = base.fit.mse(problem.train) - found.fit.mse(problem.train)
+        assert effect_size(bad, found) == pytest.approx(np.sqrt(max(gained, 0.0)), abs=1e-9)
+        assert effect_size(base, found) <= effect_size(bad, found)

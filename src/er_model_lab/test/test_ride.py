@@ -104,7 +104,14 @@ def test_the_floor_has_a_part_for_every_output(opened):
 
     problem, fitted = opened
     base = Candidate(
-        (), fitted, fitted.residual, np.zeros(12), fitted.mse(problem.train), 1.0, 1.0
+        (),
+        fitted,
+        fitted.residual,
+        np.zeros(12),
+        fitted.mse(problem.train),
+        fitted.mse(problem.train),
+        1.0,
+        1.0,
     )
     floor = noise_floor(problem, base, simulate_null(base, [], problem, 0), 0)
     assert len(floor.parts) == problem.forward.outputs

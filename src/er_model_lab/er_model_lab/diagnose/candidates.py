@@ -29,7 +29,8 @@ FIRST_ITERATIONS, FINALISTS = 10, 4
 class Candidate:
     """One effect added to the model and refitted.
 
-    residual (n,): predicted without each sample's block; losses (folds,): mean square per block;
+    residual (n,): predicted without each sample's block; losses (folds,): mean square per block; mse: of
+    all blocks; seen: mean square of the fit itself;
     kept: share of the effect's direction that the model cannot absorb; reach: size of the change
     it makes at its start value over the white noise.
     """
@@ -39,6 +40,7 @@ class Candidate:
     residual: Array
     losses: Array
     mse: float
+    seen: float
     kept: float
     reach: float
 
@@ -55,7 +57,7 @@ def baseline(model: Model, problem: Problem) -> Candidate:
     if np.sqrt(fitted.mse(problem.train)) > FOREIGN * size:
         others = [fit(other, problem) for other in restarts(model, problem)]
         fitted = min([fitted, *others], key=lambda f: f.mse(problem.train))
-    return _judged((), fitted, problem, 1.0, float("inf"))
+    return cross_judged((), fitted, problem)
 
 
 def restarts(model: Model, problem: Problem) -> list[Model]:
@@ -171,7 +173,7 @@ def refit(
     fits = [f for f in fits if np.isfinite(f.mse(problem.train))]
     fits = fits or [begun(starts(effect, problem)[0])]
     fitted = min(fits, key=lambda f: f.mse(problem.train))
-    return _judged((*base.effects, effect.name), fitted, problem, kept, reach)
+    return cross_judged((*base.effects, effect.name), fitted, problem, kept, reach)
 
 
 def finished(candidate: Candidate, problem: Problem, max_iter: int = 30) -> Candidate:
@@ -179,16 +181,21 @@ def finished(candidate: Candidate, problem: Problem, max_iter: int = 30) -> Cand
     fitted = fit(candidate.fit.model, problem, max_iter=max_iter)
     if not fitted.mse(problem.train) < candidate.fit.mse(problem.train):
         return candidate
-    return _judged(candidate.effects, fitted, problem, candidate.kept, candidate.reach)
+    return cross_judged(candidate.effects, fitted, problem, candidate.kept, candidate.reach)
 
 
-def _judged(
-    effects: tuple[str, ...], fitted: Fit, problem: Problem, kept: float, reach: float
+def cross_judged(
+    effects: tuple[str, ...],
+    fitted: Fit,
+    problem: Problem,
+    kept: float = 1.0,
+    reach: float = np.inf,
 ) -> Candidate:
     """A fitted model with its cross-validation."""
     residual, losses = cross_validated(fitted, problem)
     mse = float(np.mean(residual[problem.train] ** 2))
-    return Candidate(effects, fitted, residual, losses, mse, kept, reach)
+    seen = fitted.mse(problem.train)
+    return Candidate(effects, fitted, residual, losses, mse, seen, kept, reach)
 
 
 def refit_all(
@@ -212,8 +219,11 @@ def refit_all(
 
 
 def effect_size(base: Candidate, candidate: Candidate) -> float:
-    """Root of the fall of the mean squared error on left-out data [N]; negative where it rises."""
-    fall = base.mse - candidate.mse
+    """Root of the fall of the mean squared error on left-out data [N]; negative where it rises.
+
+    No more than the fit itself gains: what goes beyond is what a straight line makes of leaving a block out.
+    """
+    fall = min(base.mse - candidate.mse, base.seen - candidate.seen)
     return float(np.sign(fall) * np.sqrt(abs(fall)))
 
 
@@ -221,4 +231,4 @@ def without(candidate: Candidate, name: str, problem: Problem) -> Candidate:
     """A fitted model with one of its added effects taken out again and refitted."""
     fitted = fit(candidate.fit.model.without_effect(name), problem)
     kept = tuple(e for e in candidate.effects if e != name)
-    return _judged(kept, fitted, problem, 1.0, float("inf"))
+    return cross_judged(kept, fitted, problem)

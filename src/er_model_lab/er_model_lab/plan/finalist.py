@@ -9,8 +9,8 @@ import numpy as np
 from er_models.model import Array
 from er_models.program import Program
 
-from er_model_lab.diagnose.candidates import Candidate, refit
-from er_model_lab.fit import Fit, cross_validated, fit
+from er_model_lab.diagnose.candidates import Candidate, cross_judged, refit
+from er_model_lab.fit import Fit, fit
 from er_model_lab.fuse import Noise
 from er_model_lab.plan.bench import Run
 from er_model_lab.plan.limits import Sensors
@@ -130,6 +130,4 @@ def _direction(own: Candidate, other: Candidate, floor: float, problem: Problem)
 
 def candidate(fitted: Fit, problem: Problem) -> Candidate:
     """A fitted model as the lab holds it, cross-validated."""
-    residual, losses = cross_validated(fitted, problem)
-    mse = float(np.mean(residual[problem.train] ** 2))
-    return Candidate((), fitted, residual, losses, mse, 1.0, float("inf"))
+    return cross_judged((), fitted, problem)
