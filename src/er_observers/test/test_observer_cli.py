@@ -46,6 +46,10 @@ def test_errors_are_one_line_and_nothing_is_overwritten(
         (damper, [], 2, "quarter_car"),
         (car_file.parent / "none.yaml", [], 2, "no file"),
         (car_file, ["--radius", "12"], 1, "solver"),
+        (car_file, ["--sector", "circle"], 2, "slope, lipschitz"),
+        (car_file, ["--duty", "1", "0"], 2, "duty: expected 0 to 1, the lower first"),
+        (car_file, ["--noise", "0", "1"], 2, "numbers above 0"),
+        (car_file, ["--damping", "1.5"], 2, "damping"),
     )
     for model, extra, status, word in cases:
         command = ["synth", "nlpv_polytopic", "--model", str(model), "--out", str(out), *extra]

@@ -57,10 +57,24 @@ class Wish:
     def __post_init__(self) -> None:
         choices = (("output", OUTPUTS), ("coordinates", COORDINATES), ("structure", STRUCTURES))
         for key, known in choices:
-            if getattr(self, key) not in known:
-                raise ErError(
-                    f"{key}: expected one of {', '.join(known)}, found '{getattr(self, key)}'"
-                )
+            found = getattr(self, key)
+            if found not in known:
+                raise ErError(f"{key}: expected one of {', '.join(known)}, found '{found}'")
+        s = self.spec
+        sizes = (
+            *s.noise,
+            s.radius,
+            self.force,
+            1.0 if self.deflection is None else self.deflection,
+        )
+        for key, expected, holds, found in (
+            ("duty", "0 to 1, the lower first", 0.0 <= s.rho[0] < s.rho[1] <= 1.0, s.rho),
+            ("noise, radius, force, deflection", "numbers above 0", min(sizes) > 0.0, sizes),
+            ("decay", "a number from 0 to the radius", 0.0 <= s.decay < s.radius, s.decay),
+            ("damping", "a ratio from 0 to 1", 0.0 <= s.damping < 1.0, s.damping),
+        ):
+            if not holds:
+                raise ErError(f"{key}: expected {expected}, found {found}")
 
 
 def make(observer: str, model: Model, wish: Wish) -> tuple[Claim, Certificate]:
