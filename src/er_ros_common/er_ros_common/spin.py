@@ -39,11 +39,15 @@ Nodes: TypeAlias = Node | Sequence[Node]
 
 
 class Stopped:
-    """Set by the first SIGINT or SIGTERM; one that follows later ends the process at once."""
+    """Set by the first SIGINT or SIGTERM; one that follows later ends the process at once.
+
+    While `making` is set the first raises KeyboardInterrupt too: nodes that compile take long.
+    """
 
     def __init__(self) -> None:
         """Nothing has arrived yet."""
         self.signal, self._since = 0, 0.0
+        self.making = False
         self._before: dict[int, Any] = {}
 
     def __enter__(self) -> Stopped:
@@ -60,6 +64,8 @@ class Stopped:
     def _on_signal(self, number: int, _: FrameType | None) -> None:
         if not self.signal:
             self.signal, self._since = number, monotonic()
+            if self.making:
+                raise KeyboardInterrupt
         elif monotonic() - self._since > SAME_WISH:
             signal.signal(number, signal.SIG_DFL)
             signal.raise_signal(number)
@@ -150,7 +156,13 @@ def run(factory: Callable[[], Nodes], card: Card, args: Sequence[str] | None = N
 
 def _live(factory: Callable[[], Nodes], stopped: Stopped) -> None:
     """Make the nodes, spin them, stop them."""
-    made = factory()
+    stopped.making = True
+    try:
+        made = factory()
+    except KeyboardInterrupt:
+        return
+    finally:
+        stopped.making = False
     each = [made] if isinstance(made, Node) else list(made)
     try:
         if not stopped.signal:

@@ -220,3 +220,17 @@ def test_waiting_does_not_pile_up_callbacks(here: Node, monkeypatch: pytest.Monk
     monkeypatch.setattr(spin_module, "make_executor", lambda *_: executor)
     spin_module.spin(here)
     assert len({id(future) for future in futures}) == 3
+
+
+def test_a_signal_ends_a_node_that_is_still_being_made() -> None:
+    """Compiling may take longer than whoever asks for the end will wait."""
+
+    def slow() -> Node:
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(20.0)
+        raise AssertionError("it was made to the end")
+
+    with spin_module.Stopped() as stopped:
+        spin_module._live(slow, stopped)
+    assert stopped.signal == signal.SIGINT
+    assert not stopped.making
