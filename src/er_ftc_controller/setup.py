@@ -7,7 +7,7 @@ PACKAGE = "er_ftc_controller"
 setup(
     name=PACKAGE,
     version="0.1.0",
-    description="Controllers of the semi-active damper: skyhook.",
+    description="Controllers of the semi-active damper: skyhook, synthesis of the fault-tolerant LPV controller.",
     license="Apache-2.0",
     maintainer="ER damper developers",
     maintainer_email="maintainers@er-damper.invalid",

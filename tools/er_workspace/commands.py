@@ -45,7 +45,7 @@ COMMANDS: dict[str, tuple[str, str, str | None]] = {
         "check the running graph: types, QoS, rates, parameters",
         "er_bringup.doctor",
     ),
-    "synth": ("[ARGS]", "compute observer and controller gains", "er_observers.synth"),
+    "synth": ("[ARGS]", "compute observer and controller gains", "er_bringup.synth"),
     "bench": ("[ARGS]", "measure speed and latency", "er_bringup.bench"),
     "exec": ("PROGRAM [ARGS]", "any program in the workspace's environment", None),
     "help": ("", "this list", None),

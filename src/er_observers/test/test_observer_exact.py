@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from er_observers.synthesis.exact import exact, is_positive_definite
+from er_models.exact import exact, is_positive_definite
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -22,10 +22,10 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+from er_models.exact import exact, is_positive_definite
 from er_models.linear import LinearForm
 from er_models.model import Array
 
-from er_observers.synthesis.exact import exact, is_positive_definite
 from er_observers.synthesis.scaling import Scaling
 from er_observers.synthesis.spec import Output, Solution, Spec
 

@@ -1,0 +1,1 @@
+"""Offline synthesis of the LPV controller: generalised plant, inequalities, certificate."""
