@@ -1,0 +1,61 @@
+"""One sample of the LPV controller: the given force is made, lies in the faulty domain, and bad samples are safe."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from er_ftc_controller.gains import load_gains
+from er_ftc_controller.lpv import Lpv, controller, start, step
+from er_models.files import load_model
+from er_models.forms.loss import Factors
+from er_models.static_damper import static_damper
+
+CONFIG = Path(__file__).resolve().parents[3] / "config"
+LEAK = Factors(leakage=0.6)
+
+
+@pytest.fixture(scope="module")
+def lpv() -> Lpv:
+    loaded = load_gains(
+        CONFIG / "gains" / "lpv_ftc.yaml",
+        load_model(CONFIG / "vehicles" / "inove_quarter_car.yaml"),
+    )
+    damper = static_damper(load_model(CONFIG / "dampers" / "inove_bingham.yaml"))
+    return controller(loaded, damper, (0.0, 0.3), mu=0.1)
+
+
+def test_the_duty_makes_the_nearest_force_of_the_faulty_damper(lpv: Lpv) -> None:
+    state, t = start(lpv), 0.005 * np.arange(600)
+    x, v = 0.006 * np.sin(25.0 * t), 0.15 * np.cos(25.0 * t)
+    rhos, inside = [], 0
+    for a, b in zip(x, v, strict=True):
+        state, command = step(lpv, state, float(a), float(b), LEAK)
+        force = lpv.damper.force(np.array(a), np.array(b), command.duty, LEAK)
+        assert float(force) == pytest.approx(command.given, abs=1e-9)
+        domain = lpv.damper.domain(np.array(a), np.array(b), lpv.duties, LEAK)
+        assert domain.low - 1e-9 <= command.given <= domain.high + 1e-9
+        inside += command.wanted == command.given
+        rhos.append(command.rho)
+    assert 0 < inside < t.size
+    assert (min(rhos), max(rhos)) == (lpv.schedule.low, lpv.schedule.high)
+
+
+def test_a_constant_deflection_ends_at_the_vertex_own_gain(lpv: Lpv) -> None:
+    """Held at the greatest rho the state settles where x = A x + B y, within the interpolation's exact end."""
+    n, state = lpv.A.shape[1], start(lpv)
+    for _ in range(3000):
+        state, _ = step(lpv, state._replace(rho=lpv.schedule.high), 0.001, 0.0, Factors())
+    settled = np.linalg.solve(np.eye(n) - lpv.A[1], lpv.B[1] * 0.001)
+    assert np.allclose(state.x, settled, rtol=1e-3)
+
+
+@pytest.mark.parametrize("bad", [(math.nan, 0.0), (0.0, math.inf)])
+def test_samples_that_are_no_numbers_get_the_least_duty(
+    lpv: Lpv, bad: tuple[float, float]
+) -> None:
+    _, command = step(lpv, start(lpv), *bad, Factors())
+    assert not command.usable
+    assert command.duty == lpv.duties[0]
