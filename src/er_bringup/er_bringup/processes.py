@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import os
+import re
 import signal
 import subprocess
 import sys
 import threading
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from time import monotonic, sleep
 from typing import IO
 
@@ -26,7 +28,7 @@ class Child:
     """One running process; its lines appear on `out` behind its label."""
 
     def __init__(self, label: str, argv: Sequence[str], out: IO[str]) -> None:
-        self.label, self.stopped = label, False
+        self.label, self._unready = label, False
         # a session of its own: Ctrl-C on the terminal reaches it through us, once
         self.process = subprocess.Popen(
             argv,
@@ -50,9 +52,24 @@ class Child:
 
     @property
     def status(self) -> int | None:
-        """Exit status, None while it runs; 128 + n where signal n ended it."""
+        """Exit status, None while it runs; 128 + n where signal n ended it.
+
+        0 where it was asked to end before it had got so far as to take requests.
+        """
         code = self.process.poll()
+        if self._unready and code == -signal.SIGTERM:
+            return 0
         return code if code is None or code >= 0 else KILLED - code
+
+    def ask(self) -> None:
+        """Ask it to end: as Ctrl-C does, or by SIGTERM while it is still being imported.
+
+        Python turns Ctrl-C into a traceback wherever it is; a program of ours takes SIGTERM once it is ready to.
+        """
+        if self.process.poll() is not None:
+            return
+        self._unready = not _takes(self.process.pid, signal.SIGTERM)
+        self.send(signal.SIGTERM if self._unready else signal.SIGINT)
 
     def send(self, number: int) -> None:
         """Send a signal, unless it has ended."""
@@ -66,16 +83,27 @@ class Child:
 
 def stop(children: Sequence[Child]) -> None:
     """End all of these: Ctrl-C, then SIGTERM, then SIGKILL for the whole session."""
-    for number, patience in ((signal.SIGINT, PATIENCE), (signal.SIGTERM, LAST_PATIENCE)):
+    for child in children:
+        child.ask()
+    if not _ended(children, PATIENCE):
         for child in children:
-            child.send(number)
-        if _ended(children, patience):
-            break
+            child.send(signal.SIGTERM)
+        _ended(children, LAST_PATIENCE)
     for child in children:
         if child.status is None:
             os.killpg(child.process.pid, signal.SIGKILL)
             child.process.wait()
         child.finish()
+
+
+def _takes(pid: int, number: int) -> bool:
+    """Whether a process handles a signal; taken for granted where the system does not tell."""
+    try:
+        status = Path(f"/proc/{pid}/status").read_text(encoding="ascii")
+    except OSError:
+        return True
+    caught = re.search(r"^SigCgt:\s*([0-9a-f]+)", status, re.M)
+    return caught is None or bool(int(caught[1], 16) >> (number - 1) & 1)
 
 
 def worst(statuses: Mapping[str, int]) -> int:

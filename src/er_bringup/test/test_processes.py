@@ -56,12 +56,28 @@ def test_exit_statuses_are_those_of_a_shell(code: str, status: int) -> None:
 def test_ctrl_c_is_enough_for_a_good_node() -> None:
     good = (
         "import signal, sys, time\nsignal.signal(signal.SIGINT, lambda *_: sys.exit(0))\n"
-        "print('ready')\ntime.sleep(60)"
+        "signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))\nprint('ready')\ntime.sleep(60)"
     )
     one = child(good, out := io.StringIO())
     said(out, "ready")
     stop([one])
     assert one.status == 0
+
+
+def test_a_node_that_is_still_being_imported_ends_without_a_traceback() -> None:
+    out = io.StringIO()
+    one = child("import time\nprint('importing')\ntime.sleep(60)", out)
+    said(out, "importing")
+    stop([one])
+    assert one.status == 0
+    assert out.getvalue() == "[node] importing\n"
+
+
+def test_a_node_that_ends_by_a_signal_of_others_has_its_status() -> None:
+    one = child("import os, signal; os.kill(os.getpid(), signal.SIGTERM)")
+    assert ended(one) == 143
+    stop([one])
+    assert one.status == 143
 
 
 def test_a_deaf_node_and_its_children_are_killed(monkeypatch: pytest.MonkeyPatch) -> None:

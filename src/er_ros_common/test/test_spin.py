@@ -233,4 +233,29 @@ def test_a_signal_ends_a_node_that_is_still_being_made() -> None:
     with spin_module.Stopped() as stopped:
         spin_module._live(slow, stopped)
     assert stopped.signal == signal.SIGINT
-    assert not stopped.making
+
+
+def test_a_signal_that_a_finaliser_swallows_is_told_again(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    """Compilers tidy up in finalisers, and what is raised there goes nowhere."""
+
+    class Tidy:
+        def __del__(self) -> None:
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(0.001)
+
+    def slow() -> Node:
+        del [Tidy()][0]
+        time.sleep(20.0)
+        raise AssertionError("it was made to the end")
+
+    begin = time.monotonic()
+    alarm = signal.getsignal(signal.SIGALRM)
+    with spin_module.Stopped() as stopped:
+        spin_module._live(slow, stopped)
+    assert stopped.signal == signal.SIGTERM
+    assert time.monotonic() - begin < 5.0
+    assert capfd.readouterr().err == ""
+    assert signal.getsignal(signal.SIGALRM) == alarm
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
