@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import yaml
 from er_models.errors import InputError
 from er_models.files import write_whole
+from er_models.gain_file import Document, digest, flat, read
 from er_models.linear import fingerprint
-from er_models.model import Array, Model
-from er_models.yaml_file import read_yaml
+from er_models.model import Model
 
 from er_ftc_controller.synthesis.certificate import proved
 from er_ftc_controller.synthesis.lmi import Solution, Vertex
@@ -41,7 +38,7 @@ def save_gains(
     vertices = [
         {
             "rho": k.rho, "gamma": k.gamma,
-            "A": _flat(k.A * rate), "B": _flat(k.B * rate / road), "C": _flat(k.C * plant.unit),
+            "A": flat(k.A * rate), "B": flat(k.B * rate / road), "C": flat(k.C * plant.unit),
         }
         for k in solution.vertices
     ]  # fmt: skip
@@ -53,12 +50,12 @@ def save_gains(
             key: list(v) if isinstance(v, tuple) else v for key, v in asdict(plant.weights).items()
         },
         "vertices": vertices,
-        "P": _flat(solution.P),
+        "P": flat(solution.P),
         "optimum": solution.optimum,
         "status": solution.status,
         **notes,
     }
-    content["digest"] = _digest(content)
+    content["digest"] = digest(content)
     text = yaml.safe_dump(content, sort_keys=False, width=99, default_flow_style=None)
     write_whole(Path(path), text)
 
@@ -69,46 +66,34 @@ def load_gains(path: str | Path, model: Model) -> Loaded:
     Raises `InputError` in one line: no file, another kind, edited by hand, another model, or no proof.
     """
     path = Path(path)
-    content = read_yaml(path, "a gain file")
+    file = read(path)
+    content = file.content
     again = f"make it again: er synth lpv_ftc --model MODEL --out {path}"
-    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
+    if content.get("schema") != SCHEMA:
         raise InputError(path, "schema", f"'{SCHEMA}'", "another kind of file")
-    if content.get("digest") != _digest(content):
+    if content.get("digest") != digest(content):
         raise InputError(path, "digest", f"the file as it was written ({again})", "an edited file")
-    own, found = fingerprint(model), content["model"]["fingerprint"]
+    own, found = fingerprint(model), file.at("model.fingerprint")
     if own != found:
         expected = f"{own} of model '{model.name}' ({again})"
         raise InputError(path, "model.fingerprint", expected, found)
-    entries = content["weights"]
+    entries = file.at("weights")
     known: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in entries.items()}
     weights = Weights(**known)
     plant = generalised_plant(model, weights)
-    rate, road = plant.rate, weights.road
-    vertices = tuple(
-        Vertex(
-            v["rho"], _matrix(v["A"]) / rate, _matrix(v["B"]) * road / rate,
-            _matrix(v["C"]) / plant.unit, v["gamma"],
-        )
-        for v in content["vertices"]
-    )  # fmt: skip
-    solution = Solution(vertices, _matrix(content["P"]), content["optimum"], content["status"])
+    vertices = tuple(_vertex(Document(path, entry), plant) for entry in file.at("vertices"))
+    P = file.matrix("P", (None, None))
+    solution = Solution(vertices, P, file.number("optimum"), str(file.at("status")))
     _, failed = proved(plant, solution)
     if failed:
         raise InputError(path, "vertices", f"inequalities that hold ({again})", failed)
     return Loaded(plant, solution, content["digest"])
 
 
-def _flat(matrix: Array) -> dict[str, list[Any]]:
-    """Shape and entries row by row."""
-    return {"shape": list(matrix.shape), "data": [float(v) for v in np.ravel(matrix)]}
-
-
-def _matrix(entry: Mapping[str, Any]) -> Array:
-    """The matrix again."""
-    return np.array(entry["data"], float).reshape(entry["shape"])
-
-
-def _digest(content: Mapping[str, Any]) -> str:
-    """Hash of everything but the digest itself."""
-    rest = {key: value for key, value in content.items() if key != "digest"}
-    return hashlib.sha256(json.dumps(rest, sort_keys=True).encode()).hexdigest()[:16]
+def _vertex(entry: Document, plant: Plant) -> Vertex:
+    """A controller at one rho, scaled as the plant again."""
+    rate, road, n = plant.rate, plant.weights.road, plant.A.shape[0]
+    return Vertex(
+        entry.number("rho"), entry.matrix("A", (n, n)) / rate, entry.matrix("B", (n, 1)) * road / rate,
+        entry.matrix("C", (1, n)) / plant.unit, entry.number("gamma"),
+    )  # fmt: skip

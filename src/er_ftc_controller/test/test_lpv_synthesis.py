@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from er_ftc_controller.gains import load_gains, save_gains
 from er_ftc_controller.synth import app
 from er_ftc_controller.synthesis.certificate import certify, sampled_loop
@@ -28,6 +29,7 @@ from er_ftc_controller.synthesis.weights import (
 )
 from er_models.errors import InputError
 from er_models.files import load_model
+from er_models.gain_file import digest
 from er_models.model import Model
 from scipy.integrate import solve_ivp
 from typer.testing import CliRunner
@@ -155,6 +157,27 @@ def test_file_is_read_again_and_proved_and_refused_when_touched(
     path.write_text(text.replace("rho: 0.5", "rho: 0.6", 1))
     with pytest.raises(InputError, match="digest"):
         load_gains(path, car)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "complaint"),
+    [
+        ("A", {"shape": [2, 2], "data": [1.0]}, "a matrix 6 x 6"),
+        ("C", {"shape": [1, 6], "data": [float("nan")] * 6}, "finite numbers"),
+        ("gamma", "small", "finite numbers"),
+    ],
+)
+def test_values_that_are_none_are_one_line(
+    car: Model, tmp_path: Path, key: str, value: object, complaint: str
+) -> None:
+    content = yaml.safe_load((CONFIG / "gains" / "lpv_ftc.yaml").read_text(encoding="utf-8"))
+    content["vertices"][0][key] = value
+    content["digest"] = digest(content)
+    path = tmp_path / "gains.yaml"
+    path.write_text(yaml.safe_dump(content), encoding="utf-8")
+    with pytest.raises(InputError, match=complaint) as caught:
+        load_gains(path, car)
+    assert "\n" not in str(caught.value)
 
 
 def test_the_shipped_file_is_proved(car: Model) -> None:

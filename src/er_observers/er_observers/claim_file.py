@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 from er_models.errors import InputError
+from er_models.gain_file import Document, flat
 from er_models.linear import LinearForm
 
-from er_observers.gain_file import Document, flat
 from er_observers.law import RESIDUAL, Law, luenberger
 from er_observers.synthesis.proof import Claim
 from er_observers.synthesis.scaling import Scaling

@@ -16,12 +16,12 @@ import yaml
 from er_models.errors import InputError
 from er_models.files import write_whole
 from er_models.forms.relative import STATES as RELATIVE
+from er_models.gain_file import Document, digest, read
 from er_models.linear import LinearForm, fingerprint
 from er_models.model import Array, Model
 
 from er_observers.claim_file import claim_of, sections
 from er_observers.forms import SENSORS, form_of
-from er_observers.gain_file import Document, digest, read
 from er_observers.observers.kernel import SUBSTEP
 from er_observers.observers.matrices import Plan, bridge_plan, plan_of
 from er_observers.observers.sample import Layout

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import yaml
 from er_models.errors import InputError
+from er_models.gain_file import digest
 from er_models.model import Model
-from er_observers.gain_file import digest
 from er_observers.gains import Gains, save_gains
 from er_observers.observers.evaluate import SCENARIOS, evaluate
 from er_observers.observers.known import OBSERVERS

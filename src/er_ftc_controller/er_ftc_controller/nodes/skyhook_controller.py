@@ -12,6 +12,7 @@ from time import monotonic, perf_counter
 
 from er_ros_common.builders import Tick
 from er_ros_common.clock import from_stamp, now, wall_timer
+from er_ros_common.common_parameters import awaited_listeners, oldest_sample
 from er_ros_common.graph_check import connected, watch
 from er_ros_common.health import Health, Report
 from er_ros_common.help import Card
@@ -45,16 +46,8 @@ class SkyhookParameters:
     timeout: float = param(
         0.05, unit="s", low=0.005, high=1.0, text="silence of the inputs that makes it safe"
     )
-    max_age: float = param(
-        0.02,
-        unit="s",
-        low=0.0,
-        high=1.0,
-        text="oldest sample that is used; 0: any (simulated time)",
-    )
-    listeners: int = param(
-        0, low=0, high=100, text="subscribers of its output to find before it is ready"
-    )
+    max_age: float = oldest_sample()
+    listeners: int = awaited_listeners()
 
 
 class SkyhookController(Node):

@@ -101,6 +101,20 @@ def _amplitudes(effect: Effect) -> list[int]:
     ]
 
 
+def additions(
+    base: Candidate, effect: Effect, points: list[dict[str, float]], problem: Problem
+) -> Array:
+    """What an effect adds to the prediction of a fitted model (n, k) with each of these values."""
+    model = base.fit.model
+    grown = model.with_effect(effect.name, points[0])
+    offset = model.catalogue.offsets[effect.name]
+    vectors = np.tile(grown.compiled().p, (len(points), 1))
+    for row, point in zip(vectors, points, strict=True):
+        row[offset : offset + len(effect.names)] = [point[n] for n in effect.names]
+    predicted = problem.force - base.fit.residual
+    return np.asarray(np.nan_to_num(problem.predict_many(grown, vectors) - predicted).T)
+
+
 def screen(
     base: Candidate, effect: Effect, problem: Problem
 ) -> tuple[list[dict[str, float]], float, float]:
@@ -109,16 +123,8 @@ def screen(
     Where amplitudes switch the effect on, a start promises what it gains once they are scaled; where none
     does (a limit whose neutral value is infinite), what it gains as it is.
     """
-    model, train = base.fit.model, problem.train
-    points = starts(effect, problem)
-    grown = model.with_effect(effect.name, points[0])
-    offset = model.catalogue.offsets[effect.name]
-    vectors = np.tile(grown.compiled().p, (len(points), 1))
-    for row, point in zip(vectors, points, strict=True):
-        row[offset : offset + len(effect.names)] = [point[n] for n in effect.names]
-    base_force = problem.force - base.fit.residual
-    directions = (problem.predict_many(grown, vectors) - base_force)[:, train].T
-    directions = np.nan_to_num(directions)
+    train, points = problem.train, starts(effect, problem)
+    directions = additions(base, effect, points, problem)[train]
     j, r = base.fit.jacobian[train], base.fit.residual[train]
     absorbed = j @ np.linalg.lstsq(j, directions, rcond=1e-10)[0]
     outside = directions - absorbed

@@ -12,7 +12,7 @@ import numpy as np
 from er_models.model import Array
 from numpy.typing import NDArray
 
-from er_model_lab.diagnose.candidates import Candidate, starts
+from er_model_lab.diagnose.candidates import Candidate, additions, starts
 from er_model_lab.prepare import FOLDS, Problem
 
 Mask = NDArray[np.bool_]
@@ -48,7 +48,8 @@ def largest(base: Candidate, rivals: list[Candidate], problem: Problem, errors: 
     for rival in rivals:
         tangent = _blocks(_scaled(rival.fit.jacobian, train), e, edges)
         falls = [_mean([b.square - t.square for b, t in zip(blocks, tangent, strict=True)])]
-        d = _scaled(_directions(base, rival, problem), train)
+        effect = base.fit.model.catalogue[rival.name]
+        d = _scaled(additions(base, effect, starts(effect, problem), problem), train)
         if d.shape[1]:
             falls += list(_mean(_falls(blocks, j, d, e, edges)))
         best = np.maximum(best, np.sqrt(np.maximum(falls, 0.0)).max(axis=0))
@@ -58,19 +59,6 @@ def largest(base: Candidate, rivals: list[Candidate], problem: Problem, errors: 
 def _mean(falls: list[Array]) -> Array:
     """Mean over the blocks."""
     return np.asarray(np.mean(falls, axis=0))
-
-
-def _directions(base: Candidate, rival: Candidate, problem: Problem) -> Array:
-    """What an effect adds to the force (n, k) from each of its starts."""
-    model, effect = base.fit.model, base.fit.model.catalogue[rival.name]
-    points = starts(effect, problem)
-    grown = model.with_effect(effect.name, points[0])
-    offset = model.catalogue.offsets[effect.name]
-    vectors = np.tile(grown.compiled().p, (len(points), 1))
-    for row, point in zip(vectors, points, strict=True):
-        row[offset : offset + len(effect.names)] = [point[n] for n in effect.names]
-    force = problem.force - base.fit.residual
-    return np.nan_to_num(problem.predict_many(grown, vectors) - force).T
 
 
 def _scaled(columns: Array, train: Mask) -> Array:

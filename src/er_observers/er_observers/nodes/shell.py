@@ -12,6 +12,7 @@ from er_models.errors import InputError
 from er_models.files import load_model
 from er_ros_common.builders import Tick
 from er_ros_common.clock import from_stamp, now, wall_timer
+from er_ros_common.common_parameters import awaited_listeners, oldest_sample
 from er_ros_common.graph_check import connected, watch
 from er_ros_common.health import Health, Report
 from er_ros_common.help import Card
@@ -56,16 +57,8 @@ class ObserverParameters:
     timeout: float = param(
         0.05, unit="s", low=0.005, high=1.0, text="silence after which the estimate is not valid"
     )
-    max_age: float = param(
-        0.02,
-        unit="s",
-        low=0.0,
-        high=1.0,
-        text="oldest sample that is used; 0: any (simulated time)",
-    )
-    listeners: int = param(
-        0, low=0, high=100, text="subscribers of its output to find before it is ready"
-    )
+    max_age: float = oldest_sample()
+    listeners: int = awaited_listeners()
 
 
 class ObserverNode(Node):
@@ -80,7 +73,6 @@ class ObserverNode(Node):
         model = load_model(p.model_file)
         self.gains = ready(p.gains_file, model, name)
         refuse_deflection(p.gains_file, self.gains)
-        self._warm_up()
         self.limits = StampLimits(stale=p.max_age, gap=p.timeout)
         self.feed, self.stamps, self.base = Feed(), StampState(), 0
         self.state: observer.State | None = None
@@ -99,11 +91,6 @@ class ObserverNode(Node):
         self.health = Health(self, self.report, model_id=model.digest(), gains_id=gains_id)
         wall_timer(self, WATCH_PERIOD, self.on_watch)
         wall_timer(self, 1.0, self.on_second)
-
-    def _warm_up(self) -> None:
-        """Compile everything before the first sample is waiting for it."""
-        state = observer.start(self.gains, observer.Sample(0.0, 0.1, -0.1, 0.0))
-        observer.step(self.gains, state, observer.Sample(0.005, 0.1, -0.1, 0.0))
 
     def _gain_info(self) -> str:
         g = self.gains

@@ -14,15 +14,15 @@ from er_observers.scenarios.scenario import Scenario
 
 NLPV = np.array([0.01, -0.1, 0.001, -0.1, 5.0])
 _Z_0 = np.array([0.01, -0.4, 0.001, -0.15, 2.0])
-_R = np.array([
+R = np.array([
     [0.0017, 0.0017, -7.4710e-05, 1.8433e-05, -1.9070e-04],
     [-0.0906, 1.6206e-05, -7.1142e-07, 3.4945e-07, 8.9622e-06],
     [-3.2373e-07, -3.2373e-07, -3.2373e-07, -3.5062e-09, -1.8944e-05],
     [-1.6206e-05, 0.0906, 7.1142e-07, -3.4945e-07, -8.9622e-06],
     [7.1142e-07, 7.1142e-07, 0.0906, 1.5340e-08, 3.9342e-07],
 ])  # fmt: skip
-UNIFIED = _R @ _Z_0
-"""R z_0 as printed in 3.4.1; at rest the accelerations add nothing."""
+UNIFIED = R @ _Z_0
+"""R z_0, R as printed in 3.4.1; at rest the accelerations add nothing."""
 
 
 def first_state(

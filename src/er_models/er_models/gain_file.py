@@ -1,4 +1,4 @@
-"""Reading of gain files value by value: each is checked, each complaint is one line."""
+"""Gain files of observers and controllers, value by value: each is checked, each complaint is one line."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
+
 from er_models.errors import InputError
 from er_models.model import Array
+from er_models.yaml_file import read_yaml
 
 
 @dataclass(frozen=True)
@@ -65,13 +66,7 @@ class Document:
 
 def read(path: Path) -> Document:
     """Parsed YAML mapping of a file."""
-    if not path.is_file():
-        raise InputError(path, "", "a gain file", "a folder" if path.is_dir() else "no file")
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        problem = getattr(error, "problem", None) or "no text"
-        raise InputError(path, "", "valid YAML", problem) from error
+    content = read_yaml(path, "a gain file")
     if not isinstance(content, dict):
         raise InputError(path, "", "a mapping of names to values", type(content).__name__)
     return Document(path, content)

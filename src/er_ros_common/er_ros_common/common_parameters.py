@@ -1,0 +1,18 @@
+"""Parameters that every node which follows samples has, in the same words and within the same bounds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from er_ros_common.parameter_table import param
+
+
+def oldest_sample() -> Any:
+    """Field `max_age`: samples older than this are not used [s]."""
+    text = "oldest sample that is used; 0: any (simulated time)"
+    return param(0.02, unit="s", low=0.0, high=1.0, text=text)
+
+
+def awaited_listeners() -> Any:
+    """Field `listeners`: how many must have found the output before the node is ready."""
+    return param(0, low=0, high=100, text="subscribers of its output to find before it is ready")
