@@ -147,15 +147,23 @@ def fault_estimate(
     deviations: Sequence[float],
     states: Sequence[int],
     *,
+    kind: int = FaultEstimate.KIND_UNKNOWN,
+    certainty: float = 0.0,
+    residual: float = 0.0,
+    test_ratio: float = 0.0,
+    unexplained: bool = False,
     status: int = OK,
     valid: bool = True,
 ) -> FaultEstimate:
-    """Effectiveness f1, f2, f3 [1], their standard deviations [1] and a FAULT_* each."""
+    """Effectiveness f1, f2, f3 [1], their standard deviations [1], a FAULT_* each; which fault, what is left [N]."""
     if not len(factors) == len(deviations) == len(states) == 3:
         raise ValueError("three factors, three standard deviations and three states are needed")
     numbers = {f"f{i}": value for i, value in enumerate(factors, 1)}
     numbers |= {f"f{i}_sd": value for i, value in enumerate(deviations, 1)}
+    numbers |= {"certainty": certainty, "residual": residual, "test_ratio": test_ratio}
     message = _filled(FaultEstimate(), tick, numbers, status, valid=valid)
+    message.kind = integer("kind", kind, 8)
+    message.unexplained = truth("unexplained", unexplained)
     for i, state in enumerate(states, 1):
         setattr(message, f"f{i}_status", integer(f"f{i}_status", state, 8))
     return message

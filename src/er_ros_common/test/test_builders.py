@@ -29,6 +29,8 @@ ONE_NUMBER: dict[str, Callable[[Any], Any]] = {
     "displacement": lambda v: b.road_displacement(TICK, v),
     "duty": lambda v: b.pwm_duty(TICK, v),
     "f2": lambda v: b.fault_estimate(TICK, (1.0, v, 1.0), (0.1, 0.1, 0.1), HEALTHY),
+    "certainty": lambda v: b.fault_estimate(TICK, (1, 1, 1), (0, 0, 0), HEALTHY, certainty=v),
+    "residual": lambda v: b.fault_estimate(TICK, (1, 1, 1), (0, 0, 0), HEALTHY, residual=v),
     "f3_sd": lambda v: b.fault_estimate(TICK, (1.0, 1.0, 1.0), (0.1, 0.1, v), HEALTHY),
     "output_rate": lambda v: b.node_status(TICK, "/n", "run", timing=b.Timing(output_rate=v)),
 }
@@ -100,6 +102,7 @@ def test_command_carries_its_own_sequence_number_and_applied_that_of_the_command
         ("source", lambda v: b.pwm_duty(TICK, 0.1, source=v)),
         ("command_seq", lambda v: b.pwm_duty(TICK, 0.1, command_seq=v)),
         ("f2_status", lambda v: b.fault_estimate(TICK, (1, 1, 1), (0, 0, 0), (1, v, 1))),
+        ("kind", lambda v: b.fault_estimate(TICK, (1, 1, 1), (0, 0, 0), HEALTHY, kind=v)),
         ("non_finite", lambda v: b.node_status(TICK, "/n", "run", non_finite=v)),
     ],
 )
