@@ -1,16 +1,15 @@
-r"""One sample of the fault-tolerant LPV controller: from deflection, its velocity and known faults to a duty.
+r"""One sample of the fault-tolerant LPV controller: from deflection, its velocity and known faults to a force.
 
 .. math::  u_{er} = C(\rho) x_c, \quad x_c^+ = A(\rho) x_c + B(\rho) z_{def}, \quad \rho^+ = \rho(\varepsilon)
 
 A, B, C are straight lines in rho between the exactly discretised vertices, which is what the certificate proves
 for a rho that jumps at will. rho is that of the sample before: the force depends on it, and it on the force.
 
-Source: thesis (6.14)-(6.17), (6.27); inverse damper model with the sign of the deflection velocity.
+Source: thesis (6.14)-(6.17), (6.27). The duty for the force: `er_ftc_controller.force_loop`.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -43,14 +42,13 @@ class State(NamedTuple):
     rho: float
 
 
-class Command(NamedTuple):
-    """Duty [1]; force asked for and nearest that can be given [N]; rho; whether the sample was usable."""
+class Asked(NamedTuple):
+    """Force asked for and nearest that can be given [N], passive force left in the damper [N], rho."""
 
-    duty: float
     wanted: float
     given: float
+    passive: float
     rho: float
-    usable: bool
 
 
 def controller(
@@ -69,15 +67,19 @@ def start(p: Lpv) -> State:
     return State(np.zeros(p.A.shape[1]), p.schedule.high)
 
 
-def step(p: Lpv, state: State, x: float, v: float, left: Factors) -> tuple[State, Command]:
-    """Duty for a deflection [m], its velocity [m/s] and the faults; a sample that is no number gets the least duty."""
-    if not (math.isfinite(x) and math.isfinite(v)):
-        return start(p), Command(p.duties[0], 0.0, 0.0, p.schedule.high, usable=False)
+def step(
+    p: Lpv, state: State, x: float, v: float, left: Factors, restore: float = 0.0
+) -> tuple[State, Asked]:
+    """Force for a deflection [m], its velocity [m/s], both finite, and the faults.
+
+    restore: share of the passive force lost to them that the field is to give back.
+    """
     share = (state.rho - p.schedule.low) / (p.schedule.high - p.schedule.low)
     A, B, C = ((1.0 - share) * part[0] + share * part[1] for part in (p.A, p.B, p.C))
     at = np.array(x), np.array(v)
-    wanted = float(p.damper.passive(*at, left)) + float(C @ state.x)
+    passive = float(p.damper.passive(*at, left))
+    lost = float(p.damper.passive(*at)) - passive
+    wanted = passive + float(C @ state.x) + restore * lost
     given, distance = project(wanted, p.damper.domain(*at, p.duties, left))
-    duty = p.damper.duty_for(np.array(given), *at, p.duties, left).duty
-    command = Command(float(duty), wanted, given, state.rho, usable=True)
-    return State(A @ state.x + B * x, scheduling(p.schedule, distance)), command
+    asked = Asked(wanted, given, passive, state.rho)
+    return State(A @ state.x + B * x, scheduling(p.schedule, distance)), asked

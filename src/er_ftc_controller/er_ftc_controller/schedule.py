@@ -56,6 +56,17 @@ def scheduling(p: Schedule, distance: float) -> float:
     return p.low + (p.high - p.low) * min(max(distance / p.mu - 1.0, 0.0), 1.0)
 
 
+def kept_after(tau: float, time: float) -> float:
+    """Share of a yield force that is left after a time [s] without field."""
+    return math.exp(-time / tau) if tau > 0.0 else 0.0
+
+
+def respond(tau: float, force: float, goal: float, time: float) -> float:
+    """Yield force [N] after a time [s] on its way to a goal held: tau F' + F = goal (2.10), solved."""
+    kept = kept_after(tau, time)
+    return kept * force + (1.0 - kept) * goal
+
+
 def reachable(
     damper: StaticDamper,
     tau: float,
@@ -72,10 +83,9 @@ def reachable(
     tau = 0, it is the static domain at once.
     """
     x, v = motion
-    kept = math.exp(-horizon / tau) if tau > 0.0 else 0.0
     gate, passive = float(damper.gate(x, v)), float(damper.passive(x, v, left))  # type: ignore[arg-type]
     ends = [
-        passive + kept * yield_force + (1.0 - kept) * float(damper.height(u, left)) * gate
+        passive + respond(tau, yield_force, float(damper.height(u, left)) * gate, horizon)
         for u in duties
     ]
     return Domain(np.asarray(min(ends)), np.asarray(max(ends)))

@@ -1,4 +1,4 @@
-"""One sample of the LPV controller: the given force is made, lies in the faulty domain, and bad samples are safe."""
+"""One sample of the LPV controller: what is given lies in the faulty domain, and the inverse damper model makes it."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from er_ftc_controller.force_loop import ForceLoop, LoopState, duty_for
 from er_ftc_controller.gains import load_gains
 from er_ftc_controller.lpv import Lpv, controller, start, step
 from er_models.files import load_model
@@ -30,10 +31,16 @@ def lpv() -> Lpv:
 def test_the_duty_makes_the_nearest_force_of_the_faulty_damper(lpv: Lpv) -> None:
     state, t = start(lpv), 0.005 * np.arange(600)
     x, v = 0.006 * np.sin(25.0 * t), 0.15 * np.cos(25.0 * t)
+    inverse = ForceLoop(lpv.damper, 0.03, lpv.duties, horizon=math.inf, least_gate=0.0)
     rhos, inside = [], 0
     for a, b in zip(x, v, strict=True):
         state, command = step(lpv, state, float(a), float(b), LEAK)
-        force = lpv.damper.force(np.array(a), np.array(b), command.duty, LEAK)
+        gate = float(lpv.damper.gate(a, b))
+        loop, duty = duty_for(
+            inverse, LoopState(gate=gate), command.given - command.passive, 0.005, LEAK
+        )
+        assert loop.duty == duty
+        force = lpv.damper.force(np.array(a), np.array(b), duty, LEAK)
         assert float(force) == pytest.approx(command.given, abs=1e-9)
         domain = lpv.damper.domain(np.array(a), np.array(b), lpv.duties, LEAK)
         assert domain.low - 1e-9 <= command.given <= domain.high + 1e-9
@@ -52,10 +59,12 @@ def test_a_constant_deflection_ends_at_the_vertex_own_gain(lpv: Lpv) -> None:
     assert np.allclose(state.x, settled, rtol=1e-3)
 
 
-@pytest.mark.parametrize("bad", [(math.nan, 0.0), (0.0, math.inf)])
-def test_samples_that_are_no_numbers_get_the_least_duty(
-    lpv: Lpv, bad: tuple[float, float]
-) -> None:
-    _, command = step(lpv, start(lpv), *bad, Factors())
-    assert not command.usable
-    assert command.duty == lpv.duties[0]
+def test_what_a_leak_took_of_the_passive_force_is_asked_for_again(lpv: Lpv) -> None:
+    state, (x, v) = start(lpv), (0.002, 0.1)
+    _, without = step(lpv, state, x, v, LEAK)
+    _, half = step(lpv, state, x, v, LEAK, restore=0.5)
+    lost = 0.4 * float(lpv.damper.passive(np.array(x), np.array(v)))
+    assert half.wanted - without.wanted == pytest.approx(0.5 * lost)
+    assert step(lpv, state, x, v, Factors(electrical=0.5), 1.0)[1].wanted == pytest.approx(
+        step(lpv, state, x, v, Factors())[1].wanted
+    )

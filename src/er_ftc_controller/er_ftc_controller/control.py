@@ -1,0 +1,248 @@
+r"""The whole fault-tolerant controller, one pure step: from samples and fault estimates to a duty, with its mode.
+
+``hear(p, state, faults)`` when a fault estimate arrives, ``step(p, state, t, sample)`` at each sample, and with
+None for the sample while none comes. Nothing raises; what is wrong shows as mode and reason.
+
+- *nominal*: no loss is certain; the domain is that of the healthy damper.
+- *fault_tolerant*: the domain (6.14) is that of the estimated faults, which are faded in and out.
+- *safe*: no usable sample for `timeout`, or no force left to control: a constant duty.
+
+Modes change without a bump: factors move at `fade`, and the duty is a mixture of the safe and the controlled one
+whose share moves from 1 to 0 in `ramp` and back in `recovery`.
+
+Source: thesis (6.12)-(6.17), figure 6.11; modes, ramps and what is held are ours.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple
+
+from er_models.errors import InputError
+from er_models.forms.loss import Factors
+
+from er_ftc_controller import force_loop, lpv
+from er_ftc_controller.force_loop import ForceLoop, LoopState, Motion
+
+SLACK = 1e-9
+"""Times that are closer are equal: stamps are sums of rounded periods [s]."""
+
+
+class Mode(Enum):
+    """What the controller does."""
+
+    NOMINAL = "nominal"
+    FAULT_TOLERANT = "fault_tolerant"
+    SAFE = "safe"
+
+
+@dataclass(frozen=True)
+class Rules:
+    """When the mode changes, and how fast.
+
+    safe_duty [1]; timeout: silence that makes it safe [s]; ramp: to the safe duty [s]; recovery: back [s]; gap: jump
+    of time that starts the controller afresh [s]; believed: largest deflection [m] and velocity [m/s]; fade: fastest
+    change of a factor [1/s]; fault_age: after which an estimate is old [s]; least_left: share of the field's force
+    below which nothing is left to control; restore: share of the lost passive force that the field gives back;
+    adapt: whether the domain follows the faults (False: the nominal LPV controller).
+    """
+
+    safe_duty: float
+    believed: tuple[float, float]
+    timeout: float = 0.025
+    ramp: float = 0.02
+    recovery: float = 0.1
+    gap: float = 0.05
+    fade: float = 2.0
+    fault_age: float = 0.5
+    least_left: float = 0.05
+    restore: float = 0.0
+    adapt: bool = True
+
+    def __post_init__(self) -> None:
+        for name in ("timeout", "ramp", "recovery", "gap", "fade", "fault_age", "believed"):
+            value = getattr(self, name)
+            if not all(v > 0.0 for v in (value if isinstance(value, tuple) else (value,))):
+                raise InputError("ftc_controller", name, "above 0", value)
+        for name in ("safe_duty", "least_left", "restore"):
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise InputError("ftc_controller", name, "0 to 1", getattr(self, name))
+
+
+@dataclass(frozen=True, eq=False)
+class Ftc:
+    """The LPV controller, the inner loop of the force, the rules of the modes.
+
+    body: sprung mass [kg] and spring [N/m], which tell the force where no sample holds one; None: nothing does.
+    """
+
+    law: lpv.Lpv
+    loop: ForceLoop
+    rules: Rules
+    body: tuple[float, float] | None = None
+
+
+class Sample(NamedTuple):
+    """Deflection [m], its velocity [m/s]; sprung acceleration [m/s2], force [N], duty that acted: NaN for none."""
+
+    deflection: float
+    velocity: float
+    sprung_acceleration: float = math.nan
+    force: float = math.nan
+    duty: float = math.nan
+
+
+class Faults(NamedTuple):
+    """Estimate at time t [s]: factors f1, f2, f3; whether a loss is certain; whether the estimate may be used."""
+
+    t: float
+    electrical: float
+    leakage: float
+    deformation: float
+    certain: bool
+    usable: bool
+
+
+class Command(NamedTuple):
+    """Duty [1]; its mode and why; force asked for and nearest that can be given [N]; rho; the factors in use."""
+
+    duty: float
+    mode: Mode
+    reason: str
+    wanted: float
+    given: float
+    rho: float
+    left: tuple[float, float, float]
+
+
+HEALTHY = (1.0, 1.0, 1.0)
+
+
+class State(NamedTuple):
+    """Memory between samples.
+
+    t: of the last call [s], None before; heard: of the last usable sample; share: of the controlled duty, 0 safe;
+    left: factors in use; aim: where they go; faults: last usable estimate; control, loop: of their own; command.
+    """
+
+    t: float | None
+    heard: float | None
+    share: float
+    left: tuple[float, float, float]
+    aim: tuple[float, float, float]
+    faults: Faults | None
+    refused: bool
+    control: lpv.State
+    loop: LoopState
+    command: Command
+
+
+def start(p: Ftc) -> State:
+    """Safe, until samples come."""
+    duty = p.rules.safe_duty
+    first = Command(duty, Mode.SAFE, "no sample yet", 0.0, 0.0, p.law.schedule.high, HEALTHY)
+    loop = LoopState(duty=duty)
+    return State(None, None, 0.0, HEALTHY, HEALTHY, None, False, lpv.start(p.law), loop, first)
+
+
+def hear(p: Ftc, state: State, faults: Faults) -> State:
+    """Take an estimate of the faults; one that may not be used, or is none, leaves the factors as they are."""
+    values = (faults.electrical, faults.leakage, faults.deformation)
+    if not (faults.usable and all(0.0 <= v <= 1.0 for v in values) and math.isfinite(faults.t)):
+        return state._replace(refused=True)
+    aim = values if faults.certain and p.rules.adapt else HEALTHY
+    return state._replace(aim=aim, faults=faults, refused=False)
+
+
+def step(p: Ftc, state: State, t: float, sample: Sample | None) -> tuple[State, Command]:
+    """Command from time t [s] on; sample None, or one that is not usable: the time goes on without one."""
+    if not math.isfinite(t) or (state.t is not None and -p.rules.gap < t - state.t <= SLACK):
+        return state, state.command
+    state, dt = _aged(p, state, t)
+    lost = force_left(state.left) < p.rules.least_left
+    usable = sample is not None and _usable(p, sample)
+    if usable:
+        state = state._replace(heard=t)
+    awake = state.heard is not None and t - state.heard <= p.rules.timeout + SLACK
+    running = awake and not lost
+    share = state.share + (dt / p.rules.recovery if running else -dt / p.rules.ramp)
+    state = state._replace(share=min(max(share, 0.0), 1.0))
+    if usable and sample is not None:
+        state = _controlled(p, state, sample, dt)
+    mode, reason = _mode(p, state, t, running=running, lost=lost)
+    duty = p.rules.safe_duty + state.share * (state.loop.duty - p.rules.safe_duty)
+    command = state.command._replace(duty=duty, mode=mode, reason=reason, left=state.left)
+    return state._replace(command=command), command
+
+
+def force_left(left: tuple[float, float, float]) -> float:
+    """Share of the field's force that the faults leave, f1 f2 f3."""
+    return left[0] * left[1] * left[2]
+
+
+def _aged(p: Ftc, state: State, t: float) -> tuple[State, float]:
+    """The state at time t with its factors faded, and the time since the last call; a jump of time starts afresh."""
+    dt = 0.0 if state.t is None else t - state.t
+    if not 0.0 <= dt <= p.rules.gap + SLACK:  # whoever applies duties has gone to the safe one
+        state = state._replace(
+            heard=None, faults=None, share=0.0, control=lpv.start(p.law), loop=LoopState()
+        )
+        dt = 0.0
+    room = p.rules.fade * dt
+    moved = (v + min(max(a - v, -room), room) for v, a in zip(state.left, state.aim, strict=True))
+    f1, f2, f3 = moved
+    return state._replace(t=t, left=(f1, f2, f3)), dt
+
+
+def _usable(p: Ftc, sample: Sample) -> bool:
+    """Whether deflection and velocity are numbers within belief; comparisons with NaN are false."""
+    far, fast = p.rules.believed
+    return abs(sample.deflection) <= far and abs(sample.velocity) <= fast
+
+
+def _controlled(p: Ftc, state: State, sample: Sample, dt: float) -> State:
+    """Controller and force loop one sample on."""
+    left, (x, v) = Factors(*state.left), sample[:2]
+    control, asked = lpv.step(p.law, state.control, x, v, left, p.rules.restore)
+    loop = state.loop._replace(duty=state.command.duty)
+    motion = Motion(x, v, _force(p, sample), sample.duty)
+    loop = force_loop.follow(p.loop, loop, motion, dt, left)
+    loop, _ = force_loop.duty_for(p.loop, loop, asked.given - asked.passive, dt, left)
+    command = state.command._replace(wanted=asked.wanted, given=asked.given, rho=asked.rho)
+    return state._replace(control=control, loop=loop, command=command)
+
+
+def _force(p: Ftc, sample: Sample) -> float:
+    """Damper force [N] of a sample, measured or from the body's balance; NaN for none."""
+    if p.body is None or not math.isnan(sample.force):
+        return sample.force
+    return force_loop.balance(*p.body, sample.sprung_acceleration, sample.deflection)
+
+
+def _mode(p: Ftc, state: State, t: float, *, running: bool, lost: bool) -> tuple[Mode, str]:
+    """Mode and why."""
+    if state.heard is None:
+        return Mode.SAFE, "no sample yet"
+    if lost:
+        return Mode.SAFE, "the faults leave no force to control"
+    if not running:
+        return Mode.SAFE, f"no usable sample for {p.rules.timeout:g} s"
+    if not p.rules.adapt:
+        return Mode.NOMINAL, ""
+    reason = _trust(p, state, t)
+    if state.left == HEALTHY and state.aim == HEALTHY:
+        return Mode.NOMINAL, reason
+    return Mode.FAULT_TOLERANT, reason or "a loss is certain"
+
+
+def _trust(p: Ftc, state: State, t: float) -> str:
+    """What is wrong with the estimate of the faults; empty for nothing."""
+    if state.faults is None and state.aim == HEALTHY:
+        return "no usable fault estimate yet: a healthy damper is assumed"
+    if state.faults is None or t - state.faults.t > p.rules.fault_age:
+        return "the fault estimate is old: the last factors are held"
+    if state.refused:
+        return "the fault estimate may not be used: the last factors are held"
+    return ""
