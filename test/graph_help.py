@@ -20,6 +20,7 @@ VEHICLE = str(CONFIG / "vehicles/inove_quarter_car.yaml")
 GAINS = str(CONFIG / "gains/nlpv_polytopic.yaml")
 MODULES = {
     "plant": "er_plant_sim.nodes.plant",
+    "ftc_controller": "er_ftc_controller.nodes.ftc_controller",
     "skyhook_controller": "er_ftc_controller.nodes.skyhook_controller",
     "unified_observer": "er_observers.nodes.unified_observer",
     "nlpv_polytopic_observer": "er_observers.nodes.nlpv_polytopic_observer",

@@ -29,7 +29,7 @@ def specs(*pairs: str) -> dict[str, NodeSpec]:
     ("pair", "words"),
     [
         ("contrller:=none", r"contrller: expected a known key \(did you mean controller\?\)"),
-        ("controller:=pid", "controller: expected one of skyhook, none, found 'pid'"),
+        ("controller:=pid", "controller: expected one of skyhook, ftc, none, found 'pid'"),
         ("duration:=long", "duration: expected a number, found 'long'"),
         ("seed:=1.5", "seed: expected an integer, found '1.5'"),
         ("controller", "controller: expected KEY:=VALUE"),
@@ -76,6 +76,15 @@ def test_the_default_graph_is_a_closed_loop_with_three_observers() -> None:
     assert found["plant"].parameters["wait_for_nodes"] == list(found)[:-1]
     assert found["skyhook_controller"].parameters["listeners"] == 1
     assert found["nlpv_polytopic_observer"].parameters["listeners"] == 0
+
+
+def test_the_fault_tolerant_controller_gets_the_model_and_its_gains() -> None:
+    found = specs("controller:=ftc", "mode:=lockstep")["ftc_controller"]
+    assert str(found.parameters["model_file"]).endswith("vehicles/inove_quarter_car.yaml")
+    assert str(found.parameters["gains_file"]).endswith("gains/lpv_ftc.yaml")
+    assert found.files[0].endswith("nodes/ftc_controller.yaml")
+    assert found.parameters["timeout"] == 1.0
+    assert "timeout" not in specs("controller:=ftc")["ftc_controller"].parameters
 
 
 def test_files_of_own_effects_reach_the_plant_alone(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ PACKAGE = "er_ftc_controller"
 setup(
     name=PACKAGE,
     version="0.1.0",
-    description="Controllers of the semi-active damper: skyhook, synthesis of the fault-tolerant LPV controller.",
+    description="Controllers of the semi-active damper: Skyhook, fault-tolerant LPV.",
     license="Apache-2.0",
     maintainer="ER damper developers",
     maintainer_email="maintainers@er-damper.invalid",
@@ -22,6 +22,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
+            "ftc_controller = er_ftc_controller.nodes.ftc_controller:main",
             "skyhook_controller = er_ftc_controller.nodes.skyhook_controller:main",
         ],
     },

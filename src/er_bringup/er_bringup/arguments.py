@@ -37,7 +37,7 @@ ARGUMENTS = (
     Argument(
         "rate_factor", "1.0", "speed of simulated time; 0 in lockstep: no waiting", kind=float
     ),
-    Argument("controller", "skyhook", "controller to run", choices=("skyhook", "none")),
+    Argument("controller", "skyhook", "controller to run", choices=("skyhook", "ftc", "none")),
     Argument("duty", "command", "who says the duty of the plant", choices=("command", "program")),
     Argument(
         "observers",

@@ -137,6 +137,13 @@ def _controllers(given: Mapping[str, str]) -> list[Role]:
 def _controller(given: Mapping[str, str], config: Path, role: Role) -> NodeSpec:
     listeners = bool(given["record"]) + _commanded(given)
     parameters: dict[str, Value] = {"listeners": listeners}
+    if role is CONTROLLERS["ftc"]:
+        parameters["model_file"] = find(given["model"], config, "vehicles")
+        parameters["gains_file"] = find("lpv_ftc", config, "gains")
+        if (
+            given["mode"] != "realtime"
+        ):  # the pace is not that of the clock that silence is measured by
+            parameters["timeout"] = 1.0
     return _spec(role, given, (_own(role, config),), parameters | _time(given))
 
 

@@ -27,6 +27,9 @@ class Role:
 PLANT = Role("er_plant_sim", "plant", ())
 RECORDER = Role("er_model_lab", "recorder", tuple(PUBLISHED))
 CONTROLLERS = {
+    "ftc": Role(
+        "er_ftc_controller", "ftc_controller", ("acceleration", "deflection"), "pwm/command"
+    ),
     "skyhook": Role(
         "er_ftc_controller", "skyhook_controller", ("acceleration", "deflection"), "pwm/command"
     ),

@@ -15,7 +15,7 @@ from er_models.linear import fingerprint
 from er_models.model import Model
 
 from er_ftc_controller.synthesis.certificate import proved
-from er_ftc_controller.synthesis.lmi import Solution, Vertex
+from er_ftc_controller.synthesis.solution import Solution, Vertex
 from er_ftc_controller.synthesis.weights import Plant, Weights, generalised_plant
 
 SCHEMA = "er_lpv_gains 1"

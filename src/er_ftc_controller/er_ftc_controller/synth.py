@@ -17,7 +17,8 @@ from rich.table import Table
 
 from er_ftc_controller.gains import save_gains
 from er_ftc_controller.synthesis.certificate import Certificate, certify
-from er_ftc_controller.synthesis.lmi import Solution, Wish, passive_gamma, solve
+from er_ftc_controller.synthesis.lmi import Wish, passive_gamma, solve
+from er_ftc_controller.synthesis.solution import Solution
 from er_ftc_controller.synthesis.study import HERTZ, Peaks, gains, passive_gains, peaks, trade_off
 from er_ftc_controller.synthesis.weights import generalised_plant, weights_for
 

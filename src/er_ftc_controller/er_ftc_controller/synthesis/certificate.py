@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from er_models.exact import exact, is_positive_definite
@@ -12,10 +12,8 @@ from er_models.forms.response import frequency_response
 from er_models.model import Array
 from scipy.linalg import expm
 
+from er_ftc_controller.synthesis.solution import Solution, Vertex
 from er_ftc_controller.synthesis.weights import Plant
-
-if TYPE_CHECKING:
-    from er_ftc_controller.synthesis.lmi import Solution, Vertex
 
 HERTZ = np.geomspace(1e-3, 2e3, 4000)
 """Frequencies of the sweep: from a climb to far beyond every pole."""

@@ -28,8 +28,8 @@ import cvxpy as cp
 import numpy as np
 from cvxpy.atoms.affine.bmat import bmat
 from er_models.errors import ErError
-from er_models.model import Array
 
+from er_ftc_controller.synthesis.solution import Solution, Vertex
 from er_ftc_controller.synthesis.weights import Plant
 
 STRICT = 1e-7
@@ -49,27 +49,6 @@ class Wish:
     radius: float = 250.0
     held_back: float = 1.3
     slack: float = 1.03
-
-
-@dataclass(frozen=True, eq=False)
-class Vertex:
-    """The controller at one rho, scaled as its plant: A (n, n), B (n, 1), C (1, n); its gamma."""
-
-    rho: float
-    A: Array
-    B: Array
-    C: Array
-    gamma: float
-
-
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """Vertices, the Lyapunov matrix P (2n, 2n) of the closed loop, the least gamma, the solver's word."""
-
-    vertices: tuple[Vertex, ...]
-    P: Array
-    optimum: float
-    status: str
 
 
 @dataclass(frozen=True, eq=False)

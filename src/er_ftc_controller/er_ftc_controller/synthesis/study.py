@@ -12,7 +12,8 @@ from er_models.forms.response import frequency_response
 from er_models.model import Array, Model
 
 from er_ftc_controller.synthesis.certificate import closed_loop
-from er_ftc_controller.synthesis.lmi import Vertex, passive_gamma, smallest
+from er_ftc_controller.synthesis.lmi import passive_gamma, smallest
+from er_ftc_controller.synthesis.solution import Vertex
 from er_ftc_controller.synthesis.weights import Plant, Weights, generalised_plant
 
 HERTZ = np.geomspace(0.1, 60.0, 800)

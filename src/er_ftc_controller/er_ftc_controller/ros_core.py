@@ -1,0 +1,175 @@
+"""The fault-tolerant controller on messages: no node, no clock. Live and in replay the same messages give the same.
+
+A sample is deflection and acceleration of one tick, whichever comes first. A fault estimate acts on samples that are
+`SETTLED` younger, so that its own time of arrival changes nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from er_models.files import load_model
+from er_ros_common.builders import Tick
+from er_ros_common.clock import from_stamp
+from er_ros_common.core import Said, When
+from er_ros_common.stamps import StampLimits, StampState, check_stamp
+
+from er_damper_msgs.msg import FaultEstimate, PwmDuty
+from er_ftc_controller import control
+from er_ftc_controller.align import Aligner
+from er_ftc_controller.control import Command, Faults, Mode, Sample
+from er_ftc_controller.gains import load_gains
+from er_ftc_controller.settings import FtcParameters, controller_of
+from er_ros_common import builders, topics
+
+SETTLED = 0.02
+"""Age at which a fault estimate acts [s]: above what messages are late by, far below what faults take."""
+WAITING = 64
+"""Fault estimates kept until they act."""
+_SOURCE = {
+    Mode.NOMINAL: PwmDuty.SOURCE_NOMINAL,
+    Mode.FAULT_TOLERANT: PwmDuty.SOURCE_FTC,
+    Mode.SAFE: PwmDuty.SOURCE_SAFE,
+}
+_CERTAIN = (FaultEstimate.FAULT_CONFIRMED, FaultEstimate.FAULT_CONFOUNDED)
+_USABLE = (FaultEstimate.STATUS_OK, FaultEstimate.STATUS_DEGRADED)
+
+
+class State(NamedTuple):
+    """What the controller knows; halves of samples; estimates that wait, by stamp [ns]; checks of stamps.
+
+    last: the last sample; heard: when the last usable one came [ns, steady]; base: stamp of the first one; counts.
+    """
+
+    mind: control.State
+    pairs: Aligner[float, tuple[float, float]]
+    waiting: tuple[tuple[int, Faults], ...]
+    stamps: StampState
+    last: Tick
+    heard: int
+    base: int
+    unusable: int
+    told: int
+
+
+class FtcCore:
+    """Files are read here, and never again."""
+
+    inputs = (topics.ACCELERATION, topics.DEFLECTION, topics.FAULT)
+    outputs = (topics.PWM_COMMAND,)
+
+    def __init__(self, p: FtcParameters) -> None:
+        self.p = p
+        model = load_model(p.model_file)
+        loaded = load_gains(p.gains_file, model)
+        self.controller = controller_of(p, model, loaded)
+        self.limits = StampLimits(stale=p.max_age, gap=self.controller.rules.gap)
+        self.model_id, self.gains_id = model.digest(), loaded.digest
+        warm = control.start(self.controller)
+        control.step(self.controller, warm, 0.0, Sample(0.0, 0.0, 0.0))
+
+    def start(self) -> State:
+        """Before any message."""
+        mind, last = control.start(self.controller), Tick(0, 0)
+        return State(mind, Aligner(), (), StampState(), last, 0, 0, 0, 0)
+
+    def on_message(
+        self, state: State, topic: topics.Topic, message: Any, when: When
+    ) -> tuple[State, list[Said]]:
+        """Take a message of one of the inputs; what is to be published for it."""
+        if topic is topics.FAULT:
+            return _waiting(state, message), []
+        stamp = from_stamp(message.header.stamp)
+        if topic is topics.ACCELERATION:
+            # one that is not valid leaves the sample without a force, not without a duty
+            value = message.sprung if message.valid else math.nan
+            pairs, pair = state.pairs.with_left(stamp, value)
+        elif message.valid and message.velocity_valid:
+            pairs, pair = state.pairs.with_right(stamp, (message.deflection, message.velocity))
+        else:
+            return state._replace(unusable=state.unusable + 1), []
+        state = state._replace(pairs=pairs)
+        if pair is None:
+            return state, []
+        return self._sample(state, Tick(stamp, message.seq), Sample(*pair[1], pair[0]), when)
+
+    def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
+        """Go on without samples where they stay away, towards the safe duty."""
+        silent = 1e-9 * (when.steady - state.heard)
+        if not state.heard or silent <= self.p.timeout:
+            return state, []
+        t = 1e-9 * (state.last.stamp - state.base) + silent
+        mind, command = control.step(self.controller, state.mind, t, None)
+        if mind is state.mind:
+            return state, []
+        now = when.system if when.system is not None else state.last.stamp
+        tick = Tick(max(now, state.last.stamp), state.last.seq)
+        return state._replace(mind=mind), [_command(tick, command)]
+
+    def last_words(self, state: State, now: int) -> list[Said]:
+        """The safe duty, for somebody who stops the controller at a time [ns]."""
+        command = state.mind.command._replace(duty=self.p.safe_duty, mode=Mode.SAFE)
+        return [_command(Tick(max(now, state.last.stamp), state.last.seq), command)]
+
+    def _sample(
+        self, state: State, tick: Tick, sample: Sample, when: When
+    ) -> tuple[State, list[Said]]:
+        """Answer a whole sample."""
+        arrival = when.system if self.p.max_age else None
+        stamps, verdict = check_stamp(self.limits, state.stamps, tick.stamp, tick.seq, arrival)
+        state = state._replace(stamps=stamps)
+        if not verdict.use:
+            return state, []
+        base = state.base or tick.stamp
+        t = 1e-9 * (tick.stamp - base)
+        state = self._heard(state._replace(base=base), tick.stamp)
+        mind, command = control.step(self.controller, state.mind, t, sample)
+        good = mind.heard == t
+        state = state._replace(
+            mind=mind, last=tick, heard=when.steady if good else state.heard,
+            unusable=state.unusable + (not good),
+        )  # fmt: skip
+        return state, [_command(tick, command)]
+
+    def _heard(self, state: State, stamp: int) -> State:
+        """The newest estimate that is old enough for a sample, taken; later ones go on waiting."""
+        limit = stamp - round(1e9 * SETTLED)
+        due = [each for each in state.waiting if each[0] <= limit]
+        if not due:
+            return state
+        newest, faults = max(due, key=lambda each: each[0])
+        faults = faults._replace(t=1e-9 * (newest - state.base))
+        mind = control.hear(self.controller, state.mind, faults)
+        rest = tuple(each for each in state.waiting if each[0] > limit)
+        return state._replace(mind=mind, waiting=rest, told=state.told + 1)
+
+
+def _waiting(state: State, message: FaultEstimate) -> State:
+    """The state with one more estimate that waits."""
+    one = (from_stamp(message.header.stamp), faults_of(message))
+    return state._replace(waiting=(*state.waiting, one)[-WAITING:])
+
+
+def faults_of(message: FaultEstimate) -> Faults:
+    """What a message says of the faults, but when; not valid, or something unexplained beside them: not to be used."""
+    states = (message.f1_status, message.f2_status, message.f3_status)
+    usable = (
+        message.valid
+        and message.status in _USABLE
+        and not message.unexplained
+        and FaultEstimate.FAULT_UNKNOWN not in states
+    )
+    certain = any(s in _CERTAIN for s in states)
+    return Faults(0.0, message.f1, message.f2, message.f3, certain, usable)
+
+
+def _command(tick: Tick, command: Command) -> Said:
+    """The message of a command."""
+    safe = command.mode is Mode.SAFE
+    status = PwmDuty.STATUS_LOST if safe else PwmDuty.STATUS_OK
+    message = builders.pwm_duty(tick, command.duty, source=_SOURCE[command.mode], status=status)
+    return topics.PWM_COMMAND, message
+
+
+CORES = {"ftc_controller": (FtcParameters, FtcCore)}

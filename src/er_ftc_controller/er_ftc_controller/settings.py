@@ -1,0 +1,99 @@
+"""Parameters of the fault-tolerant controller, and the controller they describe. No ROS here."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from er_models.errors import InputError
+from er_models.model import Model
+from er_models.static_damper import static_damper
+from er_ros_common.common_parameters import awaited_listeners, oldest_sample
+from er_ros_common.parameter_table import REQUIRED, param
+
+from er_ftc_controller import lpv
+from er_ftc_controller.control import Ftc, Rules
+from er_ftc_controller.force_loop import ForceLoop
+from er_ftc_controller.gains import Loaded
+
+LAWS = ("fault_tolerant", "nominal")
+FORCES = ("none", "acceleration")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FtcParameters:
+    """Parameters of the node."""
+
+    model_file: str = param(REQUIRED, text="model of the vehicle the gains were made for")
+    gains_file: str = param(REQUIRED, text="gains of the LPV controller for this model")
+    law: str = param(
+        "fault_tolerant", choices=LAWS, text="nominal: the domain of forces stays the healthy one"
+    )
+    u_min: float = param(REQUIRED, low=0.0, high=1.0, text="least duty")
+    u_max: float = param(REQUIRED, low=0.0, high=1.0, text="greatest duty")
+    safe_duty: float = param(REQUIRED, low=0.0, high=1.0, text="duty without usable samples")
+    mu: float = param(REQUIRED, unit="N", low=1e-6, high=1e6, text="dead zone of rho (6.16)")
+    largest_deflection: float = param(
+        REQUIRED, unit="m", low=1e-6, high=10.0, text="largest deflection that is believed"
+    )
+    largest_velocity: float = param(
+        REQUIRED, unit="m/s", low=1e-6, high=1e3, text="largest deflection velocity believed"
+    )
+    force_source: str = param(
+        "acceleration", choices=FORCES, text="what tells the force loop the force"
+    )
+    horizon: float = param(
+        0.01, unit="s", low=0.0, high=10.0, text="of the force loop; 0: inverse static model"
+    )
+    correction: float = param(
+        0.3, low=0.0, high=1.0, text="share of the force's error taken over a sample"
+    )
+    latency: float = param(
+        0.0, unit="s", low=0.0, high=0.1, text="from a sample to the duty that answers it"
+    )
+    slew: float = param(
+        0.0, unit="1/s", low=0.0, high=1e4, text="fastest change of the duty; 0: any"
+    )
+    dead_zone: float = param(0.0, low=0.0, high=0.5, text="duties below it become u_min")
+    least_gate: float = param(
+        0.2, low=0.0, high=0.9, text="share of the yield below which the duty stays"
+    )
+    restore: float = param(
+        0.0, low=0.0, high=1.0, text="share of the lost passive force that the field gives back"
+    )
+    timeout: float = param(
+        0.025, unit="s", low=0.005, high=1.0, text="silence of the inputs that makes it safe"
+    )
+    ramp: float = param(0.02, unit="s", low=0.001, high=1.0, text="way to the safe duty")
+    recovery: float = param(0.1, unit="s", low=0.001, high=10.0, text="way back from it")
+    fade: float = param(
+        2.0, unit="1/s", low=0.01, high=100.0, text="fastest change of a factor in use"
+    )
+    fault_age: float = param(
+        0.5, unit="s", low=0.01, high=60.0, text="age after which a fault estimate is old"
+    )
+    least_left: float = param(
+        0.05, low=0.0, high=0.9, text="share of the field's force below which it is safe"
+    )
+    max_age: float = oldest_sample()
+    listeners: int = awaited_listeners()
+
+
+def controller_of(p: FtcParameters, model: Model, loaded: Loaded) -> Ftc:
+    """The controller; raises `InputError` where values contradict or the damper has no static law."""
+    damper, duties = static_damper(model), (p.u_min, p.u_max)
+    if not p.u_min <= p.u_max:
+        raise InputError("ftc_controller", "u_min, u_max", "u_min <= u_max", duties)
+    tau = model.value("response", "tau") if "response" in model.effects else 0.0
+    loop = ForceLoop(
+        damper, tau, duties, p.horizon or math.inf, p.correction, p.latency,
+        p.slew or math.inf, p.dead_zone, p.least_gate,
+    )  # fmt: skip
+    rules = Rules(
+        p.safe_duty, (p.largest_deflection, p.largest_velocity), p.timeout, p.ramp, p.recovery,
+        gap=max(0.05, 2.0 * p.timeout), fade=p.fade, fault_age=p.fault_age, least_left=p.least_left,
+        restore=p.restore, adapt=p.law == "fault_tolerant",
+    )  # fmt: skip
+    car = model.effects["quarter_car"]
+    body = (car["m_s"], car["k_s"]) if p.force_source == "acceleration" else None
+    return Ftc(lpv.controller(loaded, damper, duties, p.mu), loop, rules, body)

@@ -1,0 +1,131 @@
+"""The controller on messages: the same messages give the same commands, whatever their order within a tick."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from er_ftc_controller.ros_core import FtcCore, State
+from er_ftc_controller.settings import FtcParameters
+from er_ros_common.builders import (
+    Tick,
+    fault_estimate,
+    suspension_acceleration,
+    suspension_deflection,
+)
+from er_ros_common.core import When
+
+from er_damper_msgs.msg import FaultEstimate, PwmDuty
+from er_ros_common import topics
+
+CONFIG = Path(__file__).resolve().parents[3] / "config"
+BASE, PERIOD = 1_700_000_000_000_000_000, 5_000_000
+CONFIRMED = (FaultEstimate.FAULT_HEALTHY, FaultEstimate.FAULT_CONFIRMED) * 2
+
+
+@pytest.fixture(scope="module")
+def core() -> FtcCore:
+    file = CONFIG / "nodes" / "ftc_controller.yaml"
+    values = yaml.safe_load(file.read_text())["/**"]["ros__parameters"]
+    car, gains = CONFIG / "vehicles/inove_quarter_car.yaml", CONFIG / "gains/lpv_ftc.yaml"
+    return FtcCore(FtcParameters(model_file=str(car), gains_file=str(gains), **values))
+
+
+def stamp(k: int) -> int:
+    return BASE + k * PERIOD
+
+
+def halves(k: int) -> list[tuple[topics.Topic, Any]]:
+    """Acceleration and deflection of tick k on a ride of 4 Hz."""
+    w, t = 2.0 * math.pi * 4.0, 0.005 * k
+    tick = Tick(stamp(k), k)
+    return [
+        (topics.ACCELERATION, suspension_acceleration(tick, 0.5 * math.sin(w * t), 0.0)),
+        (topics.DEFLECTION, suspension_deflection(tick, 0.003 * math.sin(w * t), 0.075 * math.cos(w * t))),
+    ]  # fmt: skip
+
+
+def leak(k: int, **changed: Any) -> tuple[topics.Topic, Any]:
+    """An estimate of a leak, made at tick k."""
+    factors, deviations = (1.0, 0.6, 1.0), (0.02,) * 3
+    return topics.FAULT, fault_estimate(
+        Tick(stamp(k), k), factors, deviations, CONFIRMED[:3], **changed
+    )
+
+
+def play(
+    core: FtcCore, messages: list[tuple[topics.Topic, Any]], state: State | None = None
+) -> tuple[State, list[PwmDuty]]:
+    """All commands for messages that come when they were measured."""
+    state, said = state or core.start(), []
+    for topic, message in messages:
+        s = message.header.stamp
+        now = s.sec * 1_000_000_000 + s.nanosec + 1_000_000
+        state, out = core.on_message(state, topic, message, When(now, now))
+        said += [m for _, m in out]
+    return state, said
+
+
+def test_order_within_a_tick_and_lateness_of_estimates_change_nothing(core: FtcCore) -> None:
+    early = [m for k in range(1, 200) for m in [*halves(k), leak(k)]]
+    late = [m for k in range(1, 200) for m in ([leak(k - 3)] if k > 3 else []) + halves(k)[::-1]]
+    (_, first), (_, second) = play(core, early), play(core, late)
+    assert len(first) == 199
+    assert [(m.duty, m.source, m.seq) for m in first] == [
+        (m.duty, m.source, m.seq) for m in second
+    ]
+    assert {m.source for m in first} == {PwmDuty.SOURCE_NOMINAL, PwmDuty.SOURCE_FTC}
+    assert first[-1].header.stamp == halves(199)[0][1].header.stamp
+    (_, healthy) = play(core, [m for k in range(1, 200) for m in halves(k)])
+    assert [m.duty for m in healthy] != [m.duty for m in first]
+
+
+@pytest.mark.parametrize(
+    "changed", [{"unexplained": True}, {"valid": False}, {"status": FaultEstimate.STATUS_LOST}]
+)
+def test_estimates_that_prove_no_fault_are_not_acted_on(
+    core: FtcCore, changed: dict[str, Any]
+) -> None:
+    state, said = play(core, [m for k in range(1, 60) for m in [*halves(k), leak(k, **changed)]])
+    assert {m.source for m in said} == {PwmDuty.SOURCE_NOMINAL}
+    assert "no usable fault estimate" in state.mind.command.reason
+
+
+def test_silence_ends_at_the_safe_duty_within_50_ms(core: FtcCore) -> None:
+    state, _ = play(core, [m for k in range(1, 100) for m in halves(k)])
+    last, said = stamp(99) + 1_000_000, []
+    for ms in range(1, 60, 5):
+        when = When(last + 1_000_000 * ms, last + 1_000_000 * ms)
+        state, out = core.on_time(state, when)
+        said += [(ms, m) for _, m in out]
+    assert all(ms > 25 for ms, _ in said)
+    safe = [ms for ms, m in said if m.duty == core.p.safe_duty]
+    assert safe
+    assert safe[0] <= 50
+    assert said[-1][1].source == PwmDuty.SOURCE_SAFE
+    state, again = play(core, [m for k in range(120, 140) for m in halves(k)], state)
+    assert {m.source for m in again} == {PwmDuty.SOURCE_NOMINAL}
+
+
+def test_a_missing_acceleration_costs_the_force_not_the_duty(core: FtcCore) -> None:
+    blind = [
+        (topics.ACCELERATION, suspension_acceleration(Tick(stamp(k), k), 0.0, 0.0, valid=False))
+        for k in range(1, 50)
+    ]
+    messages = [m for k, b in enumerate(blind, 1) for m in (b, halves(k)[1])]
+    _, said = play(core, messages)
+    assert len(said) == 49
+    assert {m.source for m in said} == {PwmDuty.SOURCE_NOMINAL}
+
+
+def test_old_double_and_invalid_samples_are_counted_and_not_answered(core: FtcCore) -> None:
+    state, _ = play(core, [m for k in range(1, 20) for m in halves(k)])
+    state, said = play(core, [*halves(10), *halves(19)], state)
+    assert not said
+    tick = Tick(stamp(20), 20)
+    bad = (topics.DEFLECTION, suspension_deflection(tick, 0.0, 0.0, valid=False))
+    state, said = play(core, [bad], state)
+    assert (said, state.unusable) == ([], 1)

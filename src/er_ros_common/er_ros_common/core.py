@@ -1,0 +1,39 @@
+"""What a node computes, apart from the node: messages in, messages out, with a state in between.
+
+A core reads its files when it is made and never again, knows no clock, and is told when things came. So a recording
+that is played to it gives, bit for bit, what the node said.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Protocol
+
+from er_ros_common.topics import Topic
+
+Said = tuple[Topic, Any]
+"""A message to be published, and where."""
+
+
+class When(NamedTuple):
+    """When something came: on the steady clock [ns], and on the node's own [ns], None where ages mean nothing."""
+
+    steady: int
+    system: int | None
+
+
+class Core(Protocol):
+    """Inputs, outputs, and the steps between."""
+
+    inputs: tuple[Topic, ...]
+    outputs: tuple[Topic, ...]
+
+    def start(self) -> Any:
+        """State before any message."""
+
+    def on_message(
+        self, state: Any, topic: Topic, message: Any, when: When
+    ) -> tuple[Any, list[Said]]:
+        """The state after a message, and what is to be published for it."""
+
+    def on_time(self, state: Any, when: When) -> tuple[Any, list[Said]]:
+        """The same where only time has gone on; called often, says something where inputs stay away."""
