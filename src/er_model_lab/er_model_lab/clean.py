@@ -13,6 +13,7 @@ from er_models.errors import InputError
 
 from er_model_lab import repair, sampling
 from er_model_lab.record import CHANNELS, Record
+from er_model_lab.timing import timing_of
 
 MIN_SECONDS = 2.0
 MIN_SAMPLES = 200
@@ -42,6 +43,7 @@ def clean(record: Record) -> list[Record]:
             short.
     """
     check_time(record)
+    record = replace(record, timing=timing_of(record.t))
     record = repair.drop_held(record)
     check_repeats(record)
     check_values(record)

@@ -72,10 +72,40 @@ Smallest = Annotated[
     float,
     typer.Option(help="Effects smaller than this share of the noise are given no name."),
 ]
+Anyway = Annotated[
+    bool,
+    typer.Option(
+        "--anyway", help="Use data that fail the preflight all the same (exit status 3)."
+    ),
+]
 EffectsFrom = Annotated[
     list[Path] | None,
     typer.Option("--effects-from", help="Python file with effects of your own. Repeatable."),
 ]
+
+
+@app.command()
+def check(
+    data: Data,
+    model: Annotated[
+        Path | None,
+        typer.Option("--model", help="Model whose rig says how far the data could reach."),
+    ] = None,
+    json_file: Json = None,
+    report: Report = None,
+    effects_from: EffectsFrom = None,
+) -> None:
+    """Check measurements before anything is fitted: sampling, clipping, units, clocks, and what they cover."""
+    from er_model_lab.preflight import command
+
+    outcome = _run(
+        lambda: command.run(data, model, tuple(effects_from or ())),
+        json_file,
+        report,
+        strict=False,
+    )
+    if outcome.result["verdict"] != "usable":
+        raise typer.Exit(2)
 
 
 @app.command()
@@ -88,12 +118,13 @@ def compare(
     effects_from: EffectsFrom = None,
     level: Level = "damper",
     seed: Seed = 0,
+    anyway: Anyway = False,
 ) -> None:
     """Predict and compare: errors, and where the model fails."""
     from er_model_lab import commands, vehicle
 
     def work() -> Outcome:
-        asked = _asked(data, model, seed, hold_out, effects_from, level)
+        asked = _asked(data, model, seed, hold_out, effects_from, level, anyway)
         return vehicle.compare(asked) if level == "vehicle" else commands.compare(asked)
 
     _run(work, json_file, report)
@@ -111,13 +142,14 @@ def diagnose(
     seed: Seed = 0,
     false_alarm: FalseAlarm = RULE.false_alarm,
     smallest: Smallest = RULE.smallest,
+    anyway: Anyway = False,
 ) -> None:
     """Refit the model, then say which effect is missing, with evidence."""
     from er_model_lab import commands
 
     def work() -> Outcome:
         with _progress("trying effects", effects_from) as tick:
-            asked = _asked(data, model, seed, hold_out, effects_from, level)
+            asked = _asked(data, model, seed, hold_out, effects_from, level, anyway)
             return commands.diagnose(replace(asked, rule=Rule(false_alarm, smallest)), tick)
 
     _run(work, json_file, report)
@@ -137,6 +169,7 @@ def add(
     effects_from: EffectsFrom = None,
     level: Level = "damper",
     seed: Seed = 0,
+    anyway: Anyway = False,
 ) -> None:
     """Add one effect, refit everything, and show the error before and after."""
     from er_model_lab import commands
@@ -144,7 +177,7 @@ def add(
     def work() -> Outcome:
         with _progress(f"adding {effect}", effects_from) as tick:
             return commands.add(
-                _asked(data, model, seed, hold_out, effects_from, level), effect, out, tick
+                _asked(data, model, seed, hold_out, effects_from, level, anyway), effect, out, tick
             )
 
     _run(work, json_file, report, out)
@@ -163,13 +196,14 @@ def improve(
     seed: Seed = 0,
     false_alarm: FalseAlarm = RULE.false_alarm,
     smallest: Smallest = RULE.smallest,
+    anyway: Anyway = False,
 ) -> None:
     """Diagnose and add, again and again, until the model is adequate or nothing known helps."""
     from er_model_lab import commands
 
     def work() -> Outcome:
         with _progress("trying effects", effects_from) as tick:
-            asked = _asked(data, model, seed, hold_out, effects_from, level)
+            asked = _asked(data, model, seed, hold_out, effects_from, level, anyway)
             return commands.improve(replace(asked, rule=Rule(false_alarm, smallest)), out, tick)
 
     _run(work, json_file, report, out)
@@ -186,6 +220,7 @@ def identify(
     level: Level = "damper",
     seed: Seed = 0,
     effects_from: EffectsFrom = None,
+    anyway: Anyway = False,
 ) -> None:
     """Identify every parameter in stages, as in chapter 1 of the thesis, and say what the data cannot tell."""
     from er_model_lab.identify import command
@@ -193,7 +228,9 @@ def identify(
     def work() -> Outcome:
         _damper_only(level, "identify")
         with _stages("identifying", command.STEPS) as tick:
-            return command.run(_asked(data, model, seed, hold_out, effects_from), out, tick)
+            return command.run(
+                _asked(data, model, seed, hold_out, effects_from, anyway=anyway), out, tick
+            )
 
     _run(work, json_file, report, out)
 
@@ -275,6 +312,7 @@ def _asked(
     hold_out: list[Path] | None,
     effects_from: list[Path] | None,
     level: str = "damper",
+    anyway: bool = False,
 ) -> Request:
     """The request of a command line."""
     from er_model_lab.commands import Request
@@ -282,7 +320,13 @@ def _asked(
     if level not in ("damper", "vehicle"):
         raise InputError("--level", "", "damper or vehicle", level)
     return Request(
-        data, model, seed, tuple(hold_out or ()), tuple(effects_from or ()), level=level
+        data,
+        model,
+        seed,
+        tuple(hold_out or ()),
+        tuple(effects_from or ()),
+        level=level,
+        anyway=anyway,
     )
 
 
@@ -301,7 +345,9 @@ def _run(
     json_file: Path | None,
     report: Path | None,
     out: Path | None = None,
-) -> None:
+    *,
+    strict: bool = True,
+) -> Outcome:
     """Do the work, write what was asked for, print one screen, and exit with the contract's status."""
     try:
         outcome = work()
@@ -313,9 +359,10 @@ def _run(
     except KeyboardInterrupt:
         typer.echo("interrupted: nothing was written", err=True)
         raise typer.Exit(130) from None
-    if not outcome.complete:
+    if strict and not outcome.complete:
         typer.echo("the data were incomplete: see the notes", err=True)
         raise typer.Exit(3)
+    return outcome
 
 
 def _print(outcome: Outcome, page: Path | None, out: Path | None) -> None:

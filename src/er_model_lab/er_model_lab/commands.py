@@ -21,6 +21,7 @@ from er_model_lab.diagnose.floor import noise_floor
 from er_model_lab.diagnose.null import simulate_null
 from er_model_lab.load import fingerprint, load
 from er_model_lab.plan.suggest import suggestions
+from er_model_lab.preflight.check import gate, preflight
 from er_model_lab.present import clean, compare_json, diagnosis_json, headline, study_view, views
 from er_model_lab.record import Record
 from er_model_lab.rule import RULE, Rule
@@ -46,7 +47,7 @@ class Request:
     """What every command is asked: data, data that only score (may be empty), model file and seed.
 
     effects_from: Python files with the user's own effects; rule: when an effect is worth a name;
-    level: damper or vehicle.
+    level: damper or vehicle; anyway: whether data that fail the preflight are used all the same.
     """
 
     data: list[Path]
@@ -56,6 +57,7 @@ class Request:
     effects_from: tuple[Path, ...] = ()
     rule: Rule = RULE
     level: str = "damper"
+    anyway: bool = False
 
     @property
     def catalogue(self) -> Catalogue:
@@ -89,7 +91,7 @@ def read(ask: Request) -> tuple[list[Record], int]:
     sealed = load(ask.hold_out) if ask.hold_out else []
     if not records:
         raise InputError(ask.data[0], "", "at least one record", "none")
-    return [*records, *sealed], len(sealed)
+    return gate([*records, *sealed], anyway=ask.anyway), len(sealed)
 
 
 def provenance(records: list[Record], model: Model, ask: Request) -> dict[str, Any]:
@@ -114,6 +116,7 @@ def compare(ask: Request) -> Outcome:
     tables = region_tables(problem, given, ask.seed)
     result = compare_json(problem, given, floor.floor, explainable, worst(tables))
     result |= {
+        "preflight": preflight(records, model, model.catalogue).as_json(),
         "command": "compare",
         "model": model.name,
         "rmse_refitted": float(np.sqrt(base.mse)),
@@ -206,6 +209,7 @@ def _outcome(
     """JSON and view of a study."""
     result = {"command": command, **diagnosis_json(study, model)}
     origin = provenance(records, study.model, ask)
+    result["preflight"] = preflight(records, study.model, study.model.catalogue).as_json()
     result["provenance"] = origin
     if ask.level == "damper":
         result["next"] = suggestions(result, ask.model_file, ask.data, ask.effects_from)

@@ -14,6 +14,8 @@ import numpy as np
 import numpy.typing as npt
 from er_models.errors import InputError, MissingChannel
 
+from er_model_lab.timing import Timing
+
 Array = npt.NDArray[np.float64]
 
 CHANNELS: dict[str, str] = {
@@ -67,6 +69,7 @@ class Record:
         scales: What 1.0 of a scaled channel means, for instance {"duty": "1 = 1.0 A"}.
         derived: Channels that were computed from others, not measured.
         licence: Licence of the data; empty when not known.
+        timing: How it was sampled before any repair; None when it was not loaded.
     """
 
     name: str
@@ -79,6 +82,7 @@ class Record:
     scales: Mapping[str, str] = field(default_factory=dict)
     derived: tuple[str, ...] = ()
     licence: str = ""
+    timing: Timing | None = None
 
     def __post_init__(self) -> None:
         t = _frozen(self.t)

@@ -18,6 +18,7 @@ from er_model_lab.report.units import gain, newtons, parameter, percent, short, 
 from er_model_lab.report.words import joined, title_of, verdict_sentence, verdict_title
 from er_model_lab.terminal_parameters import parameter_lines
 from er_model_lab.terminal_plan import plan_lines
+from er_model_lab.terminal_preflight import preflight_lines
 from er_model_lab.view import View
 
 WIDTH = 100
@@ -40,6 +41,8 @@ TONES = {
     "one_way": "bold yellow",
     "not_told_apart": "bold red",
     "not_revealed": "bold red",
+    "usable": "bold green",
+    "not_usable": "bold red",
 }
 STATUS = {
     "present": "present",
@@ -75,7 +78,8 @@ class Summary:
         plain = not console.is_terminal or options.ascii_only
         pen = Pen(min(WIDTH, options.max_width), plain=plain)
         parts = (
-            _head, parameter_lines, plan_lines, _candidates, _alternatives, _steps, _regions, _next, _notes,
+            _head, preflight_lines, parameter_lines, plan_lines, _candidates, _alternatives, _steps, _regions,
+            _next, _notes,
         )  # fmt: skip
         lines = [line for part in parts for line in part(self.view, pen)]
         if self.report is not None:

@@ -83,6 +83,38 @@ def entry(effect: str, size: float) -> dict[str, object]:
     }  # fmt: skip
 
 
+PREFLIGHT: dict[str, object] = {
+    "passed": False,
+    "findings": [
+        {
+            "check": "units", "level": "fail", "record": "record_1", "channel": "deflection", "expected": "m",
+            "found": "a channel that looks like mm beside deflection_velocity", "remedy": "convert deflection to m",
+        },
+        {
+            "check": "held", "level": "ok", "record": "record_1", "channel": "", "expected": "no repeats",
+            "found": "no repeats", "remedy": "",
+        },
+    ],
+    "reach": {"deflection": 0.006, "velocity": 0.1, "duty": 0.3, "known_from": "the data"},
+    "cells": [
+        {
+            "name": "far_extension", "region": "deflection beyond 70 %", "need": 0.3, "unit": "s", "have": 0.1,
+            "covered": False, "effects": ["end_stop"],
+        },
+    ],
+    "missing": {"end_stop": ["far_extension"]},
+    "maps": [
+        {
+            "x": "velocity", "x_unit": "m/s", "x_edges": [-0.1, 0.0, 0.1], "y": "duty", "y_unit": "1",
+            "y_edges": [0.0, 0.1, 0.3], "seconds": [[1.0, 0.0], [2.0, 3.0]],
+        },
+        {
+            "x": "duty rate", "x_unit": "1/s", "x_edges": [-1.0, 0.0, 1.0], "y": "", "y_unit": "", "y_edges": [],
+            "seconds": [[1.0, 5.0]],
+        },
+    ],
+}  # fmt: skip
+
 IDENTIFIED: dict[str, object] = {
     "parameters": {
         "guo_yield": {

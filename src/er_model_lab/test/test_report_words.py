@@ -12,7 +12,7 @@ from er_model_lab.report.regions import worst
 from er_model_lab.report.sections import headline
 from er_model_lab.report.units import gain, newtons, parameter, percent, short, ticks, where
 from er_model_lab.report.words import TITLES, verdict_sentence, verdict_title
-from report_views import PLANNED, TABLES, compared, entry, table, view
+from report_views import PLANNED, PREFLIGHT, TABLES, compared, entry, table, view
 
 SAID = {
     "adequate": ("The model is adequate", ["0.600 N", "0.200 N", "No known effect"]),
@@ -31,6 +31,11 @@ SAID = {
     "not_told_apart": ("No program within the limits", ["2 times the noise"]),
     "revealed": ("A program that shows it", ["2 times the noise"]),
     "not_revealed": ("No program within the limits shows it", ["2 times the noise"]),
+    "usable": ("can be used", ["1 of 1 regions are missing; 1 effects"]),
+    "not_usable": (
+        "cannot be used as they are",
+        ["deflection of record 1: a channel that looks like mm"],
+    ),
 }
 
 
@@ -42,6 +47,7 @@ def test_each_verdict_is_said_in_plain_words_with_its_numbers(verdict: str) -> N
         alternatives=group,
         coverage={"blocking": ["only 3 s of data"]},
         why=PLANNED["why"],
+        preflight=PREFLIGHT if verdict != "usable" else {**PREFLIGHT, "findings": []},
     )
     title, pieces = SAID[verdict]
     assert title in verdict_title(v)
@@ -58,8 +64,9 @@ def test_the_words_cover_the_verdicts_of_the_lab() -> None:
     from er_model_lab.diagnose.verdict import Name
     from er_model_lab.identify.findings import Verdict
     from er_model_lab.plan.present import Verdict as Planned
+    from er_model_lab.preflight.check import Verdict as Checked
 
-    known = {*get_args(Name), *get_args(Verdict), *get_args(Planned)}
+    known = {*get_args(Name), *get_args(Verdict), *get_args(Planned), *get_args(Checked)}
     assert set(TITLES) == set(VERDICT) == set(SAID) == known
 
 

@@ -35,8 +35,18 @@ VERDICT: dict[str, str] = {
     "not_told_apart": "#b04a00",
     "revealed": "#00785a",
     "not_revealed": "#b04a00",
+    "usable": "#00785a",
+    "not_usable": "#b04a00",
 }
 """Colour of the banner by verdict; all are dark enough for white text (contrast above 4.5)."""
+
+LEVELS: dict[str, str] = {
+    "fail": "#b04a00",
+    "warning": "#9a6a00",
+    "note": "#5f6b7a",
+    "ok": "#00785a",
+}
+"""Colour of a finding by its level; the level is always written beside it too."""
 
 Stops = tuple[tuple[float, str], ...]
 
@@ -49,6 +59,9 @@ CORRELATION: Stops = (
     (0.0, "#d55e00"), (0.25, "#f2b27f"), (0.5, "#f7f7f7"), (0.75, "#7fb8d9"), (1.0, "#0072b2"),
 )  # fmt: skip
 """Diverging scale of a correlation: pale where there is none."""
+
+COVER: Stops = ((0.0, "#e3edf7"), (0.5, "#6aaed6"), (1.0, "#08306b"))
+"""Sequential scale of time spent: pale where there is little."""
 
 ERROR: Stops = (
     (0.0, "#f3f6fa"), (0.25, "#fdd49e"), (0.5, "#fc8d59"), (0.75, "#d7301f"), (1.0, "#7f0000"),

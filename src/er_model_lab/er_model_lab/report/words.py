@@ -24,6 +24,8 @@ TITLES: dict[str, str] = {
     "not_told_apart": "No program within the limits tells them apart",
     "revealed": "A program that shows it",
     "not_revealed": "No program within the limits shows it",
+    "usable": "The data can be used",
+    "not_usable": "The data cannot be used as they are",
 }
 """Title of the banner by verdict."""
 
@@ -85,6 +87,7 @@ def verdict_sentence(view: View) -> str:
         "partial": _partial,
         "unknown_effect": _unknown, "insufficient_data": _insufficient,
         "identified": _identified, "identified_in_part": _identified,
+        "usable": _checked, "not_usable": _checked,
         **dict.fromkeys(PLANNED, _planned),
     }  # fmt: skip
     maker = makers.get(str(result.get("verdict")))
@@ -178,6 +181,19 @@ def _identified(view: View) -> str:
 
 def _planned(view: View) -> str:
     return str((view.result.get("why") or [""])[0])
+
+
+def _checked(view: View) -> str:
+    found = view.result.get("preflight") or {"findings": (), "cells": (), "missing": {}}
+    bad = [f for f in found["findings"] if f["level"] == "fail"]
+    if bad:
+        f = bad[0]
+        what = f"{f['channel'] or f['check']} of {f['record']}: {f['found']}; {f['remedy']}."
+        return what.replace("_", " ")
+    lacking = sum(not c["covered"] for c in found["cells"])
+    if not lacking:
+        return "They cover every region that an effect of the catalogue needs."
+    return f"{lacking} of {len(found['cells'])} regions are missing; {len(found['missing'])} effects may stay hidden."
 
 
 def _compared(view: View) -> str:

@@ -13,6 +13,7 @@ from er_model_lab.report.sections import (
     headline,
     identified,
     loops,
+    preflight,
     programs,
     provenance,
     residual_maps,
@@ -39,5 +40,6 @@ SECTIONS: tuple[Callable[[View], Section | None], ...] = (
     unexplained.section,
     candidates.section,
     cards.section,
+    preflight.section,
     provenance.section,
 )

@@ -1,0 +1,1 @@
+"""What is asked of measurements before anything is fitted to them."""

@@ -1,0 +1,139 @@
+"""All checks of a data set together, and the gate that stops a command."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+from er_models.catalogue import CATALOGUE, Catalogue
+from er_models.errors import InputError
+from er_models.model import Model
+
+from er_model_lab.preflight import cells, kinematics, samples
+from er_model_lab.preflight.finding import ORDER, Finding
+from er_model_lab.preflight.maps import CoverMap, maps
+from er_model_lab.record import Record
+
+Verdict = Literal["usable", "not_usable"]
+
+
+@dataclass(frozen=True)
+class Preflight:
+    """What was found in all records, worst first, and what the data cover.
+
+    have: how much there is of each region; missing: effect to the regions it lacks.
+    """
+
+    findings: tuple[Finding, ...]
+    reach: cells.Reach
+    have: dict[str, float]
+    missing: dict[str, tuple[str, ...]]
+    maps: tuple[CoverMap, ...]
+
+    @property
+    def failures(self) -> tuple[Finding, ...]:
+        """What stops a command."""
+        return tuple(f for f in self.findings if f.level == "fail")
+
+    @property
+    def verdict(self) -> Verdict:
+        """In one word."""
+        return "usable" if self.passed else "not_usable"
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing stops a command."""
+        return not self.failures
+
+    def counted(self, level: str) -> int:
+        """How many findings there are of a level."""
+        return sum(f.level == level for f in self.findings)
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain data."""
+        return {
+            "passed": self.passed,
+            "findings": [f.as_json() for f in self.findings],
+            "reach": {
+                "deflection": self.reach.deflection, "velocity": self.reach.velocity, "duty": self.reach.duty,
+                "known_from": self.reach.known_from,
+            },
+            "cells": [
+                {
+                    "name": name, "region": cell.text, "need": cell.need, "unit": cell.unit, "have": self.have[name],
+                    "covered": self.have[name] >= cell.need,
+                    "effects": sorted(e for e, lack in self.missing.items() if name in lack),
+                }
+                for name, cell in cells.CELLS.items()
+            ],
+            "missing": {effect: list(lack) for effect, lack in self.missing.items()},
+            "maps": [m.as_json() for m in self.maps],
+        }  # fmt: skip
+
+
+def findings(record: Record) -> list[Finding]:
+    """Everything that is checked of one record; a check that finds nothing says so once."""
+    known = kinematics.pairs(record)
+    found = [
+        *samples.time_findings(record),
+        *samples.held_findings(record),
+        *samples.clipping_findings(record),
+        *kinematics.unit_findings(record, known),
+        *kinematics.clock_findings(record, known),
+        *kinematics.gravity_findings(record),
+        *kinematics.power_findings(record),
+        *kinematics.road_findings(record),
+    ]
+    checks = {"held": "no repeats", "clipping": "no flat tops"}
+    said = {f.check for f in found}
+    found += [
+        Finding(check, "ok", record.name, "", words, words)
+        for check, words in checks.items()
+        if check not in said
+    ]
+    return found if {"units", "clock"} & said else [*found, *kinematics.fine(record, known)]
+
+
+def preflight(
+    records: Sequence[Record], model: Model | None = None, catalogue: Catalogue = CATALOGUE
+) -> Preflight:
+    """Check records; with a model, coverage is measured against the reach of its rig."""
+    found = [f for record in records for f in findings(record)]
+    courses = [cells.course_of(r) for r in records]
+    reach = _reach(model, cells.reach_of(courses))
+    have = cells.counts(courses, reach)
+    return Preflight(
+        tuple(sorted(found, key=lambda f: ORDER[f.level])), reach, have,
+        cells.missing(catalogue, have), maps(courses, reach),
+    )  # fmt: skip
+
+
+def _reach(model: Model | None, seen: cells.Reach) -> cells.Reach:
+    """Reach of the model's rig where it says one, else of the data."""
+    rig = {} if model is None else model.rig
+    known = {
+        "deflection": rig.get("stroke"), "velocity": rig.get("velocity_max"), "duty": rig.get("duty_max"),
+    }  # fmt: skip
+    given = {k: float(v) for k, v in known.items() if v is not None}
+    return replace(seen, **given, known_from="the model's rig") if given else seen  # type: ignore[arg-type]
+
+
+def gate(records: list[Record], *, anyway: bool) -> list[Record]:
+    """The records when nothing is wrong with them; marked incomplete, with notes, when the user wants to go on.
+
+    Raises `InputError` at the first failure, with what to do.
+    """
+    out = []
+    for record in records:
+        failures = [f for f in findings(record) if f.level == "fail"]
+        if failures and not anyway:
+            f = failures[0]
+            more = f" (and {len(failures) - 1} more; ./er lab check)" if len(failures) > 1 else ""
+            where = f"{f.source}: {f.channel}" if f.channel else f.source
+            raise InputError(
+                where, f.check, f.expected, f"{f.found}{more}; {f.remedy}; --anyway goes on"
+            )
+        notes = [f"{f.channel}: expected {f.expected}, found {f.found}" for f in failures]
+        out.append(replace(record, complete=False).noted(*notes) if failures else record)
+    return out

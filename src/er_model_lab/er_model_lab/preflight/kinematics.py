@@ -1,0 +1,257 @@
+"""Units, signs, clocks and offsets of the motion channels, from what each must be of the others."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from er_model_lab.preflight.finding import Finding, Level
+from er_model_lab.preflight.relation import Relation, relate
+from er_model_lab.record import CHANNELS, Array, Record
+
+GRAVITY = 9.80665
+LENGTHS: dict[str, float] = {"mm": 1e3, "cm": 1e2, "inches": 1.0 / 0.0254, "feet": 1.0 / 0.3048}
+"""Units a length may come in, and how many of them are a metre."""
+TOLERANCE = 0.06
+"""Share by which a factor may be off and still be recognised."""
+CONTRADICTION = 0.5
+"""Deviation of a factor from 1 that no unit explains and no sensor has."""
+NOTABLE = 0.02
+"""Deviation of a factor from 1 that is worth a word."""
+LATE = 0.25
+"""Delay between two channels that is worth a word, in samples."""
+AGAINST = -0.3
+"""Correlation of force and velocity below which the sign of one of them is wrong."""
+
+TURNED = "turned"
+ACCELERATION = "sprung_acceleration less unsprung_acceleration"
+ORDERS: dict[str, int] = {"deflection": 0, "deflection_velocity": 1, ACCELERATION: 2}
+"""How often each is a derivative of the deflection."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """One channel as the derivative of another."""
+
+    of: str
+    is_: str
+    relation: Relation
+
+
+def measured(record: Record) -> dict[str, Array]:
+    """The motion channels a record measured (not derived), the accelerations as their difference."""
+    found = {
+        name: record.channels[name]
+        for name in ("deflection", "deflection_velocity")
+        if record.has(name) and name not in record.derived
+    }
+    if record.has("sprung_acceleration") and record.has("unsprung_acceleration"):
+        found[ACCELERATION] = (
+            record.channels["sprung_acceleration"] - record.channels["unsprung_acceleration"]
+        )
+    return found
+
+
+def pairs(record: Record) -> list[Pair]:
+    """What each pair of motion channels says; pairs without anything in common are left out."""
+    found = []
+    for (a, y), (b, z) in itertools.combinations(measured(record).items(), 2):
+        relation = relate(y, z, ORDERS[b] - ORDERS[a], record.dt)
+        if relation is not None:
+            found.append(Pair(a, b, relation))
+    return found
+
+
+def unit_findings(record: Record, known: list[Pair]) -> Iterator[Finding]:
+    """Wrong units and signs, the channel named; else factors that no unit explains."""
+    guess = explained({(p.of, p.is_): p.relation.gain for p in known})
+    if not guess:
+        off = [
+            p for p in known if abs(p.relation.gain - 1.0) > max(NOTABLE, 4.0 * p.relation.gain_sd)
+        ]
+        found = [_gain(record, p, channel) for p, channel in blamed(off, known)]
+        yield from found
+        if all(f.level != "fail" for f in found):
+            yield from offset_findings(record)
+    names = {p.of for p in known} | {p.is_ for p in known}
+    for channel, unit in guess.items():
+        si = CHANNELS.get(channel, "m/s2")
+        others = " and ".join(sorted(names - {channel}, key=len))
+        if unit == TURNED:
+            yield _finding(
+                record, "units", "fail", channel, "extension positive",
+                f"a channel with the opposite sign of {others}", f"multiply {channel} by -1",
+            )  # fmt: skip
+        else:
+            yield _finding(
+                record, "units", "fail", channel, si,
+                f"a channel that looks like {_written(si, unit)} beside {others}", f"convert {channel} to {si}",
+            )  # fmt: skip
+
+
+def blamed(off: list[Pair], known: list[Pair]) -> list[tuple[Pair, str]]:
+    """Pairs that do not fit, each with the channel to blame.
+
+    Where all of them share one channel, and others fit, it is that channel, once; else the derivative of each.
+    """
+    shared = set.intersection(*({p.of, p.is_} for p in off)) if len(off) > 1 else set()
+    if len(off) == len(known) or not shared:
+        return [(p, p.is_) for p in off]
+    return [(off[0], shared.pop())]
+
+
+def _written(si: str, unit: str) -> str:
+    """A unit of length in place of the metre: mm in m/s2 is mm/s2."""
+    return unit if unit == "g" else si.replace("m", unit, 1)
+
+
+def _gain(record: Record, p: Pair, channel: str) -> Finding:
+    """A factor between two channels that no unit explains."""
+    g, sd = p.relation.gain, p.relation.gain_sd
+    fails = abs(g - 1.0) > CONTRADICTION
+    nth = "derivative" if ORDERS[p.is_] - ORDERS[p.of] == 1 else "second derivative"
+    expected = f"the {nth} of {p.of}" if channel == p.is_ else f"a channel whose {nth} is {p.is_}"
+    if channel == p.of:
+        g, sd = 1.0 / g, sd / g**2
+    remedy = "check the calibration of both sensors and the geometry of their mounts"
+    return _finding(
+        record, "units", "fail" if fails else "warning", channel, expected, f"{g:.3g} +- {sd:.1g} times that", remedy
+    )  # fmt: skip
+
+
+def explained(gains: Mapping[tuple[str, str], float]) -> dict[str, str]:
+    """Channel to unit (or sign) of the fewest mistakes that explain all factors; empty when there is none or none do.
+
+    gains: (channel, its derivative) to the factor between them, 1 where both are SI.
+    """
+    names = sorted({n for pair in gains for n in pair}, key=lambda n: ORDERS[n])
+    units = {n: [("", 1.0), *_units(n), (TURNED, -1.0)] for n in names}
+    found: list[tuple[int, dict[str, str]]] = []
+    for choice in itertools.product(*units.values()):
+        factor = dict(zip(names, (f for _, f in choice), strict=True))
+        if all(_near(g, factor[b] / factor[a]) for (a, b), g in gains.items()):
+            wrong = {n: u for n, (u, _) in zip(names, choice, strict=True) if u}
+            found.append((len(wrong), wrong))
+    count, wrong = min(found, key=lambda f: f[0], default=(0, {}))
+    # factors that need every channel to be wrong are no units
+    return wrong if count < len(names) else {}
+
+
+def _units(name: str) -> list[tuple[str, float]]:
+    """Units a channel may come in, and how many of them are one of SI."""
+    lengths = list(LENGTHS.items())
+    return [*lengths, ("g", 1.0 / GRAVITY)] if name == ACCELERATION else lengths
+
+
+def _near(found: float, expected: float) -> bool:
+    """Whether a factor is the expected one, within what a sensor's gain may be off."""
+    return bool(found / expected > 0.0 and abs(np.log(found / expected)) < TOLERANCE)
+
+
+def clock_findings(record: Record, known: list[Pair]) -> Iterator[Finding]:
+    """Delays between the motion channels."""
+    late = [
+        p
+        for p in known
+        if abs(p.relation.delay) > max(LATE * record.dt, 4.0 * p.relation.delay_sd)
+    ]
+    for p, channel in blamed(late, known):
+        delay, sd = p.relation.delay, p.relation.delay_sd
+        delay = delay if channel == p.is_ else -delay
+        side = "after" if delay > 0 else "before"
+        other = p.of if channel == p.is_ else p.is_
+        yield _finding(
+            record, "clock", "warning", channel, f"the clock of {other}",
+            f"{1e3 * abs(delay):.2f} +- {1e3 * sd:.1g} ms {side} it",
+            "look for a filter or another clock; a lag of the velocity channel is found as velocity_lag",
+        )  # fmt: skip
+
+
+def gravity_findings(record: Record) -> Iterator[Finding]:
+    """Gravity left in an accelerometer."""
+    for name in ("sprung_acceleration", "unsprung_acceleration"):
+        if record.has(name) and 0.5 < abs(float(record.channels[name].mean())) / GRAVITY < 1.5:
+            yield _finding(
+                record, "bias", "fail", name, "gravity removed",
+                f"a mean of {float(record.channels[name].mean()):.4g} m/s2", f"take gravity off {name}",
+            )  # fmt: skip
+
+
+def offset_findings(record: Record) -> Iterator[Finding]:
+    """A velocity channel that does not add up to the deflection."""
+    have = measured(record)
+    if "deflection" not in have or "deflection_velocity" not in have:
+        return
+    x, v = have["deflection"], have["deflection_velocity"]
+    seconds = (len(record) - 1) * record.dt
+    offset = float(np.mean(0.5 * (v[1:] + v[:-1])) - (x[-1] - x[0]) / seconds)
+    moving = float(np.sqrt(np.mean((v - v.mean()) ** 2)))
+    noise = float(np.quantile(np.abs(np.diff(v, 3)), 0.25) / 0.3186 / np.sqrt(20.0))
+    sd = noise / np.sqrt(len(record)) + np.sqrt(2.0) * _small(x) / seconds
+    if abs(offset) > max(6.0 * sd, 2e-3 * moving):
+        yield _finding(
+            record, "bias", "warning", "deflection_velocity", "zero at standstill",
+            f"{1e3 * offset:.3g} mm/s more than the deflection moves",
+            "zero the sensor; the force of the field turns within a few mm/s",
+        )  # fmt: skip
+
+
+def _small(x: Array) -> float:
+    """Noise of the ends of a deflection, not less than its resolution."""
+    return float(np.quantile(np.abs(np.diff(x, 3)), 0.25) / 0.3186 / np.sqrt(20.0)) + 1e-9
+
+
+def power_findings(record: Record) -> Iterator[Finding]:
+    """A damper takes power out of the motion: force and velocity that say otherwise have a wrong sign."""
+    if not (record.has("damper_force") and record.has("deflection_velocity")):
+        return
+    f, v = record.channels["damper_force"], record.channels["deflection_velocity"]
+    f, v = f - f.mean(), v - v.mean()
+    size = float(np.sqrt(np.mean(f**2) * np.mean(v**2)))
+    if size > 0.0 and float(np.mean(f * v)) / size < AGAINST:
+        yield _finding(
+            record, "power", "fail", "damper_force", "a force that resists extension to be positive",
+            f"a correlation of {float(np.mean(f * v)) / size:.2f} with the velocity: it would drive the motion",
+            "turn the sign of the force, or that of the deflection and its velocity",
+        )  # fmt: skip
+
+
+def road_findings(record: Record) -> Iterator[Finding]:
+    """The road beside the acceleration of the wheel, which follows it at low frequencies."""
+    if not (record.has("road") and record.has("unsprung_acceleration")):
+        return
+    relation = relate(
+        record.channels["road"], record.channels["unsprung_acceleration"], 2, record.dt, 4.0
+    )
+    if relation is None or 0.1 < abs(relation.gain) < 10.0:
+        return
+    near = [u for u, f in LENGTHS.items() if 0.4 < abs(relation.gain) * f < 2.5]
+    yield _finding(
+        record, "units", "fail", "road", "m",
+        f"a road of which the wheel follows {abs(relation.gain):.3g}" + (f": looks like {near[0]}" if near else ""),
+        "convert the road to m",
+    )  # fmt: skip
+
+
+def fine(record: Record, known: list[Pair]) -> Iterator[Finding]:
+    """Pairs of channels that agree, with factor and delay."""
+    if not known:
+        names = ", ".join(measured(record)) or "none"
+        words = f"motion measured by {names}: nothing to compare it with"
+        yield Finding("units", "note", record.name, "", "two channels of the motion", words)
+    for p in known:
+        g, late = p.relation, 1e3 * p.relation.delay
+        words = f"{g.gain:.3f} +- {g.gain_sd:.1g} times what {p.of} says, {late:+.2f} +- {1e3 * g.delay_sd:.1g} ms"
+        yield Finding("units", "ok", record.name, p.is_, f"the derivative of {p.of}", words)
+
+
+def _finding(
+    record: Record, check: str, level: Level, channel: str, expected: str, found: str, remedy: str
+) -> Finding:
+    """A finding of this record."""
+    return Finding(
+        check, level, record.name, channel, expected, found, remedy, record.source or record.name
+    )

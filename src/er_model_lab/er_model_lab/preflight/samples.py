@@ -1,0 +1,187 @@
+"""Sampling, dropouts, held samples and clipping of one record."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from er_model_lab.preflight.finding import Finding, Level
+from er_model_lab.record import HELD, Array, Record, is_core
+
+JITTERY = 0.1
+"""Jitter over the sample time that is worth a word."""
+SLOW = 100.0
+"""Sampling rate [Hz] below which the force of the field cannot be followed."""
+FEW, MANY = 0.001, 0.02
+"""Shares of clipped samples from which on a finding is a warning, and a failure."""
+LOST = 0.001
+"""Share of lost samples that is worth a warning."""
+OWN_RATE = 0.3
+"""Share of repeats from which on a channel has a slower rate of its own."""
+STUCK = 0.1
+"""Time that a channel may stand still while others move [s]."""
+MOVED = 0.2
+"""Share of its range by which another channel must move meanwhile."""
+ALIVE = 0.01
+"""Share of its range by which another channel must move in a run that is called clipped."""
+STUCK_FAIL = 0.2
+"""Share of a record in which a stuck channel makes it useless."""
+
+EXEMPT = HELD | {"temperature", "road"}
+"""Channels that may stand still."""
+
+
+def time_findings(record: Record) -> Iterator[Finding]:
+    """Rate, jitter and lost samples, from the times as stored."""
+    timing = record.timing
+    if timing is None or timing.dt <= 0.0:
+        return
+    rate = 1.0 / timing.dt
+    found = f"{rate:.4g} Hz, jitter {1e3 * timing.jitter:.2g} ms rms"
+    level: Level = "ok"
+    if rate < 0.99 * SLOW or timing.jitter > JITTERY * timing.dt:
+        level = "warning"
+    yield Finding(
+        "sampling", level, record.name, "", f"at least {SLOW:g} Hz, jitter below {JITTERY:.0%} of a sample",
+        found, "" if level == "ok" else "record faster, stamped by the sensor's own clock", record.source,
+    )  # fmt: skip
+    share = timing.lost / max(timing.rows + timing.lost, 1)
+    level = "warning" if share > LOST else "note" if timing.lost or timing.repeated else "ok"
+    words = f"{timing.lost} lost ({share:.2%}), longest step {1e3 * timing.longest:.3g} ms"
+    if timing.repeated:
+        words += f", {timing.repeated} rows repeat the time before"
+    yield Finding(
+        "dropouts", level, record.name, "", "no sample lost", words,
+        "" if level == "ok" else "record with less load or larger queues (./er doctor)", record.source,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Runs:
+    """Runs of equal samples: first row and length of each that is longer than one."""
+
+    first: NDArray[np.intp]
+    length: NDArray[np.intp]
+
+
+def runs(y: Array) -> Runs:
+    """Runs of at least two equal samples."""
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(y) != 0.0) + 1, [y.size]])
+    length = np.diff(edges)
+    long = length > 1
+    return Runs(edges[:-1][long], length[long])
+
+
+def held_findings(record: Record) -> Iterator[Finding]:
+    """Channels that repeat their samples: a slower rate of their own, or a sensor that hangs."""
+    for name, y in record.channels.items():
+        if not is_core(name) or name in EXEMPT or name in record.derived:
+            continue
+        if np.ptp(y) == 0.0:
+            yield Finding(
+                "held", "fail" if _needed(name) else "warning", record.name, name, "samples that change",
+                f"{y[0]:g} throughout", "check the wiring and the topic", record.source,
+            )  # fmt: skip
+            continue
+        if clipped(y, _others(record, name)) > FEW * y.size:
+            continue
+        found = runs(y)
+        yield from _slower(record, name, y, found)
+        yield from _stuck(record, name, found)
+
+
+def _needed(name: str) -> bool:
+    """Whether the lab can do nothing without the channel."""
+    return name in ("damper_force", "deflection", "deflection_velocity")
+
+
+def _slower(record: Record, name: str, y: Array, found: Runs) -> Iterator[Finding]:
+    """A channel whose values come in groups: its own rate is lower than that of the record."""
+    steps = np.abs(np.diff(y))
+    moves = steps[steps > 0.0]
+    # a coarse converter repeats as well, but then it moves by one or two of its steps
+    coarse = float(np.median(moves)) < 3.5 * float(moves.min())
+    share = 1.0 - moves.size / steps.size
+    if share < OWN_RATE or coarse:
+        return
+    every = int(np.median(found.length))
+    rate = 1.0 / record.dt / every
+    yield Finding(
+        "held", "warning", record.name, name, f"{1.0 / record.dt:.4g} values a second",
+        f"each value {every} times: about {rate:.3g} Hz, late by {1e3 * record.dt * (every - 1) / 2:.2g} ms on average",
+        f"record {name} at the rate of the others, or leave its repeats empty", record.source,
+    )  # fmt: skip
+
+
+def _stuck(record: Record, name: str, found: Runs) -> Iterator[Finding]:
+    """A channel that stands still while others move."""
+    others, rows = _others(record, name), 0
+    least = max(round(STUCK / record.dt), 10)
+    for i, n in zip(found.first, found.length, strict=True):
+        if n >= least and others and _moved(others, int(i), int(n)) > MOVED:
+            rows += int(n)
+    if rows:
+        share = rows / len(record)
+        yield Finding(
+            "held", "fail" if share > STUCK_FAIL else "warning", record.name, name, "samples that follow the motion",
+            f"{rows * record.dt:.3g} s ({share:.1%}) stuck while other channels move",
+            "check the cable and the amplifier; cut these stretches out", record.source,
+        )  # fmt: skip
+
+
+def clipped(y: Array, others: list[Array]) -> int:
+    """How many samples lie in runs of three or more at the largest or at the smallest value while others move.
+
+    The last step before the run must be a large one: a coarse converter stays at its highest value, too, but
+    comes there in its smallest steps. others: channels (n,) over their ranges.
+    """
+    steps = np.abs(np.diff(y))
+    moves = steps[steps > 0.0]
+    if not moves.size:
+        return 0
+    quantum, found, total = float(moves.min()), runs(y), 0
+    for extreme in (float(y.max()), float(y.min())):
+        at = (y[found.first] == extreme) & (found.length >= 3) & (found.first > 0)
+        # one run alone is a rest, or a channel that hangs
+        if at.sum() < 2:
+            continue
+        into = steps[found.first[at] - 1]
+        first, length = found.first[at], found.length[at]
+        moved = [_moved(others, int(i), int(n)) for i, n in zip(first, length, strict=True)]
+        if float(np.median(into)) > 5.0 * quantum and float(np.median(moved)) > ALIVE:
+            total += int(length.sum())
+    return total
+
+
+def _moved(others: list[Array], i: int, n: int) -> float:
+    """Largest share of its range that another channel moves over in a run."""
+    return max((float(np.ptp(y[i : i + n])) for y in others), default=1.0)
+
+
+def _others(record: Record, name: str) -> list[Array]:
+    """The other channels of motion and force over their ranges."""
+    return [
+        y / max(float(np.ptp(y)), 1e-300)
+        for other, y in record.channels.items()
+        if other != name and is_core(other) and other not in EXEMPT
+    ]
+
+
+def clipping_findings(record: Record) -> Iterator[Finding]:
+    """Channels that ran into the end of their range."""
+    for name, y in record.channels.items():
+        if not is_core(name) or name in EXEMPT or name in record.derived:
+            continue
+        n = clipped(y, _others(record, name))
+        share = n / len(record)
+        if share < FEW / 10.0:
+            continue
+        level: Level = "fail" if share > MANY else "warning" if share > FEW else "note"
+        yield Finding(
+            "clipping", level, record.name, name, "no flat tops",
+            f"{n} samples ({share:.2%}) at the end of the range, {float(np.abs(y).max()):.4g}",
+            "use a larger range of the amplifier, or drive less", record.source,
+        )  # fmt: skip
