@@ -27,6 +27,7 @@ ROS = {
     "er_damper_msgs",
     "rosgraph_msgs",
     "launch",
+    "lifecycle_msgs",
     "launch_ros",
 }
 STARTERS = {"record_command.py"}

@@ -34,4 +34,5 @@ setup(
     ],
     install_requires=["setuptools"],
     zip_safe=False,
+    entry_points={"console_scripts": ["composed = er_bringup.executables:composed"]},
 )

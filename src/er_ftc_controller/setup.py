@@ -22,8 +22,8 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "ftc_controller = er_ftc_controller.nodes.ftc_controller:main",
-            "skyhook_controller = er_ftc_controller.nodes.skyhook_controller:main",
+            "ftc_controller = er_ftc_controller.executables:ftc_controller",
+            "skyhook_controller = er_ftc_controller.executables:skyhook_controller",
         ],
     },
 )

@@ -32,7 +32,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "recorder = er_model_lab.nodes.recorder:main",
+            "recorder = er_model_lab.executables:recorder",
             "er-lab = er_model_lab.cli:main",
         ],
     },

@@ -22,9 +22,9 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "unified_observer = er_observers.nodes.unified_observer:main",
-            "nlpv_polytopic_observer = er_observers.nodes.nlpv_polytopic_observer:main",
-            "nlpv_gridding_observer = er_observers.nodes.nlpv_gridding_observer:main",
+            "unified_observer = er_observers.executables:unified_observer",
+            "nlpv_polytopic_observer = er_observers.executables:nlpv_polytopic_observer",
+            "nlpv_gridding_observer = er_observers.executables:nlpv_gridding_observer",
         ],
     },
 )

@@ -22,7 +22,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "plant = er_plant_sim.nodes.plant:main",
+            "plant = er_plant_sim.executables:plant",
         ],
     },
 )

@@ -47,6 +47,9 @@ ARGUMENTS = (
     Argument("gains", "", "gains: a file, or a name in config/gains; by default the observer's"),
     Argument("record", "", "folder to be made for a recording; by default nothing is recorded"),
     Argument("storage", "mcap", "format of the recording", choices=("mcap", "sqlite3")),
+    Argument(
+        "composed", "false", "all but the recorder in one process", choices=("false", "true")
+    ),
     Argument("plant_params", "", "parameter file for the plant, over config/nodes/plant.yaml"),
 )
 

@@ -16,7 +16,7 @@ from er_models.errors import InputError
 from er_ros_common.arguments import Value, ros_arguments
 
 from er_bringup.arguments import ARGUMENTS, Argument
-from er_bringup.roles import CONTROLLERS, OBSERVERS, PLANT, PUBLISHED, RECORDER, Role
+from er_bringup.roles import COMPOSED, CONTROLLERS, OBSERVERS, PLANT, PUBLISHED, RECORDER, Role
 
 
 @dataclass(frozen=True)
@@ -34,6 +34,18 @@ class NodeSpec:
         return ros_arguments(
             parameters=self.parameters, files=self.files, namespace=self.namespace
         )
+
+
+@dataclass(frozen=True)
+class ComposedSpec(NodeSpec):
+    """One process that holds several nodes."""
+
+    parts: tuple[NodeSpec, ...] = ()
+
+    def arguments(self) -> list[str]:
+        """The command lines of its nodes, one after the other."""
+        each = [[f"{p.package}/{p.executable}", *p.arguments()] for p in self.parts]
+        return [word for words in each for word in ["--", *words]][1:]
 
 
 def parse(pairs: Sequence[str]) -> dict[str, str]:
@@ -74,7 +86,7 @@ def _checked(argument: Argument, value: str) -> str:
 
 
 def nodes(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
-    """The nodes of complete arguments, listeners first; config: folder of models, programs, gains.
+    """The processes of complete arguments, listeners first; config: folder of models, programs, gains.
 
     Raises:
         InputError: A file does not exist, or an observer is not known.
@@ -82,12 +94,20 @@ def nodes(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
     observers, controllers = _observers(given), _controllers(given)
     answering = [*observers, *controllers]
     recorded = [RECORDER] if given["record"] else []
-    return (
-        *(_recorder(given, answering) for _ in recorded),
+    recorder = tuple(_recorder(given, answering) for _ in recorded)
+    rest = (
         *(_observer(given, config, role) for role in observers),
         *(_controller(given, config, role) for role in controllers),
         _plant(given, config, [*recorded, *answering]),
     )
+    if given["composed"] == "true":
+        return (*recorder, ComposedSpec(*COMPOSED, given["namespace"], parts=rest))
+    return (*recorder, *rest)
+
+
+def ends_all(spec: NodeSpec) -> bool:
+    """Whether the graph is over when this process ends: it holds the plant."""
+    return spec.executable in (PLANT.executable, COMPOSED[1])
 
 
 def find(name: str, config: Path, *places: str) -> str:

@@ -25,6 +25,8 @@ class Role:
 
 
 PLANT = Role("er_plant_sim", "plant", ())
+COMPOSED = ("er_bringup", "composed")
+"""Package and program that holds several nodes."""
 RECORDER = Role("er_model_lab", "recorder", tuple(PUBLISHED))
 CONTROLLERS = {
     "ftc": Role(

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from pathlib import Path
 from time import sleep
 from types import FrameType
@@ -24,9 +24,9 @@ from er_models.errors import ErError, InputError
 from er_ros_common.spin import show
 
 from er_bringup.arguments import table
-from er_bringup.graph import NodeSpec, complete, nodes, parse
+from er_bringup.graph import NodeSpec, complete, ends_all, nodes, parse
 from er_bringup.processes import KILLED, POLL, Child, stop, worst
-from er_bringup.roles import PLANT, RECORDER
+from er_bringup.roles import RECORDER
 
 USAGE = f"""usage: er up [KEY:=VALUE ...]
 
@@ -85,7 +85,8 @@ def run(
     children: list[Child] = []
     try:
         children += (Child(label, command, out or sys.stdout) for label, command in commands)
-        while not stopping() and not _over(children):
+        last = {spec.executable for spec in specs if ends_all(spec)}
+        while not stopping() and not _over(children, last):
             sleep(POLL)
     finally:
         stop([child for child in children if child.label != RECORDER.executable])
@@ -93,11 +94,11 @@ def run(
     return {child.label: child.status or 0 for child in children}
 
 
-def _over(children: Sequence[Child]) -> bool:
+def _over(children: Sequence[Child], last: Set[str]) -> bool:
     """Whether the plant ended or a node failed; one that was killed may be replaced."""
     ended = {child.label: child.status for child in children if child.status is not None}
     failed = any(0 < status < KILLED for status in ended.values())
-    return PLANT.executable in ended or failed or len(ended) == len(children)
+    return bool(last & ended.keys()) or failed or len(ended) == len(children)
 
 
 def main() -> None:

@@ -4,8 +4,7 @@ from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
 from er_bringup.arguments import ARGUMENTS
-from er_bringup.graph import complete, nodes
-from er_bringup.roles import PLANT
+from er_bringup.graph import complete, ends_all, nodes
 from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
@@ -36,7 +35,7 @@ def _start(context: LaunchContext) -> list[Node]:
             executable=spec.executable,
             arguments=spec.arguments(),
             output="screen",
-            on_exit=[Shutdown()] if spec.executable == PLANT.executable else [],
+            on_exit=[Shutdown()] if ends_all(spec) else [],
         )
         for spec in nodes(given, config)
     ]

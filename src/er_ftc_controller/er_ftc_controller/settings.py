@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from er_models.errors import InputError
 from er_models.model import Model
 from er_models.static_damper import static_damper
-from er_ros_common.common_parameters import awaited_listeners, oldest_sample
+from er_ros_common.common_parameters import NodeParameters, awaited_listeners, oldest_sample
 from er_ros_common.parameter_table import REQUIRED, param
 
 from er_ftc_controller import lpv
@@ -21,7 +21,7 @@ FORCES = ("none", "acceleration")
 
 
 @dataclass(frozen=True, kw_only=True)
-class FtcParameters:
+class FtcParameters(NodeParameters):
     """Parameters of the node."""
 
     model_file: str = param(REQUIRED, text="model of the vehicle the gains were made for")

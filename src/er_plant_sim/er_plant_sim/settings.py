@@ -12,6 +12,7 @@ from er_models.errors import InputError
 from er_models.road import FACTOR
 from er_models.road import KINDS as ROADS
 from er_models.spec import Number, Parts, Series, Text
+from er_ros_common.common_parameters import NodeParameters
 from er_ros_common.parameter_table import REQUIRED, param
 
 MODES = ("realtime", "sim_time", "lockstep")
@@ -30,7 +31,7 @@ def _bias(sensor: str, unit: str) -> Any:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlantParameters:
+class PlantParameters(NodeParameters):
     """Every parameter of the plant but those of the program (`road.*`, `duty.*`)."""
 
     model_file: str = param(REQUIRED, text="model of the vehicle")

@@ -1,7 +1,8 @@
-"""Parameters that every node which follows samples has, in the same words and within the same bounds."""
+"""Parameters that several nodes have, in the same words and within the same bounds."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 from er_ros_common.parameter_table import param
@@ -16,3 +17,13 @@ def oldest_sample() -> Any:
 def awaited_listeners() -> Any:
     """Field `listeners`: how many must have found the output before the node is ready."""
     return param(0, low=0, high=100, text="subscribers of its output to find before it is ready")
+
+
+@dataclass(frozen=True, kw_only=True)
+class NodeParameters:
+    """What every node has; the table of a node inherits it."""
+
+    autostart: bool = param(True, text="configure and activate by itself; false: a manager does")
+    executor: str = param(
+        "events", choices=("events", "single"), text="what runs callbacks; single costs more"
+    )

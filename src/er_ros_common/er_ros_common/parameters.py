@@ -40,7 +40,7 @@ def declare(
         node: the node that owns the parameters.
         table: frozen dataclass whose fields are made with `param`.
         on_change: called with the new parameters after a dynamic one was set.
-        argv: command line that the node was started with; None means the process's own.
+        argv: command line that the node was started with; None means the node's, or the process's own.
 
     Raises:
         InputError: unknown name, wrong type, not finite, out of bounds, or required and not given;
@@ -51,7 +51,8 @@ def declare(
         for name, parameter in _overrides(node).items()
         if name not in BUILT_IN and not name.startswith("qos_overrides.")
     }
-    argv = sys.argv[1:] if argv is None else argv
+    own = getattr(node, "argv", None) if argv is None else argv
+    argv = sys.argv[1:] if own is None else own
     given |= dropped(argv, given)
     where = origins(argv, node.get_fully_qualified_name())
     current = build(table, given, where)

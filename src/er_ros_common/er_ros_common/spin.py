@@ -9,13 +9,10 @@ from __future__ import annotations
 import gc
 import os
 import re
-import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from time import monotonic
-from types import FrameType
-from typing import Any, TypeAlias
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
 
 import rclpy
 from er_models.errors import ErError
@@ -28,70 +25,14 @@ from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
 from er_ros_common.help import Card, render
+from er_ros_common.managed import ManagedNode
 from er_ros_common.parameter_files import check_files
+from er_ros_common.stopping import Stopped
 
 #: an idle node looks at its signals this often [s]
 ATTENTION = 0.1
-#: one wish to stop may arrive as several signals: a dying parent's threads each send theirs, a
-#: terminal and a supervisor both pass Ctrl-C on. What follows the first this soon is the same [s]
-SAME_WISH = 1.0
-#: a node that is still being made is told again this often that it shall end: code that runs when the
-#: compiler tidies up swallows exceptions [s]
-TOLD_AGAIN = 0.2
 BAD_USAGE = 2
 Nodes: TypeAlias = Node | Sequence[Node]
-
-
-class Stopped:
-    """Set by the first SIGINT or SIGTERM; one that follows later ends the process at once.
-
-    What is done under `making` gets KeyboardInterrupt too: nodes that compile take long.
-    """
-
-    def __init__(self) -> None:
-        """Nothing has arrived yet."""
-        self.signal, self._since = 0, 0.0
-        self._making = False
-        self._before: dict[int, Any] = {}
-
-    def __enter__(self) -> Stopped:
-        """Start to watch."""
-        for number in (signal.SIGINT, signal.SIGTERM):
-            self._before[number] = signal.signal(number, self._on_signal)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Give the signals back."""
-        for number, handler in self._before.items():
-            signal.signal(number, handler)
-
-    @contextmanager
-    def making(self) -> Iterator[None]:
-        """A signal raises KeyboardInterrupt in here, again and again until it gets out."""
-        alarm = signal.signal(signal.SIGALRM, self._on_alarm)
-        hook, sys.unraisablehook = sys.unraisablehook, _quiet(sys.unraisablehook)
-        self._making = True
-        try:
-            yield
-        finally:
-            self._making = False
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
-            signal.signal(signal.SIGALRM, alarm)
-            sys.unraisablehook = hook
-
-    def _on_alarm(self, _number: int, _: FrameType | None) -> None:
-        if self._making:
-            raise KeyboardInterrupt
-
-    def _on_signal(self, number: int, _: FrameType | None) -> None:
-        if not self.signal:
-            self.signal, self._since = number, monotonic()
-            if self._making:
-                signal.setitimer(signal.ITIMER_REAL, TOLD_AGAIN, TOLD_AGAIN)
-                raise KeyboardInterrupt
-        elif monotonic() - self._since > SAME_WISH:
-            signal.signal(number, signal.SIG_DFL)
-            signal.raise_signal(number)
 
 
 def make_executor(node: Node, kind: str = "events") -> Executor:
@@ -120,7 +61,7 @@ def spin(nodes: Nodes, stopped: Stopped | None = None, kind: str = "events") -> 
         with Stopped() as own:
             spin(nodes, own, kind)
         return
-    each = [nodes] if isinstance(nodes, Node) else list(nodes)
+    each = _each(nodes)
     executor = make_executor(each[0], kind)
     for node in each:
         executor.add_node(node)
@@ -143,7 +84,15 @@ def spin(nodes: Nodes, stopped: Stopped | None = None, kind: str = "events") -> 
         executor.shutdown(timeout_sec=0.0)
 
 
-def run(factory: Callable[[], Nodes], card: Card, args: Sequence[str] | None = None) -> int:
+@dataclass(frozen=True)
+class Executable:
+    """A program that is one node: how it is made (from its own command line, or the process's), and its card."""
+
+    make: Callable[[Sequence[str] | None], Nodes]
+    card: Card
+
+
+def run(factory: Callable[..., Nodes], card: Card, args: Sequence[str] | None = None) -> int:
     """Main program of a node executable; returns the exit status.
 
     0 after SIGINT or SIGTERM, 2 with one line for bad usage or bad parameters, an `ErError`'s own
@@ -154,40 +103,58 @@ def run(factory: Callable[[], Nodes], card: Card, args: Sequence[str] | None = N
     if any(a in ("-h", "--help") for a in argv):
         show(render(card))
         return 0
+    return guarded(card.executable, argv, lambda stopped: _one(factory, argv, stopped))
+
+
+def guarded(name: str, argv: Sequence[str], live: Callable[[Stopped], None]) -> int:
+    """Do something under the signals; what is wrong is one line behind the name, and an exit status."""
     try:
         check_files(argv)
-        plain = remove_ros_args(["", *argv])[1:]
-        if plain:
-            raise ErError(
-                f"unknown argument '{plain[0]}'; ROS arguments follow --ros-args, see --help"
-            )
         with Stopped() as stopped:
-            rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
             try:
-                _live(factory, stopped)
+                live(stopped)
             finally:
                 rclpy.try_shutdown()
     except ErError as error:
-        return _complain(card, str(error), error.exit_status)
+        return _complain(name, str(error), error.exit_status)
     except UnknownROSArgsError as error:
-        return _complain(card, f"unknown ROS argument {error}", BAD_USAGE)
+        return _complain(name, f"unknown ROS argument {error}", BAD_USAGE)
     except RCLError as error:
         # where in rcl's sources it was found helps nobody
-        return _complain(card, re.sub(r", at /\S+:\d+", "", str(error)), BAD_USAGE)
+        return _complain(name, re.sub(r", at /\S+:\d+", "", str(error)), BAD_USAGE)
     return 0
 
 
-def _live(factory: Callable[[], Nodes], stopped: Stopped) -> None:
-    """Make the nodes, spin them, stop them."""
+def _one(factory: Callable[[], Nodes], argv: Sequence[str], stopped: Stopped) -> None:
+    """The node of an executable, with the whole command line of the process."""
+    plain = remove_ros_args(["", *argv])[1:]
+    if plain:
+        raise ErError(
+            f"unknown argument '{plain[0]}'; ROS arguments follow --ros-args, see --help"
+        )
+    rclpy.init(args=list(argv), signal_handler_options=SignalHandlerOptions.NO)
+    live(factory, stopped)
+
+
+def live(factory: Callable[[], Nodes], stopped: Stopped) -> None:
+    """Make the nodes, start them, spin them, stop them."""
+    each: list[Node] = []
     try:
-        with stopped.making():
-            made = factory()
-    except KeyboardInterrupt:
-        return
-    each = [made] if isinstance(made, Node) else list(made)
-    try:
+        try:
+            with stopped.making():
+                each += _each(factory())
+                for node in each:
+                    if isinstance(node, ManagedNode) and node.common.autostart:
+                        node.start()
+        except KeyboardInterrupt:
+            return
         if not stopped.signal:
-            spin(each, stopped)
+            first = each[0]
+            spin(
+                each,
+                stopped,
+                first.common.executor if isinstance(first, ManagedNode) else "events",
+            )
     finally:
         for node in each:
             on_stop = getattr(node, "on_stop", None)
@@ -197,13 +164,8 @@ def _live(factory: Callable[[], Nodes], stopped: Stopped) -> None:
             node.destroy_node()
 
 
-def _quiet(hook: Callable[[Any], object]) -> Callable[[Any], object]:
-    """The hook for exceptions that nobody can catch, without those that were raised to be told again."""
-
-    def unless_told_again(unraisable: Any) -> object:
-        return None if unraisable.exc_type is KeyboardInterrupt else hook(unraisable)
-
-    return unless_told_again
+def _each(nodes: Nodes) -> list[Node]:
+    return [nodes] if isinstance(nodes, Node) else list(nodes)
 
 
 def show(text: str) -> None:
@@ -215,7 +177,7 @@ def show(text: str) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _complain(card: Card, text: str, status: int) -> int:
+def _complain(name: str, text: str, status: int) -> int:
     line = " ".join(text.split())
-    sys.stderr.write(f"{card.executable}: {line}\n")
+    sys.stderr.write(f"{name}: {line}\n")
     return status

@@ -231,7 +231,7 @@ def test_a_signal_ends_a_node_that_is_still_being_made() -> None:
         raise AssertionError("it was made to the end")
 
     with spin_module.Stopped() as stopped:
-        spin_module._live(slow, stopped)
+        spin_module.live(slow, stopped)
     assert stopped.signal == signal.SIGINT
 
 
@@ -253,7 +253,7 @@ def test_a_signal_that_a_finaliser_swallows_is_told_again(
     begin = time.monotonic()
     alarm = signal.getsignal(signal.SIGALRM)
     with spin_module.Stopped() as stopped:
-        spin_module._live(slow, stopped)
+        spin_module.live(slow, stopped)
     assert stopped.signal == signal.SIGTERM
     assert time.monotonic() - begin < 5.0
     assert capfd.readouterr().err == ""

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from functools import partial
 from time import monotonic_ns, perf_counter
 from typing import Any
 
-from er_ros_common.clock import now, wall_timer
+from er_ros_common.clock import now
 from er_ros_common.core import Said, When
-from er_ros_common.graph_check import connected, watch
-from er_ros_common.health import Health, Report
+from er_ros_common.graph_check import connected
+from er_ros_common.health import Report
 from er_ros_common.help import Card
+from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import declare
-from er_ros_common.spin import run
-from rclpy.node import Node
+from er_ros_common.spin import Executable, run
 
 from er_damper_msgs.msg import NodeStatus
 from er_ftc_controller.control import Mode
@@ -26,26 +27,24 @@ WATCH_PERIOD = 0.005
 """How often the silence of the inputs is looked at [s]."""
 
 
-class FtcController(Node):
+class FtcController(ManagedNode):
     """Gives messages to the core and publishes what it says."""
 
-    def __init__(self) -> None:
-        super().__init__("ftc_controller")
+    def __init__(self, argv: Sequence[str] | None = None) -> None:
+        super().__init__("ftc_controller", argv)
         self.p = declare(self, FtcParameters)
+
+    def configure(self) -> None:
+        """Load the gains and make the ends."""
         self.core = FtcCore(self.p)
+        self.health.model_id, self.health.gains_id = self.core.model_id, self.core.gains_id
+        self.command = self.advertise(topics.PWM_COMMAND)
+        self.inputs = [self.subscribe(t, partial(self.on_message, t)) for t in FtcCore.inputs]
+        self.every(WATCH_PERIOD, self.on_watch)
+
+    def begin(self) -> None:
+        """Know nothing yet."""
         self.state = self.core.start()
-        self.problems: tuple[str, ...] = ()
-        command = topics.PWM_COMMAND
-        self.command = self.create_publisher(command.type, command.name, command.publisher)
-        self.inputs = [
-            self.create_subscription(t.type, t.name, partial(self.on_message, t), t.subscriber)
-            for t in FtcCore.inputs
-        ]
-        self.health = Health(
-            self, self.report, model_id=self.core.model_id, gains_id=self.core.gains_id
-        )
-        wall_timer(self, WATCH_PERIOD, self.on_watch)
-        wall_timer(self, 1.0, self.on_second)
 
     def on_message(self, topic: topics.Topic, message: Any) -> None:
         """Take a message of an input."""
@@ -73,11 +72,6 @@ class FtcController(Node):
         after = self.state.mind.command
         if (before.mode, before.reason) != (after.mode, after.reason):
             self.health.publish_status()
-
-    def on_second(self) -> None:
-        """Look at the graph."""
-        found = watch(self, (topics.ACCELERATION, topics.DEFLECTION, topics.PWM_COMMAND))
-        self.problems = tuple(f"{p.topic}: {p.text}" for p in found)
 
     def report(self) -> Report:
         """Health of the controller."""
@@ -107,10 +101,9 @@ class FtcController(Node):
             invalid=state.unusable,
             valid=bool(state.heard) and command.mode is not Mode.SAFE,
             values=values,
-            problems=self.problems,
         )
 
-    def on_stop(self) -> None:
+    def end(self) -> None:
         """Leave the safe duty behind."""
         for _, message in self.core.last_words(self.state, now(self)):
             self.command.publish(message)
@@ -124,6 +117,9 @@ CARD = Card(
     subscribes=FtcCore.inputs,
     publishes=(topics.PWM_COMMAND, topics.STATUS, topics.DIAGNOSTICS),
 )
+
+
+NODE = Executable(FtcController, CARD)
 
 
 def main() -> None:

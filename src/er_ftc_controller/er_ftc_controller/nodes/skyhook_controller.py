@@ -7,19 +7,20 @@ command is never the last thing that was right some time ago.
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from time import monotonic, perf_counter
 
 from er_ros_common.builders import Tick
-from er_ros_common.clock import from_stamp, now, wall_timer
-from er_ros_common.common_parameters import awaited_listeners, oldest_sample
-from er_ros_common.graph_check import connected, watch
-from er_ros_common.health import Health, Report
+from er_ros_common.clock import from_stamp, now
+from er_ros_common.common_parameters import NodeParameters, awaited_listeners, oldest_sample
+from er_ros_common.graph_check import connected
+from er_ros_common.health import Report
 from er_ros_common.help import Card
+from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import REQUIRED, declare, param
-from er_ros_common.spin import run
+from er_ros_common.spin import Executable, run
 from er_ros_common.stamps import StampLimits, StampState, check_stamp
-from rclpy.node import Node
 
 from er_damper_msgs.msg import NodeStatus, PwmDuty, SuspensionAcceleration, SuspensionDeflection
 from er_ftc_controller import skyhook
@@ -34,7 +35,7 @@ INPUTS = (topics.ACCELERATION, topics.DEFLECTION)
 
 
 @dataclass(frozen=True, kw_only=True)
-class SkyhookParameters:
+class SkyhookParameters(NodeParameters):
     """Parameters of the node."""
 
     u_min: float = param(REQUIRED, low=0.0, high=1.0, text="duty where field would push the body")
@@ -50,29 +51,31 @@ class SkyhookParameters:
     listeners: int = awaited_listeners()
 
 
-class SkyhookController(Node):
+class SkyhookController(ManagedNode):
     """Joins acceleration and deflection of a tick and publishes the duty for it."""
 
-    def __init__(self) -> None:
-        super().__init__("skyhook_controller")
-        self.p = p = declare(self, SkyhookParameters)
+    def __init__(self, argv: Sequence[str] | None = None) -> None:
+        super().__init__("skyhook_controller", argv)
+        self.p = declare(self, SkyhookParameters)
+
+    def configure(self) -> None:
+        """Make the law and the ends."""
+        p = self.p
         self.law = skyhook.Skyhook(p.u_min, p.u_max, p.corner_frequency, gap=p.timeout)
         self.limits = StampLimits(stale=p.max_age, gap=p.timeout)
+        self.command = self.advertise(topics.PWM_COMMAND)
+        heard = (self.on_acceleration, self.on_deflection)
+        self.inputs = [
+            self.subscribe(topic, callback) for topic, callback in zip(INPUTS, heard, strict=True)
+        ]
+        self.every(WATCH_PERIOD, self.on_watch)
+
+    def begin(self) -> None:
+        """Know nothing yet."""
         self.state, self.stamps = skyhook.START, StampState()
         self.pairs: Aligner[float, float] = Aligner()
         self.unusable, self.safe, self.last, self.heard_at = 0, False, Tick(0, 0), 0.0
-        self.problems: tuple[str, ...] = ()
         self.safe_at = 0.0
-        command = topics.PWM_COMMAND
-        self.command = self.create_publisher(PwmDuty, command.name, command.publisher)
-        heard = (self.on_acceleration, self.on_deflection)
-        self.inputs = [
-            self.create_subscription(topic.type, topic.name, callback, topic.subscriber)
-            for topic, callback in zip(INPUTS, heard, strict=True)
-        ]
-        self.health = Health(self, self.report)
-        wall_timer(self, WATCH_PERIOD, self.on_watch)
-        wall_timer(self, 1.0, self.on_second)
 
     def on_acceleration(self, message: SuspensionAcceleration) -> None:
         """Half of a sample."""
@@ -126,11 +129,6 @@ class SkyhookController(Node):
         )
         self.command.publish(message)
 
-    def on_second(self) -> None:
-        """Look at the graph."""
-        found = watch(self, (*INPUTS, topics.PWM_COMMAND))
-        self.problems = tuple(f"{p.topic}: {p.text}" for p in found)
-
     def report(self) -> Report:
         """Health of the controller."""
         mode, status, reason = "running", NodeStatus.STATUS_OK, ""
@@ -155,10 +153,9 @@ class SkyhookController(Node):
             invalid=self.unusable,
             valid=mode == "running",
             values=values,
-            problems=self.problems,
         )
 
-    def on_stop(self) -> None:
+    def end(self) -> None:
         """Leave the safe duty behind."""
         self.publish_safe()
 
@@ -171,6 +168,9 @@ CARD = Card(
     subscribes=INPUTS,
     publishes=(topics.PWM_COMMAND, topics.STATUS, topics.DIAGNOSTICS),
 )
+
+
+NODE = Executable(SkyhookController, CARD)
 
 
 def main() -> None:

@@ -15,14 +15,14 @@ from pathlib import Path
 from time import monotonic
 
 from er_models.errors import ErError, MissingChannel
-from er_ros_common.clock import wall_timer
+from er_ros_common.common_parameters import NodeParameters
 from er_ros_common.graph_check import compatible, connected
-from er_ros_common.health import Health, Report
+from er_ros_common.health import Report
 from er_ros_common.help import Card
+from er_ros_common.managed import ManagedNode
 from er_ros_common.parameter_reader import ParameterReader
 from er_ros_common.parameters import REQUIRED, declare, param
-from er_ros_common.spin import run
-from rclpy.node import Node
+from er_ros_common.spin import Executable, run
 from rclpy.subscription import Subscription
 
 from er_damper_msgs.msg import NodeStatus
@@ -36,13 +36,15 @@ from er_ros_common import log, qos, topics
 
 SCHEMA = "er_bag 1"
 LOOK_PERIOD, FLUSH_PERIOD = 0.1, 1.0
+DEADLINE = 0.05
+"""Longest step: what waits meanwhile fits into the queue [s]."""
 DISK_FULL = 1
 RECENT = 5.0
 """Time for which a loss shows in the status [s]; the recording keeps the count."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class RecorderParameters:
+class RecorderParameters(NodeParameters):
     """Parameters of the node."""
 
     out: str = param(REQUIRED, text="folder to be made for the recording")
@@ -55,25 +57,33 @@ class RecorderParameters:
     )
 
 
-class Recorder(Node):
+class Recorder(ManagedNode):
     """Subscribes to what it is to record as soon as it appears."""
 
-    def __init__(self) -> None:
-        super().__init__("recorder")
+    def __init__(self, argv: Sequence[str] | None = None) -> None:
+        super().__init__("recorder", argv)
         self.p = declare(self, RecorderParameters)
+        self.trouble: ErError | None = None
+
+    def configure(self) -> None:
+        """Open the recording, the only one of this process."""
+        if hasattr(self, "bag"):
+            raise ErError("a recorder makes one recording: start another one for the next")
         self.bag = BagWriter(Path(self.p.out), self.p.storage)
         self.selection = Selection(self, self.p.topics, everything=self.p.all)
         self.parameters = ParameterReader(self, self._inside)
         self.taken: dict[str, str] = {}
         self.heard: dict[str, Heard] = {}
         self.inputs: dict[str, Subscription] = {}
-        self.problems: list[str] = []
-        self.failure: ErError | None = None
-        self.began, self.stopping = monotonic(), False
+        self.refused: list[str] = []
         self.lost, self.lost_at, self.was_ready = 0, 0.0, False
-        self.health = Health(self, self.report, deadline=0.05)
-        wall_timer(self, LOOK_PERIOD, self.on_look)
-        wall_timer(self, FLUSH_PERIOD, self.on_flush)
+        self.health.meter.deadline = DEADLINE
+        self.every(LOOK_PERIOD, self.on_look)
+        self.every(FLUSH_PERIOD, self.on_flush)
+
+    def begin(self) -> None:
+        """Subscribe to what is there."""
+        self.began, self.stopping = monotonic(), False
         self.on_look()
 
     def _inside(self, full: str) -> bool:
@@ -99,7 +109,9 @@ class Recorder(Node):
             return
         asked = compatible(publishers, qos.RECORDER.depth)
         self.heard[name] = Heard(self, self.bag, self.guarded, name, type_name)
-        taken = self.create_subscription(kind, name, self.heard[name].on_message, asked, raw=True)
+        taken = self.create_subscription(
+            kind, name, self.while_active(self.heard[name].on_message), asked, raw=True
+        )
         self.inputs[name] = taken
 
     def defined(self, type_name: str) -> bool:
@@ -112,8 +124,8 @@ class Recorder(Node):
 
     def problem(self, text: str) -> None:
         """Say once what is wrong and keep it for the report."""
-        if text not in self.problems:
-            self.problems.append(text)
+        if text not in self.refused:
+            self.refused.append(text)
             log.warning(self, text)
 
     def on_flush(self) -> None:
@@ -127,12 +139,12 @@ class Recorder(Node):
 
     def guarded(self, action: Callable[[], None]) -> None:
         """Write; where the disk refuses, stop with one line instead of a traceback."""
-        if self.failure is not None:
+        if self.trouble is not None:
             return
         try:
             action()
         except OSError as error:
-            self.failure = self._unwritable(error)
+            self.trouble = self._unwritable(error)
             self.stop()
 
     def _unwritable(self, error: OSError) -> ErError:
@@ -166,21 +178,21 @@ class Recorder(Node):
         reason = f"{lost} messages lost so far" if fresh else ""
         self.was_ready = self.was_ready or self.ready()
         mode = "recording" if self.was_ready else "waiting"
-        return Report(mode, status, reason, values=values, problems=tuple(self.problems))
+        return Report(mode, status, reason, values=values, problems=tuple(self.refused))
 
-    def on_stop(self) -> None:
+    def close(self) -> None:
         """Close the recording with what is known about it; one without messages is not kept."""
         if not self.bag.messages:
             self.bag.discard()
             wanted = ", ".join(self.selection.types or self.selection.names or ("any topic",))
-            self.failure = self.failure or MissingChannel(
+            self.trouble = self.trouble or MissingChannel(
                 self.p.out, wanted, "to record anything", tuple(self.taken)
             )
             return
         try:
             self.bag.close(self.custom())
         except OSError as error:
-            self.failure = self.failure or self._unwritable(error)
+            self.trouble = self.trouble or self._unwritable(error)
             return
         lost = {name: c.lost for name, c in self.counts.items() if c.lost}
         words = ", ".join(f"{name} {n}" for name, n in sorted(lost.items())) or "nothing"
@@ -202,7 +214,7 @@ class Recorder(Node):
                 name: {k: v for k, v in c._asdict().items() if k != "last"}
                 for name, c in self.counts.items()
             },
-            "problems": self.problems,
+            "problems": self.refused,
         }
 
 
@@ -216,6 +228,9 @@ CARD = Card(
 )
 
 
+NODE = Executable(Recorder, CARD)
+
+
 def record(args: Sequence[str] | None = None) -> int:
     """Run the recorder with these arguments; returns the exit status."""
     made: list[Recorder] = []
@@ -227,7 +242,7 @@ def record(args: Sequence[str] | None = None) -> int:
     # a terminal that is closed ends the recording as properly as Ctrl-C does
     signal.signal(signal.SIGHUP, lambda *_: signal.raise_signal(signal.SIGTERM))
     status = run(factory, CARD, args)
-    failure = made[0].failure if made else None
+    failure = made[0].trouble if made else None
     if status == 0 and failure is not None:
         sys.stderr.write(f"{CARD.executable}: {failure}\n")
         return failure.exit_status if isinstance(failure, MissingChannel) else DISK_FULL

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import sys
 
-from er_observers.nodes.shell import serve
+from er_ros_common.spin import run
+
+from er_observers.nodes.shell import node_of
 from er_observers.observers.nlpv_polytopic import NAME
 from er_ros_common import topics
 
 TEXT = "Damper force from two accelerometers: NLPV observer with constant Lyapunov function."
+NODE = node_of(NAME, topics.FORCE_POLYTOPIC, TEXT)
 
 
 def main() -> None:
     """Entry point of the executable."""
-    sys.exit(serve(NAME, topics.FORCE_POLYTOPIC, TEXT))
+    sys.exit(run(NODE.make, NODE.card))
 
 
 if __name__ == "__main__":

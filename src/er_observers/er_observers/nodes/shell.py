@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from time import monotonic, perf_counter
@@ -11,15 +12,15 @@ from time import monotonic, perf_counter
 from er_models.errors import InputError
 from er_models.files import load_model
 from er_ros_common.builders import Tick
-from er_ros_common.clock import from_stamp, now, wall_timer
-from er_ros_common.common_parameters import awaited_listeners, oldest_sample
-from er_ros_common.graph_check import connected, watch
-from er_ros_common.health import Health, Report
+from er_ros_common.clock import from_stamp, now
+from er_ros_common.common_parameters import NodeParameters, awaited_listeners, oldest_sample
+from er_ros_common.graph_check import connected
+from er_ros_common.health import Report
 from er_ros_common.help import Card
+from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import REQUIRED, declare, param
-from er_ros_common.spin import run
+from er_ros_common.spin import Executable
 from er_ros_common.stamps import StampLimits, StampState, check_stamp
-from rclpy.node import Node
 from std_msgs.msg import String
 
 from er_damper_msgs.msg import DamperForce, NodeStatus, PwmDuty, SuspensionAcceleration
@@ -49,7 +50,7 @@ _ON_THE_WIRE = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class ObserverParameters:
+class ObserverParameters(NodeParameters):
     """Parameters of the node."""
 
     model_file: str = param(REQUIRED, text="model of the vehicle the gains were made for")
@@ -61,36 +62,39 @@ class ObserverParameters:
     listeners: int = awaited_listeners()
 
 
-class ObserverNode(Node):
+class ObserverNode(ManagedNode):
     """Estimates the damper force at every sample of the accelerations.
 
     observer: name its gains are kept under; topic: where the force goes.
     """
 
-    def __init__(self, name: str, topic: topics.Topic) -> None:
-        super().__init__(f"{name}_observer")
-        self.p = p = declare(self, ObserverParameters)
+    def __init__(self, name: str, topic: topics.Topic, argv: Sequence[str] | None = None) -> None:
+        super().__init__(f"{name}_observer", argv)
+        self.name, self.topic = name, topic
+        self.p = declare(self, ObserverParameters)
+
+    def configure(self) -> None:
+        """Load model and gains, which must belong together, and make the ends."""
+        p = self.p
         model = load_model(p.model_file)
-        self.gains = ready(p.gains_file, model, name)
+        self.gains = ready(p.gains_file, model, self.name)
         refuse_deflection(p.gains_file, self.gains)
         self.limits = StampLimits(stale=p.max_age, gap=p.timeout)
+        self.health.model_id, self.health.gains_id = model.digest(), self.gains.digest
+        self.force = self.advertise(self.topic)
+        self.advertise(GAIN_INFO).publish(String(data=self._gain_info()))
+        heard = (self.on_acceleration, self.on_applied)
+        self.inputs = [
+            self.subscribe(topic, callback, qos.FOLLOWER)
+            for topic, callback in zip(INPUTS, heard, strict=True)
+        ]
+        self.every(WATCH_PERIOD, self.on_watch)
+
+    def begin(self) -> None:
+        """Know nothing yet."""
         self.feed, self.stamps, self.base = Feed(), StampState(), 0
         self.state: observer.State | None = None
         self.last, self.heard_at, self.unusable, self.silent = Tick(0, 0), 0.0, 0, False
-        self.problems: tuple[str, ...] = ()
-        self.topic = topic
-        self.force = self.create_publisher(topic.type, topic.name, topic.publisher)
-        self.info = self.create_publisher(String, GAIN_INFO.name, GAIN_INFO.publisher)
-        self.info.publish(String(data=self._gain_info()))
-        heard = (self.on_acceleration, self.on_applied)
-        self.inputs = [
-            self.create_subscription(topic.type, topic.name, callback, qos.FOLLOWER)
-            for topic, callback in zip(INPUTS, heard, strict=True)
-        ]
-        gains_id = self.gains.digest
-        self.health = Health(self, self.report, model_id=model.digest(), gains_id=gains_id)
-        wall_timer(self, WATCH_PERIOD, self.on_watch)
-        wall_timer(self, 1.0, self.on_second)
 
     def _gain_info(self) -> str:
         g = self.gains
@@ -155,11 +159,6 @@ class ObserverNode(Node):
             )
             self.force.publish(message)
 
-    def on_second(self) -> None:
-        """Look at the graph."""
-        found = watch(self, (*INPUTS, self.topic))
-        self.problems = tuple(f"{p.topic}: {p.text}" for p in found)
-
     def report(self) -> Report:
         """Health of the observer."""
         ready = connected(self.inputs, [(self.force, self.p.listeners)])
@@ -181,7 +180,6 @@ class ObserverNode(Node):
             invalid=self.unusable,
             valid=mode == "running" and status != NodeStatus.STATUS_LOST,
             values=values,
-            problems=self.problems,
         )
 
 
@@ -203,6 +201,6 @@ def card(name: str, topic: topics.Topic, text: str) -> Card:
     )
 
 
-def serve(name: str, topic: topics.Topic, text: str) -> int:
-    """Run one observer as a node; its exit status."""
-    return run(partial(ObserverNode, name, topic), card(name, topic, text))
+def node_of(name: str, topic: topics.Topic, text: str) -> Executable:
+    """The program of one observer."""
+    return Executable(partial(ObserverNode, name, topic), card(name, topic, text))

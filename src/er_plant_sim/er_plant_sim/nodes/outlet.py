@@ -7,9 +7,8 @@ from time import monotonic
 
 from er_ros_common.builders import Tick
 from er_ros_common.clock import to_stamp
-from er_ros_common.topics import Topic
+from er_ros_common.managed import ManagedNode
 from rclpy.duration import Duration
-from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 
@@ -27,10 +26,8 @@ TAKEN = 0.3
 class Outlet:
     """Publishers of the measurements, the applied duty and, in simulated time, of /clock."""
 
-    def __init__(self, node: Node, *, force_sd: float, clock_rate: float) -> None:
-        def made(topic: Topic) -> Publisher:
-            return node.create_publisher(topic.type, topic.name, topic.publisher)
-
+    def __init__(self, node: ManagedNode, *, force_sd: float, clock_rate: float) -> None:
+        made = node.advertise
         self.force_sd = force_sd
         self.acceleration, self.deflection = made(topics.ACCELERATION), made(topics.DEFLECTION)
         self.force, self.road = made(topics.FORCE), made(topics.ROAD)

@@ -9,15 +9,15 @@ from __future__ import annotations
 
 import signal
 import sys
+from collections.abc import Sequence
 from time import monotonic, perf_counter
 
 from er_ros_common.builders import Tick
-from er_ros_common.clock import until_next, wall_timer
-from er_ros_common.graph_check import Problem, watch
-from er_ros_common.health import Health, Report
+from er_ros_common.clock import until_next
+from er_ros_common.health import Report
+from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import declare
-from er_ros_common.spin import run
-from rclpy.node import Node
+from er_ros_common.spin import Executable, run
 
 from er_damper_msgs.msg import NodeStatus, PwmDuty
 from er_plant_sim import rig as plant
@@ -27,7 +27,7 @@ from er_plant_sim.nodes.card import CARD
 from er_plant_sim.nodes.drive import Answered, Timed
 from er_plant_sim.nodes.outlet import Outlet
 from er_plant_sim.nodes.pace import Pace
-from er_plant_sim.nodes.roll_call import NOT_READY, RollCall
+from er_plant_sim.nodes.roll_call import RollCall
 from er_plant_sim.settings import PlantParameters, table
 from er_ros_common import log, topics
 
@@ -39,33 +39,38 @@ CONFLICT = 0.1
 """Share of samples answered more than once that shows two controllers at work."""
 
 
-class PlantNode(Node):
+class PlantNode(ManagedNode):
     """Runs the rig; duties come from the program or from pwm/command."""
 
-    def __init__(self) -> None:
-        super().__init__("plant")
-        p: PlantParameters = declare(self, table(self._parameter_overrides))
-        self.p, self.rig = p, build(p)
+    def __init__(self, argv: Sequence[str] | None = None) -> None:
+        super().__init__("plant", argv)
+        self.p: PlantParameters = declare(self, table(self._parameter_overrides))
+
+    def configure(self) -> None:
+        """Load the models and make the ends; the car stands at the beginning of its road."""
+        p = self.p
+        self.rig = build(p)
         self.state = plant.start(self.rig)
         self.tick = Tick(0, 0)
         self.applied: Applied | None = None
-        self.problems: list[Problem] = []
-        self.made_at, self.running = monotonic(), False
         self.repeated, self.conflict = 0, False
-        self.over, self.step_began = False, 0.0
+        self.step_began = 0.0
         clock_rate = p.rate * p.rate_factor if p.mode == "sim_time" else 0.0
         self.out = Outlet(self, force_sd=p.noise_force, clock_rate=clock_rate)
-        self.pace = Pace(self.rig.dt, p.rate_factor or 1.0, real=p.mode == "realtime")
-        self.drive = self._drive()
         self.roll_call = RollCall(self, p.wait_for_nodes)
         if not self.rig.programmed:
-            command = topics.PWM_COMMAND
-            self.create_subscription(PwmDuty, command.name, self.on_command, command.subscriber)
-        model_id = self.rig.sim.plant.model.digest()
-        self.health = Health(self, self.report, deadline=self.rig.dt, model_id=model_id)
+            self.subscribe(topics.PWM_COMMAND, self.on_command)
+        self.health.model_id = self.rig.sim.plant.model.digest()
+        self.health.meter.deadline = self.rig.dt
         period = self.rig.dt / p.rate_factor if p.rate_factor else WAKE_PERIOD
-        self.timer = wall_timer(self, period, self.on_time)
-        wall_timer(self, 1.0, self.on_second)
+        self.timer = self.every(period, self.on_time)
+        self.every(1.0, self.on_second)
+
+    def begin(self) -> None:
+        """Wait for everybody, then go on from where the car is."""
+        self.made_at, self.running, self.over = monotonic(), False, False
+        self.pace = Pace(self.rig.dt, self.p.rate_factor or 1.0, real=self.p.mode == "realtime")
+        self.drive = self._drive()
 
     def _drive(self) -> Timed | Answered:
         if self.p.mode == "lockstep" and not self.rig.programmed:
@@ -132,8 +137,7 @@ class PlantNode(Node):
             self.drive.on_command(seq)
 
     def on_second(self) -> None:
-        """Look at the graph, and whether the system clock was set."""
-        self.problems = watch(self, topics.MEASUREMENTS)
+        """Whether two controllers answer, and whether the system clock was set."""
         repeated, self.repeated = (
             self.state.gate.repeated - self.repeated,
             self.state.gate.repeated,
@@ -147,7 +151,7 @@ class PlantNode(Node):
         """Health of the plant."""
         mode, status, reason = "running", NodeStatus.STATUS_OK, ""
         if not self.running:
-            mode, status = NOT_READY, NodeStatus.STATUS_INITIALIZING
+            mode, status = "waiting", NodeStatus.STATUS_INITIALIZING
             reason = f"for {', '.join(self.roll_call.missing()) or 'its subscribers'}"
         elif self.applied and self.applied.reason not in (Reason.COMMAND, Reason.PROGRAM):
             mode, status = "safe", NodeStatus.STATUS_DEGRADED
@@ -160,12 +164,14 @@ class PlantNode(Node):
             "ticks given up": self.pace.progress.skipped,
             "clock steps": self.pace.clock_steps,
         }
-        problems = tuple(f"{p.topic}: {p.text}" for p in self.problems)
-        return Report(mode, status, reason, values=values, problems=problems)
+        return Report(mode, status, reason, values=values)
 
-    def on_stop(self) -> None:
+    def end(self) -> None:
         """Let subscribers take the last messages."""
         self.out.flush()
+
+
+NODE = Executable(PlantNode, CARD)
 
 
 def main() -> None:

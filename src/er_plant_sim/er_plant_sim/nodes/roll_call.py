@@ -9,25 +9,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from rclpy.node import Node
+from er_ros_common.managed import NOT_READY, ManagedNode
 
 from er_damper_msgs.msg import NodeStatus
 from er_ros_common import topics
-
-NOT_READY = "waiting"
 
 
 class RollCall:
     """Listens to the status of these nodes of the own namespace."""
 
-    def __init__(self, node: Node, names: Sequence[str]) -> None:
+    def __init__(self, node: ManagedNode, names: Sequence[str]) -> None:
         self._ready = dict.fromkeys(names, False)
         for name in names:
             heard = partial(self._on_status, name)
-            node.create_subscription(NodeStatus, f"{name}/status", heard, topics.STATUS.subscriber)
+            node.listen(f"{name}/status", NodeStatus, heard, topics.STATUS.subscriber)
 
     def _on_status(self, name: str, message: NodeStatus) -> None:
-        self._ready[name] = message.mode != NOT_READY
+        self._ready[name] = message.mode not in NOT_READY
 
     def missing(self) -> list[str]:
         """Nodes that are not ready, or not there."""

@@ -1,0 +1,91 @@
+"""``composed``: any set of nodes in one process, with one executor and one thread.
+
+    er_bringup composed PACKAGE/EXECUTABLE [--ros-args ...] -- PACKAGE/EXECUTABLE [--ros-args ...]
+
+Each node has a command line of its own, as if it were a process of its own. One that ends, or that fails,
+ends all.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from typing import NamedTuple
+
+import rclpy
+from er_models.errors import ErError
+from er_ros_common.spin import Executable, guarded, live, show
+from er_ros_common.stopping import Stopped
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
+
+BETWEEN = "--"
+"""Stands between the command lines of two nodes."""
+
+
+class Part(NamedTuple):
+    """One node: its program and its own command line."""
+
+    name: str
+    executable: Executable
+    argv: tuple[str, ...]
+
+
+def split(argv: Sequence[str]) -> list[list[str]]:
+    """The command line of each node, its name first."""
+    groups: list[list[str]] = [[]]
+    for word in argv:
+        if word == BETWEEN:
+            groups.append([])
+        else:
+            groups[-1].append(word)
+    return [group for group in groups if group]
+
+
+def part(group: Sequence[str]) -> Part:
+    """One node of the command line.
+
+    Raises:
+        ErError: No such node, or an argument that is none of ROS.
+    """
+    name, *argv = group
+    package, _, executable = name.partition("/")
+    try:
+        found = import_module(f"{package}.nodes.{executable}").NODE
+    except (ModuleNotFoundError, AttributeError, ValueError):
+        expected = "PACKAGE/EXECUTABLE of a node, er_plant_sim/plant for instance"
+        raise ErError(f"expected {expected}, found '{name}'") from None
+    plain = remove_ros_args(["", *argv])[1:]
+    if plain:
+        raise ErError(f"{name}: unknown argument '{plain[0]}'; ROS arguments follow --ros-args")
+    return Part(name, found, tuple(argv))
+
+
+def _run(argv: Sequence[str], stopped: Stopped) -> None:
+    parts = [part(group) for group in split(argv)]
+    if not parts:
+        raise ErError("expected at least one node, see --help")
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+
+    def made() -> list[Node]:
+        nodes: list[Node] = []
+        for each in parts:
+            nodes.append(each.executable.make(each.argv))
+        return nodes
+
+    live(made, stopped)
+
+
+def main() -> None:
+    """Entry point of the executable."""
+    argv = sys.argv[1:]
+    if any(word in ("-h", "--help") for word in argv):
+        show(__doc__ or "")
+        sys.exit(0)
+    sys.exit(guarded("composed", argv, lambda stopped: _run(argv, stopped)))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,5 @@
+"""Entry points of the package's nodes, light: see `er_ros_common.entry`."""
+
+from er_ros_common.entry import program
+
+plant = program("er_plant_sim.nodes.plant")

@@ -1,0 +1,209 @@
+"""What every node is: a lifecycle node that starts by itself and says how it is.
+
+A node is made of `configure` (files, core, ends of topics), `begin` (from now on it acts), `end` (it leaves
+something safe behind, and acts no more) and `report`. Ends of topics are made once and stay: where a node is not
+active, what arrives is not handled and timers do nothing. With ``autostart`` false a manager leads it
+through the states; else `run` does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from er_models.errors import ErError
+from lifecycle_msgs.srv import ChangeState
+from rclpy._rclpy_pybind11 import RCLError
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
+from rclpy.timer import Timer
+
+from er_damper_msgs.msg import NodeStatus
+from er_ros_common import clock, log
+from er_ros_common.common_parameters import NodeParameters
+from er_ros_common.graph_check import Problem, watch
+from er_ros_common.health import Health, Report
+from er_ros_common.topics import Topic
+
+NOT_READY = ("waiting", "unconfigured", "inactive")
+"""Modes of a node that does not act yet."""
+GRAPH_PERIOD = 1.0
+"""How often a node looks at the graph around it [s]."""
+
+
+class ManagedNode(LifecycleNode):
+    """Lifecycle, health and ends of topics; subclasses fill the hooks below.
+
+    p: its parameters, declared by the subclass in its constructor, a `NodeParameters`. active: whether it acts.
+    """
+
+    def __init__(self, name: str, argv: Sequence[str] | None = None) -> None:
+        """argv: command line of this node alone, where a process holds several; None: the process's."""
+        own = {} if argv is None else {"cli_args": list(argv), "use_global_arguments": False}
+        super().__init__(name, **own)
+        self.argv, self.active, self.configured = argv, False, False
+        self.failure: ErError | None = None
+        self._managed = True
+        self.problems: list[Problem] = []
+        self.watched: dict[str, Topic] = {}
+        self._made: dict[str, Any] = {}
+        self.health = Health(self, self._said)
+        clock.wall_timer(self, GRAPH_PERIOD, self._look)
+
+    # hooks of a node
+
+    def configure(self) -> None:
+        """Load files, make the core and the ends of topics; raises `ErError` where that cannot be."""
+
+    def begin(self) -> None:
+        """Act from now on, from a fresh state."""
+
+    def end(self) -> None:
+        """Leave something safe behind; the last chance to publish."""
+
+    def close(self) -> None:
+        """Give back what was configured: at the end, and before it is configured anew."""
+
+    def report(self) -> Report:
+        """Health while active."""
+        raise NotImplementedError
+
+    # tools of a node; each end is made once, however often the node is configured
+
+    def advertise(self, topic: Topic) -> Publisher:
+        """Publisher of a topic; the graph around it is watched."""
+        self.watched[topic.name] = topic
+        return self._once(
+            f"out {topic.name}",
+            lambda: self.create_publisher(topic.type, topic.name, topic.publisher),
+        )
+
+    def subscribe(
+        self, topic: Topic, heard: Callable[[Any], None], profile: QoSProfile | None = None
+    ) -> Subscription:
+        """Subscription of a topic, heard while active; the graph around it is watched."""
+        self.watched[topic.name] = topic
+        asked = profile or topic.subscriber
+        return self._once(
+            f"in {topic.name}",
+            lambda: self.create_subscription(
+                topic.type, topic.name, self.while_active(heard), asked
+            ),
+        )
+
+    def listen(
+        self, name: str, kind: type[Any], heard: Callable[[Any], None], profile: QoSProfile
+    ) -> Subscription:
+        """Subscription of something that is no input, another node's status for instance: always heard."""
+        return self._once(
+            f"in {name}", lambda: self.create_subscription(kind, name, heard, profile)
+        )
+
+    def every(self, period: float, due: Callable[[], None]) -> Timer:
+        """Timer [s] on the steady clock that does nothing while the node is not active."""
+
+        def call() -> None:
+            if self.active:
+                due()
+
+        return self._once(f"timer {due.__name__}", lambda: clock.wall_timer(self, period, call))
+
+    def _once(self, key: str, make: Callable[[], Any]) -> Any:
+        if key not in self._made:
+            self._made[key] = make()
+        return self._made[key]
+
+    def while_active(self, heard: Callable[[Any], None]) -> Callable[[Any], None]:
+        """The callback of a subscription, without what arrives while the node is not active."""
+
+        def call(message: Any) -> None:
+            if self.active:
+                heard(message)
+
+        return call
+
+    def _look(self) -> None:
+        self.problems = watch(self, tuple(self.watched.values()))
+
+    def _said(self) -> Report:
+        if self.active:
+            return self.report()
+        label = str(self._state_machine.current_state[1])
+        reason = str(self.failure) if self.failure else "autostart is false: a manager starts it"
+        status = NodeStatus.STATUS_FAULT if self.failure else NodeStatus.STATUS_INITIALIZING
+        return Report(label, status, reason, valid=False)
+
+    @property
+    def common(self) -> NodeParameters:
+        """Parameters that every node has."""
+        return self.p
+
+    # the way through the states
+
+    def start(self) -> None:
+        """Configure and activate; raises what `configure` raised."""
+        # whoever started it says what is wrong; a manager only learns that it failed
+        self._managed = False
+        for trigger in (self.trigger_configure, self.trigger_activate):
+            if trigger() != TransitionCallbackReturn.SUCCESS:
+                raise self.failure or ErError(f"{self.get_name()} could not be started")
+        self._managed = True
+
+    def on_stop(self) -> None:
+        """Called before the node is destroyed, whatever its state."""
+        if self.active:
+            self.end()
+        if self.configured:
+            self.close()
+        self.active = self.configured = False
+
+    def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Transition of ROS."""
+        done = self._tried(self.configure)
+        self.configured = done == TransitionCallbackReturn.SUCCESS
+        return done
+
+    def on_activate(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Transition of ROS."""
+        done = self._tried(self.begin)
+        self.active = done == TransitionCallbackReturn.SUCCESS
+        return done
+
+    def on_deactivate(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Transition of ROS."""
+        self.active = False
+        return self._tried(self.end)
+
+    def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Transition of ROS."""
+        self.configured = False
+        return self._tried(self.close)
+
+    def on_shutdown(self, _: LifecycleState) -> TransitionCallbackReturn:
+        """Transition of ROS; from any state."""
+        self.on_stop()
+        return TransitionCallbackReturn.SUCCESS
+
+    def _tried(self, action: Callable[[], None]) -> TransitionCallbackReturn:
+        """Refuse the transition where the action cannot be done, with the line that says why."""
+        self.failure = None
+        try:
+            action()
+        except ErError as error:
+            self.failure = error
+            if self._managed:
+                log.warning(self, str(error))
+            return TransitionCallbackReturn.FAILURE
+        return TransitionCallbackReturn.SUCCESS
+
+    def _LifecycleNodeMixin__on_change_state(
+        self, asked: ChangeState.Request, answer: ChangeState.Response
+    ) -> ChangeState.Response:
+        """Answer a manager; a transition that this state does not have ends rclpy's own node with a traceback."""
+        try:
+            return super()._LifecycleNodeMixin__on_change_state(asked, answer)  # type: ignore[misc]
+        except RCLError:
+            answer.success = False
+            return answer

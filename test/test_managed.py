@@ -1,0 +1,183 @@
+"""Lifecycle, one process for several nodes, and ends while a program is still being imported."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from time import monotonic, sleep
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+import rclpy
+from er_bringup.composed import part, split
+from er_bringup.graph import nodes, parse
+from er_ftc_controller.nodes.skyhook_controller import SkyhookController
+from er_models.errors import ErError, InputError
+from er_observers.nodes.unified_observer import NODE as UNIFIED
+from er_ros_common.managed import ManagedNode
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.lifecycle import TransitionCallbackReturn
+
+from er_ros_common import builders, topics
+from test.graph_help import CONFIG, ROOT, VEHICLE, own_domain, skyhook_arguments
+
+OK = TransitionCallbackReturn.SUCCESS
+
+
+@pytest.fixture
+def ros() -> Iterator[SingleThreadedExecutor]:
+    """ROS in this process, in a domain of its own."""
+    with own_domain() as env:
+        rclpy.init(args=[], domain_id=int(env["ROS_DOMAIN_ID"]))
+        executor = SingleThreadedExecutor()
+        yield executor
+        for node in executor.get_nodes():
+            node.destroy_node()
+        rclpy.try_shutdown()
+
+
+def until(
+    executor: SingleThreadedExecutor, there: Callable[[], object], seconds: float = 10.0
+) -> None:
+    """Run callbacks until something is true."""
+    end = monotonic() + seconds
+    while not there():
+        assert monotonic() < end, "it did not come"
+        executor.spin_once(timeout_sec=0.02)
+
+
+def change(executor: SingleThreadedExecutor, node: ManagedNode, transition: int) -> bool:
+    """What a manager hears when it asks the node for a transition."""
+    client = node.create_client(ChangeState, f"{node.get_name()}/change_state")
+    until(executor, client.service_is_ready)
+    asked = ChangeState.Request()
+    asked.transition.id = transition
+    answer = client.call_async(asked)
+    until(executor, answer.done)
+    return bool(answer.result().success)
+
+
+def test_a_manager_leads_a_controller_and_hears_no_for_what_cannot_be(
+    ros: SingleThreadedExecutor,
+) -> None:
+    node = SkyhookController(skyhook_arguments("-p", "autostart:=false"))
+    other = rclpy.create_node("other")
+    ros.add_node(node)
+    ros.add_node(other)
+    heard: list[float] = []
+    command, acceleration, deflection = topics.PWM_COMMAND, topics.ACCELERATION, topics.DEFLECTION
+    other.create_subscription(
+        command.type, command.name, lambda m: heard.append(m.duty), command.subscriber
+    )
+    ends = [
+        other.create_publisher(t.type, t.name, t.publisher) for t in (acceleration, deflection)
+    ]
+    assert not change(ros, node, Transition.TRANSITION_ACTIVATE)
+    assert node._said().mode == "unconfigured"
+    assert change(ros, node, Transition.TRANSITION_CONFIGURE)
+
+    def send() -> int:
+        tick = builders.Tick(node.get_clock().now().nanoseconds, 1)
+        ends[0].publish(builders.suspension_acceleration(tick, 1.0, 0.0))
+        ends[1].publish(builders.suspension_deflection(tick, 0.0, 0.1))
+        for _ in range(5):
+            ros.spin_once(timeout_sec=0.01)
+        return len(heard)
+
+    until(ros, lambda: all(end.get_subscription_count() for end in ends))
+    for _ in range(10):
+        assert send() == 0, "it acted while inactive"
+    assert change(ros, node, Transition.TRANSITION_ACTIVATE)
+    until(ros, lambda: send() > 3)
+    heard.clear()
+    assert change(ros, node, Transition.TRANSITION_DEACTIVATE)
+    until(ros, lambda: heard and heard[-1] == node.p.safe_duty)
+    left = len(heard)
+    assert send() == left
+    assert change(ros, node, Transition.TRANSITION_CLEANUP)
+    assert change(ros, node, Transition.TRANSITION_CONFIGURE)
+    assert len(list(node.subscriptions)) == 2 + len(
+        [s for s in node.subscriptions if "parameter" in s.topic_name]
+    )
+
+
+def test_gains_are_read_again_when_a_node_is_configured_again(
+    ros: SingleThreadedExecutor, tmp_path: Path
+) -> None:
+    gains = tmp_path / "gains.yaml"
+    gains.write_text("nothing: here\n", encoding="utf-8")
+    given = [
+        "-p",
+        f"model_file:={VEHICLE}",
+        "-p",
+        f"gains_file:={gains}",
+        "-p",
+        "autostart:=false",
+    ]
+    node = UNIFIED.make(["--ros-args", *given])
+    ros.add_node(node)
+    assert not change(ros, node, Transition.TRANSITION_CONFIGURE)
+    assert "gains.yaml" in node._said().reason
+    with pytest.raises(InputError, match=r"gains\.yaml"):
+        node.start()
+    gains.write_bytes((CONFIG / "gains/unified.yaml").read_bytes())
+    assert change(ros, node, Transition.TRANSITION_CONFIGURE)
+    assert node.health.gains_id
+
+
+def test_command_lines_of_composed_nodes_are_those_of_the_processes() -> None:
+    apart = nodes(parse(["namespace:=fl", "seed:=3"]), CONFIG)
+    (together,) = nodes(parse(["namespace:=fl", "seed:=3", "composed:=true"]), CONFIG)
+    assert together.executable == "composed"
+    assert [group[1:] for group in split(together.arguments())] == [s.arguments() for s in apart]
+    assert [part(g).executable.card.executable for g in split(together.arguments())] == [
+        s.executable for s in apart
+    ]
+
+
+@pytest.mark.parametrize("group", [["er_plant_sim/plnt"], ["plant"], ["er_plant_sim/plant", "x"]])
+def test_a_node_that_is_none_is_one_line(group: list[str]) -> None:
+    with pytest.raises(ErError, match=r"expected PACKAGE/EXECUTABLE|unknown argument 'x'"):
+        part(group)
+
+
+@pytest.mark.alone
+def test_the_whole_graph_runs_in_one_process(tmp_path: Path) -> None:
+    with own_domain() as env:
+        ended = subprocess.run(
+            [sys.executable, "-m", "er_bringup.up", "composed:=true", "duration:=1.5"],
+            env=env, capture_output=True, text=True, timeout=60, check=False, cwd=tmp_path,
+        )  # fmt: skip
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    for words in (
+        "[plant]: finished after 300 ticks",
+        "[skyhook_controller]: running",
+        "[unified_observer]: running",
+    ):
+        assert words in ended.stdout
+    assert "Traceback" not in ended.stdout
+
+
+@pytest.mark.alone
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_program_that_is_still_being_imported_ends_quietly(number: int) -> None:
+    """As its console script starts it, once Python itself has begun."""
+    code = "import sys; print('begun', flush=True); from er_plant_sim.executables import plant; plant()"
+    child = subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        cwd=ROOT, env=os.environ | {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"},
+    )  # fmt: skip
+    assert child.stdout is not None
+    child.stdout.readline()
+    sleep(0.15)
+    child.send_signal(number)
+    _, errors = child.communicate(timeout=10)
+    assert (child.returncode, errors) == (0, "")
