@@ -33,7 +33,7 @@ class Heard:
     """One topic of the contract: its ends, and what was heard on it.
 
     span: from the first to the last arrival [s]; ages: on arrival [s]; zero: stamps that are not
-    set.
+    set; jumps: of the stamps, by more than half a second [s].
     """
 
     topic: Topic
@@ -46,6 +46,7 @@ class Heard:
     lost: int = 0
     zero: int = 0
     invalid: int = 0
+    jumps: tuple[float, ...] = ()
 
     @property
     def rate(self) -> float:
@@ -66,13 +67,17 @@ class SeenNode:
 
 @dataclass(frozen=True)
 class Observation:
-    """All that was seen of one namespace in this time [s]."""
+    """All that was seen of one namespace in this time [s].
+
+    said: what the nodes say in /diagnostics: name of the entry, level, text.
+    """
 
     namespace: str
     seconds: float
     heard: tuple[Heard, ...] = ()
     nodes: tuple[SeenNode, ...] = ()
     clock_publishers: int = 0
+    said: tuple[tuple[str, int, str], ...] = ()
 
 
 def problems(seen: Observation) -> list[Problem]:
@@ -82,7 +87,7 @@ def problems(seen: Observation) -> list[Problem]:
     plant = next((p for p in answers if "rate_factor" in p), {})
     for heard in seen.heard:
         found += _flow(heard, plant)
-    return [*found, *_nodes(seen), *_time(seen)]
+    return [*found, *_nodes(seen), *_time(seen), *_said(seen)]
 
 
 def _nothing(seen: Observation) -> Iterator[Problem]:
@@ -136,6 +141,10 @@ def _flow(heard: Heard, plant: Mapping[str, Any]) -> Iterator[Problem]:
     if real and any(age < -0.005 for age in heard.ages):
         text = f"stamps up to {-1e3 * min(heard.ages):.0f} ms ahead of this machine's clock"
         yield Problem(heard.name, "future stamps", text, "synchronise the clocks (chrony, ptp)")
+    if heard.jumps:
+        text = f"the stamps jumped {len(heard.jumps)} times, by {heard.jumps[0]:.3g} s first"
+        cure = "a bag that loops, or a clock that was set? nodes start afresh at each jump"
+        yield Problem(heard.name, "time jump", text, cure)
     if heard.zero:
         text = f"{heard.zero} of {heard.count} messages without a stamp"
         yield Problem(heard.name, "zero stamps", text, f"set header.stamp in {sender}")
@@ -172,6 +181,14 @@ def _nodes(seen: Observation) -> Iterator[Problem]:
         if bad:
             cure = "the reason says what it needs"
             yield Problem(node.name, "status", f"{node.mode}: {node.reason}", cure)
+
+
+def _said(seen: Observation) -> Iterator[Problem]:
+    """What nodes say of their inputs and their computing times."""
+    for name, level, text in seen.said:
+        if level:
+            node, _, task = name.rpartition(": ")
+            yield Problem(node, task, text, "see the topic it names")
 
 
 def _time(seen: Observation) -> Iterator[Problem]:

@@ -10,6 +10,7 @@ import rclpy
 from er_ros_common.clock import from_stamp
 from er_ros_common.graph_check import compatible, endpoints
 from er_ros_common.parameter_reader import ParameterReader
+from er_ros_common.stamps import StampLimits
 from er_ros_common.topics import Topic
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -27,6 +28,9 @@ ANSWERS = 3.0
 """Longest wait for parameters that nodes have not sent by the end of listening [s]."""
 LOOK = 0.25
 STATUS_ENDING = "/status"
+TASKS = ("input rate", "stamps", "timing")
+"""Diagnostics of the nodes that this command cannot know by itself."""
+LIMITS = StampLimits()
 
 
 @dataclass
@@ -41,6 +45,8 @@ class _Log:
     lost: int = 0
     zero: int = 0
     invalid: int = 0
+    stamp: int = 0
+    jumps: list[float] = field(default_factory=list)
 
     def on_message(self, message: Any) -> None:
         """Note one message."""
@@ -50,6 +56,10 @@ class _Log:
             self.zero += 1
         else:
             self.ages.append(1e-9 * (time_ns() - stamp))
+        step = 1e-9 * (stamp - self.stamp)
+        if self.stamp and stamp and not -LIMITS.back <= step <= LIMITS.back:
+            self.jumps.append(step)
+        self.stamp = stamp
         if seq > self.seq > 0:
             self.lost += seq - self.seq - 1
         self.seq = seq
@@ -59,7 +69,8 @@ class _Log:
         """Forget what came before the measurement."""
         self.arrivals.clear()
         self.ages.clear()
-        self.seq = self.lost = self.zero = self.invalid = 0
+        self.jumps.clear()
+        self.seq = self.lost = self.zero = self.invalid = self.stamp = 0
 
 
 def observe(namespace: str, seconds: float) -> Observation:
@@ -81,6 +92,8 @@ class _Listener:
         self.logs = {t.name: _Log(t, f"{self.namespace}/{t.name}") for t in CONTRACT}
         self.subscribed: set[str] = set()
         self.status: dict[str, NodeStatus] = {}
+        self.said: dict[str, tuple[int, str]] = {}
+        self.diagnosed = False
         self.parameters = ParameterReader(node, self._inside)
         self.executor = SingleThreadedExecutor()
         self.executor.add_node(node)
@@ -100,7 +113,8 @@ class _Listener:
         heard = tuple(self._heard(log) for log in self.logs.values())
         self._wait_for_answers()
         clocks = self.node.count_publishers(topics.CLOCK.name)
-        return Observation(self.namespace, seconds, heard, tuple(self._nodes()), clocks)
+        said = tuple((name, *rest) for name, rest in sorted(self.said.items()))
+        return Observation(self.namespace, seconds, heard, tuple(self._nodes()), clocks, said)
 
     def _wait_for_answers(self) -> None:
         """Give nodes that were asked for their parameters late some time to answer."""
@@ -129,6 +143,18 @@ class _Listener:
             if name.endswith(STATUS_ENDING) and topics.STATUS.type_name in kinds:
                 self._subscribe(name, topics.STATUS, self._on_status)
 
+        if not self.diagnosed:
+            self.diagnosed = True
+            there = topics.DIAGNOSTICS
+            self.node.create_subscription(there.type, there.name, self._on_diagnostics, DEPTH)
+
+    def _on_diagnostics(self, message: Any) -> None:
+        """Keep what our nodes say of their inputs; state and graph are looked at here."""
+        for entry in message.status:
+            node, _, task = entry.name.rpartition(": ")
+            if self._inside(node) and task in TASKS:
+                self.said[entry.name] = (entry.level[0], entry.message)
+
     def _subscribe(self, name: str, topic: Topic, heard: Any) -> None:
         """Subscribe once somebody publishes the right type."""
         publishers = self.node.get_publishers_info_by_topic(name)
@@ -156,6 +182,7 @@ class _Listener:
             lost=log.lost,
             zero=log.zero,
             invalid=log.invalid,
+            jumps=tuple(log.jumps),
         )
 
     def _nodes(self) -> list[SeenNode]:

@@ -94,6 +94,7 @@ TWO = (end("/plant", FORCE), end("/rig", FORCE))
         ({"ages": (-0.2,) * 601}, "future stamps"),
         ({"zero": 3}, "zero stamps"),
         ({"lost": 3}, "lost messages"),
+        ({"jumps": (-60.0,)}, "time jump"),
     ],
 )
 def test_a_sick_topic_is_named(other: dict[str, Any], kind: str) -> None:
@@ -102,6 +103,14 @@ def test_a_sick_topic_is_named(other: dict[str, Any], kind: str) -> None:
 
 def test_a_few_old_stamps_are_no_news() -> None:
     assert kinds(with_topic(heard(FORCE, ages=(0.001,) * 598 + (0.05,) * 3))) == []
+
+
+def test_what_nodes_say_of_their_inputs_is_said_here_too() -> None:
+    said = (
+        ("/plant: stamps", 1, "/pwm/command: 3 messages too old"),
+        ("/plant: timing", 0, "in time"),
+    )
+    assert kinds(healthy(said=said)) == [("/plant", "stamps")]
 
 
 @pytest.mark.parametrize("topic", [*NEEDED, topics.PWM_COMMAND])

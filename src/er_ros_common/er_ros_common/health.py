@@ -1,11 +1,11 @@
-"""Health of a node: ``~/status`` at 10 Hz and ``/diagnostics`` at 1 Hz, from one report.
+"""Health of a node: ``~/status`` at 10 Hz and ``/diagnostics`` at 1 Hz and on change, from one report.
 
 For people and monitors; never the safety path (REP-107).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from time import monotonic
 
@@ -15,10 +15,14 @@ from rclpy.node import Node
 from er_damper_msgs.msg import NodeStatus
 from er_ros_common import builders, clock, log, topics
 from er_ros_common.builders import Tick, Timing
+from er_ros_common.graph_check import Problem
+from er_ros_common.inputs import ERROR, OK, WARN, Finding, Input
 from er_ros_common.stamps import StampState
 
 NO_STAMPS = StampState()
 STATUS_PERIOD, DIAGNOSTICS_PERIOD = 0.1, 1.0
+SLOW_WARN, SLOW_ERROR = 0.001, 0.002
+"""Mean computing times of a step that are worth a warning and an error, as in ros2_control [s]."""
 _WARN = (
     NodeStatus.STATUS_INITIALIZING,
     NodeStatus.STATUS_DEGRADED,
@@ -78,7 +82,10 @@ class Meter:
 
 
 class Health:
-    """Publishes the status and diagnostics of a node; create it last in the node's constructor."""
+    """Publishes the status and diagnostics of a node; create it last in the node's constructor.
+
+    inputs: what the node listens to; problems: of the graph around it.
+    """
 
     def __init__(
         self,
@@ -88,10 +95,15 @@ class Health:
         deadline: float = 0.005,
         model_id: str = "",
         gains_id: str = "",
+        inputs: Callable[[], Sequence[Input]] = tuple,
+        problems: Callable[[], Sequence[Problem]] = tuple,
     ) -> None:
         self.node, self.report, self.meter = node, report, Meter(deadline)
         self.model_id, self.gains_id = model_id, gains_id
+        self.inputs, self.problems = inputs, problems
         self._count, self._timing, self._word = 0, Timing(), ""
+        self._tasks: tuple[Task, ...] = ()
+        self._sent, self._missed = -DIAGNOSTICS_PERIOD, 0
         self._status = node.create_publisher(
             NodeStatus, topics.STATUS.name, topics.STATUS.publisher
         )
@@ -100,10 +112,9 @@ class Health:
         )
         # not in simulated time: a simulation that stands still is news
         clock.wall_timer(node, STATUS_PERIOD, self.publish_status)
-        clock.wall_timer(node, DIAGNOSTICS_PERIOD, self._publish_diagnostics)
 
     def publish_status(self) -> None:
-        """Send the status now; a change of mode or reason is logged once."""
+        """Send the status now, and diagnostics when they are due; changes are logged once."""
         said, self._count = self.report(), self._count + 1
         self._timing = self.meter.look(monotonic())
         self._log(said)
@@ -122,6 +133,7 @@ class Health:
             valid=said.valid,
         )
         self._status.publish(message)
+        self._diagnose(said, monotonic())
 
     def _log(self, said: Report) -> None:
         word = f"{said.mode}: {said.reason}" if said.reason else said.mode
@@ -131,41 +143,103 @@ class Health:
         (log.info if good else log.warning)(self.node, word)
         self._word = word
 
-    def _publish_diagnostics(self) -> None:
-        said = self.report()
+    def _diagnose(self, said: Report, now: float) -> None:
+        """Send diagnostics once a second, and at once when a level has changed."""
+        due = now - self._sent >= DIAGNOSTICS_PERIOD - 0.5 * STATUS_PERIOD
+        tasks = self._found(said, now)
+        changed = [
+            t for t, before in zip(tasks, self._tasks, strict=False) if t.level != before.level
+        ]
+        self._tasks = tasks
+        for task in changed:
+            # the state has been logged; nothing that comes and goes by itself is more than a line to read
+            if task.name != "state":
+                log.info(self.node, f"{task.name}: {task.text}")
+        if not due and not changed:
+            return
+        if due:
+            self._sent = now
+            for each in self.inputs():
+                each.measure(now)
         message = DiagnosticArray()
         message.header.stamp = clock.to_stamp(max(clock.now(self.node), 0))
-        name = self.node.get_fully_qualified_name()
-        message.status = [
-            _task(name, "state", _level(said.status), said.reason or said.mode, self._values(said))
-        ]
-        text = "; ".join(said.problems) or "as expected"
-        level = DiagnosticStatus.ERROR if said.problems else DiagnosticStatus.OK
-        message.status.append(_task(name, "graph", level, text, {}))
+        node = self.node.get_fully_qualified_name()
+        message.status = [_status(node, task) for task in tasks]
         self._diagnostics.publish(message)
+
+    def _found(self, said: Report, now: float) -> tuple[Task, ...]:
+        """The tasks of diagnostics."""
+        each = self.inputs()
+        flows = {i.name: f"{i.measured:.1f} Hz" for i in each}
+        counts = {i.name: f"{i.state.received} came, {i.state.lost} lost" for i in each}
+        graph = [Finding(ERROR, p.topic, f"{p.text}: {p.cure}") for p in self.problems()]
+        graph += [Finding(ERROR, "", text) for text in said.problems]
+        state = Task("state", _level(said.status), said.reason or said.mode, self._values(said))
+        return (
+            state,
+            task("input rate", [i.flow(now) for i in each], flows),
+            task("stamps", [f for i in each for f in i.stamps(now)], counts),
+            self._load(),
+            task("graph", graph, {}),
+        )
+
+    def _load(self) -> Task:
+        """Computing times against the thresholds of ros2_control, and steps that were not done in time."""
+        mean, missed = self._timing.step_time_mean, self.meter.deadline_misses - self._missed
+        self._missed = self.meter.deadline_misses
+        level = ERROR if mean > SLOW_ERROR else WARN if mean > SLOW_WARN or missed else OK
+        text = (
+            "in time"
+            if level == OK
+            else f"steps take {1e3 * mean:.2f} ms, {missed} were too late: CPU overloaded?"
+        )
+        values = {
+            "step time mean [ms]": f"{1e3 * mean:.3f}",
+            "step time max [ms]": f"{1e3 * self._timing.step_time_max:.3f}",
+            "deadline misses": self.meter.deadline_misses,
+        }
+        return Task("timing", level, text, values)
 
     def _values(self, said: Report) -> dict[str, object]:
         own = {
             "mode": said.mode,
             "output rate [Hz]": f"{self._timing.output_rate:.1f}",
-            "step time mean [ms]": f"{1e3 * self._timing.step_time_mean:.3f}",
-            "deadline misses": self.meter.deadline_misses,
             "lost inputs": said.stamps.lost,
         }
         return own | dict(said.values)
 
 
-def _level(status: int) -> bytes:
+@dataclass(frozen=True)
+class Task:
+    """One entry of diagnostics: name, level, text, and values for people."""
+
+    name: str
+    level: int
+    text: str
+    values: Mapping[str, object]
+
+
+def task(name: str, found: Sequence[Finding], values: Mapping[str, object]) -> Task:
+    """The findings of one kind as an entry, the worst first."""
+    level = max((f.level for f in found), default=OK)
+    worth = sorted((f for f in found if f.level or name == "stamps"), key=lambda f: -f.level)
+    text = "; ".join(f"{f.topic}: {f.text}" if f.topic else f.text for f in worth)
+    return Task(name, level, text or "as expected", values)
+
+
+def _level(status: int) -> int:
     if status == NodeStatus.STATUS_OK:
-        return DiagnosticStatus.OK
-    return DiagnosticStatus.WARN if status in _WARN else DiagnosticStatus.ERROR
+        return OK
+    return WARN if status in _WARN else ERROR
 
 
-def _task(
-    node: str, task: str, level: bytes, text: str, values: Mapping[str, object]
-) -> DiagnosticStatus:
-    pairs = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
+def _status(node: str, entry: Task) -> DiagnosticStatus:
+    pairs = [KeyValue(key=key, value=str(value)) for key, value in entry.values.items()]
     namespace = node.rpartition("/")[0] or "/"
     return DiagnosticStatus(
-        level=level, name=f"{node}: {task}", message=text, hardware_id=namespace, values=pairs
+        level=bytes([entry.level]),
+        name=f"{node}: {entry.name}",
+        message=entry.text,
+        hardware_id=namespace,
+        values=pairs,
     )

@@ -9,6 +9,7 @@ through the states; else `run` does.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from time import monotonic
 from typing import Any
 
 from er_models.errors import ErError
@@ -25,6 +26,8 @@ from er_ros_common import clock, log
 from er_ros_common.common_parameters import NodeParameters
 from er_ros_common.graph_check import Problem, watch
 from er_ros_common.health import Health, Report
+from er_ros_common.inputs import Input
+from er_ros_common.stamps import StampLimits
 from er_ros_common.topics import Topic
 
 NOT_READY = ("waiting", "unconfigured", "inactive")
@@ -49,7 +52,13 @@ class ManagedNode(LifecycleNode):
         self.problems: list[Problem] = []
         self.watched: dict[str, Topic] = {}
         self._made: dict[str, Any] = {}
-        self.health = Health(self, self._said)
+        self.incoming: dict[str, Input] = {}
+        self.health = Health(
+            self,
+            self._said,
+            inputs=lambda: tuple(self.incoming.values()) if self.active else (),
+            problems=lambda: self.problems,
+        )
         clock.wall_timer(self, GRAPH_PERIOD, self._look)
 
     # hooks of a node
@@ -81,17 +90,43 @@ class ManagedNode(LifecycleNode):
         )
 
     def subscribe(
-        self, topic: Topic, heard: Callable[[Any], None], profile: QoSProfile | None = None
+        self,
+        topic: Topic,
+        heard: Callable[[Any], None],
+        profile: QoSProfile | None = None,
+        *,
+        needed: bool = True,
     ) -> Subscription:
-        """Subscription of a topic, heard while active; the graph around it is watched."""
+        """Subscription of a topic, heard while active; the topic and the graph around it are watched.
+
+        needed: whether its silence is a fault.
+        """
         self.watched[topic.name] = topic
-        asked = profile or topic.subscriber
+        name, asked = self.resolve_topic_name(topic.name), profile or topic.subscriber
+        steady = topic.every_tick and self.aged
+        made = Input(name, self.stamp_limits(), monotonic(), needed=needed, steady=steady)
+        self.incoming[topic.name] = made
+
+        def noted(message: Any) -> None:
+            if self.active:
+                now = clock.now(self) if self.aged else None
+                stamp = clock.from_stamp(message.header.stamp)
+                self.incoming[topic.name].note(stamp, int(message.seq), monotonic(), now)
+                heard(message)
+
         return self._once(
             f"in {topic.name}",
-            lambda: self.create_subscription(
-                topic.type, topic.name, self.while_active(heard), asked
-            ),
+            lambda: self.create_subscription(topic.type, topic.name, noted, asked),
         )
+
+    @property
+    def aged(self) -> bool:
+        """Whether the age of a sample means anything: not in simulated time."""
+        return bool(getattr(self.p, "max_age", True))
+
+    def stamp_limits(self) -> StampLimits:
+        """When a stamp is bad, for diagnostics."""
+        return StampLimits(stale=getattr(self.p, "max_age", 0.0) or StampLimits().stale)
 
     def listen(
         self, name: str, kind: type[Any], heard: Callable[[Any], None], profile: QoSProfile
@@ -167,6 +202,8 @@ class ManagedNode(LifecycleNode):
 
     def on_activate(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Transition of ROS."""
+        for each in self.incoming.values():
+            each.since, each.arrived = monotonic(), None
         done = self._tried(self.begin)
         self.active = done == TransitionCallbackReturn.SUCCESS
         return done

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -23,7 +23,10 @@ from er_ros_common import qos
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """One topic: what it carries, how often [Hz], and the quality of service of either end."""
+    """One topic: what it carries, how often [Hz], and the quality of service of either end.
+
+    every_tick: whether every tick of the plant has one; others may be slower.
+    """
 
     name: str
     type: type[Any]
@@ -31,6 +34,7 @@ class Topic:
     rate: float
     publisher: QoSProfile
     subscriber: QoSProfile
+    every_tick: bool = True
 
     @property
     def type_name(self) -> str:
@@ -62,7 +66,9 @@ FORCE_POLYTOPIC: Final = _sensor(
 FORCE_GRIDDING: Final = _sensor(
     "force/nlpv_gridding", DamperForce, "force of the gridding NLPV observer [N]"
 )
-FAULT: Final = _sensor("fault/estimate", FaultEstimate, "effectiveness f1, f2, f3 [1]")
+FAULT: Final = replace(
+    _sensor("fault/estimate", FaultEstimate, "effectiveness f1, f2, f3 [1]"), every_tick=False
+)
 STATUS: Final = Topic("~/status", NodeStatus, "health of the node", 10.0, qos.STATUS, qos.STATUS)
 DIAGNOSTICS: Final = Topic(
     "/diagnostics", DiagnosticArray, "health of the node", 1.0, qos.DIAGNOSTICS, qos.DIAGNOSTICS

@@ -39,7 +39,11 @@ class FtcController(ManagedNode):
         self.core = FtcCore(self.p)
         self.health.model_id, self.health.gains_id = self.core.model_id, self.core.gains_id
         self.command = self.advertise(topics.PWM_COMMAND)
-        self.inputs = [self.subscribe(t, partial(self.on_message, t)) for t in FtcCore.inputs]
+        self.inputs = [
+            # without a fault estimator the damper is taken for healthy
+            self.subscribe(t, partial(self.on_message, t), needed=t is not topics.FAULT)
+            for t in FtcCore.inputs
+        ]
         self.every(WATCH_PERIOD, self.on_watch)
 
     def begin(self) -> None:

@@ -18,6 +18,7 @@ from er_ros_common.health import Report
 from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import declare
 from er_ros_common.spin import Executable, run
+from er_ros_common.stamps import StampLimits
 
 from er_damper_msgs.msg import NodeStatus, PwmDuty
 from er_plant_sim import rig as plant
@@ -65,6 +66,15 @@ class PlantNode(ManagedNode):
         period = self.rig.dt / p.rate_factor if p.rate_factor else WAKE_PERIOD
         self.timer = self.every(period, self.on_time)
         self.every(1.0, self.on_second)
+
+    @property
+    def aged(self) -> bool:
+        """Whether the age of a command means anything."""
+        return bool(self.p.mode == "realtime")
+
+    def stamp_limits(self) -> StampLimits:
+        """A command is good for as long as it is held."""
+        return StampLimits(stale=self.p.command_timeout)
 
     def begin(self) -> None:
         """Wait for everybody, then go on from where the car is."""

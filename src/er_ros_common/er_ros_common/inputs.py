@@ -1,0 +1,133 @@
+"""What comes in on a topic: how often, with which stamps, whether time jumps. For diagnostics; no ROS, no clock.
+
+Times of arrival are seconds of a steady clock, stamps nanoseconds of the node's own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from er_ros_common.stamps import SECOND, StampLimits, StampState, Verdict, check_stamp
+
+MISSING, LOST = 1.0, 5.0
+"""Silence of an input after which it is worth a warning, and after which it is an error [s]."""
+REMEMBERED = 1.0
+"""How long something that was wrong with a stamp is still said [s]."""
+JUMP_REMEMBERED = 5.0
+"""How long a jump of time is said [s]."""
+SLOW = 0.9
+"""Share of the ticks below which an input is too slow."""
+NO_STAMPS = StampState()
+OK, WARN, ERROR = 0, 1, 2
+"""Levels, those of diagnostic_msgs."""
+_CURE = {
+    Verdict.STALE: "its publisher or this machine is too slow, or the clock of its machine is off: see max_age",
+    Verdict.FUTURE: "synchronise the clocks of the machines (chrony, ptp)",
+    Verdict.ZERO: "set header.stamp where it is published",
+    Verdict.DUPLICATE: "is it published twice, or played by a bag beside the sensor?",
+    Verdict.OUT_OF_ORDER: "is it published twice, or played by a bag beside the sensor?",
+}
+_WORDS = {
+    Verdict.STALE: "too old on arrival",
+    Verdict.FUTURE: "ahead of this machine's clock",
+    Verdict.ZERO: "without a stamp",
+    Verdict.DUPLICATE: "with the stamp of the one before",
+    Verdict.OUT_OF_ORDER: "out of order",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing said of an input: level, topic, and a sentence with its cure."""
+
+    level: int
+    topic: str
+    text: str
+
+
+@dataclass(slots=True)
+class Input:
+    """One topic that a node listens to.
+
+    name: as it is called in the graph; limits: when a stamp is bad; since: when the node began [s]; needed:
+    whether its absence is a fault; steady: whether every tick of the plant has one, at its own pace.
+    """
+
+    name: str
+    limits: StampLimits
+    since: float
+    needed: bool = True
+    steady: bool = True
+    state: StampState = NO_STAMPS
+    age: float = 0.0
+    arrived: float | None = None
+    _bad: dict[Verdict, float] = field(default_factory=dict)
+    _jumped: float | None = None
+    _jump: str = ""
+    _counted: int = 0
+    _looked: float = 0.0
+    _measured: float | None = None
+    _period: float = 0.0
+
+    def note(self, stamp: int, seq: int, arrival: float, now: int | None) -> Verdict:
+        """Take one message; now: time of arrival on the clock of the stamps [ns], None where ages mean nothing."""
+        before, self.arrived = self.state, arrival
+        self.state, verdict = check_stamp(self.limits, before, stamp, seq, now)
+        if verdict is Verdict.FRESH and seq > before.seq > 0:
+            self._period = 1e-9 * (stamp - before.stamp) / (seq - before.seq)
+        if verdict in _WORDS:
+            self._bad[verdict] = arrival
+            self.age = 1e-9 * (now - stamp) if now is not None and stamp else 0.0
+        elif verdict in (Verdict.JUMPED_BACK, Verdict.GAP):
+            step = (stamp - before.stamp) / SECOND
+            self._jumped = arrival
+            way = "back" if step < 0.0 else "forward"
+            self._jump = f"time jumped {way} by {abs(step):.3g} s: started afresh"
+        return verdict
+
+    def measure(self, now: float) -> None:
+        """Measure the rate since the last time; once a second or so."""
+        if self._looked:
+            self._measured = (self.state.received - self._counted) / max(now - self._looked, 1e-9)
+        self._counted, self._looked = self.state.received, now
+
+    @property
+    def measured(self) -> float:
+        """Rate between the last two measurements [Hz]."""
+        return self._measured or 0.0
+
+    def flow(self, now: float) -> Finding:
+        """Whether it comes, and as often as it should."""
+        silent = now - (self.since if self.arrived is None else self.arrived)
+        if silent >= MISSING and self.needed:
+            cure = "start its publisher, or remap the topic; ./er doctor shows who is there"
+            never = "nothing came" if self.arrived is None else "nothing came any more"
+            level = ERROR if silent >= LOST else WARN
+            return Finding(level, self.name, f"{never} for {silent:.1f} s: {cure}")
+        if silent < MISSING and self.steady and self._measured is not None and self._period > 0.0:
+            expected = 1.0 / self._period
+            if self._measured < SLOW * expected:
+                text = f"{self._measured:.0f} Hz of {expected:.0f} Hz arrive: is a CPU or the network overloaded?"
+                return Finding(WARN, self.name, text)
+        return Finding(OK, self.name, "comes" if silent < MISSING else "not needed, does not come")
+
+    def stamps(self, now: float) -> list[Finding]:
+        """What is wrong with its stamps, and whether time jumped; empty where all is well."""
+        found = [
+            Finding(WARN, self.name, self._sentence(verdict))
+            for verdict, when in self._bad.items()
+            if now - when < REMEMBERED
+        ]
+        if self._jumped is not None and now - self._jumped < JUMP_REMEMBERED:
+            found.append(Finding(OK, self.name, self._jump))
+        return found
+
+    def _sentence(self, verdict: Verdict) -> str:
+        word = {Verdict.ZERO: "zero_stamp"}.get(verdict, verdict.value.replace(" ", "_"))
+        count = getattr(self.state, word)
+        age = (
+            f" (the last by {abs(self.age):.3g} s)"
+            if verdict in (Verdict.STALE, Verdict.FUTURE)
+            else ""
+        )
+        return f"{count} messages {_WORDS[verdict]}{age}: {_CURE[verdict]}"

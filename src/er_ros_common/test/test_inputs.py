@@ -1,0 +1,97 @@
+"""Inputs that stay away, come late, repeat themselves or jump in time are named, with a cure."""
+
+from __future__ import annotations
+
+import pytest
+from er_ros_common.inputs import ERROR, OK, WARN, Input
+from er_ros_common.stamps import StampLimits
+
+MS = 1_000_000
+T0 = 1_000_000 * MS
+
+
+def watched(**other: bool) -> Input:
+    """An input that began at 100 s."""
+    return Input("/sensors/force", StampLimits(), 100.0, **other)
+
+
+def feed(each: Input, seqs: range, start: float = 100.0, age: int = 1 * MS) -> float:
+    """One message each 5 ms; the time after the last."""
+    for seq in seqs:
+        stamp = T0 + 5 * MS * seq
+        each.note(stamp, seq, start + 0.005 * seq, stamp + age)
+    return start + 0.005 * seqs[-1]
+
+
+def test_what_comes_as_it_should_is_nothing_to_say() -> None:
+    each = watched()
+    each.measure(100.0)
+    end = feed(each, range(1, 401))
+    each.measure(end)
+    assert each.measured == pytest.approx(200.0)
+    assert each.flow(end).level == OK
+    assert each.stamps(end) == []
+
+
+def test_silence_is_a_warning_after_one_second_and_an_error_after_five() -> None:
+    each = watched()
+    assert each.flow(100.9).level == OK
+    assert each.flow(101.1).level == WARN
+    found = each.flow(105.1)
+    assert (found.level, found.topic) == (ERROR, "/sensors/force")
+    assert "nothing came for 5.1 s: start its publisher" in found.text
+    end = feed(each, range(1, 10), 105.1)
+    assert each.flow(end).level == OK
+    assert "nothing came any more for 1.5 s" in each.flow(end + 1.5).text
+
+
+def test_an_input_that_may_be_missing_is_not_missed() -> None:
+    assert watched(needed=False).flow(200.0).level == OK
+
+
+def test_half_of_the_ticks_is_too_slow_and_a_slow_plant_is_not() -> None:
+    each, slow = watched(), watched()
+    each.measure(100.0)
+    slow.measure(100.0)
+    end = feed(each, range(2, 802, 2))
+    for seq in range(1, 201):
+        slow.note(T0 + 20 * MS * seq, seq, 100.0 + 0.02 * seq, None)
+    each.measure(end)
+    slow.measure(104.0)
+    assert "100 Hz of 200 Hz arrive" in each.flow(end).text
+    assert each.flow(end).level == WARN
+    assert slow.flow(104.0).level == OK
+
+
+@pytest.mark.parametrize(
+    ("stamp", "now", "words"),
+    [
+        (T0 + 10 * MS, T0 + 40 * MS, "1 messages too old on arrival (the last by 0.03 s)"),
+        (T0 + 20 * MS, T0 + 10 * MS, "1 messages ahead of this machine's clock (the last by 0.01 s)"),
+        (0, T0, "1 messages without a stamp: set header.stamp"),
+        (T0 + 5 * MS, T0 + 6 * MS, "1 messages with the stamp of the one before"),
+        (T0, T0 + 6 * MS, "1 messages out of order"),
+    ],
+)  # fmt: skip
+def test_a_bad_stamp_is_named_for_a_second(stamp: int, now: int, words: str) -> None:
+    each = watched()
+    feed(each, range(1, 2))
+    each.note(stamp, 2, 100.01, now)
+    (found,) = each.stamps(100.5)
+    assert found.level == WARN
+    assert words in found.text
+    assert each.stamps(101.5) == []
+
+
+@pytest.mark.parametrize(
+    ("step", "words"),
+    [(-60_000, "time jumped back by 60 s"), (450_000, "time jumped forward by 450 s")],
+)
+def test_a_jump_of_time_is_said_and_is_no_fault(step: int, words: str) -> None:
+    each = watched()
+    end = feed(each, range(100, 110))
+    each.note(T0 + (545 + step) * MS, 1, end + 0.005, None)
+    (found,) = each.stamps(end + 1.0)
+    assert found.level == OK
+    assert words in found.text
+    assert each.state.resets == 1

@@ -1,0 +1,116 @@
+"""What ROS 2 is silent about, as a node says it in /diagnostics: within two seconds, with topic, node and cure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from time import monotonic
+from typing import Any
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from er_ftc_controller.nodes.skyhook_controller import SkyhookController
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from std_msgs.msg import Float64
+
+from er_ros_common import builders, topics
+from test.graph_help import own_domain, skyhook_arguments
+
+WITHIN = 2.0
+Entries = dict[str, tuple[int, str]]
+
+
+@pytest.fixture
+def graph() -> Iterator[tuple[Callable[..., str], Node]]:
+    """A controller, and somebody from elsewhere who spoils its graph; asks for an entry of /diagnostics."""
+    with own_domain() as env:
+        domain = int(env["ROS_DOMAIN_ID"])
+        rclpy.init(args=[], domain_id=domain)
+        # within one context rclpy refuses a second type, with words that mislead
+        away = rclpy.Context()
+        rclpy.init(args=[], context=away, domain_id=domain)
+        node, other = SkyhookController(skyhook_arguments()), Node("intruder", context=away)
+        node.start()
+        listener = rclpy.create_node("listener")
+        said: Entries = {}
+
+        def heard(message: DiagnosticArray) -> None:
+            said.update({s.name: (s.level[0], s.message) for s in message.status})
+
+        listener.create_subscription(DiagnosticArray, "/diagnostics", heard, 10)
+        executor = SingleThreadedExecutor()
+        for each in (node, listener):
+            executor.add_node(each)
+
+        def says(entry: str, words: str, seen: Callable[[], Any] | None = None) -> str:
+            """Text of the entry once it has the words; at most `WITHIN` after it could be seen."""
+            since, begun = None if seen else monotonic(), monotonic()
+            while words not in said.get(entry, (0, ""))[1]:
+                executor.spin_once(timeout_sec=0.02)
+                since = monotonic() if since is None and seen is not None and seen() else since
+                assert monotonic() - (since or begun) < (WITHIN if since else 10.0), said
+            return said[entry][1]
+
+        yield says, other
+        node.on_stop()
+        for each in (node, listener, other):
+            each.destroy_node()
+        rclpy.try_shutdown()
+        away.try_shutdown()
+
+
+def test_another_type_on_a_topic_is_named(graph: tuple[Callable[..., str], Node]) -> None:
+    says, other = graph
+    name = topics.DEFLECTION.name
+    other.create_publisher(Float64, name, 10)
+    text = says(
+        "/skyhook_controller: graph", "std_msgs/msg/Float64", lambda: other.count_subscribers(name)
+    )
+    assert "/sensors/deflection: /intruder uses std_msgs/msg/Float64" in text
+    assert "remap the topic" in text
+
+
+def test_a_qos_that_carries_nothing_is_named(graph: tuple[Callable[..., str], Node]) -> None:
+    says, other = graph
+    there = topics.PWM_COMMAND
+    other.create_subscription(there.type, there.name, print, topics.STATUS.subscriber)
+    text = says(
+        "/skyhook_controller: graph", "transient local", lambda: other.count_publishers(there.name)
+    )
+    assert "/pwm/command: /intruder asks for transient local" in text
+
+
+def test_a_second_controller_is_named(graph: tuple[Callable[..., str], Node]) -> None:
+    says, other = graph
+    there = topics.PWM_COMMAND
+    other.create_publisher(there.type, there.name, there.publisher)
+    text = says(
+        "/skyhook_controller: graph",
+        "2 nodes publish it",
+        lambda: other.count_publishers(there.name) > 1,
+    )
+    assert "/intruder, /skyhook_controller: stop all but one" in text
+
+
+def test_a_missing_input_and_a_stamp_that_is_not_set_are_named(
+    graph: tuple[Callable[..., str], Node],
+) -> None:
+    says, other = graph
+    text = says("/skyhook_controller: input rate", "nothing came for 1.")
+    assert "/sensors/acceleration: nothing came" in text
+    assert "start its publisher" in text
+    there = topics.ACCELERATION
+    end = other.create_publisher(there.type, there.name, there.publisher)
+    message = builders.suspension_acceleration(builders.Tick(0, 1), 0.0, 0.0)
+
+    def send() -> bool:
+        end.publish(message)
+        return end.get_subscription_count() > 0
+
+    text = says("/skyhook_controller: stamps", "without a stamp", send)
+    assert text.startswith("/sensors/acceleration: ")
+    assert "set header.stamp" in text
