@@ -20,6 +20,8 @@ VEHICLE = str(CONFIG / "vehicles/inove_quarter_car.yaml")
 GAINS = str(CONFIG / "gains/nlpv_polytopic.yaml")
 MODULES = {
     "plant": "er_plant_sim.nodes.plant",
+    "hardware_bridge": "er_plant_sim.nodes.hardware_bridge",
+    "device_emulator": "er_plant_sim.hardware.emulator",
     "ftc_controller": "er_ftc_controller.nodes.ftc_controller",
     "skyhook_controller": "er_ftc_controller.nodes.skyhook_controller",
     "unified_observer": "er_observers.nodes.unified_observer",
@@ -133,3 +135,15 @@ def observer_arguments(*more: str) -> list[str]:
     """Command line of the polytopic observer."""
     files = ["-p", f"model_file:={VEHICLE}", "-p", f"gains_file:={GAINS}"]
     return ["--ros-args", *files, *more]
+
+
+def emulator_arguments(link: str, *more: str) -> list[str]:
+    """Command line of a device that listens at this wire."""
+    given = {
+        "link": link,
+        "model": VEHICLE,
+        "program": CONFIG / "experiments/iso_steps.yaml",
+        "calibration": CONFIG / "hardware/device_emulator.yaml",
+        "params": CONFIG / "nodes/plant.yaml",
+    }
+    return [*(word for key, value in given.items() for word in (f"--{key}", str(value))), *more]

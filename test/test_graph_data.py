@@ -52,6 +52,7 @@ def test_a_bad_argument_is_one_line(pair: str, words: str) -> None:
             "observers: expected none, or some of unified, nlpv_polytopic",
         ),
         ("gains:=unified", "gains: expected one observer beside it .*found unified,nlpv"),
+        ("hardware:=udp:rig:5005", "calibration: expected the calibration .*found nothing"),
     ],
 )
 def test_a_name_that_does_not_exist_is_one_line(pair: str, words: str) -> None:
@@ -146,6 +147,22 @@ def test_the_namespace_reaches_every_node() -> None:
         assert spec.arguments()[at + 1] == "__ns:=/front_left"
 
 
+def test_a_real_rig_takes_the_place_of_the_plant() -> None:
+    pairs = ("hardware:=udp:rig:5005", "calibration:=device_emulator", "road:=program")
+    found = specs(*pairs)
+    assert "plant" not in found
+    bridge = found["hardware_bridge"]
+    assert bridge.files[0].endswith("nodes/hardware_bridge.yaml")
+    same = ("model_file", "program_file", "duty_source", "wait_for", "wait_for_nodes")
+    plant = specs()["plant"].parameters
+    assert {k: bridge.parameters[k] for k in same} == {k: plant[k] for k in same}
+    assert bridge.parameters["link"] == "udp:rig:5005"
+    assert bridge.parameters["road_source"] == "program"
+    for pair in ("mode:=lockstep", "rate_factor:=2.0", "damper:=inove_guo"):
+        with pytest.raises(InputError, match="beside hardware: a real rig has its own"):
+            specs(*pairs, pair)
+
+
 class _Recorded:
     """Stands for a class of launch or launch_ros: keeps how it was made."""
 
@@ -216,8 +233,17 @@ def test_launch_declares_every_argument_with_its_default(monkeypatch: pytest.Mon
     assert all(a.kwargs["description"] for a in declared)
 
 
-def test_only_the_end_of_the_plant_ends_the_launch(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = launch_module(monkeypatch, complete({}))
+@pytest.mark.parametrize(
+    ("pairs", "source"),
+    [
+        ((), "plant"),
+        (("hardware:=udp:rig:5005", "calibration:=device_emulator"), "hardware_bridge"),
+    ],
+)
+def test_only_the_end_of_what_measures_ends_the_launch(
+    monkeypatch: pytest.MonkeyPatch, pairs: tuple[str, ...], source: str
+) -> None:
+    module = launch_module(monkeypatch, parse(pairs))
     started = module.generate_launch_description().args[0][-1].kwargs["function"](None)
     ends = {node.kwargs["executable"]: node.kwargs["on_exit"] for node in started}
-    assert [name for name, action in ends.items() if action] == ["plant"]
+    assert [name for name, action in ends.items() if action] == [source]

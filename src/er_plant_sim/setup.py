@@ -23,6 +23,8 @@ setup(
     entry_points={
         "console_scripts": [
             "plant = er_plant_sim.executables:plant",
+            "hardware_bridge = er_plant_sim.executables:hardware_bridge",
+            "device_emulator = er_plant_sim.executables:device_emulator",
         ],
     },
 )

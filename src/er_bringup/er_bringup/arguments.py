@@ -37,6 +37,13 @@ ARGUMENTS = (
     Argument(
         "rate_factor", "1.0", "speed of simulated time; 0 in lockstep: no waiting", kind=float
     ),
+    Argument(
+        "hardware",
+        "",
+        "wire to a real rig instead of the plant: serial:PORT[@BAUD], udp:HOST:PORT",
+    ),
+    Argument("calibration", "", "of the rig's channels: a file, or a name in config/hardware"),
+    Argument("road", "device", "who moves the road of a real rig", choices=("device", "program")),
     Argument("controller", "skyhook", "controller to run", choices=("skyhook", "ftc", "none")),
     Argument("duty", "command", "who says the duty of the plant", choices=("command", "program")),
     Argument(
@@ -50,7 +57,7 @@ ARGUMENTS = (
     Argument(
         "composed", "false", "all but the recorder in one process", choices=("false", "true")
     ),
-    Argument("plant_params", "", "parameter file for the plant, over config/nodes/plant.yaml"),
+    Argument("plant_params", "", "parameter file for plant or bridge, over that in config/nodes"),
 )
 
 

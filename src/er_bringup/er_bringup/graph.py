@@ -16,7 +16,17 @@ from er_models.errors import InputError
 from er_ros_common.arguments import Value, ros_arguments
 
 from er_bringup.arguments import ARGUMENTS, Argument
-from er_bringup.roles import COMPOSED, CONTROLLERS, OBSERVERS, PLANT, PUBLISHED, RECORDER, Role
+from er_bringup.roles import (
+    BRIDGE,
+    COMPOSED,
+    CONTROLLERS,
+    OBSERVERS,
+    PLANT,
+    PUBLISHED,
+    RECORDER,
+    SOURCES,
+    Role,
+)
 
 
 @dataclass(frozen=True)
@@ -98,7 +108,7 @@ def nodes(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
     rest = (
         *(_observer(given, config, role) for role in observers),
         *(_controller(given, config, role) for role in controllers),
-        _plant(given, config, [*recorded, *answering]),
+        _source(given, config, [*recorded, *answering]),
     )
     if given["composed"] == "true":
         return (*recorder, ComposedSpec(*COMPOSED, given["namespace"], parts=rest))
@@ -106,8 +116,8 @@ def nodes(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
 
 
 def ends_all(spec: NodeSpec) -> bool:
-    """Whether the graph is over when this process ends: it holds the plant."""
-    return spec.executable in (PLANT.executable, COMPOSED[1])
+    """Whether the graph is over when this process ends: it holds what measures."""
+    return spec.executable in (*(role.executable for role in SOURCES), COMPOSED[1])
 
 
 def find(name: str, config: Path, *places: str) -> str:
@@ -126,28 +136,57 @@ def find(name: str, config: Path, *places: str) -> str:
     raise InputError("arguments", name, expected, "no such file")
 
 
-def _plant(given: Mapping[str, str], config: Path, listeners: Sequence[Role]) -> NodeSpec:
+def _source(given: Mapping[str, str], config: Path, listeners: Sequence[Role]) -> NodeSpec:
+    """What measures: the plant, or the bridge to a real rig."""
     parameters: dict[str, Value] = {
         "model_file": find(given["model"], config, "vehicles"),
         "program_file": find(given["program"], config, "experiments"),
         "duration": float(given["duration"]),
         "seed": int(given["seed"]),
-        "mode": given["mode"],
-        "rate_factor": float(given["rate_factor"]),
         "duty_source": "topic" if _commanded(given) else "program",
         "wait_for": [sum(key in role.listens for role in listeners) for key in PUBLISHED],
     }
     if listeners:
         parameters["wait_for_nodes"] = [role.executable for role in listeners]
-    if given["damper"]:
-        parameters["damper_file"] = find(given["damper"], config, "dampers")
     if given["effects_from"]:
         own = given["effects_from"].split(",")
         parameters["effects_from"] = tuple(find(file.strip(), config) for file in own)
-    files = [_own(PLANT, config)]
+    role, more = (BRIDGE, _bridge) if given["hardware"] else (PLANT, _plant)
+    files = [_own(role, config)]
     if given["plant_params"]:
         files.append(find(given["plant_params"], config))
-    return _spec(PLANT, given, tuple(files), parameters)
+    return _spec(role, given, tuple(files), parameters | more(given, config))
+
+
+def _plant(given: Mapping[str, str], config: Path) -> dict[str, Value]:
+    """What only the plant is told."""
+    parameters: dict[str, Value] = {
+        "mode": given["mode"],
+        "rate_factor": float(given["rate_factor"]),
+    }
+    if given["damper"]:
+        parameters["damper_file"] = find(given["damper"], config, "dampers")
+    return parameters
+
+
+def _bridge(given: Mapping[str, str], config: Path) -> dict[str, Value]:
+    """What only the bridge is told.
+
+    Raises:
+        InputError: There is no calibration, or something that only a simulated plant can do.
+    """
+    for key, only in (("mode", "realtime"), ("rate_factor", "1.0"), ("damper", "")):
+        if given[key] != only:
+            expected = f"'{only}' beside hardware: a real rig has its own"
+            raise InputError("arguments", key, expected, f"'{given[key]}'")
+    if not given["calibration"]:
+        expected = "the calibration of the rig beside hardware"
+        raise InputError("arguments", "calibration", expected, "nothing")
+    return {
+        "link": given["hardware"],
+        "calibration_file": find(given["calibration"], config, "hardware"),
+        "road_source": given["road"],
+    }
 
 
 def _controllers(given: Mapping[str, str]) -> list[Role]:

@@ -25,6 +25,9 @@ class Role:
 
 
 PLANT = Role("er_plant_sim", "plant", ())
+BRIDGE = Role("er_plant_sim", "hardware_bridge", ())
+SOURCES = (PLANT, BRIDGE)
+"""What measures, one of them in a graph; the end of it is the end of all."""
 COMPOSED = ("er_bringup", "composed")
 """Package and program that holds several nodes."""
 RECORDER = Role("er_model_lab", "recorder", tuple(PUBLISHED))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from time import monotonic
+from typing import Any
 
 from er_ros_common.builders import Tick
 from er_ros_common.clock import to_stamp
@@ -47,6 +48,11 @@ class Outlet:
     def send_applied(self, tick: Tick, duty: Applied) -> None:
         """Publish the duty in force from this tick on."""
         self.applied.publish(ros_msgs.applied(tick, duty))
+
+    def publish(self, messages: tuple[Any, ...]) -> None:
+        """Publish acceleration, deflection, force, road, applied duty of one tick."""
+        for publisher, message in zip(self._all(), messages, strict=True):
+            publisher.publish(message)
 
     def subscribers(self) -> tuple[int, ...]:
         """Subscribers of acceleration, deflection, force, road, applied duty."""

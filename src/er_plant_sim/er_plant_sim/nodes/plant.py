@@ -10,7 +10,7 @@ from __future__ import annotations
 import signal
 import sys
 from collections.abc import Sequence
-from time import monotonic, perf_counter
+from time import perf_counter
 
 from er_ros_common.builders import Tick
 from er_ros_common.clock import until_next
@@ -28,7 +28,7 @@ from er_plant_sim.nodes.card import CARD
 from er_plant_sim.nodes.drive import Answered, Timed
 from er_plant_sim.nodes.outlet import Outlet
 from er_plant_sim.nodes.pace import Pace
-from er_plant_sim.nodes.roll_call import RollCall
+from er_plant_sim.nodes.roll_call import Gathering
 from er_plant_sim.settings import PlantParameters, table
 from er_ros_common import log, topics
 
@@ -58,7 +58,7 @@ class PlantNode(ManagedNode):
         self.step_began = 0.0
         clock_rate = p.rate * p.rate_factor if p.mode == "sim_time" else 0.0
         self.out = Outlet(self, force_sd=p.noise_force, clock_rate=clock_rate)
-        self.roll_call = RollCall(self, p.wait_for_nodes)
+        self.gathering = Gathering(self, self.out, p.wait_for, p.wait_for_nodes, p.start_timeout)
         if not self.rig.programmed:
             self.subscribe(topics.PWM_COMMAND, self.on_command)
         self.health.model_id = self.rig.sim.plant.model.digest()
@@ -78,7 +78,8 @@ class PlantNode(ManagedNode):
 
     def begin(self) -> None:
         """Wait for everybody, then go on from where the car is."""
-        self.made_at, self.running, self.over = monotonic(), False, False
+        self.running, self.over = False, False
+        self.gathering.begin()
         self.pace = Pace(self.rig.dt, self.p.rate_factor or 1.0, real=self.p.mode == "realtime")
         self.drive = self._drive()
 
@@ -94,23 +95,11 @@ class PlantNode(ManagedNode):
             return
         if self.running:
             self.drive.on_time()
-        elif self._everybody_there():
+        elif self.gathering.complete():
             self.running = True
             period = self.pace.schedule.period
             self.pace.restart(max(period - until_next(self.timer), 0) % period)
             self.drive.on_time()
-
-    def _everybody_there(self) -> bool:
-        """Whether the graph is complete, or waiting for it took too long."""
-        here, wanted = self.out.subscribers(), self.p.wait_for
-        missing = self.roll_call.missing()
-        if not missing and all(n >= m for n, m in zip(here, wanted, strict=True)):
-            return True
-        if monotonic() - self.made_at < self.p.start_timeout:
-            return False
-        who = ", ".join(missing) or "everybody"
-        log.warning(self, f"starting without {who}: {here} of {wanted} subscribers")
-        return True
 
     def sense(self, place: int) -> int:
         """Publish this tick's measurement; returns its seq."""
@@ -162,7 +151,7 @@ class PlantNode(ManagedNode):
         mode, status, reason = "running", NodeStatus.STATUS_OK, ""
         if not self.running:
             mode, status = "waiting", NodeStatus.STATUS_INITIALIZING
-            reason = f"for {', '.join(self.roll_call.missing()) or 'its subscribers'}"
+            reason = f"for {', '.join(self.gathering.missing()) or 'its subscribers'}"
         elif self.applied and self.applied.reason not in (Reason.COMMAND, Reason.PROGRAM):
             mode, status = "safe", NodeStatus.STATUS_DEGRADED
             reason = f"safe duty: {self.applied.reason.value}"

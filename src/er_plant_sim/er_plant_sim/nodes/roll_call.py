@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from time import monotonic
 
 from er_ros_common.managed import NOT_READY, ManagedNode
 
 from er_damper_msgs.msg import NodeStatus
-from er_ros_common import topics
+from er_plant_sim.nodes.outlet import Outlet
+from er_ros_common import log, topics
 
 
 class RollCall:
@@ -30,3 +32,39 @@ class RollCall:
     def missing(self) -> list[str]:
         """Nodes that are not ready, or not there."""
         return [name for name, ready in self._ready.items() if not ready]
+
+
+class Gathering:
+    """Waits until the graph is complete: nodes that are ready, and subscribers of every topic."""
+
+    def __init__(
+        self,
+        node: ManagedNode,
+        out: Outlet,
+        wanted: Sequence[int],
+        names: Sequence[str],
+        patience: float,
+    ) -> None:
+        self.node, self.out, self.wanted, self.patience = node, out, wanted, patience
+        self.roll_call, self.made_at = RollCall(node, names), monotonic()
+
+    def begin(self) -> None:
+        """Wait anew."""
+        self.made_at = monotonic()
+
+    def complete(self) -> bool:
+        """Whether everybody is there, or waiting took longer than the patience [s]."""
+        here, missing = self.out.subscribers(), self.missing()
+        if not missing and all(n >= m for n, m in zip(here, self.wanted, strict=True)):
+            return True
+        if monotonic() - self.made_at < self.patience:
+            return False
+        who = ", ".join(missing) or "everybody"
+        log.warning(
+            self.node, f"starting without {who}: {here} of {list(self.wanted)} subscribers"
+        )
+        return True
+
+    def missing(self) -> list[str]:
+        """Nodes that are not ready, or not there."""
+        return self.roll_call.missing()

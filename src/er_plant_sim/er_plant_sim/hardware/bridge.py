@@ -1,0 +1,303 @@
+"""The host's side of the wire without any wire: bytes and commands in, readings and bytes out. Pure.
+
+    state, said = on_bytes(p, state, data, now)     # what came over the wire
+    state, data = on_command(p, state, command, valid, now)
+    state, said = on_time(p, state, now)            # now and then: questions for the time, silence
+
+now: the host's steady clock [ns]. Two watchdogs hold the safe duty: the duty gate here, when commands stay
+away; the device's own, when this program or the wire is gone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from er_plant_sim import duty_gate
+from er_plant_sim.duty_gate import Applied, Gate, GateState, Reason
+from er_plant_sim.hardware import calibration as calibrating
+from er_plant_sim.hardware import clocks, frame, parser
+from er_plant_sim.hardware.calibration import Calibration, Filters, Value
+from er_plant_sim.hardware.clocks import ClockModel, ClockState, Exchange
+from er_plant_sim.hardware.frame import Frame, Hello, Message, Sample, Sync, SyncReply
+from er_plant_sim.hardware.parser import ParserState
+
+LIMITED_KEPT = 8
+"""Commands whose limiting here is remembered until the device reports them in force."""
+
+
+class Sources(NamedTuple):
+    """How a command says that it is the program's, or the safe duty."""
+
+    program: int
+    safe: int
+
+
+@dataclass(frozen=True, eq=False)
+class Bridge:
+    """What does not change while it runs.
+
+    period: expected between samples [ns]; silence: time without sample after which the rig is lost [s];
+    certain: the clocks are aligned when the offset's standard deviation is below this [s]; asking: time
+    between two questions for the time [ns]; timely: a sample whose stamp is farther from now is not
+    believed [ns]; duty, road: of the program from a tick on [1], [m], or None.
+    """
+
+    calibration: Calibration
+    gate: Gate
+    period: int
+    silence: float
+    sources: Sources
+    duty: Callable[[int], float] | None = None
+    road: Callable[[int], float] | None = None
+    certain: float = 1e-3
+    asking: int = 100_000_000
+    timely: int = 1_000_000_000
+    clock: ClockModel = field(default_factory=ClockModel)
+
+
+class BridgeState(NamedTuple):
+    """Memory between calls.
+
+    heard: sequence number of the last frame; seq: of the last sample given on, `number` its number on
+    the device; begun: whether samples are given on; counts: frames lost and repeated,
+    samples missed and untimely.
+    """
+
+    parser: ParserState = ParserState()
+    clock: ClockState = ClockState()
+    gate: GateState = GateState(0.0, 0.0)
+    filters: Filters = calibrating.EMPTY
+    hello: Hello | None = None
+    heard: int | None = None
+    begun: bool = False
+    seq: int = 0
+    number: int | None = None
+    stamp: int = 0
+    sample_at: int = 0
+    silent: bool = False
+    reason: Reason = Reason.NO_COMMAND
+    limited: tuple[int, ...] = ()
+    sent: int = 0
+    asked_at: int = 0
+    lost: int = 0
+    repeated: int = 0
+    missed: int = 0
+    untimely: int = 0
+    boots: int = 0
+    conflict: bool = False
+
+
+class Reading(NamedTuple):
+    """One sample: its sequence number, time on the host's steady clock [ns], channels, duty from then on."""
+
+    seq: int
+    stamp: int
+    values: tuple[Value, ...]
+    applied: Applied
+    ill: bool
+
+
+class Said(NamedTuple):
+    """Readings to publish, bytes for the device, and whether the rig has just fallen silent."""
+
+    readings: list[Reading]
+    data: bytes
+    silence: bool = False
+
+
+def start(p: Bridge, now: int) -> BridgeState:
+    """Before the first byte."""
+    return BridgeState(gate=GateState(p.gate.safe_duty, 1e-9 * now), sample_at=now)
+
+
+def on_bytes(
+    p: Bridge, state: BridgeState, data: bytes, now: int, *, datagram: bool = False
+) -> tuple[BridgeState, Said]:
+    """Take bytes of the wire; datagram: they are whole frames, nothing of which follows later."""
+    parsed, found = parser.step(state.parser, data)
+    state = state._replace(parser=parser.flushed(parsed) if datagram else parsed)
+    readings: list[Reading] = []
+    out = b""
+    for each in found:
+        state, fresh = _ordered(state, each)
+        if not fresh:
+            continue
+        if isinstance(each.message, Hello):
+            state = _on_hello(state, each.message)
+        elif isinstance(each.message, SyncReply):
+            exchange = Exchange(*each.message, now)
+            state = state._replace(clock=clocks.step(p.clock, state.clock, exchange))
+        elif isinstance(each.message, Sample) and _usable(p, state):
+            state, reading = _on_sample(p, state, each.message, now)
+            if reading is not None:
+                readings.append(reading)
+                state, answer = _after_sample(p, state, now)
+                out += answer
+    return state, Said(readings, out)
+
+
+def on_command(
+    p: Bridge, state: BridgeState, command: duty_gate.Command, now: int, *, valid: bool
+) -> tuple[BridgeState, bytes]:
+    """Take a command that answers a sample (its seq; 0: none); bytes for the device, if it is to act on it."""
+    if p.duty is not None or not state.begun:
+        return state, b""
+    known = 0 < command.seq <= state.seq
+    at = state.stamp - (state.seq - command.seq) * p.period if known else now
+    command = command._replace(t=1e-9 * at)
+    before = state.gate
+    state = state._replace(gate=duty_gate.receive(state.gate, command, valid=valid))
+    if state.gate.command is before.command:
+        return state, b""
+    return _decide(p, state, now)
+
+
+def on_time(p: Bridge, state: BridgeState, now: int) -> tuple[BridgeState, Said]:
+    """Ask the device for its time when it is due, and notice its silence."""
+    out, silence = b"", False
+    if now - state.asked_at >= (p.asking if aligned(p, state) else p.asking // 5):
+        state, out = _sent(state._replace(asked_at=now), Sync(now))
+    if (
+        state.begun
+        and state.seq
+        and not state.silent
+        and 1e-9 * (now - state.sample_at) > p.silence
+    ):
+        state, silence = state._replace(silent=True), True
+    return state, Said([], out, silence)
+
+
+def begin(state: BridgeState) -> BridgeState:
+    """Give samples on from now; the next one is the first."""
+    return state._replace(begun=True)
+
+
+def reconnected(state: BridgeState) -> BridgeState:
+    """The wire was opened anew: half frames of before are void."""
+    return state._replace(parser=parser.flushed(state.parser), heard=None)
+
+
+def aligned(p: Bridge, state: BridgeState) -> bool:
+    """Whether the device's time is known well enough to stamp with."""
+    return clocks.deviation(state.clock) < p.certain
+
+
+def refusal(p: Bridge, state: BridgeState) -> str:
+    """Why no sample is given on although the device sends some; empty when they are."""
+    if state.parser.foreign and state.hello is None:
+        return f"the device speaks version {state.parser.version} of the protocol, this program {frame.VERSION}"
+    if state.hello is None:
+        return "the device has not said what it is"
+    if state.hello.period != p.period:
+        found, expected = 1e9 / state.hello.period, 1e9 / p.period
+        return f"the device samples at {found:g} Hz, parameter rate expects {expected:g} Hz"
+    if not aligned(p, state):
+        return "the clocks are not aligned yet"
+    return ""
+
+
+def _usable(p: Bridge, state: BridgeState) -> bool:
+    return state.begun and not refusal(p, state)
+
+
+def _ordered(state: BridgeState, found: Frame) -> tuple[BridgeState, bool]:
+    """Whether a frame is newer than the one before; counts lost ones and those that came again or late."""
+    if state.heard is None or isinstance(found.message, Hello):
+        return state._replace(heard=found.seq), True
+    ahead = frame.ahead(found.seq, state.heard)
+    if ahead <= 0:
+        return state._replace(repeated=state.repeated + 1), False
+    return state._replace(heard=found.seq, lost=state.lost + ahead - 1), True
+
+
+def _on_hello(state: BridgeState, hello: Hello) -> BridgeState:
+    """Another boot number means that the device restarted: its clock and its numbers are new."""
+    if state.hello is not None and hello.boot != state.hello.boot:
+        clock = ClockState(restarts=state.clock.restarts + 1)
+        state = state._replace(clock=clock, number=None, boots=state.boots + 1)
+    return state._replace(hello=hello)
+
+
+def _on_sample(
+    p: Bridge, state: BridgeState, sample: Sample, now: int
+) -> tuple[BridgeState, Reading | None]:
+    """Calibrate a sample and number it on; one that is not newer than the last is dropped."""
+    step = 1 if state.number is None else frame.ahead(sample.number, state.number)
+    if step <= 0:
+        return state._replace(repeated=state.repeated + 1), None
+    stamp = clocks.to_host(state.clock, sample.time)
+    if abs(stamp - now) > p.timely:
+        return state._replace(untimely=state.untimely + 1), None
+    filters, values = calibrating.step(
+        p.calibration, state.filters, sample.values, sample.valid, 1e-9 * step * p.period
+    )
+    state = state._replace(
+        filters=filters, seq=state.seq + step, number=sample.number, sample_at=now,
+        silent=False, missed=state.missed + step - 1,
+        stamp=max(stamp, state.stamp + 1),  # time never runs back, however the clocks are corrected
+    )  # fmt: skip
+    ill = bool(sample.flags & frame.BROKEN)
+    return state, Reading(state.seq, state.stamp, values, _applied(p, state, sample), ill)
+
+
+def _applied(p: Bridge, state: BridgeState, sample: Sample) -> Applied:
+    """The duty that the device reports, with what is known here of the command it came from."""
+    answers = state.seq + frame.ahead(sample.command, sample.number) if sample.command else 0
+    reason = Reason.COMMAND
+    if sample.flags & frame.WATCHDOG:
+        told = state.gate.command is not None or p.duty is not None
+        reason = Reason.OLD_COMMAND if told else Reason.NO_COMMAND
+    elif sample.source == p.sources.program:
+        reason = Reason.PROGRAM
+    elif sample.source == p.sources.safe and not sample.command:
+        reason = state.reason if state.reason is not Reason.COMMAND else Reason.OLD_COMMAND
+    saturated = bool(sample.flags & frame.LIMITED) or sample.command in state.limited
+    seq = max(answers, 0) if reason is Reason.COMMAND else 0
+    return Applied(frame.to_duty(sample.duty), seq, sample.source, saturated, reason)
+
+
+def _after_sample(p: Bridge, state: BridgeState, now: int) -> tuple[BridgeState, bytes]:
+    """What the device is told after a sample: the program's duty, or the safe one where commands stay away."""
+    if p.duty is not None:
+        gate, applied = duty_gate.program(p.gate, state.gate, 1e-9 * now, p.duty(state.seq + 1))
+        state = state._replace(gate=gate, reason=applied.reason)
+        return _told(p, state, applied.duty, p.sources.program)
+    command = state.gate.command
+    fresh = command is not None and 1e-9 * now - command.t <= p.gate.timeout and not state.conflict
+    if fresh:
+        return (state, b"") if p.road is None else _decide(p, state, now)
+    return _decide(p, state, now)
+
+
+def _decide(p: Bridge, state: BridgeState, now: int) -> tuple[BridgeState, bytes]:
+    """The duty within all limits, told to the device."""
+    gate, applied = duty_gate.step(p.gate, state.gate, 1e-9 * now, conflict=state.conflict)
+    state = state._replace(gate=gate, reason=applied.reason)
+    if applied.reason is not Reason.COMMAND:
+        return _told(p, state, applied.duty, p.sources.safe)
+    back = state.seq - applied.command_seq
+    answers = ((state.number or 0) - back) % frame.WRAP if applied.command_seq else 0
+    if applied.saturated and answers not in state.limited:
+        state = state._replace(limited=(*state.limited, answers)[-LIMITED_KEPT:])
+    return _told(p, state, applied.duty, applied.source, answers)
+
+
+def _told(
+    p: Bridge, state: BridgeState, duty: float, source: int, answers: int = 0
+) -> tuple[BridgeState, bytes]:
+    flags, height = 0, 0
+    if p.road is not None:
+        flags, height = frame.MOVE_ROAD, round(p.road(state.seq + 1) / frame.ROAD_UNIT)
+    return _sent(state, frame.Command(answers, frame.from_duty(duty), source, flags, height))
+
+
+def _sent(state: BridgeState, message: Message) -> tuple[BridgeState, bytes]:
+    sent = (state.sent + 1) % frame.WRAP
+    return state._replace(sent=sent), frame.encode(message, sent)
+
+
+def farewell(p: Bridge, state: BridgeState) -> tuple[BridgeState, bytes]:
+    """The last thing the device is told: its safe duty."""
+    return _sent(state, frame.Command(0, frame.from_duty(p.gate.safe_duty), p.sources.safe, 0, 0))

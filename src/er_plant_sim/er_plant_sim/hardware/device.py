@@ -1,0 +1,122 @@
+"""A device that the wire can be tested with: the simulated rig behind the protocol. Pure.
+
+    state, data = on_bytes(p, state, data, now)   # commands, questions for the time
+    state, data = tick(p, state, now)             # every period: a sample, now and then what it is
+
+now: the device's own clock [ns]. It follows the road of its program until the host asks for heights.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from er_plant_sim import rig as plant
+from er_plant_sim import simulator
+from er_plant_sim.duty_gate import Applied, Reason
+from er_plant_sim.duty_gate import Command as Wish
+from er_plant_sim.hardware import frame, parser
+from er_plant_sim.hardware.calibration import Calibration, to_counts
+from er_plant_sim.hardware.frame import Command, Hello, Message, Sample, Sync, SyncReply
+from er_plant_sim.hardware.parser import ParserState
+from er_plant_sim.rig import Rig, RigState
+from er_plant_sim.simulator import Measurement
+
+
+@dataclass(frozen=True, eq=False)
+class Device:
+    """Rig, calibration that it undoes to show counts, and the number of this start."""
+
+    rig: Rig
+    calibration: Calibration
+    boot: int
+
+    @property
+    def hello(self) -> Hello:
+        """What it says of itself."""
+        channels = sum(1 << i for i, each in enumerate(self.calibration.channels) if each)
+        gate = self.rig.gate
+        return Hello(
+            self.boot, round(1e9 * self.rig.dt), channels, frame.CAN_MOVE_ROAD,
+            round(1e6 * gate.timeout), frame.from_duty(gate.safe_duty),
+        )  # fmt: skip
+
+
+class DeviceState(NamedTuple):
+    """Rig, parser, frames sent, samples taken, the road height asked for [m] (None: the program's)."""
+
+    rig: RigState
+    parser: ParserState = ParserState()
+    sent: int = 0
+    number: int = 0
+    height: float | None = None
+
+
+def start(p: Device) -> DeviceState:
+    """Before the first tick."""
+    return DeviceState(plant.start(p.rig))
+
+
+def on_bytes(
+    p: Device, state: DeviceState, data: bytes, now: int, *, datagram: bool = False
+) -> tuple[DeviceState, bytes]:
+    """Take bytes of the wire; answers go out at once."""
+    parsed, found = parser.step(state.parser, data)
+    state = state._replace(parser=parser.flushed(parsed) if datagram else parsed)
+    out = b""
+    for each in found:
+        if isinstance(each.message, Command):
+            state = _on_command(p, state, each.message)
+        elif isinstance(each.message, Sync):
+            state, answer = _sent(state, SyncReply(each.message.sent, now, now))
+            out += answer
+    return state, out
+
+
+def tick(p: Device, state: DeviceState, now: int) -> tuple[DeviceState, bytes]:
+    """Move the rig to now, measure, decide the duty, tell all that."""
+    if state.number:
+        state = state._replace(rig=_advanced(p, state))
+    out = b""
+    if state.number % round(1.0 / p.rig.dt) == 0:
+        state, out = _sent(state, p.hello)
+    measured = plant.sense(p.rig, state.rig)
+    decided, applied = plant.decide(p.rig, state.rig)
+    state = state._replace(rig=decided, number=state.number + 1)
+    state, data = _sent(state, _sample(p, state, measured, applied, now))
+    return state, out + data
+
+
+def _advanced(p: Device, state: DeviceState) -> RigState:
+    if state.height is None:
+        return plant.advance(p.rig, state.rig)
+    moved = simulator.advance(p.rig.sim, state.rig.sim, state.height, state.rig.gate.duty)
+    return state.rig._replace(sim=moved)
+
+
+def _on_command(p: Device, state: DeviceState, command: Command) -> DeviceState:
+    t = plant.time(p.rig, state.rig)
+    wish = Wish(t, command.answers, frame.to_duty(command.duty), command.source)
+    state = state._replace(rig=plant.receive(p.rig, state.rig, wish, valid=True))
+    if command.flags & frame.MOVE_ROAD:
+        state = state._replace(height=command.road * frame.ROAD_UNIT)
+    return state
+
+
+def _sample(p: Device, state: DeviceState, m: Measurement, applied: Applied, now: int) -> Sample:
+    si = (
+        m.sprung_acceleration, m.unsprung_acceleration, m.deflection, m.deflection_velocity, m.force, m.road
+    )  # fmt: skip
+    channels = p.calibration.channels
+    counts = tuple(to_counts(c, v) if c else 0 for c, v in zip(channels, si, strict=True))
+    held = applied.reason is not Reason.COMMAND
+    flags = frame.WATCHDOG * held + frame.LIMITED * (applied.saturated and not held)
+    return Sample(
+        state.number, now, counts, p.hello.channels, frame.from_duty(applied.duty),
+        applied.command_seq, applied.source, flags,
+    )  # fmt: skip
+
+
+def _sent(state: DeviceState, message: Message) -> tuple[DeviceState, bytes]:
+    sent = (state.sent + 1) % frame.WRAP
+    return state._replace(sent=sent), frame.encode(message, sent)

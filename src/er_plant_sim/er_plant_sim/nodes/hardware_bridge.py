@@ -1,0 +1,208 @@
+"""The bridge node: a real rig behind a wire looks like the plant; see `er_plant_sim.hardware.bridge`.
+
+A thread of its own reads the wire and publishes, so that a sample waits for nobody; what it shares with
+the callbacks is behind one lock.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from collections.abc import Sequence
+from time import monotonic_ns, perf_counter, time_ns
+
+from er_ros_common.builders import Tick
+from er_ros_common.health import Report
+from er_ros_common.help import Card
+from er_ros_common.managed import ManagedNode
+from er_ros_common.parameters import declare
+from er_ros_common.spin import Executable, run
+
+from er_damper_msgs.msg import NodeStatus, PwmDuty
+from er_plant_sim import ros_hardware
+from er_plant_sim.duty_gate import Command, Reason
+from er_plant_sim.hardware import bridge, clocks
+from er_plant_sim.hardware.bridge import Reading
+from er_plant_sim.hardware.settings import BridgeParameters, build
+from er_plant_sim.nodes.outlet import Outlet
+from er_plant_sim.nodes.roll_call import Gathering
+from er_plant_sim.nodes.wire import Wire
+from er_ros_common import log, topics
+
+CONFLICT = 0.1
+"""Share of samples answered more than once that shows two controllers at work."""
+CLOCK_STEP = 10_000_000
+"""Jump of the system clock against the steady one that the stamps follow [ns]."""
+WATCH_PERIOD = 0.02
+
+
+class BridgeNode(ManagedNode):
+    """Publishes what the device measures and hands it the duty of pwm/command or of the program."""
+
+    def __init__(self, argv: Sequence[str] | None = None) -> None:
+        super().__init__("hardware_bridge", argv)
+        self.p: BridgeParameters = declare(self, BridgeParameters)
+        self.lock = threading.Lock()
+
+    def configure(self) -> None:
+        """Load the files and make the ends; the wire is opened when the node begins."""
+        p, built = self.p, build(self.p, ros_hardware.SOURCES)
+        self.bridge, self.ticks, self.address = built.bridge, built.ticks, built.address
+        self.out = Outlet(self, force_sd=p.noise_force, clock_rate=0.0)
+        self.gathering = Gathering(self, self.out, p.wait_for, p.wait_for_nodes, p.start_timeout)
+        if self.bridge.duty is None:
+            self.subscribe(topics.PWM_COMMAND, self.on_command)
+        self.health.model_id = built.model_id
+        self.health.meter.deadline = 1e-9 * self.bridge.period
+        self.every(WATCH_PERIOD, self.on_watch)
+        self.every(1.0, self.on_second)
+
+    def begin(self) -> None:
+        """Open the wire, and wait for everybody."""
+        self.state = bridge.start(self.bridge, monotonic_ns())
+        self.reading: Reading | None = None
+        self.anchor, self.clock_steps = time_ns() - monotonic_ns(), 0
+        self.repeated, self.over = 0, False
+        self.gathering.begin()
+        self.wire = Wire(self.address, self.on_wire, self.on_idle, self.on_open)
+        self.wire.start()
+
+    def on_wire(self, data: bytes, now: int, datagram: bool) -> bytes:
+        """Take bytes of the device; the wire's thread."""
+        began = perf_counter()
+        with self.lock:
+            self.state, said = bridge.on_bytes(
+                self.bridge, self.state, data, now, datagram=datagram
+            )
+        for reading in said.readings:
+            self.reading = reading
+            tick = Tick(reading.stamp + self.anchor, reading.seq)
+            self.out.publish(ros_hardware.messages(tick, reading, force_sd=self.p.noise_force))
+            self.health.meter.step(perf_counter() - began)
+        return said.data
+
+    def on_idle(self, now: int) -> bytes:
+        """Do what has to be done now and then; the wire's thread."""
+        with self.lock:
+            self.state, said = bridge.on_time(self.bridge, self.state, now)
+            seq = self.state.seq
+        if said.silence:
+            tick = Tick(now + self.anchor, seq)
+            self.out.publish(ros_hardware.lost(tick, self.p.safe_duty))
+        return said.data
+
+    def on_open(self) -> None:
+        """The wire was opened; the wire's thread."""
+        with self.lock:
+            self.state = bridge.reconnected(self.state)
+
+    def on_command(self, message: PwmDuty) -> None:
+        """Hand a command to the device, within the limits."""
+        command = Command(0.0, int(message.seq), float(message.duty), int(message.source))
+        with self.lock:
+            self.state, data = bridge.on_command(
+                self.bridge, self.state, command, monotonic_ns(), valid=bool(message.valid)
+            )
+        self.wire.write(data)
+
+    def on_watch(self) -> None:
+        """Begin once everybody and the device are there; end with the program."""
+        if not self.state.begun:
+            if not bridge.refusal(self.bridge, self.state) and self.gathering.complete():
+                with self.lock:
+                    self.state = bridge.begin(self.state)
+        elif self.ticks and self.state.seq >= self.ticks and not self.over:
+            self.over = True
+            log.info(self, f"finished after {self.state.seq} ticks")
+            signal.raise_signal(signal.SIGINT)
+
+    def on_second(self) -> None:
+        """Look at who commands, and whether the system clock was set."""
+        repeated, self.repeated = (
+            self.state.gate.repeated - self.repeated,
+            self.state.gate.repeated,
+        )
+        # a controller that was killed stays listed for 20 s: only two that answer are a conflict
+        several = self.count_publishers(topics.PWM_COMMAND.name) > 1
+        conflict = several and repeated > CONFLICT * self.p.rate
+        with self.lock:
+            self.state = self.state._replace(conflict=conflict)
+        anchor = time_ns() - monotonic_ns()
+        if abs(anchor - self.anchor) > CLOCK_STEP:
+            self.anchor, self.clock_steps = anchor, self.clock_steps + 1
+
+    def report(self) -> Report:
+        """Health of bridge, wire and device."""
+        s, mode, status, reason = self.state, "running", NodeStatus.STATUS_OK, ""
+        refusal = self.wire.trouble or bridge.refusal(self.bridge, s)
+        if not s.begun:
+            mode, status = "waiting", NodeStatus.STATUS_INITIALIZING
+            reason = f"for {refusal or ', '.join(self.gathering.missing()) or 'its subscribers'}"
+        elif s.silent or refusal:
+            mode, status = "silent", NodeStatus.STATUS_LOST
+            reason = (
+                refusal or f"no sample for {self.p.silence:g} s: the device holds its safe duty"
+            )
+        elif self.reading and self.reading.applied.reason not in (Reason.COMMAND, Reason.PROGRAM):
+            mode, status = "safe", NodeStatus.STATUS_DEGRADED
+            reason = f"safe duty: {self.reading.applied.reason.value}"
+        return Report(mode, status, reason, values=self._values())
+
+    def _values(self) -> dict[str, object]:
+        s = self.state
+        return {
+            "duty": f"{self.reading.applied.duty:.4f}" if self.reading else "none yet",
+            "frames lost": s.lost,
+            "frames damaged": s.parser.damaged,
+            "frames repeated": s.repeated,
+            "bytes skipped": s.parser.skipped,
+            "samples missed": s.missed,
+            "samples untimely": s.untimely,
+            "wire opened": self.wire.opens,
+            "device restarts": s.boots,
+            "clock drift [ppm]": f"{1e6 * s.clock.drift:.2f}",
+            "clock deviation [us]": f"{1e6 * clocks.deviation(s.clock):.1f}",
+            "way there and back [us]": f"{1e6 * s.clock.width:.0f}",
+            "clock steps": self.clock_steps,
+            "commands refused": s.gate.refused,
+            "duties limited": s.gate.limited,
+        }
+
+    def end(self) -> None:
+        """Leave the safe duty behind, and let subscribers take the last messages."""
+        with self.lock:
+            self.state, data = bridge.farewell(self.bridge, self.state)
+        self.wire.write(data)
+        self.wire.stop()
+        self.out.flush()
+
+
+CARD = Card(
+    package="er_plant_sim",
+    executable="hardware_bridge",
+    text="A real rig behind a serial port or UDP, with the topics of the plant: docs/hardware.md.",
+    parameters=BridgeParameters,
+    subscribes=(topics.PWM_COMMAND,),
+    publishes=(
+        topics.ACCELERATION,
+        topics.DEFLECTION,
+        topics.FORCE,
+        topics.ROAD,
+        topics.PWM_APPLIED,
+        topics.STATUS,
+        topics.DIAGNOSTICS,
+    ),
+)
+
+
+NODE = Executable(BridgeNode, CARD)
+
+
+def main() -> None:
+    """Entry point of the executable."""
+    sys.exit(run(BridgeNode, CARD))
+
+
+if __name__ == "__main__":
+    main()

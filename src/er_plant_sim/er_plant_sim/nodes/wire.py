@@ -1,0 +1,76 @@
+"""The thread that holds the wire: opens it, reads it, opens it again when it is gone."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from time import monotonic_ns
+
+from er_plant_sim.hardware.link import Address, Link, connect
+
+ATTENTION = 0.005
+"""Longest wait for bytes [s]; then it is time for what has to be done now and then."""
+AGAIN = 0.2
+"""Time between two attempts to open a wire [s]."""
+
+
+class Wire:
+    """Calls `heard(data, now, datagram)` for bytes and `idle(now)` often; both return bytes to send."""
+
+    def __init__(
+        self,
+        address: Address,
+        heard: Callable[[bytes, int, bool], bytes],
+        idle: Callable[[int], bytes],
+        opened: Callable[[], None],
+    ) -> None:
+        self.address, self.heard, self.idle, self.opened = address, heard, idle, opened
+        self.trouble, self.opens = "", 0
+        self._link: Link | None = None
+        self._ending = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="wire", daemon=True)
+
+    def start(self) -> None:
+        """Begin."""
+        self._thread.start()
+
+    def write(self, data: bytes) -> None:
+        """Send bytes, from any thread; without a wire they are lost."""
+        link = self._link
+        if link is not None and data:
+            try:
+                link.write(data)
+            except (
+                OSError,
+                ValueError,
+                TypeError,
+            ) as error:  # closed by the other thread meanwhile
+                self.trouble = str(error)
+
+    def stop(self) -> None:
+        """End the thread and close the wire."""
+        self._ending.set()
+        if self._thread.is_alive():
+            self._thread.join(timeout=1.0)
+
+    def _run(self) -> None:
+        while not self._ending.is_set():
+            try:
+                self._link = connect(self.address)
+                self.trouble, self.opens = "", self.opens + 1
+                self.opened()
+                self._serve(self._link)
+            except OSError as error:
+                self.trouble = error.strerror or str(error)
+            link, self._link = self._link, None
+            if link is not None:
+                link.close()
+            self.idle(monotonic_ns())
+            self._ending.wait(AGAIN)
+
+    def _serve(self, link: Link) -> None:
+        while not self._ending.is_set():
+            data = link.read(ATTENTION)
+            now = monotonic_ns()
+            answer = self.heard(data, now, link.datagram) if data else b""
+            self.write(answer + self.idle(now))

@@ -1,0 +1,259 @@
+"""Bridge and device over a wire that exists in the test only, in a time of the test's own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from er_models.files import load_model
+from er_models.program import load_program
+from er_plant_sim.duty_gate import Command, Gate, Reason
+from er_plant_sim.hardware import bridge, device, frame, impair
+from er_plant_sim.hardware.bridge import Bridge, BridgeState, Reading, Sources
+from er_plant_sim.hardware.calibration import Quality, load_calibration
+from er_plant_sim.hardware.device import Device, DeviceState
+from er_plant_sim.hardware.impair import Wire, WireState
+from er_plant_sim.noise import PERFECT, Noise
+from er_plant_sim.rig import Rig
+from er_plant_sim.simulator import simulator
+
+from er_plant_sim import rig as plant
+
+CONFIG = Path(__file__).resolve().parents[3] / "config"
+CALIBRATION = load_calibration(CONFIG / "hardware/device_emulator.yaml")
+PERIOD, MS = 5_000_000, 1_000_000
+NOMINAL = 2
+
+
+def rig() -> Rig:
+    """A quarter car without noise on the identification road."""
+    model = load_model(CONFIG / "vehicles/inove_quarter_car.yaml")
+    program = load_program(CONFIG / "experiments/step.yaml")
+    gate = Gate(0.0, 0.3, 0.1, 0.05)
+    return Rig(simulator(model, 0.005, Noise(PERFECT, PERFECT, 0)), gate, program, False)
+
+
+RIG = rig()
+
+
+def host(**changes: object) -> Bridge:
+    """A bridge whose own limits are tighter than the device's."""
+    gate = Gate(0.0, 0.25, 0.1, 0.05)
+    return replace(Bridge(CALIBRATION, gate, PERIOD, 0.05, Sources(1, 4)), **changes)
+
+
+@dataclass
+class World:
+    """Host, device and wire; the device's clock is 30 ppm fast and began elsewhere."""
+
+    p: Bridge
+    wire: Wire = field(default_factory=Wire)
+    answer: Callable[[Reading], float | None] = lambda _: 0.2
+    now: int = 10_000_000_000
+    d: Device = field(default_factory=lambda: Device(RIG, CALIBRATION, 1))
+    readings: list[Reading] = field(default_factory=list)
+    silences: int = 0
+
+    def __post_init__(self) -> None:
+        self.host: BridgeState = bridge.start(self.p, self.now)
+        self.device: DeviceState = device.start(self.d)
+        self.ways = [WireState(), WireState(given=1 << 40)]
+        self.queues: list[list[tuple[int, bytes]]] = [[], []]
+        self.truth: list[plant.Measurement] = []
+
+    def own(self) -> int:
+        """Time on the device's clock [ns]."""
+        return round(1.00003 * self.now) - 9_000_000_000
+
+    def run(self, seconds: float, *, ticking: bool = True) -> None:
+        """Let time pass in steps of 1 ms."""
+        for _ in range(round(1000 * seconds)):
+            self.now += MS
+            if ticking and self.now % PERIOD == 0:
+                self.device, data = device.tick(self.d, self.device, self.own())
+                self.truth.append(plant.sense(RIG, self.device.rig))
+                self.post(0, data)
+            self.host, said = bridge.on_time(self.p, self.host, self.now)
+            self.silences += said.silence
+            self.post(1, said.data)
+            for data in self.due(1):
+                self.device, answer = device.on_bytes(self.d, self.device, data, self.own())
+                self.post(0, answer)
+            for data in self.due(0):
+                self.heard(data)
+
+    def heard(self, data: bytes) -> None:
+        self.host, said = bridge.on_bytes(self.p, self.host, data, self.now)
+        self.post(1, said.data)
+        for reading in said.readings:
+            self.readings.append(reading)
+            duty = self.answer(reading)
+            if duty is not None:
+                wish = Command(0.0, reading.seq, duty, NOMINAL)
+                self.host, data = bridge.on_command(self.p, self.host, wish, self.now, valid=True)
+                self.post(1, data)
+
+    def post(self, way: int, data: bytes) -> None:
+        if data:
+            self.ways[way], out = impair.step(self.wire, self.ways[way], data, self.now)
+            self.queues[way] += [out] if out else []
+
+    def due(self, way: int) -> list[bytes]:
+        ready = [data for when, data in self.queues[way] if when <= self.now]
+        self.queues[way] = [each for each in self.queues[way] if each[0] > self.now]
+        return ready
+
+    def begin(self) -> World:
+        """Run until the bridge would begin, and begin."""
+        self.run(1.5)
+        assert bridge.refusal(self.p, self.host) == ""
+        self.host = bridge.begin(self.host)
+        return self
+
+
+def test_readings_are_what_the_rig_measured_to_half_a_count() -> None:
+    world = World(host()).begin()
+    first = len(world.truth)
+    world.run(1.0)
+    assert [r.seq for r in world.readings] == list(range(1, 201))
+    for reading, m in zip(world.readings, world.truth[first:], strict=True):
+        true = (*m[2:7], m.road)
+        for value, expected, channel in zip(
+            reading.values, true, CALIBRATION.channels, strict=True
+        ):
+            assert value.quality is Quality.OK
+            assert channel is not None
+            assert value.value == pytest.approx(expected, abs=0.5000001 * channel.gain)
+
+
+def test_stamps_are_the_time_of_the_measurement_on_the_hosts_clock() -> None:
+    world = World(host(), Wire(jitter=0.002, seed=3)).begin()
+    began = world.now
+    world.run(2.0)
+    stamps = np.array([r.stamp for r in world.readings])
+    assert len(stamps) > 390
+    numbers = np.arange(len(stamps)) + round((stamps[0] - began) / PERIOD)  # one may be on its way
+    error = stamps - (began + PERIOD * numbers)
+    # 2 ms of jitter each way, and ticks of 1 ms in which this test hears
+    assert np.abs(error).max() < 0.5 * MS
+
+
+def test_the_duty_answers_the_sample_before_and_both_sides_limit_it() -> None:
+    world = World(host(), answer=lambda r: (0.2, 0.28, 0.9)[r.seq % 3]).begin()
+    world.run(0.5)
+    for reading in world.readings[5:]:
+        applied = reading.applied
+        assert applied.reason is Reason.COMMAND
+        assert applied.command_seq == reading.seq - 1
+        wish = (0.2, 0.28, 0.9)[applied.command_seq % 3]
+        assert applied.duty == pytest.approx(min(wish, 0.25))
+        assert applied.saturated == (wish > 0.25)
+        assert applied.source == NOMINAL
+
+
+def test_without_commands_the_host_asks_for_the_safe_duty_within_the_timeout() -> None:
+    world = World(host(), answer=lambda r: 0.2 if r.seq < 100 else None).begin()
+    world.run(1.0)
+    reasons = [r.applied.reason for r in world.readings]
+    assert reasons[20:98] == [Reason.COMMAND] * 78
+    last = world.readings[98].stamp  # the sample that was answered last
+    late = [r for r in world.readings if r.stamp > last + 60 * MS]
+    assert {r.applied.reason for r in late} == {Reason.OLD_COMMAND}
+    assert {r.applied.duty for r in late} == {0.1}
+
+
+def test_without_the_host_the_device_falls_back_by_itself() -> None:
+    world = World(host()).begin()
+    world.run(0.5)
+    assert world.device.rig.gate.duty == pytest.approx(0.2)
+    world.ways[1] = WireState()
+    for _ in range(12):  # 60 ms: nobody listens any more
+        world.now += PERIOD
+        world.device, _ = device.tick(world.d, world.device, world.own())
+    assert world.device.rig.gate.duty == 0.1
+
+
+def test_a_silent_device_is_said_once_and_found_again() -> None:
+    world = World(host()).begin()
+    world.run(0.5)
+    world.run(0.3, ticking=False)
+    assert world.silences == 1
+    count = len(world.readings)
+    world.run(0.3)
+    assert world.silences == 1
+    assert len(world.readings) >= count + 59
+    stamps = [r.stamp for r in world.readings]
+    assert stamps == sorted(set(stamps))
+
+
+def test_a_device_that_restarts_goes_on_after_its_clock_was_aligned() -> None:
+    world = World(host()).begin()
+    world.run(0.5)
+    before = world.readings[-1].seq
+    world.d = Device(RIG, CALIBRATION, 2)
+    world.device, world.now = device.start(world.d), world.now + 700 * MS
+    world.run(1.5)
+    assert world.host.boots == 1
+    assert world.host.clock.restarts >= 1
+    assert [r.seq for r in world.readings] == list(range(1, len(world.readings) + 1))
+    assert world.readings[-1].seq > before + 200
+    assert abs(world.readings[-1].stamp - world.now) < 10 * MS
+
+
+def test_a_bad_wire_loses_samples_but_never_delivers_a_wrong_one() -> None:
+    wire = Wire(loss=0.05, corruption=0.1, jitter=0.001, ordered=False, seed=5)
+    world = World(host(), wire).begin()
+    began, first = world.now, len(world.truth)
+    world.run(5.0)
+    seqs = [r.seq for r in world.readings]
+    assert seqs == sorted(set(seqs))
+    assert 0.7 < len(seqs) / (len(world.truth) - first) < 0.95
+    channel = CALIBRATION.channels[2]
+    assert channel is not None
+    for reading in world.readings:
+        true = world.truth[first + round((reading.stamp - began) / PERIOD) - 1]
+        shown = reading.values[2].value
+        assert shown == pytest.approx(true.deflection, abs=0.5000001 * channel.gain)
+    assert world.host.parser.damaged > 20
+    assert world.host.missed == seqs[-1] - len(seqs) - (seqs[0] - 1)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"period": 10_000_000}, "the device samples at 200 Hz, parameter rate expects 100 Hz"),
+        ({"certain": 1e-9}, "the clocks are not aligned yet"),
+    ],
+)
+def test_what_does_not_fit_is_refused_with_a_reason(change: dict[str, object], words: str) -> None:
+    world = World(host(**change))
+    world.run(1.5)
+    world.host = bridge.begin(world.host)
+    world.run(0.2)
+    assert bridge.refusal(world.p, world.host) == words
+    assert world.readings == []
+
+
+def test_the_road_and_duty_of_a_program_reach_the_device() -> None:
+    p = host(duty=lambda tick: 0.05 + 0.1 * (tick % 2), road=lambda tick: 1e-3 * (tick % 7))
+    world = World(p).begin()
+    world.run(0.5)
+    assert {r.applied.reason for r in world.readings[5:]} == {Reason.PROGRAM}
+    for reading in world.readings[5:]:
+        assert reading.applied.duty == pytest.approx(0.05 + 0.1 * (reading.seq % 2))
+        assert reading.values[5].value == pytest.approx(1e-3 * (reading.seq % 7), abs=1e-6)
+
+
+def test_a_wire_named_wrongly_is_one_line() -> None:
+    from er_models.errors import InputError
+    from er_plant_sim.hardware.link import Address
+
+    for text in ("serial:", "udp:host", "udp:host:99999", "serial:x@fast", "can:0", "tty"):
+        with pytest.raises(InputError, match=r"expected .*found"):
+            Address(text, ("serial", "udp"))
+    assert Address("udp:10.0.0.2:5005", ("udp",)).number == 5005
+    assert Address("serial:/dev/ttyS0@9600", ("serial",)).number == 9600
+    assert frame.VERSION == 1
