@@ -359,6 +359,11 @@ def _run(
     except KeyboardInterrupt:
         typer.echo("interrupted: nothing was written", err=True)
         raise typer.Exit(130) from None
+    if outcome.interrupted:
+        typer.echo(
+            "interrupted: what was done is written; the same command goes on from there", err=True
+        )
+        raise typer.Exit(130)
     if strict and not outcome.complete:
         typer.echo("the data were incomplete: see the notes", err=True)
         raise typer.Exit(3)

@@ -16,14 +16,26 @@ from er_models.model import Model
 from er_models.own import catalogue_with
 
 from er_model_lab.compare import errors, region_tables, worst
+from er_model_lab.diagnose.by_record import by_record
 from er_model_lab.diagnose.candidates import baseline
 from er_model_lab.diagnose.floor import noise_floor
 from er_model_lab.diagnose.null import simulate_null
 from er_model_lab.load import fingerprint, load
+from er_model_lab.long.choose import shortened
+from er_model_lab.long.verify import checked, long_json, long_note
 from er_model_lab.plan.suggest import suggestions
 from er_model_lab.preflight.check import gate, preflight
-from er_model_lab.present import clean, compare_json, diagnosis_json, headline, study_view, views
-from er_model_lab.record import Record
+from er_model_lab.present import (
+    clean,
+    compare_json,
+    diagnosis_json,
+    headline,
+    steps,
+    study_view,
+    views,
+)
+from er_model_lab.record import Record, originals
+from er_model_lab.resume import Begun, finished, marked, resume
 from er_model_lab.rule import RULE, Rule
 from er_model_lab.study import (
     Study,
@@ -71,12 +83,16 @@ class Request:
 
 @dataclass(frozen=True)
 class Outcome:
-    """Result of a command: the contract's JSON, what to draw, and the new model if there is one."""
+    """Result of a command: the contract's JSON, what to draw, and the new model if there is one.
+
+    interrupted: Ctrl-C ended it, and what was done until then is in the result.
+    """
 
     result: dict[str, Any]
     view: View
     model: Model | None
     complete: bool
+    interrupted: bool = False
 
 
 def command_line() -> str:
@@ -86,18 +102,23 @@ def command_line() -> str:
 
 
 def read(ask: Request) -> tuple[list[Record], int]:
-    """Records to learn from followed by those that only score, and how many the latter are."""
+    """Records to learn from followed by those that only score, and how many the latter are.
+
+    Of data that are too long to be searched whole, stretches of them.
+    """
     records = load(ask.data)
     sealed = load(ask.hold_out) if ask.hold_out else []
     if not records:
         raise InputError(ask.data[0], "", "at least one record", "none")
-    return gate([*records, *sealed], anyway=ask.anyway), len(sealed)
+    data = gate([*records, *sealed], anyway=ask.anyway)
+    return shortened(data, len(sealed))
 
 
 def provenance(records: list[Record], model: Model, ask: Request) -> dict[str, Any]:
     """Where a result comes from: data, model, seed and versions."""
+    data = originals(records)
     return {
-        "data": fingerprint(records), "records": [r.name for r in records], "model_file": str(ask.model_file),
+        "data": fingerprint(data), "records": [r.name for r in data], "model_file": str(ask.model_file),
         "model": model.digest(), "seed": ask.seed, "versions": versions(), "command_line": command_line(),
         "effects_from": {name: asdict(o) for name, o in model.catalogue.origins.items()},
     }  # fmt: skip
@@ -115,15 +136,22 @@ def compare(ask: Request) -> Outcome:
     explainable = max(1.0 - floor.floor**2 / mse, 0.0)
     tables = region_tables(problem, given, ask.seed)
     result = compare_json(problem, given, floor.floor, explainable, worst(tables))
+    notes = problem.notes
+    on_all = checked(problem, given, given=on_fused(model))
+    if on_all is not None:
+        result["long"] = long_json(on_all, again=False)
+        result["rmse"] = result["long"]["rmse"]["given"]["all"]
+        notes = (long_note(result["long"]), *notes)
+        result["notes"] = list(notes)
     result |= {
-        "preflight": preflight(records, model, model.catalogue).as_json(),
+        "preflight": preflight(originals(records), model, model.catalogue).as_json(),
         "command": "compare",
         "model": model.name,
         "rmse_refitted": float(np.sqrt(base.mse)),
     }
     view = View(
         command="compare", model=model.name, headline=headline(result["rmse"], floor.floor), result=clean(result),
-        records=views(problem, problem.force - given, None), regions=tables, notes=problem.notes,
+        records=views(problem, problem.force - given, None), regions=tables, notes=notes,
         provenance=provenance(records, model, ask),
     )  # fmt: skip
     return Outcome(clean(result), view, None, problem.complete)
@@ -153,31 +181,37 @@ def add(ask: Request, effect: str, out: Path, tick: Tick | None = None) -> Outco
 
 
 def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
-    """Diagnose and add until the model is adequate or nothing known helps."""
+    """Diagnose and add until the model is adequate or nothing known helps.
+
+    Ctrl-C ends it with what was done until then, from which the same command goes on later.
+    """
     model, (records, sealed) = ask.model(), read(ask)
     may_write(out, ask.model_file)
-    current, studies = model, list[Study]()
-    for n in range(MOST_PASSES):
-        study = investigate(
-            records,
-            current,
-            seed=ask.seed + 1000 * n,
-            sealed=sealed,
-            rule=ask.rule,
-            tick=tick,
-            level=ask.level,
-        )
+    begun = resume(out, model, records, ask.catalogue)
+    current, studies, stopped = begun.model, list[Study](), False
+    for n in range(begun.passes, max(MOST_PASSES, begun.passes + 1)):
+        try:
+            study = investigate(
+                records, current, seed=ask.seed + 1000 * n, sealed=sealed, rule=ask.rule, tick=tick, level=ask.level
+            )  # fmt: skip
+            best = final_model(study, ask.seed)
+        except KeyboardInterrupt:
+            if not studies:
+                raise
+            stopped = True
+            break
         studies.append(study)
         if not study.diagnosis.effects:
             break
-        current = _with_history(
-            final_model(study, ask.seed), current, study, records, ask.seed, out
-        )
-        if study.diagnosis.verdict != "partial":
+        current = _with_history(best, current, study, records, ask.seed, out)
+        current = marked(current, begun.digest, steps(study))
+        stopped = study.diagnosis.interrupted
+        if stopped or study.diagnosis.verdict != "partial":
             break
-    outcome = _improved(studies, current, records, ask)
+    current = finished(current, interrupted=stopped)
+    outcome = gone_on(_improved(studies, current, records, ask), begun, out)
     save_model(current, out)
-    return outcome
+    return replace(outcome, interrupted=stopped, result=outcome.result | {"interrupted": stopped})
 
 
 def _improved(studies: list[Study], model: Model, records: list[Record], ask: Request) -> Outcome:
@@ -203,13 +237,33 @@ def _improved(studies: list[Study], model: Model, records: list[Record], ask: Re
     return Outcome(result, view, model, outcome.complete)
 
 
+def gone_on(outcome: Outcome, begun: Begun, out: Path) -> Outcome:
+    """The outcome with the steps and effects of what an interruption had left."""
+    if not begun.passes:
+        return outcome
+    note = f"went on from {out}, which an interruption had left after {len(begun.steps) - 1} steps"
+    result = outcome.result
+    result["steps"] = [*begun.steps, *result["steps"][1:]]
+    result["effects"] = [*begun.effects, *(e for e in result["effects"] if e not in begun.effects)]
+    result["notes"] = [note, *result["notes"]]
+    if result["verdict"] == "adequate":
+        result["verdict"] = "missing_effect"
+    view = replace(outcome.view, result=result, notes=(note, *outcome.view.notes))
+    return replace(outcome, result=result, view=view)
+
+
 def _outcome(
     command: str, study: Study, model: Model, records: list[Record], ask: Request
 ) -> Outcome:
     """JSON and view of a study."""
     result = {"command": command, **diagnosis_json(study, model)}
+    result["by_record"] = by_record(study.diagnosis, study.problem, study.records or records)
+    if study.long is not None:
+        result["long"] = study.long
     origin = provenance(records, study.model, ask)
-    result["preflight"] = preflight(records, study.model, study.model.catalogue).as_json()
+    result["preflight"] = preflight(
+        originals(records), study.model, study.model.catalogue
+    ).as_json()
     result["provenance"] = origin
     if ask.level == "damper":
         result["next"] = suggestions(result, ask.model_file, ask.data, ask.effects_from)
@@ -248,8 +302,8 @@ def _with_history(
         "added": [e for e in grown.effects if e not in before.effects],
         "verdict": found.verdict,
         "command_line": command_line(),
-        "data": fingerprint(records),
-        "records": [r.name for r in records],
+        "data": fingerprint(originals(records)),
+        "records": [r.name for r in originals(records)],
         "seed": seed,
         "rmse_held_out": {
             "before": errors(study.problem, found.base.fit.residual, held).rmse,
@@ -258,7 +312,7 @@ def _with_history(
         "noise_floor": (*found.floor.parts, found.floor)[0].held_out,
         "from": before.name,
     }
-    source = f"fitted to {len(records)} records, beginning from '{before.name}' ({before.source})"
+    source = f"fitted to {len(originals(records))} records, beginning from '{before.name}' ({before.source})"
     return replace(
         grown,
         name=out.stem,

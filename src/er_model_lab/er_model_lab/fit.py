@@ -15,7 +15,7 @@ from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
 
 from er_model_lab.forward import Free, Limits
-from er_model_lab.prepare import FOLDS, Problem
+from er_model_lab.prepare import Problem
 
 DOUBTFUL = 1.1
 """Mean square without each block, over that of the fit, above which a straight line is not believed."""
@@ -163,7 +163,7 @@ def _trials(j: Array, r: Array, theta: Array, box: Box, damping: float) -> Array
 
 
 def cross_validated(fitted: Fit, problem: Problem) -> tuple[Array, Array]:
-    """Residual (n,) predicted without each block, and mean squared error per block (FOLDS,).
+    """Residual (n,) predicted without each block, and mean squared error per block (blocks,).
 
     One Gauss-Newton step from the full fit leaves a block out: (H - H_b) d = g - g_b. Where the straight line
     of that step would rather be a jump (a gap that closes, a void that collapses), the model itself predicts
@@ -171,25 +171,26 @@ def cross_validated(fitted: Fit, problem: Problem) -> tuple[Array, Array]:
     """
     steps = _leaving_out(fitted, problem)
     r = fitted.residual.copy()
-    for b in range(FOLDS):
+    blocks = range(int(problem.fold.max()) + 1)
+    for b in blocks:
         rows = problem.fold == b
         r[rows] = fitted.residual[rows] - fitted.jacobian[rows] @ steps[b]
     train = problem.train
     if np.mean(r[train] ** 2) > DOUBTFUL * fitted.mse(train):
         r = _truly_left_out(fitted, problem, steps)
-    losses = [float(np.mean(r[problem.fold == b] ** 2)) for b in range(FOLDS)]
+    losses = [float(np.mean(r[problem.fold == b] ** 2)) for b in blocks]
     return r, np.array(losses)
 
 
 def _leaving_out(fitted: Fit, problem: Problem) -> Array:
-    """Change of the scaled parameters (FOLDS, p) when a block is left out."""
+    """Change of the scaled parameters (blocks, p) when a block is left out."""
     inner = ~fitted.at_bound
     j_all, train = fitted.jacobian[:, inner], problem.train
     h = j_all[train].T @ j_all[train]
     ridge = 1e-10 * np.trace(h) / max(h.shape[0], 1) * np.eye(h.shape[0])
     g = j_all[train].T @ fitted.residual[train]
-    steps = np.zeros((FOLDS, inner.size))
-    for b in range(FOLDS):
+    steps = np.zeros((int(problem.fold.max()) + 1, inner.size))
+    for b in range(steps.shape[0]):
         rows = problem.fold == b
         j, e = j_all[rows], fitted.residual[rows]
         if j.shape[1]:
@@ -201,7 +202,7 @@ def _truly_left_out(fitted: Fit, problem: Problem, steps: Array) -> Array:
     """Residual (n,) predicted by the model itself without each block."""
     box = Box(fitted.model, fitted.free, problem.scales, problem.forward.limits)
     r, train = fitted.residual.copy(), problem.train
-    for b in range(FOLDS):
+    for b in range(steps.shape[0]):
         rows = problem.fold == b
         points = fitted.theta + np.multiply.outer(SHARES, steps[b])
         points = np.clip(points, box.low, box.high)

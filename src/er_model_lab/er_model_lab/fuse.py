@@ -31,6 +31,8 @@ Array = NDArray[np.float64]
 
 SHORTEST_LAG = 0.1
 """Lag of the velocity channel that deserves a state of its own, in samples; a straight line serves below."""
+STANDSTILL = 0.02
+"""Power of the velocity, as a share of its most, below which a part of a record tells nothing of its motion."""
 
 
 @dataclass(frozen=True)
@@ -213,9 +215,13 @@ class Channels:
         """The same measurements with only some channels in use."""
         return replace(self, has=(self.has & has).astype(np.uint8))
 
-    def first(self, n: int) -> Channels:
-        """The first n samples."""
-        return replace(self, z=self.z[:n], activity=self.activity[:n])
+    def telling(self, n: int) -> Channels:
+        """The first n samples; where they hold hardly any of the motion, the n that hold most."""
+        y = self.z[:, 1] if self.has[1] else np.diff(self.z[:, 0], append=self.z[-1:, 0])
+        begins = range(0, max(y.size - n, 0) + 1, max(n // 2, 1))
+        power = np.array([np.var(y[i : i + n]) for i in begins])
+        i = 0 if power[0] >= STANDSTILL * power.max() else begins[int(np.argmax(power))]
+        return replace(self, z=self.z[i : i + n], activity=self.activity[i : i + n])
 
 
 def _run(

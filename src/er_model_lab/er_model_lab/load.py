@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -68,21 +68,26 @@ def is_bag(folder: Path) -> bool:
 
 
 def _read_folder(folder: Path) -> list[Record]:
-    """Records of all readable files and recordings in a folder, sorted by name."""
-    items = sorted(folder.iterdir())
-    wanted = [
-        item
-        for item in items
-        if (item.is_dir() and is_bag(item)) or (item.is_file() and item.suffix.lower() in READERS)
-    ]
+    """Records of all readable files and recordings in a folder and its folders, sorted by name."""
+    wanted = list(_data_in(folder))
     if not wanted:
-        inside = (
-            ", ".join(item.name + "/" * item.is_dir() for item in items[:8]) or "an empty folder"
+        inside = ", ".join(
+            item.name + "/" * item.is_dir() for item in sorted(folder.iterdir())[:8]
         )
-        raise InputError(
-            folder, "", f"files ending in {', '.join(READERS)}, or a rosbag2 folder", inside
-        )
+        expected = f"files ending in {', '.join(READERS)}, or a rosbag2 folder"
+        raise InputError(folder, "", expected, inside or "an empty folder")
     return [record for item in wanted for record in read(item)]
+
+
+def _data_in(folder: Path) -> Iterator[Path]:
+    """Readable files and recordings in a folder and its folders, in order; hidden ones are left out."""
+    for item in sorted(folder.iterdir()):
+        if item.name.startswith("."):
+            continue
+        if item.is_dir() and not is_bag(item):
+            yield from _data_in(item)
+        elif item.is_dir() or item.suffix.lower() in READERS:
+            yield item
 
 
 def _names(path: Path) -> Mapping[str, str] | None:

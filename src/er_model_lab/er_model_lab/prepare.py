@@ -138,13 +138,13 @@ def prepare(
     if not records:
         raise InputError("DATA", "", "at least one record", "none")
     dt = max(r.dt for r in records)
-    measured = tuple(_channels(r, dt) for r in records)
+    measured = tuple(measured_channels(r, dt) for r in records)
     longest = max(range(len(measured)), key=lambda r: measured[r].z.shape[0])
-    part = measured[longest].first(FOR_NOISE)
+    part = measured[longest].telling(FOR_NOISE)
     lag, lag_sd = _lag_evidence(part) if velocity_lag is None else (velocity_lag, 0.0)
     raw, noise, losses = _usable(measured, part, lag, velocity_lag or 0.0)
     fused = tuple(
-        fuse(c, noise if r == longest else adapt(c.first(FOR_NOISE), noise))
+        fuse(c, noise if r == longest else adapt(c.telling(FOR_NOISE), noise))
         for r, c in enumerate(raw)
     )
     force = [resampled(r, "damper_force", dt) for r in records]
@@ -230,7 +230,7 @@ def white_noise(forces: list[Array]) -> float:
     return float(np.quantile(np.abs(d), 0.25) / 0.3186 / np.sqrt(20.0)) if calm.any() else 0.0
 
 
-def _channels(record: Record, dt: float) -> Channels:
+def measured_channels(record: Record, dt: float) -> Channels:
     """The motion channels a record has, on the common grid."""
     if not (record.has("deflection") or record.has("deflection_velocity")):
         raise MissingChannel(

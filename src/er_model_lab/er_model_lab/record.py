@@ -7,7 +7,7 @@ upwards.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -70,6 +70,7 @@ class Record:
         derived: Channels that were computed from others, not measured.
         licence: Licence of the data; empty when not known.
         timing: How it was sampled before any repair; None when it was not loaded.
+        part_of: The longer record this is a stretch of; None for a whole one.
     """
 
     name: str
@@ -83,6 +84,7 @@ class Record:
     derived: tuple[str, ...] = ()
     licence: str = ""
     timing: Timing | None = None
+    part_of: Part | None = None
 
     def __post_init__(self) -> None:
         t = _frozen(self.t)
@@ -129,6 +131,28 @@ class Record:
     def noted(self, *sentences: str) -> Record:
         """The same data with further notes."""
         return replace(self, notes=self.notes + sentences)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """Where a stretch comes from.
+
+    data: all records that were loaded, the first `learn` of which may be learnt from; record: which of them it
+    is a stretch of; first: row of that record it begins with.
+    """
+
+    data: tuple[Record, ...]
+    learn: int
+    record: int
+    first: int
+
+
+def originals(records: Sequence[Record]) -> list[Record]:
+    """The records as they were loaded, of which these may be stretches."""
+    for record in records:
+        if record.part_of is not None:
+            return list(record.part_of.data)
+    return list(records)
 
 
 def _frozen(samples: npt.ArrayLike) -> Array:

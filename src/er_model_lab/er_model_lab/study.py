@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from er_models.model import Array, Model
@@ -16,8 +17,11 @@ from er_model_lab.diagnose.search import Round, passes, threshold
 from er_model_lab.diagnose.verdict import Diagnosis, diagnose, judge
 from er_model_lab.estimate import estimated
 from er_model_lab.fit import fit, with_deviations
+from er_model_lab.long.choose import with_more
+from er_model_lab.long.verify import Checked, checked, long_json, long_note
+from er_model_lab.long.whole import LongForward, on_whole, remembers
 from er_model_lab.prepare import Problem, prepare
-from er_model_lab.record import Record
+from er_model_lab.record import Record, originals
 from er_model_lab.ride_forward import RideForward
 from er_model_lab.ride_problem import open_ride
 from er_model_lab.rule import RULE, Rule
@@ -36,7 +40,8 @@ class Study:
 
     problem: the one diagnosed; lag: (value, standard deviation) [s] when the velocity channel lags, else
     None; lag_base: the model refitted on the lagging channel; given: residual (n,) of the model exactly
-    as given.
+    as given; records: those searched, or stretches of them; checked: the models on all of long data; long: the
+    same for the JSON.
     """
 
     diagnosis: Diagnosis
@@ -45,6 +50,9 @@ class Study:
     lag: tuple[float, float] | None
     lag_base: Candidate | None
     given: Array
+    records: tuple[Record, ...] = ()
+    checked: Checked | None = None
+    long: dict[str, Any] | None = None
 
 
 def known_lag(model: Model) -> float | None:
@@ -64,10 +72,15 @@ def in_scale(records: list[Record], model: Model) -> list[Record]:
     if "velocity_gain" not in model.effects:
         return records
     gain, name = model.value("velocity_gain", "g_v"), "deflection_velocity"
+
+    def scaled(r: Record) -> Record:
+        if not r.has(name) or name in r.derived:
+            return r
+        return replace(r, channels={**r.channels, name: r.channels[name] / gain})
+
+    data = tuple(map(scaled, originals(records)))
     return [
-        replace(r, channels={**r.channels, name: r.channels[name] / gain})
-        if r.has(name) and name not in r.derived
-        else r
+        replace(scaled(r), part_of=replace(r.part_of, data=data) if r.part_of else None)
         for r in records
     ]
 
@@ -78,12 +91,12 @@ def open_problem(
     """Fused problem, and the lag of the velocity channel when it is there and not yet in the model."""
     known, records = known_lag(model), in_scale(records, model)
     if known is not None:
-        return prepare(records, sealed=sealed, velocity_lag=known), None
+        return on_whole(prepare(records, sealed=sealed, velocity_lag=known), records), None
     problem = prepare(records, sealed=sealed)
     lag, sd = problem.velocity_lag
     if abs(lag) > max(SMALLEST_LAG * problem.motion.dt, 8.0 * sd):
-        return prepare(records, sealed=sealed, velocity_lag=lag), (lag, sd)
-    return problem, None
+        return on_whole(prepare(records, sealed=sealed, velocity_lag=lag), records), (lag, sd)
+    return on_whole(problem, records), None
 
 
 def as_given(model: Model, problem: Problem) -> Array:
@@ -101,7 +114,43 @@ def investigate(
     tick: Tick | None = None,
     level: str = "damper",
 ) -> Study:
-    """Diagnose a model on records; a lagging velocity channel is undone first and named."""
+    """Diagnose a model on records; a lagging velocity channel is undone first and named.
+
+    What was found on stretches of long data is checked on all of them. Where the models do worse there, the worst
+    stretches join the others and the search is repeated, once.
+    """
+
+    def once(records: list[Record], sealed: int) -> Study:
+        study = _investigated(records, model, seed, sealed, rule, tick, level)
+        return replace(study, records=tuple(records), checked=_checked(study))
+
+    study = once(records, sealed)
+    more = study.checked.missed if study.checked else []
+    if more and not study.diagnosis.interrupted:
+        study = once(*with_more(records, more))
+    return _told(study, again=bool(more))
+
+
+def _told(study: Study, *, again: bool) -> Study:
+    """The study of long data with what was found on all of them in words."""
+    if study.checked is None:
+        return study
+    long = long_json(study.checked, again=again)
+    notes = (long_note(long), *study.problem.notes)
+    return replace(study, long=long, problem=replace(study.problem, notes=notes))
+
+
+def _checked(study: Study) -> Checked | None:
+    """The model before and after the search, on all of long data."""
+    found = study.diagnosis
+    before, after = on_fused(found.base.fit.model), on_fused(found.best.fit.model)
+    return checked(study.problem, found.best.fit.residual, before=before, after=after)
+
+
+def _investigated(
+    records: list[Record], model: Model, seed: int, sealed: int, rule: Rule, tick: Tick | None, level: str
+) -> Study:  # fmt: skip
+    """One diagnosis of records or stretches."""
     if level == "vehicle":
         problem, fitted = open_ride(records, model, sealed)
         found = diagnose(fitted.model, problem, seed=seed, rule=rule, tick=tick)
@@ -126,7 +175,15 @@ def add_effect(
     tick: Tick | None = None,
     level: str = "damper",
 ) -> Study:
-    """Add one named effect, refit everything, and judge it alone."""
+    """Add one named effect, refit everything, and judge it alone; on long data, check it on all of them."""
+    study = _added(records, model, effect, seed, sealed, tick, level)
+    return _told(replace(study, records=tuple(records), checked=_checked(study)), again=False)
+
+
+def _added(
+    records: list[Record], model: Model, effect: str, seed: int, sealed: int, tick: Tick | None, level: str
+) -> Study:  # fmt: skip
+    """The study of one named effect on records or stretches."""
     if level == "vehicle":
         problem, fitted = open_ride(records, model, sealed)
         return _ridden(diagnose_one(fitted.model, problem, effect, seed), problem, model)
@@ -211,7 +268,10 @@ def _kept(candidate: Candidate, model: Model) -> Candidate:
 def final_model(study: Study, seed: int = 0) -> Model:
     """The best model with estimates of everything that was fitted: values without bias, and deviations."""
     best = study.diagnosis.best.fit
-    if isinstance(study.problem.forward, RideForward):
+    forward = study.problem.forward
+    if isinstance(forward, RideForward) or (
+        isinstance(forward, LongForward) and remembers(best.model)
+    ):
         return with_deviations(fit(best.model, study.problem, tol=1e-7), study.problem)
     held = best.model.effects.get("velocity_lag")
     model = estimated(replace(best, model=on_fused(best.model)), study.problem, seed)

@@ -221,7 +221,9 @@ def test_a_folder_gives_its_files_sorted_and_equal_names_are_told_apart(
     other = tmp_path / "other"
     other.mkdir()
     table(other / "a.csv", columns())
-    assert [r.name for r in load([tmp_path])] == ["a", "b"]
+    (tmp_path / ".hidden").mkdir()
+    table(tmp_path / ".hidden" / "c.csv", columns())
+    assert [r.name for r in load([tmp_path])] == [f"{tmp_path.name}/a", "b", "other/a"]
     records = load([tmp_path / "a.csv", other / "a.csv"])
     assert [r.name for r in records] == [f"{tmp_path.name}/a", "other/a"]
     records = load([other / "a.csv", other / "a.csv"])

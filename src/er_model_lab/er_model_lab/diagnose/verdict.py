@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -31,7 +31,7 @@ VISIBLE = 0.05
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Result of a diagnosis; `rounds` holds every step of the search."""
+    """Result of a diagnosis; `rounds` holds every step of the search, fewer where it was interrupted."""
 
     verdict: Name
     effects: tuple[str, ...]
@@ -45,6 +45,7 @@ class Diagnosis:
     explained: float
     coverage: Coverage
     reasons: tuple[str, ...]
+    interrupted: bool = False
 
     @property
     def model(self) -> Model:
@@ -60,18 +61,37 @@ def diagnose(
     rule: Rule = RULE,
     tick: Callable[[str], None] | None = None,
 ) -> Diagnosis:
-    """Refit the model, then find which effects are missing and how sure that is."""
+    """Refit the model, then find which effects are missing and how sure that is.
+
+    Ctrl-C ends the search with the effects taken so far; before there is one it goes to the caller.
+    """
     base = baseline(model, problem)
     rounds = [one_round(base, problem, seed, rule, tick)]
     best = rounds[0].taken or base
     floor = noise_floor(problem, _leader(rounds[0]), rounds[0].null, seed)
+    try:
+        best, floor, ties = _searched(best, rounds, floor, problem, seed, rule, tick)
+    except KeyboardInterrupt:
+        taken = [step.taken for step in rounds if step.taken is not None]
+        if not taken:
+            raise
+        found = judge(base, taken[-1], rounds, floor, problem, _alternatives(taken[-1], rounds))
+        return replace(found, interrupted=True)
+    return judge(base, best, rounds, floor, problem, ties)
+
+
+def _searched(
+    best: Candidate, rounds: list[Round], floor: Floor, problem: Problem, seed: int, rule: Rule,
+    tick: Callable[[str], None] | None,
+) -> tuple[Candidate, Floor, tuple[tuple[str, ...], ...]]:  # fmt: skip
+    """Further effects beside the first, those still needed, and ties; `rounds` grows."""
     best, rounds, floor = _grow(best, rounds, floor, problem, seed, rule, tick)
     if len(best.effects) > 1:
         best = prune(best, problem, rounds[0].threshold)
     ties = _alternatives(best, rounds)
     if len(best.effects) > 1:
         best, ties = swapped(best, rounds, problem)
-    return judge(base, best, rounds, floor, problem, ties)
+    return best, floor, ties
 
 
 def judge(

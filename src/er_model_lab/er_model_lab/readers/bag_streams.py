@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from array import array
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -68,10 +69,10 @@ class Stream:
 
 @dataclass(slots=True)
 class _Rows:
-    """Samples of a topic in order of arrival."""
+    """Samples of a topic in order of arrival, the values of a message in turn; numbers only, for hours of them."""
 
-    stamps: list[int] = field(default_factory=list)
-    values: list[tuple[float, ...]] = field(default_factory=list)
+    stamps: array[int] = field(default_factory=lambda: array("q"))
+    values: array[float] = field(default_factory=lambda: array("d"))
 
 
 class Collector:
@@ -85,7 +86,7 @@ class Collector:
     def copy(self) -> Collector:
         """An independent collector with the same samples, to go back to when a file is damaged."""
         other = Collector(self.path)
-        other._rows = {k: _Rows(list(r.stamps), list(r.values)) for k, r in self._rows.items()}
+        other._rows = {k: _Rows(r.stamps[:], r.values[:]) for k, r in self._rows.items()}
         return other
 
     def wants(self, topic: str) -> bool:
@@ -107,7 +108,7 @@ class Collector:
             ) from None
         rows = self._rows.setdefault(place, _Rows())
         rows.stamps.append(when)
-        rows.values.append(values)
+        rows.values.extend(values)
 
     def streams(self, notes: list[str]) -> dict[str, list[Stream]]:
         """Streams of each namespace ('' is the root); disorder is repaired and noted."""
@@ -143,7 +144,8 @@ def _ordered(namespace: str, key: str, rows: _Rows, notes: list[str]) -> Stream:
     stamps = np.asarray(rows.stamps, dtype=np.int64)
     keep, why = _first_pass(stamps)
     notes += [f"{topic}: {sentence}" for sentence in why]
-    stamps, values = stamps[keep], np.asarray(rows.values, dtype=np.float64)[keep]
+    values = np.asarray(rows.values, dtype=np.float64).reshape(stamps.size, -1)[keep]
+    stamps = stamps[keep]
     late = int(np.count_nonzero(np.diff(stamps) < 0))
     unique, first = np.unique(stamps, return_index=True)
     if late:

@@ -1,0 +1,172 @@
+"""Data too long to be searched whole: what is chosen, what they remember, and the check on all of them."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from er_model_lab.diagnose.by_record import by_record
+from er_model_lab.diagnose.candidates import baseline
+from er_model_lab.fit import fit
+from er_model_lab.long import choose
+from er_model_lab.long.verify import checked, long_json
+from er_model_lab.long.whole import on_whole
+from er_model_lab.prepare import prepare
+from er_model_lab.record import Record
+from er_model_lab.write import write_parquet
+from er_models.files import load_model
+from er_models.predict import motion, predict
+from lab_help import DT, GUO, imposed
+
+HEAT = {"t_h": 60.0, "b_v": 0.6, "b_y": 0.6}
+
+
+def made(seconds, truth=None, seed=1, still=0.0, name="run"):
+    """A record of six sines after a standstill, and the true motion."""
+    rng = np.random.default_rng(seed)
+    truth, n = truth or load_model(GUO), round(seconds / DT)
+    x, v, a, u = imposed(rng, n)
+    rest = round(still / DT)
+    k = n - rest
+    x, v, a = (np.concatenate([np.zeros(rest), y[:k]]) for y in (x - x[0], v, a))
+    channels = {
+        "deflection": x + 2e-5 * rng.standard_normal(n), "duty": u,
+        "deflection_velocity": v + 1e-3 * rng.standard_normal(n),
+        "sprung_acceleration": a + 0.025 * rng.standard_normal(n),
+        "unsprung_acceleration": 0.025 * rng.standard_normal(n),
+        "damper_force": predict(truth, motion(DT, x, v, u, a)) + 0.15 * rng.standard_normal(n),
+    }  # fmt: skip
+    return Record(name, np.arange(n) * DT, channels)
+
+
+@pytest.fixture
+def short(monkeypatch):
+    """Three minutes count as long, and half a minute of them is searched."""
+    monkeypatch.setattr(choose, "LONG", 8000)
+    monkeypatch.setattr(choose, "USED", 6000)
+
+
+def test_ordinary_data_are_searched_whole():
+    records = [made(20.0), made(20.0, seed=2)]
+    assert choose.shortened(records, 1) == (records, 1)
+
+
+def test_the_one_visit_to_a_corner_is_among_what_is_searched(short):
+    record = made(200.0)
+    x, u = record.channels["deflection"].copy(), np.zeros(len(record))
+    rows = slice(26500, 26600)  # half a second of a duty and a deflection that occur nowhere else
+    x[rows] *= 3.0
+    u[rows] = 0.3
+    record = Record("run", record.t, {**record.channels, "deflection": x, "duty": u})
+    pieces, _ = choose.shortened([record])
+    assert sum(map(len, pieces)) <= 6000
+    firsts = [p.part_of.first for p in pieces]
+    assert any(i <= 26500 and i + 2500 >= 26600 for i in firsts), firsts
+    assert choose.shortened([record])[0][0].name == pieces[0].name
+
+
+def test_what_heats_remembers_the_whole_record(short):
+    truth = load_model(GUO).with_effect("self_heating", HEAT)
+    pieces, _ = choose.shortened([made(200.0, truth)])
+    alone = prepare(pieces)
+    problem = on_whole(alone, pieces)
+    late = problem.used & (problem.extra[-1][1] > 100.0)
+    here, rest = (float(np.std((p.force - p.predict(truth))[late])) for p in (problem, alone))
+    assert here < 0.2
+    assert rest > 2.0 * here
+
+
+def test_a_stretch_that_was_not_searched_and_fails_is_searched_next(short):
+    model, record = load_model(GUO), made(200.0)
+    places = choose.places_of([record])
+    unseen = next(p for p in places if p not in choose.chosen([record], 6000))
+    force = record.channels["damper_force"].copy()
+    force[unseen.i : unseen.j] += 4.0
+    record = Record("run", record.t, {**record.channels, "damper_force": force})
+    pieces, _ = choose.shortened([record])
+    problem = on_whole(prepare(pieces), pieces)
+    found = checked(problem, problem.force - problem.predict(model), given=model)
+    assert found.missed == [unseen]
+    said = long_json(found, again=False)
+    assert said["worst"][0]["from"] == pytest.approx(unseen.i * DT)
+    assert said["rmse"]["given"]["elsewhere"] > 2.0 * np.sqrt(found.held_out)
+    more, sealed = choose.with_more(pieces, found.missed)
+    assert sealed == 0
+    assert {p.part_of.first for p in more} == {p.part_of.first for p in pieces} | {unseen.i}
+
+
+def test_standstill_at_the_beginning_does_not_spoil_the_motion():
+    model, record = load_model(GUO), made(40.0, still=20.0)
+    problem = prepare([record])
+    moving = problem.used & (problem.motion.t > 21.0)
+    assert np.std((problem.force - problem.predict(model))[moving]) < 0.2
+
+
+def test_a_record_left_out_is_predicted_from_the_others():
+    model = load_model(GUO)
+    odd = model.with_effect("preload", {"F_0": 2.0})
+    records = [
+        made(20.0, name="a"),
+        made(20.0, seed=2, name="b"),
+        made(20.0, odd, seed=3, name="odd"),
+    ]
+    problem = prepare(records)
+    base = baseline(model.with_effect("preload", {"F_0": 0.1}), problem)
+
+    class Found:
+        best = base
+
+    Found.base = base
+    found = {e["record"]: e for e in by_record(Found, problem, records)}
+    assert set(found) == {"a", "b", "odd"}
+    rest = np.repeat([True, True, False], 4000) & problem.used
+    alone = fit(base.fit.model, problem_of_rows(problem, rest))
+    last = problem.used & ~np.repeat([True, True, False], 4000)
+    truly = np.sqrt(np.mean(alone.residual[last] ** 2))
+    assert found["odd"]["rmse_left_out"] == pytest.approx(truly, rel=0.02)
+    assert found["odd"]["rmse_left_out"] > 1.2 * found["odd"]["rmse_after"]
+    assert by_record(Found, prepare(records[:1]), records[:1]) == []
+
+
+def problem_of_rows(problem, rows):
+    """The problem with these rows to learn from and none held out."""
+    from dataclasses import replace
+
+    return replace(problem, fold=np.where(rows, 0, -1), held_out=np.zeros_like(rows))
+
+
+@pytest.mark.slow
+def test_an_hour_takes_less_than_two_gigabytes(tmp_path):
+    truth = load_model(GUO).with_effect("coulomb_friction", {"F_c": 1.0, "v_0": 0.003})
+    write_parquet(made(3600.0, truth, still=20.0), tmp_path / "hour.parquet")
+    code = (
+        "import resource, sys; from er_model_lab.cli import app; app(sys.argv[1:], standalone_mode=False); "
+        "print('peak', resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
+    )
+    words = [
+        "add",
+        "coulomb_friction",
+        "hour.parquet",
+        "--model",
+        str(GUO),
+        "--out",
+        "m.yaml",
+        "--json",
+        "r.json",
+    ]
+    done = subprocess.run(
+        [sys.executable, "-c", code, *words],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=280,
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert int(done.stdout.split("peak")[1]) < 2_000_000  # kB
+    r = json.loads(Path(tmp_path / "r.json").read_text())
+    assert r["long"]["seconds"] == pytest.approx(3600.0)
+    assert r["long"]["searched_seconds"] < 200.0
+    assert r["long"]["rmse"]["after"]["elsewhere"] < 1.1 * r["rmse_after"]["held_out"]
+    assert r["long"]["rmse"]["before"]["all"] > 2.0 * r["long"]["rmse"]["after"]["all"]
