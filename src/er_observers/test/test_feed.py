@@ -2,7 +2,7 @@
 
 import math
 
-from er_observers.nodes.feed import DEPTH, Feed, Motion, on_duty, on_motion
+from er_observers.feed import DEPTH, Feed, Motion, on_duty, on_motion
 
 
 def motion(stamp: int) -> Motion:

@@ -1,0 +1,124 @@
+"""Skyhook on messages: no node, no clock. Live and in replay the same messages give the same.
+
+A sample is acceleration and deflection of one tick, whichever comes first; the law is `er_ftc_controller.skyhook`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from er_ros_common.builders import Tick
+from er_ros_common.clock import from_stamp
+from er_ros_common.common_parameters import NodeParameters, awaited_listeners, oldest_sample
+from er_ros_common.core import Said, When
+from er_ros_common.parameter_table import REQUIRED, param
+from er_ros_common.stamps import StampLimits, StampState, check_stamp
+
+from er_damper_msgs.msg import PwmDuty
+from er_ftc_controller import skyhook
+from er_ftc_controller.align import Aligner
+from er_ros_common import builders, topics
+
+REPEAT = 50_000_000
+"""How often the safe duty is asked for again [ns]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SkyhookParameters(NodeParameters):
+    """Parameters of the node."""
+
+    u_min: float = param(REQUIRED, low=0.0, high=1.0, text="duty where field would push the body")
+    u_max: float = param(REQUIRED, low=0.0, high=1.0, text="duty where field brakes the body")
+    safe_duty: float = param(REQUIRED, low=0.0, high=1.0, text="duty without usable samples")
+    corner_frequency: float = param(
+        REQUIRED, unit="Hz", low=0.001, high=5.0, text="leak of the velocity integral"
+    )
+    timeout: float = param(
+        0.05, unit="s", low=0.005, high=1.0, text="silence of the inputs that makes it safe"
+    )
+    max_age: float = oldest_sample()
+    listeners: int = awaited_listeners()
+
+
+class State(NamedTuple):
+    """State of the law, halves of samples, checks of stamps.
+
+    last: the last sample, heard: when [ns, steady], 0 before the first; safe: whether the safe duty is asked
+    for, safe_at: when it was last [ns, steady]; unusable: samples that were not valid.
+    """
+
+    mind: skyhook.State = skyhook.START
+    pairs: Aligner[float, float] = Aligner()
+    stamps: StampState = StampState()
+    last: Tick = Tick(0, 0)
+    heard: int = 0
+    safe: bool = False
+    safe_at: int = 0
+    unusable: int = 0
+
+
+class SkyhookCore:
+    """Joins acceleration and deflection of a tick and answers with a duty."""
+
+    inputs = (topics.ACCELERATION, topics.DEFLECTION)
+    outputs = (topics.PWM_COMMAND,)
+
+    def __init__(self, p: SkyhookParameters) -> None:
+        self.p = p
+        self.law = skyhook.Skyhook(p.u_min, p.u_max, p.corner_frequency, gap=p.timeout)
+        self.limits = StampLimits(stale=p.max_age, gap=p.timeout)
+
+    def start(self) -> State:
+        """Before any message."""
+        return State()
+
+    def on_message(
+        self, state: State, topic: topics.Topic, message: Any, when: When
+    ) -> tuple[State, list[Said]]:
+        """Take half of a sample."""
+        acceleration = topic is topics.ACCELERATION
+        if not (message.valid and (acceleration or message.velocity_valid)):
+            return state._replace(unusable=state.unusable + 1), []
+        stamp = from_stamp(message.header.stamp)
+        if acceleration:
+            pairs, pair = state.pairs.with_left(stamp, message.sprung)
+        else:
+            pairs, pair = state.pairs.with_right(stamp, message.velocity)
+        state = state._replace(pairs=pairs)
+        if pair is None:
+            return state, []
+        return self._answered(state, Tick(stamp, int(message.seq)), pair, when)
+
+    def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
+        """Ask for the safe duty while the inputs are silent."""
+        silent = 1e-9 * (when.steady - state.heard) > self.p.timeout
+        if not (state.heard and silent and when.steady - state.safe_at > REPEAT):
+            return state, []
+        now = when.system if when.system is not None else state.last.stamp
+        return state._replace(safe=True, safe_at=when.steady), self.last_words(state, now)
+
+    def last_words(self, state: State, now: int) -> list[Said]:
+        """The safe duty, from a time [ns] on."""
+        message = builders.pwm_duty(
+            Tick(max(now, state.last.stamp), state.last.seq),
+            self.p.safe_duty,
+            source=PwmDuty.SOURCE_SAFE,
+            status=PwmDuty.STATUS_LOST,
+        )
+        return [(topics.PWM_COMMAND, message)]
+
+    def _answered(
+        self, state: State, tick: Tick, pair: tuple[float, float], when: When
+    ) -> tuple[State, list[Said]]:
+        """Answer one sample, if its stamp is good."""
+        arrival = when.system if self.p.max_age else None
+        stamps, verdict = check_stamp(self.limits, state.stamps, tick.stamp, tick.seq, arrival)
+        state = state._replace(stamps=stamps)
+        sample = skyhook.Sample(1e-9 * tick.stamp, *pair)
+        if not verdict.use or not skyhook.usable(sample):
+            return state._replace(unusable=state.unusable + verdict.use), []
+        mind, command = skyhook.step(self.law, state.mind, sample)
+        state = state._replace(mind=mind, last=tick, safe=False, heard=when.steady)
+        message = builders.pwm_duty(tick, command.duty, source=PwmDuty.SOURCE_NOMINAL)
+        return state, [(topics.PWM_COMMAND, message)]

@@ -1,0 +1,151 @@
+"""An observer on messages: no node, no clock. Live and in replay the same messages give the same.
+
+The estimate itself is `er_observers.observers.runtime`.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import Any, NamedTuple
+
+from er_models.errors import InputError
+from er_models.files import load_model
+from er_ros_common.builders import Tick
+from er_ros_common.clock import from_stamp
+from er_ros_common.core import Said, When
+from er_ros_common.stamps import StampLimits, StampState, check_stamp
+
+from er_damper_msgs.msg import DamperForce
+from er_observers.feed import Feed, Joined, Motion, on_duty, on_motion
+from er_observers.gains import Gains
+from er_observers.observers import nlpv_gridding, nlpv_polytopic, unified
+from er_observers.observers import runtime as observer
+from er_observers.observers.ready import ready
+from er_observers.observers.status import Status
+from er_observers.settings import ObserverParameters
+from er_ros_common import builders, topics
+
+ON_THE_WIRE = {
+    Status.OK: DamperForce.STATUS_OK,
+    Status.INITIALISING: DamperForce.STATUS_INITIALIZING,
+    Status.DEGRADED: DamperForce.STATUS_DEGRADED,
+    Status.WEAK: DamperForce.STATUS_DEGRADED,
+    Status.INVALID: DamperForce.STATUS_LOST,
+}
+OUTPUTS = {
+    unified.NAME: topics.FORCE_UNIFIED,
+    nlpv_polytopic.NAME: topics.FORCE_POLYTOPIC,
+    nlpv_gridding.NAME: topics.FORCE_GRIDDING,
+}
+
+
+class State(NamedTuple):
+    """What waits for its other half, checks of stamps, the observer's state (None before a sample).
+
+    base: stamp of the first sample [ns]; last: the one estimated last, heard: when [ns, steady]; unusable:
+    samples that were not valid; silent: whether it was said that samples stay away.
+    """
+
+    feed: Feed = Feed()
+    stamps: StampState = StampState()
+    mind: observer.State | None = None
+    base: int = 0
+    last: Tick = Tick(0, 0)
+    heard: int = 0
+    unusable: int = 0
+    silent: bool = False
+
+
+class ObserverCore:
+    """Files are read here, and never again.
+
+    Raises:
+        InputError: Model and gains cannot be used, or not together.
+    """
+
+    inputs = (topics.ACCELERATION, topics.PWM_APPLIED)
+
+    def __init__(self, name: str, p: ObserverParameters) -> None:
+        self.p, self.topic = p, OUTPUTS[name]
+        self.outputs = (self.topic,)
+        model = load_model(p.model_file)
+        self.gains = ready(p.gains_file, model, name)
+        refuse_deflection(p.gains_file, self.gains)
+        self.limits = StampLimits(stale=p.max_age, gap=p.timeout)
+        self.model_id, self.gains_id = model.digest(), self.gains.digest
+
+    def start(self) -> State:
+        """Before any message."""
+        return State()
+
+    def on_message(
+        self, state: State, topic: topics.Topic, message: Any, when: When
+    ) -> tuple[State, list[Said]]:
+        """Take accelerations, if their stamp is good, or the duty from then on."""
+        stamp = from_stamp(message.header.stamp)
+        if topic is topics.PWM_APPLIED:
+            duty = message.duty if message.valid else math.nan
+            feed, joined = on_duty(state.feed, stamp, duty)
+            return self._estimated(state._replace(feed=feed), joined, when)
+        seq, arrival = int(message.seq), when.system if self.p.max_age else None
+        stamps, verdict = check_stamp(self.limits, state.stamps, stamp, seq, arrival)
+        state = state._replace(stamps=stamps)
+        if not verdict.use:
+            return state, []
+        # values that are not valid are bridged
+        good = message.valid and math.isfinite(message.sprung) and math.isfinite(message.unsprung)
+        values = (message.sprung, message.unsprung) if good else (math.nan, math.nan)
+        feed, joined = on_motion(state.feed, Motion(stamp, seq, *values))
+        state = state._replace(feed=feed, unusable=state.unusable + (not good))
+        return self._estimated(state, joined, when)
+
+    def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
+        """Say once that the estimate is no longer valid when the samples stay away."""
+        if not state.heard or state.silent:
+            return state, []
+        if 1e-9 * (when.steady - state.heard) <= self.p.timeout:
+            return state, []
+        lost = builders.damper_force(state.last, 0.0, status=DamperForce.STATUS_LOST, valid=False)
+        return state._replace(silent=True), [(self.topic, lost)]
+
+    def _estimated(
+        self, state: State, joined: list[Joined], when: When
+    ) -> tuple[State, list[Said]]:
+        """Step for each sample that is complete."""
+        said: list[Said] = []
+        for motion, duty in joined:
+            base = state.base or motion.stamp
+            t = 1e-9 * (motion.stamp - base)
+            sample = observer.Sample(t, motion.sprung, motion.unsprung, duty)
+            if state.mind is None:
+                mind = observer.start(self.gains, sample)
+                estimate = mind.estimate
+            else:
+                mind, estimate = observer.step(self.gains, state.mind, sample)
+            last = Tick(*motion[:2])
+            state = state._replace(
+                mind=mind, base=base, last=last, heard=when.steady, silent=False
+            )
+            said.append((self.topic, _message(last, estimate)))
+        return state, said
+
+
+def refuse_deflection(path: str, gains: Gains) -> None:
+    """Raise `InputError` for gains that need a sensor which the node does not listen to."""
+    if gains.sees_deflection:
+        raise InputError(path, "model.outputs", "two accelerations", "the deflection as well")
+
+
+def _message(tick: Tick, e: observer.Estimate) -> DamperForce:
+    """One estimate with the stamp of its sample."""
+    return builders.damper_force(
+        tick,
+        e.force,
+        test_ratio=e.test_ratio,
+        status=ON_THE_WIRE[e.status],
+        valid=e.status is not Status.INVALID,
+    )
+
+
+CORES = {f"{name}_observer": (ObserverParameters, partial(ObserverCore, name)) for name in OUTPUTS}

@@ -1,0 +1,21 @@
+"""Parameters of the observers' nodes. No ROS here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from er_ros_common.common_parameters import NodeParameters, awaited_listeners, oldest_sample
+from er_ros_common.parameter_table import REQUIRED, param
+
+
+@dataclass(frozen=True, kw_only=True)
+class ObserverParameters(NodeParameters):
+    """Parameters of the node."""
+
+    model_file: str = param(REQUIRED, text="model of the vehicle the gains were made for")
+    gains_file: str = param(REQUIRED, text="gains of this observer for this model")
+    timeout: float = param(
+        0.05, unit="s", low=0.005, high=1.0, text="silence after which the estimate is not valid"
+    )
+    max_age: float = oldest_sample()
+    listeners: int = awaited_listeners()
