@@ -100,7 +100,8 @@ class Origin:
 class Catalogue:
     """An ordered set of effects and the layout of their parameters and states in flat vectors.
 
-    origins: by name, where the effects come from that a user added.
+    origins: by name, where the effects come from that a user added; rest: the last slot, where the kernel searches
+    the force f_r of a damper in series with something.
     """
 
     effects: tuple[Effect, ...]
@@ -109,6 +110,7 @@ class Catalogue:
     offsets: dict[str, int] = field(init=False, compare=False)
     slots: dict[str, int] = field(init=False, compare=False)
     size: int = field(init=False, compare=False)
+    rest: int = field(init=False, compare=False)
     n_states: int = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -126,7 +128,8 @@ class Catalogue:
         object.__setattr__(self, "offsets", offsets)
         object.__setattr__(self, "slots", slots)
         object.__setattr__(self, "size", at)
-        object.__setattr__(self, "n_states", slot)
+        object.__setattr__(self, "rest", slot)
+        object.__setattr__(self, "n_states", slot + 1)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.errors import InputError
 from er_models.kernel.compose import fingerprint
 from er_models.kernel.mask import mask
-from er_models.kernel.order import feeds_back, reads_yield_early
+from er_models.kernel.order import feeds_back, reads_rest, reads_yield_early
 from er_models.scales import Scales
 
 Array = NDArray[np.float64]
@@ -108,12 +108,14 @@ class Model:
         c = self.catalogue
         p = np.zeros(c.size)
         used = [e for e in c.effects if e.name in self.effects and not (plant and e.maps_motion)]
-        slots, links, rest = set(), set(), np.zeros(max(c.n_states, 1), np.uint8)
+        slots, links, rest = set(), set(), np.zeros(c.n_states, np.uint8)
         if self.has_response:
             slots.add(c.slots["response"])
         if reads_yield_early(used):
             slots.add(c.slots["response"])
             links.add(c.slots["response"])
+        if reads_rest(used):
+            links.add(c.rest)
         for effect in used:
             for j, name in enumerate(effect.names):
                 p[c.offsets[effect.name] + j] = self.effects[effect.name][name]

@@ -83,7 +83,7 @@ def initial_state(
     w = np.zeros(c.at_rest.shape[0])
     memory = np.empty(1 + plant.kept)
     force = kernel(plant.model.catalogue).start_vehicle(
-        c.on, c.slots, c.at_rest, c.p, state, w, float(duty)
+        c.on, c.slots, c.links, c.at_rest, c.p, state, w, float(duty)
     )
     memory[0] = (state[1] - state[3] - plant.reading[4]) / plant.reading[2]
     memory[1:] = force

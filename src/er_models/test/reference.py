@@ -20,7 +20,17 @@ def first_states(model: Model, inputs: Motion) -> Array:
     c = model.compiled()
     s = np.empty((ROWS, c.at_rest.shape[0]))
     kernel(model.catalogue).settle_point(
-        c.on, c.slots, c.at_rest, c.p, s, inputs.x[0], inputs.v[0], inputs.a[0], inputs.u[0], 0.0
+        c.on,
+        c.slots,
+        c.links,
+        c.at_rest,
+        c.p,
+        s,
+        inputs.x[0],
+        inputs.v[0],
+        inputs.a[0],
+        inputs.u[0],
+        0.0,
     )
     return s[W].copy()
 

@@ -99,8 +99,11 @@ def tied(
 def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
     """Whether two candidates make nearly the same force, so that one contains the other.
 
-    What acts in the car and what acts in the damper are no forms of one another, however alike.
+    What acts in the car and what acts in the damper are no forms of one another, however alike; nor are two
+    effects of the same number of parameters: neither is the simpler.
     """
+    if complexity(simple) == complexity(rich):
+        return False
     stages = [c.fit.model.catalogue[c.name].stage == "vehicle" for c in (simple, rich)]
     if stages[0] != stages[1]:
         return False

@@ -25,6 +25,8 @@ ENOUGH = 0.8
 """Share of the explainable error that a named effect must explain."""
 HELPS = 0.2
 """Share above which an effect is said to help."""
+MOST, CLEAR = 0.5, 0.15
+"""Share of what is left that a further effect must explain, and the same where its size leaves no doubt."""
 VISIBLE = 0.05
 """Share of the residual that boosted trees must explain before something unknown is claimed."""
 
@@ -133,8 +135,7 @@ def _grow(
         floor = deeper if deeper.floor < floor.floor else floor
         if step.taken is None:
             break
-        gain = best.mse - step.taken.mse
-        if gain < 0.5 * max(best.mse - floor.floor**2, 1e-300):
+        if not worth(step, floor):
             break
         rounds.append(step)
         best = step.taken
@@ -150,6 +151,17 @@ def _grow(
         if pair is not None:
             best = pair
     return best, rounds, floor
+
+
+def worth(step: Round, floor: Floor) -> bool:
+    """Whether what a round took explains enough of what was left to be named.
+
+    That is most of it, or a good part beyond any doubt: the floor is a lower bound, so that the share looks too small.
+    """
+    assert step.taken is not None
+    share = (step.base.mse - step.taken.mse) / max(step.base.mse - floor.floor**2, 1e-300)
+    sure = effect_size(step.base, step.taken) > 1.5 * step.threshold
+    return share >= (CLEAR if sure else MOST)
 
 
 def _alternatives(best: Candidate, rounds: list[Round]) -> tuple[tuple[str, ...], ...]:

@@ -10,6 +10,7 @@ LATEX = {
     "yield_scale": "s_y",
     "tau_scale": r"s_\tau",
     "f_y": "F_y",
+    "f_r": "F_r",
     "f_d": "F_d",
     "f_m": "F_m",
 }
@@ -19,13 +20,13 @@ PLAIN = {
     "yield_scale": "s_y",
     "tau_scale": "s_tau",
     "f_y": "F_y",
+    "f_r": "F_r",
     "f_d": "F_d",
     "f_m": "F_m",
 }
 
 ACTS: dict[str, tuple[str, str]] = {
     "duty": ("u :=", r"u \mathrel{:=}"),
-    "passive_stiffness": ("k_0 +=", r"k_0 \mathrel{+}="),
     "passive_damping": ("c_0 +=", r"c_0 \mathrel{+}="),
     "shift_deflection": ("x :=", r"x \mathrel{:=}"),
     "shift_velocity": ("v :=", r"v \mathrel{:=}"),

@@ -31,7 +31,7 @@ def rates_of(model: Model, loss: float = 0.0, others: float = 0.0, t: float = 0.
     slot = model.catalogue.slots["response"]
 
     def rates(x: Array, u: float, road_rate: float) -> Array:
-        w = np.full(max(model.catalogue.n_states, 1), others)
+        w = np.full(model.catalogue.n_states, others)
         w[slot] = x[4]
         dq, dw, out = vehicle_point(model, np.ascontiguousarray(x[:4]), w, u, road_rate, t)
         return np.concatenate([dq, [dw[slot]], out[4:], [out[2]]])

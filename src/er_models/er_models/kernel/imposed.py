@@ -60,7 +60,7 @@ def predict(on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, s, force
     whole, cut = split(input_delay(on, p) / dt)
     turn = turning(cut, n_sub)
     u_now = u[0]
-    f_m = settle(on, slots, at_rest, p, s, x[0], v[0], a[0], u_now, theta[0])
+    f_m = settle(on, slots, links, at_rest, p, s, x[0], v[0], a[0], u_now, theta[0])
     force[0] = f_m
     for k in range(n):
         m = min(k + 1, n - 1)
@@ -117,6 +117,6 @@ def damper_point(on, links, p, s, x, v, a, u, t, theta):
 
 
 @entry
-def settle_point(on, slots, at_rest, p, s, x, v, a, u, theta):
+def settle_point(on, slots, links, at_rest, p, s, x, v, a, u, theta):
     """States s[W] in equilibrium with a motion, except those that start at rest; measured force [N]."""
-    return settle(on, slots, at_rest, p, s, x, v, a, u, theta)
+    return settle(on, slots, links, at_rest, p, s, x, v, a, u, theta)

@@ -48,6 +48,8 @@ CLOSE = 1e-10
 """Relative error of a state that feeds back."""
 SWEEPS = 9
 """How often the damper is swept to find where its states begin."""
+AWAY = 1e300
+"""Where a state settles that nothing but its bound holds, per drive: beyond it."""
 RESTING = -1.0
 """Marks a state that begins at zero, not in equilibrium."""
 
@@ -107,11 +109,13 @@ def held_again(s, j, h):
 
 
 @inline
-def follow(s, j, h, how):
-    """State j at the end of a step of length h, by one of the three ways."""
+def follow(s, j, h, how, away):
+    """State j at the end of a step of length h, by one of the three ways; away: see `AWAY`, 0 without a bound."""
     rate, drive = s[R, j], s[G, j]
     if how == SETTLE:
-        return drive / rate if rate > 0.0 and s[R0, j] != RESTING else 0.0
+        if s[R0, j] == RESTING:
+            return 0.0
+        return drive / rate if rate > 0.0 else drive * away
     if rate >= INSTANT:
         return drive / rate
     if h == 0.0:
@@ -201,7 +205,7 @@ def keep(slots, s):
 
 
 @inner
-def settle(on, slots, at_rest, p, s, x, v, a, u, theta):
+def settle(on, slots, links, at_rest, p, s, x, v, a, u, theta):
     """Start every state in equilibrium with the first sample, except those that start at rest; measured force."""
     for j in range(s.shape[1]):
         for i in range(ROWS):
@@ -210,6 +214,6 @@ def settle(on, slots, at_rest, p, s, x, v, a, u, theta):
         s[Z, j] = math.nan
     f_m = 0.0
     for _ in range(SWEEPS):
-        _, f_m, _ = visit(on, slots[:0], p, s, 0.0, SETTLE, x, v, a, u, 0.0, theta)
+        _, f_m, _ = visit(on, links, p, s, 0.0, SETTLE, x, v, a, u, 0.0, theta)
     keep(slots, s)
     return f_m

@@ -198,10 +198,10 @@ def duty_at(past, u, k):
 
 
 @entry
-def start_vehicle(on, slots, at_rest, p, q, w, u):
+def start_vehicle(on, slots, links, at_rest, p, q, w, u):
     """Settle the damper's states w for a mechanical state q; returns the measured force."""
     s = np.empty((ROWS, w.shape[0]))
-    f_m = settle(on, slots, at_rest, p, s, q[0], q[1] - q[3], 0.0, u, 0.0)
+    f_m = settle(on, slots, links, at_rest, p, s, q[0], q[1] - q[3], 0.0, u, 0.0)
     for j in range(w.shape[0]):
         w[j] = s[W, j]
     return f_m
