@@ -32,6 +32,7 @@ ROSDEP_KEYS = {
     "python3-matplotlib",
     "python3-numpy",
     "python3-pytest",
+    "python3-serial",
     "python3-scipy",
     "python3-yaml",
     "rcl_interfaces",
@@ -75,7 +76,7 @@ def er(*args: str, timeout: float = 60.0) -> subprocess.CompletedProcess[str]:
         (["run", "er_plant_sim"], "er: run: expected EXECUTABLE; executables of er_plant_sim: "),
         (
             ["run", "er_plant_sim", "plan"],
-            "er: run: er_plant_sim has no executable 'plan'; executables of er_plant_sim: plant",
+            "er: run: er_plant_sim has no executable 'plan'; executables of er_plant_sim: ",
         ),
         (["run", "er_damper_msgs", "x"], "executables of er_damper_msgs: none"),
         (["exec"], "er: exec: expected PROGRAM [ARGS]"),
@@ -95,7 +96,19 @@ def test_help_names_every_command_in_one_line_each(args: list[str]) -> None:
     done = er(*args)
     assert done.returncode == 0
     rows = [line.split()[0] for line in done.stdout.splitlines() if line.startswith("  ")]
-    wanted = ["setup", "demo", "test", "run", "up", "record", "lab", "doctor", "synth", "bench"]
+    wanted = [
+        "setup",
+        "demo",
+        "test",
+        "run",
+        "up",
+        "record",
+        "lab",
+        "doctor",
+        "inject",
+        "synth",
+        "bench",
+    ]
     assert rows == [*wanted, "exec", "help"]
 
 

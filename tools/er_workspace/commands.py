@@ -45,6 +45,11 @@ COMMANDS: dict[str, tuple[str, str, str | None]] = {
         "check the running graph: types, QoS, rates, parameters",
         "er_bringup.doctor",
     ),
+    "inject": (
+        "UNIT KIND [VALUE]",
+        "spoil a sensor or the command of a running plant",
+        "er_bringup.inject",
+    ),
     "synth": ("[ARGS]", "compute observer and controller gains", "er_bringup.synth"),
     "bench": ("[ARGS]", "measure speed and latency", "er_bringup.bench"),
     "exec": ("PROGRAM [ARGS]", "any program in the workspace's environment", None),

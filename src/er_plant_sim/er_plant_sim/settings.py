@@ -12,7 +12,7 @@ from er_models.errors import InputError
 from er_models.road import FACTOR
 from er_models.road import KINDS as ROADS
 from er_models.spec import Number, Parts, Series, Text
-from er_ros_common.common_parameters import NodeParameters
+from er_ros_common.common_parameters import NodeParameters, injection_allowed
 from er_ros_common.parameter_table import REQUIRED, param
 
 MODES = ("realtime", "sim_time", "lockstep")
@@ -70,6 +70,7 @@ class PlantParameters(NodeParameters):
     start_timeout: float = param(
         60.0, unit="s", low=0.0, high=600.0, text="how long to wait for them at most"
     )
+    enable_fault_injection: bool = injection_allowed()
     noise_sprung: float = _deviation("sprung_acceleration", "m/s2")
     noise_unsprung: float = _deviation("unsprung_acceleration", "m/s2")
     noise_deflection: float = _deviation("deflection", "m")

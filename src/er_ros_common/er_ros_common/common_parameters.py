@@ -19,6 +19,11 @@ def awaited_listeners() -> Any:
     return param(0, low=0, high=100, text="subscribers of its output to find before it is ready")
 
 
+def injection_allowed() -> Any:
+    """Field `enable_fault_injection`: whether the service does anything."""
+    return param(False, text="let ~/inject_fault spoil sensors and commands, for tests")
+
+
 @dataclass(frozen=True, kw_only=True)
 class NodeParameters:
     """What every node has; the table of a node inherits it."""

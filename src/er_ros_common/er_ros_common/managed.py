@@ -52,6 +52,7 @@ class ManagedNode(LifecycleNode):
         self.problems: list[Problem] = []
         self.watched: dict[str, Topic] = {}
         self._made: dict[str, Any] = {}
+        self._answers: dict[str, Callable[[Any, Any], Any]] = {}
         self.incoming: dict[str, Input] = {}
         self.health = Health(
             self,
@@ -134,6 +135,14 @@ class ManagedNode(LifecycleNode):
         """Subscription of something that is no input, another node's status for instance: always heard."""
         return self._once(
             f"in {name}", lambda: self.create_subscription(kind, name, heard, profile)
+        )
+
+    def offer(self, kind: type[Any], name: str, asked: Callable[[Any, Any], Any]) -> Any:
+        """Service of the node, in every state."""
+        self._answers[name] = asked
+        return self._once(
+            f"service {name}",
+            lambda: self.create_service(kind, name, lambda *each: self._answers[name](*each)),
         )
 
     def every(self, period: float, due: Callable[[], None]) -> Timer:

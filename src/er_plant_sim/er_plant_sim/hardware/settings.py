@@ -12,7 +12,7 @@ from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.own import catalogue_with
 from er_models.program import Program, load_program, resolve
-from er_ros_common.common_parameters import NodeParameters
+from er_ros_common.common_parameters import NodeParameters, injection_allowed
 from er_ros_common.parameter_table import REQUIRED, param
 
 from er_plant_sim.build import LONGEST
@@ -32,6 +32,7 @@ class BridgeParameters(NodeParameters):
 
     link: str = param(REQUIRED, text="wire to the device: serial:PORT[@BAUD] or udp:HOST:PORT")
     calibration_file: str = param(REQUIRED, text="calibration of the device's channels")
+    enable_fault_injection: bool = injection_allowed()
     model_file: str = param(REQUIRED, text="model of the vehicle; its rig block limits the duty")
     effects_from: tuple[str, ...] = param((), text="Python files with own effects that it uses")
     program_file: str = param("", text="program of road and duty; needed where they come from it")

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from time import monotonic_ns, perf_counter, time_ns
 
 from er_ros_common.builders import Tick
+from er_ros_common.fault_port import FaultPort
 from er_ros_common.health import Report
 from er_ros_common.help import Card
 from er_ros_common.managed import ManagedNode
@@ -49,7 +50,8 @@ class BridgeNode(ManagedNode):
         """Load the files and make the ends; the wire is opened when the node begins."""
         p, built = self.p, build(self.p, ros_hardware.SOURCES)
         self.bridge, self.ticks, self.address = built.bridge, built.ticks, built.address
-        self.out = Outlet(self, force_sd=p.noise_force, clock_rate=0.0)
+        self.port = FaultPort(self, topics.MEASUREMENTS, enabled=p.enable_fault_injection, seed=0)
+        self.out = Outlet(self, self.port, force_sd=p.noise_force, clock_rate=0.0)
         self.gathering = Gathering(self, self.out, p.wait_for, p.wait_for_nodes, p.start_timeout)
         if self.bridge.duty is None:
             self.subscribe(topics.PWM_COMMAND, self.on_command)
@@ -98,6 +100,11 @@ class BridgeNode(ManagedNode):
             self.state = bridge.reconnected(self.state)
 
     def on_command(self, message: PwmDuty) -> None:
+        """Hand over a command, or what an injected fault leaves of it."""
+        for each in self.port.taken(topics.PWM_COMMAND, message):
+            self.hand_over(each)
+
+    def hand_over(self, message: PwmDuty) -> None:
         """Hand a command to the device, within the limits."""
         command = Command(0.0, int(message.seq), float(message.duty), int(message.source))
         with self.lock:
@@ -147,6 +154,8 @@ class BridgeNode(ManagedNode):
         elif self.reading and self.reading.applied.reason not in (Reason.COMMAND, Reason.PROGRAM):
             mode, status = "safe", NodeStatus.STATUS_DEGRADED
             reason = f"safe duty: {self.reading.applied.reason.value}"
+        if self.port.in_force and status == NodeStatus.STATUS_OK:
+            status, reason = NodeStatus.STATUS_DEGRADED, f"injected: {self.port.in_force}"
         return Report(mode, status, reason, values=self._values())
 
     def _values(self) -> dict[str, object]:
@@ -165,6 +174,7 @@ class BridgeNode(ManagedNode):
             "clock deviation [us]": f"{1e6 * clocks.deviation(s.clock):.1f}",
             "way there and back [us]": f"{1e6 * s.clock.width:.0f}",
             "clock steps": self.clock_steps,
+            "injected": self.port.in_force,
             "commands refused": s.gate.refused,
             "duties limited": s.gate.limited,
         }

@@ -8,6 +8,7 @@ from typing import Any
 
 from er_ros_common.builders import Tick
 from er_ros_common.clock import to_stamp
+from er_ros_common.fault_port import FaultPort
 from er_ros_common.managed import ManagedNode
 from rclpy.duration import Duration
 from rclpy.publisher import Publisher
@@ -18,6 +19,13 @@ from er_plant_sim.duty_gate import Applied
 from er_plant_sim.simulator import Measurement
 from er_ros_common import topics
 
+TOPICS = (
+    topics.ACCELERATION,
+    topics.DEFLECTION,
+    topics.FORCE,
+    topics.ROAD,
+    topics.PWM_APPLIED,
+)
 CLOCK_RATE = 200.0
 """Most messages per second on /clock: more costs every listener dearly."""
 TAKEN = 0.3
@@ -27,9 +35,11 @@ TAKEN = 0.3
 class Outlet:
     """Publishers of the measurements, the applied duty and, in simulated time, of /clock."""
 
-    def __init__(self, node: ManagedNode, *, force_sd: float, clock_rate: float) -> None:
+    def __init__(
+        self, node: ManagedNode, port: FaultPort, *, force_sd: float, clock_rate: float
+    ) -> None:
         made = node.advertise
-        self.force_sd = force_sd
+        self.port, self.force_sd = port, force_sd
         self.acceleration, self.deflection = made(topics.ACCELERATION), made(topics.DEFLECTION)
         self.force, self.road = made(topics.FORCE), made(topics.ROAD)
         self.applied = made(topics.PWM_APPLIED)
@@ -40,19 +50,20 @@ class Outlet:
         """Publish one tick's measurements, simulated time first."""
         if self.clock is not None and tick.seq % self.every == 0:
             self.clock.publish(Clock(clock=to_stamp(tick.stamp)))
-        self.acceleration.publish(ros_msgs.acceleration(tick, measured))
-        self.deflection.publish(ros_msgs.deflection(tick, measured))
-        self.force.publish(ros_msgs.force(tick, measured, self.force_sd))
-        self.road.publish(ros_msgs.road(tick, measured))
+        send = self.port.publish
+        send(self.acceleration, topics.ACCELERATION, ros_msgs.acceleration(tick, measured))
+        send(self.deflection, topics.DEFLECTION, ros_msgs.deflection(tick, measured))
+        send(self.force, topics.FORCE, ros_msgs.force(tick, measured, self.force_sd))
+        send(self.road, topics.ROAD, ros_msgs.road(tick, measured))
 
     def send_applied(self, tick: Tick, duty: Applied) -> None:
         """Publish the duty in force from this tick on."""
-        self.applied.publish(ros_msgs.applied(tick, duty))
+        self.port.publish(self.applied, topics.PWM_APPLIED, ros_msgs.applied(tick, duty))
 
     def publish(self, messages: tuple[Any, ...]) -> None:
         """Publish acceleration, deflection, force, road, applied duty of one tick."""
-        for publisher, message in zip(self._all(), messages, strict=True):
-            publisher.publish(message)
+        for publisher, topic, message in zip(self._all(), TOPICS, messages, strict=True):
+            self.port.publish(publisher, topic, message)
 
     def subscribers(self) -> tuple[int, ...]:
         """Subscribers of acceleration, deflection, force, road, applied duty."""

@@ -14,6 +14,7 @@ from time import perf_counter
 
 from er_ros_common.builders import Tick
 from er_ros_common.clock import until_next
+from er_ros_common.fault_port import FaultPort
 from er_ros_common.health import Report
 from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import declare
@@ -57,7 +58,10 @@ class PlantNode(ManagedNode):
         self.repeated, self.conflict = 0, False
         self.step_began = 0.0
         clock_rate = p.rate * p.rate_factor if p.mode == "sim_time" else 0.0
-        self.out = Outlet(self, force_sd=p.noise_force, clock_rate=clock_rate)
+        self.port = FaultPort(
+            self, topics.MEASUREMENTS, enabled=p.enable_fault_injection, seed=max(p.seed, 0)
+        )
+        self.out = Outlet(self, self.port, force_sd=p.noise_force, clock_rate=clock_rate)
         self.gathering = Gathering(self, self.out, p.wait_for, p.wait_for_nodes, p.start_timeout)
         if not self.rig.programmed:
             self.subscribe(topics.PWM_COMMAND, self.on_command)
@@ -126,6 +130,11 @@ class PlantNode(ManagedNode):
         signal.raise_signal(signal.SIGINT)
 
     def on_command(self, message: PwmDuty) -> None:
+        """Take a command, or what an injected fault leaves of it."""
+        for each in self.port.taken(topics.PWM_COMMAND, message):
+            self.take(each)
+
+    def take(self, message: PwmDuty) -> None:
         """Take a command; in lockstep it is what the next tick waits for."""
         seq, now = int(message.seq), self.state.sim.tick
         # the age of a command is that of the sample it answers, as far as it names one
@@ -155,6 +164,8 @@ class PlantNode(ManagedNode):
         elif self.applied and self.applied.reason not in (Reason.COMMAND, Reason.PROGRAM):
             mode, status = "safe", NodeStatus.STATUS_DEGRADED
             reason = f"safe duty: {self.applied.reason.value}"
+        if self.port.in_force and status == NodeStatus.STATUS_OK:
+            status, reason = NodeStatus.STATUS_DEGRADED, f"injected: {self.port.in_force}"
         values = {
             "duty": f"{self.state.gate.duty:.4f}",
             "duties limited": self.state.gate.limited,
@@ -162,6 +173,7 @@ class PlantNode(ManagedNode):
             "answers missed": self.drive.timeouts,
             "ticks given up": self.pace.progress.skipped,
             "clock steps": self.pace.clock_steps,
+            "injected": self.port.in_force,
         }
         return Report(mode, status, reason, values=values)
 

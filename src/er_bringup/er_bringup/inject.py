@@ -1,0 +1,76 @@
+"""``er inject``: spoils one channel of a running plant or bridge, to see what the rest does with it.
+
+    er inject sensors/acceleration off --seconds 1
+    er inject sensors/acceleration.sprung bias 2.0
+    er inject pwm/command delayed 0.03
+    er inject sensors/acceleration ok
+
+The node must have been started with enable_fault_injection:=true. Exit status 0 when it is in force, 1 when it was
+refused or nobody answered, 2 for bad usage.
+"""
+
+from __future__ import annotations
+
+import sys
+from time import monotonic
+
+import rclpy
+from er_ros_common.fault_port import SERVICE
+from er_ros_common.injection import Kind
+from rclpy.executors import SingleThreadedExecutor
+
+from er_bringup.doctor import OneLine
+from er_damper_msgs.srv import InjectFault
+
+ANSWER = 10.0
+"""Longest wait for the node and its answer [s]."""
+
+
+def parser() -> OneLine:
+    """Options of the command."""
+    p = OneLine(prog="er inject", description=(__doc__ or "").split("\n")[0], allow_abbrev=False)
+    p.add_argument("unit", help="topic, or TOPIC.FIELD: sensors/acceleration.sprung")
+    p.add_argument("kind", choices=[kind.name.lower() for kind in Kind])
+    p.add_argument("value", nargs="?", type=float, default=0.0, help="bias, Hz, s or probability")
+    p.add_argument("--seconds", type=float, default=0.0, help="how long; 0: until ok")
+    p.add_argument("--node", default="plant", help="node to ask (plant)")
+    p.add_argument("--namespace", default="", metavar="NS", help="namespace of the corner")
+    return p
+
+
+def ask(name: str, request: InjectFault.Request) -> tuple[bool, str]:
+    """Whether a node, by full name, does it, and what it says."""
+    rclpy.init(args=[])
+    try:
+        node = rclpy.create_node("inject", enable_rosout=False)
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
+        client = node.create_client(InjectFault, SERVICE.replace("~", name))
+        until, answer = monotonic() + ANSWER, None
+        while monotonic() < until and not (answer is not None and answer.done()):
+            if answer is None and client.service_is_ready():
+                answer = client.call_async(request)
+            executor.spin_once(timeout_sec=0.05)
+        if answer is None or not answer.done():
+            return False, f"{name} does not answer: is it running?"
+        return bool(answer.result().accepted), str(answer.result().reason)
+    finally:
+        rclpy.try_shutdown()
+
+
+def main() -> None:
+    """Entry point of the command."""
+    o = parser().parse_args()
+    request = InjectFault.Request(unit=o.unit, value=o.value, duration=o.seconds)
+    request.kind = int(Kind[o.kind.upper()])
+    space = o.namespace.strip("/")
+    accepted, reason = ask(f"/{space}/{o.node}" if space else f"/{o.node}", request)
+    if accepted:
+        print(reason)  # noqa: T201  (asked for)
+    else:
+        sys.stderr.write(f"er inject: {reason}\n")
+    sys.exit(0 if accepted else 1)
+
+
+if __name__ == "__main__":
+    main()
