@@ -18,6 +18,7 @@ ELSEWHERE = {
     "test": "this very suite",
     "bench": "minutes of measurement",
     "demo": "test_demo",
+    "replay": "test_replay, with a recording",
 }
 MEASURED = ("mts", "shaking", "piston")
 """Folders that a documented command makes from measured data."""

@@ -49,6 +49,10 @@ COMMANDS: dict[str, tuple[str, str, str | None]] = {
         "UNIT KIND [VALUE]",
         "spoil a sensor or the command of a running plant",
         "er_bringup.inject",
+    "replay": (
+        "BAG [--node NODE ...]",
+        "play a recording to the cores of its nodes and compare",
+        "er_bringup.replay",
     ),
     "synth": ("[ARGS]", "compute observer and controller gains", "er_bringup.synth"),
     "bench": ("[ARGS]", "measure speed and latency", "er_bringup.bench"),

@@ -1,0 +1,234 @@
+"""A recording played to the core of a node: what it says, and whether the node said the same. No ROS runs.
+
+The order is that of the recording and the time that of its arrivals, so that the same recording gives the
+same answers, always and everywhere. Ages are not judged: how old a message was when the node had it, no
+recording knows.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+from er_models.errors import InputError, MissingChannel
+from er_ros_common.core import Core, Said, When
+from er_ros_common.parameter_table import build, specs
+from er_ros_common.topics import Topic
+from rosbags.highlevel import AnyReader
+
+from er_bringup.cores import entry
+
+WATCH = 10_000_000
+"""How often a core is told that time goes on [ns]."""
+HEADER = ("header",)
+
+Key = tuple[int, int]
+"""Stamp [ns] and sequence number of an answer."""
+
+
+@dataclass
+class Bag:
+    """An open recording, or what can be read of it.
+
+    parameters: of the nodes, by full name; models: their models' hashes; damage: why it ended early.
+    """
+
+    path: Path
+    reader: AnyReader
+    parameters: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    models: Mapping[str, str] = field(default_factory=dict)
+    damage: str = ""
+
+    def messages(self, names: Mapping[str, Topic]) -> Iterator[tuple[Topic, Any, int]]:
+        """Topic, message and time of arrival [ns] of these full names, as they were recorded."""
+        wanted = [c for c in self.reader.connections if c.topic in names]
+        kinds = {name: topic.type_name for name, topic in names.items()}
+        wanted = [c for c in wanted if c.msgtype == kinds[c.topic]]
+        if not wanted:
+            return
+        messages = self.reader.messages(wanted)
+        deserialize = self.reader.deserialize
+        try:
+            for connection, arrival, raw in messages:
+                yield names[connection.topic], deserialize(raw, connection.msgtype), arrival
+        except Exception as error:  # a damaged bag raises whatever its bytes provoke
+            self.damage = str(error).splitlines()[0] if str(error) else type(error).__name__
+
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """Full names of what it holds."""
+        return tuple(sorted({c.topic for c in self.reader.connections}))
+
+
+def opened(path: Path) -> Bag:
+    """A recording.
+
+    Raises:
+        InputError: It cannot be opened.
+    """
+    if not path.exists():
+        raise InputError(path, "", "a rosbag2 folder or file", "nothing there")
+    reader = AnyReader([path])
+    try:
+        reader.open()
+    except Exception as error:  # as above
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise InputError(path, "", "a whole rosbag2 recording", reason) from None
+    bag = Bag(path, reader)
+    custom = _custom(path)
+    bag.parameters, bag.models = custom.get("parameters", {}), custom.get("models", {})
+    return bag
+
+
+def _custom(path: Path) -> dict[str, Any]:
+    """What our recorder noted about the nodes; empty where another one recorded."""
+    import yaml
+
+    file = (path if path.is_dir() else path.parent) / "metadata.yaml"
+    if not file.is_file():
+        return {}
+    document = yaml.load(
+        file.read_text(encoding="utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    )
+    data = document.get("rosbag2_bagfile_information", {}).get("custom_data") or {}
+    return {k: json.loads(v) for k, v in data.items() if v.startswith(("{", "["))}
+
+
+def core_of(bag: Bag, executable: str, namespace: str, given: Mapping[str, Any]) -> Core:
+    """The core of a node with the parameters it was recorded with, those given on top.
+
+    Raises:
+        InputError: A parameter is missing or wrong, a file is gone, the model is another one than was recorded.
+    """
+    table, make = entry(executable)
+    full = f"{namespace}/{executable}"
+    known = {spec.name for spec in specs(table)}
+    recorded = {k: v for k, v in bag.parameters.get(full, {}).items() if k in known}
+    origins = dict.fromkeys(recorded, str(bag.path)) | dict.fromkeys(given, "--set")
+    core = make(build(table, recorded | dict(given), origins))
+    expected, found = bag.models.get(full), getattr(core, "model_id", "")
+    if expected and found and expected != found and "model_file" not in given:
+        wanted = (
+            f"the model {expected[:12]} that {full} was recorded with (or --set model_file:=...)"
+        )
+        raise InputError(
+            str(recorded.get("model_file", "")), "", wanted, f"the model {found[:12]}"
+        )
+    return core
+
+
+@dataclass
+class Played:
+    """What a core said, and what the node had said.
+
+    same, different: answers to the same sample; only_bag, only_core: samples that only one answered;
+    first: where and how they first differ; span: length of the recording [s]; took: processor time of playing it [s].
+    """
+
+    node: str
+    answers: list[Said] = field(default_factory=list)
+    recorded: int = 0
+    same: int = 0
+    different: int = 0
+    only_bag: int = 0
+    only_core: int = 0
+    first: str = ""
+    span: float = 0.0
+    took: float = 0.0
+
+    @property
+    def speed(self) -> float:
+        """Times faster than it was recorded."""
+        return self.span / self.took if self.took > 0.0 else 0.0
+
+
+def play(
+    bag: Bag, executable: str, core: Core, namespace: str = "", *, follow: bool = False
+) -> Played:
+    """Play a recording to a core and compare.
+
+    follow: samples that the recorded node did not answer (it had them too late, or never) are left out.
+
+    Raises:
+        MissingChannel: None of the node's inputs is in the recording.
+    """
+    inputs = {f"{namespace}/{topic.name}": topic for topic in core.inputs}
+    if not set(inputs) & set(bag.topics):
+        raise MissingChannel(bag.path, next(iter(inputs)), f"for {executable}", bag.topics)
+    outputs = {f"{namespace}/{topic.name}": topic for topic in core.outputs}
+    said_before = {_key(m): m for _, m, _ in bag.messages(outputs) if _is_answer(m)}
+    result = Played(executable, recorded=len(said_before))
+    # the topic of the first input paces the node
+    paced = {m.seq for m in said_before.values()} if follow else None
+    began = process_time()
+    arrivals = [0, 0]
+    for said in _steps(bag, core, inputs, paced, arrivals):
+        result.answers.append(said)
+    result.took, result.span = process_time() - began, 1e-9 * (arrivals[1] - arrivals[0])
+    _compare(result, said_before)
+    return result
+
+
+def _steps(
+    bag: Bag, core: Core, inputs: Mapping[str, Topic], paced: set[int] | None, arrivals: list[int]
+) -> Iterator[Said]:
+    """Everything the core says; arrivals: becomes the first and the last arrival [ns]."""
+    state, last, samples = core.start(), 0, core.inputs[0]
+    for topic, message, arrival in bag.messages(inputs):
+        arrivals[0] = arrivals[0] or arrival
+        arrivals[1] = last = last or arrival
+        while arrival - last >= WATCH:
+            last += WATCH
+            state, said = core.on_time(state, When(last, None))
+            yield from said
+        arrivals[1] = arrival
+        if paced is not None and topic is samples and message.seq not in paced:
+            continue
+        state, said = core.on_message(state, topic, message, When(arrival, None))
+        yield from said
+
+
+def _compare(result: Played, recorded: Mapping[Key, Any]) -> None:
+    """Count what is the same, bit by bit, and find the first difference."""
+    answered = {_key(m): m for _, m in result.answers if _is_answer(m)}
+    for key in sorted(recorded.keys() | answered.keys()):
+        if key not in answered:
+            result.only_bag += 1
+        elif key not in recorded:
+            result.only_core += 1
+        else:
+            words = difference(recorded[key], answered[key])
+            result.same += not words
+            result.different += bool(words)
+            if words and not result.first:
+                result.first = f"seq {key[1]}: {words}"
+
+
+def difference(recorded: Any, said: Any) -> str:
+    """The first field in which two messages differ, but the header; empty where none does."""
+    for name in said.get_fields_and_field_types():
+        if name in HEADER:
+            continue
+        before, after = getattr(recorded, name), getattr(said, name)
+        if before != after:
+            return f"{name} {before!r} recorded, {after!r} replayed"
+    return ""
+
+
+def _key(message: Any) -> Key:
+    stamp = message.header.stamp
+    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec), int(message.seq)
+
+
+def _is_answer(message: Any) -> bool:
+    """Whether it answers a sample; what is said when samples stay away depends on the clock of the moment."""
+    return bool(message.status != message.STATUS_LOST)
+
+
+def nodes_in(bag: Bag, namespace: str, known: Sequence[str]) -> list[str]:
+    """Nodes with a core that were recorded in a namespace."""
+    return [name for name in known if f"{namespace}/{name}" in bag.parameters]

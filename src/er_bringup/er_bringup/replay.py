@@ -1,0 +1,170 @@
+"""``er replay BAG``: plays a recording to the cores of its nodes and compares what they say, bit by bit.
+
+Exit status: 0 the same, or nothing was recorded to compare with; 1 something differs; 2 bad usage or input;
+3 the recording is damaged and was played as far as it goes; 4 it lacks what the node listens to.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import yaml
+from er_models.errors import ErError, InputError
+from er_models.files import write_whole
+from rich.console import Console
+from rich.table import Table
+
+from er_bringup.cores import cores
+from er_bringup.doctor import OneLine
+from er_bringup.played import Bag, Played, core_of, nodes_in, opened, play
+
+SAME, DIFFERENT, INCOMPLETE = 0, 1, 3
+
+
+def parser() -> OneLine:
+    """Options of the command."""
+    p = OneLine(prog="er replay", description=__doc__, allow_abbrev=False)
+    p.add_argument("bag", type=Path, metavar="BAG", help="rosbag2 folder or file")
+    p.add_argument(
+        "--node",
+        action="append",
+        metavar="NODE",
+        help="executable, again for more; all recorded ones",
+    )
+    p.add_argument("--namespace", default="", metavar="NS", help="namespace of the corner")
+    p.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY:=VALUE",
+        help="another value of a parameter",
+    )
+    p.add_argument(
+        "--follow",
+        action="store_true",
+        help="leave out samples that the recorded node did not answer",
+    )
+    p.add_argument(
+        "--json", metavar="FILE", help="write the result there too; - for standard output"
+    )
+    p.add_argument("--values", metavar="FILE", help="write every answer there, as CSV")
+    return p
+
+
+def given(pairs: Sequence[str]) -> dict[str, Any]:
+    """Parameters KEY:=VALUE.
+
+    Raises:
+        InputError: A pair of another form.
+    """
+    found: dict[str, Any] = {}
+    for pair in pairs:
+        key, separator, value = pair.partition(":=")
+        if not separator:
+            raise InputError("--set", "", "KEY:=VALUE", f"'{pair}'")
+        found[key] = yaml.safe_load(value)
+    return found
+
+
+def replayed(options: Any) -> tuple[Bag, list[Played]]:
+    """Play as the options say.
+
+    Raises:
+        ErError: Something of the recording or the parameters cannot be used.
+    """
+    bag = opened(options.bag)
+    namespace = f"/{options.namespace.strip('/')}" if options.namespace.strip("/") else ""
+    names = options.node or nodes_in(bag, namespace, list(cores()))
+    if not names:
+        known = ", ".join(sorted(cores()))
+        expected = f"--node with one of {known}" if not bag.parameters else f"one of {known} in it"
+        raise InputError(options.bag, "nodes", expected, "none recorded")
+    values = given(options.set)
+    made = [(name, core_of(bag, name, namespace, values)) for name in names]
+    return bag, [play(bag, name, core, namespace, follow=options.follow) for name, core in made]
+
+
+def document(bag: Bag, found: Sequence[Played]) -> dict[str, object]:
+    """The result for machines."""
+    keys = (
+        "node",
+        "recorded",
+        "same",
+        "different",
+        "only_bag",
+        "only_core",
+        "first",
+        "span",
+        "took",
+        "speed",
+    )
+    return {
+        "complete": not bag.damage,
+        "damage": bag.damage,
+        "nodes": [{k: getattr(f, k) for k in keys} | {"answers": len(f.answers)} for f in found],
+    }
+
+
+def values(found: Sequence[Played]) -> str:
+    """Every answer as CSV: node, topic, stamp [ns], sequence number, then its fields."""
+    lines = []
+    for each in found:
+        for topic, m in each.answers:
+            fields = [
+                name for name in m.get_fields_and_field_types() if name not in ("header", "seq")
+            ]
+            stamp = m.header.stamp.sec * 1_000_000_000 + m.header.stamp.nanosec
+            pairs = [f"{name}={getattr(m, name)!r}" for name in fields]
+            lines.append(",".join([each.node, topic.name, str(stamp), str(m.seq), *pairs]))
+    return "\n".join([*lines, ""])
+
+
+def show(bag: Bag, found: Sequence[Played], console: Console) -> None:
+    """A table for people."""
+    span = max((f.span for f in found), default=0.0)
+    table = Table(title=f"{bag.path}, {span:.1f} s")
+    table.add_column("node", no_wrap=True)
+    for head in ("answers", "same", "differ", "alone", "x real time"):
+        table.add_column(head, justify="right", no_wrap=True)
+    for f in found:
+        counts = (len(f.answers), f.same, f.different, f.only_bag + f.only_core)
+        table.add_row(f.node, *map(str, counts), f"{f.speed:.0f}")
+    console.print(table)
+    for f in found:
+        if f.only_bag or f.only_core:
+            only = f"{f.only_bag} answers only in the recording, {f.only_core} only in the replay"
+            console.print(f"{f.node}: {only}")
+        if f.first:
+            console.print(f"{f.node} first differs at {f.first}")
+    if bag.damage:
+        console.print(f"the recording is damaged ({bag.damage}): played as far as it goes")
+
+
+def main() -> None:
+    """Entry point of the command."""
+    options = parser().parse_args()
+    try:
+        bag, found = replayed(options)
+    except ErError as error:
+        sys.stderr.write(f"er replay: {error}\n")
+        sys.exit(error.exit_status)
+    text = json.dumps(document(bag, found), indent=1)
+    if options.json == "-":
+        print(text)  # noqa: T201  (asked for)
+    else:
+        show(bag, found, Console())
+        if options.json:
+            write_whole(Path(options.json), text)
+    if options.values:
+        write_whole(Path(options.values), values(found))
+    if any(f.different for f in found):
+        sys.exit(DIFFERENT)
+    sys.exit(INCOMPLETE if bag.damage else SAME)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,190 @@
+"""A recording played to the cores: the same bit by bit, and what it always was unless a reason is given."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+pytest.importorskip("rclpy")
+
+
+from er_bringup import played
+from er_bringup import replay as command
+from test import replay_golden
+from test.replay_golden import FILE, IN_THE_LOOP, TICKS
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return replay_golden.ride(tmp_path_factory.mktemp("ride") / "bag")
+
+
+Replay = Callable[..., tuple[int, str, dict[str, Any]]]
+
+
+@pytest.fixture
+def replay(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Replay:
+    """Runs the command; exit status, error line and JSON."""
+
+    def run(bag: Path, *args: str) -> tuple[int, str, dict[str, Any]]:
+        monkeypatch.setattr("sys.argv", ["replay", str(bag), *args, "--json", "-"])
+        with pytest.raises(SystemExit) as ended:
+            command.main()
+        said = capsys.readouterr()
+        return int(ended.value.code or 0), said.err, json.loads(said.out or "{}")
+
+    return run
+
+
+def test_the_command_finds_every_answer_the_same(
+    replay: Replay, bag: Path, tmp_path: Path
+) -> None:
+    csv = [tmp_path / name for name in "ab"]
+    for file in csv:
+        status, words, result = replay(bag, "--values", str(file))
+        assert status == 0, words
+    found = {each["node"]: each for each in result["nodes"]}
+    assert set(found) == set(IN_THE_LOOP)
+    for name in IN_THE_LOOP:
+        each = found[name]
+        assert (each["same"], each["different"]) == (TICKS, 0), each
+        assert each["only_bag"] == each["only_core"] == 0
+    assert csv[0].read_bytes() == csv[1].read_bytes()
+    assert csv[0].read_text().count("\n") == len(IN_THE_LOOP) * TICKS
+
+
+def test_the_answers_are_golden(bag: Path) -> None:
+    golden = yaml.safe_load(FILE.read_text())
+    hint = "a change needs a reason: ./er exec python -m test.replay_golden --reason '...'"
+    assert all(each["reason"].strip() for each in golden["reasons"])
+    assert golden["reasons"][-1]["digest"] == replay_golden.digest(golden["values"]), hint
+    found = replay_golden.answers(bag)
+    assert set(found) == set(golden["values"])
+    for name, each in found.items():
+        assert len(each) == TICKS // golden["every"]
+        for before, after in zip(golden["values"][name], each, strict=True):
+            wrong = {
+                k: (before[k], after[k])
+                for k in before
+                if not replay_golden.same(before[k], after[k])
+            }
+            assert not wrong, f"{name}, seq {after['seq']}: {wrong}; {hint}"
+            assert set(before) == set(after)
+
+
+def changed(bag: Path, out: Path, change: Callable[[str, Any], Any]) -> Path:
+    """A copy of a recording; change: topic and message to what is written, None for nothing."""
+    from er_model_lab.bag_writer import BagWriter
+    from er_model_lab.nodes.selection import message_class
+    from rclpy.serialization import deserialize_message, serialize_message
+    from rosbags.highlevel import AnyReader
+
+    writer, made = BagWriter(out), {}
+    with AnyReader([bag]) as reader:
+        for c, when, raw in reader.messages():
+            message = change(c.topic, deserialize_message(raw, message_class(c.msgtype)))
+            if message is not None:
+                made[c.topic] = made.get(c.topic) or writer.topic(c.topic, c.msgtype)
+                writer.write(made[c.topic], when, serialize_message(message))
+    custom = yaml.safe_load((bag / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    writer.close(custom["custom_data"])
+    return out
+
+
+def test_the_last_bit_of_one_answer_is_noticed(replay: Replay, bag: Path, tmp_path: Path) -> None:
+    import numpy as np
+
+    def change(topic: str, message: Any) -> Any:
+        if topic == "/force/unified" and message.seq == 333:
+            message.force = float(np.nextafter(message.force, np.inf))
+        return message
+
+    status, _, result = replay(changed(bag, tmp_path / "c", change), "--node", "unified_observer")
+    (each,) = result["nodes"]
+    assert status == 1
+    assert (each["same"], each["different"]) == (TICKS - 1, 1)
+    assert each["first"].startswith("seq 333: force ")
+
+
+def test_a_sample_the_node_never_had_is_left_out_when_asked(bag: Path, tmp_path: Path) -> None:
+    """The node's own gap: what it said after it can only be repeated without that sample."""
+    core = played.core_of(played.opened(bag), "skyhook_controller", "", {})
+    lost = played.opened(bag)
+    said = iter(played.play(lost, "skyhook_controller", core).answers)
+    missing = {250, 251}
+
+    def change(topic: str, message: Any) -> Any:
+        gone = topic == "/sensors/acceleration" and message.seq in missing
+        return None if gone else message
+
+    other = played.opened(changed(bag, tmp_path / "lost", change))
+    answers = iter(played.play(other, "skyhook_controller", core).answers)
+    replaced = {m.seq: m for _, m in answers}
+    assert missing.isdisjoint(replaced)
+
+    def recorded(topic: str, message: Any) -> Any:
+        return replaced.get(message.seq) if topic == "/pwm/command" else message
+
+    with_gap = played.opened(changed(bag, tmp_path / "gap", recorded))
+    follows = played.play(with_gap, "skyhook_controller", core, follow=True)
+    assert (follows.same, follows.different, follows.only_core) == (TICKS - 2, 0, 0)
+    plain = played.play(with_gap, "skyhook_controller", core)
+    assert plain.only_core == 2
+    assert next(said)[1].seq == 1
+
+
+def test_another_parameter_gives_another_answer(replay: Replay, bag: Path) -> None:
+    args = ("--node", "skyhook_controller", "--set", "u_max:=0.2")
+    status, _, result = replay(bag, *args)
+    assert status == 1
+    assert "duty 0.3 recorded, 0.2 replayed" in result["nodes"][0]["first"]
+
+
+@pytest.mark.parametrize(
+    ("args", "status", "words"),
+    [
+        (("--node", "nix"), 2, "unknown node with a core 'nix'"),
+        (("--set", "u_max"), 2, "--set: expected KEY:=VALUE"),
+        (("--set", "nix:=1"), 2, "--set: nix: expected a parameter of this node"),
+        (("--namespace", "fl"), 2, "expected one of .* in it, found none recorded"),
+        (("--namespace", "fl", "--node", "skyhook_controller", "--set", "u_min:=0.0"), 2, "u_max"),
+    ],
+)
+def test_bad_usage_is_one_line(
+    replay: Replay, bag: Path, args: tuple[str, ...], status: int, words: str
+) -> None:
+    import re
+
+    found, text, _ = replay(bag, *args)
+    assert found == status
+    assert re.search(words, text), text
+    assert text.count("\n") == 1
+
+
+def test_a_recording_without_the_inputs_and_a_damaged_one(
+    replay: Replay, bag: Path, tmp_path: Path
+) -> None:
+    def only_road(topic: str, message: Any) -> Any:
+        return message if topic == "/sensors/road" else None
+
+    status, text, _ = replay(changed(bag, tmp_path / "road", only_road))
+    assert status == 4
+    assert "/sensors/acceleration" in text
+    cut = tmp_path / "cut"
+    cut.mkdir()
+    for file in bag.iterdir():
+        data = file.read_bytes()
+        if file.suffix == ".mcap":
+            middle = len(data) // 2
+            data = data[:middle] + bytes(2000) + data[middle + 2000 :]
+        (cut / file.name).write_bytes(data)
+    status, text, result = replay(cut, "--node", "unified_observer")
+    assert (status, "Traceback" in text) in ((3, False), (2, False))
+    if status == 3:
+        assert not result["complete"]
+        assert 0 < result["nodes"][0]["same"] < TICKS
