@@ -49,6 +49,7 @@ COMMANDS: dict[str, tuple[str, str, str | None]] = {
         "UNIT KIND [VALUE]",
         "spoil a sensor or the command of a running plant",
         "er_bringup.inject",
+    ),
     "replay": (
         "BAG [--node NODE ...]",
         "play a recording to the cores of its nodes and compare",
