@@ -106,6 +106,7 @@ def test_help_names_every_command_in_one_line_each(args: list[str]) -> None:
         "lab",
         "doctor",
         "inject",
+        "replay",
         "synth",
         "bench",
     ]
