@@ -15,11 +15,13 @@ from er_models.files import load_model, save_model
 from er_models.model import Model
 from er_models.own import catalogue_with
 
-from er_model_lab.compare import errors, region_tables, worst
+from er_model_lab.compare import errors, regions_json, worst
 from er_model_lab.diagnose.by_record import by_record
 from er_model_lab.diagnose.candidates import baseline
 from er_model_lab.diagnose.floor import noise_floor
 from er_model_lab.diagnose.null import simulate_null
+from er_model_lab.excess import noise_at, region_tables
+from er_model_lab.floors import floors
 from er_model_lab.load import fingerprint, load
 from er_model_lab.long.choose import shortened
 from er_model_lab.long.verify import checked, long_json, long_note
@@ -31,6 +33,7 @@ from er_model_lab.present import (
     diagnosis_json,
     headline,
     steps,
+    study_regions,
     study_view,
     views,
 )
@@ -134,8 +137,9 @@ def compare(ask: Request) -> Outcome:
     floor = noise_floor(problem, base, null, ask.seed)
     mse = float(np.mean(given[problem.used] ** 2))
     explainable = max(1.0 - floor.floor**2 / mse, 0.0)
-    tables = region_tables(problem, given, ask.seed)
-    result = compare_json(problem, given, floor.floor, explainable, worst(tables))
+    noise = noise_at(problem, floor.floor, null.input_square)
+    tables = region_tables(problem, given, ask.seed, noise)
+    result = compare_json(problem, given, floor.floor, explainable, tables)
     notes = problem.notes
     on_all = checked(problem, given, given=on_fused(model))
     if on_all is not None:
@@ -147,6 +151,10 @@ def compare(ask: Request) -> Outcome:
         "preflight": preflight(originals(records), model, model.catalogue).as_json(),
         "command": "compare",
         "model": model.name,
+        "floors": {
+            name: side.as_json()
+            for name, side in floors(problem, base.fit.residual, floor).items()
+        },
         "rmse_refitted": float(np.sqrt(base.mse)),
     }
     view = View(
@@ -261,6 +269,8 @@ def _outcome(
     if study.long is not None:
         result["long"] = study.long
     origin = provenance(records, study.model, ask)
+    tables = study_regions(study, ask.seed)
+    result["regions"], result["worst"] = regions_json(tables), worst(tables)
     result["preflight"] = preflight(
         originals(records), study.model, study.model.catalogue
     ).as_json()
@@ -269,7 +279,10 @@ def _outcome(
         result["next"] = suggestions(result, ask.model_file, ask.data, ask.effects_from)
     result = clean(result)
     return Outcome(
-        result, study_view(command, study, result, ask.seed, origin), model, study.problem.complete
+        result,
+        replace(study_view(command, study, result, origin), regions=tables),
+        model,
+        study.problem.complete,
     )
 
 

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
 import numpy as np
 from er_models.model import Array, Model
 
-from er_model_lab.compare import errors, region_tables
+from er_model_lab.compare import errors, regions_json, worst
 from er_model_lab.diagnose.candidates import Candidate, effect_size
 from er_model_lab.diagnose.search import Round
 from er_model_lab.diagnose.verdict import Diagnosis
+from er_model_lab.excess import noise_at, region_tables
 from er_model_lab.fit import with_deviations
+from er_model_lab.floors import floors
 from er_model_lab.prepare import Problem
 from er_model_lab.ride_result import ride_json
 from er_model_lab.study import Study
-from er_model_lab.view import CandidateView, RecordView, View
+from er_model_lab.view import CandidateView, RecordView, RegionTable, View
 
 SHOWN = 12
 """Candidates that get an evidence card."""
@@ -154,6 +156,9 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
             "motion": {"deflection": problem.noise.x, "velocity": problem.noise.v, "acceleration": problem.noise.a},
             "fused_velocity_sd": float(np.mean([f.sd_v for f in problem.fused])) if problem.fused else None,
         },
+        "floors": {
+            name: side.as_json() for name, side in floors(problem, after, floor).items()
+        },
         "coverage": {
             "hints": list(found.coverage.hints), "blocking": list(found.coverage.blocking),
             "velocity": found.coverage.velocity, "deflection": found.coverage.deflection,
@@ -282,16 +287,23 @@ def _card(
     )  # fmt: skip
 
 
+def study_regions(study: Study, seed: int) -> tuple[RegionTable, ...]:
+    """Where the model, refitted with nothing added, fails."""
+    found, problem = study.diagnosis, study.problem
+    floor = (*found.floor.parts, found.floor)[0].floor
+    noise = noise_at(problem, floor, found.null.input_square)
+    return region_tables(problem, found.base.fit.residual, seed, noise)
+
+
 def study_view(
-    command: str, study: Study, result: Mapping[str, Any], seed: int, provenance: Mapping[str, Any]
+    command: str, study: Study, result: Mapping[str, Any], provenance: Mapping[str, Any]
 ) -> View:
     """Everything a report of `diagnose`, `add` or `improve` shows."""
     found, problem = study.diagnosis, study.problem
-    residual = found.base.fit.residual
     line = headline(result["rmse"]["held_out"], result["noise_floor"])
     return View(
         command=command, model=study.model.name, headline=line, result=result, records=record_views(study),
-        regions=region_tables(problem, residual, seed), candidates=candidate_views(study, result),
+        candidates=candidate_views(study, result),
         notes=tuple(problem.notes) + found.coverage.hints, provenance=provenance,
     )  # fmt: skip
 
@@ -301,7 +313,7 @@ def compare_json(
     given: Array,
     floor: float,
     explainable: float,
-    worst: Sequence[Mapping[str, Any]],
+    tables: tuple[RegionTable, ...],
 ) -> dict[str, Any]:
     """The contract's JSON of `compare`."""
     whole = errors(problem, given, problem.used)
@@ -313,5 +325,6 @@ def compare_json(
         by_record[name] = errors(problem, given, mask & problem.used).rmse
     return {
         "rmse": whole.rmse, "nrmse": whole.nrmse, "noise_floor": floor, "explainable": explainable,
-        "worst": list(worst), "rmse_by_record": by_record, "notes": list(problem.notes), "complete": problem.complete,
+        "worst": worst(tables), "regions": regions_json(tables), "rmse_by_record": by_record,
+        "notes": list(problem.notes), "complete": problem.complete,
     }  # fmt: skip

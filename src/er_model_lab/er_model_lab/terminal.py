@@ -22,12 +22,17 @@ from er_model_lab.terminal_preflight import preflight_lines
 from er_model_lab.view import View
 
 WIDTH = 100
-MOST_CANDIDATES = 7
+MOST_CANDIDATES = 6
 MOST_STEPS = 5
 MOST_NOTES = 1
 LEAST_ROOM = 18
 """Columns below which the table goes without parameters."""
 
+FLOORS = (
+    ("bound", "regression"), ("standstill", "standstill"), ("repeats", "repeats"), ("force_white", "force sensor"),
+    ("motion_sensors", "motion sensors"),
+)  # fmt: skip
+"""Estimates of the noise and their short names."""
 TONES = {
     "adequate": "bold green",
     "missing_effect": "bold blue",
@@ -95,6 +100,11 @@ def _head(view: View, pen: Pen) -> Iterator[RenderableType]:
     share = view.result.get("explainable")
     more = f"; explainable {percent(share)}" if share is not None else ""
     yield pen.line(view.headline + more)
+    known = view.result.get("floors") or {}
+    values = {name: (known.get(key) or {}).get("value") for key, name in FLOORS}
+    said = [f"{name} {short(value)}" for name, value in values.items() if value is not None]
+    if said:
+        yield pen.line(pen.cut(f"noise by {', '.join(said)} N", pen.width), "dim")
 
 
 def _candidates(view: View, pen: Pen) -> Iterator[RenderableType]:

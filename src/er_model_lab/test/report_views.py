@@ -51,7 +51,18 @@ def table(
     """Bins between edges; equal shares of the samples."""
     pairs = list(itertools.pairwise(edges))
     regions = tuple(
-        Region(quantity, unit, pair, share, 1 / len(pairs), r, (0.9 * r, 1.1 * r))
+        Region(
+            quantity,
+            unit,
+            pair,
+            share,
+            1 / len(pairs),
+            r,
+            (0.9 * r, 1.1 * r),
+            NOISE,
+            (r**2 - NOISE**2) ** 0.5,
+            ((0.8 * r**2 - NOISE**2) ** 0.5, (1.2 * r**2 - NOISE**2) ** 0.5),
+        )
         for pair, r, share in zip(pairs, rms, shares, strict=True)
     )
     return RegionTable(quantity, unit, regions)
@@ -82,6 +93,13 @@ def entry(effect: str, size: float) -> dict[str, object]:
         "confounded_with": [], "explains": 0.97, "kept_fraction": 0.5,
     }  # fmt: skip
 
+
+FLOORS: dict[str, object] = {
+    "standstill": {"value": None, "sd": None, "says": "no rest of 0.3 s or more in these records"},
+    "repeats": {"value": 0.19, "sd": 0.01, "says": "900 samples that repeat others"},
+    "force_white": {"value": 0.15, "sd": None, "says": "white part of what is left"},
+    "bound": {"value": 0.2, "sd": None, "says": "what trees and filters cannot explain"},
+}
 
 PREFLIGHT: dict[str, object] = {
     "passed": False,
@@ -201,7 +219,7 @@ def view(seconds: float = 12.0, records: int = 2, **result: object) -> View:
     content = {
         "command": "diagnose", "verdict": "missing_effect", "effects": ["coulomb_friction"],
         "alternatives": [],
-        "noise_floor": NOISE, "rmse": {"train": 0.61, "held_out": 0.6}, "nrmse": {"train": 0.03,
+        "noise_floor": NOISE, "floors": FLOORS, "rmse": {"train": 0.61, "held_out": 0.6}, "nrmse": {"train": 0.03,
         "held_out": 0.029},
         "rmse_after": {"train": 0.21, "held_out": 0.2}, "explainable": 0.89, "explained": 0.99,
         "candidates": [entry(e, s) for e, s in EFFECTS.items()],
@@ -223,7 +241,14 @@ def view(seconds: float = 12.0, records: int = 2, **result: object) -> View:
 def compared(seconds: float = 12.0) -> View:
     """The view of `lab compare`: no verdict, nothing added."""
     full = view(seconds)
-    result = {"rmse": 0.6, "nrmse": 0.03, "noise_floor": NOISE, "explainable": 0.89, "worst": []}
+    result = {
+        "rmse": 0.6,
+        "nrmse": 0.03,
+        "noise_floor": NOISE,
+        "explainable": 0.89,
+        "worst": [],
+        "floors": FLOORS,
+    }
     records = tuple(replace(r, after=None) for r in full.records)
     return replace(full, command="compare", result=result, records=records, candidates=())
 

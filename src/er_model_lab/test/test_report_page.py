@@ -192,6 +192,7 @@ def test_a_planned_program_is_drawn_with_the_forces_of_both_truths() -> None:
             lambda v: replace(v, result={k: x for k, x in v.result.items() if k != "rmse"}),
             {"summary"},
         ),
+        (lambda v: replace(v, result={**v.result, "floors": {}}), {"noise"}),
         (lambda v: replace(v, notes=(), provenance={}), {"provenance"}),
         (lambda _: compared(), {"candidates", "cards", "falling_error"}),
     ],

@@ -11,7 +11,8 @@ from er_models.errors import InputError
 from er_models.model import Model
 from er_models.scales import Scales
 
-from er_model_lab.compare import errors, region_tables
+from er_model_lab.compare import errors
+from er_model_lab.excess import region_tables
 from er_model_lab.identify.findings import findings, missing, verdict
 from er_model_lab.identify.law import response_time
 from er_model_lab.identify.procedure import Identified
@@ -71,11 +72,12 @@ def view(
 ) -> View:
     """Everything the report of `lab identify` shows."""
     problem = found.problem
-    after = result["rmse_after"]
+    after, noise = result["rmse_after"], np.full(problem.force.size, problem.sd_force**2)
     return View(
         command="identify", model=found.model.name, headline=headline(after["train"], problem.sd_force),
         result=result, records=views(problem, problem.force - found.given, problem.force - found.residual),
-        regions=region_tables(problem, found.residual, seed), notes=tuple(result["missing"]) + problem.notes,
+        regions=region_tables(problem, found.residual, seed, noise),
+        notes=tuple(result["missing"]) + problem.notes,
         provenance=provenance,
     )  # fmt: skip
 

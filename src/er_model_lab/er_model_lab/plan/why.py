@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from er_model_lab.compare import region_tables
+from er_model_lab.excess import region_tables
 from er_model_lab.plan.finalist import Direction, Finalist, clean_problem
 from er_model_lab.plan.planner import RAISED, SURE, Plan
 from er_model_lab.plan.segment import in_words

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +21,9 @@ CONTRADICTION = 0.5
 """Deviation of a factor from 1 that no unit explains and no sensor has."""
 NOTABLE = 0.02
 """Deviation of a factor from 1 that is worth a word."""
+UNRESOLVED = 0.15
+"""Deviation up to which an acceleration may differ because it jumps between two samples."""
+FASTER = "accelerations that jump between samples do this, too; record faster to tell"
 LATE = 0.25
 """Delay between two channels that is worth a word, in samples."""
 AGAINST = -0.3
@@ -72,7 +75,7 @@ def unit_findings(record: Record, known: list[Pair]) -> Iterator[Finding]:
         off = [
             p for p in known if abs(p.relation.gain - 1.0) > max(NOTABLE, 4.0 * p.relation.gain_sd)
         ]
-        found = [_gain(record, p, channel) for p, channel in blamed(off, known)]
+        found = [_gain(record, p, channel) for p, channel in blamed(off, _misfit)]
         yield from found
         if all(f.level != "fail" for f in found):
             yield from offset_findings(record)
@@ -92,15 +95,22 @@ def unit_findings(record: Record, known: list[Pair]) -> Iterator[Finding]:
             )  # fmt: skip
 
 
-def blamed(off: list[Pair], known: list[Pair]) -> list[tuple[Pair, str]]:
-    """Pairs that do not fit, each with the channel to blame.
+def blamed(off: list[Pair], size: Callable[[Pair], float]) -> list[tuple[Pair, str]]:
+    """Pairs that do not fit, each with the channel to blame; small misfits beside large ones are left aside.
 
-    Where all of them share one channel, and others fit, it is that channel, once; else the derivative of each.
+    Where all of them share one channel it is that channel, once; else the derivative of each.
     """
+    most = max((size(p) for p in off), default=0.0)
+    off = [p for p in off if size(p) > 0.3 * most]
     shared = set.intersection(*({p.of, p.is_} for p in off)) if len(off) > 1 else set()
-    if len(off) == len(known) or not shared:
+    if not shared:
         return [(p, p.is_) for p in off]
     return [(off[0], shared.pop())]
+
+
+def _misfit(p: Pair) -> float:
+    """How far a factor is from 1."""
+    return float(abs(np.log(max(abs(p.relation.gain), 1e-12))))
 
 
 def _written(si: str, unit: str) -> str:
@@ -116,9 +126,12 @@ def _gain(record: Record, p: Pair, channel: str) -> Finding:
     expected = f"the {nth} of {p.of}" if channel == p.is_ else f"a channel whose {nth} is {p.is_}"
     if channel == p.of:
         g, sd = 1.0 / g, sd / g**2
+    level: Level = "fail" if fails else "warning"
     remedy = "check the calibration of both sensors and the geometry of their mounts"
+    if channel == ACCELERATION and abs(g - 1.0) < UNRESOLVED:
+        level, remedy = "note", FASTER
     return _finding(
-        record, "units", "fail" if fails else "warning", channel, expected, f"{g:.3g} +- {sd:.1g} times that", remedy
+        record, "units", level, channel, expected, f"{g:.3g} +- {sd:.1g} times that", remedy
     )  # fmt: skip
 
 
@@ -158,15 +171,16 @@ def clock_findings(record: Record, known: list[Pair]) -> Iterator[Finding]:
         for p in known
         if abs(p.relation.delay) > max(LATE * record.dt, 4.0 * p.relation.delay_sd)
     ]
-    for p, channel in blamed(late, known):
+    for p, channel in blamed(late, lambda p: abs(p.relation.delay)):
         delay, sd = p.relation.delay, p.relation.delay_sd
         delay = delay if channel == p.is_ else -delay
         side = "after" if delay > 0 else "before"
         other = p.of if channel == p.is_ else p.is_
+        unresolved = channel == ACCELERATION and abs(delay) < 0.5 * record.dt
+        remedy = "look for a filter or another clock; a lag of the velocity channel is found as velocity_lag"
         yield _finding(
-            record, "clock", "warning", channel, f"the clock of {other}",
-            f"{1e3 * abs(delay):.2f} +- {1e3 * sd:.1g} ms {side} it",
-            "look for a filter or another clock; a lag of the velocity channel is found as velocity_lag",
+            record, "clock", "note" if unresolved else "warning", channel, f"the clock of {other}",
+            f"{1e3 * abs(delay):.2f} +- {1e3 * sd:.1g} ms {side} it", FASTER if unresolved else remedy,
         )  # fmt: skip
 
 

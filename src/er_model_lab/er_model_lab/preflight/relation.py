@@ -23,6 +23,8 @@ SEGMENT = 512
 """Samples of a segment of Welch's method."""
 COHERENT = 0.8
 """Squared coherence from which on a frequency counts."""
+CARRIED = 0.5
+"""Share of the power that must lie in frequencies that count."""
 LOWEST = 3
 """First frequency that counts, in lines: below, the trend of a segment leaks in."""
 
@@ -40,7 +42,7 @@ class Relation:
 
 def relate(y: Array, z: Array, order: int, dt: float, highest: float = np.inf) -> Relation | None:
     """Relation of two channels (n,) up to `highest` [Hz]; None where they have nothing in common."""
-    length = min(SEGMENT, y.size // 4)
+    length = min(SEGMENT, y.size // 3)
     if length < 32:
         return None
     slope, z = _difference(y, order, dt), z[1:-1]
@@ -49,7 +51,8 @@ def relate(y: Array, z: Array, order: int, dt: float, highest: float = np.inf) -
     _, p_z = welch(z, 1.0 / dt, nperseg=length)
     coherence = np.abs(cross) ** 2 / np.maximum(p_y * p_z, 1e-300)
     use = (np.arange(f.size) >= LOWEST) & (coherence > COHERENT) & (f < min(highest, 0.25 / dt))
-    if not use.any():
+    # lines that are coherent only by leakage of a slower tone say nothing
+    if not use.any() or p_y[use].sum() < CARRIED * p_y.sum():
         return None
     w, c = 2.0 * np.pi * f[use], np.minimum(coherence[use], 1.0 - 1e-6)
     averages = max(y.size / length, 1.0)
@@ -61,7 +64,9 @@ def relate(y: Array, z: Array, order: int, dt: float, highest: float = np.inf) -
     sign, delay = _phase(w, phase, weight)
     share = weight / weight.sum()
     gain = float(np.exp(np.sum(share * np.log(size))))
-    spread = float(np.sqrt(np.sum(share**2 * variance)))
+    # noise of y alone would make it too small by the root of the coherence, noise of z alone too large
+    between = float(np.sum(share * (1.0 / np.sqrt(c) - np.sqrt(c)))) / 2.0 / np.sqrt(3.0)
+    spread = float(np.hypot(np.sqrt(np.sum(share**2 * variance)), between))
     lever = np.sum(weight * w**2)
     delay_sd = float(np.sqrt(np.sum((weight * w) ** 2 * variance)) / lever)
     return Relation(sign * gain, gain * spread, delay, delay_sd, int(use.sum()))

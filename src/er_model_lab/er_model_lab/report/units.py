@@ -105,20 +105,25 @@ def _direction(sign: float) -> str:
 
 def ticks(regions: Sequence[Region]) -> tuple[tuple[float, str], ...]:
     """Ticks for bars at 0, 1, 2...: single values under the bars, or the edges between them."""
-    scale = max(abs(e) for r in regions for e in r.edges)
+    single = discrete(regions)
+    if single and regions[0].quantity == "direction":
+        return tuple((float(k), _direction(r.edges[0])) for k, r in enumerate(regions))
+    values = [r.edges[0] for r in regions] + ([] if single else [regions[-1].edges[1]])
+    texts = _apart([v * factor(regions[0].unit) for v in values])
+    return tuple((k - (0.0 if single else 0.5), text) for k, text in enumerate(texts))
 
-    def text(value: float) -> str:
-        # what rounding left of zero is zero
-        return short(0.0 if abs(value) < 1e-3 * scale else value * factor(regions[0].unit), 2)
 
-    if discrete(regions):
-        direction = regions[0].quantity == "direction"
-        return tuple(
-            (float(k), _direction(r.edges[0]) if direction else text(r.edges[0]))
-            for k, r in enumerate(regions)
-        )
-    edges = [r.edges[0] for r in regions] + [regions[-1].edges[1]]
-    return tuple((k - 0.5, text(e)) for k, e in enumerate(edges))
+def _apart(values: Sequence[float]) -> list[str]:
+    """Numbers with two digits of the largest, or with as many as tell them apart; no digit is wasted on small ones."""
+    scale = max(abs(v) for v in values) or 1.0
+    first = max(1 - math.floor(math.log10(scale)), 0)
+    texts: list[str] = []
+    for places in range(first, first + 3):
+        texts = [f"{v:.{places}f}".replace("-", MINUS) for v in values]
+        if len(set(texts)) == len(texts):
+            break
+    # what rounding left of zero is zero
+    return ["0" if not text.strip("0." + MINUS) else text for text in texts]
 
 
 def scaled(y: Array, unit: str) -> Array:

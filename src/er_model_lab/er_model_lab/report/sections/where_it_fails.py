@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from er_model_lab.report.figure import Axis, Bars, Figure, Level, Mark, Panel
+from er_model_lab.report.figure import Axis, Bars, Figure, Mark, Panel, Points
 from er_model_lab.report.palette import BEFORE, FLOOR, RESIDUAL
 from er_model_lab.report.regions import NOTABLE, worst
 from er_model_lab.report.section import Section
@@ -15,7 +15,7 @@ COLUMNS = 3
 
 
 def section(view: View) -> Section | None:
-    """The rms error per bin with 90 % bands, and the worst regions; None without tables."""
+    """The error beyond the noise per bin with 90 % bands, and the worst regions; None without tables."""
     tables = [t for t in view.regions if t.regions]
     if not tables:
         return None
@@ -23,42 +23,43 @@ def section(view: View) -> Section | None:
     return Section(
         "where_it_fails",
         "Where it fails",
-        (_figure(tables, view.result.get("noise_floor")),),
+        (_figure(tables),),
         facts,
     )
 
 
-def _row(r: Region, *, single: bool) -> tuple[str, str, str, str]:
-    """A region in words, its share of the squared error, of the samples, and its error."""
-    low, high = r.band
-    band = f" ({newtons(low)} to {newtons(high)})" if high > low else ""
-    return where(r, single=single), percent(r.share), percent(r.of_samples), newtons(r.rms) + band
+def _row(r: Region, *, single: bool) -> tuple[str, str, str, str, str]:
+    """A region in words, its share of the squared error and of the samples, its error, and what exceeds the noise."""
+    return (
+        where(r, single=single), percent(r.share), percent(r.of_samples), newtons(r.rms),
+        newtons(r.excess) + f" ({newtons(r.excess_band[0])} to {newtons(r.excess_band[1])})",
+    )  # fmt: skip
 
 
-def _figure(tables: list[RegionTable], floor: float | None) -> Figure:
+def _figure(tables: list[RegionTable]) -> Figure:
     """One panel per quantity on a common scale."""
-    top = 1.08 * max(max(r.rms, r.band[1]) for t in tables for r in t.regions)
-    panels = tuple(_panel(t, k, floor, top) for k, t in enumerate(tables))
+    top = 1.08 * max(max(r.excess, r.excess_band[1], r.floor) for t in tables for r in t.regions)
+    panels = tuple(_panel(t, k, max(top, 1e-9)) for k, t in enumerate(tables))
     leading = worst(tables)
     words = (
         f" The largest excess is at {where(leading[0][0], single=leading[0][1])}."
         if leading
         else ""
     )
-    alt = f"Rms error per bin of {', '.join(t.quantity for t in tables)}, with 90 % bands.{words}"
+    names = ", ".join(t.quantity for t in tables)
+    alt = f"Error in excess of the noise per bin of {names}, with 90 % bands.{words}"
     columns = min(COLUMNS, len(tables))
     return Figure(
         "where_it_fails", alt, panels, columns, height=225 * (-(-len(tables) // columns)) + 60
     )
 
 
-def _panel(table: RegionTable, k: int, floor: float | None, top: float) -> Panel:
+def _panel(table: RegionTable, k: int, top: float) -> Panel:
     """Bars of one quantity; bins with far more than their share of the error stand out."""
     regions = table.regions
     at = np.arange(len(regions), dtype=np.float64)
-    rms = np.array([r.rms for r in regions])
-    ends = np.array([[r.band[0] for r in regions], [r.band[1] for r in regions]])
-    has_band = bool(np.any(ends[1] > ends[0]))
+    excess = np.array([r.excess for r in regions])
+    ends = np.array([[r.excess_band[0] for r in regions], [r.excess_band[1] for r in regions]])
     hot = np.array([r.share > NOTABLE * r.of_samples for r in regions])
     marks: list[Mark] = []
     for name, mask, colour in (
@@ -66,15 +67,18 @@ def _panel(table: RegionTable, k: int, floor: float | None, top: float) -> Panel
         ("no more than its share", ~hot, RESIDUAL),
     ):
         if mask.any():
-            band = ends[:, mask] if has_band else None
-            marks.append(
-                Bars(at[mask], rms[mask], name, (colour,) * int(mask.sum()), ends=band, width=0.92)
+            bars = Bars(
+                at[mask],
+                excess[mask],
+                name,
+                (colour,) * int(mask.sum()),
+                ends=ends[:, mask],
+                width=0.92,
             )
-    # the noise of one band of frequencies is less than the whole floor
-    if floor is not None and table.quantity != "frequency":
-        marks.append(Level(float(floor), "noise floor", FLOOR))
+            marks.append(bars)
+    marks.append(Points(at, np.array([r.floor for r in regions]), "noise there", FLOOR, 5.0, 1.0))
     unit = f" [{shown(table.unit)}]" if shown(table.unit) else ""
-    y = Axis("rms error [N]" if k % COLUMNS == 0 else "", (0.0, top))
+    y = Axis("excess error [N]" if k % COLUMNS == 0 else "", (0.0, top))
     return Panel(
         tuple(marks),
         Axis(ticks=ticks(regions), span=(-0.6, at.size - 0.4)),
