@@ -11,7 +11,7 @@ import pytest
 pytest.importorskip("rclpy")
 
 from er_bringup.arguments import ARGUMENTS, table
-from er_bringup.graph import NodeSpec, complete, nodes, parse
+from er_bringup.graph import CAR, NodeSpec, complete, nodes, parse
 from er_models.errors import InputError
 
 from er_bringup import up
@@ -201,10 +201,41 @@ def launch_module(monkeypatch: pytest.MonkeyPatch, given: dict[str, str]) -> typ
     return made
 
 
-@pytest.mark.parametrize(
-    "pairs",
-    [(), ("mode:=lockstep", "seed:=3", "namespace:=fl", "record:=/tmp/x"), ("controller:=none",)],
-)
+RIG = ("hardware:=udp:rig:5005", "calibration:=device_emulator")
+OTHER = {
+    "namespace": ("namespace:=vehicle/suspension/fl",),
+    "corners": ("corners:=4", "namespace:=car", "record:=/tmp/x", "composed:=true"),
+    "model": ("model:=inove_stand_in",),
+    "damper": ("damper:=inove_bingham",),
+    "effects_from": (f"effects_from:={LAUNCH}",),
+    "program": ("program:=bumps",),
+    "duration": ("duration:=7.5",),
+    "seed": ("seed:=3",),
+    "mode": ("mode:=sim_time",),
+    "rate_factor": ("mode:=lockstep", "rate_factor:=0"),
+    "hardware": RIG,
+    "calibration": RIG,
+    "road": (*RIG, "road:=program"),
+    "controller": ("controller:=ftc",),
+    "duty": ("duty:=program",),
+    "observers": ("observers:=unified",),
+    "gains": ("observers:=unified", "gains:=unified"),
+    "record": ("record:=/tmp/x",),
+    "storage": ("record:=/tmp/x", "storage:=sqlite3"),
+    "composed": ("composed:=true",),
+    "plant_params": (f"plant_params:={CONFIG / 'nodes/plant.yaml'}",),
+}
+"""For each argument a use of it that is not its default."""
+
+
+def test_every_argument_is_tried_in_launch() -> None:
+    tried = {**OTHER}
+    assert [a.name for a in ARGUMENTS if a.name not in tried] == []
+    for name, pairs in tried.items():
+        assert parse(pairs)[name] != complete({})[name]
+
+
+@pytest.mark.parametrize("pairs", [(), ("controller:=none",), *OTHER.values()])
 def test_launch_and_up_start_the_same_command_lines(
     monkeypatch: pytest.MonkeyPatch, pairs: tuple[str, ...]
 ) -> None:
@@ -247,3 +278,44 @@ def test_only_the_end_of_what_measures_ends_the_launch(
     started = module.generate_launch_description().args[0][-1].kwargs["function"](None)
     ends = {node.kwargs["executable"]: node.kwargs["on_exit"] for node in started}
     assert [name for name, action in ends.items() if action] == [source]
+
+
+def test_a_car_has_four_corners_and_one_recorder(tmp_path: Path) -> None:
+    given = parse(("corners:=4", "namespace:=car", "seed:=5", f"record:={tmp_path / 'b'}"))
+    found = nodes(given, CONFIG)
+    assert len(found) == 1 + 4 * 5
+    recorder, *rest = found
+    assert recorder.namespace == "car"
+    plants = [spec for spec in rest if spec.executable == "plant"]
+    assert [spec.namespace for spec in plants] == [f"car/{name}" for name in CAR]
+    assert [spec.parameters["seed"] for spec in plants] == [5, 6, 7, 8]
+    assert {spec.label for spec in found} >= {"recorder", "rear_left/plant"}
+    awaited = plants[0].parameters["wait_for_nodes"]
+    assert isinstance(awaited, list)
+    assert awaited[0] == "/car/recorder"
+    said = recorder.parameters["topics"]
+    assert isinstance(said, list)
+    assert {"front_right/force/unified", "rear_left/plant/status"} <= set(said)
+    assert len(said) == len(set(said))
+
+
+def test_a_wire_for_each_corner() -> None:
+    given = parse(("corners:=a,b", "hardware:=udp:x:1,udp:y:2", "calibration:=device_emulator"))
+    found = [s for s in nodes(given, CONFIG) if s.executable == "hardware_bridge"]
+    assert [spec.parameters["link"] for spec in found] == ["udp:x:1", "udp:y:2"]
+    for pair, words in (
+        ("hardware:=udp:x:1", "hardware: expected 2 with commas between, in the order a, b"),
+        ("corners:=a,a", "corners: expected 4, or different names"),
+        ("corners:=5", "corners: expected 4, or different names"),
+    ):
+        with pytest.raises(InputError, match=words):
+            nodes(parse(("corners:=a,b", "calibration:=device_emulator", pair)), CONFIG)
+
+
+def test_the_launch_ends_with_the_last_of_several_plants(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = launch_module(monkeypatch, parse(("corners:=a,b",)))
+    started = module.generate_launch_description().args[0][-1].kwargs["function"](None)
+    (first,), (second,) = (n.kwargs["on_exit"] for n in started if n.kwargs["on_exit"])
+    assert first.kwargs["function"](None, *first.kwargs["args"]) == []
+    (shut,) = second.kwargs["function"](None, *second.kwargs["args"])
+    assert type(shut).__name__ == "Shutdown"

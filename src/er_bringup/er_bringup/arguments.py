@@ -25,6 +25,11 @@ class Argument:
 
 ARGUMENTS = (
     Argument("namespace", "", "namespace of the corner, for instance front_left"),
+    Argument(
+        "corners",
+        "",
+        "corners below the namespace: 4 (front_left to rear_right), or names with commas between",
+    ),
     Argument("model", "inove_quarter_car", "vehicle model: a file, or a name in config/vehicles"),
     Argument("damper", "", "model whose damper is put into the plant: an effect can hide there"),
     Argument("effects_from", "", "Python files with own effects of these models, commas between"),
@@ -40,7 +45,7 @@ ARGUMENTS = (
     Argument(
         "hardware",
         "",
-        "wire to a real rig instead of the plant: serial:PORT[@BAUD], udp:HOST:PORT",
+        "wire to a real rig instead of the plant: serial:PORT[@BAUD], udp:HOST:PORT; one a corner",
     ),
     Argument("calibration", "", "of the rig's channels: a file, or a name in config/hardware"),
     Argument("road", "device", "who moves the road of a real rig", choices=("device", "program")),

@@ -7,8 +7,9 @@ for node in nodes(given, config):
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -28,6 +29,9 @@ from er_bringup.roles import (
     Role,
 )
 
+CAR = ("front_left", "front_right", "rear_left", "rear_right")
+"""The corners of a car."""
+
 
 @dataclass(frozen=True)
 class NodeSpec:
@@ -38,6 +42,12 @@ class NodeSpec:
     namespace: str
     files: tuple[str, ...] = ()
     parameters: Mapping[str, Value] = field(default_factory=dict)
+    corner: str = ""
+
+    @property
+    def label(self) -> str:
+        """What its lines are marked with."""
+        return f"{self.corner}/{self.executable}" if self.corner else self.executable
 
     def arguments(self) -> list[str]:
         """What follows the executable on its command line."""
@@ -101,18 +111,64 @@ def nodes(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
     Raises:
         InputError: A file does not exist, or an observer is not known.
     """
+    names = corners(given)
+    if not names:
+        recorder = (_recorder(given, _answering(given)),) if given["record"] else ()
+        return (*recorder, *_corner(given, config))
+    each = [_of_corner(given, names, i) for i in range(len(names))]
+    recorder = (_recorder_of_all(given, names, each),) if given["record"] else ()
+    parts = zip(names, (_corner(one, config) for one in each), strict=True)
+    return (*recorder, *(replace(spec, corner=name) for name, specs in parts for spec in specs))
+
+
+def corners(given: Mapping[str, str]) -> tuple[str, ...]:
+    """Names of the corners; none where the graph has but one, without a name.
+
+    Raises:
+        InputError: A name that cannot be a namespace, or twice the same.
+    """
+    text = given["corners"].strip()
+    names = CAR if text == "4" else tuple(name.strip() for name in text.split(",") if name.strip())
+    expected = "4, or different names of letters, digits and underscores with commas between"
+    if len(set(names)) < len(names) or not all(re.fullmatch(r"[A-Za-z_]\w*", n) for n in names):
+        raise InputError("arguments", "corners", expected, f"'{text}'")
+    return names
+
+
+def _of_corner(given: Mapping[str, str], names: Sequence[str], place: int) -> dict[str, str]:
+    """The arguments of one corner: its namespace, its wire, its own draw of what is random."""
+    base, seed = given["namespace"].strip("/"), int(given["seed"])
+    own = {"namespace": "/".join(part for part in (base, names[place]) if part)}
+    if seed >= 0:
+        own["seed"] = str(seed + place)
+    for key in ("hardware", "calibration"):
+        texts = [text.strip() for text in given[key].split(",")]
+        shared = len(texts) == 1 and (key == "calibration" or not texts[0])
+        if not shared and len(texts) != len(names):
+            expected = f"{len(names)} with commas between, in the order {', '.join(names)}"
+            raise InputError("arguments", key, expected, f"{len(texts)}")
+        own[key] = texts[0] if shared else texts[place]
+    # one recorder for all, in the namespace above
+    return {**given, **own}
+
+
+def _corner(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
+    """The processes of one corner but the recorder, listeners first."""
     observers, controllers = _observers(given), _controllers(given)
-    answering = [*observers, *controllers]
     recorded = [RECORDER] if given["record"] else []
-    recorder = tuple(_recorder(given, answering) for _ in recorded)
     rest = (
         *(_observer(given, config, role) for role in observers),
         *(_controller(given, config, role) for role in controllers),
-        _source(given, config, [*recorded, *answering]),
+        _source(given, config, [*recorded, *observers, *controllers]),
     )
     if given["composed"] == "true":
-        return (*recorder, ComposedSpec(*COMPOSED, given["namespace"], parts=rest))
-    return (*recorder, *rest)
+        return (ComposedSpec(*COMPOSED, given["namespace"], parts=rest),)
+    return rest
+
+
+def _answering(given: Mapping[str, str]) -> list[Role]:
+    """Everybody who answers samples."""
+    return [*_observers(given), *_controllers(given)]
 
 
 def ends_all(spec: NodeSpec) -> bool:
@@ -147,7 +203,10 @@ def _source(given: Mapping[str, str], config: Path, listeners: Sequence[Role]) -
         "wait_for": [sum(key in role.listens for role in listeners) for key in PUBLISHED],
     }
     if listeners:
-        parameters["wait_for_nodes"] = [role.executable for role in listeners]
+        # with several corners the recorder is in the namespace above them
+        above = f"/{given['namespace'].strip('/')}".rpartition("/")[0] if given["corners"] else ""
+        names = {RECORDER: f"{above}/{RECORDER.executable}"} if given["corners"] else {}
+        parameters["wait_for_nodes"] = [names.get(role, role.executable) for role in listeners]
     if given["effects_from"]:
         own = given["effects_from"].split(",")
         parameters["effects_from"] = tuple(find(file.strip(), config) for file in own)
@@ -233,6 +292,27 @@ def _recorder(given: Mapping[str, str], answering: Sequence[Role]) -> NodeSpec:
         "out": str(Path(given["record"]).absolute()),
         "storage": given["storage"],
         "sources": [*PUBLISHED.values(), *(role.says for role in answering)],
+    }
+    return _spec(RECORDER, given, (), parameters)
+
+
+def _recorder_of_all(
+    given: Mapping[str, str], names: Sequence[str], each: Sequence[Mapping[str, str]]
+) -> NodeSpec:
+    """One recorder for all corners."""
+    answering = _answering(each[0])
+    said = [*PUBLISHED.values(), *(role.says for role in answering)]
+    source = BRIDGE if given["hardware"] else PLANT
+    nodes = [role.executable for role in (*answering, source)]
+    own = [f"{node}/{end}" for node in nodes for end in ("status", "gain_info")]
+    parameters: dict[str, Value] = {
+        "out": str(Path(given["record"]).absolute()),
+        "storage": given["storage"],
+        "topics": [
+            *(f"{name}/{topic}" for name in names for topic in (*said, *own)),
+            "/diagnostics",
+        ],
+        "sources": [f"{name}/{topic}" for name in names for topic in said],
     }
     return _spec(RECORDER, given, (), parameters)
 

@@ -81,11 +81,11 @@ def run(
         InputError: An argument, a file or a package is wrong; nothing was started then.
     """
     specs = nodes(complete(given), configuration())
-    commands = [(spec.executable, argv(spec)) for spec in specs]
+    commands = [(spec.label, argv(spec)) for spec in specs]
     children: list[Child] = []
     try:
         children += (Child(label, command, out or sys.stdout) for label, command in commands)
-        last = {spec.executable for spec in specs if ends_all(spec)}
+        last = {spec.label for spec in specs if ends_all(spec)}
         while not stopping() and not _over(children, last):
             sleep(POLL)
     finally:
@@ -95,10 +95,10 @@ def run(
 
 
 def _over(children: Sequence[Child], last: Set[str]) -> bool:
-    """Whether the plant ended or a node failed; one that was killed may be replaced."""
+    """Whether the plants of all corners ended or a node failed; one that was killed may be replaced."""
     ended = {child.label: child.status for child in children if child.status is not None}
     failed = any(0 < status < KILLED for status in ended.values())
-    return bool(last & ended.keys()) or failed or len(ended) == len(children)
+    return last <= ended.keys() or failed or len(ended) == len(children)
 
 
 def main() -> None:

@@ -26,16 +26,23 @@ def generate_launch_description() -> LaunchDescription:
 
 
 def _start(context: LaunchContext) -> list[Node]:
-    """The nodes; the end of the plant is the end of all."""
+    """The nodes; the end of the last plant, of one in each corner, is the end of all."""
     given = complete({a.name: LaunchConfiguration(a.name).perform(context) for a in ARGUMENTS})
     config = Path(get_package_share_directory("er_bringup")) / "config"
+    specs = nodes(given, config)
+    left = [spec.label for spec in specs if ends_all(spec)]
+
+    def ended(_: LaunchContext, label: str) -> list[Shutdown]:
+        left.remove(label)
+        return [] if left else [Shutdown()]
+
     return [
         Node(
             package=spec.package,
             executable=spec.executable,
             arguments=spec.arguments(),
             output="screen",
-            on_exit=[Shutdown()] if ends_all(spec) else [],
+            on_exit=[OpaqueFunction(function=ended, args=[spec.label])] if ends_all(spec) else [],
         )
-        for spec in nodes(given, config)
+        for spec in specs
     ]
