@@ -27,6 +27,9 @@ HELPS = 0.2
 """Share above which an effect is said to help."""
 MOST, CLEAR = 0.5, 0.15
 """Share of what is left that a further effect must explain, and the same where its size leaves no doubt."""
+BEYOND_DOUBT = 1.5
+"""Size, over what chance gives, of a further effect that no longer needs to explain most of what is left, and of
+one that is kept beside others: they may stand for what the form of a rightly named effect lacks."""
 VISIBLE = 0.05
 """Share of the residual that boosted trees must explain before something unknown is claimed."""
 
@@ -89,7 +92,7 @@ def _searched(
     """Further effects beside the first, those still needed, and ties; `rounds` grows."""
     best, rounds, floor = _grow(best, rounds, floor, problem, seed, rule, tick)
     if len(best.effects) > 1:
-        best = prune(best, problem, rounds[0].threshold)
+        best = prune(best, problem, BEYOND_DOUBT * rounds[0].threshold)
     ties = _alternatives(best, rounds)
     if len(best.effects) > 1:
         best, ties = swapped(best, rounds, problem)
@@ -160,7 +163,7 @@ def worth(step: Round, floor: Floor) -> bool:
     """
     assert step.taken is not None
     share = (step.base.mse - step.taken.mse) / max(step.base.mse - floor.floor**2, 1e-300)
-    sure = effect_size(step.base, step.taken) > 1.5 * step.threshold
+    sure = effect_size(step.base, step.taken) > BEYOND_DOUBT * step.threshold
     return share >= (CLEAR if sure else MOST)
 
 
