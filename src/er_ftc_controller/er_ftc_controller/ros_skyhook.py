@@ -14,12 +14,15 @@ from er_ros_common.common_parameters import NodeParameters, awaited_listeners, o
 from er_ros_common.core import Said, When
 from er_ros_common.parameter_table import REQUIRED, param
 from er_ros_common.stamps import StampLimits, StampState, check_stamp
+from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import PwmDuty
 from er_ftc_controller import skyhook
 from er_ftc_controller.align import Aligner
 from er_ros_common import builders, topics
 
+GAP = StampLimits().gap
+"""Longest gap between samples over which the velocity is carried [s]."""
 REPEAT = 50_000_000
 """How often the safe duty is asked for again [ns]."""
 
@@ -35,7 +38,7 @@ class SkyhookParameters(NodeParameters):
         REQUIRED, unit="Hz", low=0.001, high=5.0, text="leak of the velocity integral"
     )
     timeout: float = param(
-        0.05, unit="s", low=0.005, high=1.0, text="silence of the inputs that makes it safe"
+        0.025, unit="s", low=0.005, high=1.0, text="silence of the inputs that makes it safe"
     )
     max_age: float = oldest_sample()
     listeners: int = awaited_listeners()
@@ -45,7 +48,8 @@ class State(NamedTuple):
     """State of the law, halves of samples, checks of stamps.
 
     last: the last sample, heard: when [ns, steady], 0 before the first; safe: whether the safe duty is asked
-    for, safe_at: when it was last [ns, steady]; unusable: samples that were not valid.
+    for, safe_at: when it was last [ns, steady]; unusable: samples that were not valid; body, strut: whether a sensor is
+    stuck.
     """
 
     mind: skyhook.State = skyhook.START
@@ -56,6 +60,8 @@ class State(NamedTuple):
     safe: bool = False
     safe_at: int = 0
     unusable: int = 0
+    body: Watched = Watched()
+    strut: Watched = Watched()
 
 
 class SkyhookCore:
@@ -66,8 +72,8 @@ class SkyhookCore:
 
     def __init__(self, p: SkyhookParameters) -> None:
         self.p = p
-        self.law = skyhook.Skyhook(p.u_min, p.u_max, p.corner_frequency, gap=p.timeout)
-        self.limits = StampLimits(stale=p.max_age, gap=p.timeout)
+        self.law = skyhook.Skyhook(p.u_min, p.u_max, p.corner_frequency, gap=GAP)
+        self.limits = StampLimits(stale=p.max_age, gap=GAP)
 
     def start(self) -> State:
         """Before any message."""
@@ -81,6 +87,18 @@ class SkyhookCore:
         if not (message.valid and (acceleration or message.velocity_valid)):
             return state._replace(unusable=state.unusable + 1), []
         stamp = from_stamp(message.header.stamp)
+        if acceleration:
+            body, stuck = check(
+                state.body, (message.sprung, message.unsprung), ACCELERATION, stamp
+            )
+            state = state._replace(body=body)
+        else:
+            strut, stuck = check(
+                state.strut, (message.deflection, message.velocity), DEFLECTION, stamp
+            )
+            state = state._replace(strut=strut)
+        if stuck:
+            return state._replace(unusable=state.unusable + 1), []
         if acceleration:
             pairs, pair = state.pairs.with_left(stamp, message.sprung)
         else:

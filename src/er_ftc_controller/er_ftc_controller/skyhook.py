@@ -71,12 +71,14 @@ class Command(NamedTuple):
 
 
 START = State()
+LARGEST = (200.0, 20.0)
+"""Largest believable acceleration of a body [m/s2] and velocity of its damper [m/s]: twenty g."""
 
 
 def step(p: Skyhook, state: State, sample: Sample) -> tuple[State, Command]:
     """Duty for a sample; after a gap, or when time runs back, the integral starts anew from zero.
 
-    The sample must be finite: `usable` tells.
+    The sample must be `usable`.
     """
     last = state.last
     if last is None:
@@ -91,8 +93,10 @@ def step(p: Skyhook, state: State, sample: Sample) -> tuple[State, Command]:
 
 
 def usable(sample: Sample) -> bool:
-    """Whether all values are finite."""
-    return all(math.isfinite(value) for value in sample)
+    """Whether all values are finite and believable."""
+    _, acceleration, velocity = sample
+    believable = abs(acceleration) <= LARGEST[0] and abs(velocity) <= LARGEST[1]
+    return math.isfinite(sample.t) and believable
 
 
 def _integrated(p: Skyhook, velocity: float, last: Sample, sample: Sample) -> float:

@@ -15,6 +15,7 @@ from er_ros_common.builders import Tick
 from er_ros_common.clock import from_stamp
 from er_ros_common.core import Said, When
 from er_ros_common.stamps import StampLimits, StampState, check_stamp
+from er_ros_common.stuck import ACCELERATION, Watched, check
 
 from er_damper_msgs.msg import DamperForce
 from er_observers.feed import Feed, Joined, Motion, on_duty, on_motion
@@ -22,7 +23,7 @@ from er_observers.gains import Gains
 from er_observers.observers import nlpv_gridding, nlpv_polytopic, unified
 from er_observers.observers import runtime as observer
 from er_observers.observers.ready import ready
-from er_observers.observers.status import Status
+from er_observers.observers.status import LIMITS, Status
 from er_observers.settings import ObserverParameters
 from er_ros_common import builders, topics
 
@@ -44,7 +45,8 @@ class State(NamedTuple):
     """What waits for its other half, checks of stamps, the observer's state (None before a sample).
 
     base: stamp of the first sample [ns]; last: the one estimated last, heard: when [ns, steady]; unusable:
-    samples that were not valid; silent: whether it was said that samples stay away.
+    samples that were not valid; silent, held: whether it was said that samples stay away, or that the last
+    estimate is held; watched: whether a sensor is stuck.
     """
 
     feed: Feed = Feed()
@@ -55,6 +57,8 @@ class State(NamedTuple):
     heard: int = 0
     unusable: int = 0
     silent: bool = False
+    held: bool = False
+    watched: Watched = Watched()
 
 
 class ObserverCore:
@@ -94,20 +98,31 @@ class ObserverCore:
         if not verdict.use:
             return state, []
         # values that are not valid are bridged
-        good = message.valid and math.isfinite(message.sprung) and math.isfinite(message.unsprung)
-        values = (message.sprung, message.unsprung) if good else (math.nan, math.nan)
+        read = (message.sprung, message.unsprung)
+        watched, stuck = check(state.watched, read, ACCELERATION, stamp)
+        good = message.valid and all(map(math.isfinite, read)) and not stuck
+        values = read if good else (math.nan, math.nan)
         feed, joined = on_motion(state.feed, Motion(stamp, seq, *values))
-        state = state._replace(feed=feed, unusable=state.unusable + (not good))
+        state = state._replace(feed=feed, watched=watched, unusable=state.unusable + (not good))
         return self._estimated(state, joined, when)
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
-        """Say once that the estimate is no longer valid when the samples stay away."""
+        """Say once that the last estimate is held, and once that it is no longer valid, when the samples stay away."""
         if not state.heard or state.silent:
             return state, []
-        if 1e-9 * (when.steady - state.heard) <= self.p.timeout:
-            return state, []
+        away = 1e-9 * (when.steady - state.heard)
+        if away <= self.p.timeout:
+            said = [] if state.held or away <= LIMITS.bridge else self._held(state)
+            return state._replace(held=state.held or bool(said)), said
         lost = builders.damper_force(state.last, 0.0, status=DamperForce.STATUS_LOST, valid=False)
         return state._replace(silent=True), [(self.topic, lost)]
+
+    def _held(self, state: State) -> list[Said]:
+        """The last estimate once more, degraded."""
+        if state.mind is None or state.mind.estimate.status is Status.INVALID:
+            return []
+        e = state.mind.estimate._replace(status=Status.DEGRADED)
+        return [(self.topic, _message(state.last, e))]
 
     def _estimated(
         self, state: State, joined: list[Joined], when: When
@@ -125,7 +140,7 @@ class ObserverCore:
                 mind, estimate = observer.step(self.gains, state.mind, sample)
             last = Tick(*motion[:2])
             state = state._replace(
-                mind=mind, base=base, last=last, heard=when.steady, silent=False
+                mind=mind, base=base, last=last, heard=when.steady, silent=False, held=False
             )
             said.append((self.topic, _message(last, estimate)))
         return state, said

@@ -30,7 +30,8 @@ GAIN_INFO = topics.Topic(
     0.0,
     *(topics.STATUS.publisher,) * 2,
 )
-WATCH_PERIOD = 0.05
+WATCH_PERIOD = 0.01
+"""How often the silence of the inputs is looked at [s]."""
 
 
 class ObserverNode(ManagedNode):

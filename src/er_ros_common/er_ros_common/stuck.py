@@ -1,0 +1,63 @@
+"""Sensors that say the same number again and again, bit for bit, while they should not. Pure.
+
+A field is stuck when it has not changed for `AFTER` while another field of its message did, most of the time; or when
+nothing of the message changed although a value says that something moves. A sensor whose resolution is coarser than
+the noise of what it measures repeats itself too, and is told as stuck where the other field moves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+AFTER = 100_000_000
+"""Time without any change that is not chance: 20 samples at 200 Hz [ns]."""
+SHARE = 0.5
+"""Part of that time's samples in which another field changed."""
+
+
+ACCELERATION = (0.2, 0.2)
+"""Four times the noise that the observers allow an accelerometer [m/s2]."""
+DEFLECTION = (math.inf, 0.01)
+"""Any deflection may stay; a velocity above this may not [m, m/s]."""
+
+
+class Watched(NamedTuple):
+    """Last values; for each: stamp of its last change [ns], samples since, those in which another one changed."""
+
+    values: tuple[float, ...] = ()
+    since: tuple[int, ...] = ()
+    same: tuple[int, ...] = ()
+    others: tuple[int, ...] = ()
+
+
+def check(
+    state: Watched, values: Sequence[float], resting: Sequence[float], stamp: int
+) -> tuple[Watched, bool]:
+    """Whether any field is stuck at this stamp [ns].
+
+    Args:
+        state: after the sample before; `Watched()` at the start.
+        values: of the fields of one message (n,).
+        resting: magnitude of each up to which standing still explains it (n,); inf where any constant does.
+        stamp: of the message [ns].
+    """
+    now = tuple(values)
+    if len(state.values) != len(now) or stamp <= max(state.since):
+        n = len(now)
+        return Watched(now, (stamp,) * n, (0,) * n, (0,) * n), False
+    changed = [
+        a != b and not (math.isnan(a) and math.isnan(b))
+        for a, b in zip(now, state.values, strict=True)
+    ]
+    moved = sum(changed)
+    since, same, others = list(state.since), list(state.same), list(state.others)
+    for i, each in enumerate(changed):
+        since[i] = stamp if each else since[i]
+        same[i] = 0 if each else same[i] + 1
+        others[i] = 0 if each else others[i] + (moved > 0)
+    long = [stamp - since[i] >= AFTER for i in range(len(now))]
+    one = any(long[i] and others[i] >= SHARE * same[i] for i in range(len(now)))
+    everything = all(long) and any(abs(v) > r for v, r in zip(now, resting, strict=True))
+    return Watched(now, tuple(since), tuple(same), tuple(others)), one or everything
