@@ -151,10 +151,11 @@ def test_the_duty_applied_answers_the_sample_before(run: Run) -> None:
     behind = np.array([m.seq - m.command_seq for m in applied])
     assert len(applied) > 0.95 * (SECONDS - WARM_UP) * RATE
     assert np.median(behind) == 1
-    commands = {m.seq: m.duty for m in run.messages["/pwm/command"]}
-    assert all(
-        m.duty == min(commands[m.command_seq], 0.3) for m in applied if m.command_seq in commands
-    )
+    # one sample may be answered twice: the safe duty follows where the next ones stay away
+    commands: dict[int, set[float]] = {}
+    for m in run.messages["/pwm/command"]:
+        commands.setdefault(m.seq, set()).add(min(m.duty, 0.3))
+    assert all(m.duty in commands[m.command_seq] for m in applied if m.command_seq in commands)
 
 
 def test_the_controller_switches(run: Run) -> None:
@@ -214,7 +215,7 @@ def test_definitions_in_the_recording_keep_their_units(run: Run, tmp_path: Path)
     assert abs(last.deflection) < 0.02
 
 
-OF_LOAD = {"rate", "stale stamps", "lost messages", "status"}
+OF_LOAD = {"rate", "stale stamps", "lost messages", "status", "timing", "stamps", "input rate"}
 """What a machine too busy for 200 Hz does to a graph, and the doctor rightly reports."""
 
 
