@@ -40,6 +40,10 @@ Data = Annotated[
 ModelFile = Annotated[
     Path, typer.Option("--model", help="Model file (YAML), e.g. config/dampers/inove_guo.yaml.")
 ]
+ModelFiles = Annotated[
+    list[Path],
+    typer.Option("--model", help="Model file (YAML); repeatable, further ones are set beside it."),
+]
 Json = Annotated[
     Path | None, typer.Option("--json", help="Write the machine-readable result here.")
 ]
@@ -111,7 +115,7 @@ def check(
 @app.command()
 def compare(
     data: Data,
-    model: ModelFile,
+    model: ModelFiles,
     json_file: Json = None,
     report: Report = None,
     hold_out: HoldOut = None,
@@ -120,11 +124,12 @@ def compare(
     seed: Seed = 0,
     anyway: Anyway = False,
 ) -> None:
-    """Predict and compare: errors, and where the model fails."""
+    """Predict and compare: errors, and where the model fails; several models side by side."""
     from er_model_lab import commands, vehicle
 
     def work() -> Outcome:
-        asked = _asked(data, model, seed, hold_out, effects_from, level, anyway)
+        asked = _asked(data, model[0], seed, hold_out, effects_from, level, anyway)
+        asked = replace(asked, rivals=tuple(model[1:]))
         return vehicle.compare(asked) if level == "vehicle" else commands.compare(asked)
 
     _run(work, json_file, report)

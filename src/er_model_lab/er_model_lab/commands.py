@@ -40,6 +40,7 @@ from er_model_lab.present import (
 from er_model_lab.record import Record, originals
 from er_model_lab.resume import Begun, finished, marked, resume
 from er_model_lab.rule import RULE, Rule
+from er_model_lab.side_by_side import Rival, fitted_to, names, overlaid, table
 from er_model_lab.study import (
     Study,
     Tick,
@@ -62,7 +63,8 @@ class Request:
     """What every command is asked: data, data that only score (may be empty), model file and seed.
 
     effects_from: Python files with the user's own effects; rule: when an effect is worth a name;
-    level: damper or vehicle; anyway: whether data that fail the preflight are used all the same.
+    level: damper or vehicle; anyway: whether data that fail the preflight are used all the same;
+    rivals: further models for `compare`.
     """
 
     data: list[Path]
@@ -73,6 +75,7 @@ class Request:
     rule: Rule = RULE
     level: str = "damper"
     anyway: bool = False
+    rivals: tuple[Path, ...] = ()
 
     @property
     def catalogue(self) -> Catalogue:
@@ -82,6 +85,10 @@ class Request:
     def model(self) -> Model:
         """The model as its file has it."""
         return load_model(self.model_file, self.catalogue)
+
+    def others(self) -> list[tuple[Path, Model]]:
+        """Further models to compare with it."""
+        return [(path, load_model(path, self.catalogue)) for path in self.rivals]
 
 
 @dataclass(frozen=True)
@@ -162,7 +169,29 @@ def compare(ask: Request) -> Outcome:
         records=views(problem, problem.force - given, None), regions=tables, notes=notes,
         provenance=provenance(records, model, ask),
     )  # fmt: skip
-    return Outcome(clean(result), view, None, problem.complete)
+    data = fingerprint(originals(records))
+    rivals = [Rival(model, str(ask.model_file), view.records, fitted_to(model, data), tables)]
+    for path, other in ask.others():
+        own, _ = open_problem(records, other, sealed)
+        left = as_given(other, own)
+        regions = region_tables(own, left, ask.seed, noise)
+        seen = views(own, own.force - left, None)
+        rivals.append(Rival(other, str(path), seen, fitted_to(other, data), regions))
+    view = beside(view, rivals, floor.floor, ask.seed)
+    return Outcome(dict(view.result), view, None, problem.complete)
+
+
+def beside(view: View, rivals: list[Rival], floor: float, seed: int) -> View:
+    """The view of the first of several models with the others beside it, and with each one's history."""
+    result = {**view.result, "history": [dict(h) for h in rivals[0].model.history]}
+    if len(rivals) == 1:
+        return replace(view, result=clean(result))
+    result["models"] = table(rivals, floor, seed)
+    called = names(rivals)
+    return replace(
+        view, result=clean(result), records=overlaid(rivals),
+        rival_regions=tuple(zip(called, (r.regions for r in rivals), strict=True)),
+    )  # fmt: skip
 
 
 def diagnose(ask: Request, tick: Tick | None = None) -> Outcome:
@@ -269,6 +298,7 @@ def _outcome(
     if study.long is not None:
         result["long"] = study.long
     origin = provenance(records, study.model, ask)
+    result["history"] = [dict(h) for h in model.history]
     tables = study_regions(study, ask.seed)
     result["regions"], result["worst"] = regions_json(tables), worst(tables)
     result["preflight"] = preflight(

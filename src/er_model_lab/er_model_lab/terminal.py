@@ -14,6 +14,8 @@ from rich.text import Text
 from er_model_lab.report.plain import BLOCK, PLUS_MINUS, Pen
 from er_model_lab.report.ranking import effect_size, largest, limit, ranked
 from er_model_lab.report.regions import worst
+from er_model_lab.report.sections.history import change, fall
+from er_model_lab.report.sections.models import against
 from er_model_lab.report.units import gain, newtons, parameter, percent, short, where
 from er_model_lab.report.words import joined, title_of, verdict_sentence, verdict_title
 from er_model_lab.terminal_parameters import parameter_lines
@@ -25,6 +27,7 @@ WIDTH = 100
 MOST_CANDIDATES = 6
 MOST_STEPS = 5
 MOST_NOTES = 1
+MOST_MODELS = 10
 LEAST_ROOM = 18
 """Columns below which the table goes without parameters."""
 
@@ -83,7 +86,7 @@ class Summary:
         plain = not console.is_terminal or options.ascii_only
         pen = Pen(min(WIDTH, options.max_width), plain=plain)
         parts = (
-            _head, preflight_lines, parameter_lines, plan_lines, _candidates, _alternatives, _steps, _regions,
+            _head, _models, preflight_lines, parameter_lines, plan_lines, _candidates, _alternatives, _steps, _regions,
             _next, _notes,
         )  # fmt: skip
         lines = [line for part in parts for line in part(self.view, pen)]
@@ -105,6 +108,34 @@ def _head(view: View, pen: Pen) -> Iterator[RenderableType]:
     said = [f"{name} {short(value)}" for name, value in values.items() if value is not None]
     if said:
         yield pen.line(pen.cut(f"noise by {', '.join(said)} N", pen.width), "dim")
+
+
+def _models(view: View, pen: Pen) -> Iterator[RenderableType]:
+    """Several models side by side; of one, what its file tells of how it was made."""
+    entries = list(view.result.get("models") or ())
+    if not entries:
+        made = [f"{change(view, e)} {fall(e)}".strip() for e in view.result.get("history") or ()]
+        if made and view.command == "compare":
+            yield pen.line(pen.cut(f"history: {'; '.join(made)}", pen.width), "dim")
+        return
+    rows = [
+        [
+            pen.cut(e["model"], pen.width - 52), pen.safe(newtons(e["rmse"])), pen.safe(percent(e["nrmse"])),
+            pen.safe("" if k == 0 else against(e)), "fitted here" if e["fitted_to_these_data"] else "",
+        ]
+        for k, e in enumerate(entries[:MOST_MODELS])
+    ]  # fmt: skip
+    yield pen.line("")
+    head = [
+        ("model", ""),
+        ("rms", "right"),
+        ("NRMSE", "right"),
+        ("against the first (90 %)", ""),
+        ("", ""),
+    ]
+    yield pen.table(head, rows)
+    if len(entries) > MOST_MODELS:
+        yield pen.line(f"{len(entries) - MOST_MODELS} more models in the report", "dim")
 
 
 def _candidates(view: View, pen: Pen) -> Iterator[RenderableType]:

@@ -9,10 +9,12 @@ from er_models.model import Array, Model
 from er_models.simulate import simulate
 from scipy.optimize import least_squares
 
-from er_model_lab.commands import Outcome, Request, provenance, read
+from er_model_lab.commands import Outcome, Request, beside, provenance, read
+from er_model_lab.load import fingerprint
 from er_model_lab.prepare import WARM_UP, white_noise
 from er_model_lab.present import clean, headline
 from er_model_lab.record import Record
+from er_model_lab.side_by_side import Rival, fitted_to
 from er_model_lab.view import RecordView, View
 
 OUTPUTS = ("damper_force", "deflection", "sprung_acceleration", "unsprung_acceleration")
@@ -44,7 +46,13 @@ def compare(ask: Request) -> Outcome:
         records=tuple(_view(r, p) for r, p in runs), notes=tuple(result["notes"]),
         provenance=provenance(records, model, ask),
     )  # fmt: skip
-    return Outcome(clean(result), view, None, bool(result["complete"]))
+    data = fingerprint(records)
+    rivals = [Rival(model, str(ask.model_file), view.records, fitted_to(model, data))]
+    for path, other in ask.others():
+        seen = tuple(_view(r, _predict(other, r)) for r in records)
+        rivals.append(Rival(other, str(path), seen, fitted_to(other, data)))
+    view = beside(view, rivals, floor, ask.seed)
+    return Outcome(dict(view.result), view, None, bool(result["complete"]))
 
 
 def _predict(model: Model, record: Record) -> dict[str, Array]:

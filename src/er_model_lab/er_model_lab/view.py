@@ -14,7 +14,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class RecordView:
-    """One record: all arrays (n,), SI; `before` is the model as given and refitted, `after` with what was added."""
+    """One record: all arrays (n,), SI; `before` is the model as given and refitted, `after` with what was added.
+
+    others: name and prediction (n,) of further models that are compared with the first.
+    """
 
     name: str
     t: Array
@@ -26,6 +29,7 @@ class RecordView:
     after: Array | None
     scored: NDArray[np.bool_]
     held_out: NDArray[np.bool_]
+    others: tuple[tuple[str, Array], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -105,7 +109,7 @@ class View:
 
     headline: one line in newtons; result: the contract's JSON; regions: where it fails; candidates best
     first; steps: the falling error; notes: what was repaired, derived or left out; programs: planned ones,
-    the proposed one first.
+    the proposed one first; rival_regions: of several models that are compared, name and where each fails.
     """
 
     command: str
@@ -118,3 +122,4 @@ class View:
     notes: tuple[str, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
     programs: tuple[ProgramView, ...] = ()
+    rival_regions: tuple[tuple[str, tuple[RegionTable, ...]], ...] = ()

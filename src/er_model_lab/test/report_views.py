@@ -101,6 +101,21 @@ FLOORS: dict[str, object] = {
     "bound": {"value": 0.2, "sd": None, "says": "what trees and filters cannot explain"},
 }
 
+HISTORY = [
+    {
+        "added": ["coulomb_friction"], "verdict": "missing_effect", "records": ["r"], "data": "abc", "seed": 1,
+        "rmse_held_out": {"before": 0.5, "after": 0.2}, "noise_floor": 0.19, "from": "inove_guo",
+    },
+]  # fmt: skip
+MODELS = [
+    {
+        "model": name, "model_file": f"{name}.yaml", "rmse": rmse, "nrmse": 0.03, "explainable": 0.5,
+        "against_first": {"change": rmse - 0.6, "band": [rmse - 0.62, rmse - 0.58]}, "effects": ["passive"],
+        "rmse_by_record": {"record_1": rmse, "record_2": rmse}, "fitted_to_these_data": name == "new",
+    }
+    for name, rmse in (("inove_guo", 0.6), ("new", 0.2))
+]  # fmt: skip
+
 PREFLIGHT: dict[str, object] = {
     "passed": False,
     "findings": [

@@ -20,7 +20,17 @@ from er_model_lab.report.sections import SECTIONS
 from er_model_lab.view import View
 from er_models.errors import InputError
 from PIL import Image
-from report_views import IDENTIFIED, PLANNED, PREFLIGHT, compared, empty, program, view
+from report_views import (
+    HISTORY,
+    IDENTIFIED,
+    MODELS,
+    PLANNED,
+    PREFLIGHT,
+    compared,
+    empty,
+    program,
+    view,
+)
 
 VOID = {"meta", "img", "br", "link", "input", "hr"}
 LOADING = {"src", "href", "srcset", "action", "data", "poster", "formaction"}
@@ -157,7 +167,13 @@ def test_all_sections_appear_with_their_data() -> None:
     }
     groups = [["coulomb_friction", "shear_thinning"]]
     full = view(
-        alternatives=groups, unexplained=rest, preflight=PREFLIGHT, **IDENTIFIED, **PLANNED
+        alternatives=groups,
+        unexplained=rest,
+        preflight=PREFLIGHT,
+        history=HISTORY,
+        models=MODELS,
+        **IDENTIFIED,
+        **PLANNED,
     )
     assert sections_of(full) == {make.__module__.rsplit(".", 1)[1] for make in SECTIONS}
 

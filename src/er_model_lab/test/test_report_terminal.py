@@ -10,7 +10,19 @@ import pytest
 from er_model_lab.report.words import TITLES
 from er_model_lab.terminal import summary
 from er_model_lab.view import View
-from report_views import IDENTIFIED, PLANNED, TABLES, card, compared, empty, entry, table, view
+from report_views import (
+    HISTORY,
+    IDENTIFIED,
+    MODELS,
+    PLANNED,
+    TABLES,
+    card,
+    compared,
+    empty,
+    entry,
+    table,
+    view,
+)
 from rich.console import Console
 from rich.text import Text
 
@@ -117,6 +129,15 @@ def test_what_cannot_be_told_apart_is_said_with_the_experiment() -> None:
 @pytest.mark.parametrize("verdict", list(TITLES))
 def test_every_verdict_stands_in_the_first_line(verdict: str) -> None:
     assert TITLES[verdict] in printed(view(verdict=verdict)).splitlines()[0]
+
+
+def test_models_stand_side_by_side_and_one_model_tells_its_history() -> None:
+    base = compared()
+    both = printed(replace(base, result={**base.result, "models": MODELS}))
+    rows = [" ".join(line.split()) for line in both.splitlines()]
+    assert "new 0.200 N 3.0 % -0.400 N (-0.420 to -0.380) fitted here" in rows
+    made = printed(replace(base, result={**base.result, "history": HISTORY}))
+    assert "history: + Coulomb friction 0.500 N -> 0.200 N" in made
 
 
 def test_what_no_record_can_show_is_said() -> None:

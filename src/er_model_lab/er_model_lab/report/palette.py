@@ -13,6 +13,9 @@ FLOOR = "#009e73"
 HELD_OUT = "#f2e2a0"
 RESIDUAL = "#9aa5b1"
 
+MODELS: tuple[str, ...] = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+"""Colours of models that are set side by side, in their order."""
+
 STATUS: dict[str, str] = {
     "present": "#0072b2",
     "confounded": "#e69f00",

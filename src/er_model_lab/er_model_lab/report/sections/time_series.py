@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from er_model_lab.report.figure import Axis, Band, Figure, Label, Line, Mark, Panel, Spans
-from er_model_lab.report.palette import AFTER, BEFORE, FLOOR, HELD_OUT, MEASURED, MUTED
+from er_model_lab.report.palette import AFTER, BEFORE, FLOOR, HELD_OUT, MEASURED, MODELS, MUTED
 from er_model_lab.report.section import Section
 from er_model_lab.report.thin import end_to_end, stretches, timeline, worst_stretch
 from er_model_lab.report.units import newtons, short
@@ -86,13 +86,18 @@ def _figure(
     view: View, chart: Chart, held: list[Mark], start: tuple[float, float], words: str
 ) -> Figure:
     """Four linked panels: force, residual, velocity, duty."""
-    before = "model before" if chart.both else "model"
+    others = [name for name, _ in chart.records[0].others]
+    before = "model before" if chart.both else view.model if others else "model"
     force = chart.curve(lambda r: r.measured, "measured", MEASURED, 1.1)
     force += chart.curve(lambda r: r.before, before, BEFORE)
     left = chart.curve(lambda r: r.measured - r.before, before, BEFORE)
     if chart.both:
         force += chart.curve(lambda r: r.after, "model after", AFTER)
         left += chart.curve(_left_after, "model after", AFTER)
+    for k, name in enumerate(others):
+        colour = MODELS[(k + 1) % len(MODELS)]
+        force += chart.curve(lambda r, k=k: r.others[k][1], name, colour)  # type: ignore[misc]
+        left += chart.curve(lambda r, k=k: r.measured - r.others[k][1], name, colour)  # type: ignore[misc]
     velocity = chart.curve(lambda r: 1e3 * r.velocity, "", MUTED, 1.0)
     duty = chart.curve(lambda r: r.duty, "", MUTED, 1.2)
     span = Axis(span=start)
