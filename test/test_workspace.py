@@ -108,6 +108,7 @@ def test_help_names_every_command_in_one_line_each(args: list[str]) -> None:
         "inject",
         "replay",
         "synth",
+        "control",
         "bench",
     ]
     assert rows == [*wanted, "exec", "help"]

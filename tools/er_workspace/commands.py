@@ -56,6 +56,11 @@ COMMANDS: dict[str, tuple[str, str, str | None]] = {
         "er_bringup.replay",
     ),
     "synth": ("[ARGS]", "compute observer and controller gains", "er_bringup.synth"),
+    "control": (
+        "COMMAND ...",
+        "compare the controllers in closed loop, with faults",
+        "er_bringup.control",
+    ),
     "bench": ("[ARGS]", "measure speed and latency", "er_bringup.bench"),
     "exec": ("PROGRAM [ARGS]", "any program in the workspace's environment", None),
     "help": ("", "this list", None),

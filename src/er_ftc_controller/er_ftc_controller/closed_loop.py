@@ -12,7 +12,7 @@ from er_models.model import Array, Model
 from er_models.simulate import Output, initial_state, prepare
 from er_models.simulate import step as step_plant
 
-from er_ftc_controller.control import Faults, Sample
+from er_ftc_controller.control import Faults, Mode, Sample
 from er_ftc_controller.rivals import Law
 
 FAULTS = ("electrical_fault", "oil_leakage", "duct_deformation")
@@ -52,7 +52,7 @@ class Watch(NamedTuple):
 
 COLUMNS = (
     "t", "road", "deflection", "deflection_velocity", "sprung_acceleration", "tyre_deflection",
-    "damper_force", "duty", "wanted", "given", "rho", "safe", "adapted",
+    "damper_force", "duty", "wanted", "given", "rho", "safe", "adapted", "meant_deflection", "meant_velocity",
 )  # fmt: skip
 
 
@@ -94,7 +94,7 @@ def drive(
         if k > 0:
             state, out = step_plant(plant, state, (height, told_duty))
         seen = _seen(out, noise[k])
-        sample = Sample(seen[2], seen[3], seen[0], seen[4], told_duty)
+        sample = Sample(seen[2], seen[3], seen[0], seen[1], duty=told_duty)
         mind, command = law.step(mind, t, sample)
         pending = [*pending[1:], command.duty]
         told_duty = pending[0] if sensors.latency else command.duty
@@ -104,7 +104,7 @@ def drive(
         rows.append((
             t, height, out.deflection, out.deflection_velocity, out.sprung_acceleration, float(state.q[2]),
             out.damper_force, told_duty, command.wanted, command.given, command.rho,
-            command.mode.value == "safe", command.mode.value == "fault_tolerant",
+            command.mode is Mode.SAFE, command.mode is Mode.FAULT_TOLERANT, command.x, command.v,
         ))  # fmt: skip
         left.append(true_factors(car, t))
         believed.append(command.left)

@@ -59,6 +59,7 @@ class Rules:
     fault_age: float = 0.5
     least_left: float = 0.05
     restore: float = 0.0
+    ahead: float = 0.0
     adapt: bool = True
 
     def __post_init__(self) -> None:
@@ -85,11 +86,12 @@ class Ftc:
 
 
 class Sample(NamedTuple):
-    """Deflection [m], its velocity [m/s]; sprung acceleration [m/s2], force [N], duty that acted: NaN for none."""
+    """Deflection [m], its velocity [m/s]; both accelerations [m/s2], force [N], duty that acted: NaN for none."""
 
     deflection: float
     velocity: float
     sprung_acceleration: float = math.nan
+    unsprung_acceleration: float = math.nan
     force: float = math.nan
     duty: float = math.nan
 
@@ -106,7 +108,10 @@ class Faults(NamedTuple):
 
 
 class Command(NamedTuple):
-    """Duty [1]; its mode and why; force asked for and nearest that can be given [N]; rho; the factors in use."""
+    """Duty [1]; its mode and why; force asked for and nearest that can be given [N]; rho; the factors in use.
+
+    x, v: the motion the force is meant for [m, m/s].
+    """
 
     duty: float
     mode: Mode
@@ -115,6 +120,8 @@ class Command(NamedTuple):
     given: float
     rho: float
     left: tuple[float, float, float]
+    x: float = 0.0
+    v: float = 0.0
 
 
 HEALTHY = (1.0, 1.0, 1.0)
@@ -197,20 +204,32 @@ def _aged(p: Ftc, state: State, t: float) -> tuple[State, float]:
 
 
 def _usable(p: Ftc, sample: Sample) -> bool:
-    """Whether deflection and velocity are numbers within belief; comparisons with NaN are false."""
+    """Whether deflection and velocity are numbers within belief."""
+    return _believed(p, sample.deflection, sample.velocity)
+
+
+def _believed(p: Ftc, x: float, v: float) -> bool:
+    """Whether a motion is within belief; comparisons with NaN are false."""
     far, fast = p.rules.believed
-    return abs(sample.deflection) <= far and abs(sample.velocity) <= fast
+    return abs(x) <= far and abs(v) <= fast
 
 
 def _controlled(p: Ftc, state: State, sample: Sample, dt: float) -> State:
     """Controller and force loop one sample on."""
     left, (x, v) = Factors(*state.left), sample[:2]
-    control, asked = lpv.step(p.law, state.control, x, v, left, p.rules.restore)
     loop = state.loop._replace(duty=state.command.duty)
     motion = Motion(x, v, _force(p, sample), sample.duty)
     loop = force_loop.follow(p.loop, loop, motion, dt, left)
-    loop, _ = force_loop.duty_for(p.loop, loop, asked.given - asked.passive, dt, left)
-    command = state.command._replace(wanted=asked.wanted, given=asked.given, rho=asked.rho)
+    rate = sample.sprung_acceleration - sample.unsprung_acceleration
+    then = force_loop.ahead(x, v, rate, p.rules.ahead)
+    if not _believed(p, *then):
+        then = (x, v)
+    control, asked = lpv.step(p.law, state.control, x, then, left, p.rules.restore)
+    gate = float(p.loop.damper.gate(*then))  # type: ignore[arg-type]
+    loop, _ = force_loop.duty_for(p.loop, loop, asked.given - asked.passive, gate, dt, left)
+    command = state.command._replace(
+        wanted=asked.wanted, given=asked.given, rho=asked.rho, x=then[0], v=then[1]
+    )
     return state._replace(control=control, loop=loop, command=command)
 
 

@@ -30,18 +30,19 @@ class ForceLoop:
 
     horizon: within which the force is to be reached [s], infinite for the inverse static model. correction: share of
     the difference to an estimated force that is taken over at each sample. latency: from a sample to its duty [s].
-    dead_zone: duties below it are the least one. least_gate: below this |s| no duty makes a force, the last one stays.
+    dead_zone: duties below it are the least one. least_gate: a smaller |s| is
+    taken for it, since what no duty can make must not ask for all of it.
     """
 
     damper: StaticDamper
     tau: float
     duties: tuple[float, float]
     horizon: float = 0.01
-    correction: float = 0.3
+    correction: float = 0.0
     latency: float = 0.0
     slew: float = math.inf
     dead_zone: float = 0.0
-    least_gate: float = 0.2
+    least_gate: float = 0.4
 
     def __post_init__(self) -> None:
         low, high = self.duties
@@ -95,20 +96,30 @@ def follow(p: ForceLoop, state: LoopState, m: Motion, dt: float, left: Factors) 
     return LoopState(min(max(force, -most), most), gate, state.duty)
 
 
+def ahead(x: float, v: float, rate: float, time: float) -> tuple[float, float]:
+    """Deflection [m] and velocity [m/s] a time [s] later; rate: of the velocity [m/s2], 0 where it is no number."""
+    a = rate if math.isfinite(rate) else 0.0
+    return x + time * (v + 0.5 * time * a), v + time * a
+
+
 def duty_for(
-    p: ForceLoop, state: LoopState, wanted: float, dt: float, left: Factors
+    p: ForceLoop, state: LoopState, wanted: float, gate: float, dt: float, left: Factors
 ) -> tuple[LoopState, float]:
-    """Duty for a yield force [N] after `follow`, within all limits; dt [s]: since the duty before."""
-    full, (low, high) = float(p.damper.height(1.0, left)) * state.gate, p.duties
-    if abs(state.gate) <= p.least_gate or full == 0.0:
-        duty = min(max(state.duty, low), high)
-        return state._replace(duty=duty), duty
-    begin = respond(
-        p.tau, state.force, float(p.damper.height(state.duty, left)) * state.gate, p.latency
-    )
-    kept = kept_after(p.tau, p.horizon)
-    share = max((wanted - kept * begin) / (1.0 - kept) / full, 0.0)
-    duty = min(max(min(share, 1.0) ** (1.0 / p.damper.beta), low), high)
+    """Duty for a yield force [N] after `follow`, within all limits.
+
+    gate: s of the motion while the duty will act. dt [s]: since the duty before.
+    """
+    low, high = p.duties
+    strength = float(p.damper.height(1.0, left))
+    if gate == 0.0 or strength == 0.0:
+        duty = low
+    else:
+        full = strength * math.copysign(max(abs(gate), p.least_gate), gate)
+        goal = float(p.damper.height(state.duty, left)) * gate
+        kept = kept_after(p.tau, p.horizon)
+        missing = wanted - kept * respond(p.tau, state.force, goal, p.latency)
+        share = max(missing / (1.0 - kept) / full, 0.0)
+        duty = min(max(min(share, 1.0) ** (1.0 / p.damper.beta), low), high)
     if duty < p.dead_zone:
         duty = low
     room = p.slew * dt

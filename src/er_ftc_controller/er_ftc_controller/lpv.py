@@ -1,9 +1,12 @@
 r"""One sample of the fault-tolerant LPV controller: from deflection, its velocity and known faults to a force.
 
-.. math::  u_{er} = C(\rho) x_c, \quad x_c^+ = A(\rho) x_c + B(\rho) z_{def}, \quad \rho^+ = \rho(\varepsilon)
+.. math::  u_{er} = C(\rho) x_c, \quad x_c^+ = A(\rho) x_c + B(\rho) z_{def} + E(\rho) (F_d^\perp - F_d), \quad
+           \rho^+ = \rho(\varepsilon)
 
 A, B, C are straight lines in rho between the exactly discretised vertices, which is what the certificate proves
-for a rho that jumps at will. rho is that of the sample before: the force depends on it, and it on the force.
+for a rho that jumps at will. rho is that of the sample before: the force depends on it, and it on the force. E is
+anti-windup: the controller is told the force that is given, for alone it is not stable (a pole at +0.9 1/s at the
+least rho); within the domain it changes nothing.
 
 Source: thesis (6.14)-(6.17), (6.27). The duty for the force: `er_ftc_controller.force_loop`.
 """
@@ -20,15 +23,19 @@ from er_models.static_damper import StaticDamper
 
 from er_ftc_controller.gains import Loaded
 from er_ftc_controller.schedule import Schedule, project, scheduling
-from er_ftc_controller.synthesis.certificate import SAMPLE, sampled_controller
+from er_ftc_controller.synthesis.certificate import SAMPLE, sampled_controller, sampled_force
 
 
 @dataclass(frozen=True, eq=False)
 class Lpv:
-    """Vertices at least and greatest rho: A (2, n, n), B (2, n) of 1 m, C (2, n) in N; damper, duties, schedule."""
+    """Vertices at least and greatest rho: A (2, n, n), B (2, n) of 1 m, C (2, n) in N; damper, duties, schedule.
+
+    E (2, n) of 1 N: of a force beyond the one asked for.
+    """
 
     A: Array
     B: Array
+    E: Array
     C: Array
     damper: StaticDamper
     duties: tuple[float, float]
@@ -56,10 +63,20 @@ def controller(
 ) -> Lpv:
     """The controller of a proved gain file at 200 Hz; mu [N]: dead zone of rho."""
     plant, (low, high) = loaded.plant, loaded.plant.weights.rho
-    sampled = [sampled_controller(k, SAMPLE * plant.rate) for k in loaded.solution.vertices]
+    step = SAMPLE * plant.rate
+    sampled = [sampled_controller(k, step) for k in loaded.solution.vertices]
+    E = np.array([sampled_force(plant, k, step)[:, 0] for k in loaded.solution.vertices])
     A, B, C = (np.array(parts) for parts in zip(*sampled, strict=True))
     road = plant.weights.road
-    return Lpv(A, B[:, :, 0] / road, C[:, 0] * plant.unit, damper, duties, Schedule(low, high, mu))
+    return Lpv(
+        A,
+        B[:, :, 0] / road,
+        E / plant.unit,
+        C[:, 0] * plant.unit,
+        damper,
+        duties,
+        Schedule(low, high, mu),
+    )
 
 
 def start(p: Lpv) -> State:
@@ -68,18 +85,20 @@ def start(p: Lpv) -> State:
 
 
 def step(
-    p: Lpv, state: State, x: float, v: float, left: Factors, restore: float = 0.0
+    p: Lpv, state: State, x: float, then: tuple[float, float], left: Factors, restore: float = 0.0
 ) -> tuple[State, Asked]:
-    """Force for a deflection [m], its velocity [m/s], both finite, and the faults.
+    """Force for a deflection [m] and the faults, all finite.
 
-    restore: share of the passive force lost to them that the field is to give back.
+    then: deflection and velocity [m, m/s] at which the force will be made.
+    restore: share of the passive force lost to the faults that the field is to give back.
     """
     share = (state.rho - p.schedule.low) / (p.schedule.high - p.schedule.low)
-    A, B, C = ((1.0 - share) * part[0] + share * part[1] for part in (p.A, p.B, p.C))
-    at = np.array(x), np.array(v)
+    A, B, C, E = ((1.0 - share) * part[0] + share * part[1] for part in (p.A, p.B, p.C, p.E))
+    at = np.array(then[0]), np.array(then[1])
     passive = float(p.damper.passive(*at, left))
     lost = float(p.damper.passive(*at)) - passive
     wanted = passive + float(C @ state.x) + restore * lost
     given, distance = project(wanted, p.damper.domain(*at, p.duties, left))
     asked = Asked(wanted, given, passive, state.rho)
-    return State(A @ state.x + B * x, scheduling(p.schedule, distance)), asked
+    x_c = A @ state.x + B * x + E * (given - wanted)
+    return State(x_c, scheduling(p.schedule, distance)), asked

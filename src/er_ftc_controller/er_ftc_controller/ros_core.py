@@ -44,7 +44,7 @@ class State(NamedTuple):
     """
 
     mind: control.State
-    pairs: Aligner[float, tuple[float, float]]
+    pairs: Aligner[tuple[float, float], tuple[float, float]]
     waiting: tuple[tuple[int, Faults], ...]
     stamps: StampState
     last: Tick
@@ -68,7 +68,7 @@ class FtcCore:
         self.limits = StampLimits(stale=p.max_age, gap=self.controller.rules.gap)
         self.model_id, self.gains_id = model.digest(), loaded.digest
         warm = control.start(self.controller)
-        control.step(self.controller, warm, 0.0, Sample(0.0, 0.0, 0.0))
+        control.step(self.controller, warm, 0.0, Sample(0.0, 0.0, 0.0, 0.0))
 
     def start(self) -> State:
         """Before any message."""
@@ -84,7 +84,7 @@ class FtcCore:
         stamp = from_stamp(message.header.stamp)
         if topic is topics.ACCELERATION:
             # one that is not valid leaves the sample without a force, not without a duty
-            value = message.sprung if message.valid else math.nan
+            value = (message.sprung, message.unsprung) if message.valid else (math.nan, math.nan)
             pairs, pair = state.pairs.with_left(stamp, value)
         elif message.valid and message.velocity_valid:
             pairs, pair = state.pairs.with_right(stamp, (message.deflection, message.velocity))
@@ -93,7 +93,7 @@ class FtcCore:
         state = state._replace(pairs=pairs)
         if pair is None:
             return state, []
-        return self._sample(state, Tick(stamp, message.seq), Sample(*pair[1], pair[0]), when)
+        return self._sample(state, Tick(stamp, message.seq), Sample(*pair[1], *pair[0]), when)
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Go on without samples where they stay away, towards the safe duty."""

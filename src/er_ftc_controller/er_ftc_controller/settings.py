@@ -17,7 +17,6 @@ from er_ftc_controller.force_loop import ForceLoop
 from er_ftc_controller.gains import Loaded
 
 LAWS = ("fault_tolerant", "nominal")
-FORCES = ("none", "acceleration")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,24 +38,28 @@ class FtcParameters(NodeParameters):
     largest_velocity: float = param(
         REQUIRED, unit="m/s", low=1e-6, high=1e3, text="largest deflection velocity believed"
     )
-    force_source: str = param(
-        "acceleration", choices=FORCES, text="what tells the force loop the force"
-    )
     horizon: float = param(
         0.01, unit="s", low=0.0, high=10.0, text="of the force loop; 0: inverse static model"
     )
     correction: float = param(
-        0.3, low=0.0, high=1.0, text="share of the force's error taken over a sample"
+        0.0, low=0.0, high=1.0, text="share of the force's error by the accelerometer taken over"
     )
     latency: float = param(
         0.0, unit="s", low=0.0, high=0.1, text="from a sample to the duty that answers it"
+    )
+    ahead: float = param(
+        0.0025,
+        unit="s",
+        low=0.0,
+        high=0.1,
+        text="middle of the time that a duty acts, from its begin",
     )
     slew: float = param(
         0.0, unit="1/s", low=0.0, high=1e4, text="fastest change of the duty; 0: any"
     )
     dead_zone: float = param(0.0, low=0.0, high=0.5, text="duties below it become u_min")
     least_gate: float = param(
-        0.2, low=0.0, high=0.9, text="share of the yield below which the duty stays"
+        0.4, low=0.0, high=0.9, text="least |s| of the yield force that a duty is made for"
     )
     restore: float = param(
         0.0, low=0.0, high=1.0, text="share of the lost passive force that the field gives back"
@@ -92,8 +95,8 @@ def controller_of(p: FtcParameters, model: Model, loaded: Loaded) -> Ftc:
     rules = Rules(
         p.safe_duty, (p.largest_deflection, p.largest_velocity), p.timeout, p.ramp, p.recovery,
         gap=max(0.05, 2.0 * p.timeout), fade=p.fade, fault_age=p.fault_age, least_left=p.least_left,
-        restore=p.restore, adapt=p.law == "fault_tolerant",
+        restore=p.restore, ahead=p.latency + p.ahead, adapt=p.law == "fault_tolerant",
     )  # fmt: skip
     car = model.effects["quarter_car"]
-    body = (car["m_s"], car["k_s"]) if p.force_source == "acceleration" else None
+    body = (car["m_s"], car["k_s"])
     return Ftc(lpv.controller(loaded, damper, duties, p.mu), loop, rules, body)

@@ -149,7 +149,7 @@ def test_time_that_jumps_starts_afresh_and_time_that_lags_changes_nothing(p: Ftc
         after, command = control.step(p, state, t, motion(t))
         assert command.duty == pytest.approx(SAFE)
         assert after.share == 0.0
-        fresh, _ = lpv.step(p.law, lpv.start(p.law), *motion(t)[:2], Factors())
+        fresh, _ = lpv.step(p.law, lpv.start(p.law), motion(t)[0], motion(t)[:2], Factors())
         assert np.array_equal(after.control.x, fresh.x)
         _, said = ride(p, after, t + DT, 0.3)
         assert said[-1].mode is Mode.NOMINAL

@@ -7,7 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_ftc_controller.force_loop import ForceLoop, LoopState, Motion, balance, duty_for, follow
+from er_ftc_controller.force_loop import (
+    ForceLoop,
+    LoopState,
+    Motion,
+    ahead,
+    balance,
+    duty_for,
+    follow,
+)
 from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.forms.loss import Factors, damaged
@@ -50,7 +58,7 @@ def test_the_wanted_force_is_there_after_the_horizon(
 ) -> None:
     p = loop(horizon=horizon)
     gate = float(p.damper.gate(X, V))  # type: ignore[arg-type]
-    _, duty = duty_for(p, LoopState(begin, gate), wanted, 0.005, LEFT)
+    _, duty = duty_for(p, LoopState(begin), wanted, gate, 0.005, LEFT)
     assert 0.0 < duty < 1.0
     assert made(duty, begin, horizon) == pytest.approx(wanted, abs=1e-6)
 
@@ -58,7 +66,7 @@ def test_the_wanted_force_is_there_after_the_horizon(
 def test_a_latency_is_looked_over_with_the_duty_in_force() -> None:
     p = loop(latency=0.005)
     gate = float(p.damper.gate(X, V))  # type: ignore[arg-type]
-    _, duty = duty_for(p, LoopState(0.5, gate, 0.2), 2.0, 0.005, LEFT)
+    _, duty = duty_for(p, LoopState(0.5, gate, 0.2), 2.0, gate, 0.005, LEFT)
     assert made(duty, made(0.2, 0.5, p.latency), p.horizon) == pytest.approx(2.0, abs=1e-6)
 
 
@@ -97,21 +105,28 @@ def test_an_estimated_force_draws_a_wrong_one_to_itself() -> None:
 def test_limits_of_the_duty_hold_and_none_winds_up() -> None:
     gate = 1.0
     wanted = 1e3
-    assert duty_for(loop(), LoopState(0.0, gate), wanted, 0.005, LEFT)[1] == 1.0
-    assert duty_for(loop(), LoopState(0.0, gate), -wanted, 0.005, LEFT)[1] == 0.0
-    assert duty_for(loop(slew=20.0), LoopState(0.0, gate, 0.3), wanted, 0.005, LEFT)[1] == 0.4
-    assert duty_for(loop(dead_zone=0.1), LoopState(0.0, gate), 0.01, 0.005, LEFT)[1] == 0.0
-    slow = loop(least_gate=0.2)
-    assert duty_for(slow, LoopState(0.0, 0.1, 0.3), wanted, 0.005, LEFT)[1] == 0.3
-    assert duty_for(loop(), LoopState(0.0, gate, 0.3), wanted, 0.005, Factors(0.0))[1] == 0.3
-    p, state = loop(), LoopState(0.0, gate)
+    assert duty_for(loop(), LoopState(), wanted, gate, 0.005, LEFT)[1] == 1.0
+    assert duty_for(loop(), LoopState(), -wanted, gate, 0.005, LEFT)[1] == 0.0
+    assert duty_for(loop(slew=20.0), LoopState(duty=0.3), wanted, gate, 0.005, LEFT)[1] == 0.4
+    assert duty_for(loop(dead_zone=0.1), LoopState(), 0.01, gate, 0.005, LEFT)[1] == 0.0
+    weak = duty_for(loop(least_gate=0.4), LoopState(), 0.3, 0.1, 0.005, LEFT)[1]
+    assert weak == pytest.approx(duty_for(loop(), LoopState(), 0.3, 0.4, 0.005, LEFT)[1])
+    assert duty_for(loop(), LoopState(duty=0.3), wanted, 0.0, 0.005, LEFT)[1] == 0.0
+    assert duty_for(loop(), LoopState(duty=0.3), wanted, gate, 0.005, Factors(0.0))[1] == 0.0
+    p, state = loop(), LoopState(gate=float(loop().damper.gate(X, V)))  # type: ignore[arg-type]
     for _ in range(400):  # far out of reach for two seconds
         state = follow(p, state, Motion(X, V), 0.005, LEFT)
-        state, _ = duty_for(p, state, wanted, 0.005, LEFT)
+        state, _ = duty_for(p, state, wanted, state.gate, 0.005, LEFT)
     top = state.force
     assert top <= float(p.damper.height(1.0, LEFT)) * state.gate * (1.0 + 1e-9)
-    _, duty = duty_for(p, state, 0.5 * top, 0.005, LEFT)
+    _, duty = duty_for(p, state, 0.5 * top, state.gate, 0.005, LEFT)
     assert duty == 0.0  # at once, not after the excess has been unwound
+
+
+def test_the_motion_is_looked_ahead_by_the_accelerations() -> None:
+    """A constant acceleration is exact, and one that is not known costs only its own part."""
+    assert ahead(0.001, 0.2, 30.0, 0.01) == pytest.approx((0.001 + 0.002 + 0.0015, 0.5))
+    assert ahead(0.001, 0.2, math.nan, 0.01) == pytest.approx((0.003, 0.2))
 
 
 @pytest.mark.parametrize(

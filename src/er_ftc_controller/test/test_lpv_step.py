@@ -34,10 +34,10 @@ def test_the_duty_makes_the_nearest_force_of_the_faulty_damper(lpv: Lpv) -> None
     inverse = ForceLoop(lpv.damper, 0.03, lpv.duties, horizon=math.inf, least_gate=0.0)
     rhos, inside = [], 0
     for a, b in zip(x, v, strict=True):
-        state, command = step(lpv, state, float(a), float(b), LEAK)
+        state, command = step(lpv, state, float(a), (float(a), float(b)), LEAK)
         gate = float(lpv.damper.gate(a, b))
         loop, duty = duty_for(
-            inverse, LoopState(gate=gate), command.given - command.passive, 0.005, LEAK
+            inverse, LoopState(), command.given - command.passive, gate, 0.005, LEAK
         )
         assert loop.duty == duty
         force = lpv.damper.force(np.array(a), np.array(b), duty, LEAK)
@@ -54,17 +54,32 @@ def test_a_constant_deflection_ends_at_the_vertex_own_gain(lpv: Lpv) -> None:
     """Held at the greatest rho the state settles where x = A x + B y, within the interpolation's exact end."""
     n, state = lpv.A.shape[1], start(lpv)
     for _ in range(3000):
-        state, _ = step(lpv, state._replace(rho=lpv.schedule.high), 0.001, 0.0, Factors())
-    settled = np.linalg.solve(np.eye(n) - lpv.A[1], lpv.B[1] * 0.001)
+        state, asked = step(
+            lpv, state._replace(rho=lpv.schedule.high), 1e-5, (1e-5, -1.0), Factors()
+        )
+    assert asked.given == asked.wanted
+    settled = np.linalg.solve(np.eye(n) - lpv.A[1], lpv.B[1] * 1e-5)
     assert np.allclose(state.x, settled, rtol=1e-3)
+
+
+def test_a_force_that_is_not_given_does_not_wind_the_controller_up(lpv: Lpv) -> None:
+    """At the least rho it is not stable alone; at rest, where no force can be given, its state must die away."""
+    assert np.abs(np.linalg.eigvals(lpv.A[0])).max() > 1.0
+    state = start(lpv)._replace(x=np.ones(lpv.A.shape[1]))
+    for _ in range(1000):
+        state, asked = step(lpv, state._replace(rho=lpv.schedule.low), 0.0, (0.0, 0.0), Factors())
+        assert asked.given == 0.0
+    assert np.abs(state.x).max() < 1e-3
+    deaf = np.linalg.matrix_power(lpv.A[0], 1000) @ np.ones(lpv.A.shape[1])
+    assert np.abs(deaf).max() > 1.0
 
 
 def test_what_a_leak_took_of_the_passive_force_is_asked_for_again(lpv: Lpv) -> None:
     state, (x, v) = start(lpv), (0.002, 0.1)
-    _, without = step(lpv, state, x, v, LEAK)
-    _, half = step(lpv, state, x, v, LEAK, restore=0.5)
+    _, without = step(lpv, state, x, (x, v), LEAK)
+    _, half = step(lpv, state, x, (x, v), LEAK, restore=0.5)
     lost = 0.4 * float(lpv.damper.passive(np.array(x), np.array(v)))
     assert half.wanted - without.wanted == pytest.approx(0.5 * lost)
-    assert step(lpv, state, x, v, Factors(electrical=0.5), 1.0)[1].wanted == pytest.approx(
-        step(lpv, state, x, v, Factors())[1].wanted
+    assert step(lpv, state, x, (x, v), Factors(electrical=0.5), 1.0)[1].wanted == pytest.approx(
+        step(lpv, state, x, (x, v), Factors())[1].wanted
     )

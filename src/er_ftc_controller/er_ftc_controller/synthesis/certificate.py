@@ -131,6 +131,17 @@ def sampled_controller(k: Vertex, step: float) -> tuple[Array, Array, Array]:
     return whole[:n, :n], whole[:n, n:], k.C
 
 
+def sampled_force(plant: Plant, k: Vertex, step: float) -> Array:
+    """What a force held over a step, beyond the one asked for, does to the controller's state (n, 1).
+
+    V = x'P x is (x - x_c)'Y(x - x_c) + x_c' M^-1 x_c by the reconstruction: x_c stands for the plant's own state,
+    and such a force enters it as it enters the plant.
+    """
+    n = k.A.shape[0]
+    whole = expm(step * np.block([[k.A, plant.B2], [np.zeros((1, n + 1))]]))
+    return np.asarray(whole[:n, n:])
+
+
 def sampled_loop(plant: Plant, k: Vertex, sample: float) -> Array:
     """One sample [s] of car and controller (4 + n, 4 + n), force and deflection held; straight in the controller."""
     step = sample * plant.rate

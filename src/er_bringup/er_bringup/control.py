@@ -1,0 +1,134 @@
+"""``./er control``: the fault-tolerant controller in closed loop without ROS: comparison, inner loop, figures."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from er_ftc_controller.closed_loop import known
+from er_ftc_controller.compare import inner
+from er_ftc_controller.compare.run import LAWS, WatchOf, compare, run, setup
+from er_ftc_controller.compare.scenarios import Scenario, load_scenarios
+from er_ftc_controller.compare.table import markdown
+from er_models.errors import ErError, UnknownName
+from er_models.files import write_whole
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from er_bringup.up import configuration
+
+app = typer.Typer(
+    add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True, help=__doc__
+)
+WATCHES: dict[str, WatchOf] = {"known": known}
+"""Where controllers have the faults from."""
+Names = Annotated[list[str] | None, typer.Argument(help="Scenarios; all by default.")]
+From = Annotated[str, typer.Option("--faults", help=f"Whose faults: {', '.join(WATCHES)}.")]
+Seeds = Annotated[int | None, typer.Option(min=1, help="Roads of a scenario; all by default.")]
+
+
+@app.command("compare")
+def compare_command(
+    only: Names = None,
+    faults: From = "known",
+    seeds: Seeds = None,
+    out: Annotated[Path | None, typer.Option(help="Write the tables here as well.")] = None,
+) -> None:
+    """All controllers on all faults and roads of the scenarios: tables of means and paired differences."""
+    config = configuration()
+    scenarios = _scenarios(only)
+    with _progress() as tick:
+        outcomes = compare(setup(config), scenarios, _watch(faults), seeds, tick=tick)
+    text = markdown(scenarios, outcomes, faults)
+    _print(text)
+    if out is not None:
+        write_whole(out, text + "\n")
+
+
+@app.command("inner")
+def inner_command(
+    scenario: Annotated[str, typer.Argument(help="Scenario.")] = "thesis_6_4_2",
+    fault: Annotated[str, typer.Option(help="Fault of the scenario.")] = "leakage",
+    seeds: Annotated[int, typer.Option(min=1, help="Roads.")] = 3,
+) -> None:
+    """From force to duty: inverse static model and inner loop, on the car as believed and on others."""
+    (chosen,) = _scenarios([scenario])
+    if fault not in chosen.faults:
+        raise UnknownName("fault", fault, tuple(chosen.faults))
+    _print(inner.markdown(inner.rows(setup(configuration()), chosen, fault, seeds)))
+
+
+@app.command("figures")
+def figures_command(
+    folder: Annotated[Path, typer.Argument(help="Where the pictures go.")],
+    faults: From = "known",
+    fault: Annotated[str, typer.Option(help="Fault of the scenarios.")] = "leakage",
+) -> None:
+    """Figures 6.18 to 6.23 for ours: road, deflection, force and duty on the first road of each scenario."""
+    from er_ftc_controller.report.runs import runs_picture
+
+    of, watch = setup(configuration()), _watch(faults)
+    for s in _scenarios(None):
+        if fault not in s.faults:
+            raise UnknownName("fault", fault, tuple(s.faults))
+        records = {
+            name: run(of, s, fault, of.law(name, s), watch, 0)
+            for name in LAWS
+            if name != "skyhook"
+        }
+        begin, end = s.window
+        path = folder / f"{s.name}.png"
+        runs_picture(
+            path,
+            f"{s.title}: {fault}, faults {faults}",
+            records,
+            begin - 1.0,
+            min(end, begin + 3.0),
+        )
+        _print(f"wrote {path}")
+
+
+def _scenarios(only: list[str] | None) -> tuple[Scenario, ...]:
+    """Scenarios of these names, all for none."""
+    return load_scenarios(configuration() / "scenarios" / "control", only or ())
+
+
+def _watch(name: str) -> WatchOf:
+    """A source of fault estimates."""
+    if name not in WATCHES:
+        raise UnknownName("source of faults", name, tuple(WATCHES))
+    return WATCHES[name]
+
+
+def _print(text: str) -> None:
+    """For people and for files: no wrapping, no colours."""
+    Console(soft_wrap=True, markup=False, highlight=False).print(text)
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int], None] | None]:
+    """Roads done and of all, on a terminal only."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    shown = (TextColumn("roads"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*shown, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("roads", total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+def main() -> None:
+    """Run the command line; an error of the user is one line."""
+    try:
+        app(prog_name="er control")
+    except ErError as error:
+        sys.stderr.write(f"er control: {error}\n")
+        sys.exit(error.exit_status)
+
+
+if __name__ == "__main__":
+    main()
