@@ -14,6 +14,7 @@ from er_ros_common.builders import Tick
 from er_ros_common.clock import from_stamp
 from er_ros_common.core import Said, When
 from er_ros_common.stamps import StampLimits, StampState, check_stamp
+from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import FaultEstimate, PwmDuty
 from er_ftc_controller import control
@@ -40,7 +41,8 @@ _USABLE = (FaultEstimate.STATUS_OK, FaultEstimate.STATUS_DEGRADED)
 class State(NamedTuple):
     """What the controller knows; halves of samples; estimates that wait, by stamp [ns]; checks of stamps.
 
-    last: the last sample; heard: when the last usable one came [ns, steady]; base: stamp of the first one; counts.
+    last: the last sample; heard: when the last usable one came [ns, steady]; base: stamp of the first one; counts;
+    body, strut: whether a sensor is stuck.
     """
 
     mind: control.State
@@ -52,6 +54,8 @@ class State(NamedTuple):
     base: int
     unusable: int
     told: int
+    body: Watched = Watched()
+    strut: Watched = Watched()
 
 
 class FtcCore:
@@ -83,14 +87,20 @@ class FtcCore:
             return _waiting(state, message), []
         stamp = from_stamp(message.header.stamp)
         if topic is topics.ACCELERATION:
-            # one that is not valid leaves the sample without a force, not without a duty
             value = (message.sprung, message.unsprung) if message.valid else (math.nan, math.nan)
+            body, stuck = check(state.body, value, ACCELERATION, stamp)
+            # one that is not to be used leaves the sample without a force, not without a duty
+            value = (math.nan, math.nan) if stuck else value
             pairs, pair = state.pairs.with_left(stamp, value)
-        elif message.valid and message.velocity_valid:
-            pairs, pair = state.pairs.with_right(stamp, (message.deflection, message.velocity))
+            state = state._replace(body=body, pairs=pairs)
         else:
-            return state._replace(unusable=state.unusable + 1), []
-        state = state._replace(pairs=pairs)
+            motion = (message.deflection, message.velocity)
+            strut, stuck = check(state.strut, motion, DEFLECTION, stamp)
+            state = state._replace(strut=strut)
+            if stuck or not (message.valid and message.velocity_valid):
+                return state._replace(unusable=state.unusable + 1), []
+            pairs, pair = state.pairs.with_right(stamp, motion)
+            state = state._replace(pairs=pairs)
         if pair is None:
             return state, []
         return self._sample(state, Tick(stamp, message.seq), Sample(*pair[1], *pair[0]), when)

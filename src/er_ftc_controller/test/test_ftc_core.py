@@ -121,6 +121,17 @@ def test_a_missing_acceleration_costs_the_force_not_the_duty(core: FtcCore) -> N
     assert {m.source for m in said} == {PwmDuty.SOURCE_NOMINAL}
 
 
+def test_a_velocity_that_no_longer_changes_ends_at_the_safe_duty(core: FtcCore) -> None:
+    frozen = [
+        (topics.DEFLECTION, suspension_deflection(Tick(stamp(k), k), 0.001 + 1e-5 * (k % 7), 0.05))
+        for k in range(1, 60)
+    ]
+    messages = [m for k, f in enumerate(frozen, 1) for m in (halves(k)[0], f)]
+    state, said = play(core, messages)
+    assert len(said) < 30
+    assert state.unusable > 25
+
+
 def test_old_double_and_invalid_samples_are_counted_and_not_answered(core: FtcCore) -> None:
     state, _ = play(core, [m for k in range(1, 20) for m in halves(k)])
     state, said = play(core, [*halves(10), *halves(19)], state)
