@@ -3,6 +3,7 @@
 er bench models [ARGS]     prediction and simulation, against SciPy and C in the same run; their memory
 er bench observers [ARGS]  one step of every observer and of the Kalman filters beside them; load, memory
 er bench graph [ARGS]      lost messages, latency and CPU of the running graph
+er bench ros [ARGS]        loop latency and CPU, in processes and composed, beside plain rclpy executors
 
 -h after a name shows its arguments.
 """
@@ -16,6 +17,7 @@ PARTS = {
     "models": "er_models.bench",
     "observers": "er_observers.bench",
     "graph": "er_bringup.bench_graph",
+    "ros": "er_bringup.bench_ros",
 }
 
 

@@ -47,6 +47,12 @@ class Pace:
         """Stamp of a tick [ns]: when it was due, or its simulated time."""
         return self.anchor + place * self.dt if self.real else tick * self.dt
 
+    def late(self, place: int) -> float:
+        """How long ago a tick was due [s]."""
+        early = self.schedule.period // EARLY
+        due_at = self.progress.start + early + place * self.schedule.period
+        return 1e-9 * (monotonic_ns() - due_at)
+
     def follow_clock(self) -> None:
         """Let the stamps follow a system clock that was set."""
         early = self.schedule.period // EARLY

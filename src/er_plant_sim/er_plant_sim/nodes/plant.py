@@ -10,7 +10,7 @@ from __future__ import annotations
 import signal
 import sys
 from collections.abc import Sequence
-from time import perf_counter
+from time import monotonic, perf_counter
 
 from er_ros_common.builders import Tick
 from er_ros_common.clock import until_next
@@ -25,6 +25,7 @@ from er_damper_msgs.msg import NodeStatus, PwmDuty
 from er_plant_sim import rig as plant
 from er_plant_sim.build import build
 from er_plant_sim.duty_gate import Applied, Command, Reason
+from er_plant_sim.loop_times import WARM_UP, LoopTimes
 from er_plant_sim.nodes.card import CARD
 from er_plant_sim.nodes.drive import Answered, Timed
 from er_plant_sim.nodes.outlet import Outlet
@@ -86,6 +87,7 @@ class PlantNode(ManagedNode):
         self.gathering.begin()
         self.pace = Pace(self.rig.dt, self.p.rate_factor or 1.0, real=self.p.mode == "realtime")
         self.drive = self._drive()
+        self.loop = LoopTimes(self.state.sim.tick + round(WARM_UP * self.p.rate))
 
     def _drive(self) -> Timed | Answered:
         if self.p.mode == "lockstep" and not self.rig.programmed:
@@ -110,6 +112,7 @@ class PlantNode(ManagedNode):
         self.step_began = perf_counter()
         number = self.state.sim.tick
         self.tick = Tick(self.pace.stamp(place, number), number)
+        self.loop.sensed(number, monotonic(), self.pace.late(place))
         self.out.send(self.tick, plant.sense(self.rig, self.state))
         return number
 
@@ -126,6 +129,8 @@ class PlantNode(ManagedNode):
     def _finish(self) -> None:
         """End the node as Ctrl-C would: an exception would end it with a traceback."""
         log.info(self, f"finished after {self.tick.seq} ticks")
+        if self.loop.latency.total:
+            log.info(self, self.loop.words())
         self.over = True
         signal.raise_signal(signal.SIGINT)
 
@@ -137,6 +142,7 @@ class PlantNode(ManagedNode):
     def take(self, message: PwmDuty) -> None:
         """Take a command; in lockstep it is what the next tick waits for."""
         seq, now = int(message.seq), self.state.sim.tick
+        self.loop.answered(seq, monotonic())
         # the age of a command is that of the sample it answers, as far as it names one
         t = (seq if 0 < seq <= now else now) * self.rig.dt
         command = Command(t, seq, float(message.duty), int(message.source))
