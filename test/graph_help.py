@@ -24,6 +24,7 @@ MODULES = {
     "device_emulator": "er_plant_sim.hardware.emulator",
     "ftc_controller": "er_ftc_controller.nodes.ftc_controller",
     "skyhook_controller": "er_ftc_controller.nodes.skyhook_controller",
+    "fault_estimator": "er_observers.nodes.fault_estimator",
     "unified_observer": "er_observers.nodes.unified_observer",
     "nlpv_polytopic_observer": "er_observers.nodes.nlpv_polytopic_observer",
     "nlpv_gridding_observer": "er_observers.nodes.nlpv_gridding_observer",

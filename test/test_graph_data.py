@@ -88,6 +88,14 @@ def test_the_fault_tolerant_controller_gets_the_model_and_its_gains() -> None:
     assert "timeout" not in specs("controller:=ftc")["ftc_controller"].parameters
 
 
+def test_the_fault_estimator_comes_when_asked_for() -> None:
+    assert "fault_estimator" not in specs()
+    found = specs("fault_estimator:=true", "controller:=ftc")
+    assert found["fault_estimator"].parameters["listeners"] == 1
+    assert found["fault_estimator"].files[0].endswith("nodes/fault_estimator.yaml")
+    assert "fault_estimator" in found["plant"].parameters["wait_for_nodes"]
+
+
 def test_files_of_own_effects_reach_the_plant_alone(tmp_path: Path) -> None:
     files = [tmp_path / name for name in ("one.py", "two.py")]
     for file in files:
@@ -220,6 +228,7 @@ OTHER = {
     "duty": ("duty:=program",),
     "observers": ("observers:=unified",),
     "gains": ("observers:=unified", "gains:=unified"),
+    "fault_estimator": ("fault_estimator:=true",),
     "record": ("record:=/tmp/x",),
     "storage": ("record:=/tmp/x", "storage:=sqlite3"),
     "composed": ("composed:=true",),

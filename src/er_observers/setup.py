@@ -25,6 +25,7 @@ setup(
             "unified_observer = er_observers.executables:unified_observer",
             "nlpv_polytopic_observer = er_observers.executables:nlpv_polytopic_observer",
             "nlpv_gridding_observer = er_observers.executables:nlpv_gridding_observer",
+            "fault_estimator = er_observers.executables:fault_estimator",
         ],
     },
 )

@@ -57,6 +57,9 @@ ARGUMENTS = (
         "observers with commas between, or none",
     ),
     Argument("gains", "", "gains: a file, or a name in config/gains; by default the observer's"),
+    Argument(
+        "fault_estimator", "false", "whether faults are estimated", choices=("false", "true")
+    ),
     Argument("record", "", "folder to be made for a recording; by default nothing is recorded"),
     Argument("storage", "mcap", "format of the recording", choices=("mcap", "sqlite3")),
     Argument(

@@ -21,6 +21,7 @@ from er_bringup.roles import (
     BRIDGE,
     COMPOSED,
     CONTROLLERS,
+    FAULTS,
     OBSERVERS,
     PLANT,
     PUBLISHED,
@@ -158,8 +159,9 @@ def _corner(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
     recorded = [RECORDER] if given["record"] else []
     rest = (
         *(_observer(given, config, role) for role in observers),
+        *(_estimator(given, config) for _ in _faults(given)),
         *(_controller(given, config, role) for role in controllers),
-        _source(given, config, [*recorded, *observers, *controllers]),
+        _source(given, config, [*recorded, *_answering(given)]),
     )
     if given["composed"] == "true":
         return (ComposedSpec(*COMPOSED, given["namespace"], parts=rest),)
@@ -168,7 +170,7 @@ def _corner(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
 
 def _answering(given: Mapping[str, str]) -> list[Role]:
     """Everybody who answers samples."""
-    return [*_observers(given), *_controllers(given)]
+    return [*_observers(given), *_faults(given), *_controllers(given)]
 
 
 def ends_all(spec: NodeSpec) -> bool:
@@ -285,6 +287,18 @@ def _observer(given: Mapping[str, str], config: Path, role: Role) -> NodeSpec:
         "listeners": int(bool(given["record"])),
     }
     return _spec(role, given, (_own(role, config),), parameters | _time(given))
+
+
+def _faults(given: Mapping[str, str]) -> list[Role]:
+    return [FAULTS] if given["fault_estimator"] == "true" else []
+
+
+def _estimator(given: Mapping[str, str], config: Path) -> NodeSpec:
+    parameters: dict[str, Value] = {
+        "model_file": find(given["model"], config, "vehicles"),
+        "listeners": bool(given["record"]) + (given["controller"] == "ftc"),
+    }
+    return _spec(FAULTS, given, (_own(FAULTS, config),), parameters | _time(given))
 
 
 def _recorder(given: Mapping[str, str], answering: Sequence[Role]) -> NodeSpec:

@@ -43,3 +43,6 @@ OBSERVERS = {
     name: Role("er_observers", f"{name}_observer", ("acceleration", "applied"), f"force/{name}")
     for name in ("unified", "nlpv_polytopic", "nlpv_gridding")
 }
+FAULTS = Role(
+    "er_observers", "fault_estimator", ("acceleration", "deflection", "applied"), "fault/estimate"
+)

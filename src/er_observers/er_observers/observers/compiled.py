@@ -17,7 +17,7 @@ from er_models.kernel.load import cache_folder
 
 F = TypeVar("F", bound=Callable[..., object])
 _CONFIG: Any = numba.config
-_FOLDERS = ("observers", "peers")
+_FOLDERS = ("faults", "observers", "peers")
 
 
 def compiled(function: F) -> F:

@@ -1,0 +1,37 @@
+"""Parameters of the fault estimator's node. No ROS here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from er_ros_common.common_parameters import NodeParameters, awaited_listeners, oldest_sample
+from er_ros_common.parameter_table import REQUIRED, param
+
+NONE, MEASURED = "none", "measured"
+SOURCES = (NONE, MEASURED, "force/unified", "force/nlpv_polytopic", "force/nlpv_gridding")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FaultParameters(NodeParameters):
+    """Parameters of the node."""
+
+    model_file: str = param(REQUIRED, text="model of the healthy vehicle")
+    force_source: str = param(
+        NONE, choices=SOURCES, text="force to go by; none: what the sprung mass says"
+    )
+    force_noise: float = param(
+        0.0,
+        unit="N",
+        low=0.0,
+        high=1e5,
+        text="deviation of that force; 0: as the model's rig says",
+    )
+    tolerance: float = param(
+        0.05, low=0.001, high=0.5, text="relative deviation of the model's parameters"
+    )
+    smallest_loss: float = param(0.06, low=0.01, high=0.5, text="loss that is called a fault")
+    timeout: float = param(
+        0.05, unit="s", low=0.005, high=1.0, text="silence after which the estimate is not valid"
+    )
+    max_age: float = oldest_sample()
+    listeners: int = awaited_listeners()

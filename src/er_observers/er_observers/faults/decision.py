@@ -1,0 +1,185 @@
+r"""From a stretch of time to a verdict: probabilities of the kinds, factors, statuses with hysteresis, compiled.
+
+The factors are means over the kinds, weighted with their probabilities, and so are their deviations; of a factor that
+nothing excites the last one stays. A kind is named when it has been the most probable one, and sure, for a while.
+What neither faults nor the tolerance of the model explain is judged beside it: residual and unknowns beyond belief.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from er_models.model import Array
+
+from er_observers.faults.evidence import (
+    COMBINED,
+    DEFORMATION,
+    ELECTRICAL,
+    KINDS,
+    LEAKAGE,
+    NONE,
+    combined,
+    log_evidence,
+    shares_of,
+    single,
+    unknowns,
+)
+from er_observers.faults.sums import ROWS, N, misfit
+from er_observers.observers.compiled import compiled
+
+UNKNOWN, HEALTHY, SUSPECTED, CONFIRMED, NOT_EXCITED, CONFOUNDED = range(6)
+"""Statuses of a factor, as FAULT_* of the message."""
+KIND, CERTAINTY, TRIED, TRIALS, MISFIT, RESIDUAL, RATIO, DOUBTS, UNEXPLAINED = range(9)
+FACTORS, SPREAD, STATUS, EXCITED, OWN, PROBABILITY = (
+    slice(9, 12), slice(12, 15), slice(15, 18), slice(18, 21), slice(21, 24), slice(24, 29),
+)  # fmt: skip
+LENGTH = 29
+"""Places in a verdict (29,). OWN: factor of each fault if it is the only one."""
+SOME = -2
+"""Kind of a fault that is sure, but which one is not; -1 is nothing known yet."""
+_KEPT = 0.5
+"""Probability that a named kind keeps its name with."""
+ORDER = (ELECTRICAL, LEAKAGE, DEFORMATION)
+SURE, ALL, SMALLEST, KNOWN, LOST, LIMIT, BELIEF, COLOUR, HEALTHY_ODDS, COMBINED_ODDS, AGAIN = (
+    range(11)
+)
+"""Places in the rules (11,), see `estimator.Rules`."""
+LEAST_MISFIT = 0.5
+"""Squared residuals over noise that are believed; smaller ones are chance."""
+
+
+def begin() -> Array:
+    """The verdict (LENGTH,) before any sample: nothing is known, healthy is the likeliest."""
+    verdict = np.zeros(LENGTH)
+    verdict[KIND], verdict[MISFIT] = -1.0, 1.0
+    verdict[FACTORS], verdict[SPREAD] = 1.0, 1.0 / math.sqrt(12.0)
+    verdict[OWN], verdict[STATUS] = 1.0, UNKNOWN
+    return verdict
+
+
+@compiled
+def decide(
+    rules: Array, total: Array, prior: Array, first: Array, verdict: Array, room: Array
+) -> None:
+    """Bring the verdict (LENGTH,) up to date with a stretch of time, in place.
+
+    prior: what is believed of the healthy damper, a sum; first (2 N,): mean and deviation of each unknown
+    before any sample; room (2 N + N N,): left with the unknowns of the likeliest kind and their scale.
+    """
+    temper = 1.0 / (rules[COLOUR] * max(verdict[MISFIT], LEAST_MISFIT))
+    log_z, alone, factors, spread = np.empty(KINDS), np.empty(3), np.empty(3), np.empty(3)
+    shares = np.ones(3)
+    log_z[NONE] = math.log(rules[HEALTHY_ODDS]) + log_evidence(total, prior, temper, shares, room)
+    for i in range(3):
+        kind = i + 1
+        start = min(max(verdict[OWN][i], 0.3), 1.0)
+        s, alone[i], log_z[kind] = single(kind, total, prior, temper, start, room)
+        verdict[OWN][i] = s
+    best = int(np.argmax(log_z[1:4])) + 1
+    shares_of(best, min(max(verdict[OWN][best - 1], 0.1), 1.0), shares)
+    log_z[COMBINED] = math.log(rules[COMBINED_ODDS])
+    log_z[COMBINED] += combined(total, prior, temper, shares, room, factors, spread)
+    verdict[PROBABILITY] = np.exp(log_z - np.max(log_z))
+    verdict[PROBABILITY] /= np.sum(verdict[PROBABILITY])
+    _mix(rules, alone, factors, spread, verdict)
+    likely = int(np.argmax(verdict[PROBABILITY]))
+    _judge(rules, total, prior, first, temper, likely, factors, verdict, room)
+    _name(rules, likely, verdict)
+    _doubt(rules, verdict)
+    _states(rules, verdict)
+
+
+@compiled
+def _mix(rules: Array, alone: Array, factors: Array, spread: Array, verdict: Array) -> None:
+    """Factors and deviations over all kinds; excitation of each with its hysteresis."""
+    p = verdict[PROBABILITY]
+    for i in range(3):
+        limit = rules[LOST] if verdict[EXCITED][i] > 0.0 else rules[KNOWN]
+        verdict[EXCITED][i] = 1.0 if alone[i] < limit else 0.0
+        if verdict[EXCITED][i] <= 0.0:
+            continue
+        own = min(max(verdict[OWN][i], 0.0), 1.0)
+        rest = 1.0 - p[i + 1] - p[COMBINED]
+        mean = p[i + 1] * own + p[COMBINED] * factors[i] + rest
+        spare = p[i + 1] * (own - mean) ** 2 + rest * (1.0 - mean) ** 2 + alone[i] ** 2
+        spare += p[COMBINED] * (min(spread[i], 0.5) ** 2 + (factors[i] - mean) ** 2)
+        verdict[FACTORS][i], verdict[SPREAD][i] = mean, math.sqrt(spare)
+
+
+@compiled
+def _judge(
+    rules: Array, total: Array, prior: Array, first: Array, temper: float, kind: int,
+    factors: Array, verdict: Array, room: Array,
+) -> None:  # fmt: skip
+    """What this kind leaves unexplained: squared residual over noise, and unknowns beyond belief."""
+    shares = np.ones(3)
+    if kind == COMBINED:
+        shares[0], shares[1] = factors[1], factors[1] * factors[2]
+        shares[2] = shares[1] * factors[0]
+    elif kind != NONE:
+        shares_of(kind, min(max(verdict[OWN][kind - 1], 0.0), 1.0), shares)
+    unknowns(total, prior, temper, shares, room)
+    beta, beyond = room[N : 2 * N], 0.0
+    for i in range(N):
+        beyond = max(beyond, abs(beta[i] - first[i]) / first[N + i])
+    verdict[MISFIT] = misfit(total, room[:N], beta) / max(total[ROWS], 1.0)
+    verdict[RATIO] = max(
+        math.sqrt(max(verdict[MISFIT], 0.0)) / rules[LIMIT], beyond / rules[BELIEF]
+    )
+
+
+@compiled
+def _name(rules: Array, likely: int, verdict: Array) -> None:
+    """Name a kind once it has been likely and sure for long enough; a sure fault of an unsure kind is `SOME`."""
+    p, named = verdict[PROBABILITY], int(verdict[KIND])
+    if likely not in (NONE, COMBINED) and verdict[OWN][likely - 1] > 1.0 - rules[SMALLEST]:
+        likely = NONE
+    calm = p[NONE]  # a factor that nothing excites speaks for no fault
+    for i in range(3):
+        calm += p[i + 1] * (1.0 - verdict[EXCITED][i])
+    sure = (calm if likely == NONE else p[likely]) >= rules[SURE]
+    if not sure and calm < 1.0 - rules[SURE] and (named <= NONE or p[named] < _KEPT):
+        likely, sure = SOME, True
+    blind = named in ORDER and verdict[EXCITED][named - 1] <= 0.0
+    sure = sure and not (blind and likely == NONE)
+    same = likely == int(verdict[TRIED]) and sure
+    verdict[TRIALS] = verdict[TRIALS] + 1.0 if same else (1.0 if sure else 0.0)
+    verdict[TRIED] = likely
+    if verdict[TRIALS] >= rules[ALL]:
+        verdict[KIND] = likely
+    named = int(verdict[KIND])
+    verdict[CERTAINTY] = p[named] if named >= 0 else 0.0
+
+
+@compiled
+def _doubt(rules: Array, verdict: Array) -> None:
+    """Say that something is unexplained, and take it back, when it has been so for a while."""
+    step = 1.0 if verdict[RATIO] > 1.0 else (-1.0 if verdict[RATIO] < rules[AGAIN] else 0.0)
+    verdict[DOUBTS] = min(max(verdict[DOUBTS] + step, 0.0), 2.0 * rules[ALL])
+    if verdict[DOUBTS] >= rules[ALL]:
+        verdict[UNEXPLAINED] = 1.0
+    elif verdict[DOUBTS] <= 0.0:
+        verdict[UNEXPLAINED] = 0.0
+
+
+@compiled
+def _states(rules: Array, verdict: Array) -> None:
+    """Status of each factor."""
+    named, p = int(verdict[KIND]), verdict[PROBABILITY]
+    for i in range(3):
+        lost = verdict[FACTORS][i] < 1.0 - rules[SMALLEST]
+        mine = named in (i + 1, COMBINED) and lost
+        if verdict[EXCITED][i] <= 0.0:
+            status = NOT_EXCITED
+        elif named == -1:
+            status = UNKNOWN
+        elif mine and verdict[UNEXPLAINED] <= 0.0 and p[named] >= rules[SURE]:
+            status = CONFIRMED
+        elif not lost:
+            status = HEALTHY
+        elif named == SOME or (np.max(p) < rules[SURE] and p[NONE] < 1.0 - rules[SURE]):
+            status = CONFOUNDED
+        else:
+            status = SUSPECTED
+        verdict[STATUS][i] = status

@@ -1,0 +1,68 @@
+"""Joins what belongs to one tick: accelerations, deflection, the duty from then on, a force where one is used. Pure.
+
+A tick is given on when it is complete, or, with NaN for what is missing, when a later one is or too many wait.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+from er_observers.faults.sample import Sample
+
+DEPTH = 4
+"""Ticks that may wait for a part."""
+ACCELERATION, DEFLECTION, DUTY, FORCE = range(4)
+"""Parts of a tick."""
+_MISSING = ((math.nan, math.nan), (math.nan, math.nan), (math.nan,), (math.nan,))
+
+Part = tuple[float, ...]
+
+
+class Tick(NamedTuple):
+    """Parts of a stamp [ns] that have come, None for the others; sequence number."""
+
+    stamp: int
+    seq: int
+    parts: tuple[Part | None, Part | None, Part | None, Part | None] = (None,) * 4
+
+
+class Gathered(NamedTuple):
+    """Ticks that wait, by stamp; the last stamp given on; parts that were missing."""
+
+    waiting: Mapping[int, Tick] = MappingProxyType({})
+    last: int = 0
+    missing: int = 0
+
+
+def add(
+    gathered: Gathered, needed: tuple[int, ...], which: int, stamp: int, seq: int, part: Part
+) -> tuple[Gathered, list[Tick]]:
+    """Take a part (two accelerations, deflection and velocity, a duty, a force); the ticks that can go on, in order.
+
+    needed: parts that a complete tick has. A part of a tick that was given on changes nothing.
+    """
+    if stamp <= gathered.last and gathered.last - stamp < 1_000_000_000:
+        return gathered, []
+    if stamp <= gathered.last:  # time has jumped back: what waits is of another past
+        gathered = Gathered(missing=gathered.missing)
+    tick = gathered.waiting.get(stamp, Tick(stamp, seq))
+    parts = tuple(part if i == which else old for i, old in enumerate(tick.parts))
+    waiting = {**gathered.waiting, stamp: tick._replace(parts=parts)}  # type: ignore[arg-type]
+    order = sorted(waiting)
+    complete = [s for s in order if all(waiting[s].parts[i] is not None for i in needed)]
+    until = complete[-1] if complete else order[-DEPTH - 1] if len(order) > DEPTH else None
+    if until is None:
+        return gathered._replace(waiting=waiting), []
+    ready = [waiting[s] for s in order if s <= until]
+    lost = sum(t.parts[i] is None for t in ready for i in needed)
+    left = {s: t for s, t in waiting.items() if s > until}
+    return Gathered(left, until, gathered.missing + lost), ready
+
+
+def sample_of(tick: Tick, base: int) -> Sample:
+    """The sample of a tick, its time from the stamp `base` on; NaN for what is missing."""
+    a, x, u, f = (_MISSING[i] if part is None else part for i, part in enumerate(tick.parts))
+    return Sample(1e-9 * (tick.stamp - base), a[0], a[1], x[0], x[1], u[0], f[0])

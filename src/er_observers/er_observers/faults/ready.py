@@ -1,0 +1,19 @@
+"""A fault estimator ready to run: its compiled part is warm."""
+
+from __future__ import annotations
+
+from er_models.model import Model
+
+from er_observers.faults import tick
+from er_observers.faults.estimator import start, step
+from er_observers.faults.rules import RULES, Estimator, Rules, estimator
+from er_observers.faults.sample import Sample
+
+
+def ready(model: Model, rules: Rules = RULES, force_noise: float | None = None) -> Estimator:
+    """As `rules.estimator`, and raises as it does."""
+    p = estimator(model, rules, force_noise)
+    state = start(p, Sample(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    for k in range(1, round((p.rules.least + 2) * p.setup[tick.ROWS_OF_BLOCK])):
+        state, _ = step(p, state, Sample(0.005 * k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    return p

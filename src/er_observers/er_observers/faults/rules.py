@@ -1,0 +1,143 @@
+"""What the fault estimator believes beforehand, when it says something, and a damper model prepared for it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from er_models.errors import InputError
+from er_models.model import Array, Model
+from er_models.static_damper import StaticDamper, static_damper
+
+from er_observers.faults import tick
+from er_observers.faults.sums import SIZE, TRIANGLE, N
+
+SAMPLE = 0.005
+"""Sample time that a block is counted with [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """What is believed and when something is said.
+
+    tolerance: relative deviation of every parameter of damper and body. block: length of the steps of the verdict [s].
+    hold: time without samples until the estimate is invalid [s]. sure: probability that names a kind, in `blocks`
+    blocks in a row. smallest: loss that is a fault. known, lost: deviation of a factor below which it is estimated and
+    above which it is no longer excited. limit: rms residual over noise, and belief: deviations of an unknown from what
+    was believed, that are unexplained; again: test ratio below which that is over. colour: how often neighbouring
+    residuals say the same. cut: misfit of a block over that of the window that begins a new window; least: blocks
+    before a verdict; calm: blocks in the window while all is well; fresh: blocks too young to learn from when the
+    window is cut. memory: how long lessons last [s]. healthy, single, combined: probabilities before any sample.
+    """
+
+    tolerance: float = 0.05
+    block: float = 0.1
+    hold: float = 0.05
+    sure: float = 0.95
+    blocks: float = 4.0
+    smallest: float = 0.06
+    known: float = 0.08
+    lost: float = 0.12
+    limit: float = 1.5
+    belief: float = 2.5
+    again: float = 0.85
+    colour: float = 3.0
+    cut: float = 3.0
+    least: float = 3.0
+    calm: float = 15.0
+    fresh: float = 5.0
+    memory: float = 60.0
+    healthy: float = 0.85
+    single: float = 0.04
+    combined: float = 0.03
+
+
+RULES = Rules()
+"""Rules for a car of the size of the thesis's rig up to a real one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Estimator:
+    """A damper model prepared for the estimation; arrays as the compiled part of `tick` takes them.
+
+    limits: largest believable acceleration [m/s2], deflection [m] and velocity [m/s].
+    """
+
+    rules: Rules
+    p: Array
+    noise: Array
+    setup: Array
+    judging: Array
+    prior: Array
+    first: Array
+    room: Array
+    limits: tuple[float, float, float]
+
+
+def estimator(model: Model, rules: Rules = RULES, force_noise: float | None = None) -> Estimator:
+    """Prepare a vehicle model.
+
+    force_noise [N]: standard deviation of a given force; None where none is given and the sprung mass says it.
+    Raises `InputError` where the model is no car, or its damper has terms that (6.8) does not know.
+    """
+    if not model.is_vehicle:
+        raise InputError(model.name, "effects.quarter_car", "a vehicle model", "a damper only")
+    damper, car = static_damper(model), model.effects["quarter_car"]
+    given, sizes, r = force_noise is not None, _noise(model), rules
+    tau = model.effects["response"]["tau"] if "response" in model.effects else 0.0
+    seen = (
+        math.hypot(car["m_s"] * sizes[0], car["k_s"] * sizes[1])
+        if force_noise is None
+        else force_noise
+    )
+    setup = [
+        given, seen**2, round(r.block / SAMPLE), r.cut, r.least, math.exp(-r.block / r.memory), r.calm, r.fresh,
+    ]  # fmt: skip
+    judging = [
+        r.sure, r.blocks, r.smallest, r.known, r.lost, r.limit, r.belief, r.colour, r.healthy / r.single,
+        r.combined / r.single, r.again,
+    ]  # fmt: skip
+    s = model.scales
+    return Estimator(
+        rules, _constants(damper, tau, car["m_s"], car["k_s"]), sizes, np.array(setup, float), np.array(judging),
+        *_belief(model, r.tolerance, with_body=not given), np.zeros(tick.ROOM),
+        (100.0 * s.acceleration, 100.0 * s.deflection, 100.0 * s.velocity),
+    )  # fmt: skip
+
+
+def _constants(damper: StaticDamper, tau: float, m_s: float, k_s: float) -> Array:
+    """Constants (9,) in the order of `regression`."""
+    d = damper
+    return np.array([d.k0, d.c0, d.sigma, d.beta, d.k1, d.c1, tau, m_s, k_s])
+
+
+def _noise(model: Model) -> Array:
+    """Standard deviations (3,) of acceleration, deflection, velocity: of the rig, else shares of the envelope."""
+    s = model.scales
+    shares = {
+        "acceleration": 1e-2 * s.acceleration, "deflection": 2e-3 * s.deflection, "velocity": 7e-3 * s.velocity,
+    }  # fmt: skip
+    return np.array([model.rig.get(f"{name}_noise", share) for name, share in shares.items()])
+
+
+def _belief(model: Model, tolerance: float, *, with_body: bool) -> tuple[Array, Array]:
+    """What is believed of the unknowns before any sample: as a sum (SIZE,), and as means and deviations (2 N,).
+
+    A wrong mass scales all of the sprung mass's row alike, so it joins the first four.
+    """
+    mean = np.zeros(N)
+    mean[:3] = 1.0
+    deviations = np.full(N, tolerance)
+    deviations[4] = 0.1 * model.scales.force
+    deviations[5:] *= (
+        2.0  # of the gate and the response time: a noisy velocity makes any gate look wider
+    )
+    P = np.diag(deviations**2)
+    if with_body:
+        P[:4, :4] += tolerance**2
+    information = np.linalg.inv(P)
+    total = np.zeros(SIZE)
+    total[:TRIANGLE] = information[np.tril_indices(N)]
+    total[TRIANGLE : TRIANGLE + N] = information @ mean
+    return total, np.concatenate([mean, np.sqrt(np.diag(P))])

@@ -1,0 +1,184 @@
+"""The fault estimator on messages: no node, no clock. Live and in replay the same messages give the same.
+
+The estimate itself is `er_observers.faults.estimator`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from er_models.errors import InputError
+from er_models.files import load_model
+from er_models.model import Model
+from er_ros_common.builders import Tick
+from er_ros_common.clock import from_stamp
+from er_ros_common.core import Said, When
+from er_ros_common.stamps import StampLimits, StampState, check_stamp
+
+from er_damper_msgs.msg import FaultEstimate
+from er_observers.fault_settings import MEASURED, NONE, FaultParameters
+from er_observers.faults import estimator, gather
+from er_observers.faults.gather import Gathered
+from er_observers.faults.ready import ready
+from er_observers.faults.rules import RULES
+from er_observers.faults.sample import NOTHING, Estimate, Status
+from er_ros_common import builders, topics
+
+ON_THE_WIRE = {
+    Status.OK: FaultEstimate.STATUS_OK,
+    Status.INITIALISING: FaultEstimate.STATUS_INITIALIZING,
+    Status.DEGRADED: FaultEstimate.STATUS_DEGRADED,
+    Status.UNEXPLAINED: FaultEstimate.STATUS_DEGRADED,
+    Status.INVALID: FaultEstimate.STATUS_LOST,
+}
+_FORCES = {topic.name: topic for topic in topics.ESTIMATES if topic is not topics.FAULT}
+_PARTS = {
+    topics.ACCELERATION.name: gather.ACCELERATION,
+    topics.DEFLECTION.name: gather.DEFLECTION,
+    topics.PWM_APPLIED.name: gather.DUTY,
+}
+
+
+class State(NamedTuple):
+    """Ticks that wait for a part, checks of stamps, the estimator's state (None before a sample).
+
+    base: stamp of the first sample [ns]; last: the one estimated last, heard: when [ns, steady]; unusable: messages
+    that were not valid; silent: whether it was said that samples stay away.
+    """
+
+    gathered: Gathered = Gathered()
+    stamps: StampState = StampState()
+    mind: estimator.State | None = None
+    base: int = 0
+    last: Tick = Tick(0, 0)
+    heard: int = 0
+    unusable: int = 0
+    silent: bool = False
+
+
+class FaultCore:
+    """The model file is read here, and never again.
+
+    Raises:
+        InputError: The model cannot be used.
+    """
+
+    outputs = (topics.FAULT,)
+
+    def __init__(self, p: FaultParameters) -> None:
+        self.p = p
+        model = load_model(p.model_file)
+        rules = replace(RULES, tolerance=p.tolerance, smallest=p.smallest_loss, hold=p.timeout)
+        self.estimator = ready(model, rules, force_noise(p, model))
+        self.force = _topic(p.force_source)
+        given = () if self.force is None else (self.force,)
+        self.inputs = (topics.ACCELERATION, topics.DEFLECTION, topics.PWM_APPLIED, *given)
+        self.needed = tuple(range(len(self.inputs)))
+        self.limits = StampLimits(stale=p.max_age, gap=p.timeout)
+        self.model_id = model.digest()
+
+    def start(self) -> State:
+        """Before any message."""
+        return State()
+
+    def on_message(
+        self, state: State, topic: topics.Topic, message: Any, when: When
+    ) -> tuple[State, list[Said]]:
+        """Take a part of a tick; stamps are those of the accelerations."""
+        stamp, seq = from_stamp(message.header.stamp), int(message.seq)
+        if topic is topics.ACCELERATION:
+            arrival = when.system if self.p.max_age else None
+            stamps, verdict = check_stamp(self.limits, state.stamps, stamp, seq, arrival)
+            state = state._replace(stamps=stamps)
+            if not verdict.use:
+                return state, []
+        part = _part(topic, message)
+        state = state._replace(unusable=state.unusable + (not message.valid))
+        which = _PARTS.get(topic.name, gather.FORCE)
+        gathered, ticks = gather.add(state.gathered, self.needed, which, stamp, seq, part)
+        return self._estimated(state._replace(gathered=gathered), ticks, when)
+
+    def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
+        """Say once that the estimate is no longer valid when the samples stay away."""
+        if not state.heard or state.silent:
+            return state, []
+        if 1e-9 * (when.steady - state.heard) <= self.p.timeout:
+            return state, []
+        nothing = NOTHING._replace(status=Status.INVALID)
+        return state._replace(silent=True), [(topics.FAULT, _message(state.last, nothing))]
+
+    def _estimated(
+        self, state: State, ticks: list[gather.Tick], when: When
+    ) -> tuple[State, list[Said]]:
+        """Step for each tick that can go on."""
+        said: list[Said] = []
+        for tick in ticks:
+            base = state.base or tick.stamp
+            sample = gather.sample_of(tick, base)
+            if state.mind is None:
+                mind = estimator.start(self.estimator, sample)
+                estimate = mind.estimate
+            else:
+                mind, estimate = estimator.step(self.estimator, state.mind, sample)
+            last = Tick(tick.stamp, tick.seq)
+            state = state._replace(
+                mind=mind, base=base, last=last, heard=when.steady, silent=False
+            )
+            said.append((topics.FAULT, _message(last, estimate)))
+        return state, said
+
+
+def force_noise(p: FaultParameters, model: Model) -> float | None:
+    """Deviation of the force that is given [N]; None where none is.
+
+    Raises `InputError` for an observer's force of unknown deviation: it depends on gains and road.
+    """
+    if p.force_source == NONE:
+        return None
+    if p.force_noise > 0.0:
+        return p.force_noise
+    if p.force_source != MEASURED:
+        raise InputError(
+            "parameters", "force_noise", f"the deviation of {p.force_source} [N]", "0"
+        )
+    return float(model.rig.get("force_noise", 7e-3 * model.scales.force))
+
+
+def _topic(source: str) -> topics.Topic | None:
+    """Topic of the force to go by."""
+    if source == NONE:
+        return None
+    return topics.FORCE if source == MEASURED else _FORCES[source]
+
+
+def _part(topic: topics.Topic, message: Any) -> gather.Part:
+    """Values of a message; NaN where they are not valid."""
+    if topic is topics.ACCELERATION:
+        return (message.sprung, message.unsprung) if message.valid else (math.nan, math.nan)
+    if topic is topics.DEFLECTION:
+        velocity = message.velocity if message.velocity_valid else math.nan
+        return (message.deflection, velocity) if message.valid else (math.nan, math.nan)
+    value = message.duty if topic is topics.PWM_APPLIED else message.force
+    return (value if message.valid else math.nan,)
+
+
+def _message(tick: Tick, e: Estimate) -> FaultEstimate:
+    """One estimate with the stamp of its tick."""
+    return builders.fault_estimate(
+        tick,
+        e.factors,
+        e.deviations,
+        [int(state) for state in e.states],
+        kind=max(int(e.kind) + 1, FaultEstimate.KIND_UNKNOWN),
+        certainty=e.certainty,
+        residual=e.residual,
+        test_ratio=e.test_ratio,
+        unexplained=e.unexplained,
+        status=ON_THE_WIRE[e.status],
+        valid=e.status not in (Status.INVALID, Status.INITIALISING),
+    )
+
+
+CORES = {"fault_estimator": (FaultParameters, FaultCore)}

@@ -1,0 +1,195 @@
+"""The fault estimator: right fault, right size, none where there is none, and not silent about what is no fault."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from er_models.errors import InputError
+from er_models.model import Model
+from er_observers.faults import evidence, motion, sums
+from er_observers.faults.estimator import start, step
+from er_observers.faults.rules import estimator
+from er_observers.faults.sample import Estimate, FactorStatus, Kind, Sample, Status
+from er_observers.faults.trials import DT, Drive, Trial, drive
+
+NAMED = {"f1": Kind.ELECTRICAL, "f2": Kind.LEAKAGE, "f3": Kind.DEFORMATION}
+
+
+def said(
+    model: Model, samples: Sequence[Sample], force_noise: float | None = None
+) -> list[Estimate]:
+    """Every estimate along the samples."""
+    p = estimator(model, force_noise=force_noise)
+    state = start(p, samples[0])
+    found = [state.estimate]
+    for sample in samples[1:]:
+        state, estimate = step(p, state, sample)
+        found.append(estimate)
+    return found
+
+
+@pytest.mark.parametrize(("factor", "left"), [("f1", 0.6), ("f2", 0.75), ("f3", 0.5)])
+def test_a_fault_is_named_and_measured(car: Model, factor: str, left: float) -> None:
+    trial = Trial(1004, {factor: left}, fault_time=6.0, duration=10.5)
+    found = said(car, drive(trial, car).samples)
+    begun = round(trial.fault_time / DT)
+    assert all(e.kind in (Kind.UNKNOWN, Kind.NONE) for e in found[:begun])
+    which = int(factor[1]) - 1
+    after_2, last = found[begun + round(2.0 / DT)], found[-1]
+    assert abs(after_2.factors[which] - left) < (0.05 if factor == "f2" else 0.1)
+    assert last.kind is NAMED[factor]
+    assert last.states[which] is FactorStatus.CONFIRMED
+    assert abs(last.factors[which] - left) < 4.0 * last.deviations[which] + 0.01
+    others = [last.states[i] for i in range(3) if i != which]
+    assert others == [FactorStatus.HEALTHY] * 2
+    assert not last.unexplained
+
+
+def test_three_faults_at_once_are_told_apart(car: Model) -> None:
+    left = {"f1": 0.7, "f2": 0.8, "f3": 0.6}
+    trial = Trial(1004, left, fault_time=6.0, duration=11.0)
+    last = said(car, drive(trial, car).samples)[-1]
+    assert last.kind is Kind.COMBINED
+    assert last.factors == pytest.approx(tuple(left.values()), abs=0.1)
+
+
+@pytest.mark.parametrize("seed", [5000, 5001, 5002])
+def test_a_healthy_damper_whose_model_is_off_is_healthy(car: Model, seed: int) -> None:
+    found = said(car, drive(Trial(seed, spread=0.05, duration=8.0), car).samples)
+    assert {e.kind for e in found} <= {Kind.UNKNOWN, Kind.NONE}
+    assert found[-1].kind is Kind.NONE
+    assert not any(e.unexplained for e in found)
+
+
+def test_nothing_is_said_of_what_nothing_excites(car: Model) -> None:
+    still = said(car, drive(Trial(1, still=True, duration=4.0), car).samples)[-1]
+    assert still.states == (FactorStatus.NOT_EXCITED,) * 3
+    passive = said(car, drive(Trial(1004, duty=0.0, duration=4.0), car).samples)[-1]
+    assert passive.states[0] is FactorStatus.NOT_EXCITED
+    assert passive.states[1:] == (FactorStatus.HEALTHY,) * 2
+
+
+def test_a_fault_that_can_no_longer_be_seen_stays_the_last_one_known(car: Model) -> None:
+    faulty = drive(Trial(1004, {"f1": 0.5}, fault_time=3.0, duration=7.0), car).samples
+    begun = faulty[-1].t
+    rest = [Sample(begun + DT * k, 0.0, 0.0, 0.0, 0.0, 0.0) for k in range(1, 1600)]
+    last = said(car, [*faulty, *rest])[-1]
+    assert last.kind is Kind.ELECTRICAL
+    assert last.states[0] is FactorStatus.NOT_EXCITED
+    assert last.factors[0] == pytest.approx(0.5, abs=0.05)
+
+
+@pytest.mark.parametrize("name", ["coulomb_friction", "bouc_wen_hysteresis", "fluid_inertia"])
+def test_what_is_no_fault_is_not_called_one_in_silence(car: Model, name: str) -> None:
+    found = said(
+        car, drive(Trial(7000, hidden={name: {}}, duration=8.0, road="iso8608"), car).samples
+    )
+    assert found[-1].unexplained
+    assert found[-1].status is Status.UNEXPLAINED
+    assert max(e.test_ratio for e in found) > 1.0
+    assert not any(e.kind > Kind.NONE and not e.unexplained for e in found)
+    assert FactorStatus.CONFIRMED not in {s for e in found for s in e.states}
+
+
+def test_a_measured_force_needs_no_body(car: Model) -> None:
+    """A mass that is twice what is believed is nothing to an estimator that is given the force."""
+    heavy = car.with_effect("quarter_car", {**car.effects["quarter_car"], "m_s": 4.5})
+    samples = drive(Trial(1004, {"f2": 0.6}, fault_time=5.0, duration=9.0), heavy).samples
+    last = said(car, samples, force_noise=0.15)[-1]
+    assert last.kind is Kind.LEAKAGE
+    assert last.factors[1] == pytest.approx(0.6, abs=0.05)
+    assert said(car, samples)[-1].kind is not Kind.LEAKAGE or said(car, samples)[-1].unexplained
+
+
+def test_bad_samples_change_a_status_and_nothing_else(car: Model) -> None:
+    samples = drive(Trial(1004, duration=3.0), car).samples
+    p = estimator(car)
+    state = start(p, samples[0]._replace(deflection=math.nan))
+    assert state.estimate.status is Status.INITIALISING
+    for sample in samples[1:400]:
+        state, _ = step(p, state, sample)
+    kept = state.memory.copy()
+    again, estimate = step(p, state, samples[399])
+    assert np.array_equal(state.memory, kept)
+    assert again.rejected == state.rejected + 1
+    assert estimate == state.estimate
+    lost = state
+    for sample in samples[400:409]:
+        broken = sample._replace(deflection=math.inf, sprung_acceleration=math.nan, duty=math.nan)
+        lost, estimate = step(p, lost, broken)
+        assert all(
+            map(math.isfinite, (*estimate.factors, *estimate.deviations, estimate.residual))
+        )
+    assert estimate.status is Status.DEGRADED
+    for sample in samples[409:420]:
+        lost, estimate = step(p, lost, sample._replace(deflection=math.nan))
+    assert estimate.status is Status.INVALID
+    lost, estimate = step(p, lost, samples[420])
+    assert estimate.status is not Status.INVALID
+    assert lost.resets == 1
+    far, estimate = step(p, lost, samples[421]._replace(t=1e6))
+    assert far.resets == 2
+    assert np.isfinite(far.memory[: motion.COLUMNS]).all()
+
+
+def test_the_step_is_pure(car: Model) -> None:
+    samples = drive(Trial(1004, duration=2.0), car).samples
+    p = estimator(car)
+    state = start(p, samples[0])
+    for sample in samples[1:200]:
+        state, _ = step(p, state, sample)
+    kept = state.memory.copy(), state.window.copy()
+    first, second = step(p, state, samples[200]), step(p, state, samples[200])
+    assert np.array_equal(first[0].memory, second[0].memory)
+    assert first[1] == second[1]
+    assert np.array_equal(kept[0], state.memory)
+    assert np.array_equal(kept[1], state.window)
+
+
+def test_the_evidence_is_that_of_a_gaussian_regression() -> None:
+    """Against the density of the observations themselves, integrated over the unknowns by NumPy."""
+    random = np.random.default_rng(0)
+    Phi, y = random.standard_normal((40, sums.N)), random.standard_normal(40)
+    spread = random.uniform(0.3, 1.0, sums.N)
+    total, prior = np.zeros(sums.SIZE), np.zeros(sums.SIZE)
+    for phi, value in zip(Phi, y, strict=True):
+        sums.add(total, phi, value, 1.0 / 0.25)
+    prior[: sums.TRIANGLE] = np.diag(spread**-2)[np.tril_indices(sums.N)]
+    room = np.zeros(2 * sums.N + sums.N**2)
+
+    def density(shares: Sequence[float]) -> float:
+        D = np.array([*shares, 1.0, 1.0, *[shares[2]] * 3])
+        C = 0.25 * np.eye(40) + (Phi * D * spread**2) @ (Phi * D).T
+        return float(-0.5 * (y @ np.linalg.solve(C, y) + np.linalg.slogdet(C)[1]))
+
+    one, other = (1.0, 1.0, 1.0), (0.4, 0.7, 0.2)
+    found = [evidence.log_evidence(total, prior, 1.0, np.array(s), room) for s in (one, other)]
+    assert found[0] - found[1] == pytest.approx(density(one) - density(other), rel=1e-9)
+
+
+def test_the_smoother_knows_how_wrong_it_is(car: Model) -> None:
+    record: Drive = drive(Trial(1005, duration=6.0, road="iso8608"), car)
+    noise, trail = estimator(car).noise, np.zeros((motion.LAG + 1, motion.COLUMNS))
+    motion.begin(noise, record.samples[0].deflection, 0.0, False, trail)
+    rows = []
+    for s in record.samples[1:]:
+        relative = s.sprung_acceleration - s.unsprung_acceleration
+        motion.push(noise, trail, relative, s.deflection, s.deflection_velocity, DT)
+        rows.append(motion.smoothed(trail))
+    found = np.array(rows)[200:]
+    true = record.motion[201 - motion.LAG : -motion.LAG]
+    error = np.std(found[:, 1] - true[:, 1])
+    assert 0.7 < error / math.sqrt(np.mean(found[:, 2])) < 1.4
+
+
+def test_a_model_that_is_no_such_car_is_refused(car: Model) -> None:
+    with pytest.raises(InputError, match="quarter_car: expected a vehicle model"):
+        estimator(
+            replace(car, effects={k: v for k, v in car.effects.items() if k != "quarter_car"})
+        )
+    with pytest.raises(InputError, match="coulomb_friction"):
+        estimator(car.with_effect("coulomb_friction"))
