@@ -29,6 +29,8 @@ MODULES = {
     "nlpv_polytopic_observer": "er_observers.nodes.nlpv_polytopic_observer",
     "nlpv_gridding_observer": "er_observers.nodes.nlpv_gridding_observer",
     "recorder": "er_model_lab.nodes.recorder",
+    "ros2_control_joint": "er_bringup.nodes.ros2_control_joint",
+    "inject": "er_bringup.inject",
     "up": "er_bringup.up",
     "doctor": "er_bringup.doctor",
     "record": "er_model_lab.record_command",

@@ -223,6 +223,7 @@ OTHER = {
     "rate_factor": ("mode:=lockstep", "rate_factor:=0"),
     "hardware": RIG,
     "calibration": RIG,
+    "remap": ("corners:=4", "remap:=sensors/acceleration=/chassis/{corner}/imu"),
     "road": (*RIG, "road:=program"),
     "controller": ("controller:=ftc",),
     "duty": ("duty:=program",),
@@ -306,6 +307,28 @@ def test_a_car_has_four_corners_and_one_recorder(tmp_path: Path) -> None:
     assert isinstance(said, list)
     assert {"front_right/force/unified", "rear_left/plant/status"} <= set(said)
     assert len(said) == len(set(said))
+
+
+def test_a_stack_has_sensors_of_its_own_under_its_own_names() -> None:
+    names = "remap:=sensors/acceleration=/chassis/{corner}/imu, pwm/command=/chassis/{corner}/duty"
+    pairs = ("hardware:=stack", "corners:=4", "namespace:=car", names, "record:=/tmp/x")
+    recorder, *found = nodes(parse(pairs), CONFIG)
+    assert {spec.executable for spec in found} == {
+        "skyhook_controller", "unified_observer", "nlpv_polytopic_observer", "nlpv_gridding_observer"
+    }  # fmt: skip
+    words = found[-1].arguments()
+    assert words[1:7] == [
+        "-r", "__ns:=/car/rear_right",
+        "-r", "sensors/acceleration:=/chassis/rear_right/imu",
+        "-r", "pwm/command:=/chassis/rear_right/duty",
+    ]  # fmt: skip
+    assert found[-1].parameters["listeners"] == 1
+    sources = recorder.parameters["sources"]
+    assert isinstance(sources, list)
+    assert "rear_right/sensors/road" not in sources
+    assert "/chassis/rear_left/duty" in sources
+    with pytest.raises(InputError, match="remap: expected OLD=NEW with commas between, found 'x'"):
+        nodes(parse(("remap:=x",)), CONFIG)
 
 
 def test_a_wire_for_each_corner() -> None:

@@ -34,5 +34,10 @@ setup(
     ],
     install_requires=["setuptools"],
     zip_safe=False,
-    entry_points={"console_scripts": ["composed = er_bringup.executables:composed"]},
+    entry_points={
+        "console_scripts": [
+            "composed = er_bringup.executables:composed",
+            "ros2_control_joint = er_bringup.executables:ros2_control_joint",
+        ]
+    },
 )

@@ -45,7 +45,7 @@ ARGUMENTS = (
     Argument(
         "hardware",
         "",
-        "wire to a real rig instead of the plant: serial:PORT[@BAUD], udp:HOST:PORT; one a corner",
+        "instead of the plant: serial:PORT[@BAUD] or udp:HOST:PORT of a rig, one a corner; stack: a vehicle's own",
     ),
     Argument("calibration", "", "of the rig's channels: a file, or a name in config/hardware"),
     Argument("road", "device", "who moves the road of a real rig", choices=("device", "program")),
@@ -59,6 +59,11 @@ ARGUMENTS = (
     Argument("gains", "", "gains: a file, or a name in config/gains; by default the observer's"),
     Argument(
         "fault_estimator", "false", "whether faults are estimated", choices=("false", "true")
+    ),
+    Argument(
+        "remap",
+        "",
+        "topics under other names, OLD=NEW with commas between; {corner} in NEW is the corner",
     ),
     Argument("record", "", "folder to be made for a recording; by default nothing is recorded"),
     Argument("storage", "mcap", "format of the recording", choices=("mcap", "sqlite3")),

@@ -3,3 +3,4 @@
 from er_ros_common.entry import program
 
 composed = program("er_bringup.composed")
+ros2_control_joint = program("er_bringup.nodes.ros2_control_joint")

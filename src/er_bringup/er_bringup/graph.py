@@ -30,6 +30,9 @@ from er_bringup.roles import (
     Role,
 )
 
+STACK = "stack"
+"""Stands for hardware that is not ours: a vehicle stack publishes the sensors."""
+STACK_PUBLISHES = ("acceleration", "deflection", "applied")
 CAR = ("front_left", "front_right", "rear_left", "rear_right")
 """The corners of a car."""
 
@@ -44,6 +47,7 @@ class NodeSpec:
     files: tuple[str, ...] = ()
     parameters: Mapping[str, Value] = field(default_factory=dict)
     corner: str = ""
+    remaps: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def label(self) -> str:
@@ -53,7 +57,10 @@ class NodeSpec:
     def arguments(self) -> list[str]:
         """What follows the executable on its command line."""
         return ros_arguments(
-            parameters=self.parameters, files=self.files, namespace=self.namespace
+            parameters=self.parameters,
+            files=self.files,
+            namespace=self.namespace,
+            remaps=self.remaps,
         )
 
 
@@ -143,6 +150,8 @@ def _of_corner(given: Mapping[str, str], names: Sequence[str], place: int) -> di
     if seed >= 0:
         own["seed"] = str(seed + place)
     for key in ("hardware", "calibration"):
+        if given[key] == STACK:
+            continue
         texts = [text.strip() for text in given[key].split(",")]
         shared = len(texts) == 1 and (key == "calibration" or not texts[0])
         if not shared and len(texts) != len(names):
@@ -154,14 +163,14 @@ def _of_corner(given: Mapping[str, str], names: Sequence[str], place: int) -> di
 
 
 def _corner(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
-    """The processes of one corner but the recorder, listeners first."""
+    """The processes of one corner but the recorder, listeners first; a stack has sensors of its own."""
     observers, controllers = _observers(given), _controllers(given)
     recorded = [RECORDER] if given["record"] else []
     rest = (
         *(_observer(given, config, role) for role in observers),
         *(_estimator(given, config) for _ in _faults(given)),
         *(_controller(given, config, role) for role in controllers),
-        _source(given, config, [*recorded, *_answering(given)]),
+        *(_source(given, config, [*recorded, *_answering(given)]) for _ in _sources(given)),
     )
     if given["composed"] == "true":
         return (ComposedSpec(*COMPOSED, given["namespace"], parts=rest),)
@@ -219,6 +228,19 @@ def _source(given: Mapping[str, str], config: Path, listeners: Sequence[Role]) -
     return _spec(role, given, tuple(files), parameters | more(given, config))
 
 
+def _sources(given: Mapping[str, str]) -> list[Role]:
+    """What measures, where it is not a vehicle stack."""
+    if given["hardware"] == STACK:
+        return []
+    return [BRIDGE] if given["hardware"] else [PLANT]
+
+
+def _measured(given: Mapping[str, str]) -> list[str]:
+    """Topics of what measures; a car knows neither its damper's force nor the road."""
+    known = PUBLISHED if given["hardware"] != STACK else STACK_PUBLISHES
+    return [PUBLISHED[key] for key in known]
+
+
 def _plant(given: Mapping[str, str], config: Path) -> dict[str, Value]:
     """What only the plant is told."""
     parameters: dict[str, Value] = {
@@ -255,7 +277,8 @@ def _controllers(given: Mapping[str, str]) -> list[Role]:
 
 
 def _controller(given: Mapping[str, str], config: Path, role: Role) -> NodeSpec:
-    listeners = bool(given["record"]) + _commanded(given)
+    # a stack that listens is not counted: it may come later
+    listeners = bool(given["record"]) + (_commanded(given) and given["hardware"] != STACK)
     parameters: dict[str, Value] = {"listeners": listeners}
     if role is CONTROLLERS["ftc"]:
         parameters["model_file"] = find(given["model"], config, "vehicles")
@@ -305,7 +328,7 @@ def _recorder(given: Mapping[str, str], answering: Sequence[Role]) -> NodeSpec:
     parameters: dict[str, Value] = {
         "out": str(Path(given["record"]).absolute()),
         "storage": given["storage"],
-        "sources": [*PUBLISHED.values(), *(role.says for role in answering)],
+        "sources": [*_measured(given), *(role.says for role in answering)],
     }
     return _spec(RECORDER, given, (), parameters)
 
@@ -315,20 +338,24 @@ def _recorder_of_all(
 ) -> NodeSpec:
     """One recorder for all corners."""
     answering = _answering(each[0])
-    said = [*PUBLISHED.values(), *(role.says for role in answering)]
-    source = BRIDGE if given["hardware"] else PLANT
-    nodes = [role.executable for role in (*answering, source)]
+    said = [*_measured(given), *(role.says for role in answering)]
+    nodes = [role.executable for role in (*answering, *_sources(given))]
     own = [f"{node}/{end}" for node in nodes for end in ("status", "gain_info")]
+    renamed = {name: _remaps(one) for name, one in zip(names, each, strict=True)}
+
+    def full(name: str, topic: str) -> str:
+        return renamed[name].get(topic, f"{name}/{topic}")
+
     parameters: dict[str, Value] = {
         "out": str(Path(given["record"]).absolute()),
         "storage": given["storage"],
         "topics": [
-            *(f"{name}/{topic}" for name in names for topic in (*said, *own)),
+            *(full(name, topic) for name in names for topic in (*said, *own)),
             "/diagnostics",
         ],
-        "sources": [f"{name}/{topic}" for name in names for topic in said],
+        "sources": [full(name, topic) for name in names for topic in said],
     }
-    return _spec(RECORDER, given, (), parameters)
+    return replace(_spec(RECORDER, given, (), parameters), remaps={})
 
 
 def _commanded(given: Mapping[str, str]) -> bool:
@@ -339,7 +366,23 @@ def _commanded(given: Mapping[str, str]) -> bool:
 def _spec(
     role: Role, given: Mapping[str, str], files: tuple[str, ...], parameters: Mapping[str, Value]
 ) -> NodeSpec:
-    return NodeSpec(role.package, role.executable, given["namespace"], files, parameters)
+    remaps = _remaps(given)
+    return NodeSpec(
+        role.package, role.executable, given["namespace"], files, parameters, remaps=remaps
+    )
+
+
+def _remaps(given: Mapping[str, str]) -> dict[str, str]:
+    """New names of topics by their old ones."""
+    corner = given["namespace"].strip("/").rpartition("/")[2]
+    pairs = [pair.strip() for pair in given["remap"].split(",") if pair.strip()]
+    found = {}
+    for pair in pairs:
+        old, separator, new = pair.partition("=")
+        if not (separator and old and new):
+            raise InputError("arguments", "remap", "OLD=NEW with commas between", f"'{pair}'")
+        found[old] = new.replace("{corner}", corner)
+    return found
 
 
 def _own(role: Role, config: Path) -> str:

@@ -98,7 +98,7 @@ def _over(children: Sequence[Child], last: Set[str]) -> bool:
     """Whether the plants of all corners ended or a node failed; one that was killed may be replaced."""
     ended = {child.label: child.status for child in children if child.status is not None}
     failed = any(0 < status < KILLED for status in ended.values())
-    return last <= ended.keys() or failed or len(ended) == len(children)
+    return (bool(last) and last <= ended.keys()) or failed or len(ended) == len(children)
 
 
 def main() -> None:

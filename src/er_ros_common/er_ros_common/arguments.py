@@ -13,6 +13,7 @@ def ros_arguments(
     files: Sequence[str] = (),
     name: str = "",
     namespace: str = "",
+    remaps: Mapping[str, str] | None = None,
 ) -> list[str]:
     """What follows the executable; nothing when there is nothing to say.
 
@@ -23,6 +24,8 @@ def ros_arguments(
         found += ["-r", f"__ns:=/{namespace.strip('/')}"]
     if name:
         found += ["-r", f"__node:={name}"]
+    for old, new in (remaps or {}).items():
+        found += ["-r", f"{old}:={new}"]
     for file in files:
         found += ["--params-file", file]
     for key, value in (parameters or {}).items():

@@ -1,0 +1,94 @@
+"""What is plotted together: the one list that all layouts are made from."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from er_ros_common.topics import Topic
+
+from er_ros_common import topics
+
+
+class Curve(NamedTuple):
+    """A field of a topic."""
+
+    topic: Topic
+    field: str
+
+
+class Panel(NamedTuple):
+    """Curves with one axis; title with unit."""
+
+    title: str
+    curves: tuple[Curve, ...]
+
+
+class Page(NamedTuple):
+    """Panels above one another."""
+
+    title: str
+    panels: tuple[Panel, ...]
+
+
+_FORCES = (topics.FORCE, topics.FORCE_UNIFIED, topics.FORCE_POLYTOPIC, topics.FORCE_GRIDDING)
+_FACTORS = ("f1", "f2", "f3")
+
+PAGES = (
+    Page(
+        "Force and duty",
+        (
+            Panel("Damper force [N]", tuple(Curve(topic, "force") for topic in _FORCES)),
+            Panel(
+                "Duty [1]", (Curve(topics.PWM_COMMAND, "duty"), Curve(topics.PWM_APPLIED, "duty"))
+            ),
+        ),
+    ),
+    Page(
+        "Motion",
+        (
+            Panel(
+                "Acceleration [m/s2]",
+                (Curve(topics.ACCELERATION, "sprung"), Curve(topics.ACCELERATION, "unsprung")),
+            ),
+            Panel(
+                "Deflection, road [m]",
+                (Curve(topics.DEFLECTION, "deflection"), Curve(topics.ROAD, "displacement")),
+            ),
+            Panel("Deflection velocity [m/s]", (Curve(topics.DEFLECTION, "velocity"),)),
+        ),
+    ),
+    Page(
+        "Faults and health",
+        (
+            Panel("Effectiveness [1]", tuple(Curve(topics.FAULT, name) for name in _FACTORS)),
+            Panel(
+                "Residual over its gate [1]", tuple(Curve(t, "test_ratio") for t in _FORCES[1:])
+            ),
+            Panel(
+                "Status, 0 is good",
+                (
+                    Curve(topics.ACCELERATION, "status"),
+                    Curve(topics.PWM_APPLIED, "status"),
+                    *(Curve(t, "status") for t in _FORCES[1:]),
+                    Curve(topics.FAULT, "status"),
+                ),
+            ),
+        ),
+    ),
+)
+"""Measured first, then what is made of it, then whether it can be trusted."""
+
+COLOURS = ("#1f77b4", "#d62728", "#2ca02c", "#ff7f0e", "#9467bd", "#8c564b")
+"""Of the curves of a panel, in order."""
+
+
+def full(namespace: str, topic: Topic) -> str:
+    """Name of a topic in a namespace ('' is the root)."""
+    inside = namespace.strip("/")
+    return f"/{inside}/{topic.name}" if inside else f"/{topic.name}"
+
+
+def plotted() -> tuple[Topic, ...]:
+    """Every topic of the panels once."""
+    each = [curve.topic for page in PAGES for panel in page.panels for curve in panel.curves]
+    return tuple({topic.name: topic for topic in each}.values())

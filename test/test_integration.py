@@ -1,0 +1,145 @@
+"""Files for the tools of a vehicle stack: valid, current, and naming only what there is."""
+
+from __future__ import annotations
+
+import json
+import math
+import xml.etree.ElementTree as ET
+from typing import Any
+
+import pytest
+import yaml
+
+pytest.importorskip("rclpy")
+
+from er_bringup.graph import CAR
+from er_bringup.integration import foxglove, names, plotjuggler
+from er_bringup.integration.write import files
+from er_bringup.ros_joint import COMMANDS, STATES, JointCore, JointParameters
+from er_ros_common.builders import Tick
+from er_ros_common.core import When
+from er_ros_common.parameter_table import build
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+from sensor_msgs.msg import JointState
+
+from er_ros_common import builders, topics
+from test.conftest import ROOT
+
+CONFIG = ROOT / "config"
+TOPICS = {t.name: t for t in (*topics.MEASUREMENTS, *topics.ESTIMATES, topics.DIAGNOSTICS)}
+NUMERIC = ("double", "float", "uint8", "uint64", "boolean")
+
+
+@pytest.mark.parametrize("name", list(files()))
+def test_the_files_kept_are_those_that_are_made(name: str) -> None:
+    hint = "./er exec python -m er_bringup.integration.write --out config"
+    assert (CONFIG / name).read_text() == files()[name], hint
+
+
+def field_of(path: str, namespace: str, between: str) -> str:
+    """Type of the field that a layout names; AssertionError where there is none."""
+    prefix = f"/{namespace}/" if namespace else "/"
+    assert path.startswith(prefix)
+    topic, _, field = path.removeprefix(prefix).rpartition(between)
+    assert topic in TOPICS, path
+    kinds = TOPICS[topic].type.get_fields_and_field_types()
+    assert field in kinds, path
+    return str(kinds[field])
+
+
+@pytest.mark.parametrize("namespace", ["", "vehicle/suspension/front_left"])
+def test_plotjuggler_shows_fields_that_there_are(namespace: str) -> None:
+    root = ET.fromstring(plotjuggler.layout(namespace).split("\n", 1)[1])
+    assert root.tag == "root"
+    curves = [str(curve.get("name")) for curve in root.iter("curve")]
+    assert len(curves) >= 15
+    assert all(field_of(name, namespace, "/") in NUMERIC for name in curves)
+    for splitter in root.iter("DockSplitter"):
+        sizes = [float(text) for text in str(splitter.get("sizes")).split(";")]
+        assert len(sizes) == len(splitter) == int(str(splitter.get("count")))
+        assert math.isclose(sum(sizes), 1.0, abs_tol=1e-4)
+
+
+@pytest.mark.parametrize("namespace", ["", "vehicle/suspension/front_left"])
+def test_foxglove_shows_fields_that_there_are(namespace: str) -> None:
+    document = json.loads(foxglove.layout(namespace))
+    panels = document["configById"]
+    paths = [path for panel in panels.values() for path in panel.get("paths", ())]
+    assert len(paths) >= 15
+    for path in paths:
+        assert field_of(path["value"], namespace, ".") in NUMERIC
+        assert path["timestampMethod"] == "headerStamp"
+
+    def leaves(part: Any) -> list[str]:
+        return (
+            [part] if isinstance(part, str) else [*leaves(part["first"]), *leaves(part["second"])]
+        )
+
+    shown = [leaf for tab in panels[document["layout"]]["tabs"] for leaf in leaves(tab["layout"])]
+    assert sorted([*shown, document["layout"]]) == sorted(panels)
+
+
+def test_rosbag2_asks_for_no_more_than_is_offered_and_loses_nothing() -> None:
+    found = yaml.safe_load((CONFIG / "recording/qos_overrides.yaml").read_text())
+    assert set(found) == {f"/{name}" if name[0] != "/" else name for name in TOPICS}
+    for name, asked in found.items():
+        offered = (TOPICS.get(name[1:]) or TOPICS[name]).publisher
+        assert asked["reliability"] == "reliable"
+        assert offered.reliability == ReliabilityPolicy.RELIABLE
+        latched = offered.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        assert asked["durability"] == ("transient_local" if latched else "volatile")
+        assert asked["depth"] >= 1000
+    car = yaml.safe_load((CONFIG / "recording/qos_overrides_car.yaml").read_text())
+    corners = {name.split("/")[3] for name in car if name.startswith("/vehicle/suspension/")}
+    assert corners == set(CAR)
+    assert len(car) == 4 * (len(found) - 1) + 1
+
+
+def test_the_guide_holds_the_table_of_names() -> None:
+    assert names.table() in (ROOT / "docs/vehicle.md").read_text()
+    named = {row.split("`")[1] for row in names.table().splitlines() if "`" in row}
+    assert named == set(TOPICS) - {topics.DIAGNOSTICS.name}
+
+
+def test_the_urdf_and_the_controllers_fit_the_node() -> None:
+    root = ET.parse(CONFIG / "ros2_control/corner.urdf").getroot()
+    system = root.find("ros2_control")
+    assert system is not None
+    given = {str(p.get("name")): str(p.text) for p in system.iter("param")}
+    base = "/vehicle/suspension/front_left"
+    assert given["joint_states_topic"] == f"{base}/{STATES.name}"
+    assert given["joint_commands_topic"] == f"{base}/{COMMANDS.name}"
+    joint = system.find("joint")
+    assert joint is not None
+    assert joint.get("name") == JointParameters().joint
+    assert joint.get("name") in [j.get("name") for j in root.findall("joint")]
+    states = [str(i.get("name")) for i in joint.findall("state_interface")]
+    assert states == ["position", "velocity", "effort"]
+    controllers = yaml.safe_load((CONFIG / "ros2_control/controllers.yaml").read_text())
+    duty = controllers["duty_controller"]["ros__parameters"]
+    assert duty["joints"] == [joint.get("name")]
+    assert duty["interface_name"] in [i.get("name") for i in joint.findall("command_interface")]
+    assert controllers["controller_manager"]["ros__parameters"]["update_rate"] == 200
+
+
+def test_a_joint_command_becomes_the_duty_that_answers_the_last_sample() -> None:
+    core, now = JointCore(build(JointParameters, {}, {})), When(0, None)
+    command = JointState(name=["other", "damper"], effort=[9.0, 0.25])
+    state, said = core.on_message(core.start(), COMMANDS, command, now)
+    assert (said, state.refused) == ([], 1)  # there is no sample to answer yet
+    tick = Tick(5_000_000, 1)
+    state, _ = core.on_message(state, topics.FORCE, builders.damper_force(tick, -3.5), now)
+    deflection = builders.suspension_deflection(tick, 0.01, -0.2)
+    state, ((topic, joint),) = core.on_message(state, topics.DEFLECTION, deflection, now)
+    assert topic is STATES
+    assert (list(joint.name), list(joint.position), list(joint.velocity), list(joint.effort)) == (
+        ["damper"], [0.01], [-0.2], [-3.5],
+    )  # fmt: skip
+    assert joint.header.stamp.nanosec == 5_000_000
+    state, ((topic, duty),) = core.on_message(state, COMMANDS, command, now)
+    assert (topic, duty.duty, duty.seq, duty.command_seq) == (topics.PWM_COMMAND, 0.25, 1, 1)
+    for bad in (JointState(name=["damper"], effort=[math.nan]), JointState(name=["damper"])):
+        state, said = core.on_message(state, COMMANDS, bad, now)
+        assert said == []
+    lost = builders.suspension_deflection(Tick(10_000_000, 2), 0.0, valid=False)
+    assert core.on_message(state, topics.DEFLECTION, lost, now)[1] == []
