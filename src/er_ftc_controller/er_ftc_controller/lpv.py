@@ -5,8 +5,8 @@ r"""One sample of the fault-tolerant LPV controller: from deflection, its veloci
 
 A, B, C are straight lines in rho between the exactly discretised vertices, which is what the certificate proves
 for a rho that jumps at will. rho is that of the sample before: the force depends on it, and it on the force. E is
-anti-windup: the controller is told the force that is given, for alone it is not stable (a pole at +0.9 1/s at the
-least rho); within the domain it changes nothing.
+anti-windup: the controller is told the force that is given, as its observer of the car must be, for alone it need not
+be stable; within the domain it changes nothing.
 
 Source: thesis (6.14)-(6.17), (6.27). The duty for the force: `er_ftc_controller.force_loop`.
 """

@@ -30,7 +30,7 @@ class Weights:
 
     road r: height that counts as one [m]; body, wheel, actuator: corner [Hz] and gain [1], the actuator's corner
     may be infinite; force f: that counts as one [N]; noise: of the deflection, that counts as one [m]; rho: range of
-    the scheduling parameter.
+    the scheduling parameter; tyre: whether z_2 weighs z_us - z_r, which has no floor at zero frequency, not z_us.
     """
 
     road: float
@@ -40,6 +40,7 @@ class Weights:
     force: float
     noise: float
     rho: tuple[float, float]
+    tyre: bool = False
 
     def __post_init__(self) -> None:
         positive = (self.road, *self.body, *self.wheel, *self.actuator, self.force)
@@ -58,13 +59,13 @@ THESIS = Weights(W_ROAD, (4.0, 2.0), (20.0, 1.0), (50.0, 1.0), W_ROAD, 0.0, (0.0
 def weights_for(model: Model) -> Weights:
     """Our weights, in the sizes of a model's envelope.
 
-    Comfort weighs up to 10 Hz instead of from zero frequency to 4 Hz, road holding up to 5 Hz; the road is as
-    high as the stroke, a quarter of the damper's force counts as one.
+    Comfort weighs up to 10 Hz instead of from zero frequency to 4 Hz; road holding weighs the tyre's deflection up
+    to 5 Hz; the road is as high as the stroke, a quarter of the damper's force counts as one.
     """
     s = model.scales
     return Weights(
-        s.deflection, (10.0, 1.0), (5.0, 0.8), (np.inf, 1.0), 0.25 * s.force, 0.01 * s.deflection,
-        (0.5, 5.0),
+        s.deflection, (10.0, 1.0), (5.0, 6.0), (np.inf, 1.0), 0.25 * s.force, 0.01 * s.deflection,
+        (0.2, 5.0), tyre=True,
     )  # fmt: skip
 
 
@@ -115,6 +116,9 @@ def generalised_plant(model: Model, weights: Weights) -> Plant:
     n, through = 4 + len(filters), w.actuator[1] * unit / w.force
     whole = block_diag(A, *(-corner * np.eye(1) for corner in corners))
     whole[4, 0], whole[5, 2] = corners[0], corners[1]
+    road = np.append(D, np.zeros(n - 4))
+    if w.tyre:
+        road[5] = -corners[1]
     B2, C1, C2 = np.zeros((n, 1)), np.zeros((3, n)), np.zeros((1, n))
     B2[:4, 0] = B * unit
     C1[0, 4], C1[1, 5] = w.body[1], w.wheel[1]
@@ -123,7 +127,7 @@ def generalised_plant(model: Model, weights: Weights) -> Plant:
         B2[6], C1[2, 6], through = corners[2], through, 0.0
     return Plant(
         A=whole,
-        B1=np.column_stack([np.append(D, np.zeros(n - 4)), np.zeros(n)]),
+        B1=np.column_stack([road, np.zeros(n)]),
         B2=B2, C1=C1, D12=np.array([[0.0], [0.0], [through]]),
         C2=C2, D21=np.array([[0.0, w.noise / w.road]]), rate=rate, unit=unit, weights=w, form=form,
     )  # fmt: skip
