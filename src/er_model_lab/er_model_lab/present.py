@@ -13,13 +13,14 @@ from er_models.model import Array, Model
 from er_model_lab.compare import errors, regions_json, worst
 from er_model_lab.diagnose.candidates import Candidate, effect_size
 from er_model_lab.diagnose.search import Round
-from er_model_lab.diagnose.verdict import Diagnosis
+from er_model_lab.diagnose.verdict import VISIBLE, Diagnosis
 from er_model_lab.excess import noise_at, region_tables
 from er_model_lab.fit import with_deviations
 from er_model_lab.floors import floors
 from er_model_lab.prepare import Problem
 from er_model_lab.ride_result import ride_json
 from er_model_lab.study import Study
+from er_model_lab.unexplained import describe
 from er_model_lab.view import CandidateView, RecordView, RegionTable, View
 
 SHOWN = 12
@@ -146,6 +147,7 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         "steps": steps(study),
         "reasons": list(found.reasons),
         "unexplained": {
+            **_rest(study),
             "share": found.floor.explained,
             "bursts": found.floor.bursts,
             "depends_on": {k: v for k, v in list(found.floor.importance.items())[:5] if v > 0.01},
@@ -169,6 +171,15 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         "complete": problem.complete,
         **ride_json(study),
     }  # fmt: skip
+
+
+def _rest(study: Study) -> dict[str, Any]:
+    """What is left depends on, where something is left that could be explained."""
+    found = study.diagnosis
+    unsaid = found.verdict in ("unknown_effect", "partial") or found.floor.explained > VISIBLE
+    if not unsaid:
+        return {}
+    return {"rest": describe(study.problem, found.best.fit.residual).as_json()}
 
 
 def _lag_entry(study: Study) -> dict[str, Any]:

@@ -86,8 +86,8 @@ class Summary:
         plain = not console.is_terminal or options.ascii_only
         pen = Pen(min(WIDTH, options.max_width), plain=plain)
         parts = (
-            _head, _models, preflight_lines, parameter_lines, plan_lines, _candidates, _alternatives, _steps, _regions,
-            _next, _notes,
+            _head, _models, preflight_lines, parameter_lines, plan_lines, _candidates, _alternatives, _rest,
+            _steps, _regions, _next, _notes,
         )  # fmt: skip
         lines = [line for part in parts for line in part(self.view, pen)]
         if self.report is not None:
@@ -203,6 +203,15 @@ def _alternatives(view: View, pen: Pen) -> Iterator[RenderableType]:
             ),
             "yellow",
         )
+
+
+def _rest(view: View, pen: Pen) -> Iterator[RenderableType]:
+    """What the part that no known effect explains depends on."""
+    rest = (view.result.get("unexplained") or {}).get("rest")
+    if not rest or view.result.get("verdict") not in ("unknown_effect", "partial"):
+        return
+    for words in rest["says"][:3]:
+        yield pen.line(pen.cut(f"the rest: {words}", pen.width), "yellow")
 
 
 def _steps(view: View, pen: Pen) -> Iterator[RenderableType]:

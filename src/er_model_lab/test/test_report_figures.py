@@ -250,7 +250,8 @@ def test_a_card_draws_the_signature_over_the_residual_in_its_plane() -> None:
     section = cards.section(replace(view(), candidates=(c,)))
     assert section is not None
     (figure,) = section.figures
-    left, explained = figure.panels[0].marks
+    left, explained, *means = figure.panels[0].marks
+    assert [m.name for m in means] == ["its mean", "mean of the effect"]
     assert isinstance(left, Points)
     assert isinstance(explained, Points)
     assert figure.panels[0].x.label == "deflection [mm]"

@@ -66,6 +66,11 @@ CORRELATION: Stops = (
 COVER: Stops = ((0.0, "#e3edf7"), (0.5, "#6aaed6"), (1.0, "#08306b"))
 """Sequential scale of time spent: pale where there is little."""
 
+SIGNED: Stops = (
+    (0.0, "#0072b2"), (0.25, "#7fb8d9"), (0.5, "#f7f7f7"), (0.75, "#f2b27f"), (1.0, "#d55e00"),
+)  # fmt: skip
+"""Diverging scale of a force: pale where there is none."""
+
 ERROR: Stops = (
     (0.0, "#f3f6fa"), (0.25, "#fdd49e"), (0.5, "#fc8d59"), (0.75, "#d7301f"), (1.0, "#7f0000"),
 )  # fmt: skip

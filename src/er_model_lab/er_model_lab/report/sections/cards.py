@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from er_model_lab.report.figure import Axis, Figure, Panel, Points
+from er_model_lab.report.figure import Axis, Figure, Line, Panel, Points
 from er_model_lab.report.palette import AFTER, INK, RESIDUAL, STATUS
 from er_model_lab.report.ranking import effect_size, largest
+from er_model_lab.report.samples import binned_mean
 from er_model_lab.report.section import Section
 from er_model_lab.report.units import gain, newtons, parameter, percent, short
 from er_model_lab.report.words import STATUS as SAID
@@ -46,7 +47,7 @@ def _card(view: View, card: CandidateView, k: int) -> dict[str, Any]:
         "equation": card.equation,
         "mark": card.mark, "experiment": card.experiment, "reason": card.reason,
         "status": SAID.get(status, status), "colour": STATUS.get(status, INK),
-        "open": k < OPEN or status in ("present", "confounded"), "numbers": _numbers(view, e),
+        "open": k < OPEN or status in ("present", "confounded"), "numbers": [*_numbers(view, e), *_taken(card)],
         "parameters": [(name, parameter(v)) for name, v in (e.get("parameters") or {}).items()],
         "confounded": joined([title_of(view, o) for o in e.get("confounded_with") or ()], "or"),
         "figure": _figure(card) if card.signature_x.size > 1 else None,
@@ -79,13 +80,24 @@ def _numbers(view: View, e: Mapping[str, Any]) -> list[tuple[str, str]]:
     return rows
 
 
+def _taken(card: CandidateView) -> list[tuple[str, str]]:
+    """What of the residual the effect takes: share of its mean square, on the samples shown."""
+    left, after = card.residual_y, card.residual_y - card.signature_y
+    power = float(np.mean(left**2)) if left.size else 0.0
+    if power <= 0.0:
+        return []
+    return [("takes of the residual", percent(max(1.0 - float(np.mean(after**2)) / power, 0.0)))]
+
+
 def _figure(card: CandidateView) -> Figure:
     """The force the effect adds, over what the model left, in the plane where it shows."""
     label, factor = PLANES.get(card.plane, ("velocity [mm/s]", 1e3))
     x = card.signature_x * factor
     marks = (
         Points(x, card.residual_y, "left by the model", RESIDUAL, 3.4, 0.6),
-        Points(x, card.signature_y, "explained by the effect", AFTER, 3.0, 0.75),
+        Points(x, card.signature_y, "explained by the effect", AFTER, 3.0, 0.45),
+        Line(*binned_mean(x, card.residual_y), "its mean", INK, 1.6),
+        Line(*binned_mean(x, card.signature_y), "mean of the effect", AFTER, 1.6),
     )
     spread = float(np.std(card.signature_y))
     alt = (
