@@ -2,6 +2,7 @@
 
 er bench models [ARGS]     prediction and simulation, against SciPy and C in the same run; their memory
 er bench observers [ARGS]  one step of every observer and of the Kalman filters beside them; load, memory
+er bench lab [ARGS]        diagnosis and improvement: a minute, more data, more effects; their memory
 er bench graph [ARGS]      lost messages, latency and CPU of the running graph
 er bench ros [ARGS]        loop latency and CPU, in processes and composed, beside plain rclpy executors
 
@@ -16,6 +17,7 @@ import sys
 PARTS = {
     "models": "er_models.bench",
     "observers": "er_observers.bench",
+    "lab": "er_model_lab.bench",
     "graph": "er_bringup.bench_graph",
     "ros": "er_bringup.bench_ros",
 }

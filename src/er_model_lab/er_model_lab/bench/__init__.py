@@ -1,0 +1,1 @@
+"""What the lab costs: a minute, more data, more effects."""
