@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -15,6 +16,7 @@ from er_damper_msgs.msg import DamperForce, PwmDuty
 from er_ros_common import topics
 from test.reliability.bus import NAMES, SECOND, Bus, Heard
 from test.reliability.fuzz import fuzz
+from test.reliability.kill import killed
 
 SAMPLE = topics.ACCELERATION.name
 CONTROLLERS = ("skyhook_controller", "ftc_controller")
@@ -293,3 +295,18 @@ def test_a_run_repeats_bit_for_bit_r28() -> None:
         bus.run(1.0)
         runs.append([repr(each.message) for topic in bus.log.values() for each in topic])
     assert runs[0] == runs[1]
+
+
+def test_commands_for_a_plant_that_was_here_before_block_nothing_r18() -> None:
+    """A controller that outlives its plant answers the old numbers until it hears the new ones."""
+    bus = Bus((NAMES[0], "skyhook_controller"))
+    bus.command(PwmDuty(duty=0.1, seq=100_000, valid=True, source=PwmDuty.SOURCE_SAFE))
+    bus.run(0.2)
+    assert bus.log[topics.PWM_APPLIED.name][-1].message.source == PwmDuty.SOURCE_NOMINAL
+
+
+@pytest.mark.alone
+def test_a_killed_node_comes_back_by_itself_r18(tmp_path: Path) -> None:
+    """Each once; twenty times each is `python -m test.reliability kill`."""
+    found = killed(1, tmp_path)
+    assert all(math.isfinite(t) for each in found.values() for t in each), found

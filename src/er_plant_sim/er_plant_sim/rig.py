@@ -66,9 +66,14 @@ def sense(rig: Rig, state: RigState) -> Measurement:
 
 
 def receive(rig: Rig, state: RigState, command: Command, *, valid: bool) -> RigState:
-    """Take a command of the duty; not where the program says the duty."""
+    """Take a command of the duty; not where the program says the duty.
+
+    One that answers a tick still to come is meant for a plant that was here before: its number means nothing.
+    """
     if rig.programmed:
         return state
+    if command.seq > state.sim.tick:
+        command = command._replace(seq=0)
     return state._replace(gate=duty_gate.receive(state.gate, command, valid=valid))
 
 

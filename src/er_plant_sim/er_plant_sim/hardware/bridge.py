@@ -146,7 +146,8 @@ def on_command(
         return state, b""
     known = 0 < command.seq <= state.seq
     at = state.stamp - (state.seq - command.seq) * p.period if known else now
-    command = command._replace(t=1e-9 * at)
+    # one that answers a sample still to come is meant for a bridge that was here before
+    command = command._replace(t=1e-9 * at, seq=command.seq if known else 0)
     before = state.gate
     state = state._replace(gate=duty_gate.receive(state.gate, command, valid=valid))
     if state.gate.command is before.command:

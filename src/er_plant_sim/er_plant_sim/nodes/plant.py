@@ -38,6 +38,8 @@ WAKE_PERIOD = 0.01
 """Period of the timer where commands, not time, set the pace [s]."""
 
 
+LIMITED = 5
+"""Duties a second outside the limits that are worth a warning."""
 CONFLICT = 0.1
 """Share of samples answered more than once that shows two controllers at work."""
 
@@ -57,6 +59,7 @@ class PlantNode(ManagedNode):
         self.tick = Tick(0, 0)
         self.applied: Applied | None = None
         self.repeated, self.conflict = 0, False
+        self.limited, self.outside = 0, 0
         self.step_began = 0.0
         clock_rate = p.rate * p.rate_factor if p.mode == "sim_time" else 0.0
         self.port = FaultPort(
@@ -159,7 +162,14 @@ class PlantNode(ManagedNode):
         # a controller that was killed stays listed for 20 s: only two that answer are a conflict
         several = self.count_publishers(topics.PWM_COMMAND.name) > 1
         self.conflict = several and repeated > CONFLICT * self.p.rate * self.p.rate_factor
+        self.outside = self._often_limited()
         self.pace.follow_clock()
+
+    def _often_limited(self) -> int:
+        """Duties of the last second that were outside the limits; 0 where they are few."""
+        limited, self.limited = self.state.gate.limited - self.limited, self.state.gate.limited
+        # where the slew is limited every change may be
+        return limited if limited > LIMITED and not self.p.duty_slew else 0
 
     def report(self) -> Report:
         """Health of the plant."""
@@ -170,6 +180,9 @@ class PlantNode(ManagedNode):
         elif self.applied and self.applied.reason not in (Reason.COMMAND, Reason.PROGRAM):
             mode, status = "safe", NodeStatus.STATUS_DEGRADED
             reason = f"safe duty: {self.applied.reason.value}"
+        elif self.outside:
+            status = NodeStatus.STATUS_OUT_OF_RANGE
+            reason = f"{self.outside} duties of the last second were out of range: see the controller's limits"
         if self.port.in_force and status == NodeStatus.STATUS_OK:
             status, reason = NodeStatus.STATUS_DEGRADED, f"injected: {self.port.in_force}"
         values = {

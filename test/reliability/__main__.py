@@ -1,0 +1,33 @@
+"""The long runs behind docs/reliability.md.
+
+python -m test.reliability faults                 delay of detection of each fault, false alarms (virtual time)
+python -m test.reliability fuzz [COUNT]           messages of any content at every input
+python -m test.reliability kill [TIMES]           kill -9 of each node of a running graph, and how soon it is back
+python -m test.reliability hog [SECONDS]          two busy loops beside the running graph
+python -m test.reliability soak [SECONDS]         a running graph with a fault injected each minute
+
+Exit status 1 where something is not as docs/reliability.md says.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from importlib import import_module
+
+DEFAULTS = {"faults": 600, "fuzz": 1_000_000, "kill": 20, "hog": 10, "soak": 1800}
+
+
+def main() -> int:
+    """Run what is named; its exit status."""
+    name = sys.argv[1] if len(sys.argv) > 1 else ""
+    if name not in DEFAULTS:
+        sys.stdout.write(__doc__ or "")
+        return 0 if name in ("", "-h", "--help") else 2
+    amount = int(sys.argv[2]) if len(sys.argv) > 2 else DEFAULTS[name]
+    run: Callable[[int], int] = import_module(f"test.reliability.{name}").run
+    return run(amount)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

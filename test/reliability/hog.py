@@ -1,0 +1,39 @@
+"""Two busy loops beside a running graph: the newest sample is used, nothing queues up, and it recovers."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from test.reliability.graph import running, well
+
+LOOP = "while True: pass"
+
+
+def run(seconds: int) -> int:
+    """Print the ages of the applied duty before, during and after; 1 where it does not recover."""
+    with tempfile.TemporaryDirectory() as folder, running(Path(folder)) as (_, _, listener):
+        listener.ages.clear()
+        listener.listen(seconds)
+        before, listener.ages = listener.ages, []
+        hogs = [subprocess.Popen([sys.executable, "-I", "-c", LOOP]) for _ in range(2)]
+        try:
+            listener.listen(seconds)
+        finally:
+            for hog in hogs:
+                hog.kill()
+                hog.wait()
+        during, listener.ages = listener.ages, []
+        back = listener.until(lambda: well(listener), 5.0)
+        listener.listen(seconds)
+        after = listener.ages
+    sys.stdout.write("| | messages | age ms p50 | p99 | max |\n|---|---|---|---|---|\n")
+    for name, ages in (("before", before), ("during", during), ("after", after)):
+        p50, p99, most = (1e3 * float(np.percentile(ages, p)) for p in (50, 99, 100))
+        sys.stdout.write(f"| {name} | {len(ages)} | {p50:.2f} | {p99:.2f} | {most:.2f} |\n")
+    sys.stdout.write(f"well {back:.2f} s after the end\n")
+    return int(not back <= 1.0)

@@ -1,0 +1,61 @@
+"""kill -9 of each node of a running graph: the others go on, and it is back without anybody's help."""
+
+from __future__ import annotations
+
+import math
+import signal
+import sys
+import tempfile
+from pathlib import Path
+from time import monotonic
+
+import numpy as np
+
+from test.reliability.graph import NODES, arguments, running, well
+
+WITHIN = 10.0
+"""Longest time from the restart until the loop is well again [s]."""
+
+
+def killed(times: int, folder: Path) -> dict[str, list[float]]:
+    """For each node, from its restart until all is well [s]; inf where it was not.
+
+    Raises:
+        AssertionError: Another node died, or impossible numbers went out.
+    """
+    found: dict[str, list[float]] = {name: [] for name in NODES}
+    with running(folder) as (graph, nodes, listener):
+        for _ in range(times):
+            for name in NODES:
+                nodes[name].process.send_signal(signal.SIGKILL)
+                nodes[name].process.wait()
+                listener.listen(0.3)
+                others = [n for n in NODES if n != name]
+                assert all(nodes[n].process.poll() is None for n in others), (
+                    f"{name} took others along"
+                )
+                restarted = monotonic()
+                nodes[name] = graph.start(name, *arguments(name))
+                listener.nominal = listener.good = -math.inf
+                back = listener.until(lambda: well(listener), WITHIN)
+                found[name].append(monotonic() - restarted if math.isfinite(back) else math.inf)
+                if math.isinf(back):
+                    since = {t: monotonic() - last for t, last in listener.last.items()}
+                    sys.stdout.write(f"{name} is not back: {since}, {listener.nominal}\n")
+                    for each in nodes.values():
+                        sys.stdout.write("".join(each.text.splitlines(keepends=True)[-4:]))
+    assert listener.impossible == []
+    return found
+
+
+def run(times: int) -> int:
+    """Print how soon each node was back; 1 where one was not."""
+    with tempfile.TemporaryDirectory() as folder:
+        found = killed(times, Path(folder))
+    sys.stdout.write(
+        "| node | kills | back after, s p50 | p95 | longest |\n|---|---|---|---|---|\n"
+    )
+    for name, each in found.items():
+        p50, p95 = (float(np.percentile(each, p)) for p in (50, 95))
+        sys.stdout.write(f"| {name} | {len(each)} | {p50:.2f} | {p95:.2f} | {max(each):.2f} |\n")
+    return int(not all(math.isfinite(t) for each in found.values() for t in each))
