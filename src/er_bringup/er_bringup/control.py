@@ -5,13 +5,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from er_ftc_controller.closed_loop import known
 from er_ftc_controller.compare import inner
-from er_ftc_controller.compare.run import LAWS, WatchOf, compare, run, setup
+from er_ftc_controller.compare.run import WatchOf, compare, run, setup
 from er_ftc_controller.compare.scenarios import Scenario, load_scenarios
 from er_ftc_controller.compare.table import markdown
 from er_models.errors import ErError, UnknownName
@@ -19,13 +20,16 @@ from er_models.files import write_whole
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from er_bringup.estimated import estimated
 from er_bringup.up import configuration
 
 app = typer.Typer(
     add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True, help=__doc__
 )
-WATCHES: dict[str, WatchOf] = {"known": known}
+WATCHES: dict[str, WatchOf] = {"estimated": estimated, "known": known}
 """Where controllers have the faults from."""
+SHOWN = ("passive", "nominal", "fault_tolerant")
+"""Controllers in the figures."""
 Names = Annotated[list[str] | None, typer.Argument(help="Scenarios; all by default.")]
 From = Annotated[str, typer.Option("--faults", help=f"Whose faults: {', '.join(WATCHES)}.")]
 Seeds = Annotated[int | None, typer.Option(min=1, help="Roads of a scenario; all by default.")]
@@ -34,13 +38,14 @@ Seeds = Annotated[int | None, typer.Option(min=1, help="Roads of a scenario; all
 @app.command("compare")
 def compare_command(
     only: Names = None,
-    faults: From = "known",
+    faults: From = "estimated",
+    fault: Annotated[str | None, typer.Option(help="One fault; all by default.")] = None,
     seeds: Seeds = None,
     out: Annotated[Path | None, typer.Option(help="Write the tables here as well.")] = None,
 ) -> None:
     """All controllers on all faults and roads of the scenarios: tables of means and paired differences."""
     config = configuration()
-    scenarios = _scenarios(only)
+    scenarios = tuple(_with(s, fault) for s in _scenarios(only))
     with _progress() as tick:
         outcomes = compare(setup(config), scenarios, _watch(faults), seeds, tick=tick)
     text = markdown(scenarios, outcomes, faults)
@@ -57,15 +62,40 @@ def inner_command(
 ) -> None:
     """From force to duty: inverse static model and inner loop, on the car as believed and on others."""
     (chosen,) = _scenarios([scenario])
-    if fault not in chosen.faults:
-        raise UnknownName("fault", fault, tuple(chosen.faults))
+    _with(chosen, fault)
     _print(inner.markdown(inner.rows(setup(configuration()), chosen, fault, seeds)))
+
+
+@app.command("endurance")
+def endurance_command(
+    minutes: Annotated[float, typer.Option(min=0.1, help="Length of the ride.")] = 10.0,
+    seed: Annotated[int, typer.Option(min=0, help="Of road and noise.")] = 1,
+    latency: Annotated[int, typer.Option(min=0, max=4, help="Samples to the duty.")] = 0,
+    faults: From = "estimated",
+) -> None:
+    """A long ride with all three faults coming and going; exit status 1 where the loop is not stable."""
+    from er_ftc_controller.compare.endurance import Ride, ride
+
+    found = ride(
+        setup(configuration()), _watch(faults), Ride(60.0 * minutes, seed=seed, latency=latency)
+    )
+    _print(f"{minutes:g} min, seed {seed}: {'stable' if found.stable else 'NOT STABLE'}")
+    _print(f"peak deflection over the passive car's: {found.peak:.3f}, rms: {found.rms:.3f}")
+    _print(
+        f"changes of mode: {found.changes}; fault-tolerant {100 * found.adapted:.1f} % of the time"
+    )
+    _print(f"safe {100 * found.safe:.2f} % of the time")
+    _print(
+        "rms error of the factors in use f1, f2, f3: " + ", ".join(f"{e:.3f}" for e in found.error)
+    )
+    if not found.stable:
+        raise typer.Exit(1)
 
 
 @app.command("figures")
 def figures_command(
     folder: Annotated[Path, typer.Argument(help="Where the pictures go.")],
-    faults: From = "known",
+    faults: From = "estimated",
     fault: Annotated[str, typer.Option(help="Fault of the scenarios.")] = "leakage",
 ) -> None:
     """Figures 6.18 to 6.23 for ours: road, deflection, force and duty on the first road of each scenario."""
@@ -73,13 +103,8 @@ def figures_command(
 
     of, watch = setup(configuration()), _watch(faults)
     for s in _scenarios(None):
-        if fault not in s.faults:
-            raise UnknownName("fault", fault, tuple(s.faults))
-        records = {
-            name: run(of, s, fault, of.law(name, s), watch, 0)
-            for name in LAWS
-            if name != "skyhook"
-        }
+        _with(s, fault)
+        records = {name: run(of, s, fault, of.law(name, s), watch, 0) for name in SHOWN}
         begin, end = s.window
         path = folder / f"{s.name}.png"
         runs_picture(
@@ -95,6 +120,15 @@ def figures_command(
 def _scenarios(only: list[str] | None) -> tuple[Scenario, ...]:
     """Scenarios of these names, all for none."""
     return load_scenarios(configuration() / "scenarios" / "control", only or ())
+
+
+def _with(scenario: Scenario, fault: str | None) -> Scenario:
+    """The scenario with one of its faults, or all for None."""
+    if fault is None:
+        return scenario
+    if fault not in scenario.faults:
+        raise UnknownName("fault", fault, tuple(scenario.faults))
+    return replace(scenario, faults={fault: scenario.faults[fault]})
 
 
 def _watch(name: str) -> WatchOf:

@@ -66,7 +66,7 @@ def true_factors(car: Model, t: float) -> tuple[float, float, float]:
     return f1, f2, f3
 
 
-def known(car: Model) -> Watch:
+def known(_believed: Model, car: Model) -> Watch:
     """The true faults, as if somebody told them."""
 
     def step(state: None, told: Told) -> tuple[None, Faults]:

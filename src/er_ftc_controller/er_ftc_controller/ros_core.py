@@ -21,6 +21,7 @@ from er_ftc_controller import control
 from er_ftc_controller.align import Aligner
 from er_ftc_controller.control import Command, Faults, Mode, Sample
 from er_ftc_controller.gains import load_gains
+from er_ftc_controller.opinion import opinion
 from er_ftc_controller.ros_skyhook import SkyhookCore, SkyhookParameters
 from er_ftc_controller.settings import FtcParameters, controller_of
 from er_ros_common import builders, topics
@@ -34,7 +35,6 @@ _SOURCE = {
     Mode.FAULT_TOLERANT: PwmDuty.SOURCE_FTC,
     Mode.SAFE: PwmDuty.SOURCE_SAFE,
 }
-_CERTAIN = (FaultEstimate.FAULT_CONFIRMED, FaultEstimate.FAULT_CONFOUNDED)
 _USABLE = (FaultEstimate.STATUS_OK, FaultEstimate.STATUS_DEGRADED)
 
 
@@ -164,15 +164,10 @@ def _waiting(state: State, message: FaultEstimate) -> State:
 
 def faults_of(message: FaultEstimate) -> Faults:
     """What a message says of the faults, but when; not valid, or something unexplained beside them: not to be used."""
+    factors = (message.f1, message.f2, message.f3)
     states = (message.f1_status, message.f2_status, message.f3_status)
-    usable = (
-        message.valid
-        and message.status in _USABLE
-        and not message.unexplained
-        and FaultEstimate.FAULT_UNKNOWN not in states
-    )
-    certain = any(s in _CERTAIN for s in states)
-    return Faults(0.0, message.f1, message.f2, message.f3, certain, usable)
+    trusted = message.valid and message.status in _USABLE and not message.unexplained
+    return opinion(0.0, factors, states, trusted=trusted)
 
 
 def _command(tick: Tick, command: Command) -> Said:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 import yaml
-from er_ftc_controller.ros_core import FtcCore, State
+from er_ftc_controller.ros_core import FtcCore, State, faults_of
 from er_ftc_controller.settings import FtcParameters
 from er_ros_common.builders import (
     Tick,
@@ -92,6 +92,30 @@ def test_estimates_that_prove_no_fault_are_not_acted_on(
     state, said = play(core, [m for k in range(1, 60) for m in [*halves(k), leak(k, **changed)]])
     assert {m.source for m in said} == {PwmDuty.SOURCE_NOMINAL}
     assert "no usable fault estimate" in state.mind.command.reason
+
+
+@pytest.mark.parametrize(
+    ("factors", "states", "certain", "usable"),
+    [
+        ((1.0, 0.6, 1.0), (1, 3, 1), True, True),
+        ((0.7, 0.9, 0.8), (5, 1, 5), True, True),
+        ((1.0, 1.0, 1.0), (4, 1, 1), False, True),
+        ((0.5, 1.0, 1.0), (4, 1, 1), False, False),
+        ((1.0, 0.8, 1.0), (1, 2, 1), False, False),
+        ((1.0, 1.0, 1.0), (0, 0, 0), False, False),
+    ],
+)
+def test_statuses_are_acted_on_forgotten_or_waited_for(
+    factors: tuple[float, float, float], states: tuple[int, int, int], certain: bool, usable: bool
+) -> None:
+    """Confirmed or confounded: act. All well: forget. Suspected, or lost when last excited: stay as it is."""
+    message = leak(1)[1]
+    for i in range(3):
+        setattr(message, f"f{i + 1}", factors[i])
+        setattr(message, f"f{i + 1}_status", states[i])
+    found = faults_of(message)
+    assert (found.certain, found.usable) == (certain, usable)
+    assert found[1:4] == factors
 
 
 def test_silence_ends_at_the_safe_duty_within_50_ms(core: FtcCore) -> None:

@@ -85,7 +85,7 @@ def _one(
     car = _changed(scenario.car(setup.model, fault), factors)
     road, seed = scenario.road(setup.model, number), scenario.program.seed + number
     sensors = Sensors(latency=scenario.latency)
-    record = drive(car, road, DT, setup.built(p), known(car), sensors, seed)
+    record = drive(car, road, DT, setup.built(p), known(setup.model, car), sensors, seed)
     t = record["t"]
     rows = (t >= scenario.window[0] - 1e-9) & (t <= scenario.window[1] + 1e-9)
     return (*_tracking(record, rows), *_felt(record, rows))

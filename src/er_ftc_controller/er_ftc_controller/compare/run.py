@@ -13,7 +13,7 @@ from er_models.yaml_file import read_yaml
 from er_ros_common.parameter_table import build
 
 from er_ftc_controller import rivals
-from er_ftc_controller.closed_loop import Sensors, Watch, drive
+from er_ftc_controller.closed_loop import Sensors, Watch, drive, known
 from er_ftc_controller.compare.measures import Measures, measure
 from er_ftc_controller.compare.scenarios import DT, Scenario
 from er_ftc_controller.gains import load_gains
@@ -23,9 +23,18 @@ from er_ftc_controller.skyhook import Skyhook
 
 TOLERANCE = 3.0
 """Violations count from so many standard deviations of the force sensor on."""
-LAWS = ("passive", "skyhook", "nominal", "domain_only", "fault_tolerant")
-"""Controllers in the order they are shown; domain_only: nothing of the lost passive force is given back."""
-WatchOf = Callable[[Model], Watch]
+LAWS = (
+    "passive", "skyhook", "nominal", "force_feedback", "faults_known", "fault_tolerant",
+)  # fmt: skip
+"""Controllers in the order they are shown.
+
+force_feedback: nominal, its loop corrected by the force that the accelerometer tells. faults_known: fault_tolerant,
+told the true faults.
+"""
+FEEDBACK = 0.3
+"""Correction of the force loop with feedback."""
+WatchOf = Callable[[Model, Model], Watch]
+"""Source of fault estimates for the healthy car that is believed in, and the true one."""
 
 
 @dataclass(frozen=True)
@@ -43,9 +52,9 @@ class Setup:
         if name == "skyhook":
             return rivals.two_states(self.skyhook)
         p = replace(self.parameters, u_max=scenario.duty_max, latency=scenario.latency * DT)
-        if name == "domain_only":
-            p = replace(p, restore=0.0)
-        return self.built(p, nominal=name == "nominal")
+        if name == "force_feedback":
+            p = replace(p, correction=FEEDBACK)
+        return self.built(p, nominal=name in ("nominal", "force_feedback"))
 
     def built(self, p: FtcParameters, *, nominal: bool = False) -> Law:
         """The LPV controller of some parameters."""
@@ -85,7 +94,9 @@ def run(
     """Record of one run, as `closed_loop.drive`."""
     car, seed = scenario.car(setup.model, fault), scenario.program.seed + number
     road = scenario.road(setup.model, number)
-    return drive(car, road, DT, law, watch(car), Sensors(latency=scenario.latency), seed)
+    return drive(
+        car, road, DT, law, watch(setup.model, car), Sensors(latency=scenario.latency), seed
+    )
 
 
 def compare(
@@ -99,13 +110,14 @@ def compare(
         for fault in s.faults
         for number in range(min(s.seeds, seeds or s.seeds))
     ]
-    known: Mapping[tuple[str, str], Law] = {
+    each: Mapping[tuple[str, str], Law] = {
         (s.name, name): setup.law(name, s) for s in scenarios for name in laws
     }
     found = []
     for done, (s, fault, number) in enumerate(jobs, 1):
         for name in laws:
-            record = run(setup, s, fault, known[s.name, name], watch, number)
+            source = watch if name == "fault_tolerant" else known
+            record = run(setup, s, fault, each[s.name, name], source, number)
             found.append(Outcome(s.name, fault, name, number, judged(setup, s, record)))
         if tick is not None:
             tick(done, len(jobs))
