@@ -20,6 +20,7 @@ from er_models.model import Model
 from rich.console import Console
 
 from er_observers.compare.command import register as register_compare
+from er_observers.faults.command import register as register_faults
 from er_observers.forms import COORDINATES
 from er_observers.frequency.command import register as register_figures
 from er_observers.gains import observer_of, save_gains
@@ -34,6 +35,7 @@ app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_
 register_compare(app)
 register_variants(app)
 register_figures(app)
+register_faults(app)
 ModelFile = Annotated[Path, typer.Option(help="Vehicle model file.")]
 
 

@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 from er_models.errors import InputError
 from er_models.model import Model
-from er_observers.faults import evidence, motion, sums
+from er_observers.faults import evidence, information, motion, sums
+from er_observers.faults.acceptance import faultless, faulty
 from er_observers.faults.estimator import start, step
 from er_observers.faults.rules import estimator
 from er_observers.faults.sample import Estimate, FactorStatus, Kind, Sample, Status
-from er_observers.faults.trials import DT, Drive, Trial, drive
+from er_observers.faults.trials import Drive, Trial, drive
+from er_observers.scenarios.drive import DT
 
 NAMED = {"f1": Kind.ELECTRICAL, "f2": Kind.LEAKAGE, "f3": Kind.DEFORMATION}
 
@@ -193,3 +195,26 @@ def test_a_model_that_is_no_such_car_is_refused(car: Model) -> None:
         )
     with pytest.raises(InputError, match="coulomb_friction"):
         estimator(car.with_effect("coulomb_friction"))
+
+
+def test_what_could_be_known_at_best_grows_with_the_motion_and_the_loss(car: Model) -> None:
+    p, record = estimator(car), drive(Trial(1005, duration=4.0, road="iso8608"), car)
+    rows = information.terms(p, record)
+    force = record.samples[600].force
+    assert rows[600].sum() == pytest.approx(force, abs=4.0 * car.rig["force_noise"])
+    little, much = (information.apart(p, rows, {"f2": left}) for left in (0.9, 0.5))
+    assert much == pytest.approx(5.0 * little, rel=0.05)
+    stiffness = np.linalg.norm(0.5 * rows[:, 0]) / (2.27 * car.rig["acceleration_noise"])
+    assert 0.9 * stiffness < much <= stiffness * (1.0 + 1e-9)
+
+
+def test_a_drive_is_judged_as_it_went(car: Model) -> None:
+    p, trial = estimator(car), Trial(1004, {"f1": 0.6}, fault_time=5.0, duration=9.0)
+    found = faulty(p, trial, car)
+    assert found.kind is Kind.ELECTRICAL
+    assert found.named < 2.0
+    assert not found.wrong
+    assert not found.early
+    assert abs(found.errors["f1"]) < 0.1
+    quiet = faultless(p, Trial(5000, spread=0.05, duration=5.0), car)
+    assert (quiet.named, quiet.silent) == ((), ())

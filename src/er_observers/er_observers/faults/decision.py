@@ -85,8 +85,8 @@ def decide(
     _mix(rules, alone, factors, spread, verdict)
     likely = int(np.argmax(verdict[PROBABILITY]))
     _judge(rules, total, prior, first, temper, likely, factors, verdict, room)
-    _name(rules, likely, verdict)
     _doubt(rules, verdict)
+    _name(rules, likely, verdict)
     _states(rules, verdict)
 
 
@@ -143,6 +143,9 @@ def _name(rules: Array, likely: int, verdict: Array) -> None:
         likely, sure = SOME, True
     blind = named in ORDER and verdict[EXCITED][named - 1] <= 0.0
     sure = sure and not (blind and likely == NONE)
+    sure = sure and not (
+        likely > NONE and verdict[DOUBTS] > 0.0
+    )  # first see whether it is no fault
     same = likely == int(verdict[TRIED]) and sure
     verdict[TRIALS] = verdict[TRIALS] + 1.0 if same else (1.0 if sure else 0.0)
     verdict[TRIED] = likely
