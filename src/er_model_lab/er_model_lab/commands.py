@@ -22,6 +22,7 @@ from er_model_lab.diagnose.floor import noise_floor
 from er_model_lab.diagnose.null import simulate_null
 from er_model_lab.excess import noise_at, region_tables
 from er_model_lab.floors import floors
+from er_model_lab.fusion import fusion_json
 from er_model_lab.load import fingerprint, load
 from er_model_lab.long.choose import shortened
 from er_model_lab.long.verify import checked, long_json, long_note
@@ -162,6 +163,7 @@ def compare(ask: Request) -> Outcome:
             name: side.as_json()
             for name, side in floors(problem, base.fit.residual, floor).items()
         },
+        "fusion": fusion_json(originals(records), problem),
         "rmse_refitted": float(np.sqrt(base.mse)),
     }
     view = View(
@@ -305,6 +307,8 @@ def _outcome(
         originals(records), study.model, study.model.catalogue
     ).as_json()
     result["provenance"] = origin
+    if study.problem.fused:
+        result["fusion"] = fusion_json(originals(records), study.problem)
     if ask.level == "damper":
         result["next"] = suggestions(result, ask.model_file, ask.data, ask.effects_from)
     result = clean(result)

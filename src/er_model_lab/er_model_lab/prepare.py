@@ -26,6 +26,7 @@ from er_model_lab.fuse import (
     estimate_noise,
     fuse,
 )
+from er_model_lab.losses import losses
 from er_model_lab.record import Record
 
 Array = NDArray[np.float64]
@@ -47,8 +48,8 @@ class Problem:
     force: measured [N]; where `forward`, which predicts it, has several outputs, those of each sample in turn,
     weighted to newtons, and motion and extra (what else moves, by name) have fewer rows; fold: block of each
     training sample, -1 elsewhere; held_out: mask of samples that only score; raw: measured channels before
-    fusion; fused: per record, each with the noise model of its own motion; noise: that of the longest record;
-    sd_force: white noise of the force.
+    fusion; fused: per record, each with the noise model of its own motion; noise: that of the longest record
+    with most channels; sd_force: white noise of the force.
     """
 
     motion: Motion
@@ -139,12 +140,15 @@ def prepare(
         raise InputError("DATA", "", "at least one record", "none")
     dt = max(r.dt for r in records)
     measured = tuple(measured_channels(r, dt) for r in records)
-    longest = max(range(len(measured)), key=lambda r: measured[r].z.shape[0])
+    longest = max(
+        range(len(measured)), key=lambda r: (int(measured[r].has.sum()), measured[r].z.shape[0])
+    )
     part = measured[longest].telling(FOR_NOISE)
     lag, lag_sd = _lag_evidence(part) if velocity_lag is None else (velocity_lag, 0.0)
-    raw, noise, losses = _usable(measured, part, lag, velocity_lag or 0.0)
+    raw, noise, unresolved = _usable(measured, part, lag, velocity_lag or 0.0)
+    noise = _completed(noise, part, raw)
     fused = tuple(
-        fuse(c, noise if r == longest else adapt(c.telling(FOR_NOISE), noise))
+        _centred(fuse(c, noise if r == longest else adapt(c.telling(FOR_NOISE), noise)), c)
         for r, c in enumerate(raw)
     )
     force = [resampled(r, "damper_force", dt) for r in records]
@@ -154,7 +158,7 @@ def prepare(
     return Problem(
         motion=motion, force=y, fold=fold, held_out=held_out, raw=raw, fused=fused, noise=noise,
         names=tuple(r.name for r in records),
-        notes=tuple(n for r in records for n in r.notes) + losses + _losses(records[0]),
+        notes=tuple(n for r in records for n in r.notes) + unresolved + losses(records),
         complete=all(r.complete for r in records), sd_force=white_noise(force), velocity_lag=(lag, lag_sd),
     )  # fmt: skip
 
@@ -318,13 +322,24 @@ def _usable(
     return tuple(c.only(kept) for c in measured), estimate_noise(part.only(kept), undone), (note,)
 
 
-def _losses(record: Record) -> tuple[str, ...]:
-    """What is lost without some channels."""
-    notes = []
-    if not (record.has("sprung_acceleration") and record.has("unsprung_acceleration")):
-        notes.append(
-            "without both accelerations the velocity is known less well: effects near zero velocity blur"
-        )
-    if not record.has("duty"):
-        notes.append("no duty channel: taken as 0, effects of the field cannot be seen")
-    return tuple(notes)
+def _completed(noise: Noise, part: Channels, raw: tuple[Channels, ...]) -> Noise:
+    """Noise levels with those of channels that the record they are read off lacks, and another one has."""
+    for k, name in enumerate(("x", "v", "a")):
+        having = [c for c in raw if c.has[k]]
+        if part.has[k] or not having:
+            continue
+        longest = max(having, key=lambda c: c.z.shape[0])
+        own = estimate_noise(longest.telling(FOR_NOISE), noise.lag)
+        noise = replace(noise, **{name: getattr(own, name)})
+    return noise
+
+
+def _centred(fused: Fused, channels: Channels) -> Fused:
+    """The motion about its middle where no deflection was measured: an offset of the velocity would carry it away."""
+    if channels.has[0]:
+        return fused
+    t = np.arange(fused.x.size) * channels.dt
+    slope, _ = line = np.polyfit(t, fused.x, 1)
+    return replace(
+        fused, x=np.ascontiguousarray(fused.x - np.polyval(line, t)), v=np.ascontiguousarray(fused.v - slope)
+    )  # fmt: skip

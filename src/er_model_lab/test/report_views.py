@@ -116,6 +116,18 @@ MODELS = [
     for name, rmse in (("inove_guo", 0.6), ("new", 0.2))
 ]  # fmt: skip
 
+FUSION: dict[str, object] = {
+    "channels": ["acceleration", "deflection"],
+    "sd": {"deflection": 5e-6, "velocity": 2e-4, "acceleration": 0.01},
+    "noise": {"deflection": 2e-5, "velocity": None, "acceleration": 0.03},
+    "bias": {
+        "sprung_acceleration": {"value": 0.05, "sd": 0.002, "says": "biased"},
+        "unsprung_acceleration": {"value": None, "sd": None, "says": "channel absent"},
+        "relative": {"value": -0.08, "sd": 0.0005, "says": "biased"},
+    },
+    "lost": ["without a velocity channel its lag and gain cannot be checked"],
+}
+
 PREFLIGHT: dict[str, object] = {
     "passed": False,
     "findings": [

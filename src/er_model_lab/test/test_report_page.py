@@ -21,6 +21,7 @@ from er_model_lab.view import View
 from er_models.errors import InputError
 from PIL import Image
 from report_views import (
+    FUSION,
     HISTORY,
     IDENTIFIED,
     MODELS,
@@ -171,6 +172,7 @@ def test_all_sections_appear_with_their_data() -> None:
         unexplained=rest,
         preflight=PREFLIGHT,
         history=HISTORY,
+        fusion=FUSION,
         models=MODELS,
         **IDENTIFIED,
         **PLANNED,

@@ -15,6 +15,7 @@ from er_model_lab.report.sections import (
     identified,
     loops,
     models,
+    motion,
     noise,
     preflight,
     programs,
@@ -46,6 +47,7 @@ SECTIONS: tuple[Callable[[View], Section | None], ...] = (
     candidates.section,
     cards.section,
     preflight.section,
+    motion.section,
     history.section,
     provenance.section,
 )

@@ -1,0 +1,114 @@
+"""Motion from any subset of the channels: what is lost is said, and each accelerometer's bias is found."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from er_model_lab.fusion import biases, fusion_json
+from er_model_lab.losses import losses
+from er_model_lab.prepare import prepare
+from er_model_lab.record import Record
+from er_model_lab.sampling import with_velocity
+from er_models.errors import MissingChannel
+from er_models.files import load_model
+from er_models.predict import motion, predict
+from lab_help import DT, FORCE_NOISE, GUO, imposed
+
+ACCELERATIONS = ("sprung_acceleration", "unsprung_acceleration")
+BIAS = (0.05, -0.03)
+
+
+def ride(seed, n=4000, offset=0.0):
+    """A record on a wheel that shakes, with biased accelerometers and a velocity channel off by `offset`."""
+    rng = np.random.default_rng(seed)
+    x, v, a, u = imposed(rng, n)
+    w = 2 * np.pi * 1.9
+    wheel = 0.8 * np.sin(w * np.arange(n) * DT + seed)
+    noise = 0.025 * rng.standard_normal((2, n))
+    channels = {
+        "deflection": x + 2e-5 * rng.standard_normal(n),
+        "deflection_velocity": v + offset + 1e-3 * rng.standard_normal(n),
+        "duty": u,
+        "damper_force": predict(load_model(GUO), motion(DT, x, v, u, a))
+        + FORCE_NOISE * rng.standard_normal(n),
+        "sprung_acceleration": a + wheel + BIAS[0] + noise[0],
+        "unsprung_acceleration": wheel + BIAS[1] + noise[1],
+    }
+    return Record(f"r{seed}", np.arange(n) * DT, channels)
+
+
+@pytest.fixture(scope="module")
+def rides():
+    return [ride(1), ride(2)]
+
+
+def without(record, *names):
+    return with_velocity(
+        replace(record, channels={k: y for k, y in record.channels.items() if k not in names})
+    )
+
+
+def error(problem):
+    """Rms error of the true model along the fused motion, over the noise of the force."""
+    left = (problem.force - problem.predict(load_model(GUO)))[problem.used]
+    return float(np.sqrt(np.mean(left**2))) / FORCE_NOISE
+
+
+def test_each_bias_is_found_within_its_deviation_and_the_difference_far_better(rides):
+    found = biases(rides, prepare(rides).fused)
+    for name, truth in zip(ACCELERATIONS, BIAS, strict=True):
+        value, sd = found[name]
+        assert abs(value - truth) < 4.0 * sd
+        assert sd < 0.02
+    value, sd = found["relative"]
+    assert value == pytest.approx(BIAS[0] - BIAS[1], abs=4.0 * sd)
+    assert sd < 0.3 * found["sprung_acceleration"][1]
+    assert value == pytest.approx(
+        found["sprung_acceleration"][0] - found["unsprung_acceleration"][0], abs=2.0 * sd
+    )
+
+
+def test_what_cannot_be_known_is_said(rides):
+    records = [without(r, ACCELERATIONS[1]) for r in rides]
+    said = fusion_json(records, prepare(records))
+    assert said["bias"]["relative"]["value"] is None
+    assert said["bias"]["unsprung_acceleration"]["says"] == "channel absent"
+    assert said["bias"]["sprung_acceleration"]["value"] == pytest.approx(BIAS[0], abs=0.03)
+    assert said["noise"]["acceleration"] is None
+    assert any("one acceleration alone" in s for s in said["lost"])
+
+
+@pytest.mark.parametrize(
+    ("gone", "most"),
+    [
+        ((), 1.15), (("deflection_velocity",), 1.2), (ACCELERATIONS, 1.7), (("deflection",), 2.2),
+        ((*ACCELERATIONS, "deflection_velocity"), 3.5), ((*ACCELERATIONS, "deflection"), 2.6),
+    ],
+)  # fmt: skip
+def test_any_subset_gives_a_usable_motion(rides, gone, most):
+    records = [without(r, *gone) for r in rides]
+    assert 0.9 < error(prepare(records)) < most
+    assert bool(losses(records)) is bool(gone)
+
+
+def test_an_offset_of_the_velocity_does_not_carry_the_deflection_away():
+    problem = prepare([without(ride(3, offset=1e-3), "deflection")])
+    assert error(problem) < 2.2
+    assert np.ptp(problem.motion.x) < 0.04
+
+
+def test_records_may_have_different_channels(rides):
+    whole = prepare(rides)
+    poorer = without(ride(4, n=6000), *ACCELERATIONS)
+    mixed = prepare([*rides, poorer])
+    for own, other in zip(whole.fused, mixed.fused, strict=False):
+        assert other.sd_v == pytest.approx(own.sd_v, rel=0.1)
+        assert other.bias == pytest.approx(own.bias, abs=3e-3)
+    assert mixed.noise.a == pytest.approx(whole.noise.a, rel=0.1)
+    assert any("(1 of 3 records)" in n for n in mixed.notes)
+    assert error(mixed) < 1.5
+
+
+def test_accelerations_alone_are_not_enough(rides):
+    with pytest.raises(MissingChannel, match="deflection"):
+        prepare([without(r, "deflection", "deflection_velocity") for r in rides])
