@@ -99,7 +99,7 @@ def test_a_device_over_udp_may_die_and_come_back(tmp_path: Path) -> None:
         up.wait_for("[hardware_bridge]: running")
         sleep(1.5)
         device.stop(signal.SIGKILL)
-        up.wait_for("[hardware_bridge]: silent")
+        up.wait_for("[hardware_bridge]: silent: no sample")
         graph.start("device_emulator", *emulator_arguments(link)).wait_for("200 Hz")
         sleep(2.5)
         assert up.stop() == 0, up.text

@@ -189,6 +189,21 @@ def test_a_silent_device_is_said_once_and_found_again() -> None:
     assert stamps == sorted(set(stamps))
 
 
+def test_samples_that_were_only_held_up_are_newer_than_the_word_that_they_stay_away() -> None:
+    world = World(host()).begin()
+    world.run(0.5)
+    held: list[bytes] = []
+    world.heard, hear = held.append, world.heard  # type: ignore[method-assign]
+    world.run(0.2)
+    assert world.silences == 1
+    said = world.host.stamp
+    for data in held:
+        hear(data)
+    after = [r.stamp for r in world.readings if r.seq > 100]
+    assert len(after) == 40
+    assert min(after) > said
+
+
 def test_a_device_that_restarts_goes_on_after_its_clock_was_aligned() -> None:
     world = World(host()).begin()
     world.run(0.5)

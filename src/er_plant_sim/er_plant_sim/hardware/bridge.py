@@ -166,7 +166,8 @@ def on_time(p: Bridge, state: BridgeState, now: int) -> tuple[BridgeState, Said]
         and not state.silent
         and 1e-9 * (now - state.sample_at) > p.silence
     ):
-        state, silence = state._replace(silent=True), True
+        # not the time of now: samples that were only held up may still come, and are older
+        state, silence = state._replace(silent=True, stamp=state.stamp + 1), True
     return state, Said([], out, silence)
 
 

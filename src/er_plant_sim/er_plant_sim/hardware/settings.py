@@ -49,7 +49,7 @@ class BridgeParameters(NodeParameters):
     )
     safe_duty: float = param(REQUIRED, low=0.0, high=1.0, text="duty without a fresh command")
     command_timeout: float = param(
-        0.05, unit="s", low=0.005, high=1.0, text="age at which a command is no longer held"
+        0.045, unit="s", low=0.005, high=1.0, text="age at which a command is no longer held"
     )
     duty_slew: float = param(
         0.0, unit="1/s", low=0.0, high=1e4, text="fastest change of the duty; 0: no limit"

@@ -88,9 +88,9 @@ class BridgeNode(ManagedNode):
         """Do what has to be done now and then; the wire's thread."""
         with self.lock:
             self.state, said = bridge.on_time(self.bridge, self.state, now)
-            seq = self.state.seq
+            last, seq = self.state.stamp, self.state.seq
         if said.silence:
-            tick = Tick(now + self.anchor, seq)
+            tick = Tick(last + self.anchor, seq)
             self.out.publish(ros_hardware.lost(tick, self.p.safe_duty))
         return said.data
 
@@ -146,11 +146,11 @@ class BridgeNode(ManagedNode):
         if not s.begun:
             mode, status = "waiting", NodeStatus.STATUS_INITIALIZING
             reason = f"for {refusal or ', '.join(self.gathering.missing()) or 'its subscribers'}"
-        elif s.silent or refusal:
+        elif refusal:
+            mode, status, reason = "refused", NodeStatus.STATUS_FAULT, refusal
+        elif s.silent:
             mode, status = "silent", NodeStatus.STATUS_LOST
-            reason = (
-                refusal or f"no sample for {self.p.silence:g} s: the device holds its safe duty"
-            )
+            reason = f"no sample for {self.p.silence:g} s: the device holds its safe duty"
         elif self.reading and self.reading.applied.reason not in (Reason.COMMAND, Reason.PROGRAM):
             mode, status = "safe", NodeStatus.STATUS_DEGRADED
             reason = f"safe duty: {self.reading.applied.reason.value}"
