@@ -26,6 +26,7 @@ from rich.table import Table
 from er_bringup.hidden import RANGES, choose, hide
 from er_bringup.up import configuration, run
 
+CONTROLLER = "ftc_controller"
 CLOSE = 1.15
 """Held-out error over noise floor that counts as reached."""
 
@@ -74,6 +75,7 @@ def play(demo: Demo, console: Console) -> Verdict:
     )
     learn = record(demo, sealed, "learn", demo.learn, "program", demo.seed, console)
     check = record(demo, sealed, "check", demo.check, "command", demo.seed + 1, console)
+    console.print(repeated(check))
     console.print("comparing, diagnosing, adding ...")
     new = demo.out / "model.yaml"
     outcome = improve(Request([learn], model_file, demo.seed, (check,)), new)
@@ -88,6 +90,16 @@ def play(demo: Demo, console: Console) -> Verdict:
     console.print(f"new model:  {new}")
     console.print(f"report:     {page}")
     return verdict
+
+
+def repeated(bag: Path) -> str:
+    """What the controller says when the recording is played to it again, beside what it said live."""
+    from er_bringup.played import core_of, opened, play
+
+    recording = opened(bag)
+    found = play(recording, CONTROLLER, core_of(recording, CONTROLLER, "", {}), follow=True)
+    words = "bit for bit as recorded" if not found.different else f"{found.different} others"
+    return f"controller replayed from {bag.name}: {found.same} answers {words}, {found.speed:.0f} x real time"
 
 
 def reach(truth: Model, bags: list[Path]) -> float:
@@ -107,12 +119,11 @@ def record(
     bag, log = demo.out / name, demo.out / f"{name}.log"
     arguments = {
         "damper": str(damper), "duration": str(seconds), "seed": str(seed), "duty": duty,
-        "record": str(bag),
-        "program": "identification", "mode": demo.mode,
+        "record": str(bag), "program": "identification", "mode": demo.mode,
+        "controller": "ftc", "fault_estimator": "true",
     }  # fmt: skip
-    console.print(
-        f"running plant, observer, controller and recorder for {seconds:g} s ({name}) ..."
-    )
+    parts = "plant, three observers, fault estimator, controller and recorder"
+    console.print(f"running {parts} for {seconds:g} s ({name}) ...")
     with log.open("w", encoding="utf-8") as stream:
         statuses = run(arguments, stream)
     failed = {label: status for label, status in statuses.items() if status}

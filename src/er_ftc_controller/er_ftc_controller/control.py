@@ -174,7 +174,7 @@ def step(p: Ftc, state: State, t: float, sample: Sample | None) -> tuple[State, 
         state = state._replace(heard=t)
     awake = state.heard is not None and t - state.heard <= p.rules.timeout + SLACK
     running = awake and not lost
-    share = state.share + (dt / p.rules.recovery if running else -dt / p.rules.ramp)
+    share = state.share + _share_gained(p, dt, running=running)
     state = state._replace(share=min(max(share, 0.0), 1.0))
     if usable and sample is not None:
         state = _controlled(p, state, sample, dt)
@@ -182,6 +182,14 @@ def step(p: Ftc, state: State, t: float, sample: Sample | None) -> tuple[State, 
     duty = p.rules.safe_duty + state.share * (state.loop.duty - p.rules.safe_duty)
     command = state.command._replace(duty=duty, mode=mode, reason=reason, left=state.left)
     return state._replace(command=command), command
+
+
+def _share_gained(p: Ftc, dt: float, *, running: bool) -> float:
+    """Change of the controlled duty's share in a time [s], of which more than `timeout` was silence."""
+    if not running:
+        return -dt / p.rules.ramp
+    silent = dt - p.rules.timeout
+    return -silent / p.rules.ramp if silent > SLACK else dt / p.rules.recovery
 
 
 def force_left(left: tuple[float, float, float]) -> float:

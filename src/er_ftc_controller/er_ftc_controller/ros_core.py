@@ -42,7 +42,8 @@ class State(NamedTuple):
     """What the controller knows; halves of samples; estimates that wait, by stamp [ns]; checks of stamps.
 
     last: the last sample; heard: when the last usable one came [ns, steady]; base: stamp of the first one; counts;
-    body, strut: whether a sensor is stuck.
+    body, strut: whether a sensor is stuck; silent: how `mind` goes on while samples stay away. The next sample finds
+    `mind` as the last one left it, so that answers to samples do not depend on when somebody looked.
     """
 
     mind: control.State
@@ -56,6 +57,12 @@ class State(NamedTuple):
     told: int
     body: Watched = Watched()
     strut: Watched = Watched()
+    silent: control.State | None = None
+
+    @property
+    def command(self) -> Command:
+        """What was said last."""
+        return (self.silent or self.mind).command
 
 
 class FtcCore:
@@ -107,20 +114,21 @@ class FtcCore:
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Go on without samples where they stay away, towards the safe duty."""
-        silent = 1e-9 * (when.steady - state.heard)
-        if not state.heard or silent <= self.p.timeout:
+        since = 1e-9 * (when.steady - state.heard)
+        if not state.heard or since <= self.p.timeout:
             return state, []
-        t = 1e-9 * (state.last.stamp - state.base) + silent
-        mind, command = control.step(self.controller, state.mind, t, None)
-        if mind is state.mind:
+        t = 1e-9 * (state.last.stamp - state.base) + since
+        before = state.silent or state.mind
+        silent, command = control.step(self.controller, before, t, None)
+        if silent is before:
             return state, []
         now = when.system if when.system is not None else state.last.stamp
         tick = Tick(max(now, state.last.stamp), state.last.seq)
-        return state._replace(mind=mind), [_command(tick, command)]
+        return state._replace(silent=silent), [_command(tick, command)]
 
     def last_words(self, state: State, now: int) -> list[Said]:
         """The safe duty, for somebody who stops the controller at a time [ns]."""
-        command = state.mind.command._replace(duty=self.p.safe_duty, mode=Mode.SAFE)
+        command = state.command._replace(duty=self.p.safe_duty, mode=Mode.SAFE)
         return [_command(Tick(max(now, state.last.stamp), state.last.seq), command)]
 
     def _sample(
@@ -138,7 +146,7 @@ class FtcCore:
         mind, command = control.step(self.controller, state.mind, t, sample)
         good = mind.heard == t
         state = state._replace(
-            mind=mind, last=tick, heard=when.steady if good else state.heard,
+            mind=mind, silent=None, last=tick, heard=when.steady if good else state.heard,
             unusable=state.unusable + (not good),
         )  # fmt: skip
         return state, [_command(tick, command)]

@@ -134,6 +134,24 @@ def test_silence_ends_at_the_safe_duty_within_50_ms(core: FtcCore) -> None:
     assert {m.source for m in again} == {PwmDuty.SOURCE_NOMINAL}
 
 
+def test_answers_after_a_silence_do_not_depend_on_who_looked_when(core: FtcCore) -> None:
+    """40 ms without samples, looked at or not, as live and in replay; the duty goes on where the ramp has come to."""
+    before = [m for k in range(1, 100) for m in halves(k)]
+    after = [m for k in range(107, 140) for m in halves(k)]
+    first, _ = play(core, before)
+    looked, ramp = first, []
+    for ms in range(1, 38, 5):
+        when = When(stamp(99) + 1_000_000 * (1 + ms), stamp(99) + 1_000_000 * (1 + ms))
+        looked, out = core.on_time(looked, when)
+        ramp += [m.duty for _, m in out]
+    assert ramp
+    _, one = play(core, after, looked)
+    _, two = play(core, after, first)
+    assert [m.duty for m in one] == [m.duty for m in two]
+    reach = max(core.p.safe_duty, core.p.u_max - core.p.safe_duty)
+    assert abs(one[0].duty - core.p.safe_duty) <= 0.5 * reach
+
+
 def test_a_missing_acceleration_costs_the_force_not_the_duty(core: FtcCore) -> None:
     blind = [
         (topics.ACCELERATION, suspension_acceleration(Tick(stamp(k), k), 0.0, 0.0, valid=False))

@@ -53,7 +53,7 @@ class FtcController(ManagedNode):
     def on_message(self, topic: topics.Topic, message: Any) -> None:
         """Take a message of an input."""
         began = perf_counter()
-        before = self.state.mind.command
+        before = self.state.command
         self.state, said = self.core.on_message(self.state, topic, message, self.when())
         self.publish(said, before)
         if said:
@@ -61,7 +61,7 @@ class FtcController(ManagedNode):
 
     def on_watch(self) -> None:
         """Go on where the inputs are silent."""
-        before = self.state.mind.command
+        before = self.state.command
         self.state, said = self.core.on_time(self.state, self.when())
         self.publish(said, before)
 
@@ -73,13 +73,13 @@ class FtcController(ManagedNode):
         """Publish commands, and a change of mode or reason at once."""
         for _, message in said:
             self.command.publish(message)
-        after = self.state.mind.command
+        after = self.state.command
         if (before.mode, before.reason) != (after.mode, after.reason):
             self.health.publish_status()
 
     def report(self) -> Report:
         """Health of the controller."""
-        state, command = self.state, self.state.mind.command
+        state, command = self.state, self.state.command
         mode, reason, status = command.mode.value, command.reason, NodeStatus.STATUS_OK
         if command.mode is Mode.SAFE:
             status = NodeStatus.STATUS_LOST
