@@ -42,7 +42,7 @@ EVERY = 40
 IN_THE_LOOP = (
     "unified_observer", "nlpv_polytopic_observer", "nlpv_gridding_observer", "skyhook_controller"
 )  # fmt: skip
-NODES = (*IN_THE_LOOP, "ftc_controller")
+NODES = (*IN_THE_LOOP, "ftc_controller", "fault_estimator")
 
 
 def node_parameters(name: str) -> dict[str, Any]:
@@ -50,7 +50,9 @@ def node_parameters(name: str) -> dict[str, Any]:
     file = yaml.safe_load((CONFIG / f"nodes/{name}.yaml").read_text())
     given = dict(file["/**"]["ros__parameters"])
     gains = {"ftc_controller": "lpv_ftc"}.get(name, name.removesuffix("_observer"))
-    if name != "skyhook_controller":
+    if name == "fault_estimator":
+        given |= {"model_file": VEHICLE}
+    elif name != "skyhook_controller":
         given |= {"model_file": VEHICLE, "gains_file": str(CONFIG / f"gains/{gains}.yaml")}
     return given | {"max_age": 0.0}
 
