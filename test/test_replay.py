@@ -184,7 +184,12 @@ def test_a_recording_without_the_inputs_and_a_damaged_one(
             data = data[:middle] + bytes(2000) + data[middle + 2000 :]
         (cut / file.name).write_bytes(data)
     status, text, result = replay(cut, "--node", "unified_observer")
-    assert (status, "Traceback" in text) in ((3, False), (2, False))
+    assert status in (1, 2, 3)  # zeros in the middle are never "the same"
+    assert "Traceback" not in text
     if status == 3:
         assert not result["complete"]
-        assert 0 < result["nodes"][0]["same"] < TICKS
+    for file in cut.glob("*.mcap"):
+        file.write_bytes(file.read_bytes()[: file.stat().st_size * 6 // 10])
+    status, text, _ = replay(cut)
+    assert status in (2, 3)
+    assert text.count("\n") == 1

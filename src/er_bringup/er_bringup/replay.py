@@ -161,9 +161,9 @@ def main() -> None:
             write_whole(Path(options.json), text)
     if options.values:
         write_whole(Path(options.values), values(found))
-    if any(f.different for f in found):
-        sys.exit(DIFFERENT)
-    sys.exit(INCOMPLETE if bag.damage else SAME)
+    if bag.damage:
+        sys.exit(INCOMPLETE)
+    sys.exit(DIFFERENT if any(f.different for f in found) else SAME)
 
 
 if __name__ == "__main__":
