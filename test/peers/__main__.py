@@ -21,11 +21,13 @@ from typing import Any
 
 import numpy as np
 from er_model_lab.commands import Request
+from er_model_lab.versions import versions
 from er_models.files import load_model
 
 from test.blind.generator import more_records
 from test.blind_score.cases import Asked, Layout
 from test.blind_score.fresh import fresh_errors
+from test.blind_score.rows import digest
 from test.blind_score.run import ANOTHER, MODEL, ROOT, drawn
 from test.peers.data import Answer, Given, given
 
@@ -140,7 +142,12 @@ def main() -> None:
     parser.add_argument("--effects", nargs="*", default=list(EFFECTS))
     parser.add_argument("--complete", type=int, default=COMPLETE, help="complete models a seed")
     parser.add_argument("--json", type=Path, help="every answer")
+    parser.add_argument("--noted", action="store_true", help="ask nothing, show what --json holds")
     wanted = parser.parse_args()
+    if wanted.noted:
+        rows = json.loads(wanted.json.read_text(encoding="utf-8"))
+        print(f"{table(rows)}\n\n{footer(rows)}")
+        return
     install()
     rows = []
     for seed in range(wanted.first, wanted.first + wanted.seeds):
@@ -152,10 +159,17 @@ def main() -> None:
                 print(f"{len(rows)}: {one.key}", file=sys.stderr)
             if wanted.json:
                 wanted.json.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
-    print(table(rows))
-    versions = {n: importlib.metadata.version(n) for n in ("pysindy", "scikit-learn", "scipy")}
-    print(
-        f"\n{len(rows)} cases, seeds {wanted.first} to {wanted.first + wanted.seeds - 1}; {versions}"
+    print(f"{table(rows)}\n\n{footer(rows)}")
+
+
+def footer(rows: list[dict[str, Any]]) -> str:
+    """What the table was made of, and by which versions."""
+    seeds = sorted({r["seed"] for r in rows if r["hidden"]})
+    names = ("pysindy", "scikit-learn", "scipy")
+    made_by = ", ".join(f"{n} {importlib.metadata.version(n)}" for n in names)
+    return (
+        f"{len(rows)} cases of {SIZE.records} records of {SIZE.seconds:g} s, seeds {seeds}; er_model_lab "
+        f"{versions()['er_model_lab']}, code {digest()}; {made_by}."
     )
 
 

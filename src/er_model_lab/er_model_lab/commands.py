@@ -280,7 +280,7 @@ def gone_on(outcome: Outcome, begun: Begun, out: Path) -> Outcome:
     """The outcome with the steps and effects of what an interruption had left."""
     if not begun.passes:
         return outcome
-    note = f"went on from {out}, which an interruption had left after {len(begun.steps) - 1} steps"
+    note = f"went on from {out}, which an interruption had left with {len(begun.steps) - 1} done"
     result = outcome.result
     result["steps"] = [*begun.steps, *result["steps"][1:]]
     result["effects"] = [*begun.effects, *(e for e in result["effects"] if e not in begun.effects)]

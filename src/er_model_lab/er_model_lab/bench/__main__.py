@@ -1,4 +1,4 @@
-"""``er bench lab [PART ...] [--model FILE] [--json FILE] [--plot FILE] [--tiny]``: what a diagnosis costs."""
+"""``er bench lab [PART ...]``: what a diagnosis costs; -h shows all arguments."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 
-from er_model_lab.bench.measure import Line, length, minute, number
+from er_model_lab.bench.measure import LENGTHS, Line, length, minute, number
 from er_model_lab.bench.picture import picture
 
 PARTS: dict[str, Callable[[Path], list[Line]]] = {
@@ -33,6 +33,9 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument(
         "--plot", type=Path, metavar="FILE", help="draw cost over length and effects"
     )
+    parser.add_argument(
+        "--longest", type=float, default=max(LENGTHS), metavar="SECONDS", help="of the lengths"
+    )
     parser.add_argument("--tiny", action="store_true", help="seconds of data: only to see it run")
     given = parser.parse_args(arguments)
     unknown = [name for name in given.parts if name not in PARTS]
@@ -40,9 +43,9 @@ def main(arguments: list[str] | None = None) -> None:
         parser.error(f"PART: expected some of {', '.join(PARTS)}, found '{unknown[0]}'")
     names = given.parts or list(PARTS)
     wanted = [n for n in PARTS if n in names or (given.plot and n in ("length", "number"))]
-    found = {}
+    found, parts = {}, TINY if given.tiny else PARTS | {"length": _up_to(given.longest)}
     for name in wanted:
-        found[name] = (TINY if given.tiny else PARTS)[name](given.model)
+        found[name] = parts[name](given.model)
         sys.stdout.write(f"## {name}\n\n{table(found[name])}\n")
         sys.stdout.flush()
     if given.json:
@@ -50,6 +53,11 @@ def main(arguments: list[str] | None = None) -> None:
         given.json.write_text(json.dumps(text, indent=1) + "\n", encoding="utf-8")
     if given.plot:
         picture(found["length"], found["number"], given.plot)
+
+
+def _up_to(longest: float) -> Callable[[Path], list[Line]]:
+    """The measurement of lengths no longer than that."""
+    return lambda model: length(model, lengths=tuple(s for s in LENGTHS if s <= longest))
 
 
 def table(lines: list[Line]) -> str:

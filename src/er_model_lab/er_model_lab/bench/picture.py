@@ -12,7 +12,7 @@ from er_model_lab.bench.measure import Line
 
 
 def picture(length: list[Line], number: list[Line], path: Path) -> None:
-    """Write an SVG file: processor time and wall time, as measured."""
+    """Write an SVG file: processor times as measured, on straight lines through none at all."""
     panels = (
         _panel(length, "length of the data [min]", 60.0),
         _panel(number, "effects tried", 1.0),
@@ -21,9 +21,11 @@ def picture(length: list[Line], number: list[Line], path: Path) -> None:
 
 
 def _panel(lines: list[Line], label: str, unit: float) -> Panel:
-    """Both times over what is varied."""
+    """Time over what is varied, and the straight line through zero nearest to it."""
     n = np.array([line.n / unit for line in lines])
-    return Panel(label, "time of a diagnosis [s]", (
-        Curve(n, np.array([line.processor for line in lines]), WITHOUT),
-        Curve(n, np.array([line.wall for line in lines]), WITH),
+    time = np.array([line.processor for line in lines])
+    ends = np.array([0.0, n.max()])
+    slope = float(np.sum(time * n) / np.sum(n**2))
+    return Panel(label, "processor time of a diagnosis [s]", (
+        Curve(ends, slope * ends, WITHOUT), Curve(n, time, WITH),
     ))  # fmt: skip
