@@ -138,6 +138,22 @@ def test_a_sample_the_node_never_had_is_left_out_when_asked(bag: Path, tmp_path:
     assert next(said)[1].seq == 1
 
 
+def test_silence_in_a_recording_is_silence_for_the_core(bag: Path, tmp_path: Path) -> None:
+    def change(topic: str, message: Any) -> Any:
+        return None if topic.startswith("/sensors/") and 300 <= message.seq < 400 else message
+
+    silent = played.opened(changed(bag, tmp_path / "silent", change))
+    core = played.core_of(silent, "skyhook_controller", "", {})
+    safe = [
+        m
+        for _, m in played.play(silent, "skyhook_controller", core).answers
+        if m.source == m.SOURCE_SAFE
+    ]
+    # half a second without samples, told as safe again and again
+    assert 5 <= len(safe) <= 25
+    assert {m.seq for m in safe} == {299}
+
+
 def test_another_parameter_gives_another_answer(replay: Replay, bag: Path) -> None:
     args = ("--node", "skyhook_controller", "--set", "u_max:=0.2")
     status, _, result = replay(bag, *args)

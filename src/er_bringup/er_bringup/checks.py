@@ -20,6 +20,8 @@ NEEDED = (
     topics.PWM_APPLIED,
 )
 """Topics without which a graph measures nothing."""
+OF_RIGS = (topics.FORCE, topics.ROAD)
+"""Of those, what only a rig or a simulation knows: a car's own sensors need not have them."""
 TOLERANCE = 0.1
 """Share by which a rate may differ from what it should be."""
 STALE = 0.02
@@ -101,8 +103,10 @@ def _missing(seen: Observation) -> Iterator[Problem]:
     if not seen.nodes and not any(h.publishers for h in seen.heard):
         return
     there = {h.topic.name: h for h in seen.heard if h.publishers}
+    ours, acceleration = {n.name for n in seen.nodes}, there.get(topics.ACCELERATION.name)
+    of_a_car = acceleration and not any(end.node in ours for end in acceleration.publishers)
     for topic in NEEDED:
-        if topic.name not in there:
+        if topic.name not in there and not (of_a_car and topic in OF_RIGS):
             name = f"{seen.namespace}/{topic.name}"
             cure = "start the plant or the bridge to the rig, or remap its topic"
             yield Problem(name, "missing topic", "nobody publishes it", cure)

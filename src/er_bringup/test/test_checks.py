@@ -162,3 +162,19 @@ def test_the_document_holds_what_the_table_shows() -> None:
     assert len(rows(seen)) == len(seen.heard)
     (problem,) = made["problems"]  # type: ignore[misc]
     assert problem["kind"] == "lost messages"
+
+
+def test_a_car_with_sensors_of_its_own_has_no_force_sensor_and_no_road() -> None:
+    """Nor is it told so, where the accelerations are not ours; what every corner needs still is."""
+
+    def foreign(gone: tuple[Topic, ...]) -> Observation:
+        each = []
+        for h in healthy().heard:
+            own = h.topic is topics.PWM_COMMAND
+            sender = () if h.topic in gone else (end("/ctrl" if own else "/chassis", h.topic),)
+            each.append(replace(h, publishers=sender))
+        return healthy(heard=tuple(each), nodes=healthy().nodes[1:])
+
+    assert kinds(foreign((topics.FORCE, topics.ROAD))) == []
+    found = kinds(foreign((topics.FORCE, topics.ROAD, topics.DEFLECTION)))
+    assert found == [("/sensors/deflection", "missing topic")]

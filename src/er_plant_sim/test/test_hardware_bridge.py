@@ -11,11 +11,13 @@ import pytest
 from er_models.files import load_model
 from er_models.program import load_program
 from er_plant_sim.duty_gate import Command, Gate, Reason
-from er_plant_sim.hardware import bridge, device, frame, impair
+from er_plant_sim.hardware import bridge, device, frame, impair, parser
 from er_plant_sim.hardware.bridge import Bridge, BridgeState, Reading, Sources
 from er_plant_sim.hardware.calibration import Quality, load_calibration
 from er_plant_sim.hardware.device import Device, DeviceState
+from er_plant_sim.hardware.frame import Sample
 from er_plant_sim.hardware.impair import Wire, WireState
+from er_plant_sim.hardware.parser import ParserState
 from er_plant_sim.noise import PERFECT, Noise
 from er_plant_sim.rig import Rig
 from er_plant_sim.simulator import simulator
@@ -28,11 +30,11 @@ PERIOD, MS = 5_000_000, 1_000_000
 NOMINAL = 2
 
 
-def rig() -> Rig:
+def rig(watchdog: float = 0.05) -> Rig:
     """A quarter car without noise on the identification road."""
     model = load_model(CONFIG / "vehicles/inove_quarter_car.yaml")
     program = load_program(CONFIG / "experiments/step.yaml")
-    gate = Gate(0.0, 0.3, 0.1, 0.05)
+    gate = Gate(0.0, 0.3, 0.1, watchdog)
     return Rig(simulator(model, 0.005, Noise(PERFECT, PERFECT, 0)), gate, program, False)
 
 
@@ -155,7 +157,9 @@ def test_the_duty_answers_the_sample_before_and_both_sides_limit_it() -> None:
 
 
 def test_without_commands_the_host_asks_for_the_safe_duty_within_the_timeout() -> None:
-    world = World(host(), answer=lambda r: 0.2 if r.seq < 100 else None).begin()
+    # a device whose own watchdog would not notice
+    patient = Device(rig(watchdog=100.0), CALIBRATION, 1)
+    world = World(host(), answer=lambda r: 0.2 if r.seq < 100 else None, d=patient).begin()
     world.run(1.0)
     reasons = [r.applied.reason for r in world.readings]
     assert reasons[20:98] == [Reason.COMMAND] * 78
@@ -172,8 +176,12 @@ def test_without_the_host_the_device_falls_back_by_itself() -> None:
     world.ways[1] = WireState()
     for _ in range(12):  # 60 ms: nobody listens any more
         world.now += PERIOD
-        world.device, _ = device.tick(world.d, world.device, world.own())
+        world.device, data = device.tick(world.d, world.device, world.own())
     assert world.device.rig.gate.duty == 0.1
+    _, found = parser.step(ParserState(), data)
+    sample = found[-1].message
+    assert isinstance(sample, Sample)
+    assert sample.flags == frame.WATCHDOG
 
 
 def test_a_silent_device_is_said_once_and_found_again() -> None:
