@@ -262,7 +262,8 @@ def _improved(studies: list[Study], model: Model, records: list[Record], ask: Re
         more = clean(diagnosis_json(study, model))
         result["steps"] += more["steps"][1:]
         result["effects"] += [e for e in more["effects"] if e not in result["effects"]]
-        result["rmse_after"], result["noise_floor"] = more["rmse_after"], more["noise_floor"]
+        for key in ("rmse_after", "noise_floor", "floors", "unexplained"):
+            result[key] = more[key]
     final = last.diagnosis
     adequate = final.verdict in ("adequate", "missing_effect", "ambiguous")
     result["final_verdict"] = "adequate" if adequate else final.verdict

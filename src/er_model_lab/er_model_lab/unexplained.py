@@ -289,6 +289,11 @@ def sentences(rest: Rest) -> tuple[str, ...]:
         ("deflection", "even"): "it pushes one way at both ends",
         ("acceleration", "odd"): "it acts as a mass, or as a delay of a channel",
     }
+    if rest.period:
+        length, amplitude, share = rest.period
+        size = f"amplitude {amplitude:.2g} N, {100 * share:.0f} % of it"
+        out.append(f"it is periodic in the deflection: {1e3 * length:.2g} mm, {size}")
+        meaning = {}
     for c in rest.curves[:3]:
         words = f"its mean over {c.quantity} explains {100 * c.share:.0f} % of it"
         if c.shape:
@@ -300,10 +305,6 @@ def sentences(rest: Rest) -> tuple[str, ...]:
         out.append(
             f"{a} and {b} together explain {100 * share:.0f} % of it, far more than either alone"
         )
-    if rest.period:
-        length, amplitude, share = rest.period
-        size = f"amplitude {amplitude:.2g} N, {100 * share:.0f} % of it"
-        out.append(f"it is periodic in the deflection: {1e3 * length:.2g} mm, {size}")
     for frequency, amplitude, share in rest.lines:
         size = f"amplitude {amplitude:.2g} N, {100 * share:.0f} % of it"
         out.append(f"it holds a steady tone of {frequency:.3g} Hz, {size}")

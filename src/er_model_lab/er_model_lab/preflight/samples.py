@@ -120,8 +120,9 @@ def _stuck(record: Record, name: str, found: Runs) -> Iterator[Finding]:
     """A channel that stands still while others move."""
     others, rows = _others(record, name), 0
     least = max(round(STUCK / record.dt), 10)
-    for i, n in zip(found.first, found.length, strict=True):
-        if n >= least and others and _moved(others, int(i), int(n)) > MOVED:
+    long = found.length >= least
+    for i, n in zip(found.first[long], found.length[long], strict=True):
+        if others and _moved(others, int(i), int(n)) > MOVED:
             rows += int(n)
     if rows:
         share = rows / len(record)

@@ -96,8 +96,8 @@ def _figure(card: CandidateView) -> Figure:
     marks = (
         Points(x, card.residual_y, "left by the model", RESIDUAL, 3.4, 0.6),
         Points(x, card.signature_y, "explained by the effect", AFTER, 3.0, 0.45),
-        Line(*binned_mean(x, card.residual_y), "its mean", INK, 1.6),
-        Line(*binned_mean(x, card.signature_y), "mean of the effect", AFTER, 1.6),
+        Line(*binned_mean(x, card.residual_y), "", INK, 1.6),
+        Line(*binned_mean(x, card.signature_y), "", AFTER, 1.6),
     )
     spread = float(np.std(card.signature_y))
     alt = (
