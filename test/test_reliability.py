@@ -15,7 +15,7 @@ from er_ros_common.injection import Kind
 from er_damper_msgs.msg import DamperForce, PwmDuty
 from er_ros_common import topics
 from test.reliability.bus import NAMES, SECOND, Bus, Heard
-from test.reliability.fuzz import fuzz
+from test.reliability.fuzz import fuzz, fuzz_plant
 from test.reliability.kill import killed
 
 SAMPLE = topics.ACCELERATION.name
@@ -136,9 +136,13 @@ def test_a_wrong_accelerometer_is_doubted_r4(kind: Kind, value: float) -> None:
     assert doubt[0] - 3.0 <= 0.5
 
 
-@pytest.mark.parametrize("name", [*NAMES, *CONTROLLERS])
+@pytest.mark.parametrize("name", [*NAMES, "fault_estimator", *CONTROLLERS])
 def test_whatever_comes_in_nothing_impossible_goes_out_r5(name: str) -> None:
     assert fuzz(name, 4000, seed=1) == []
+
+
+def test_whatever_is_commanded_the_plant_applies_a_duty_of_its_range_r5() -> None:
+    assert fuzz_plant(2000, seed=1) == []
 
 
 def test_a_lie_of_three_samples_leaves_no_trace_r5() -> None:
@@ -205,10 +209,10 @@ def test_messages_without_a_stamp_are_not_used_r8() -> None:
     assert bus.log[topics.PWM_APPLIED.name][-1].message.duty == PASSIVE_SAFE
 
 
-@pytest.mark.parametrize("name", [*NAMES, *CONTROLLERS])
+@pytest.mark.parametrize("name", [*NAMES, "fault_estimator", *CONTROLLERS])
 def test_repeated_and_late_messages_change_nothing_r9(name: str) -> None:
     """Every message twice, and each once more after the next one of its topic."""
-    partner = "skyhook_controller" if name in NAMES else NAMES[0]
+    partner = NAMES[0] if name in CONTROLLERS else "skyhook_controller"
     plain, mixed = Bus((name, partner)), Bus((name, partner))
     before: dict[str, Any] = {}
 

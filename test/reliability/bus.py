@@ -22,6 +22,7 @@ from er_ros_common.injection import Channel, asked, through
 
 from er_ftc_controller import ros_core as controllers
 from er_observers import ros_core as observers
+from er_observers import ros_faults as faults
 from er_plant_sim import rig as plant
 from er_plant_sim import ros_msgs
 from er_ros_common import topics
@@ -59,11 +60,13 @@ def node_file(name: str) -> dict[str, Any]:
 @lru_cache(maxsize=16)
 def core(name: str) -> Core:
     """The core of a node with the parameters of its file; it keeps nothing between messages."""
-    table, make = {**observers.CORES, **controllers.CORES}[name]
+    table, make = {**observers.CORES, **controllers.CORES, **faults.CORES}[name]
     given: dict[str, Any] = {}
     if name.endswith("_observer"):
         gains = name.removesuffix("_observer")
         given = {"model_file": VEHICLE, "gains_file": str(CONFIG / f"gains/{gains}.yaml")}
+    elif name == "fault_estimator":
+        given = {"model_file": VEHICLE}
     elif name == "ftc_controller":
         given = {"model_file": VEHICLE, "gains_file": str(CONFIG / "gains/lpv_ftc.yaml")}
     if not name.endswith("_observer"):

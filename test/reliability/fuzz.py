@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Iterator, Sequence
 from random import Random
 from typing import Any
 
 from er_ros_common.clock import to_stamp
 from er_ros_common.core import When
 
-from er_ros_common import topics
-from test.reliability.bus import NAMES, SECOND, STEADY, SYSTEM, core
+from er_ros_common import builders, topics
+from test.reliability.bus import NAMES, SECOND, STEADY, SYSTEM, Bus, core
 
 NUMBERS = (
     0.0,
@@ -32,24 +33,62 @@ LARGEST_FORCE = 1e5
 """No damper of a car makes more [N]."""
 
 
+STRETCH = 200
+"""Ticks of mostly believable messages, then as many of mostly unbelievable ones, and so on."""
+
+
 def fuzz(name: str, count: int, seed: int) -> list[str]:
     """What was impossible in the answers of a core to this many messages; it stops at ten."""
     each, random = core(name), Random(seed)
-    state, now, wrong = each.start(), 0, []
-    for k in range(1, count + 1):
-        now += random.choice((0, 1, 5, 5, 5, 5, 60)) * 1_000_000
-        topic = random.choice(each.inputs)
-        message = _message(topic, random, now, k)
+    state, wrong = each.start(), []
+    for k, topic, message, now in messages(each.inputs, count, random):
         try:
             state, said = each.on_message(state, topic, message, _when(now))
             if random.random() < 0.3:
                 state, more = each.on_time(state, _when(now))
                 said = [*said, *more]
+            builders.node_status(builders.Tick(1, 1), name, "running", stamps=state.stamps)
         except Exception as error:
             wrong.append(f"{name} message {k}: {type(error).__name__}: {error}")
-            state = each.start()
-            said = []
+            state, said = each.start(), []
         wrong += [f"{name} message {k}: {bad}" for _, answer in said for bad in impossible(answer)]
+        if len(wrong) >= 10:
+            break
+    return wrong
+
+
+def messages(
+    inputs: Sequence[topics.Topic], count: int, random: Random
+) -> Iterator[tuple[int, topics.Topic, Any, int]]:
+    """Number, topic, message and time [ns since the start] of this many messages, some lost, some twice."""
+    k = seq = now = 0
+    while k < count:
+        seq += 1
+        now += random.choice((5,) * 60 + (0, 1, 10, 60)) * 1_000_000
+        wild = 0.02 if seq // STRETCH % 2 else 0.5
+        for topic in random.sample(inputs, len(inputs)):
+            for _ in range(random.choice((1,) * 30 + (0, 2))):
+                k += 1
+                yield k, topic, _message(topic, random, now, seq, wild), now
+
+
+def fuzz_plant(count: int, seed: int) -> list[str]:
+    """What was impossible in the duties that the plant applies after this many commands of any content."""
+    bus, random = Bus((), seed=1), Random(seed)
+    gate = bus.rig.gate
+    wrong = []
+    for k, _, message, _ in messages((topics.PWM_COMMAND,), count, random):
+        try:
+            bus.command(message)
+            bus.tick()
+        except Exception as error:
+            wrong.append(f"plant message {k}: {type(error).__name__}: {error}")
+        applied = bus.log[topics.PWM_APPLIED.name].pop().message
+        wrong += [f"plant message {k}: {bad}" for bad in impossible(applied)]
+        if not gate.duty_min <= applied.duty <= gate.duty_max:
+            wrong.append(f"plant message {k}: duty is {applied.duty}")
+        for log in bus.log.values():
+            log.clear()
         if len(wrong) >= 10:
             break
     return wrong
@@ -74,37 +113,44 @@ def _when(now: int) -> When:
     return When(STEADY + now, SYSTEM + now)
 
 
-def _message(topic: topics.Topic, random: Random, now: int, seq: int) -> Any:
-    """A message with any numbers, mostly with a stamp that is believed."""
+def _message(topic: topics.Topic, random: Random, now: int, seq: int, wild: float) -> Any:
+    """A message with any numbers where it is wild, with this probability; others move as a car does."""
     message = topic.type()
-    wild = random.random() < 0.5
+    spoilt = random.random() < wild
     for field, kind in message.get_fields_and_field_types().items():
         if kind == "double":
             number = (
                 random.choice(NUMBERS)
-                if wild and random.random() < 0.5
-                else random.gauss(0.0, 1.0)
+                if spoilt and random.random() < 0.5
+                else _usual(field, random)
             )
             setattr(message, field, float(number))
         elif kind == "boolean":
-            setattr(message, field, random.random() < 0.9)
-        elif kind == "uint8":
-            setattr(message, field, random.choice((0, 0, 0, 1, 2, 5, 6, 255)))
+            setattr(message, field, not spoilt or random.random() < 0.7)
+        elif kind == "uint8" and spoilt:
+            setattr(message, field, random.choice((0, 1, 2, 5, 6, 255)))
         elif kind == "uint64":
-            setattr(message, field, random.choice((seq, seq, seq, 0, 2**64 - 1)))
-    # halves of a sample share a stamp, as those of one tick do
-    tick = 5_000_000 * (now // 5_000_000)
-    stamp = SYSTEM + tick + random.choice((0,) * 16 + (SECOND, -SECOND, 3600 * SECOND))
-    message.header.stamp = to_stamp(0 if random.random() < 0.02 else stamp)
+            setattr(message, field, random.choice((seq, 0, 2**64 - 1)) if spoilt else seq)
+    wrong = random.choice((0, 0, 0, SECOND, -SECOND, 3600 * SECOND)) if spoilt else 0
+    unset = spoilt and random.random() < 0.1
+    message.header.stamp = to_stamp(0 if unset else SYSTEM + now + wrong)
     return message
+
+
+def _usual(field: str, random: Random) -> float:
+    """A number that such a field may have."""
+    if field in ("duty", "f1", "f2", "f3", "certainty"):
+        return random.random()
+    return random.gauss(0.0, {"deflection": 0.003, "velocity": 0.1}.get(field, 1.0))
 
 
 def run(count: int) -> int:
     """Fuzz every core with its share of the messages; 1 where anything impossible came out."""
-    names = (*NAMES, "skyhook_controller", "ftc_controller")
+    names = (*NAMES, "fault_estimator", "skyhook_controller", "ftc_controller", "plant")
     wrong = []
     for seed, name in enumerate(names):
-        found = fuzz(name, count // len(names), seed)
+        share = count // len(names)
+        found = fuzz_plant(share, seed) if name == "plant" else fuzz(name, share, seed)
         sys.stdout.write(
             f"{name}: {count // len(names)} messages, {len(found)} impossible answers\n"
         )

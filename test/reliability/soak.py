@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import sys
 import tempfile
 from pathlib import Path
@@ -16,56 +17,70 @@ from er_damper_msgs.srv import InjectFault
 from er_ros_common import topics
 from test.reliability.graph import NUMBERS, Listener, running, well
 
-MINUTE, LASTS = 60.0, 5.0
-"""A fault each so often, for so long [s]."""
+MINUTE, LASTS, SETTLE = 60.0, 5.0, 0.5
+"""A fault each so often, for so long, and the time after it until losses count [s]."""
 WARM = 60.0
 """Time until memory is looked at first [s]."""
 GROWTH = 2.0
 """Most that a process may grow by [MB]."""
 UNITS = (topics.ACCELERATION.name, topics.DEFLECTION.name, topics.PWM_COMMAND.name)
+FAULTS = tuple(kind for kind in Kind if kind is not Kind.OK)
 VALUES = {Kind.BIAS: 1.0, Kind.SLOW: 20.0, Kind.DELAYED: 0.1, Kind.INTERMITTENT: 0.5}
 
 
-def inject(listener: Listener, random: Random) -> str:
-    """Have any fault injected; what the plant says of it."""
-    client = listener.node.create_client(InjectFault, "/plant/inject_fault")
-    kind = random.choice([k for k in Kind if k is not Kind.OK])
-    request = InjectFault.Request(unit=random.choice(UNITS), duration=LASTS)
-    request.kind, request.value = int(kind), VALUES.get(kind, 0.0)
-    listener.until(client.service_is_ready, 5.0)
-    answer = client.call_async(request)
-    listener.until(answer.done, 5.0)
-    listener.node.destroy_client(client)
-    return str(answer.result().reason) if answer.done() else "no answer"
+class Port:
+    """The plant's service."""
+
+    def __init__(self, listener: Listener) -> None:
+        self.listener = listener
+        self.client = listener.node.create_client(InjectFault, "/plant/inject_fault")
+
+    def ask(self, unit: str, kind: Kind, duration: float) -> str:
+        """Have a fault injected or taken away; what the plant says. Asked again where an answer is lost."""
+        request = InjectFault.Request(unit=unit, duration=duration)
+        request.kind, request.value = int(kind), VALUES.get(kind, 0.0)
+        for _ in range(5):
+            self.listener.until(self.client.service_is_ready, 5.0)
+            answer = self.client.call_async(request)
+            if math.isfinite(self.listener.until(answer.done, 2.0)):
+                return str(answer.result().reason)
+        return "no answer"
 
 
 def run(seconds: int) -> int:
     """Print growth, losses outside the faults and what was impossible; 1 where anything was."""
-    random, faults = Random(1), []
-    lost = dict.fromkeys(NUMBERS, 0)
+    random, lost, count, unwell = Random(1), dict.fromkeys(NUMBERS, 0), 0, 0
     with tempfile.TemporaryDirectory() as folder, running(Path(folder)) as (_, nodes, listener):
-        began = monotonic()
-        pids = {name: node.process.pid for name, node in nodes.items()}
+        port, pids = Port(listener), {name: node.process.pid for name, node in nodes.items()}
+        # what starts afresh is loaded when it is first needed: that is no growth
+        port.ask(UNITS[0], Kind.OFF, 0.5)
         listener.listen(min(WARM, seconds / 4))
-        first = {name: memory(pid) for name, pid in pids.items()}
-        unwell = 0
+        first, began = {name: memory(pid) for name, pid in pids.items()}, monotonic()
         while monotonic() - began < seconds:
-            faults.append(inject(listener, random))
+            begun = monotonic()
+            unit, kind = random.choice(UNITS), random.choice(FAULTS)
+            said, count = port.ask(unit, kind, LASTS), count + 1
             listener.listen(LASTS)
+            port.ask(unit, Kind.OK, 0.0)
             unwell += not math.isfinite(listener.until(lambda: well(listener), 3.0))
+            listener.listen(SETTLE)
             before = dict(listener.lost)
-            listener.listen(max(MINUTE - LASTS - 3.0, 0.0))
-            for name in lost:
-                lost[name] += listener.lost[name] - before[name]
+            listener.listen(max(MINUTE - (monotonic() - begun), 0.0))
+            gone = {name: listener.lost[name] - before[name] for name in lost}
+            lost = {name: lost[name] + gone[name] for name in lost}
+            sys.stdout.write(f"{said}; lost after it {sum(gone.values())}\n")
+            sys.stdout.flush()
         last = {name: memory(pid) for name, pid in pids.items()}
         alive = all(node.process.poll() is None for node in nodes.values())
-        count, impossible = sum(listener.count.values()), listener.impossible
-    sys.stdout.write(f"{seconds} s, {len(faults)} faults, {count} messages heard\n")
+        heard, impossible = sum(listener.count.values()), listener.impossible
+    sys.stdout.write(
+        f"{seconds} s, {count} faults, {heard} messages heard; load average {os.getloadavg()[1]:.1f}\n"
+    )
     for name, size in last.items():
         sys.stdout.write(f"{name}: {first[name]:.1f} MB, {size - first[name]:+.2f} MB since\n")
     words = ", ".join(f"{name} {n}" for name, n in lost.items())
-    said = f"lost outside the faults: {words}; not well 3 s after a fault: {unwell}; impossible: {len(impossible)}"
-    sys.stdout.write(f"{said}; all alive: {alive}\n")
+    sys.stdout.write(f"lost outside the faults: {words}; not well 3 s after a fault: {unwell}; ")
+    sys.stdout.write(f"impossible: {len(impossible)}; all alive: {alive}\n")
     grown = any(size - first[name] > GROWTH for name, size in last.items())
     return int(grown or any(lost.values()) or bool(unwell) or bool(impossible) or not alive)
 

@@ -79,6 +79,7 @@ def specs(
     given = {
         "duration": str(seconds),
         "controller": controller,
+        "fault_estimator": "true",
         "composed": str(layout == "composed").lower(),
     }
     return tuple(_with(spec, executor, rate) for spec in nodes(complete(given), configuration()))

@@ -49,5 +49,5 @@ def test_an_aim_that_is_missed_on_a_quiet_machine_is_a_failure(result: Result, b
 def test_every_node_gets_the_executor_and_the_plant_the_rate(layout: str) -> None:
     found = specs(layout, "single", 5.0, 400.0, "skyhook")
     words = [" ".join(spec.arguments()) for spec in found]
-    assert sum(each.count("executor:='single'") for each in words) == 5
+    assert sum(each.count("executor:='single'") for each in words) == 6
     assert sum(each.count("rate:=400.0") for each in words) == 1

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 SECOND = 1_000_000_000
+RENUMBERED = 1_000_000
+"""Step of the sequence number from which on it is no loss: somebody counts anew, or sends nonsense."""
 
 
 class Verdict(Enum):
@@ -103,7 +105,7 @@ def check_stamp(
         seq=seq,
         received=state.received + 1,
         used=state.used + 1,
-        lost=state.lost + (max(missing, 0) if seq and state.seq else 0),
+        lost=state.lost + (missing if seq and state.seq and 0 < missing < RENUMBERED else 0),
         resets=state.resets + (verdict in (Verdict.GAP, Verdict.JUMPED_BACK)),
     )
     return following, verdict

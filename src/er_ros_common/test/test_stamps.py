@@ -94,3 +94,11 @@ def test_junk_between_samples_leaves_the_same_state_as_without() -> None:
         state, _ = check_stamp(LIMITS, state, stamp, seq)
     assert (state.duplicate, state.out_of_order, state.zero_stamp) == (1, 1, 1)
     assert replace(state, received=3, duplicate=0, out_of_order=0, zero_stamp=0) == clean
+
+
+def test_a_number_from_nowhere_is_no_loss() -> None:
+    """Otherwise one wrong number makes a count that no message can hold."""
+    state, _ = check_stamp(LIMITS, StampState(), START, seq=1)
+    state, verdict = check_stamp(LIMITS, state, START + 5 * MS, seq=2**64 - 1)
+    assert verdict is Verdict.FRESH
+    assert state.lost == 0
