@@ -69,6 +69,11 @@ class Listener:
         clock = int(self.node.get_clock().now().nanoseconds)
         self.ages.append(1e-9 * (clock - from_stamp(message.header.stamp)))
 
+    def strangers(self) -> str:
+        """Who else publishes here, in words: another graph in the same domain spoils every count."""
+        each = {name: self.node.count_publishers(name) for name in NUMBERS}
+        return "".join(f"; {n} nodes publish {name}" for name, n in each.items() if n > 1)
+
     def until(self, there: Callable[[], bool], seconds: float) -> float:
         """Listen until something is true; how long it took [s], inf where it did not come."""
         began = monotonic()

@@ -68,7 +68,8 @@ def run(seconds: int) -> int:
             listener.listen(max(MINUTE - (monotonic() - begun), 0.0))
             gone = {name: listener.lost[name] - before[name] for name in lost}
             lost = {name: lost[name] + gone[name] for name in lost}
-            sys.stdout.write(f"{said}; lost after it {sum(gone.values())}\n")
+            words = ", ".join(f"{name} {n}" for name, n in gone.items())
+            sys.stdout.write(f"{said}; lost after it: {words}{listener.strangers()}\n")
             sys.stdout.flush()
         last = {name: memory(pid) for name, pid in pids.items()}
         alive = all(node.process.poll() is None for node in nodes.values())
