@@ -11,6 +11,7 @@ from scipy.optimize import least_squares
 
 from er_model_lab.commands import Outcome, Request, beside, provenance, read
 from er_model_lab.load import fingerprint
+from er_model_lab.preflight.check import preflight
 from er_model_lab.prepare import WARM_UP, white_noise
 from er_model_lab.present import clean, headline
 from er_model_lab.record import Record
@@ -39,6 +40,7 @@ def compare(ask: Request) -> Outcome:
         "nrmse": rmse / float(np.ptp(measured)), "noise_floor": floor,
         "explainable": max(1.0 - floor**2 / rmse**2, 0.0), "worst": [], "channels": by_channel,
         "rmse_by_record": {r.name: _rms([(r, p)], "damper_force")["rmse"] for r, p in runs},
+        "preflight": preflight(records, model, model.catalogue).as_json(),
         "notes": [n for r, _ in runs for n in r.notes], "complete": all(r.complete for r, _ in runs),
     }  # fmt: skip
     view = View(

@@ -112,3 +112,12 @@ def test_records_may_have_different_channels(rides):
 def test_accelerations_alone_are_not_enough(rides):
     with pytest.raises(MissingChannel, match="deflection"):
         prepare([without(r, "deflection", "deflection_velocity") for r in rides])
+
+
+def test_records_that_each_lack_another_channel_know_the_noise_of_both(rides):
+    slow = without(rides[0], "deflection_velocity")
+    blind = without(rides[1], *ACCELERATIONS).slice(0, 3000)
+    mixed = prepare([slow, blind])
+    assert mixed.noise.v == pytest.approx(1e-3, rel=0.15)
+    alone = prepare([blind])
+    assert mixed.fused[1].sd_v == pytest.approx(alone.fused[0].sd_v, rel=0.15)

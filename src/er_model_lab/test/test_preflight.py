@@ -74,6 +74,15 @@ def test_a_derivative_is_recognised_with_factor_sign_and_delay():
     assert relate(rng.standard_normal(n), rng.standard_normal(n), 1, dt) is None
 
 
+@pytest.mark.parametrize("order", [1, 2])
+def test_fast_tones_are_not_taken_for_a_gain(order):
+    w, t = 2.0 * np.pi * 30.0, np.arange(4000) * 0.005
+    x = np.sin(w * t) + 1e-4 * np.random.default_rng(2).standard_normal(t.size)
+    derivative = np.real((1j * w) ** order * np.exp(1j * (w * t - np.pi / 2.0)))
+    found = relate(x, derivative, order, 0.005)
+    assert found.gain == pytest.approx(1.0, abs=0.01)
+
+
 @pytest.mark.parametrize(
     ("channel", "factor", "without", "unit"),
     [

@@ -29,6 +29,7 @@ def run(data: list[Path], model_file: Path | None, effects_from: tuple[Path, ...
         "command": "check", "verdict": found.verdict, "preflight": found.as_json(),
         "notes": list(notes), "complete": complete,
     })  # fmt: skip
+    what = records[0].name if len(records) == 1 else f"{len(records)} records"
     line = (
         f"{len(records)} record{'s' * (len(records) != 1)}, {seconds:.4g} s: "
         f"{len(found.failures)} failed, {warnings} warning{'s' * (warnings != 1)}"
@@ -40,7 +41,7 @@ def run(data: list[Path], model_file: Path | None, effects_from: tuple[Path, ...
     if model_file:
         origin["model_file"] = str(model_file)
     view = View(
-        command="check", model=model.name if model else "", headline=line, result=result, records=(),
+        command="check", model=model.name if model else what, headline=line, result=result, records=(),
         notes=notes, provenance=origin,
     )  # fmt: skip
     return Outcome(result, view, None, complete)
