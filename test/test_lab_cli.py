@@ -95,6 +95,22 @@ def test_improve_is_the_same_twice(data, root, tmp_path):
     assert results[0]["final_verdict"] == "adequate"
 
 
+def test_improve_refits_a_model_that_lacks_nothing(root, tmp_path):
+    given = load_model(root / MODEL)
+    values = {**given.effects["passive"], "c0": 1.3 * given.value("passive", "c0")}
+    truth = given.without_effect("passive").with_effect("passive", values)
+    data, out = write_sample(tmp_path / "run.csv", seed=6, truth=truth), tmp_path / "new.yaml"
+    result = lab(
+        "improve", data, "--model", root / MODEL, "--out", out, "--json", tmp_path / "r.json"
+    )
+    assert result.exit_code == 0, result.output
+    r = json.loads((tmp_path / "r.json").read_text())
+    assert (r["verdict"], r["effects"]) == ("adequate", [])
+    model = load_model(out)
+    assert model.value("passive", "c0") == pytest.approx(values["c0"], rel=0.03)
+    assert model.history[-1]["added"] == []
+
+
 def test_compare_writes_its_json(data, root, tmp_path):
     result = lab("compare", data, "--model", root / MODEL, "--json", tmp_path / "r.json")
     assert result.exit_code == 0, result.output

@@ -220,7 +220,7 @@ def add(ask: Request, effect: str, out: Path, tick: Tick | None = None) -> Outco
 
 
 def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
-    """Diagnose and add until the model is adequate or nothing known helps.
+    """Diagnose and add until the model is adequate or nothing known helps; the new model is refitted in any case.
 
     Ctrl-C ends it with what was done until then, from which the same command goes on later.
     """
@@ -240,10 +240,10 @@ def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
             stopped = True
             break
         studies.append(study)
-        if not study.diagnosis.effects:
-            break
-        current = _with_history(best, current, study, records, ask.seed, out)
-        current = marked(current, begun.digest, steps(study))
+        refitted = current is model and study.diagnosis.verdict != "insufficient_data"
+        if study.diagnosis.effects or refitted:
+            current = _with_history(best, current, study, records, ask.seed, out)
+            current = marked(current, begun.digest, steps(study))
         stopped = study.diagnosis.interrupted
         if stopped or study.diagnosis.verdict != "partial":
             break
