@@ -69,6 +69,7 @@ class Record:
         scales: What 1.0 of a scaled channel means, for instance {"duty": "1 = 1.0 A"}.
         derived: Channels that were computed from others, not measured.
         licence: Licence of the data; empty when not known.
+        waits: Of a bag, time from stamp to arrival of each topic [s]: median and 90 % spread.
         timing: How it was sampled before any repair; None when it was not loaded.
         part_of: The longer record this is a stretch of; None for a whole one.
     """
@@ -84,6 +85,7 @@ class Record:
     derived: tuple[str, ...] = ()
     licence: str = ""
     timing: Timing | None = None
+    waits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     part_of: Part | None = None
 
     def __post_init__(self) -> None:

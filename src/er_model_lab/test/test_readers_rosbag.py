@@ -436,3 +436,21 @@ def test_other_topics_and_other_messages_are_named(tmp_path: Path) -> None:
     assert caught.value.exit_status == 4
     with pytest.raises(InputError, match=r"topic /sensors/force: .*std_msgs/msg/Float64"):
         load([write(tmp_path / "b", "/sensors/force", "std_msgs/msg/Float64")])
+
+
+def test_a_topic_stamped_by_another_clock_is_found_by_its_arrival(tmp_path: Path) -> None:
+    from er_model_lab.preflight.samples import wait_findings
+
+    def sent(behind: int) -> Iterator[Sent]:
+        for s in ticks(600):
+            s.stamp -= behind if s.topic == "sensors/force" else 0
+            yield s
+
+    def found(name: str, behind: int) -> list[tuple[str, str]]:
+        return [
+            (f.channel, f.found[:6])
+            for f in wait_findings(one(record_bag(tmp_path / name, list(sent(behind)))))
+        ]
+
+    assert found("same", 0) == []
+    assert found("other", 40 * TICK + TICK // 2) == [("sensors/force", "+202 m")]

@@ -77,6 +77,7 @@ def findings(record: Record) -> list[Finding]:
     known = kinematics.pairs(record)
     found = [
         *samples.time_findings(record),
+        *samples.wait_findings(record),
         *samples.held_findings(record),
         *samples.clipping_findings(record),
         *kinematics.unit_findings(record, known),

@@ -59,6 +59,20 @@ def time_findings(record: Record) -> Iterator[Finding]:
     )  # fmt: skip
 
 
+def wait_findings(record: Record) -> Iterator[Finding]:
+    """Topics of a bag that wait longer between stamp and arrival than the others: another clock, or a slow way."""
+    if len(record.waits) < 3:
+        return
+    usual = float(np.median([wait for wait, _ in record.waits.values()]))
+    for topic, (wait, spread) in record.waits.items():
+        if abs(wait - usual) > max(record.dt, spread):
+            yield Finding(
+                "clock", "warning", record.name, topic, "stamps of the same clock as the other topics",
+                f"{1e3 * (wait - usual):+.3g} ms more from stamp to arrival than usual, spread {1e3 * spread:.2g} ms",
+                "synchronise the clocks of both computers, or stamp where the sample is taken", record.source,
+            )  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Runs:
     """Runs of equal samples: first row and length of each that is longer than one."""

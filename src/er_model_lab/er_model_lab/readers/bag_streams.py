@@ -51,6 +51,10 @@ RESTART_MESSAGES = 20
 """Most of as many messages behind a step back must be in the past too, or they are mere strays."""
 
 
+LOOKED_AT, FEWEST_WAITS = 8, 20
+"""One in so many messages is timed, and of so many at least a topic is judged."""
+
+
 def fields_of(key: str) -> tuple[Field, ...]:
     """Fields to keep of a topic (relative name)."""
     if key in FIELDS:
@@ -81,20 +85,22 @@ class Collector:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._rows: dict[tuple[str, str], _Rows] = {}
+        self._waits: dict[tuple[str, str], list[int]] = {}
         self._places: dict[str, tuple[str, str] | None] = {}
 
     def copy(self) -> Collector:
         """An independent collector with the same samples, to go back to when a file is damaged."""
         other = Collector(self.path)
         other._rows = {k: _Rows(r.stamps[:], r.values[:]) for k, r in self._rows.items()}
+        other._waits = {k: list(w) for k, w in self._waits.items()}
         return other
 
     def wants(self, topic: str) -> bool:
         """Whether the topic is one of the contract's."""
         return self._place(topic) is not None
 
-    def add(self, topic: str, kind: str, message: object) -> None:
-        """Take the fields of a message; `InputError` when they are not there."""
+    def add(self, topic: str, kind: str, message: object, arrival: int | None = None) -> None:
+        """Take the fields of a message that arrived at a time [ns]; `InputError` when they are not there."""
         place = self._place(topic)
         if place is None:
             return
@@ -109,6 +115,18 @@ class Collector:
         rows = self._rows.setdefault(place, _Rows())
         rows.stamps.append(when)
         rows.values.extend(values)
+        if arrival is not None and len(rows.stamps) % LOOKED_AT == 1:
+            self._waits.setdefault(place, []).append(arrival - when)
+
+    def waits(self, namespace: str) -> dict[str, tuple[float, float]]:
+        """Median time from stamp to arrival [s] of each topic of a namespace, and its 90 % spread."""
+        found = {}
+        for (own, key), waits in self._waits.items():
+            if own == namespace and key in FIELDS and len(waits) >= FEWEST_WAITS:
+                seconds = np.asarray(waits, dtype=np.float64) * 1e-9
+                low, middle, high = np.quantile(seconds, [0.05, 0.5, 0.95])
+                found[key] = (float(middle), float(high - low))
+        return found
 
     def streams(self, notes: list[str]) -> dict[str, list[Stream]]:
         """Streams of each namespace ('' is the root); disorder is repaired and noted."""

@@ -66,7 +66,8 @@ def read(path: Path) -> list[Record]:
     for namespace, own in sorted(streams.items()):
         name = path.stem + (namespace if len(streams) > 1 else "")
         for record in align(name, own, str(path), digest):
-            records.append(_marked(record, notes, whole=not bag.damage))
+            marked = _marked(record, notes, whole=not bag.damage)
+            records.append(replace(marked, waits=bag.collector.waits(namespace)))
     if not records:
         raise InputError(
             path, "header stamps", "sensor topics that overlap in time", "; ".join(notes) or "none"
@@ -135,9 +136,9 @@ def _read_ordinary(bag: Bag, path: Path) -> str:
             promised = sum(c.msgcount for c in wanted)
             bag.topics.update({c.topic: 0 for c in reader.connections})
             # an empty selection would mean all topics to the reader
-            for connection, _, raw in reader.messages(wanted) if wanted else ():
+            for connection, arrival, raw in reader.messages(wanted) if wanted else ():
                 topic, kind = connection.topic, connection.msgtype
-                bag.collector.add(topic, kind, reader.deserialize(raw, kind))
+                bag.collector.add(topic, kind, reader.deserialize(raw, kind), arrival)
                 bag.topics[topic] += 1
                 read += 1
     except ErError:
