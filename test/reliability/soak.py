@@ -19,6 +19,8 @@ from test.reliability.graph import NUMBERS, Listener, running, well
 
 MINUTE, LASTS, SETTLE = 60.0, 5.0, 0.5
 """A fault each so often, for so long, and the time after it until losses count [s]."""
+SHORT = 12.0
+"""A fault each so often in runs of less than ten minutes [s]."""
 WARM = 60.0
 """Time until memory is looked at first [s]."""
 GROWTH = 2.0
@@ -49,11 +51,14 @@ class Port:
 
 def run(seconds: int) -> int:
     """Print growth, losses outside the faults and what was impossible; 1 where anything was."""
+    period = MINUTE if seconds > 10 * MINUTE else SHORT
     random, lost, count, unwell = Random(1), dict.fromkeys(NUMBERS, 0), 0, 0
     with tempfile.TemporaryDirectory() as folder, running(Path(folder)) as (_, nodes, listener):
         port, pids = Port(listener), {name: node.process.pid for name, node in nodes.items()}
         # what starts afresh is loaded when it is first needed: that is no growth
-        port.ask(UNITS[0], Kind.OFF, 0.5)
+        for kind in FAULTS:
+            port.ask(UNITS[0], kind, 1.0)
+            listener.listen(1.5)
         listener.listen(min(WARM, seconds / 4))
         first, began = {name: memory(pid) for name, pid in pids.items()}, monotonic()
         while monotonic() - began < seconds:
@@ -65,7 +70,7 @@ def run(seconds: int) -> int:
             unwell += not math.isfinite(listener.until(lambda: well(listener), 3.0))
             listener.listen(SETTLE)
             before = dict(listener.lost)
-            listener.listen(max(MINUTE - (monotonic() - begun), 0.0))
+            listener.listen(max(period - (monotonic() - begun), 0.0))
             gone = {name: listener.lost[name] - before[name] for name in lost}
             lost = {name: lost[name] + gone[name] for name in lost}
             words = ", ".join(f"{name} {n}" for name, n in gone.items())
