@@ -27,11 +27,12 @@ SIGNALS: dict[str, str] = {
     "viscous_scale": "product of all viscosity scales [1]",
     "yield_scale": "product of all yield force scales [1]",
     "tau_scale": "product of all response time scales [1]",
+    "k_0": "passive stiffness in force [N/m]",
     "c_0": "passive damping in force [N s/m]",
     "tau_y": "response time of the yield force, before its scales [s]",
     "y": "yield force the field asks for, before its lag [N]",
     "f_y": "yield force, after its lag [N]",
-    "f_r": "force of the damper beyond c_0 v, for what stands in series with it [N]",
+    "f_r": "force of the damper beyond k_0 x + c_0 v, for what stands in series with it [N]",
     "f_d": "damper force [N]",
     "f_m": "damper force after the sensors before this one [N]",
     "z_t": "tyre deflection, wheel minus road, extension positive [m]",
@@ -46,6 +47,7 @@ SIGNALS: dict[str, str] = {
 
 HOOKS: dict[str, str] = {
     "duty": "maps the duty on its way from the command to the fluid",
+    "passive_stiffness": "adds to the passive stiffness that a series element sees",
     "passive_damping": "adds to the passive damping that a series element sees",
     "shift_deflection": "maps the measured deflection to that of the damper",
     "shift_velocity": "maps the measured velocity to that of the damper",

@@ -122,7 +122,7 @@ FORCES: dict[str, tuple[Values, tuple[float, float, float, float], float]] = {
         1.0,
     ),
     "fluid_inertia": ({"fluid_inertia": {"m_f": 0.2}}, (0.0, 0.0, 0.0, -5.0), -1.0),
-    "mount_compliance": (  # at rest 30 mm of stretch: 100 N/m 30 mm there, 50 Ns/m 0.1 m/s - 100 N/m 20 mm here
+    "mount_compliance": (  # w = 6 N / (100 + 100) N/m = 30 mm stretch; 3 N either side
         {**PASSIVE, "mount_compliance": {"q": 0.01}},
         (0.01, 0.1, 0.0, 0.0),
         3.0,
@@ -202,12 +202,12 @@ RATES: dict[str, tuple[Values, float, tuple[float, float, float, float, float], 
         (0.1 * 9.493653765389909 - 2.0) / 10.0,
         9.493653765389909,
     ),
-    "mount_compliance": (  # 2 N in the mount and in the damper: -1 N, 1e6 (-10 mm)^3 and 50 Ns/m 0.08 m/s
+    "mount_compliance": (  # 4/s of 20 mm, 0.1 + 1 / 50 m/s; 2 N in the mount, and 1e6 (-10 mm)^3
         {**PASSIVE, **CUBE, "mount_compliance": {"q": 0.01}},
         0.02,
         (0.01, 0.1, 0.0, 0.0, 0.0),
-        0.02,
-        2.0,
+        0.04,
+        1.0,
     ),
     "freeplay": (  # open, free of force: 100 N/m 9 mm and 1e6 (9 mm)^3 push the damper 50 Ns/m -0.03258 m/s
         {**PASSIVE, **CUBE, "freeplay": {"b": 0.002}},

@@ -27,6 +27,7 @@ PLAIN = {
 
 ACTS: dict[str, tuple[str, str]] = {
     "duty": ("u :=", r"u \mathrel{:=}"),
+    "passive_stiffness": ("k_0 +=", r"k_0 \mathrel{+}="),
     "passive_damping": ("c_0 +=", r"c_0 \mathrel{+}="),
     "shift_deflection": ("x :=", r"x \mathrel{:=}"),
     "shift_velocity": ("v :=", r"v \mathrel{:=}"),

@@ -70,10 +70,10 @@ def _run(catalogue: Catalogue, run: str, lines: list[str]) -> list[str]:
 
 def _relax(catalogue: Catalogue, effect: Effect) -> list[str]:
     """Lines that bring an effect's state to the end of the step."""
-    slot, away = catalogue.slots[effect.name], "AWAY" if "bound" in effect.hooks else "0.0"
+    slot = catalogue.slots[effect.name]
     return [
         *_call(catalogue, effect, "relax", f"s[R, {slot}], s[G, {slot}] = {{call}}"),
-        f"s[W, {slot}] = follow(s, {slot}, h, how, {away})",
+        f"s[W, {slot}] = follow(s, {slot}, h, how)",
         *_bound(catalogue, effect, slot),
     ]
 
@@ -114,8 +114,9 @@ def _damper(catalogue: Catalogue) -> list[str]:
     passive = catalogue.offsets["passive"]
     body = ["def damper(on, p, s, h, how, x, v, a, u, t, theta):"]
     body += _lines(catalogue, "duty", "u = {call}")
-    body += [f"    c_0 = p[{passive + 1}]", f"    f_y = s[W, {slot}]"]
+    body += [f"    k_0 = p[{passive}]", f"    c_0 = p[{passive + 1}]", f"    f_y = s[W, {slot}]"]
     body += [f"    f_r = s[W, {catalogue.rest}]"]
+    body += _lines(catalogue, "passive_stiffness", "k_0 += {call}")
     body += _lines(catalogue, "passive_damping", "c_0 += {call}")
     body += ["    yield_scale = 1.0", "    viscous_scale = 1.0", "    stiffness_scale = 1.0"]
     body += ["    tau_scale = 1.0", "    tau_y = 0.0", "    y = 0.0"]
@@ -132,7 +133,7 @@ def _damper(catalogue: Catalogue) -> list[str]:
     body += [f"    f_y = s[W, {slot}]", "    f_d = f_y"]
     body += _states(catalogue, "states")
     body += _lines(catalogue, "force", "f_d += {call}")
-    rest = [f"    s[W, {catalogue.rest}] = f_d - c_0 * v"]
+    rest = [f"    s[W, {catalogue.rest}] = f_d - k_0 * x - c_0 * v"]
     return [*body, *_end(catalogue), *_run(catalogue, "early", rest), "    return f_d, f_m, u"]
 
 

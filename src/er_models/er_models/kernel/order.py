@@ -1,6 +1,6 @@
 """The order in which the composed damper works, and what follows from it.
 
-    duty, passive_damping, yield_scale, shift_deflection, shift_velocity,
+    duty, passive_stiffness, passive_damping, yield_scale, shift_deflection, shift_velocity,
     flow_deflection, flow_velocity, target, viscous_scale, stiffness_scale, tau_scale,
     response_time, [response], [states], force, limit, [late states], sense
 
@@ -20,7 +20,7 @@ from functools import cache
 from er_models.effect import Effect
 
 ORDER = (
-    "duty", "passive_damping", "yield_scale", "shift_deflection",
+    "duty", "passive_stiffness", "passive_damping", "yield_scale", "shift_deflection",
     "shift_velocity", "flow_deflection", "flow_velocity", "target", "viscous_scale",
     "stiffness_scale", "tau_scale", "response_time", "response", "states", "force", "limit", "late",
     "sense",
@@ -28,7 +28,7 @@ ORDER = (
 _MAPS = ("duty", "shift_deflection", "shift_velocity", "flow_deflection", "flow_velocity")
 KNOWN_FROM = {
     **dict.fromkeys(("x", "v", "a", "u", "t", "theta"), "duty"),
-    **dict.fromkeys(("c_0", "f_y", "f_r"), "passive_damping"),
+    **dict.fromkeys(("k_0", "c_0", "f_y", "f_r"), "passive_stiffness"),
     **dict.fromkeys(("yield_scale", "viscous_scale", "stiffness_scale"), "yield_scale"),
     **dict.fromkeys(("tau_scale", "tau_y", "y"), "yield_scale"),
     "f_d": "states",

@@ -48,8 +48,6 @@ CLOSE = 1e-10
 """Relative error of a state that feeds back."""
 SWEEPS = 9
 """How often the damper is swept to find where its states begin."""
-AWAY = 1e300
-"""Where a state settles that nothing but its bound holds, per drive: beyond it."""
 RESTING = -1.0
 """Marks a state that begins at zero, not in equilibrium."""
 
@@ -109,13 +107,11 @@ def held_again(s, j, h):
 
 
 @inline
-def follow(s, j, h, how, away):
-    """State j at the end of a step of length h, by one of the three ways; away: see `AWAY`, 0 without a bound."""
+def follow(s, j, h, how):
+    """State j at the end of a step of length h, by one of the three ways."""
     rate, drive = s[R, j], s[G, j]
     if how == SETTLE:
-        if s[R0, j] == RESTING:
-            return 0.0
-        return drive / rate if rate > 0.0 else drive * away
+        return drive / rate if rate > 0.0 and s[R0, j] != RESTING else 0.0
     if rate >= INSTANT:
         return drive / rate
     if h == 0.0:

@@ -3,9 +3,9 @@
 from er_models.effect import CONTACT, Effect, Param, Signature
 
 
-def relax(c_0: float, v: float, f_r: float) -> tuple[float, float]:
+def relax(k_0: float, c_0: float, x: float, v: float, f_r: float) -> tuple[float, float]:
     """Rate [1/s] and drive [m/s] of the position in the open gap: the damper moves free of force."""
-    return 0.0, v + f_r / (c_0 + 1e-9)
+    return k_0 / (c_0 + 1e-9), v + (k_0 * x + f_r) / (c_0 + 1e-9)
 
 
 def bound(b: float) -> float:
@@ -18,9 +18,11 @@ def shift_deflection(x: float, w: float) -> float:
     return x - w
 
 
-def shift_velocity(b: float, c_0: float, v: float, f_r: float, w: float) -> float:
+def shift_velocity(
+    b: float, k_0: float, c_0: float, x: float, v: float, f_r: float, w: float
+) -> float:
     """Velocity of the damper itself [m/s]: that of the joint when closed, free of force when open."""
-    return v if abs(w) >= b else -f_r / (c_0 + 1e-9)
+    return v if abs(w) >= b else -(k_0 * x + f_r) / (c_0 + 1e-9)
 
 
 EFFECT = Effect(
