@@ -324,7 +324,7 @@ def interrupted(checkout: Checkout, number: int, seconds: str) -> int:
             assert child.poll() is None
             time.sleep(0.02)
         child.send_signal(number)
-        return child.wait(timeout=20)
+        return child.wait(timeout=120)
 
 
 def test_killed_setup_leaves_the_lock_to_its_orphan_and_starts_clean(healthy: Checkout) -> None:
@@ -341,11 +341,11 @@ def test_killed_setup_leaves_the_lock_to_its_orphan_and_starts_clean(healthy: Ch
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_ended_setup_ends_what_it_started(healthy: Checkout, number: int) -> None:
     begin = time.monotonic()
-    assert interrupted(healthy, number, "60") == 128 + number
+    assert interrupted(healthy, number, "600") == 128 + number
     status, _, err = healthy.er("setup")
     assert status == 0
     assert "waiting" not in err
-    assert time.monotonic() - begin < 30.0
+    assert time.monotonic() - begin < 240.0
 
 
 def test_two_at_once_build_once(healthy: Checkout) -> None:

@@ -17,7 +17,8 @@ ALONE = "alone"
 def runs(args: Sequence[str], cores: int) -> list[list[str]]:
     """Arguments of the runs that make up the suite.
 
-    Whoever says how many processes there shall be gets one run.
+    Whoever says how many processes there shall be gets one run. Files go out in their order, not those with most
+    tests first: the few long ones, which start processes, are in `test` and must not be left for the end.
     """
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("-m", dest="marked")
@@ -26,7 +27,7 @@ def runs(args: Sequence[str], cores: int) -> list[list[str]]:
     if given.numprocesses is not None or cores < 2:
         return [list(args)]
     chosen = f"({given.marked}) and " if given.marked else ""
-    beside = ["-n", str(cores), "--dist", "loadfile"]
+    beside = ["-n", str(cores), "--dist", "loadfile", "--no-loadscope-reorder"]
     return [[*others, *beside, "-m", f"{chosen}not {ALONE}"], [*others, "-m", chosen + ALONE]]
 
 
