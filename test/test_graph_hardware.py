@@ -23,6 +23,8 @@ pytestmark = pytest.mark.alone
 PUBLISHED = (
     topics.ACCELERATION, topics.DEFLECTION, topics.FORCE, topics.ROAD, topics.PWM_APPLIED
 )  # fmt: skip
+SAFE_DUTY = 0.1
+"""That of config/nodes/hardware_bridge.yaml."""
 WIRE = ("--drift", "5e-5", "--jitter", "0.0003")
 
 
@@ -60,8 +62,16 @@ def test_a_program_runs_over_a_serial_port(tmp_path: Path) -> None:
     assert "Traceback" not in text + device.text
     found = read(bag)
     for topic in PUBLISHED:
-        good = [m for m in found[f"/{topic.name}"] if m.valid and m.status == m.STATUS_OK]
-        assert len(good) > 0.95 * 600
+        each = found[f"/{topic.name}"]
+        assert len(each) > 0.95 * 600
+        good = [m for m in each if m.valid and m.status == m.STATUS_OK]
+        if topic is topics.PWM_APPLIED:
+            # a controller that a busy machine holds up for longer than 45 ms: safe duty until it is back, and said so
+            ill = [m for m in each if m.status != m.STATUS_OK]
+            assert all(
+                m.source == m.SOURCE_SAFE and m.duty == pytest.approx(SAFE_DUTY) for m in ill
+            )
+        assert len(good) > (0.5 if topic is topics.PWM_APPLIED else 0.95) * 600
         steps = np.diff(stamps(good)) / np.diff([m.seq for m in good])
         assert np.median(steps) == pytest.approx(5e6, rel=1e-3)
     from er_models.files import load_model

@@ -22,8 +22,8 @@ from er_ros_common import topics
 
 CONTRACT = (*topics.MEASUREMENTS, *topics.ESTIMATES)
 DEPTH = 500
-DISCOVERY, SETTLE = 4.0, 1.0
-"""Longest wait for a first sign of the graph, and the time its other parts get after that [s]."""
+DISCOVERY, SETTLE = 8.0, 1.0
+"""Longest wait until the graph is known, and for how long nothing new must have come up until it is [s]."""
 ANSWERS = 3.0
 """Longest wait for parameters that nodes have not sent by the end of listening [s]."""
 LOOK = 0.25
@@ -103,10 +103,7 @@ class _Listener:
 
     def observe(self, seconds: float) -> Observation:
         """Find the graph, then listen."""
-        began = monotonic()
-        while not self._anybody() and monotonic() - began < DISCOVERY:
-            self._turn(LOOK)
-        self._turn(SETTLE if self._anybody() else 0.0)
+        self._discover()
         for log in self.logs.values():
             log.clear()
         self._turn(seconds)
@@ -122,8 +119,21 @@ class _Listener:
         while not self.status.keys() <= self.parameters.found.keys() and monotonic() < until:
             self._turn(LOOK)
 
-    def _anybody(self) -> bool:
-        return any(self.node.count_publishers(log.name) for log in self.logs.values())
+    def _discover(self) -> None:
+        """Wait until nothing new comes up: a busy machine finds a graph piece by piece."""
+        began = changed = monotonic()
+        ends = self._ends()
+        while (at := monotonic()) - began < DISCOVERY:
+            if any(ends) and at - changed >= SETTLE:
+                return
+            self._turn(LOOK)
+            before, ends = ends, self._ends()
+            if ends != before:
+                changed = monotonic()
+
+    def _ends(self) -> list[int]:
+        """How many publishers each topic is known to have."""
+        return [self.node.count_publishers(log.name) for log in self.logs.values()]
 
     def _turn(self, seconds: float) -> None:
         """Handle messages for this time, looking for new topics now and then."""
