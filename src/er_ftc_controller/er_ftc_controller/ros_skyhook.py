@@ -69,6 +69,7 @@ class SkyhookCore:
 
     inputs = (topics.ACCELERATION, topics.DEFLECTION)
     outputs = (topics.PWM_COMMAND,)
+    model_id = gains_id = ""
 
     def __init__(self, p: SkyhookParameters) -> None:
         self.p = p

@@ -66,6 +66,7 @@ class FaultCore:
     """
 
     outputs = (topics.FAULT,)
+    gains_id = ""
 
     def __init__(self, p: FaultParameters) -> None:
         self.p = p

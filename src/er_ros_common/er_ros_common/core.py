@@ -24,8 +24,21 @@ class When(NamedTuple):
 class Core(Protocol):
     """Inputs, outputs, and the steps between."""
 
-    inputs: tuple[Topic, ...]
-    outputs: tuple[Topic, ...]
+    @property
+    def inputs(self) -> tuple[Topic, ...]:
+        """What it listens to."""
+
+    @property
+    def outputs(self) -> tuple[Topic, ...]:
+        """What it may say something on."""
+
+    @property
+    def model_id(self) -> str:
+        """Digest of the model, empty where there is none."""
+
+    @property
+    def gains_id(self) -> str:
+        """Digest of the gains, empty where there are none."""
 
     def start(self) -> Any:
         """State before any message."""

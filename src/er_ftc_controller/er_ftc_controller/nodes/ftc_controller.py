@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from functools import partial
-from time import monotonic_ns, perf_counter
 from typing import Any
 
 from er_ros_common.clock import now
-from er_ros_common.core import Said, When
-from er_ros_common.graph_check import connected
+from er_ros_common.core import Said
+from er_ros_common.core_node import CoreNode
 from er_ros_common.health import Report
 from er_ros_common.help import Card
-from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import declare
 from er_ros_common.spin import Executable, run
 
@@ -23,59 +20,28 @@ from er_ftc_controller.ros_core import FtcCore
 from er_ftc_controller.settings import FtcParameters
 from er_ros_common import topics
 
-WATCH_PERIOD = 0.005
-"""How often the silence of the inputs is looked at [s]."""
 
+class FtcController(CoreNode):
+    """The core with its health; without a fault estimator the damper is taken for healthy."""
 
-class FtcController(ManagedNode):
-    """Gives messages to the core and publishes what it says."""
+    watch_period, optional = 0.005, (topics.FAULT,)
 
     def __init__(self, argv: Sequence[str] | None = None) -> None:
         super().__init__("ftc_controller", argv)
         self.p = declare(self, FtcParameters)
 
-    def configure(self) -> None:
-        """Load the gains and make the ends."""
-        self.core = FtcCore(self.p)
-        self.health.model_id, self.health.gains_id = self.core.model_id, self.core.gains_id
-        self.command = self.advertise(topics.PWM_COMMAND)
-        self.inputs = [
-            # without a fault estimator the damper is taken for healthy
-            self.subscribe(t, partial(self.on_message, t), needed=t is not topics.FAULT)
-            for t in FtcCore.inputs
-        ]
-        self.every(WATCH_PERIOD, self.on_watch)
+    def make(self) -> FtcCore:
+        """Load the gains."""
+        return FtcCore(self.p)
 
-    def begin(self) -> None:
-        """Know nothing yet."""
-        self.state = self.core.start()
-
-    def on_message(self, topic: topics.Topic, message: Any) -> None:
-        """Take a message of an input."""
-        began = perf_counter()
+    def take(self, state: Any, said: list[Said]) -> bool:
+        """Tell a change of mode or reason at once."""
         before = self.state.command
-        self.state, said = self.core.on_message(self.state, topic, message, self.when())
-        self.publish(said, before)
-        if said:
-            self.health.meter.step(perf_counter() - began)
-
-    def on_watch(self) -> None:
-        """Go on where the inputs are silent."""
-        before = self.state.command
-        self.state, said = self.core.on_time(self.state, self.when())
-        self.publish(said, before)
-
-    def when(self) -> When:
-        """Now, on both clocks."""
-        return When(monotonic_ns(), now(self))
-
-    def publish(self, said: list[Said], before: Any) -> None:
-        """Publish commands, and a change of mode or reason at once."""
-        for _, message in said:
-            self.command.publish(message)
+        done = super().take(state, said)
         after = self.state.command
         if (before.mode, before.reason) != (after.mode, after.reason):
             self.health.publish_status()
+        return done
 
     def report(self) -> Report:
         """Health of the controller."""
@@ -84,12 +50,8 @@ class FtcController(ManagedNode):
         if command.mode is Mode.SAFE:
             status = NodeStatus.STATUS_LOST
         if not state.heard:
-            # a fault estimator may be missing: the damper is then taken for healthy
-            ready = connected(self.inputs[:2], [(self.command, self.p.listeners)])
             status = NodeStatus.STATUS_INITIALIZING
-            mode, reason = (
-                ("ready", "no sample yet") if ready else ("waiting", "not connected yet")
-            )
+            mode, reason = self.before_samples()
         values = {
             "rho": f"{command.rho:.3f}",
             "force asked for [N]": f"{command.wanted:.2f}",
@@ -109,8 +71,7 @@ class FtcController(ManagedNode):
 
     def end(self) -> None:
         """Leave the safe duty behind."""
-        for _, message in self.core.last_words(self.state, now(self)):
-            self.command.publish(message)
+        self.publish(self.core.last_words(self.state, now(self)))
 
 
 CARD = Card(

@@ -4,16 +4,10 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from functools import partial
-from time import monotonic_ns, perf_counter
-from typing import Any
 
-from er_ros_common.clock import now
-from er_ros_common.core import Said, When
-from er_ros_common.graph_check import connected
+from er_ros_common.core_node import CoreNode
 from er_ros_common.health import Report
 from er_ros_common.help import Card
-from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import declare
 from er_ros_common.spin import Executable, run
 
@@ -27,58 +21,25 @@ TEXT = (
     "What faults have left of the damper (f1 electrical, f2 leakage, f3 deformation), and which fault it is: "
     "from accelerations, deflection and duty."
 )
-WATCH_PERIOD = 0.05
 
 
-class FaultNode(ManagedNode):
-    """Gives messages to the core and publishes what it says."""
+class FaultNode(CoreNode):
+    """The core with its health."""
+
+    watch_period, profile = 0.05, qos.FOLLOWER
 
     def __init__(self, argv: Sequence[str] | None = None) -> None:
         super().__init__(NAME, argv)
         self.p = declare(self, FaultParameters)
 
-    def configure(self) -> None:
-        """Load the model and make the ends."""
-        self.core = FaultCore(self.p)
-        self.health.model_id = self.core.model_id
-        self.faults = self.advertise(topics.FAULT)
-        self.inputs = [
-            self.subscribe(topic, partial(self.on_message, topic), qos.FOLLOWER)
-            for topic in self.core.inputs
-        ]
-        self.every(WATCH_PERIOD, self.on_watch)
-
-    def begin(self) -> None:
-        """Know nothing yet."""
-        self.state = self.core.start()
-
-    def on_message(self, topic: topics.Topic, message: Any) -> None:
-        """Take a message of an input."""
-        began = perf_counter()
-        self.state, said = self.core.on_message(self.state, topic, message, self.when())
-        self.publish(said)
-        if said:
-            self.health.meter.step(perf_counter() - began)
-
-    def on_watch(self) -> None:
-        """Look whether the samples stay away."""
-        self.state, said = self.core.on_time(self.state, self.when())
-        self.publish(said)
-
-    def when(self) -> When:
-        """Now, on both clocks."""
-        return When(monotonic_ns(), now(self))
-
-    def publish(self, said: list[Said]) -> None:
-        """Publish estimates."""
-        for _, message in said:
-            self.faults.publish(message)
+    def make(self) -> FaultCore:
+        """Load the model."""
+        return FaultCore(self.p)
 
     def report(self) -> Report:
         """Health of the estimator."""
         s = self.state
-        ready = connected(self.inputs, [(self.faults, self.p.listeners)])
-        mode, reason = ("ready", "no sample yet") if ready else ("waiting", "not connected yet")
+        mode, reason = self.before_samples()
         status = NodeStatus.STATUS_INITIALIZING
         values: dict[str, object] = {"parts lost": s.gathered.missing}
         if s.mind is not None:

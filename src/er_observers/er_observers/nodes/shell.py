@@ -5,15 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from functools import partial
-from time import monotonic_ns, perf_counter
-from typing import Any
 
-from er_ros_common.clock import now
-from er_ros_common.core import Said, When
-from er_ros_common.graph_check import connected
+from er_ros_common.core_node import CoreNode
 from er_ros_common.health import Report
 from er_ros_common.help import Card
-from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import declare
 from er_ros_common.spin import Executable
 from std_msgs.msg import String
@@ -30,36 +25,29 @@ GAIN_INFO = topics.Topic(
     0.0,
     *(topics.STATUS.publisher,) * 2,
 )
-WATCH_PERIOD = 0.01
-"""How often the silence of the inputs is looked at [s]."""
 
 
-class ObserverNode(ManagedNode):
-    """Gives messages to the core and publishes what it says.
+class ObserverNode(CoreNode):
+    """The core with its gains and its health.
 
-    observer: name its gains are kept under.
+    name: what its gains are kept under.
     """
+
+    profile = qos.FOLLOWER
 
     def __init__(self, name: str, argv: Sequence[str] | None = None) -> None:
         super().__init__(f"{name}_observer", argv)
         self.name = name
         self.p = declare(self, ObserverParameters)
 
-    def configure(self) -> None:
-        """Load model and gains, which must belong together, and make the ends."""
-        self.core = ObserverCore(self.name, self.p)
-        self.health.model_id, self.health.gains_id = self.core.model_id, self.core.gains_id
-        self.force = self.advertise(self.core.topic)
-        self.advertise(GAIN_INFO).publish(String(data=self._gain_info()))
-        self.inputs = [
-            self.subscribe(topic, partial(self.on_message, topic), qos.FOLLOWER)
-            for topic in ObserverCore.inputs
-        ]
-        self.every(WATCH_PERIOD, self.on_watch)
+    def make(self) -> ObserverCore:
+        """Load model and gains, which must belong together."""
+        return ObserverCore(self.name, self.p)
 
-    def begin(self) -> None:
-        """Know nothing yet."""
-        self.state = self.core.start()
+    def configure(self) -> None:
+        """And say what the gains are."""
+        super().configure()
+        self.advertise(GAIN_INFO).publish(String(data=self._gain_info()))
 
     def _gain_info(self) -> str:
         g = self.core.gains
@@ -67,33 +55,10 @@ class ObserverNode(ManagedNode):
             {"observer": g.observer, "gains": g.digest, "model": g.model, **g.figures}, default=str
         )
 
-    def on_message(self, topic: topics.Topic, message: Any) -> None:
-        """Take a message of an input."""
-        began = perf_counter()
-        self.state, said = self.core.on_message(self.state, topic, message, self.when())
-        self.publish(said)
-        if said:
-            self.health.meter.step(perf_counter() - began)
-
-    def on_watch(self) -> None:
-        """Look whether the samples stay away."""
-        self.state, said = self.core.on_time(self.state, self.when())
-        self.publish(said)
-
-    def when(self) -> When:
-        """Now, on both clocks."""
-        return When(monotonic_ns(), now(self))
-
-    def publish(self, said: list[Said]) -> None:
-        """Publish estimates."""
-        for _, message in said:
-            self.force.publish(message)
-
     def report(self) -> Report:
         """Health of the observer."""
         s = self.state
-        ready = connected(self.inputs, [(self.force, self.p.listeners)])
-        mode, reason = ("ready", "no sample yet") if ready else ("waiting", "not connected yet")
+        mode, reason = self.before_samples()
         status = NodeStatus.STATUS_INITIALIZING
         values: dict[str, object] = {"duties lost": s.feed.lost}
         if s.mind is not None:

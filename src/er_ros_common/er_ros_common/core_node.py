@@ -1,0 +1,88 @@
+"""The shell of a node that is a core: gives messages and the time to it, and publishes what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from time import monotonic_ns, perf_counter
+from typing import Any, ClassVar
+
+from rclpy.qos import QoSProfile
+
+from er_ros_common.clock import now
+from er_ros_common.core import Core, Said, When
+from er_ros_common.graph_check import connected
+from er_ros_common.managed import ManagedNode
+from er_ros_common.topics import Topic
+
+
+class CoreNode(ManagedNode):
+    """A node around a core; subclasses fill `make` and `report`.
+
+    watch_period: how often the silence of the inputs is looked at [s]; profile: of the subscriptions, None for that
+    of each topic; optional: inputs whose absence is no fault. p holds ``listeners``: how many of each output there
+    must be before the node is ready.
+    """
+
+    watch_period: ClassVar[float] = 0.01
+    profile: ClassVar[QoSProfile | None] = None
+    optional: ClassVar[tuple[Topic, ...]] = ()
+    core: Any
+
+    def make(self) -> Core:
+        """The core of these parameters; raises `ErError` where that cannot be."""
+        raise NotImplementedError
+
+    def configure(self) -> None:
+        """Make the core and the ends of its topics."""
+        self.core = self.make()
+        self.health.model_id, self.health.gains_id = self.core.model_id, self.core.gains_id
+        self.ends = {topic.name: self.advertise(topic) for topic in self.core.outputs}
+        self.inputs = {
+            topic.name: self.subscribe(
+                topic,
+                partial(self.on_message, topic),
+                self.profile,
+                needed=topic not in self.optional,
+            )
+            for topic in self.core.inputs
+        }
+        self.every(self.watch_period, self.on_watch)
+
+    def begin(self) -> None:
+        """Know nothing yet."""
+        self.state = self.core.start()
+
+    def on_message(self, topic: Topic, message: Any) -> None:
+        """Take a message of an input."""
+        began = perf_counter()
+        if self.take(*self.core.on_message(self.state, topic, message, self.when())):
+            self.health.meter.step(perf_counter() - began)
+
+    def on_watch(self) -> None:
+        """Go on where the inputs are silent."""
+        self.take(*self.core.on_time(self.state, self.when()))
+
+    def when(self) -> When:
+        """Now, on both clocks."""
+        return When(monotonic_ns(), now(self))
+
+    def take(self, state: Any, said: list[Said]) -> bool:
+        """Go over to a state, and publish what was said on the way; whether anything was."""
+        self.state = state
+        self.publish(said)
+        return bool(said)
+
+    def publish(self, said: Sequence[Said]) -> None:
+        """Publish messages of the core."""
+        for topic, message in said:
+            self.ends[topic.name].publish(message)
+
+    def before_samples(self) -> tuple[str, str]:
+        """Mode and reason of a node that has not heard anything yet."""
+        optional = {topic.name for topic in self.optional}
+        inputs = [each for name, each in self.inputs.items() if name not in optional]
+        outputs = [(each, self.p.listeners) for each in self.ends.values()]
+        if connected(inputs, outputs):
+            return "ready", "no sample yet"
+        return "waiting", "not connected yet"
