@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,16 +9,13 @@ from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Model
 from er_models.own import catalogue_with
-from er_models.program import SCHEMA, Program, load_program, parse_program, resolve
+from er_models.program import SCHEMA, Program, load_program, parse_program
 
-from er_plant_sim.duty_gate import Gate
 from er_plant_sim.noise import Errors, Noise
 from er_plant_sim.rig import Rig
+from er_plant_sim.rig_parameters import for_this_run, gate, of_a_wheel, scaled
 from er_plant_sim.settings import PlantParameters, program_values
 from er_plant_sim.simulator import damper_replaced, simulator
-
-LONGEST = 120.0
-"""As much of a program is looked at to scale its road to a peak velocity [s]."""
 
 
 def build(p: PlantParameters) -> Rig:
@@ -30,23 +25,13 @@ def build(p: PlantParameters) -> Rig:
         InputError: A file cannot be used, or parameters contradict one another.
     """
     _consistent(p)
-    model, program, dt = load_plant_model(p), load_given_program(p), 1.0 / p.rate
-    if program.moves != "wheel":
-        expected = "wheel (a program for a test machine cannot drive a car)"
-        raise InputError(p.program_file, "moves", expected, program.moves)
+    model, dt = load_plant_model(p), 1.0 / p.rate
+    program = of_a_wheel(p, load_given_program(p))
     noise = Noise(_errors(p, "noise"), _errors(p, "bias"), program.seed)
-    gate = Gate(
-        duty_min=model.rig.get("duty_min", 0.0),
-        duty_max=model.rig.get("duty_max", 1.0),
-        safe_duty=p.safe_duty,
-        timeout=p.command_timeout,
-        slew=p.duty_slew or math.inf,
-    )
     # a road scaled to a peak velocity means the vehicle as it is known, not what is hidden in it
     known = load_model(p.model_file, catalogue_with(p.effects_from))
-    bounded = replace(program, duration=min(program.duration or LONGEST, LONGEST))
-    program = replace(program, road=resolve(bounded, known, dt).road)
-    return Rig(simulator(model, dt, noise), gate, program, p.duty_source == "program")
+    program = scaled(program, known, dt)
+    return Rig(simulator(model, dt, noise), gate(p, model), program, p.duty_source == "program")
 
 
 def load_plant_model(p: PlantParameters) -> Model:
@@ -74,10 +59,7 @@ def load_given_program(p: PlantParameters) -> Program:
         "road": _merged(base.road if base else {}, road),
         "duty": _merged(base.duty if base else {"kind": "constant"}, duty),
     }
-    program = parse_program(document, Path("parameters"))
-    if p.duration >= 0.0:
-        program = replace(program, duration=p.duration)
-    return program if p.seed < 0 else replace(program, seed=p.seed)
+    return for_this_run(p, parse_program(document, Path("parameters")))
 
 
 def _merged(base: Any, given: dict[str, Any]) -> dict[str, Any]:

@@ -12,8 +12,9 @@ from er_models.errors import InputError
 from er_models.road import FACTOR
 from er_models.road import KINDS as ROADS
 from er_models.spec import Number, Parts, Series, Text
-from er_ros_common.common_parameters import NodeParameters, injection_allowed
 from er_ros_common.parameter_table import REQUIRED, param
+
+from er_plant_sim.rig_parameters import RigParameters
 
 MODES = ("realtime", "sim_time", "lockstep")
 _DOT = "__"
@@ -31,51 +32,19 @@ def _bias(sensor: str, unit: str) -> Any:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlantParameters(NodeParameters):
-    """Every parameter of the plant but those of the program (`road.*`, `duty.*`)."""
+class PlantParameters(RigParameters):
+    """Every parameter of the plant but those of the program (`road.*`, `duty.*`), which override its file."""
 
-    model_file: str = param(REQUIRED, text="model of the vehicle")
     damper_file: str = param("", text="model whose damper replaces that of the vehicle")
-    effects_from: tuple[str, ...] = param(
-        (), text="Python files with own effects that the models use"
-    )
-    program_file: str = param("", text="program of road and duty; road.* and duty.* override it")
-    duration: float = param(
-        -1.0, unit="s", low=-1.0, high=1e6, text="-1: as the program says, 0: no end"
-    )
-    seed: int = param(-1, low=-1, high=2**31, text="of road, duty and noise; -1: the program's")
     mode: str = param("realtime", choices=MODES, text="who sets the pace")
-    rate: float = param(200.0, unit="Hz", low=10.0, high=2000.0, text="samples per second")
     rate_factor: float = param(
         1.0, low=0.0, high=50.0, text="speed of simulated time; 0: as fast as commands come"
     )
     duty_source: str = param("program", choices=("program", "topic"), text="who says the duty")
-    safe_duty: float = param(REQUIRED, low=0.0, high=1.0, text="duty without a fresh command")
-    command_timeout: float = param(
-        0.045, unit="s", low=0.005, high=1.0, text="age at which a command is no longer held"
-    )
-    duty_slew: float = param(
-        0.0, unit="1/s", low=0.0, high=1e4, text="fastest change of the duty; 0: no limit"
-    )
-    wait_for: tuple[int, ...] = param(
-        (0,) * 5,
-        length=5,
-        low=0,
-        high=100,
-        text="subscribers to wait for of acceleration, deflection, force, road, applied duty",
-    )
-    wait_for_nodes: tuple[str, ...] = param(
-        (), text="nodes of the own namespace to wait for until they say that they are ready"
-    )
-    start_timeout: float = param(
-        60.0, unit="s", low=0.0, high=600.0, text="how long to wait for them at most"
-    )
-    enable_fault_injection: bool = injection_allowed()
     noise_sprung: float = _deviation("sprung_acceleration", "m/s2")
     noise_unsprung: float = _deviation("unsprung_acceleration", "m/s2")
     noise_deflection: float = _deviation("deflection", "m")
     noise_velocity: float = _deviation("deflection_velocity", "m/s")
-    noise_force: float = _deviation("force", "N")
     bias_sprung: float = _bias("sprung_acceleration", "m/s2")
     bias_unsprung: float = _bias("unsprung_acceleration", "m/s2")
     bias_deflection: float = _bias("deflection", "m")

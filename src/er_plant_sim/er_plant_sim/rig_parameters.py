@@ -1,0 +1,99 @@
+"""What the plant and the bridge to a real rig have in common: parameters, limits of the duty, program. No ROS here."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from er_models.errors import InputError
+from er_models.model import Model
+from er_models.program import Program, resolve
+from er_ros_common.common_parameters import NodeParameters, injection_allowed
+from er_ros_common.parameter_table import REQUIRED, param
+
+from er_plant_sim.duty_gate import Gate
+
+LONGEST = 120.0
+"""As much of a program is looked at to scale its road to a peak velocity [s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigParameters(NodeParameters):
+    """Parameters of whatever publishes measurements and takes duties."""
+
+    model_file: str = param(REQUIRED, text="model of the vehicle; its rig block limits the duty")
+    effects_from: tuple[str, ...] = param(
+        (), text="Python files with own effects that the models use"
+    )
+    program_file: str = param("", text="program of road and duty")
+    duration: float = param(
+        -1.0, unit="s", low=-1.0, high=1e6, text="-1: as the program says, 0: no end"
+    )
+    seed: int = param(-1, low=-1, high=2**31, text="of what is random; -1: the program's")
+    rate: float = param(200.0, unit="Hz", low=10.0, high=2000.0, text="samples per second")
+    duty_source: str = param("topic", choices=("program", "topic"), text="who says the duty")
+    safe_duty: float = param(REQUIRED, low=0.0, high=1.0, text="duty without a fresh command")
+    command_timeout: float = param(
+        0.045, unit="s", low=0.005, high=1.0, text="age at which a command is no longer held"
+    )
+    duty_slew: float = param(
+        0.0, unit="1/s", low=0.0, high=1e4, text="fastest change of the duty; 0: no limit"
+    )
+    wait_for: tuple[int, ...] = param(
+        (0,) * 5,
+        length=5,
+        low=0,
+        high=100,
+        text="subscribers to wait for of acceleration, deflection, force, road, applied duty",
+    )
+    wait_for_nodes: tuple[str, ...] = param(
+        (), text="nodes of the own namespace to wait for until they say that they are ready"
+    )
+    start_timeout: float = param(
+        60.0, unit="s", low=0.0, high=600.0, text="how long to wait for them at most"
+    )
+    enable_fault_injection: bool = injection_allowed()
+    noise_force: float = param(
+        0.0,
+        unit="N",
+        low=0.0,
+        high=1e3,
+        name="noise.force",
+        text="standard deviation of the noise of the force",
+    )
+
+
+def gate(p: RigParameters, model: Model) -> Gate:
+    """Limits of the duty: the model's rig and the parameters."""
+    return Gate(
+        duty_min=model.rig.get("duty_min", 0.0),
+        duty_max=model.rig.get("duty_max", 1.0),
+        safe_duty=p.safe_duty,
+        timeout=p.command_timeout,
+        slew=p.duty_slew or math.inf,
+    )
+
+
+def for_this_run(p: RigParameters, program: Program) -> Program:
+    """The program with duration and seed of the parameters."""
+    if p.duration >= 0.0:
+        program = replace(program, duration=p.duration)
+    return program if p.seed < 0 else replace(program, seed=p.seed)
+
+
+def of_a_wheel(p: RigParameters, program: Program) -> Program:
+    """The program, if it is one that drives a car.
+
+    Raises:
+        InputError: It moves something else.
+    """
+    if program.moves == "wheel":
+        return program
+    expected = "wheel (a program for a test machine cannot drive a car)"
+    raise InputError(p.program_file, "moves", expected, program.moves)
+
+
+def scaled(program: Program, model: Model, dt: float) -> Program:
+    """The program with its road scaled to the peak velocity it names, for this car at this step [s]."""
+    bounded = replace(program, duration=min(program.duration or LONGEST, LONGEST))
+    return replace(program, road=resolve(bounded, model, dt).road)
