@@ -305,8 +305,9 @@ def _usable(
 
     Accelerations that change faster than the sampling resolves contradict the other channels: fused
     with them, the velocity seems to lag where deflection and velocity alone say that it does not. They are
-    then kept as accelerations, but the velocity is not made from them. undone: lag of the velocity channel
-    that fusion takes out, in the noise returned.
+    then kept as accelerations, but the velocity is not made from them. How noisy deflection and velocity are is still
+    read off all three: without them rough motion and noise of the velocity look alike, and the velocity is believed
+    three times too much. undone: lag of the velocity channel that fusion takes out, in the noise returned.
     """
     noise = estimate_noise(part, undone)
     if not (part.has[0] and part.has[1] and part.has[2]):
@@ -319,7 +320,8 @@ def _usable(
         "the accelerations change faster than the sampling resolves: "
         "the velocity is fused from deflection and velocity only"
     )
-    return tuple(c.only(kept) for c in measured), estimate_noise(part.only(kept), undone), (note,)
+    levels = adapt(part.only(kept), replace(seen, lag=undone))
+    return tuple(c.only(kept) for c in measured), levels, (note,)
 
 
 def _completed(noise: Noise, part: Channels, raw: tuple[Channels, ...]) -> Noise:
