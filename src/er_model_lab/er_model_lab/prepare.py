@@ -236,24 +236,31 @@ def white_noise(forces: list[Array]) -> float:
 
 def measured_channels(record: Record, dt: float) -> Channels:
     """The motion channels a record has, on the common grid."""
-    if not (record.has("deflection") or record.has("deflection_velocity")):
-        raise MissingChannel(
-            record.source or record.name,
-            "deflection",
-            "to know the motion",
-            tuple(record.channels),
-        )
     both = record.has("sprung_acceleration") and record.has("unsprung_acceleration")
     a = None
     if both:
         a = resampled(record, "sprung_acceleration", dt) - resampled(
             record, "unsprung_acceleration", dt
         )
+    if not (record.has("deflection") or record.has("deflection_velocity")):
+        path = record.source or record.name
+        raise MissingChannel(path, "deflection", _without_motion(a, dt), tuple(record.channels))
     v = None
     if record.has("deflection_velocity") and "deflection_velocity" not in record.derived:
         v = resampled(record, "deflection_velocity", dt)
     x = resampled(record, "deflection", dt) if record.has("deflection") else None
     return channels_of(dt, x, v, a)
+
+
+def _without_motion(a: Array | None, dt: float) -> str:
+    """Why the accelerations do not stand in for the motion: their noise, integrated over the record."""
+    if a is None:
+        return "(or deflection_velocity) to know the motion"
+    drift = 1e3 * white_noise([a]) * np.sqrt(dt * a.size * dt)
+    return (
+        "(or deflection_velocity) to know the motion, since the velocity that the accelerations give may drift by "
+        f"{float(f'{drift:.2g}'):g} mm/s in {a.size * dt:.3g} s"
+    )
 
 
 def resampled(record: Record, channel: str, dt: float) -> Array:

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from er_model_lab.fusion import biases, fusion_json
 from er_model_lab.losses import losses
+from er_model_lab.preflight.check import preflight
+from er_model_lab.preflight.use import use_findings
 from er_model_lab.prepare import prepare
 from er_model_lab.record import Record
 from er_model_lab.sampling import with_velocity
@@ -109,9 +111,19 @@ def test_records_may_have_different_channels(rides):
     assert error(mixed) < 1.5
 
 
-def test_accelerations_alone_are_not_enough(rides):
-    with pytest.raises(MissingChannel, match="deflection"):
-        prepare([without(r, "deflection", "deflection_velocity") for r in rides])
+def test_accelerations_alone_are_not_enough_and_by_how_much(rides):
+    alone = [without(r, "deflection", "deflection_velocity") for r in rides]
+    with pytest.raises(
+        MissingChannel, match=r"or deflection_velocity.* may drift by 1[0-9] mm/s in 20 s"
+    ):
+        prepare(alone)
+    found = preflight(alone)
+    assert (found.verdict, found.failures[0].check) == ("not_usable", "channels")
+    u = alone[0].channels["duty"]
+    whole = [replace(r, channels={**r.channels, "road": 0.0 * u}) for r in alone]
+    assert preflight(whole).passed
+    assert [f.remedy for f in use_findings(whole[0])] == ["use --level vehicle"]
+    assert not list(use_findings(rides[0]))
 
 
 def test_records_that_each_lack_another_channel_know_the_noise_of_both(rides):

@@ -13,6 +13,7 @@ from er_models.model import Model
 from er_model_lab.preflight import cells, kinematics, samples
 from er_model_lab.preflight.finding import ORDER, Finding
 from er_model_lab.preflight.maps import CoverMap, maps
+from er_model_lab.preflight.use import use_findings
 from er_model_lab.record import Record
 
 Verdict = Literal["usable", "not_usable"]
@@ -100,7 +101,7 @@ def preflight(
     records: Sequence[Record], model: Model | None = None, catalogue: Catalogue = CATALOGUE
 ) -> Preflight:
     """Check records; with a model, coverage is measured against the reach of its rig."""
-    found = [f for record in records for f in findings(record)]
+    found = [f for record in records for f in (*use_findings(record), *findings(record))]
     courses = [cells.course_of(r) for r in records]
     reach = _reach(model, cells.reach_of(courses))
     have = cells.counts(courses, reach)
