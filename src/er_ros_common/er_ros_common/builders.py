@@ -14,8 +14,6 @@ from dataclasses import dataclass
 from numbers import Real
 from typing import Any, TypeVar
 
-from std_msgs.msg import Header
-
 from er_damper_msgs.msg import (
     DamperForce,
     FaultEstimate,
@@ -25,7 +23,7 @@ from er_damper_msgs.msg import (
     SuspensionAcceleration,
     SuspensionDeflection,
 )
-from er_ros_common.clock import to_stamp
+from er_ros_common.clock import set_stamp
 from er_ros_common.stamps import StampState
 
 OK, FAULT = SuspensionDeflection.STATUS_OK, SuspensionDeflection.STATUS_FAULT
@@ -43,6 +41,8 @@ class Tick:
 
 def number(name: str, value: Any) -> float:
     """The value as float; TypeError for a text, None, a truth value or anything not real."""
+    if type(value) is float:  # nearly always, and the rest is slow
+        return value
     if isinstance(value, bool) or not isinstance(value, Real):
         raise TypeError(f"{name} must be a number, not {type(value).__name__}")
     return float(value)
@@ -50,15 +50,19 @@ def number(name: str, value: Any) -> float:
 
 def integer(name: str, value: Any, bits: int) -> int:
     """The value as unsigned integer; TypeError for other types, ValueError beyond the bits."""
-    if isinstance(value, bool):
-        raise TypeError(f"{name} must be an integer, not bool")
-    try:
-        whole = operator.index(value)
-    except TypeError:
-        raise TypeError(f"{name} must be an integer, not {type(value).__name__}") from None
+    whole = value if type(value) is int else _index(name, value)
     if not 0 <= whole < 2**bits:
         raise ValueError(f"{name} must be in 0..2^{bits}-1, not {whole}")
     return whole
+
+
+def _index(name: str, value: Any) -> int:
+    if isinstance(value, bool):
+        raise TypeError(f"{name} must be an integer, not bool")
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} must be an integer, not {type(value).__name__}") from None
 
 
 def truth(name: str, value: Any) -> bool:
@@ -224,14 +228,17 @@ def node_status(
 def _filled(message: M, tick: Tick, numbers: dict[str, Any], status: int, *, valid: bool) -> M:
     """Message with header, sequence number, numbers, status and validity; zeros when invalid."""
     target: Any = message
-    values = {name: number(name, value) for name, value in numbers.items()}
-    finite = all(math.isfinite(value) for value in values.values())
-    good = truth("valid", valid) and finite
+    good, finite = truth("valid", valid), True
+    for name, value in numbers.items():
+        each = number(name, value)
+        finite = finite and math.isfinite(each)
+        setattr(target, name, each)
     code = integer("status", status, 8)
-    target.header = Header(stamp=to_stamp(tick.stamp))
+    set_stamp(target.header.stamp, tick.stamp)
     target.seq = integer("seq", tick.seq, 64)
-    for name, value in values.items():
-        setattr(target, name, value if good else 0.0)
+    if not (good and finite):
+        for name in numbers:
+            setattr(target, name, 0.0)
     target.status = FAULT if not finite and code == OK else code
-    target.valid = good
+    target.valid = good and finite
     return message

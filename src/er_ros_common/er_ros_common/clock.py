@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from time import time_ns
 from typing import Final
 
 from builtin_interfaces.msg import Time
@@ -35,7 +36,9 @@ def until_next(timer: Timer) -> int:
 
 def now(node: Node) -> int:
     """Time of the node's clock [ns]: the system's, or /clock when use_sim_time is true."""
-    return int(node.get_clock().now().nanoseconds)
+    clock = node.get_clock()
+    # the system's is asked without rclpy, at a fifth of the cost
+    return int(clock.now().nanoseconds) if clock.ros_time_is_active else time_ns()
 
 
 def to_stamp(nanoseconds: int) -> Time:
@@ -44,15 +47,25 @@ def to_stamp(nanoseconds: int) -> Time:
     Raises:
         ValueError: before the start or beyond what a stamp can hold.
     """
+    return set_stamp(Time(), nanoseconds)
+
+
+def set_stamp(stamp: Time, nanoseconds: int) -> Time:
+    """The stamp, set to a time [ns] since the clock's start.
+
+    Raises:
+        ValueError: before the start or beyond what a stamp can hold.
+    """
     second, rest = divmod(int(nanoseconds), SECOND)
     if not 0 <= second <= LAST_SECOND:
         raise ValueError(f"a stamp holds 0 to {LAST_SECOND} s, not {second} s")
-    return Time(sec=second, nanosec=rest)
+    stamp.sec, stamp.nanosec = second, rest
+    return stamp
 
 
 def from_stamp(stamp: Time) -> int:
     """Time of a stamp [ns]."""
-    return int(stamp.sec) * SECOND + int(stamp.nanosec)
+    return int(stamp.sec * SECOND + stamp.nanosec)
 
 
 def to_seconds(stamp: Time) -> float:

@@ -8,7 +8,7 @@ through the states; else `run` does.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from time import monotonic
 from typing import Any
 
@@ -27,6 +27,7 @@ from er_ros_common.common_parameters import NodeParameters
 from er_ros_common.graph_check import Problem, watch
 from er_ros_common.health import Health, Report
 from er_ros_common.inputs import Input
+from er_ros_common.intra_process import IntraProcess, LocalPublisher, passable
 from er_ros_common.stamps import StampLimits
 from er_ros_common.topics import Topic
 
@@ -39,7 +40,8 @@ GRAPH_PERIOD = 1.0
 class ManagedNode(LifecycleNode):
     """Lifecycle, health and ends of topics; subclasses fill the hooks below.
 
-    p: its parameters, declared by the subclass in its constructor, a `NodeParameters`. active: whether it acts.
+    p: its parameters, declared by the subclass in its constructor, a `NodeParameters`. active: whether it acts;
+    local: the way to other nodes of its process, None where it is alone.
     """
 
     def __init__(self, name: str, argv: Sequence[str] | None = None) -> None:
@@ -48,6 +50,7 @@ class ManagedNode(LifecycleNode):
         super().__init__(name, **own)
         self.argv, self.active, self.configured = argv, False, False
         self.failure: ErError | None = None
+        self.local: IntraProcess | None = None
         self._managed = True
         self.problems: list[Problem] = []
         self.watched: dict[str, Topic] = {}
@@ -85,10 +88,16 @@ class ManagedNode(LifecycleNode):
     def advertise(self, topic: Topic) -> Publisher:
         """Publisher of a topic; the graph around it is watched."""
         self.watched[topic.name] = topic
-        return self._once(
-            f"out {topic.name}",
-            lambda: self.create_publisher(topic.type, topic.name, topic.publisher),
-        )
+        return self._once(f"out {topic.name}", lambda: self._publisher(topic))
+
+    def _publisher(self, topic: Topic) -> Publisher:
+        given = (topic.type, topic.name, topic.publisher)
+        if not passable(topic.publisher):
+            return self.create_publisher(*given)
+        made = self.create_publisher(*given, publisher_class=LocalPublisher)
+        if self.local is not None:
+            self.local.add_publisher(made)
+        return made
 
     def subscribe(
         self,
@@ -115,10 +124,23 @@ class ManagedNode(LifecycleNode):
                 self.incoming[topic.name].note(stamp, int(message.seq), monotonic(), now)
                 heard(message)
 
-        return self._once(
-            f"in {topic.name}",
-            lambda: self.create_subscription(topic.type, topic.name, noted, asked),
-        )
+        return self._once(f"in {topic.name}", lambda: self._subscription(topic, noted, asked))
+
+    def _subscription(
+        self, topic: Topic, noted: Callable[[Any], None], asked: QoSProfile
+    ) -> Subscription:
+        given, local = (topic.type, topic.name), self.local
+        if local is None or not passable(asked):
+            return self.create_subscription(*given, noted, asked)
+        made = self.create_subscription(*given, lambda message: local.turn(noted, message), asked)
+        local.add_subscription(made, noted)
+        return made
+
+    @property
+    def subscriptions(self) -> Iterator[Subscription]:
+        """Those that an executor has to watch."""
+        served = self.local.silent if self.local else ()
+        yield from (each for each in super().subscriptions if each not in served)
 
     @property
     def aged(self) -> bool:
@@ -149,8 +171,12 @@ class ManagedNode(LifecycleNode):
         """Timer [s] on the steady clock that does nothing while the node is not active."""
 
         def call() -> None:
-            if self.active:
+            if not self.active:
+                return
+            if self.local is None:
                 due()
+            else:
+                self.local.turn(due)
 
         return self._once(f"timer {due.__name__}", lambda: clock.wall_timer(self, period, call))
 

@@ -27,8 +27,9 @@ SENSOR_PUBLISHER: Final = _profile(10, reliable=True)
 SENSOR_SUBSCRIBER: Final = _profile(5, reliable=False)
 #: measurements, subscriber that follows a state: every sample counts, half a second of them waits
 FOLLOWER: Final = _profile(100, reliable=False)
-#: duty asked for, both ends: the newest only, an old command must not be queued
-COMMAND: Final = _profile(1, reliable=True)
+#: duty asked for, both ends: every answer arrives also where two samples came at once; whoever applies it judges
+#: order and age by the sample that it answers, so that one from a queue does no harm
+COMMAND: Final = _profile(10, reliable=True)
 #: health of a node and what it was loaded with, both ends: late joiners get the last one
 STATUS: Final = _profile(1, reliable=True, latched=True)
 #: /diagnostics and /clock publishers, as in the rest of ROS 2

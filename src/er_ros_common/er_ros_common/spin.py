@@ -25,6 +25,7 @@ from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
 from er_ros_common.help import Card, render
+from er_ros_common.intra_process import IntraProcess
 from er_ros_common.managed import ManagedNode
 from er_ros_common.parameter_files import check_files
 from er_ros_common.stopping import Stopped
@@ -143,6 +144,7 @@ def live(factory: Callable[[], Nodes], stopped: Stopped) -> None:
         try:
             with stopped.making():
                 each += _each(factory())
+                _introduce(each)
                 for node in each:
                     if isinstance(node, ManagedNode) and node.common.autostart:
                         node.start()
@@ -162,6 +164,15 @@ def live(factory: Callable[[], Nodes], stopped: Stopped) -> None:
                 on_stop()
         for node in each:
             node.destroy_node()
+
+
+def _introduce(nodes: Sequence[Node]) -> None:
+    """Let several nodes hand messages to one another, but not where plain rclpy is asked for."""
+    several = [node for node in nodes if isinstance(node, ManagedNode)]
+    if len(several) > 1 and several[0].common.executor == "events":
+        local = IntraProcess(several)
+        for node in several:
+            node.local = local
 
 
 def _each(nodes: Nodes) -> list[Node]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 SECOND = 1_000_000_000
 RENUMBERED = 1_000_000
@@ -11,7 +12,11 @@ RENUMBERED = 1_000_000
 
 
 class Verdict(Enum):
-    """What a stamp means for the sample and for the state carried over from the one before."""
+    """What a stamp means for the sample and for the state carried over from the one before.
+
+    use: whether the sample may be used; restart: whether a state carried over from the sample before is void;
+    carries: whether the numbers between the two samples are losses.
+    """
 
     FRESH = "fresh"
     FIRST = "first"
@@ -23,15 +28,10 @@ class Verdict(Enum):
     FUTURE = "future"
     ZERO = "zero"
 
-    @property
-    def use(self) -> bool:
-        """Whether the sample may be used."""
-        return self in (Verdict.FRESH, Verdict.FIRST, Verdict.GAP, Verdict.JUMPED_BACK)
-
-    @property
-    def restart(self) -> bool:
-        """Whether a state carried over from the sample before is void."""
-        return self in (Verdict.FIRST, Verdict.GAP, Verdict.JUMPED_BACK)
+    def __init__(self, word: str) -> None:
+        self.use = word in ("fresh", "first", "gap", "jumped back")
+        self.restart = word in ("first", "gap", "jumped back")
+        self.carries = word in ("fresh", "gap")
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +52,7 @@ class StampLimits:
     back: float = 0.5
 
 
-@dataclass(frozen=True, slots=True)
-class StampState:
+class StampState(NamedTuple):
     """Last accepted stamp [ns] and sequence number, and the counts since the start."""
 
     stamp: int = 0
@@ -94,21 +93,18 @@ def check_stamp(
         The next state and the verdict. A refused sample changes nothing but the counts.
     """
     verdict = _verdict(limits, state, stamp, now)
+    before, received, lost, resets = state.seq, state.received, state.lost, state.resets
     if not verdict.use:
         name = _COUNTER[verdict]
-        counts = {"received": state.received + 1, name: getattr(state, name) + 1}
-        return replace(state, **counts), verdict
-    missing = 0 if verdict in (Verdict.FIRST, Verdict.JUMPED_BACK) else seq - state.seq - 1
-    following = replace(
-        state,
-        stamp=stamp,
-        seq=seq,
-        received=state.received + 1,
-        used=state.used + 1,
-        lost=state.lost + (missing if seq and state.seq and 0 < missing < RENUMBERED else 0),
-        resets=state.resets + (verdict in (Verdict.GAP, Verdict.JUMPED_BACK)),
-    )
-    return following, verdict
+        counts = {"received": received + 1, name: getattr(state, name) + 1}
+        return state._replace(**counts), verdict
+    if verdict is not Verdict.FRESH:
+        resets += verdict is not Verdict.FIRST
+    if seq and before and verdict.carries and 0 < seq - before - 1 < RENUMBERED:
+        lost += seq - before - 1
+    refused = state.duplicate, state.out_of_order, state.stale, state.future, state.zero_stamp
+    following = (stamp, seq, received + 1, state.used + 1, lost, *refused, resets)
+    return StampState._make(following), verdict
 
 
 def _verdict(limits: StampLimits, state: StampState, stamp: int, now: int | None) -> Verdict:

@@ -1,0 +1,198 @@
+"""Messages between nodes of one process, handed over as they are: not packed, not sent, not unpacked.
+
+To the rest of the graph nothing is different. Every end is a publisher or subscription of the middleware, too, and a
+message also goes that way as soon as somebody outside listens. A subscription is served *directly* while all its
+publishers are in this process; the middleware's copies then stay unread. When an outside publisher appears, it is
+served by the middleware alone, so that nothing comes twice and the order is that of the middleware.
+
+A message that was published is given to several nodes: nobody may change it.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable
+from threading import get_ident
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    QoSCompatibility,
+    QoSProfile,
+    qos_check_compatible,
+)
+from rclpy.subscription import Subscription
+
+from er_ros_common import clock
+
+LOOK_PERIOD = 0.1
+"""How often it is looked whether publishers outside have come or gone [s]."""
+MOST = 200
+"""Messages in one go; then timers and signals get their turn."""
+
+
+class LocalPublisher(Publisher):
+    """Hands messages to the subscriptions of its process, and sends them only where somebody else listens.
+
+    local: the way through its process; subscriptions: those that are served directly.
+    """
+
+    local: IntraProcess | None = None
+    subscriptions: tuple[LocalSubscription, ...] = ()
+
+    def publish(self, message: Any) -> None:
+        """Publish a message; TypeError where it is of another type."""
+        if not isinstance(message, self.msg_type):
+            raise TypeError(f"expected {self.msg_type.__name__}, found {type(message).__name__}")
+        if self.subscriptions and self.local:
+            self.local.hand(self.subscriptions, message)
+        # what is not latched and has no reader is lost anyway
+        if self.get_subscription_count() > len(self.subscriptions):
+            super().publish(message)
+
+
+class LocalSubscription:
+    """A subscription of this process.
+
+    heard: what is called with a message; waiting: messages handed over, at most the depth of its quality of service;
+    publishers: publishers of the process that it can hear; direct: whether it is served without the middleware.
+    """
+
+    def __init__(self, subscription: Subscription, heard: Callable[[Any], None]) -> None:
+        self.subscription, self.heard = subscription, heard
+        self.waiting: deque[Any] = deque(maxlen=subscription.qos_profile.depth)
+        self.publishers: list[LocalPublisher] = []
+        self.direct = False
+
+    def served_by(self, publisher: LocalPublisher) -> bool:
+        """Whether the middleware would connect it to this publisher."""
+        s = self.subscription
+        same = publisher.msg_type is s.msg_type and publisher.topic_name == s.topic_name
+        return same and _compatible(publisher.qos_profile, s.qos_profile)
+
+    @property
+    def alone(self) -> bool:
+        """Whether its publishers are those of this process, all of them."""
+        own = len(self.publishers)
+        return own > 0 and self.subscription.get_publisher_count() <= own
+
+    def unread(self) -> Iterable[Any]:
+        """What the middleware has for it, taken."""
+        handle, kind = self.subscription.handle, self.subscription.msg_type
+        with handle:
+            while (taken := handle.take_message(kind, False)) is not None:
+                yield taken[0]
+
+
+class IntraProcess:
+    """The ends of all nodes of a process that share one executor and one thread."""
+
+    def __init__(self, nodes: Iterable[Node]) -> None:
+        self.nodes = tuple(nodes)
+        self.publishers: list[LocalPublisher] = []
+        self.subscriptions: list[LocalSubscription] = []
+        self.order: deque[LocalSubscription] = deque()
+        self.silent: set[Subscription] = set()
+        self.turns, self.asked, self.thread = 0, False, get_ident()
+        clock.wall_timer(self.nodes[0], LOOK_PERIOD, self.look)
+
+    def add_publisher(self, publisher: LocalPublisher) -> None:
+        """Take in a new publisher."""
+        publisher.local = self
+        self.publishers.append(publisher)
+        for each in self.subscriptions:
+            if each.served_by(publisher):
+                each.publishers.append(publisher)
+        self.look()
+
+    def add_subscription(self, subscription: Subscription, heard: Callable[[Any], None]) -> None:
+        """Take in a new subscription."""
+        each = LocalSubscription(subscription, heard)
+        each.publishers = [publisher for publisher in self.publishers if each.served_by(publisher)]
+        self.subscriptions.append(each)
+        self.look()
+
+    def look(self) -> None:
+        """Serve directly, or by the middleware, as publishers outside come and go."""
+        changed = [each for each in self.subscriptions if each.alone != each.direct]
+        for each in changed:
+            self._turn_over(each)
+        if changed:
+            for publisher in self.publishers:
+                publisher.subscriptions = tuple(
+                    e for e in self.subscriptions if e.direct and publisher in e.publishers
+                )
+            self._wake()
+
+    def _turn_over(self, each: LocalSubscription) -> None:
+        """From direct to the middleware, or back."""
+        each.direct = not each.direct
+        if each.direct:
+            for message in each.unread():
+                self.hand((each,), message)
+            self.silent.add(each.subscription)
+            return
+        # copies of what was handed over, heard already
+        for _ in each.unread():
+            pass
+        self.silent.discard(each.subscription)
+
+    def hand(self, subscriptions: Iterable[LocalSubscription], message: Any) -> None:
+        """Queue a message for the subscriptions; the oldest makes room where a queue is full."""
+        for each in subscriptions:
+            if len(each.waiting) < (each.waiting.maxlen or 0):
+                self.order.append(each)
+            each.waiting.append(message)
+        if not self.turns or get_ident() != self.thread:
+            self._later()
+
+    def turn(self, call: Callable[..., None], *given: Any) -> None:
+        """Call something that may publish; what it published is heard at its end, the order kept."""
+        self.turns += 1
+        try:
+            call(*given)
+        finally:
+            self.turns -= 1
+        if self.order and not self.turns:
+            self.drain()
+
+    def drain(self) -> None:
+        """Hear what waits, and what is published meanwhile."""
+        self.asked, self.thread = False, get_ident()
+        self.turns += 1
+        try:
+            for _ in range(MOST):
+                if not self.order:
+                    return
+                each = self.order.popleft()
+                if each.waiting:
+                    each.heard(each.waiting.popleft())
+        finally:
+            self.turns -= 1
+        self._later()
+
+    def _later(self) -> None:
+        """Let the executor drain."""
+        executor = self.nodes[0].executor
+        if executor is not None and not self.asked:
+            self.asked = True
+            executor.create_task(self.drain)
+
+    def _wake(self) -> None:
+        """Let the executor see which subscriptions it has to watch."""
+        executor = self.nodes[0].executor
+        if executor is not None:
+            executor.wake()
+
+
+def passable(profile: QoSProfile) -> bool:
+    """Whether messages of this quality can be handed over: what is latched is kept by the middleware."""
+    volatile = profile.durability == DurabilityPolicy.VOLATILE
+    return volatile and profile.history == HistoryPolicy.KEEP_LAST
+
+
+def _compatible(offered: QoSProfile, asked: QoSProfile) -> bool:
+    return bool(qos_check_compatible(offered, asked)[0] != QoSCompatibility.ERROR)
