@@ -10,7 +10,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import typer
 from er_models.files import load_model
-from er_models.model import Array
+from er_models.model import Array, Model
 from rich.console import Console
 from rich.table import Table
 
@@ -18,6 +18,7 @@ from er_observers.compare.estimators import Estimator, estimators_of
 from er_observers.observers.runtime import Sample
 from er_observers.scenarios.drive import drive
 from er_observers.scenarios.files import choose_scenarios, load_scenarios
+from er_observers.scenarios.scenario import Scenario
 
 _WARM = 200
 
@@ -49,10 +50,10 @@ def measure(estimator: Estimator, samples: list[Sample]) -> Cost:
     return Cost(estimator.title, np.array(seconds[_WARM:]), max(0, kept))
 
 
-def table(costs: list[Cost]) -> Table:
+def table(title: str, costs: list[Cost]) -> Table:
     """Costs for people; ratios of medians to the extended Kalman filter."""
     base = next((c for c in costs if "xtended" in c.title), costs[-1])
-    shown = Table(title="one step, Python included [us]")
+    shown = Table(title=rf"one step, Python included \[us]: {title}")
     shown.add_column("estimator")
     for name in ("median", "99 %", "99.9 %", f"median / {base.title}", "kept [B]"):
         shown.add_column(name, justify="right")
@@ -63,24 +64,44 @@ def table(costs: list[Cost]) -> Table:
     return shown
 
 
+def samples_of(scenario: Scenario, car: Model, jitter: float) -> list[Sample]:
+    """What the estimators are told along a scenario; jitter: standard deviation of the stamps [s]."""
+    record = drive(scenario, car)
+    shaken = {
+        **record,
+        "t": record["t"] + np.random.default_rng(0).normal(0.0, jitter, record["t"].shape),
+    }
+    names = ("t", "told_sprung_acceleration", "told_unsprung_acceleration", "told_duty")
+    return [Sample(*row) for row in zip(*(shaken[n].tolist() for n in names), strict=True)]
+
+
 def main(
     config: Annotated[
         Path, typer.Option(help="Folder with vehicles, gains and scenarios.")
     ] = Path("config"),
-    scenario: Annotated[str, typer.Option(help="Drive to step through.")] = "chapter_5_noise",
-    repeat: Annotated[int, typer.Option(min=1, help="How often.")] = 3,
+    scenario: Annotated[
+        list[str] | None, typer.Option(help="Drive to step through, again for more.")
+    ] = None,
+    repeat: Annotated[int, typer.Option(min=1, help="How often.")] = 5,
+    jitter: Annotated[float, typer.Option(min=0.0, help="Of the time stamps [us].")] = 0.0,
 ) -> None:
-    """Time every step of the observers and their peers along a drive."""
+    """Time every step of the observers and their peers along drives.
+
+    By default one whose duty switches between two values, and one whose duty changes with every sample.
+    """
     car = load_model(config / "vehicles" / "inove_quarter_car.yaml")
-    (chosen,) = choose_scenarios(load_scenarios(config / "scenarios"), [scenario])
-    record = drive(chosen, car)
-    names = ("t", "told_sprung_acceleration", "told_unsprung_acceleration", "told_duty")
-    samples = [Sample(*row) for row in zip(*(record[n].tolist() for n in names), strict=True)]
-    costs = []
-    for estimator in estimators_of(car, config / "gains"):
-        runs = [measure(estimator, samples) for _ in range(repeat)]
-        costs.append(min(runs, key=lambda run: float(np.median(run.seconds))))
-    Console().print(table(costs))
+    known = load_scenarios(config / "scenarios")
+    for chosen in choose_scenarios(known, scenario or ["chapter_5_noise", "chapter_4_slow_duty"]):
+        samples, estimators = (
+            samples_of(chosen, car, 1e-6 * jitter),
+            estimators_of(car, config / "gains"),
+        )
+        runs = [[measure(each, samples) for each in estimators] for _ in range(repeat)]
+        best = [
+            min(each, key=lambda run: float(np.median(run.seconds)))
+            for each in zip(*runs, strict=True)
+        ]
+        Console().print(table(chosen.name, best))
 
 
 if __name__ == "__main__":

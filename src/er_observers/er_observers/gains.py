@@ -24,7 +24,7 @@ from er_observers.claim_file import claim_of, sections
 from er_observers.forms import SENSORS, form_of
 from er_observers.observers.kernel import SUBSTEP
 from er_observers.observers.matrices import Plan, bridge_plan, plan_of
-from er_observers.observers.sample import Layout
+from er_observers.observers.sample import Layout, book_of
 from er_observers.observers.start_phase import Opening, opening_of
 from er_observers.observers.status import LIMITS, Limits
 from er_observers.observers.watch import Watch, rules_of, watch_of
@@ -43,8 +43,8 @@ class Gains:
 
     plan: the observer; bridge: the model alone; watch: constants of its health; opening: of its
     start phase, None where it needs none or its states are not the relative ones; layout, reading,
-    rules: as `sample.run_sample` takes them; sees_deflection: whether the gains were made for a
-    deflection sensor beside the accelerometers.
+    rules: parts of the book that the loop takes, see `sample.book_of`; sees_deflection: whether the
+    gains were made for a deflection sensor beside the accelerometers.
     """
 
     observer: str
@@ -61,18 +61,21 @@ class Gains:
     sees_deflection: bool = field(init=False)
     reading: Array = field(init=False)
     rules: Array = field(init=False)
+    book: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        form, law, size = self.form, self.claim.solution.law, self.claim.scaling.state
+        form, law, scaling = self.form, self.claim.solution.law, self.claim.scaling
         poles = np.array([np.linalg.eigvals(M) for M in law.M])
-        object.__setattr__(self, "plan", plan_of(form, law, size))
-        object.__setattr__(self, "bridge", bridge_plan(form, size))
+        object.__setattr__(self, "plan", plan_of(form, law, scaling))
+        object.__setattr__(self, "bridge", bridge_plan(form, scaling))
         watch, parts = watch_of(form, poles), (law.R, law.S, form.F, form.Gamma)
         object.__setattr__(self, "watch", watch)
         object.__setattr__(self, "sees_deflection", len(form.C) == len(SENSORS))
         object.__setattr__(self, "layout", Layout(form.C.shape[0], form.n, law.order))
         object.__setattr__(self, "reading", np.concatenate([np.ravel(p) for p in parts]))
         object.__setattr__(self, "rules", rules_of(watch, self.limits))
+        book = book_of(self.plan, self.reading, self.rules, self.layout)
+        object.__setattr__(self, "book", book)
 
     @property
     def form(self) -> LinearForm:
@@ -130,9 +133,12 @@ def load_gains(path: str | Path, model: Model, observer: str, limits: Limits = L
         found = file.at("certificate.discrete.substep")
         raise InputError(path, "certificate.discrete.substep", expected, found)
     figures, name = file.at("certificate"), str(file.at("digest"))
-    return Gains(
-        observer, model.name, claim, figures, name, limits, _opening(model, claim, limits)
-    )
+    opening = _opening(model, claim, limits)
+    gains = Gains(observer, model.name, claim, figures, name, limits, opening)
+    key, rows = "certificate.discrete.duties", len(gains.plan.part("duties"))
+    if file.number(key) != rows:
+        raise InputError(path, key, f"{rows}, the substeps that run ({again})", file.at(key))
+    return gains
 
 
 def _opening(model: Model, claim: Claim, limits: Limits) -> Opening | None:

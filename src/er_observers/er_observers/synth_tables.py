@@ -27,7 +27,13 @@ def figures(c: Certificate) -> dict[str, Any]:
         "slopes": plain(c.slopes),
         "poles": [[[_short(p.real), _short(p.imag)] for p in end] for end in c.poles],
         "slowest": _short(c.slowest),
-        "discrete": {"substep": SUBSTEP, "decay": _short(run.decay), "rho": _short(run.rho)},
+        "discrete": {
+            "substep": SUBSTEP,
+            "decay": _short(run.decay),
+            "rho": _short(run.rho),
+            "duties": len(c.table.duties),
+            "gap": _short(c.table.gap),
+        },
         "random_scheduling": _short(c.wandering),
     }
 
@@ -41,7 +47,8 @@ def certificate_table(title: str, claim: Claim, c: Certificate) -> Table:
     table.add_column("shown by")
     at = f"{peak.omega:.3g} rad/s, duty {peak.rho:.2f}, slope {peak.slope:g}"
     where = f"grid, substeps of {1e3 * SUBSTEP:.4g} ms, duty {c.run.rho:.2f}"
-    rows = [
+    rows = f"farthest from the law, {len(c.table.duties)} duties"
+    lines = [
         ("gamma, to the force", f"{s.gamma:.4f}", f"inequalities; optimum {s.optimum:.4f}"),
         ("gain, frozen gate", f"{peak.gain:.4f}", f"sweep: {at}"),
         ("gain, any slope", f"{c.slopes:.4f}", "one P for slopes 0 and 1: a second method"),
@@ -52,10 +59,11 @@ def certificate_table(title: str, claim: Claim, c: Certificate) -> Table:
         ),
         ("slowest pole [1/s]", f"{c.slowest:.3f}", "any duty and slope; before yield"),
         ("discrete decay [1/s]", f"{c.run.decay:.3f}", where),
+        ("table of substeps", f"{c.table.gap:.1e}", rows),
         ("growth per sample", f"{c.wandering:.5f}", "compiled observer, random duties"),
     ]
-    for row in rows:
-        table.add_row(*row)
+    for line in lines:
+        table.add_row(*line)
     return table
 
 

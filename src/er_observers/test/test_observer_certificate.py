@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_observers.law import luenberger
-from er_observers.observers.kernel import SUBSTEP, mean_gate
+from er_observers.observers.gate import mean_gate
+from er_observers.observers.kernel import SUBSTEP
 from er_observers.synthesis.certify import Certificate, certify
 from er_observers.synthesis.discrete import error_map, lens, step_storage, substep
 from er_observers.synthesis.proof import Claim, prove

@@ -122,6 +122,7 @@ def _set(section: str, key: str, value: object) -> Callable[[dict[str, Any]], No
         (_set("spec", "noise", [0.1]), True, "spec.noise"),
         (_set("scaling", "state", [1.0, 1.0, 1.0, 0.0]), True, "scaling.state"),
         (_set("certificate", "discrete", {"substep": 1e-5}), True, "substep"),
+        (_set("certificate", "discrete", {"substep": 1.25e-3, "duties": 2}), True, "duties"),
     ],
 )
 def test_edited_files_are_refused(

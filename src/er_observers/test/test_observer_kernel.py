@@ -6,16 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_models.model import Array
+from er_models.model import Array, Model
 from er_observers.gains import Gains
 from er_observers.observers.compiled import compiled, digest_of
-from er_observers.observers.kernel import (
-    advance,
-    mean_gate,
-    phi_functions,
-    solve_gate,
-    substeps,
-)
+from er_observers.observers.gate import gate_of, mean_gate, slopes_of, solve_gate
+from er_observers.observers.kernel import SUBSTEP, advance, substeps
+from er_observers.observers.known import OBSERVERS
+from er_observers.observers.phi import phi_functions
+from er_observers.observers.table import NEARLY, substep_matrix, table_of
+from er_observers.synthesis.discrete import looked_up
 from scipy.integrate import quad, solve_ivp
 from scipy.linalg import expm
 
@@ -47,6 +46,8 @@ def test_mean_of_the_gate(s_0: float, s_1: float) -> None:
     h = 1e-5
     difference = (mean_gate(s_0, s_1 + h)[0] - mean_gate(s_0, s_1 - h)[0]) / (2.0 * h)
     assert slope == pytest.approx(difference, abs=1e-6)
+    ends = slopes_of(s_0, gate_of(s_0)[0], s_1, gate_of(s_1)[0], mean)
+    assert ends == pytest.approx((mean_gate(s_1, s_0)[1], slope), abs=1e-9)
 
 
 def test_scalar_equation_has_its_root() -> None:
@@ -55,7 +56,8 @@ def test_scalar_equation_has_its_root() -> None:
     for _ in range(2000):
         s_0, free = random.normal(size=2) * 10.0 ** random.uniform(-2, 3, 2)
         gain = -(10.0 ** random.uniform(-3, 3)) if random.random() < 0.8 else random.uniform(0, 1)
-        s_1, mean = solve_gate(s_0, free, gain)
+        s_1, t_1, area_1, mean = solve_gate(s_0, *gate_of(s_0), free, gain)
+        assert (t_1, area_1) == pytest.approx(gate_of(s_1), abs=1e-9)
         assert mean == pytest.approx(mean_gate(s_0, s_1)[0], abs=1e-9)
         assert abs(s_1 - free - gain * mean) <= 1e-8 * (1.0 + abs(free))
 
@@ -93,6 +95,37 @@ def test_one_sample_is_the_differential_equation(gains: Gains, rho: float) -> No
         assert errors[2] < 0.05 * errors[0]
     else:
         assert errors[0] < 1e-8
+
+
+@pytest.mark.parametrize("name", OBSERVERS)
+def test_the_table_is_as_near_to_the_law_as_it_says(
+    car: Model, gain_file: Path, name: str
+) -> None:
+    """What is looked up at random duties, against the law's own substep and one sample made anew."""
+    gains = OBSERVERS[name](gain_file.parent / f"{name}.yaml", car)
+    claim, random = gains.claim, np.random.default_rng(7)
+    law, z, table = claim.solution.law, claim.sizes, looked_up(claim)
+    weights = np.concatenate([np.ones(law.order), claim.scaling.output, claim.scaling.output, [1]])
+    for rho in random.uniform(size=50):
+        own = substep_matrix(law, law.T @ gains.form.B, z, rho, SUBSTEP)
+        assert np.abs(weights * (table.at(rho) - own)).max() <= 1.01 * NEARLY
+        state, y = (
+            z * random.normal(size=z.size),
+            random.normal(size=(3, 2)) * claim.scaling.output,
+        )
+        looked, fresh = np.empty_like(z), np.empty_like(z)
+        advance(*gains.plan, state, *y, rho, 0.005, 4, looked)
+        advance(*gains.plan, state, *y, rho, 0.005 * (1.0 + 1e-8), 4, fresh)  # no usual length
+        assert np.abs((looked - fresh) / z).max() < 20.0 * NEARLY
+
+
+def test_a_coarse_table_is_told(gains: Gains, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A table of the law's two duties alone would be off by a hundred times as much, and says so."""
+    monkeypatch.setattr("er_observers.observers.table._HALVINGS", 0)
+    claim = gains.claim
+    rough = table_of(claim.solution.law, gains.form.B, claim.sizes, claim.scaling.output)
+    assert len(rough.duties) == 2
+    assert rough.gap > 100.0 * NEARLY
 
 
 def test_a_bend_is_a_parabola(gains: Gains) -> None:

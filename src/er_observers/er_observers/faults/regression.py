@@ -18,7 +18,7 @@ import math
 from er_models.model import Array
 
 from er_observers.observers.compiled import compiled
-from er_observers.observers.kernel import mean_gate
+from er_observers.observers.gate import mean_gate
 
 NAMES = ("k0", "c0", "f_c", "k_s", "offset", "tau", "k1", "c1")
 """Unknowns: shares of the first three (1 healthy) and relative errors; offsets in N."""

@@ -25,6 +25,8 @@ from er_observers.observers.sample import said as said_of
 from er_observers.observers.start_phase import Opening
 from er_observers.observers.status import ROUNDING, VERDICTS, Health, Status
 
+_NEW = tuple.__new__
+"""Makes a named tuple in half the time that its own call takes."""
 Said = tuple[float, float, float, float, int]
 
 
@@ -137,7 +139,7 @@ def step(gains: Gains, state: State, sample: Sample) -> tuple[State, Estimate]:
         state = _restart(gains, state, sample)
     elif not _valid(gains, sample):
         state = _bridge(gains, state, sample, dt)
-    elif state.memory[watching.LOST] + dt > hold:
+    elif state.memory.item(watching.LOST) + dt > hold:
         state = _restart(gains, state, sample)
     else:
         state = _follow(gains, state, sample, dt)
@@ -146,18 +148,18 @@ def step(gains: Gains, state: State, sample: Sample) -> tuple[State, Estimate]:
 
 def _follow(gains: Gains, state: State, sample: Sample, dt: float) -> State:
     """Advance with the measurement."""
-    memory, P = np.empty_like(state.memory), None
+    t, sprung, unsprung, asked, deflection = sample
     if state.P is not None and gains.opening is not None:
+        memory = np.empty_like(state.memory)
         P, said, duty, repaired = _found(gains, state, sample, dt, memory)
     else:
-        _, sprung, unsprung, duty, deflection = sample
-        said, duty, repaired = run_sample(
-            *gains.plan, gains.reading, gains.rules,
-            state.memory, sprung, unsprung, deflection, state.duty, duty, dt, memory,
-        )  # fmt: skip
-    rejected = state.rejected + repaired
-    estimate = _says(*said)
-    return State(sample.t, memory, state.layout, P, duty, estimate, True, state.resets, rejected)
+        P, memory = None, state.memory.copy()
+        force, x, v, ratio, verdict, duty, repaired = run_sample(
+            gains.book, memory, sprung, unsprung, deflection, state.duty, asked, dt
+        )
+        said = force, x, v, ratio, verdict
+    told, rejected = _says(*said), state.rejected + repaired
+    return _NEW(State, (t, memory, state.layout, P, duty, told, True, state.resets, rejected))
 
 
 def _found(
@@ -256,4 +258,4 @@ def _says(
     status, reason = VERDICTS[verdict]
     if status is Status.INVALID:
         return Estimate(0.0, 0.0, 0.0, status, 0.0, reason)
-    return Estimate(force, deflection, velocity, status, ratio, reason)
+    return _NEW(Estimate, (force, deflection, velocity, status, ratio, reason))

@@ -12,7 +12,8 @@ import numpy as np
 from er_models.model import Array
 
 from er_observers.observers.compiled import compiled
-from er_observers.observers.kernel import SUBSTEP, advance
+from er_observers.observers.kernel import HEAD, SUBSTEP, advance
+from er_observers.observers.matrices import Plan
 from er_observers.observers.watch import (
     FLOOR,
     POWER,
@@ -80,38 +81,53 @@ def duty_within(duty: float, before: float, low: float, high: float) -> tuple[fl
     return min(max(duty, low), high), not low - 1e-6 <= duty <= high + 1e-6
 
 
+def book_of(plan: Plan, reading: Array, rules: Array, layout: Layout) -> Array:
+    """All that `run_sample` takes of an observer: where the parts begin, the parts, room for a memory.
+
+    reading: R (n, N), S (n, m), F (n,), Gamma (n,) one after the other; rules: of `watch.rules_of`.
+    """
+    parts = (plan.values, reading, rules, plan.scratch)
+    ends = 4.0 + np.cumsum([len(p) for p in parts])
+    return np.concatenate([ends, *parts, np.empty(layout.z.stop)])
+
+
 @compiled
 def run_sample(
-    shape: tuple[int, int, int], values: Array, scratch: Array, reading: Array, rules: Array,
-    before: Array, sprung: float, unsprung: float, deflection: float, last: float, asked: float,
-    dt: float, after: Array,
-) -> tuple[tuple[float, float, float, float, int], float, bool]:  # fmt: skip
-    """Fill the memory `after` from `before`, dt [s] later, with the duty `last` in force.
+    book: Array, memory: Array, sprung: float, unsprung: float, deflection: float, last: float,
+    asked: float, dt: float,
+) -> tuple[float, float, float, float, int, float, bool]:  # fmt: skip
+    """Bring the memory, in place, dt [s] further with the duty `last` in force.
 
-    shape, values, scratch: a `matrices.Plan`. reading: R (n, N), S (n, m), F (n,), Gamma (n,) one
-    after the other. rules: of `watch.rules_of`. sprung, unsprung, deflection: outputs, as many as
-    there are. Returns `said`, and the duty from now on as `duty_within` has it.
+    book: of `book_of`. sprung, unsprung, deflection: outputs, as many as there are. Returns `said`,
+    and the duty from now on as `duty_within` has it.
     """
-    order, m, nodes = shape
-    n = before.shape[0] - 9 - 2 * m - order
+    a, b, c, d = int(book[0]), int(book[1]), int(book[2]), int(book[3])
+    values, reading, rules, scratch, before = book[4:a], book[a:b], book[b:c], book[c:d], book[d:]
+    order, m, table = int(values[0]), int(values[1]), int(values[3])
+    n, duties = memory.shape[0] - 9 - 2 * m - order, HEAD + 2 * order + m
+    for i in range(memory.shape[0]):
+        before[i] = memory[i]
     dt = np.round(dt * _PICOSECONDS) / _PICOSECONDS  # stamps are sums of rounded periods
-    duty, repaired = duty_within(asked, last, values[0], values[nodes - 1])
-    y, at = after[9 : 9 + m], 9 + 2 * m + n
+    duty, repaired = duty_within(asked, last, values[duties], values[duties + table - 1])
+    y, at = memory[9 : 9 + m], 9 + 2 * m + n
     y[0], y[1] = sprung, unsprung
     if m > 2:
         y[2] = deflection
-    y_0, bend = before[9 : 9 + m], after[9 + m : 9 + 2 * m]
+    y_0, bend = before[9 : 9 + m], memory[9 + m : 9 + 2 * m]
     bend_of(y_0, y, before[9 + m : 9 + 2 * m], dt, bend)
     n_sub = max(1, math.ceil(dt / SUBSTEP - 1e-6))
-    end = advance(shape, values, scratch, before[at:], y_0, y, bend, last, dt, n_sub, after[at:])
+    end = advance(values, scratch, before[at:], y_0, y, bend, last, dt, n_sub, memory[at:])
     for i in range(n):
         total = 0.0
         for k in range(order):
-            total += reading[i * order + k] * after[at + k]
+            total += reading[i * order + k] * memory[at + k]
         for j in range(m):
             total += reading[n * order + i * m + j] * y[j]
-        after[9 + 2 * m + i] = total
-    return keep(reading, rules, before, last, dt, repaired, end, m, n, after), duty, repaired
+        memory[9 + 2 * m + i] = total
+    force, x, v, ratio, verdict = keep(
+        reading, rules, before, last, dt, repaired, end, m, n, memory
+    )
+    return force, x, v, ratio, verdict, duty, repaired
 
 
 @compiled

@@ -16,7 +16,7 @@ import numpy as np
 from er_models.linear import LinearForm
 from er_models.model import Array, Model
 
-from er_observers.observers.kernel import phi_functions
+from er_observers.observers.phi import phi_functions
 from er_observers.peers.flow import noise_covariance
 from er_observers.peers.unscented import unscented_sample
 from er_observers.synthesis.scaling import road_density

@@ -1,6 +1,6 @@
 r"""One substep of the model without measurement, with its Jacobian: what every Kalman filter predicts with.
 
-The linear part is exact, the gate enters with its mean along the substep (`observers.kernel`); the
+The linear part is exact, the gate enters with its mean along the substep (`observers.gate`); the
 unknown input is white, so it is zero in the mean and adds to the covariance
 ``Q_h = \int_0^h e^{A s} Q e^{A' s} ds`` (Van Loan 1978).
 """
@@ -13,7 +13,8 @@ from er_models.model import Array
 from scipy.linalg import expm
 
 from er_observers.observers.compiled import compiled
-from er_observers.observers.kernel import mean_gate, phi_functions, solve_gate
+from er_observers.observers.gate import gate_of, slopes_of, solve_gate
+from er_observers.observers.phi import phi_functions
 
 
 def substep_matrices(form: LinearForm, h: float) -> tuple[Array, Array]:
@@ -44,10 +45,11 @@ def flow(linear: Array, kick: Array, gamma: Array, duty: float, x: Array) -> tup
         s_0 += gamma[i] * x[i]
         target += gamma[i] * free[i]
         gain += gamma[i] * kick[i] * duty
-    s_1, mean = solve_gate(s_0, target, gain)
+    t_0, area = gate_of(s_0)
+    s_1, t_1, _, mean = solve_gate(s_0, t_0, area, target, gain)
     for i in range(n):
         x[i] = free[i] + duty * kick[i] * mean
-    return mean_gate(s_1, s_0)[1], mean_gate(s_0, s_1)[1]
+    return slopes_of(s_0, t_0, s_1, t_1, mean)
 
 
 @compiled

@@ -8,6 +8,7 @@ noise or a blunter sensor would change is in docs/observer_comparison.md.
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -62,7 +63,7 @@ class Filter:
     """A filter made for one model.
 
     linear (n, n), kick (n,), noise (n, n): of one substep of `h` [s]; variance (2,): of the
-    outputs; first (n, n): covariance of the start.
+    outputs; first (n, n): covariance of the start; force (n,): what each state adds to it.
     """
 
     kind: Kind
@@ -74,6 +75,7 @@ class Filter:
     C: Array
     variance: Array
     first: Array
+    force: tuple[float, ...]
 
 
 class State(NamedTuple):
@@ -97,6 +99,7 @@ def make(name: str, model: Model, statement: Statement | None = None) -> Filter:
         C=np.ascontiguousarray(form.C),
         variance=np.full(form.C.shape[0], known.noise**2),
         first=np.diag(np.square(known.spread)),
+        force=tuple(form.F.tolist()),
     )  # fmt: skip
     rest = Sample(0.0, 0.0, 0.0, 0.0)
     step(made, start(made, rest), rest._replace(t=known.period))
@@ -134,7 +137,8 @@ def _advance(p: Filter, steps: int, sample: Sample, duty: float, x: Array, P: Ar
 
 def _estimate(p: Filter, x: Array) -> Estimate:
     """What the state says; a filter that has left all bounds is invalid."""
-    force = float(p.form.F @ x)
+    values = x.tolist()
+    force = sum(map(operator.mul, p.force, values))
     if not math.isfinite(force):
         return Estimate(0.0, 0.0, 0.0, Status.INVALID, 0.0, "the filter has diverged")
-    return Estimate(force, float(x[0]), float(x[1]), Status.OK, 0.0, "")
+    return Estimate(force, values[0], values[1], Status.OK, 0.0, "")

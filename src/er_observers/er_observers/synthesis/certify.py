@@ -12,7 +12,8 @@ from er_models.model import Array
 
 from er_observers.law import RESIDUAL
 from er_observers.observers.kernel import SUBSTEP
-from er_observers.synthesis.discrete import Contraction, step_storage
+from er_observers.observers.table import Table
+from er_observers.synthesis.discrete import Contraction, looked_up, step_storage
 from er_observers.synthesis.proof import Claim, Margins, prove
 from er_observers.synthesis.spec import SynthesisFailed
 from er_observers.synthesis.sweep import Peak, peak_gain
@@ -32,7 +33,7 @@ class Certificate:
     NaN where the solver gave no answer.
     poles (ends, n): of A - L C [1/s]. slowest: largest real part of a pole over duty and gate
     slope [1/s]. run: contraction of the discrete observer. wandering: the same along random
-    duties, measured on the compiled kernel.
+    duties, measured on the compiled kernel. table: the substeps that are looked up.
     """
 
     margins: Margins
@@ -42,6 +43,7 @@ class Certificate:
     slowest: float
     run: Contraction
     wandering: float
+    table: Table
 
 
 def certify(claim: Claim, theorem: str) -> Certificate:
@@ -76,7 +78,9 @@ def certify(claim: Claim, theorem: str) -> Certificate:
     reason = f"two runs drift apart by {roams:.6f} per sample along random duties"
     demand(reason, holds=roams < 1.0)
     poles = [np.sort_complex(np.linalg.eigvals(M)) for M in solution.law.M]
-    return Certificate(margins, peak, slopes, np.array(poles), slowest, run, roams)
+    return Certificate(
+        margins, peak, slopes, np.array(poles), slowest, run, roams, looked_up(claim)
+    )
 
 
 def _slowest(claim: Claim) -> float:

@@ -10,11 +10,15 @@ runs of it that differ by e_0 at the start, the mean value theorem gives
 so (k_0, k_1) lies in a lens whose edge is reached by gates that are open on one part of the
 substep. Where one Lyapunov function shrinks with every such map, any two runs converge, however
 the duty jumps from sample to sample. The theorem's own need not (it knows no substeps), so one is
-sought for the maps themselves.
+sought for the maps themselves. Substeps of the usual length are looked up over the duty
+(`observers.table`): their maps are those of the table, at its duties and in the middle between two,
+where it is farthest from the law.
 """
 
 from __future__ import annotations
 
+import math
+from functools import lru_cache
 from itertools import product
 from typing import NamedTuple
 
@@ -23,6 +27,8 @@ import numpy as np
 from er_models.model import Array
 from scipy.linalg import expm
 
+from er_observers.observers.kernel import SUBSTEP
+from er_observers.observers.table import Table, table_of
 from er_observers.synthesis.lmi import run as run_solver
 from er_observers.synthesis.proof import Claim
 from er_observers.synthesis.spec import SynthesisFailed
@@ -111,9 +117,12 @@ def contraction(claim: Claim, P: Array, steps: tuple[float, ...], duties: int = 
     back = np.linalg.inv(root)
     worst, loop = Contraction(float("inf"), 0.0, 0.0, (0.0, 0.0), 0.0), -float("inf")
     edge = lens()
+    rows = looked_up(claim).duties
+    grid = [*np.linspace(law.rho[0], law.rho[-1], duties), *law.rho]
     for step in steps:
-        for rho in np.unique([*np.linspace(law.rho[0], law.rho[-1], duties), *law.rho]):
-            linear, kick = substep(law.at(float(rho))[0], e.b[:, 0] * rho, step)
+        more = [*rows, *(0.5 * (rows[1:] + rows[:-1]))] if math.isclose(step, SUBSTEP) else []
+        for rho in np.unique([*grid, *more]):
+            linear, kick = _moved(claim, step, float(rho))
             loop = max(loop, float(e.G[0] @ kick))
             maps = error_map(linear, kick, e.G[0], edge)
             growth = np.linalg.norm(root @ maps @ back, 2, axis=(1, 2))
@@ -125,11 +134,25 @@ def contraction(claim: Claim, P: Array, steps: tuple[float, ...], duties: int = 
     return worst._replace(loop=loop)
 
 
+@lru_cache(maxsize=4)
+def looked_up(claim: Claim) -> Table:
+    """The substeps that the observer of a claim looks up."""
+    law = claim.solution.law
+    return table_of(law, claim.error.b[:, 0], claim.sizes, claim.scaling.output)
+
+
+def _moved(claim: Claim, step: float, rho: float) -> tuple[Array, Array]:
+    """Linear map (N, N) of a substep [s] and the effect (N,) of the gate held at one, as they run [SI]."""
+    if not math.isclose(step, SUBSTEP):
+        return substep(claim.solution.law.at(rho)[0], claim.error.b[:, 0] * rho, step)
+    row, z = looked_up(claim).at(rho), claim.sizes
+    return row[:, : z.size] * z[:, None] / z, rho * row[:, -1] * z
+
+
 def _map(claim: Claim, step: float, rho: float, gate: Array) -> Array:
     """Map (N, N) of the difference of two runs over one substep [s]."""
-    e = claim.error
-    linear, kick = substep(claim.solution.law.at(rho)[0], e.b[:, 0] * rho, step)
-    return error_map(linear, kick, e.G[0], gate)
+    linear, kick = _moved(claim, step, rho)
+    return error_map(linear, kick, claim.error.G[0], gate)
 
 
 def substep(M: Array, b: Array, step: float) -> tuple[Array, Array]:

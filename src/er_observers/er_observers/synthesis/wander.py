@@ -20,7 +20,7 @@ def wandering(
     """
     random = np.random.default_rng(seed)
     form, rhos, size = claim.form, claim.spec.rho, claim.sizes
-    plan = plan_of(form, claim.solution.law, claim.scaling.state)
+    plan = plan_of(form, claim.solution.law, claim.scaling)
     root = np.linalg.cholesky(P).T
     worst = start = 0.0
     x, y = np.zeros((2, size.size)), np.zeros((2, form.C.shape[0]))
