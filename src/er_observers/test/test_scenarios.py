@@ -10,6 +10,7 @@ import pytest
 import yaml
 from er_models.errors import ErError, InputError
 from er_models.linear import relative_form
+from er_observers.peers.kalman import Statement
 from er_observers.scenarios.drive import drive
 from er_observers.scenarios.files import choose_scenarios, load_scenario, load_scenarios
 from er_observers.scenarios.starts import first_state
@@ -90,6 +91,16 @@ def test_the_initial_errors_are_those_of_the_thesis(car, scenarios):
     assert first_state(thesis, form, "nlpv_gridding", rest) == pytest.approx([0.01, 0, 0.001, 5])
     assert first_state(equal, form, "unified", rest) == pytest.approx([0.01, 0, 0.001, 5])
     assert first_state(scenarios["experiment_iso"], form, "unified", rest) is None
+
+
+def test_drawn_starts_have_the_covariance_that_the_filters_are_told(car, scenarios):
+    """The same for every observer, another one for each road, and as wide as stated."""
+    form, drawn = relative_form(car), scenarios["chapter_4_step_drawn"]
+    rest = dict.fromkeys(("deflection", "deflection_velocity", "tyre_deflection"), np.ones(1))
+    starts = np.array([first_state(drawn, form, "unified", rest, k) for k in range(400)])
+    assert first_state(drawn, form, "ekf", rest, 3) == pytest.approx(starts[3])
+    assert starts.mean(axis=0) == pytest.approx([1, 1, 1, 0], abs=0.8)
+    assert starts.std(axis=0) == pytest.approx(Statement().spread, rel=0.12)
 
 
 BAD = [

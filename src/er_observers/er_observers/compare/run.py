@@ -71,7 +71,7 @@ def road_outcomes(
     record = drive(scenario, model, number)
     outcomes = []
     for e in estimators:
-        trace = follow(e, record, first_state(scenario, e.form, e.name, record))
+        trace = follow(e, record, first_state(scenario, e.form, e.name, record, number))
         outcomes.append(_outcome(scenario, number, e.name, record, trace))
     return outcomes
 

@@ -22,6 +22,7 @@ from er_observers.observers.status import Status
 from er_observers.peers.extended import extended_sample
 from er_observers.peers.flow import noise_covariance, substep_matrices
 from er_observers.peers.unscented import unscented_sample
+from er_observers.scenarios.starts import SPREAD
 from er_observers.synthesis.scaling import road_density
 
 
@@ -54,7 +55,7 @@ class Statement:
     """
 
     noise: float = 0.025
-    spread: tuple[float, ...] = (0.01, 0.1, 0.001, 5.0)
+    spread: tuple[float, ...] = SPREAD
     period: float = 0.005
 
 

@@ -10,7 +10,7 @@ program:                       # as a program file without its schema; seed is t
   duty: {kind: constant, level: 0.0}
 skyhook: {low: 0.0, high: 0.3} # optional: the duty comes from (3.81) instead
 seeds: 20
-start: thesis                  # thesis, equal or own
+start: thesis                  # thesis, equal, drawn or own
 sensors: {noise: 0.025, bias: 0.0, delay: 0.0, duty_step: 0.0}
 plant: {model: ../vehicles/inove_stand_in.yaml, spread: 0.1, effects: {coulomb_friction: {F_c: 1.0}}}
 windows:
@@ -43,7 +43,7 @@ _TABLE: tuple[Setting, ...] = (
     Text("title", REQUIRED, "what is driven"),
     Text("source", "", "where the scenario comes from"),
     Number("seeds", "1", 1.0, 1.0, 1000.0, "number of roads"),
-    Text("start", "equal", "initial error", ("thesis", "equal", "own")),
+    Text("start", "equal", "initial error", ("thesis", "equal", "drawn", "own")),
 )
 _SECTIONS = ("program", "skyhook", "sensors", "plant", "windows", "variants")
 _SKYHOOK: tuple[Setting, ...] = (

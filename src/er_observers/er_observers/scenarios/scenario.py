@@ -68,8 +68,9 @@ class Sensors:
 class Scenario:
     """One drive, over `seeds` roads where the road is random.
 
-    start: `thesis`, its own initial error for each observer; `equal`, the same for all; `own`,
-    what an observer makes of the first sample.
+    start: `thesis`, its own initial error for each observer; `equal`, the same for all; `drawn`,
+    the same for all from the covariance that the Kalman filters are told, another one for every
+    seed; `own`, what an observer makes of the first sample.
     """
 
     name: str
