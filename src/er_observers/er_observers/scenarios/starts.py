@@ -35,7 +35,8 @@ def first_state(
 ) -> Array | None:
     """The wrong first state (n,) in the coordinates of `form`; None where the observer finds its own.
 
-    number: of the road; drawn starts are another one for each, the same for every observer. Errors are added to the true first state, which is rest for every scenario of the thesis.
+    number: of the road; drawn starts are another one for each, the same for every observer. Errors
+    are added to the true first state, which is rest for every scenario of the thesis.
     """
     if scenario.start == "own":
         return None
