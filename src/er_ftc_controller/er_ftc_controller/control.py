@@ -18,7 +18,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple
+from functools import lru_cache
+from typing import NamedTuple, TypeAlias
 
 from er_models.errors import InputError
 from er_models.forms.loss import Factors
@@ -146,6 +147,10 @@ class State(NamedTuple):
     command: Command
 
 
+Moved: TypeAlias = tuple[lpv.State, LoopState, float, float, float, tuple[float, float]]
+"""State of the controller and of the force loop; force wanted and given [N], rho, the motion it is meant for."""
+
+
 def start(p: Ftc) -> State:
     """Safe, until samples come."""
     duty = p.rules.safe_duty
@@ -170,18 +175,20 @@ def step(p: Ftc, state: State, t: float, sample: Sample | None) -> tuple[State, 
     state, dt = _aged(p, state, t)
     lost = force_left(state.left) < p.rules.least_left
     usable = sample is not None and _usable(p, sample)
-    if usable:
-        state = state._replace(heard=t)
-    awake = state.heard is not None and t - state.heard <= p.rules.timeout + SLACK
+    heard = t if usable else state.heard
+    awake = heard is not None and t - heard <= p.rules.timeout + SLACK
     running = awake and not lost
-    share = state.share + _share_gained(p, dt, running=running)
-    state = state._replace(share=min(max(share, 0.0), 1.0))
+    share = min(max(state.share + _share_gained(p, dt, running=running), 0.0), 1.0)
+    last = state.command
+    moved = (state.control, state.loop, last.wanted, last.given, last.rho, (last.x, last.v))
     if usable and sample is not None:
-        state = _controlled(p, state, sample, dt)
-    mode, reason = _mode(p, state, t, running=running, lost=lost)
-    duty = p.rules.safe_duty + state.share * (state.loop.duty - p.rules.safe_duty)
-    command = state.command._replace(duty=duty, mode=mode, reason=reason, left=state.left)
-    return state._replace(command=command), command
+        moved = _controlled(p, state, sample, dt)
+    control, loop, wanted, given, rho, motion = moved
+    mode, reason = _mode(p, state, t, heard=heard, running=running, lost=lost)
+    duty = p.rules.safe_duty + share * (loop.duty - p.rules.safe_duty)
+    command = Command(duty, mode, reason, wanted, given, rho, state.left, *motion)
+    rest = (state.left, state.aim, state.faults, state.refused, control, loop, command)
+    return State(t, heard, share, *rest), command
 
 
 def _share_gained(p: Ftc, dt: float, *, running: bool) -> float:
@@ -198,17 +205,19 @@ def force_left(left: tuple[float, float, float]) -> float:
 
 
 def _aged(p: Ftc, state: State, t: float) -> tuple[State, float]:
-    """The state at time t with its factors faded, and the time since the last call; a jump of time starts afresh."""
+    """The state with its factors faded to time t, and the time since the last call; a jump of time starts afresh."""
     dt = 0.0 if state.t is None else t - state.t
     if not 0.0 <= dt <= p.rules.gap + SLACK:  # whoever applies duties has gone to the safe one
         state = state._replace(
             heard=None, faults=None, share=0.0, control=lpv.start(p.law), loop=LoopState()
         )
         dt = 0.0
+    if state.left == state.aim:
+        return state, dt
     room = p.rules.fade * dt
     moved = (v + min(max(a - v, -room), room) for v, a in zip(state.left, state.aim, strict=True))
     f1, f2, f3 = moved
-    return state._replace(t=t, left=(f1, f2, f3)), dt
+    return state._replace(left=(f1, f2, f3)), dt
 
 
 def _usable(p: Ftc, sample: Sample) -> bool:
@@ -222,10 +231,10 @@ def _believed(p: Ftc, x: float, v: float) -> bool:
     return abs(x) <= far and abs(v) <= fast
 
 
-def _controlled(p: Ftc, state: State, sample: Sample, dt: float) -> State:
+def _controlled(p: Ftc, state: State, sample: Sample, dt: float) -> Moved:
     """Controller and force loop one sample on."""
-    left, (x, v) = Factors(*state.left), sample[:2]
-    loop = state.loop._replace(duty=state.command.duty)
+    left, (x, v) = _factors(state.left), sample[:2]
+    loop = LoopState(state.loop.force, state.loop.gate, state.command.duty)
     motion = Motion(x, v, _force(p, sample), sample.duty)
     loop = force_loop.follow(p.loop, loop, motion, dt, left)
     rate = sample.sprung_acceleration - sample.unsprung_acceleration
@@ -233,12 +242,15 @@ def _controlled(p: Ftc, state: State, sample: Sample, dt: float) -> State:
     if not _believed(p, *then):
         then = (x, v)
     control, asked = lpv.step(p.law, state.control, x, then, left, p.rules.restore)
-    gate = float(p.loop.damper.gate(*then))  # type: ignore[arg-type]
+    gate = float(p.loop.damper.gate(*then))
     loop, _ = force_loop.duty_for(p.loop, loop, asked.given - asked.passive, gate, dt, left)
-    command = state.command._replace(
-        wanted=asked.wanted, given=asked.given, rho=asked.rho, x=then[0], v=then[1]
-    )
-    return state._replace(control=control, loop=loop, command=command)
+    return control, loop, asked.wanted, asked.given, asked.rho, then
+
+
+@lru_cache(maxsize=4)
+def _factors(left: tuple[float, float, float]) -> Factors:
+    """The factors with their names: nearly always those of the sample before."""
+    return Factors(*left)
 
 
 def _force(p: Ftc, sample: Sample) -> float:
@@ -248,9 +260,11 @@ def _force(p: Ftc, sample: Sample) -> float:
     return force_loop.balance(*p.body, sample.sprung_acceleration, sample.deflection)
 
 
-def _mode(p: Ftc, state: State, t: float, *, running: bool, lost: bool) -> tuple[Mode, str]:
+def _mode(
+    p: Ftc, state: State, t: float, *, heard: float | None, running: bool, lost: bool
+) -> tuple[Mode, str]:
     """Mode and why."""
-    if state.heard is None:
+    if heard is None:
         return Mode.SAFE, "no sample yet"
     if lost:
         return Mode.SAFE, "the faults leave no force to control"

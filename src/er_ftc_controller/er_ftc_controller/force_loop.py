@@ -85,14 +85,14 @@ def balance(m_s: float, k_s: float, acceleration: float, x: float) -> float:
 
 def follow(p: ForceLoop, state: LoopState, m: Motion, dt: float, left: Factors) -> LoopState:
     """The yield force dt [s] later, at the motion m, the mean of both gates between."""
-    gate = float(p.damper.gate(m.x, m.v))  # type: ignore[arg-type]
+    gate = float(p.damper.gate(m.x, m.v))
     duty = m.duty if 0.0 <= m.duty <= 1.0 else state.duty
-    goal = float(p.damper.height(duty, left)) * 0.5 * (state.gate + gate)
+    goal = p.damper.height(duty, left) * 0.5 * (state.gate + gate)
     force = respond(p.tau, state.force, goal, dt)
     if p.correction > 0.0 and math.isfinite(m.force):
-        seen = m.force - float(p.damper.passive(m.x, m.v, left))  # type: ignore[arg-type]
+        seen = m.force - p.damper.passive(m.x, m.v, left)
         force += p.correction * (seen - force)
-    most = float(p.damper.height(1.0))
+    most = p.damper.height(1.0)
     return LoopState(min(max(force, -most), most), gate, state.duty)
 
 
@@ -110,12 +110,12 @@ def duty_for(
     gate: s of the motion while the duty will act. dt [s]: since the duty before.
     """
     low, high = p.duties
-    strength = float(p.damper.height(1.0, left))
+    strength = p.damper.height(1.0, left)
     if gate == 0.0 or strength == 0.0:
         duty = low
     else:
         full = strength * math.copysign(max(abs(gate), p.least_gate), gate)
-        goal = float(p.damper.height(state.duty, left)) * gate
+        goal = p.damper.height(state.duty, left) * gate
         kept = kept_after(p.tau, p.horizon)
         missing = wanted - kept * respond(p.tau, state.force, goal, p.latency)
         share = max(missing / (1.0 - kept) / full, 0.0)
@@ -124,4 +124,4 @@ def duty_for(
         duty = low
     room = p.slew * dt
     duty = min(max(duty, state.duty - room), state.duty + room)
-    return state._replace(duty=duty), duty
+    return LoopState(state.force, state.gate, duty), duty

@@ -14,12 +14,13 @@ Source: thesis (6.14)-(6.17), (6.27). The duty for the force: `er_ftc_controller
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from er_models.forms.loss import Factors
 from er_models.model import Array
-from er_models.static_damper import StaticDamper
+from er_models.static_damper import Domain, StaticDamper
 
 from er_ftc_controller.gains import Loaded
 from er_ftc_controller.schedule import Schedule, project, scheduling
@@ -40,6 +41,18 @@ class Lpv:
     damper: StaticDamper
     duties: tuple[float, float]
     schedule: Schedule
+
+    @cached_property
+    def vertices(self) -> Array:
+        """All of both in one array (2, n + 3, n): A, B, C, E."""
+        return np.stack(
+            [np.vstack(each) for each in zip(self.A, self.B, self.C, self.E, strict=True)]
+        )
+
+
+def _parts(M: Array) -> tuple[Array, Array, Array, Array]:
+    """A (n, n), B, C, E (n,) of a vertex or what lies between two (n + 3, n)."""
+    return M[:-3], M[-3], M[-2], M[-1]
 
 
 class State(NamedTuple):
@@ -93,12 +106,12 @@ def step(
     restore: share of the passive force lost to the faults that the field is to give back.
     """
     share = (state.rho - p.schedule.low) / (p.schedule.high - p.schedule.low)
-    A, B, C, E = ((1.0 - share) * part[0] + share * part[1] for part in (p.A, p.B, p.C, p.E))
-    at = np.array(then[0]), np.array(then[1])
-    passive = float(p.damper.passive(*at, left))
-    lost = float(p.damper.passive(*at)) - passive
+    A, B, C, E = _parts((1.0 - share) * p.vertices[0] + share * p.vertices[1])
+    passive = float(p.damper.passive(*then, left))
+    lost = float(p.damper.passive(*then)) - passive
     wanted = passive + float(C @ state.x) + restore * lost
-    given, distance = project(wanted, p.damper.domain(*at, p.duties, left))
+    ends = p.damper.ends(*then, p.duties, left)
+    given, distance = project(wanted, Domain(*sorted(ends)))  # type: ignore[arg-type]
     asked = Asked(wanted, given, passive, state.rho)
     x_c = A @ state.x + B * x + E * (given - wanted)
     return State(x_c, scheduling(p.schedule, distance)), asked

@@ -10,7 +10,7 @@ Source: thesis (6.1)-(6.11), (6.14). Its (6.6) multiplies by sign(v) where this 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ from er_models.forms.loss import Factors
 from er_models.model import Array, Model
 
 HEALTHY = Factors()
+N = TypeVar("N", float, Array)
+"""Numbers, or arrays (n,) of them."""
 _KNOWN = ("passive", "guo_yield", "bingham_yield", "response", "quarter_car")
 
 
@@ -48,29 +50,40 @@ class StaticDamper:
     k1: float
     c1: float
 
-    def gate(self, x: Array, v: Array) -> Array:
+    def gate(self, x: N, v: N) -> N:
         """Smooth sign s of the motion, (n,)."""
-        return np.asarray(np.tanh(self.k1 * np.asarray(x) + self.c1 * np.asarray(v)))
+        sign: N = np.tanh(self.k1 * x + self.c1 * v)
+        return sign
 
-    def passive(self, x: Array, v: Array, left: Factors = HEALTHY) -> Array:
+    def passive(self, x: N, v: N, left: Factors = HEALTHY) -> N:
         """Force without field [N], (n,): f_2 (k0 x + f_3 c0 v)."""
         viscous = left.deformation * self.c0
-        return np.asarray(left.leakage * (self.k0 * np.asarray(x) + viscous * np.asarray(v)))
+        return left.leakage * (self.k0 * x + viscous * v)
 
-    def height(self, duty: Array | float, left: Factors = HEALTHY) -> Array:
+    def height(self, duty: N, left: Factors = HEALTHY) -> N:
         """Size of the yield force [N], (n,): f_1 f_2 f_3 sigma u**beta."""
         kept = left.electrical * left.leakage * left.deformation
-        return np.asarray(kept * self.sigma * np.asarray(duty, float) ** self.beta)
+        size: N = kept * self.sigma * duty**self.beta
+        return size
 
     def force(self, x: Array, v: Array, duty: Array | float, left: Factors = HEALTHY) -> Array:
         """Damper force (6.8) [N], (n,)."""
-        return self.passive(x, v, left) + self.height(duty, left) * self.gate(x, v)
+        size = self.height(np.asarray(duty, float), left)
+        return self.passive(x, v, left) + size * self.gate(x, v)
+
+    def ends(
+        self, x: N, v: N, duties: tuple[float, float], left: Factors = HEALTHY
+    ) -> tuple[N, N]:
+        """Forces [N] at two duties, in their order, (n,) each."""
+        passive, gate = self.passive(x, v, left), self.gate(x, v)
+        first, second = (passive + self.height(duty, left) * gate for duty in duties)
+        return first, second
 
     def domain(
         self, x: Array, v: Array, duties: tuple[float, float], left: Factors = HEALTHY
     ) -> Domain:
         """Forces between the least and the greatest duty (6.14), low before high whatever the motion."""
-        ends = [self.force(x, v, duty, left) for duty in duties]
+        ends = self.ends(x, v, duties, left)
         return Domain(np.minimum(*ends), np.maximum(*ends))
 
     def duty_for(

@@ -29,6 +29,8 @@ from er_ros_common.stamps import StampState
 OK, FAULT = SuspensionDeflection.STATUS_OK, SuspensionDeflection.STATUS_FAULT
 NO_STAMPS = StampState()
 M = TypeVar("M")
+_FACTORS = ("f1", "f2", "f3", "f1_sd", "f2_sd", "f3_sd")
+_FACTOR_STATES = ("f1_status", "f2_status", "f3_status")
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,14 +164,13 @@ def fault_estimate(
     """Effectiveness f1, f2, f3 [1], their standard deviations [1], a FAULT_* each; which fault, what is left [N]."""
     if not len(factors) == len(deviations) == len(states) == 3:
         raise ValueError("three factors, three standard deviations and three states are needed")
-    numbers = {f"f{i}": value for i, value in enumerate(factors, 1)}
-    numbers |= {f"f{i}_sd": value for i, value in enumerate(deviations, 1)}
+    numbers = dict(zip(_FACTORS, (*factors, *deviations), strict=True))
     numbers |= {"certainty": certainty, "residual": residual, "test_ratio": test_ratio}
     message = _filled(FaultEstimate(), tick, numbers, status, valid=valid)
     message.kind = integer("kind", kind, 8)
     message.unexplained = truth("unexplained", unexplained)
-    for i, state in enumerate(states, 1):
-        setattr(message, f"f{i}_status", integer(f"f{i}_status", state, 8))
+    for name, state in zip(_FACTOR_STATES, states, strict=True):
+        setattr(message, name, integer(name, state, 8))
     return message
 
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from time import monotonic_ns, perf_counter
+from time import perf_counter
 from typing import Any, ClassVar
 
 from rclpy.qos import QoSProfile
 
-from er_ros_common.clock import now
-from er_ros_common.core import Core, Said, When
+from er_ros_common.core import Core, Said
 from er_ros_common.graph_check import connected
 from er_ros_common.managed import ManagedNode
 from er_ros_common.topics import Topic
@@ -56,16 +55,12 @@ class CoreNode(ManagedNode):
     def on_message(self, topic: Topic, message: Any) -> None:
         """Take a message of an input."""
         began = perf_counter()
-        if self.take(*self.core.on_message(self.state, topic, message, self.when())):
+        if self.take(*self.core.on_message(self.state, topic, message, self.came)):
             self.health.meter.step(perf_counter() - began)
 
     def on_watch(self) -> None:
         """Go on where the inputs are silent."""
         self.take(*self.core.on_time(self.state, self.when()))
-
-    def when(self) -> When:
-        """Now, on both clocks."""
-        return When(monotonic_ns(), now(self))
 
     def take(self, state: Any, said: list[Said]) -> bool:
         """Go over to a state, and publish what was said on the way; whether anything was."""

@@ -146,7 +146,9 @@ class Health:
     def _diagnose(self, said: Report, now: float) -> None:
         """Send diagnostics once a second, and at once when a level has changed."""
         due = now - self._sent >= DIAGNOSTICS_PERIOD - 0.5 * STATUS_PERIOD
-        tasks = self._found(said, now)
+        late = self.meter.deadline_misses - self._missed
+        self._missed = self.meter.deadline_misses
+        tasks = self._found(said, now, late)
         changed = [
             t for t, before in zip(tasks, self._tasks, strict=False) if t.level != before.level
         ]
@@ -164,67 +166,70 @@ class Health:
         message = DiagnosticArray()
         message.header.stamp = clock.to_stamp(max(clock.now(self.node), 0))
         node = self.node.get_fully_qualified_name()
-        message.status = [_status(node, task) for task in tasks]
+        values = self._values(said)
+        message.status = [_status(node, task, values[task.name]) for task in tasks]
         self._diagnostics.publish(message)
 
-    def _found(self, said: Report, now: float) -> tuple[Task, ...]:
-        """The tasks of diagnostics."""
+    def _found(self, said: Report, now: float, late: int) -> tuple[Task, ...]:
+        """The tasks of diagnostics; late: steps since the last look that were not done in time."""
         each = self.inputs()
-        flows = {i.name: f"{i.measured:.1f} Hz" for i in each}
-        counts = {i.name: f"{i.state.received} came, {i.state.lost} lost" for i in each}
         graph = [Finding(ERROR, p.topic, f"{p.text}: {p.cure}") for p in self.problems()]
         graph += [Finding(ERROR, "", text) for text in said.problems]
-        state = Task("state", _level(said.status), said.reason or said.mode, self._values(said))
         return (
-            state,
-            task("input rate", [i.flow(now) for i in each], flows),
-            task("stamps", [f for i in each for f in i.stamps(now)], counts),
-            self._load(),
-            task("graph", graph, {}),
+            Task("state", _level(said.status), said.reason or said.mode),
+            task("input rate", [i.flow(now) for i in each]),
+            task("stamps", [f for i in each for f in i.stamps(now)]),
+            self._load(late),
+            task("graph", graph),
         )
 
-    def _load(self) -> Task:
+    def _load(self, late: int) -> Task:
         """Computing times against the thresholds of ros2_control, and steps that were not done in time."""
-        mean, missed = self._timing.step_time_mean, self.meter.deadline_misses - self._missed
-        self._missed = self.meter.deadline_misses
-        level = ERROR if mean > SLOW_ERROR else WARN if mean > SLOW_WARN or missed else OK
+        mean = self._timing.step_time_mean
+        level = ERROR if mean > SLOW_ERROR else WARN if mean > SLOW_WARN or late else OK
         text = (
             "in time"
             if level == OK
-            else f"steps take {1e3 * mean:.2f} ms, {missed} were too late: CPU overloaded?"
+            else f"steps take {1e3 * mean:.2f} ms, {late} were too late: CPU overloaded?"
         )
-        values = {
-            "step time mean [ms]": f"{1e3 * mean:.3f}",
-            "step time max [ms]": f"{1e3 * self._timing.step_time_max:.3f}",
-            "deadline misses": self.meter.deadline_misses,
-        }
-        return Task("timing", level, text, values)
+        return Task("timing", level, text)
 
-    def _values(self, said: Report) -> dict[str, object]:
+    def _values(self, said: Report) -> dict[str, Mapping[str, object]]:
+        """What people may want to know beside each task."""
+        each, timing = self.inputs(), self._timing
         own = {
             "mode": said.mode,
-            "output rate [Hz]": f"{self._timing.output_rate:.1f}",
+            "output rate [Hz]": f"{timing.output_rate:.1f}",
             "lost inputs": said.stamps.lost,
         }
-        return own | dict(said.values)
+        return {
+            "state": own | dict(said.values),
+            "input rate": {i.name: f"{i.measured:.1f} Hz" for i in each},
+            "stamps": {i.name: f"{i.state.received} came, {i.state.lost} lost" for i in each},
+            "timing": {
+                "step time mean [ms]": f"{1e3 * timing.step_time_mean:.3f}",
+                "step time max [ms]": f"{1e3 * timing.step_time_max:.3f}",
+                "deadline misses": self.meter.deadline_misses,
+            },
+            "graph": {},
+        }
 
 
 @dataclass(frozen=True)
 class Task:
-    """One entry of diagnostics: name, level, text, and values for people."""
+    """One entry of diagnostics: name, level, text."""
 
     name: str
     level: int
     text: str
-    values: Mapping[str, object]
 
 
-def task(name: str, found: Sequence[Finding], values: Mapping[str, object]) -> Task:
+def task(name: str, found: Sequence[Finding]) -> Task:
     """The findings of one kind as an entry, the worst first."""
     level = max((f.level for f in found), default=OK)
     worth = sorted((f for f in found if f.level or name == "stamps"), key=lambda f: -f.level)
     text = "; ".join(f"{f.topic}: {f.text}" if f.topic else f.text for f in worth)
-    return Task(name, level, text or "as expected", values)
+    return Task(name, level, text or "as expected")
 
 
 def _level(status: int) -> int:
@@ -233,8 +238,8 @@ def _level(status: int) -> int:
     return WARN if status in _WARN else ERROR
 
 
-def _status(node: str, entry: Task) -> DiagnosticStatus:
-    pairs = [KeyValue(key=key, value=str(value)) for key, value in entry.values.items()]
+def _status(node: str, entry: Task, values: Mapping[str, object]) -> DiagnosticStatus:
+    pairs = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
     namespace = node.rpartition("/")[0] or "/"
     return DiagnosticStatus(
         level=bytes([entry.level]),

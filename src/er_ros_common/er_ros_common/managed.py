@@ -9,7 +9,7 @@ through the states; else `run` does.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from time import monotonic
+from time import monotonic, monotonic_ns
 from typing import Any
 
 from er_models.errors import ErError
@@ -24,6 +24,7 @@ from rclpy.timer import Timer
 from er_damper_msgs.msg import NodeStatus
 from er_ros_common import clock, log
 from er_ros_common.common_parameters import NodeParameters
+from er_ros_common.core import When
 from er_ros_common.graph_check import Problem, watch
 from er_ros_common.health import Health, Report
 from er_ros_common.inputs import Input
@@ -41,7 +42,7 @@ class ManagedNode(LifecycleNode):
     """Lifecycle, health and ends of topics; subclasses fill the hooks below.
 
     p: its parameters, declared by the subclass in its constructor, a `NodeParameters`. active: whether it acts;
-    local: the way to other nodes of its process, None where it is alone.
+    local: the way to other nodes of its process, None where it is alone; came: when the last input did.
     """
 
     def __init__(self, name: str, argv: Sequence[str] | None = None) -> None:
@@ -51,6 +52,7 @@ class ManagedNode(LifecycleNode):
         self.argv, self.active, self.configured = argv, False, False
         self.failure: ErError | None = None
         self.local: IntraProcess | None = None
+        self.came = When(0, None)
         self._managed = True
         self.problems: list[Problem] = []
         self.watched: dict[str, Topic] = {}
@@ -113,15 +115,17 @@ class ManagedNode(LifecycleNode):
         """
         self.watched[topic.name] = topic
         name, asked = self.resolve_topic_name(topic.name), profile or topic.subscriber
-        steady = topic.every_tick and self.aged
+        aged = self.aged
+        steady = topic.every_tick and aged
         made = Input(name, self.stamp_limits(), monotonic(), needed=needed, steady=steady)
         self.incoming[topic.name] = made
 
         def noted(message: Any) -> None:
             if self.active:
-                now = clock.now(self) if self.aged else None
+                self.came = came = self.when()
                 stamp = clock.from_stamp(message.header.stamp)
-                self.incoming[topic.name].note(stamp, int(message.seq), monotonic(), now)
+                now = came.system if aged else None
+                self.incoming[topic.name].note(stamp, int(message.seq), 1e-9 * came.steady, now)
                 heard(message)
 
         return self._once(f"in {topic.name}", lambda: self._subscription(topic, noted, asked))
@@ -141,6 +145,10 @@ class ManagedNode(LifecycleNode):
         """Those that an executor has to watch."""
         served = self.local.silent if self.local else ()
         yield from (each for each in super().subscriptions if each not in served)
+
+    def when(self) -> When:
+        """Now, on both clocks."""
+        return When(monotonic_ns(), clock.now(self))
 
     @property
     def aged(self) -> bool:

@@ -43,21 +43,22 @@ def check(
         resting: magnitude of each up to which standing still explains it (n,); inf where any constant does.
         stamp: of the message [ns].
     """
-    now = tuple(values)
-    if len(state.values) != len(now) or stamp <= max(state.since):
-        n = len(now)
+    now, n = tuple(values), len(values)
+    if len(state.values) != n or stamp <= max(state.since):
         return Watched(now, (stamp,) * n, (0,) * n, (0,) * n), False
     changed = [
         a != b and not (math.isnan(a) and math.isnan(b))
         for a, b in zip(now, state.values, strict=True)
     ]
+    if False not in changed:
+        return Watched(now, (stamp,) * n, (0,) * n, (0,) * n), False
     moved = sum(changed)
     since, same, others = list(state.since), list(state.same), list(state.others)
     for i, each in enumerate(changed):
         since[i] = stamp if each else since[i]
         same[i] = 0 if each else same[i] + 1
         others[i] = 0 if each else others[i] + (moved > 0)
-    long = [stamp - since[i] >= AFTER for i in range(len(now))]
-    one = any(long[i] and others[i] >= SHARE * same[i] for i in range(len(now)))
+    long = [stamp - since[i] >= AFTER for i in range(n)]
+    one = any(long[i] and others[i] >= SHARE * same[i] for i in range(n))
     everything = all(long) and any(abs(v) > r for v, r in zip(now, resting, strict=True))
     return Watched(now, tuple(since), tuple(same), tuple(others)), one or everything

@@ -9,7 +9,7 @@ Source: thesis (2.16), (6.2), (6.4), (6.8), with the dynamic F_er in the place o
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 from er_models.errors import InputError
 from er_models.forms.linearise import TOLERANCE, NotThisForm
@@ -29,11 +29,11 @@ class Factors:
     deformation: float = 1.0
 
     def __post_init__(self) -> None:
-        for part in fields(self):
-            value = getattr(self, part.name)
+        for name in ("electrical", "leakage", "deformation"):
+            value = getattr(self, name)
             if not 0.0 <= value <= 1.0:
                 expected = "a factor from 0 (all lost) to 1 (healthy)"
-                raise InputError("fault", part.name, expected, value)
+                raise InputError("fault", name, expected, value)
 
 
 def lost_force(form: LinearForm, x: Array, left: Factors) -> float:

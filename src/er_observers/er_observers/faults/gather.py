@@ -49,13 +49,14 @@ def add(
     if stamp <= gathered.last:  # time has jumped back: what waits is of another past
         gathered = Gathered(missing=gathered.missing)
     tick = gathered.waiting.get(stamp, Tick(stamp, seq))
-    parts = tuple(part if i == which else old for i, old in enumerate(tick.parts))
-    waiting = {**gathered.waiting, stamp: tick._replace(parts=parts)}  # type: ignore[arg-type]
+    parts = (*tick.parts[:which], part, *tick.parts[which + 1 :])
+    waiting = {**gathered.waiting, stamp: Tick(stamp, tick.seq, parts)}  # type: ignore[arg-type]
+    complete = None not in [parts[i] for i in needed]
+    if not complete and len(waiting) <= DEPTH:
+        return Gathered(waiting, gathered.last, gathered.missing), []
     order = sorted(waiting)
-    complete = [s for s in order if all(waiting[s].parts[i] is not None for i in needed)]
-    until = complete[-1] if complete else order[-DEPTH - 1] if len(order) > DEPTH else None
-    if until is None:
-        return gathered._replace(waiting=waiting), []
+    # what is complete has never waited
+    until = stamp if complete else order[-DEPTH - 1]
     ready = [waiting[s] for s in order if s <= until]
     lost = sum(t.parts[i] is None for t in ready for i in needed)
     left = {s: t for s, t in waiting.items() if s > until}
