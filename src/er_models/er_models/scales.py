@@ -33,7 +33,7 @@ class Scales:
             "N": f, "m": x, "m/s": v, "duty": self.duty, "1/duty": 1.0 / self.duty,
             "N/m": f / x, "N s/m": f / v, "N/m2": f / x**2, "N/m3": f / x**3,
             "N s2/m2": f / v**2, "N s/m3": f / (v * x**2), "kg": f / self.acceleration,
-            "s/duty": 1.0 / self.duty, "s/duty2": 1.0 / self.duty**2,
+            "1/duty2": 1.0 / self.duty**2, "s/duty": 1.0 / self.duty, "s/duty2": 1.0 / self.duty**2,
             "1/m": 1.0 / x, "s/m": 1.0 / v, "m/N": x / f, "1/W": 1.0 / (f * v),
             "N/duty": f / self.duty, "N s/m/duty": f / v / self.duty, "N/m/duty": f / x / self.duty,
             "m/s2": self.acceleration, "W": f * v,

@@ -295,11 +295,11 @@ RATES: dict[str, tuple[Values, float, tuple[float, float, float, float, float], 
         )
         for stiff, viscous, field in [tuple(1.0 - loss * part for part in losses)]
     },
-    "varying_time_constant": (
-        {**YIELD, "response": {"tau": 0.05}, "varying_time_constant": {"g": 5.0}},
+    "varying_time_constant": (  # (6 - 1) N / (0.05 s (1 + 5 0.3 + 10 0.3^2))
+        {**YIELD, "response": {"tau": 0.05}, "varying_time_constant": {"g": 5.0, "h": 10.0}},
         1.0,
         (0.0, 0.1, 0.0, 0.3, 0.0),
-        40.0,
+        29.411764705882355,
         1.0,
     ),
     "rise_fall_asymmetry": (  # 8 / (8 + 0.05 6) = 0.964: -2 N / (0.05 s 2^0.982)
