@@ -16,6 +16,7 @@ from er_ros_common.builders import Tick
 from er_ros_common.clock import from_stamp
 from er_ros_common.core import Said, When
 from er_ros_common.stamps import StampLimits, StampState, check_stamp
+from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import FaultEstimate
 from er_observers.fault_settings import MEASURED, NONE, FaultParameters
@@ -45,7 +46,8 @@ class State(NamedTuple):
     """Ticks that wait for a part, checks of stamps, the estimator's state (None before a sample).
 
     base: stamp of the first sample [ns]; last: the one estimated last, heard: when [ns, steady]; unusable: messages
-    that were not valid; silent: whether it was said that samples stay away.
+    that were not valid or stuck; silent: whether it was said that samples stay away; body, strut: whether a sensor is
+    stuck.
     """
 
     gathered: Gathered = Gathered()
@@ -56,6 +58,8 @@ class State(NamedTuple):
     heard: int = 0
     unusable: int = 0
     silent: bool = False
+    body: Watched = Watched()
+    strut: Watched = Watched()
 
 
 class FaultCore:
@@ -96,7 +100,10 @@ class FaultCore:
             if not verdict.use:
                 return state, []
         part = _part(topic, message)
-        state = state._replace(unusable=state.unusable + (not message.valid))
+        state, stuck = _watched(state, topic, part, stamp)
+        if stuck:
+            part = (math.nan,) * len(part)
+        state = state._replace(unusable=state.unusable + (stuck or not message.valid))
         which = _PARTS.get(topic.name, gather.FORCE)
         gathered, ticks = gather.add(state.gathered, self.needed, which, stamp, seq, part)
         return self._estimated(state._replace(gathered=gathered), ticks, when)
@@ -152,6 +159,19 @@ def _topic(source: str) -> topics.Topic | None:
     if source == NONE:
         return None
     return topics.FORCE if source == MEASURED else _FORCES[source]
+
+
+def _watched(
+    state: State, topic: topics.Topic, part: gather.Part, stamp: int
+) -> tuple[State, bool]:
+    """Whether a sensor says the same again and again; a part that is not valid says nothing of it."""
+    if topic is topics.ACCELERATION and math.isfinite(part[0]):
+        body, stuck = check(state.body, part, ACCELERATION, stamp)
+        return state._replace(body=body), stuck
+    if topic is topics.DEFLECTION and math.isfinite(part[0]):
+        strut, stuck = check(state.strut, part, DEFLECTION, stamp)
+        return state._replace(strut=strut), stuck
+    return state, False
 
 
 def _part(topic: topics.Topic, message: Any) -> gather.Part:

@@ -52,11 +52,16 @@ def test_time_that_jumps_back_begins_anew() -> None:
     assert [tick.seq for tick in ready] == [1]
 
 
-def played(core: FaultCore, model: Model, seconds: float) -> tuple[State, list[Said]]:
-    """A healthy drive, message by message."""
-    state, found = core.start(), []
+def played(
+    core: FaultCore, model: Model, seconds: float, held: str = "", since: float = 1.0
+) -> tuple[State, list[Said]]:
+    """A healthy drive, message by message; a sensor may hold its value from a time [s] on."""
+    state, found, kept = core.start(), [], None
     for k, s in enumerate(drive(Trial(1004, duration=seconds), model).samples, 1):
         tick = builders.Tick(1_000 * MS + k * 5 * MS, k)
+        if held and s.t >= since:
+            kept = kept or s
+            s = s._replace(**{held: getattr(kept, held)})
         messages = (
             (topics.PWM_APPLIED, builders.pwm_duty(tick, s.duty)),
             (topics.ACCELERATION, builders.suspension_acceleration(tick, *s[1:3])),
@@ -66,6 +71,17 @@ def played(core: FaultCore, model: Model, seconds: float) -> tuple[State, list[S
             state, said = core.on_message(state, topic, message, When(k * 5 * MS, None))
             found += said
     return state, found
+
+
+@pytest.mark.parametrize("held", ["deflection", "unsprung_acceleration"])
+def test_a_stuck_sensor_is_no_fault_of_the_damper(car: Model, car_file: Path, held: str) -> None:
+    core = FaultCore(FaultParameters(model_file=str(car_file)))
+    said = [m for _, m in played(core, car, 4.0, held)[1]]
+    late = [m for m in said if m.seq > 240]
+    assert all(m.valid for m in said[130:200])
+    assert not any(m.valid for m in late)
+    assert {m.status for m in late} == {FaultEstimate.STATUS_LOST}
+    assert FaultEstimate.FAULT_CONFIRMED not in {m.f2_status for m in said}
 
 
 def test_every_tick_is_answered_and_silence_is_said_once(car: Model, car_file: Path) -> None:

@@ -10,14 +10,16 @@ import numpy as np
 import pytest
 from er_models.errors import InputError
 from er_models.model import Model
-from er_observers.faults import evidence, information, motion, sums
+from er_observers.faults import bound, evidence, motion, regression, sums
 from er_observers.faults.acceptance import faultless, faulty
 from er_observers.faults.estimator import start, step
 from er_observers.faults.rules import estimator
 from er_observers.faults.sample import Estimate, FactorStatus, Kind, Sample, Status
-from er_observers.faults.trials import Drive, Trial, drive
+from er_observers.faults.trials import Drive, Trial, drive, faults
 from er_observers.scenarios.drive import DT
 
+SAME_AT_ONE_DUTY = ("field_saturation",)
+"""Effects that are a weaker field and nothing else while the duty has one strength."""
 NAMED = {"f1": Kind.ELECTRICAL, "f2": Kind.LEAKAGE, "f3": Kind.DEFORMATION}
 
 
@@ -85,14 +87,24 @@ def test_a_fault_that_can_no_longer_be_seen_stays_the_last_one_known(car: Model)
     assert last.factors[0] == pytest.approx(0.5, abs=0.05)
 
 
-@pytest.mark.parametrize("name", ["coulomb_friction", "bouc_wen_hysteresis", "fluid_inertia"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "coulomb_friction",
+        "bouc_wen_hysteresis",
+        "fluid_inertia",
+        "field_saturation",
+        "varying_time_constant",
+    ],
+)
 def test_what_is_no_fault_is_not_called_one_in_silence(car: Model, name: str) -> None:
     found = said(
         car, drive(Trial(7000, hidden={name: {}}, duration=8.0, road="iso8608"), car).samples
     )
     assert found[-1].unexplained
     assert found[-1].status is Status.UNEXPLAINED
-    assert max(e.test_ratio for e in found) > 1.0
+    if name not in SAME_AT_ONE_DUTY:
+        assert max(e.test_ratio for e in found) > 1.0
     assert not any(e.kind > Kind.NONE and not e.unexplained for e in found)
     assert FactorStatus.CONFIRMED not in {s for e in found for s in e.states}
 
@@ -197,15 +209,40 @@ def test_a_model_that_is_no_such_car_is_refused(car: Model) -> None:
         estimator(car.with_effect("coulomb_friction"))
 
 
-def test_what_could_be_known_at_best_grows_with_the_motion_and_the_loss(car: Model) -> None:
+def test_what_could_be_known_at_best(car: Model) -> None:
+    """A factor alone is known as by its force and the body's noise; with more that is unknown it is worse."""
     p, record = estimator(car), drive(Trial(1005, duration=4.0, road="iso8608"), car)
-    rows = information.terms(p, record)
-    force = record.samples[600].force
-    assert rows[600].sum() == pytest.approx(force, abs=4.0 * car.rig["force_noise"])
-    little, much = (information.apart(p, rows, {"f2": left}) for left in (0.9, 0.5))
-    assert much == pytest.approx(5.0 * little, rel=0.05)
-    stiffness = np.linalg.norm(0.5 * rows[:, 0]) / (2.27 * car.rig["acceleration_noise"])
-    assert 0.9 * stiffness < much <= stiffness * (1.0 + 1e-9)
+    alone = bound.covariances(p, record, {"f2": 0.5}, [("f2",)], 1, [600], certain=True)
+    force = np.linalg.norm([s.force for s in record.samples[1:600]])
+    body = p.p[regression.M_S] * car.rig["acceleration_noise"]
+    # the body's own sensor tells its acceleration, and so does the motion less the wheel's
+    assert body / math.sqrt(2.0) < np.sqrt(alone[0, 0, 1, 1]) * force < 1.2 * body
+    left, news = {"f2": 0.8}, [("f2",), bound.NAMES]
+    known, open_ = (
+        bound.covariances(p, record, left, news, 400, [600, 790], certain=certain)
+        for certain in (True, False)
+    )
+    spread = [np.sqrt(each[:, :, 1, 1]) for each in (known, open_)]
+    assert np.all(spread[0] < spread[1])
+    assert np.all(spread[0][1] > 10.0 * spread[0][0])
+    assert np.all(spread[1][:, 1] < spread[1][:, 0])
+    assert open_[0, 0, 0, 0] == 0.0
+    easy, hard = (bound.told_apart(open_[1, 1], {"f2": f}) for f in (0.5, 0.98))
+    assert easy > 0.99
+    assert 0.5 < hard < 0.75
+    assert bound.chance(0.05, 0.05) == pytest.approx(0.6827, abs=1e-4)
+
+
+@pytest.mark.parametrize(("factor", "number"), [("f2", 15), ("f3", 6)])
+def test_what_the_open_gate_errs_in_does_not_hide_the_fault(
+    car: Model, factor: str, number: int
+) -> None:
+    """Drives on which rows that err alike left the fault 0.16 and 0.25 off."""
+    trial = list(faults(factor, 1, number + 1))[number]
+    samples = drive(trial, car).samples[: round((trial.fault_time + 5.0) / DT)]
+    last, which = said(car, samples)[-1], int(factor[1]) - 1
+    assert last.kind is NAMED[factor]
+    assert last.factors[which] == pytest.approx(trial.left[factor], abs=0.03)
 
 
 def test_a_drive_is_judged_as_it_went(car: Model) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
 from er_models.model import Array, Model
 
-from er_observers.faults import information
+from er_observers.faults import bound
 from er_observers.faults.estimator import start, step
 from er_observers.faults.rules import Estimator
 from er_observers.faults.sample import Estimate, FactorStatus, Kind
@@ -19,21 +20,20 @@ NAMED = {"f1": Kind.ELECTRICAL, "f2": Kind.LEAKAGE, "f3": Kind.DEFORMATION}
 LIMITS = {"f1": (0.1, 5.0), "f2": (0.05, 2.0), "f3": (0.1, 5.0)}
 """Error of a factor, and after how many seconds of motion it may be no larger."""
 _MOVING, _LOOK = 0.07, 50
-APART = 6.0
-"""Deviations between two faults above which even an estimator with noise of its own should tell them apart."""
 
 
 class Outcome(NamedTuple):
     """Of one drive with a fault.
 
-    errors: of each factor, at the time of `LIMITS`; apart: deviations between this fault and the likeliest other one,
-    2 s and 5 s after it; kind: after 5 s of motion; named: when it was first named rightly [s of motion], inf if never;
+    errors: of each factor, at the time of `LIMITS`; could: probability that the best unbiased estimator has all of them
+    within the limits when it is told which factors have changed, and when it is not, and that the best rule names the
+    fault after 5 s; kind: after 5 s of motion; named: when it was first named rightly [s of motion], inf if never;
     wrong: whether another fault was ever named after it, early: whether any was before.
     """
 
     left: Mapping[str, float]
     errors: Mapping[str, float]
-    apart: tuple[float, float]
+    could: tuple[float, float, float]
     kind: Kind
     named: float
     wrong: bool
@@ -62,15 +62,31 @@ def faulty(p: Estimator, trial: Trial, model: Model) -> Outcome:
     }
     right = NAMED[next(iter(trial.left))] if len(trial.left) == 1 else Kind.COMBINED
     hits = [k for k in range(begun, len(found)) if found[k].kind is right]
-    rows = information.terms(p, record)
-    near = [information.apart(p, rows[begun : k + 1], dict(trial.left)) for k in at.values()]
     after = {e.kind for e in found[begun : at[5.0] + 1]}
     return Outcome(
-        trial.left, errors, (near[0], near[1]), found[at[5.0]].kind,
+        trial.left, errors, _could(p, record, trial, begun, at), found[at[5.0]].kind,
         float(moved[hits[0] - begun]) if hits else np.inf,
         bool(after - {right, Kind.NONE, Kind.SOME, Kind.UNKNOWN}),
         any(e.kind > Kind.NONE for e in found[:begun]), found[at[5.0]].unexplained,
     )  # fmt: skip
+
+
+def _could(
+    p: Estimator, record: Drive, trial: Trial, begun: int, at: Mapping[float, int]
+) -> tuple[float, float, float]:
+    """`Outcome.could`, by the Cramer-Rao bound."""
+    times = sorted(at)
+    news = tuple(trial.left), bound.NAMES
+    least = bound.covariances(p, record, trial.left, news, begun, [at[s] for s in times])
+    spread = np.sqrt(np.diagonal(least, axis1=2, axis2=3))
+    told, not_told = (
+        math.prod(
+            bound.chance(each[times.index(LIMITS[f][1]), bound.NAMES.index(f)], LIMITS[f][0])
+            for f in trial.left
+        )
+        for each in spread
+    )
+    return told, not_told, bound.told_apart(least[1, -1], trial.left)
 
 
 def _moving(record: Drive, model: Model) -> Array:

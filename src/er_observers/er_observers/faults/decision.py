@@ -34,8 +34,11 @@ KIND, CERTAINTY, TRIED, TRIALS, MISFIT, RESIDUAL, RATIO, DOUBTS, UNEXPLAINED = r
 FACTORS, SPREAD, STATUS, EXCITED, OWN, PROBABILITY = (
     slice(9, 12), slice(12, 15), slice(15, 18), slice(18, 21), slice(21, 24), slice(24, 29),
 )  # fmt: skip
-LENGTH = 29
-"""Places in a verdict (29,). OWN: factor of each fault if it is the only one."""
+SINGLE, SEEN, SHARES = 29, 30, slice(31, 34)
+LENGTH = 34
+"""Places in a verdict (34,). OWN: factor of each fault if it is the only one; SINGLE: whether the field has had one
+strength only; SEEN: whether the damper was healthy once while its field could be seen; SHARES: likeliest ones of
+several faults."""
 SOME = -2
 """Kind of a fault that is sure, but which one is not; -1 is nothing known yet."""
 _KEPT = 0.5
@@ -54,7 +57,7 @@ def begin() -> Array:
     verdict = np.zeros(LENGTH)
     verdict[KIND], verdict[MISFIT] = -1.0, 1.0
     verdict[FACTORS], verdict[SPREAD] = 1.0, 1.0 / math.sqrt(12.0)
-    verdict[OWN], verdict[STATUS] = 1.0, UNKNOWN
+    verdict[OWN], verdict[STATUS], verdict[SHARES] = 1.0, UNKNOWN, 1.0
     return verdict
 
 
@@ -78,8 +81,10 @@ def decide(
         verdict[OWN][i] = s
     best = int(np.argmax(log_z[1:4])) + 1
     shares_of(best, min(max(verdict[OWN][best - 1], 0.1), 1.0), shares)
+    _begin_with(total, prior, temper, verdict[SHARES], shares, room)
     log_z[COMBINED] = math.log(rules[COMBINED_ODDS])
     log_z[COMBINED] += combined(total, prior, temper, shares, room, factors, spread)
+    verdict[SHARES] = shares
     verdict[PROBABILITY] = np.exp(log_z - np.max(log_z))
     verdict[PROBABILITY] /= np.sum(verdict[PROBABILITY])
     _mix(rules, alone, factors, spread, verdict)
@@ -88,6 +93,17 @@ def decide(
     _doubt(rules, verdict)
     _name(rules, likely, verdict)
     _states(rules, verdict)
+
+
+@compiled
+def _begin_with(
+    total: Array, prior: Array, temper: float, before: Array, shares: Array, room: Array
+) -> None:
+    """Leave in shares (3,) the likelier of them and those of the verdict before: the way to both is long and narrow."""
+    if log_evidence(total, prior, temper, before, room) > log_evidence(
+        total, prior, temper, shares, room
+    ):
+        shares[:] = before
 
 
 @compiled
@@ -159,11 +175,22 @@ def _name(rules: Array, likely: int, verdict: Array) -> None:
 def _doubt(rules: Array, verdict: Array) -> None:
     """Say that something is unexplained, and take it back, when it has been so for a while."""
     step = 1.0 if verdict[RATIO] > 1.0 else (-1.0 if verdict[RATIO] < rules[AGAIN] else 0.0)
+    if _weak_from_the_start(rules, verdict):
+        step = 1.0
     verdict[DOUBTS] = min(max(verdict[DOUBTS] + step, 0.0), 2.0 * rules[ALL])
     if verdict[DOUBTS] >= rules[ALL]:
         verdict[UNEXPLAINED] = 1.0
     elif verdict[DOUBTS] <= 0.0:
         verdict[UNEXPLAINED] = 0.0
+
+
+@compiled
+def _weak_from_the_start(rules: Array, verdict: Array) -> bool:
+    """Whether a lost field was never seen whole, at one strength only: a wrong law of the field looks just so."""
+    if int(verdict[KIND]) == NONE and verdict[EXCITED][0] > 0.0:
+        verdict[SEEN] = 1.0
+    never = verdict[SINGLE] > 0.0 and verdict[SEEN] <= 0.0
+    return bool(never and verdict[FACTORS][0] < 1.0 - rules[SMALLEST])
 
 
 @compiled

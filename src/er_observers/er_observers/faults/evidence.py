@@ -106,9 +106,10 @@ def combined(
 ) -> float:
     """Fill the most likely factors f1, f2, f3 (3,) and their deviations (3,); returns ln Z of any of them at once.
 
-    start (3,): shares to begin with. It is the shares that are looked for, as they enter the force on their own.
+    start (3,): shares to begin with, left with the likeliest ones. It is the shares that are looked for, as they enter
+    the force on their own.
     """
-    a, g, H, P, trial = start.copy(), np.empty(3), np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
+    a, g, H, P, trial = start, np.empty(3), np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
     det = 1.0
     for _ in range(_MIXED):
         here = log_evidence(total, prior, temper, a, room)

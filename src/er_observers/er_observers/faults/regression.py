@@ -7,8 +7,11 @@ with q = tau, k_1, c_1. A wrong mass is no column: it scales all others alike (`
 explain everything, the noise of the acceleration included. Where a force is given it takes the place of the left side,
 and delta_s is not asked for.
 F_er follows the healthy damper; between samples the velocity is the cubic through both ends and their accelerations.
+Where the gate is open an error of v makes one of F_er, which lasts as long as the fluid: such rows err alike, and least
+squares would waste most of what they say. A Kalman filter of F_er alone makes innovations of them, rows that err on
+their own; phi becomes the derivative of the innovation, the filter's own answer to beta included.
 
-Source: thesis (6.8), (1.12), (1.8).
+Source: thesis (6.8), (1.12), (1.8); Ljung 1979 (recursive prediction error method).
 """
 
 from __future__ import annotations
@@ -92,6 +95,29 @@ def row(p: Array, fluid: Array, x: float, v: float, phi: Array) -> None:
     phi[0], phi[1], phi[2] = p[K0] * x, p[C0] * v, fluid[F_ER]
     phi[3], phi[4] = p[K_S] * x, 1.0
     phi[5], phi[6], phi[7] = fluid[BY_TAU], fluid[BY_K1], fluid[BY_C1]
+
+
+@compiled
+def innovate(
+    fluid: Array, lean: Array, expected: Array, y: float, variance: float, phi: Array
+) -> float:
+    """Turn a row into an innovation, in place, and correct F_er by it; returns its left side.
+
+    lean (N,): derivative of F_er by the unknowns since y corrects it; expected (N,): the unknowns that the filter goes
+    by; variance: of y [N2], without that of F_er.
+    """
+    share, doubt, error = expected[2], fluid[DOUBT], y
+    for i in range(phi.size):
+        error -= phi[i] * expected[i]
+        phi[i] += share * lean[i]
+    gain = doubt * share / (variance + share * share * doubt)
+    for i in range(phi.size):
+        lean[i] -= gain * phi[i]
+    fluid[F_ER] += gain * error
+    fluid[DOUBT] = doubt * (1.0 - gain * share)
+    for i in range(phi.size):
+        error += phi[i] * expected[i]
+    return error
 
 
 @compiled

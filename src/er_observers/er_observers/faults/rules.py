@@ -42,7 +42,7 @@ class Rules:
     limit: float = 1.5
     belief: float = 2.5
     again: float = 0.85
-    colour: float = 3.0
+    colour: float = 2.5
     cut: float = 3.0
     least: float = 3.0
     calm: float = 15.0

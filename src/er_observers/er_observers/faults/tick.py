@@ -1,8 +1,9 @@
 """One sample of the fault estimator in one compiled call: motion, regression, blocks; and, per block, a verdict.
 
-The memory between samples is one array: what is counted (9,), fluid (6,), verdict, what is expected (N,), the block
-that fills up, what the healthy damper has taught (SIZE,), the trail of the smoother. The window of finished blocks
-(BLOCKS, SIZE) changes once a block only and is kept apart.
+The memory between samples is one array: what is counted (9,), fluid (6,), verdict, what is expected (N,), how F_er
+leans on it (N,), the block that fills up, what the healthy damper has taught (SIZE,), number, sum and sum of squares of
+the duties with a field, the trail of the smoother. The window of finished blocks (BLOCKS, SIZE) changes once a block
+only and is kept apart.
 """
 
 from __future__ import annotations
@@ -19,18 +20,33 @@ from er_observers.faults.decision import (
     LENGTH,
     MISFIT,
     RESIDUAL,
+    SINGLE,
     TRIED,
     UNEXPLAINED,
     decide,
 )
 from er_observers.faults.evidence import NONE
-from er_observers.faults.regression import C0, C1, DOUBT, K1, S, advance, body_force, row
+from er_observers.faults.regression import (
+    C0,
+    C1,
+    DOUBT,
+    F_ER,
+    K1,
+    TAU,
+    S,
+    advance,
+    body_force,
+    innovate,
+    row,
+)
 from er_observers.faults.sums import ROWS, SIZE, N, add, misfit
 from er_observers.observers.compiled import compiled
 
 _REAL, _FADING = 25.0, 0.05
 """Mean square of the velocity over its variance, and share of a sample in that mean: below, the gate sees noise, which
 as a column of the regression would look like a lost force."""
+_SAME = 0.1
+"""Spread of duties over their mean below which they are one: a law of the field could be anything between."""
 BLOCKS = 60
 """Blocks the window can hold."""
 X, V, A, DUTY, FILLED, COUNT, HEAD, QUIET, SHAKEN = range(9)
@@ -40,9 +56,11 @@ COUNTED = slice(0, 9)
 FLUID = slice(9, 15)
 VERDICT = slice(15, 15 + LENGTH)
 EXPECTED = slice(VERDICT.stop, VERDICT.stop + N)
-BLOCK = slice(EXPECTED.stop, EXPECTED.stop + SIZE)
+LEAN = slice(EXPECTED.stop, EXPECTED.stop + N)
+BLOCK = slice(LEAN.stop, LEAN.stop + SIZE)
 TAUGHT = slice(BLOCK.stop, BLOCK.stop + SIZE)
-TRAIL = slice(TAUGHT.stop, TAUGHT.stop + (motion.LAG + 1) * motion.COLUMNS)
+LEVELS = slice(TAUGHT.stop, TAUGHT.stop + 3)
+TRAIL = slice(LEVELS.stop, LEVELS.stop + (motion.LAG + 1) * motion.COLUMNS)
 MEMORY = TRAIL.stop
 ROOM = 4 * N + N * N + 2 * SIZE
 FORCE, VARIANCE, ROWS_OF_BLOCK, CUT, LEAST, KEPT, CALM, FRESH = range(8)
@@ -62,6 +80,7 @@ def place(p: Array, noise: Array, x: float, v: float, memory: Array) -> None:
     counted[FILLED] = 0.0
     memory[BLOCK] = 0.0
     fluid[:] = 0.0
+    memory[LEAN] = 0.0
     fluid[S] = p[K1] * counted[X] + p[C1] * counted[V]
 
 
@@ -98,6 +117,8 @@ def _regress(p: Array, setup: Array, trail: Array, room: Array, memory: Array) -
     advance(p, fluid, (x_0, x), (v_0, v), (a_0, a_1), between, counted[DUTY], old[motion.DT])
     counted[X], counted[V], counted[A], counted[DUTY] = x, v, a_1, old[motion.DUTY]
     y = old[motion.GIVEN] if setup[FORCE] > 0.0 else body_force(p, x, old[motion.A_SPRUNG])
+    lean = memory[LEAN]
+    lean *= math.exp(-old[motion.DT] / p[TAU]) if p[TAU] > 0.0 else 0.0
     counted[SHAKEN] += _FADING * (v * v - counted[SHAKEN])
     counted[FILLED] += 1.0
     if old[motion.GOOD] > 0.0 and math.isfinite(y) and counted[SHAKEN] > _REAL * variance:
@@ -105,8 +126,33 @@ def _regress(p: Array, setup: Array, trail: Array, room: Array, memory: Array) -
         row(p, fluid, x, v, phi)
         if setup[FORCE] > 0.0:
             phi[3] = 0.0
-        add(memory[BLOCK], phi, y, 1.0 / (setup[VARIANCE] + p[C0] ** 2 * variance + fluid[DOUBT]))
+        expected, own = memory[EXPECTED], setup[VARIANCE] + p[C0] ** 2 * variance
+        if counted[QUIET] > setup[LEAST]:
+            spread = own + expected[2] ** 2 * fluid[DOUBT]
+            y = innovate(fluid, lean, expected, y, own, phi)
+        else:  # what the filter would go by is not known yet
+            spread = own + fluid[DOUBT]
+        add(memory[BLOCK], phi, y, 1.0 / spread)
+        _count(memory[LEVELS], counted[DUTY])
     return bool(counted[FILLED] >= setup[ROWS_OF_BLOCK])
+
+
+@compiled
+def _count(levels: Array, duty: float) -> None:
+    """Count a duty with a field, in place."""
+    if duty > 0.0:
+        levels[0] += 1.0
+        levels[1] += duty
+        levels[2] += duty * duty
+
+
+@compiled
+def _single(levels: Array) -> float:
+    """1 where the duties with a field were all alike."""
+    if levels[0] <= 0.0:
+        return 1.0
+    mean = levels[1] / levels[0]
+    return 1.0 if levels[2] / levels[0] < (1.0 + _SAME**2) * mean * mean else 0.0
 
 
 @compiled
@@ -133,6 +179,7 @@ def close(
     ):
         _shorten(setup, rules, int(setup[FRESH]), window, memory)
         counted[COUNT], counted[QUIET] = 0.0, -1.0
+        memory[LEAN] = 0.0
     elif _well(verdict):
         _shorten(setup, rules, int(setup[CALM]) - 1, window, memory)
     head = int(counted[HEAD])
@@ -160,8 +207,14 @@ def _conclude(
     total, belief = room[2 * N : 2 * N + SIZE], room[2 * N + SIZE : 2 * N + 2 * SIZE]
     belief[:] = prior + memory[TAUGHT]
     rest, verdict = room[2 * N + 2 * SIZE :], memory[VERDICT]
+    memory[LEVELS] *= setup[KEPT]
+    verdict[SINGLE] = _single(memory[LEVELS])
     decide(rules, total, belief, first, verdict, rest)
-    memory[EXPECTED] = rest[:N] * rest[N : 2 * N]
+    expected, fluid = memory[EXPECTED], memory[FLUID]
+    for i in range(N):
+        new = rest[i] * rest[N + i]
+        fluid[F_ER] += memory[LEAN][i] * (new - expected[i])
+        expected[i] = new
     verdict[RESIDUAL] = math.sqrt(max(verdict[MISFIT] - 1.0, 0.0) * setup[VARIANCE])
 
 
