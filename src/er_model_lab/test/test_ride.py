@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from er_model_lab.cli import app
+from er_model_lab.diagnose.candidates import baseline, refit
 from er_model_lab.diagnose.floor import noise_floor
 from er_model_lab.diagnose.null import simulate_null
 from er_model_lab.record import Record
@@ -172,3 +173,14 @@ def test_a_damper_alone_cannot_ride(tmp_path):
     result = lab("diagnose", data, "--model", damper, "--level", "vehicle")
     assert result.exit_code == 2
     assert "quarter_car" in result.output
+
+
+def test_a_wheel_that_leaves_the_road_is_found_in_its_narrow_valley():
+    flying = load_model(CAR).with_effect("tyre_lift_off", {"r": 0.6})
+    problem, fitted = open_ride([ride(seconds=7.0, truth=flying)], load_model(CAR))
+    found = refit(
+        baseline(fitted.model, problem), fitted.model.catalogue["tyre_lift_off"], problem
+    )
+    assert fitted.mse(problem.train) > 1e3 * NOISE["damper_force"] ** 2
+    assert found.seen < 9.0 * NOISE["damper_force"] ** 2
+    assert found.fit.model.effects["tyre_lift_off"]["r"] == pytest.approx(0.6, rel=0.003)

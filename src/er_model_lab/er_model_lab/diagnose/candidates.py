@@ -25,6 +25,10 @@ FIRST_ITERATIONS, FINALISTS = 10, 4
 """Iterations every candidate gets, and how many of the best are then fitted to the end."""
 
 
+SCANNED, SCANS, WORTHWHILE = 25, 3, 0.01
+"""Values of a limit of the car that are looked at, how often, and the gain that is worth another look."""
+
+
 @dataclass(frozen=True)
 class Candidate:
     """One effect added to the model and refitted.
@@ -145,6 +149,32 @@ def screen(
     return ranked, kept, reach
 
 
+def is_limit(effect: Effect) -> bool:
+    """Whether one value of the car says from where on something is cut off."""
+    return effect.stage == "vehicle" and len(effect.parameters) == 1 and not _amplitudes(effect)
+
+
+def scanned(fitted: Fit, effect: Effect, problem: Problem) -> Fit:
+    """A model fitted with a limit, each time from the best of many values of it, as long as that helps.
+
+    A limit has one narrow valley, for what it cuts off at one peak decides where the next ones are; and where the
+    valley lies depends on what was fitted without it.
+    """
+    (q,) = effect.parameters
+    values = problem.scales.of(q.unit) * np.geomspace(min(q.starts), max(q.starts), SCANNED)
+    model, best = fitted.model, fitted
+    for _ in range(SCANS):
+        grown = [model.with_effect(effect.name, {q.name: float(v)}) for v in values]
+        vectors = np.stack([m.compiled().p for m in grown])
+        left = (problem.force - problem.predict_many(grown[0], vectors))[:, problem.train]
+        cost = np.nan_to_num(np.mean(left**2, axis=1), nan=np.inf)
+        tried = fit(grown[int(np.argmin(cost))], problem, max_iter=FIRST_ITERATIONS)
+        if not tried.mse(problem.train) < (1.0 - WORTHWHILE) * best.mse(problem.train):
+            break
+        model, best = tried.model, tried
+    return best
+
+
 def _scaled(
     point: dict[str, float], effect: Effect, amplitude: float, problem: Problem
 ) -> dict[str, float]:
@@ -179,6 +209,8 @@ def refit(
     fits = [f for f in fits if np.isfinite(f.mse(problem.train))]
     fits = fits or [begun(starts(effect, problem)[0])]
     fitted = min(fits, key=lambda f: f.mse(problem.train))
+    if is_limit(effect):
+        fitted = scanned(fitted, effect, problem)
     return cross_judged((*base.effects, effect.name), fitted, problem, kept, reach)
 
 
