@@ -41,6 +41,10 @@ def compare_command(
     model: Annotated[
         Path | None, typer.Option(help="Vehicle model that the observers believe in.")
     ] = None,
+    gains: Annotated[
+        Path | None,
+        typer.Option(help="Folder with gain files; that of the configuration by default."),
+    ] = None,
     seeds: Annotated[
         int | None, typer.Option(min=1, help="Roads of a scenario; all of its own by default.")
     ] = None,
@@ -56,7 +60,7 @@ def compare_command(
 ) -> None:
     """Compare the observers with Kalman filters on named drives, beside the figures of the thesis."""
     car = load_model(model or config / "vehicles" / "inove_quarter_car.yaml")
-    gains = config / "gains"
+    gains = gains or config / "gains"
     estimators = estimators_of(car, gains)
     scenarios = choose_scenarios(load_scenarios(config / "scenarios"), only or [])
     with _progress() as tick:
