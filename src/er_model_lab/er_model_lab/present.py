@@ -328,11 +328,11 @@ def compare_json(
 ) -> dict[str, Any]:
     """The contract's JSON of `compare`."""
     whole = errors(problem, given, problem.used)
-    m = problem.motion
+    m, rows = problem.motion, problem.forward.outputs
     by_record = {}
     for name, i, j in zip(problem.names, m.starts[:-1], m.starts[1:], strict=True):
-        mask = np.zeros(m.n, bool)
-        mask[i:j] = True
+        mask = np.zeros(problem.force.size, bool)
+        mask[i * rows : j * rows] = True
         by_record[name] = errors(problem, given, mask & problem.used).rmse
     return {
         "rmse": whole.rmse, "nrmse": whole.nrmse, "noise_floor": floor, "explainable": explainable,

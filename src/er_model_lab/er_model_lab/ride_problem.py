@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -46,23 +47,50 @@ def open_ride(records: list[Record], model: Model, sealed: int = 0) -> tuple[Pro
         MissingChannel: Without road or duty, or without any output.
         InputError: When the model has no quarter car, or there is not enough data.
     """
-    if not model.is_vehicle:
-        expected = "a vehicle model with quarter_car"
-        raise InputError(model.name, "quarter_car", expected, "a damper only")
-    data = measured(records)
+    data = _opened(records, model)
     size = _noise(data, data.outputs)
     first = _weighted(_ride(data, model), data, model, size)
     problem = _problem(records, data, with_starts(first, model), model, sealed)
     fitted = fit(model, problem)
     left = fitted.residual.reshape(-1, len(data.names)) / first.weights
     again = _weighted(first, data, model, _noise(data, left))
-    found = []
-    for road, smooth in ROADS.items():
-        forward = with_starts(replace(again, courses=_courses(data, smooth=smooth)), fitted.model)
-        problem = _problem(records, data, forward, fitted.model, sealed)
-        notes = (*problem.notes, road, _measure(data))
-        found.append((replace(problem, notes=notes), fit(fitted.model, problem)))
+    found = [
+        (problem, fit(fitted.model, problem))
+        for problem in _on_roads(records, data, again, fitted.model, sealed)
+    ]
     return min(found, key=lambda pf: pf[1].mse(pf[0].train))
+
+
+def ride_as_given(records: list[Record], model: Model, sealed: int = 0) -> tuple[Problem, Array]:
+    """The same problem for a model as it is, and its residual (n,): nothing but the starts of the blocks is fitted.
+
+    Raises as `open_ride`.
+    """
+    data = _opened(records, model)
+    forward = _weighted(_ride(data, model), data, model, _noise(data, data.outputs))
+    found = [
+        (problem, problem.force - problem.predict(model))
+        for problem in _on_roads(records, data, forward, model, sealed)
+    ]
+    return min(found, key=lambda pr: float(np.mean(pr[1][pr[0].used] ** 2)))
+
+
+def _opened(records: list[Record], model: Model) -> Measured:
+    """Inputs and outputs of a car for a model that has one."""
+    if not model.is_vehicle:
+        expected = "a vehicle model with quarter_car"
+        raise InputError(model.name, "quarter_car", expected, "a damper only")
+    return measured(records)
+
+
+def _on_roads(
+    records: list[Record], data: Measured, forward: RideForward, model: Model, sealed: int
+) -> Iterator[Problem]:
+    """The problem with each way in which the road may run between two samples."""
+    for road, smooth in ROADS.items():
+        moved = with_starts(replace(forward, courses=_courses(data, smooth=smooth)), model)
+        problem = _problem(records, data, moved, model, sealed)
+        yield replace(problem, notes=(*problem.notes, road, _measure(data)))
 
 
 def _measure(data: Measured) -> str:

@@ -1,102 +1,74 @@
-"""Comparison at the level of the vehicle: force and motion predicted from road and duty alone."""
+"""Comparison at the level of the vehicle: everything that was measured of a car, predicted from road and duty."""
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
-from er_models.model import Array, Model
-from er_models.simulate import simulate
-from scipy.optimize import least_squares
+from er_models.model import Array
 
 from er_model_lab.commands import Outcome, Request, beside, provenance, read
+from er_model_lab.excess import noise_at, region_tables
 from er_model_lab.load import fingerprint
 from er_model_lab.preflight.check import preflight
-from er_model_lab.prepare import WARM_UP, white_noise
-from er_model_lab.present import clean, headline
-from er_model_lab.record import Record
+from er_model_lab.prepare import Problem, white_noise
+from er_model_lab.present import clean, compare_json, headline, views
+from er_model_lab.record import CHANNELS, originals
+from er_model_lab.ride_forward import RideForward
+from er_model_lab.ride_problem import ride_as_given
 from er_model_lab.side_by_side import Rival, fitted_to
-from er_model_lab.view import RecordView, View
-
-OUTPUTS = ("damper_force", "deflection", "sprung_acceleration", "unsprung_acceleration")
+from er_model_lab.view import View
 
 
 def compare(ask: Request) -> Outcome:
-    """Simulate each record from its road and duty, with its unknown initial state estimated.
+    """Simulate each record from its road and duty, starts and road as in `diagnose`, and say where the model fails.
 
     Raises:
-        MissingChannel: Without road, duty or damper_force.
+        MissingChannel: Without road or duty, or without any output.
         InputError: When the model has no quarter car.
     """
-    model, (records, _) = ask.model(), read(ask)
-    runs = [(r, _predict(model, r)) for r in records]
-    by_channel = {name: _rms(runs, name) for name in OUTPUTS}
-    force = by_channel["damper_force"]
-    measured = np.concatenate([r.need("damper_force", "to compare")[_scored(r)] for r, _ in runs])
-    floor = white_noise([np.asarray(r.need("damper_force", "to compare")) for r, _ in runs])
-    rmse = float(force["rmse"])
-    result: dict[str, Any] = {
-        "command": "compare", "level": "vehicle", "model": model.name, "rmse": rmse,
-        "nrmse": rmse / float(np.ptp(measured)), "noise_floor": floor,
-        "explainable": max(1.0 - floor**2 / rmse**2, 0.0), "worst": [], "channels": by_channel,
-        "rmse_by_record": {r.name: _rms([(r, p)], "damper_force")["rmse"] for r, p in runs},
-        "preflight": preflight(records, model, model.catalogue).as_json(),
-        "notes": [n for r, _ in runs for n in r.notes], "complete": all(r.complete for r, _ in runs),
+    model, (records, sealed) = ask.model(), read(ask)
+    problem, left = ride_as_given(records, model, sealed)
+    floor, data = _white(problem, left, 0), originals(records)
+    tables = region_tables(problem, left, ask.seed, noise_at(problem, floor, 0.0 * left))
+    result: dict[str, Any] = compare_json(problem, left, floor, 0.0, tables)
+    result |= {
+        "command": "compare", "level": "vehicle", "model": model.name,
+        "explainable": max(1.0 - floor**2 / result["rmse"] ** 2, 0.0), "channels": _channels(problem, left),
+        "preflight": preflight(data, model, model.catalogue).as_json(),
     }  # fmt: skip
     view = View(
-        command="compare", model=model.name, headline=headline(rmse, floor), result=clean(result),
-        records=tuple(_view(r, p) for r, p in runs), notes=tuple(result["notes"]),
+        command="compare", model=model.name, headline=headline(result["rmse"], floor), result=clean(result),
+        records=views(problem, problem.force - left, None), regions=tables, notes=problem.notes,
         provenance=provenance(records, model, ask),
     )  # fmt: skip
-    data = fingerprint(records)
-    rivals = [Rival(model, str(ask.model_file), view.records, fitted_to(model, data))]
+    known = fingerprint(data)
+    rivals = [Rival(model, str(ask.model_file), view.records, fitted_to(model, known), tables)]
     for path, other in ask.others():
-        seen = tuple(_view(r, _predict(other, r)) for r in records)
-        rivals.append(Rival(other, str(path), seen, fitted_to(other, data)))
+        own, rest = ride_as_given(records, other, sealed)
+        seen = views(own, own.force - rest, None)
+        rivals.append(Rival(other, str(path), seen, fitted_to(other, known)))
     view = beside(view, rivals, floor, ask.seed)
-    return Outcome(dict(view.result), view, None, bool(result["complete"]))
+    return Outcome(dict(view.result), view, None, problem.complete)
 
 
-def _predict(model: Model, record: Record) -> dict[str, Array]:
-    """Simulated channels of a record; the initial state (4,) is fitted on its first half second."""
-    road = record.need("road", "to simulate the vehicle")
-    duty = record.need("duty", "to simulate the vehicle")
-    record.need("damper_force", "to compare")
-    n = min(len(record), max(int(0.5 / record.dt), 20))
-    channels = [c for c in OUTPUTS if record.has(c)]
-    size = {c: max(float(np.std(record.channels[c])), 1e-12) for c in channels}
-
-    def misfit(q: Array) -> Array:
-        run = simulate(model, record.dt, road[:n], duty[:n], q * scale)
-        return np.concatenate([(run[c] - record.channels[c][:n]) / size[c] for c in channels])
-
-    s = model.scales
-    scale = np.array([s.deflection, s.velocity, s.deflection, s.velocity])
-    start = least_squares(misfit, np.zeros(4), diff_step=1e-4, max_nfev=15).x
-    return simulate(model, record.dt, road, duty, start * scale)
+def _white(problem: Problem, left: Array, output: int) -> float:
+    """White noise of an output, from what is left of it [N]."""
+    part = left[output :: problem.forward.outputs]
+    return white_noise([part[i:j] for i, j in itertools.pairwise(problem.motion.starts)])
 
 
-def _scored(record: Record) -> slice:
-    """Samples that count: after the warm-up."""
-    return slice(int(WARM_UP / record.dt), None)
-
-
-def _rms(runs: list[tuple[Record, dict[str, Array]]], channel: str) -> dict[str, float]:
-    """Root mean square error of one channel over all records that have it, and its share of the signal."""
-    pairs = [(r.channels[channel], p[channel], _scored(r)) for r, p in runs if r.has(channel)]
-    if not pairs:
-        return {"rmse": float("nan"), "relative": float("nan")}
-    error = np.concatenate([(a - b)[s] for a, b, s in pairs])
-    signal = np.concatenate([a[s] for a, _, s in pairs])
-    rmse = float(np.sqrt(np.mean(error**2)))
-    return {"rmse": rmse, "relative": rmse / max(float(np.std(signal)), 1e-300)}
-
-
-def _view(record: Record, run: dict[str, Array]) -> RecordView:
-    """Measured and simulated force of a record."""
-    scored = np.zeros(len(record), bool)
-    scored[_scored(record)] = True
-    return RecordView(
-        record.name, record.t - record.t[0], run["deflection"], run["deflection_velocity"], run["duty"],
-        record.channels["damper_force"], run["damper_force"], None, scored, np.zeros(len(record), bool),
-    )  # fmt: skip
+def _channels(problem: Problem, left: Array) -> dict[str, dict[str, Any]]:
+    """Root mean square error of every output in its own unit, and its share of the signal."""
+    forward, c = problem.forward, problem.forward.outputs
+    assert isinstance(forward, RideForward)
+    used, found = problem.used[::c], {}
+    for k, name in enumerate(forward.names):
+        error, signal = left[k::c][used], problem.force[k::c][used]
+        rmse, weight = float(np.sqrt(np.mean(error**2))), float(forward.weights[k])
+        found[name] = {
+            "unit": CHANNELS[name], "rmse": rmse / weight, "relative": rmse / max(float(np.std(signal)), 1e-300),
+            "noise": _white(problem, left, k) / weight,
+        }  # fmt: skip
+    return found

@@ -117,11 +117,11 @@ def test_accelerations_alone_are_not_enough_and_by_how_much(rides):
         MissingChannel, match=r"or deflection_velocity.* may drift by 1[0-9] mm/s in 20 s"
     ):
         prepare(alone)
-    found = preflight(alone)
+    found = preflight(alone, levels=True)
     assert (found.verdict, found.failures[0].check) == ("not_usable", "channels")
     u = alone[0].channels["duty"]
     whole = [replace(r, channels={**r.channels, "road": 0.0 * u}) for r in alone]
-    assert preflight(whole).passed
+    assert preflight(whole, levels=True).passed
     assert [f.remedy for f in use_findings(whole[0])] == ["use --level vehicle"]
     assert not list(use_findings(rides[0]))
 

@@ -13,7 +13,7 @@ from er_model_lab.record import Record
 from er_model_lab.ride import CHANNELS, SETTLE
 from er_model_lab.ride_problem import open_ride
 from er_model_lab.ride_result import confounded
-from er_models.files import load_model
+from er_models.files import load_model, save_model
 from er_models.simulate import simulate
 from typer.testing import CliRunner
 
@@ -26,19 +26,22 @@ NOISE = {
 FRICTION = {"F_g": 0.8, "v_0": 0.003}
 
 
-def ride(seed=1, seconds=14.0, truth=None, without=()):
-    """A record of a car on sines of road that was in motion before, with noise on every output."""
+def ride(seed=1, seconds=14.0, truth=None, without=(), finer=1):
+    """A record of a car on sines of road that was in motion before, with noise on every output.
+
+    finer: straight lines of road in a sample; many are a smooth road.
+    """
     rng, n = np.random.default_rng(seed), round(seconds / DT) + LEAD
-    t = np.arange(n) * DT
+    t = np.arange(n * finer) * (DT / finer)
     f = np.array([1.1, 1.9, 2.7, 3.6, 4.6, 6.1])
     phase = np.multiply.outer(t, 2 * np.pi * f) + rng.uniform(0, 2 * np.pi, f.size)
     road = np.sin(phase) @ (0.012 / f) * np.minimum(t / 0.5, 1.0)
     duty = np.repeat(rng.choice([0.0, 0.1, 0.2, 0.3], n // 150 + 1), 150)[:n]
-    run = simulate(truth or load_model(CAR), DT, road, duty)
-    channels = {c: run[c] + sd * rng.standard_normal(n) for c, sd in NOISE.items()}
-    channels |= {"road": road, "duty": duty}
+    run = simulate(truth or load_model(CAR), DT / finer, road, np.repeat(duty, finer))
+    channels = {c: run[c][::finer] + sd * rng.standard_normal(n) for c, sd in NOISE.items()}
+    channels |= {"road": road[::finer], "duty": duty}
     kept = {c: y[LEAD:] for c, y in channels.items() if c not in without}
-    return Record(f"ride {seed}", t[LEAD:], kept)
+    return Record(f"ride {seed}", t[LEAD * finer :: finer], kept)
 
 
 def hidden():
@@ -156,6 +159,37 @@ def test_friction_beside_the_damper_is_added_with_its_value(tmp_path):
         assert r["channels"][name]["rmse_after"] == pytest.approx(sd, rel=0.1)
     body = r["channels"]["sprung_acceleration"]
     assert body["rmse"] > 2.0 * body["rmse_after"]
+
+
+def test_a_comparison_leaves_of_the_true_car_its_noise_alone(tmp_path):
+    import json
+
+    data, found = write(tmp_path / "a.csv", ride(seconds=21.0, finer=8)), tmp_path / "r.json"
+    heavy = tmp_path / "heavy.yaml"
+    car = load_model(CAR)
+    heavier = {**car.effects["quarter_car"], "m_s": 2.6}
+    save_model(replace(car, effects={**car.effects, "quarter_car": heavier}), heavy)
+    words = ("compare", data, "--model", CAR, "--model", heavy, "--level", "vehicle")
+    result = lab(*words, "--json", found)
+    assert result.exit_code == 0, result.output
+    r = json.loads(found.read_text())
+    for name, sd in NOISE.items():
+        assert r["channels"][name]["rmse"] == pytest.approx(sd, rel=0.05)
+    assert r["explainable"] < 0.1
+    assert r["rmse_by_record"]["a"] == r["rmse"] < 0.5 * r["models"][1]["rmse"]
+    assert any("smooth" in note for note in r["notes"])
+
+
+def test_without_the_force_a_comparison_is_of_the_bodys_acceleration(tmp_path):
+    import json
+
+    record, found = ride(seconds=6.0, without=("damper_force",)), tmp_path / "r.json"
+    data = write(tmp_path / "a.csv", record)
+    words = ("compare", data, "--model", CAR, "--level", "vehicle", "--json", found)
+    assert lab(*words).exit_code == 0
+    r, mass = json.loads(found.read_text()), load_model(CAR).value("quarter_car", "m_s")
+    assert "damper_force" not in r["channels"]
+    assert r["rmse"] == pytest.approx(mass * NOISE["sprung_acceleration"], rel=0.1)
 
 
 @pytest.mark.parametrize(("without", "missing"), [("road", "road"), ("duty", "duty")])

@@ -98,10 +98,19 @@ def findings(record: Record) -> list[Finding]:
 
 
 def preflight(
-    records: Sequence[Record], model: Model | None = None, catalogue: Catalogue = CATALOGUE
+    records: Sequence[Record],
+    model: Model | None = None,
+    catalogue: Catalogue = CATALOGUE,
+    *,
+    levels: bool = False,
 ) -> Preflight:
-    """Check records; with a model, coverage is measured against the reach of its rig."""
-    found = [f for record in records for f in (*use_findings(record), *findings(record))]
+    """Check records; with a model, coverage is measured against the reach of its rig.
+
+    levels: also say which level of the lab the channels allow, before one was chosen.
+    """
+    found = [f for record in records for f in findings(record)]
+    if levels:
+        found += [f for record in records for f in use_findings(record)]
     courses = [cells.course_of(r) for r in records]
     reach = _reach(model, cells.reach_of(courses))
     have = cells.counts(courses, reach)

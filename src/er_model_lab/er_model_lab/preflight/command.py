@@ -20,7 +20,7 @@ def run(data: list[Path], model_file: Path | None, effects_from: tuple[Path, ...
     catalogue = catalogue_with(effects_from)
     model = load_model(model_file, catalogue) if model_file else None
     records = load(data)
-    found = preflight(records, model, catalogue)
+    found = preflight(records, model, catalogue, levels=True)
     seconds = sum(len(r) * r.dt for r in records)
     warnings = found.counted("warning")
     complete = all(r.complete for r in records)
