@@ -3,6 +3,7 @@
 python -m test.reliability faults                 delay of detection of each fault, false alarms (virtual time)
 python -m test.reliability fuzz [COUNT]           messages of any content at every input
 python -m test.reliability kill [TIMES]           kill -9 of each node of a running graph, and how soon it is back
+python -m test.reliability silence [DRIVES]       how soon observers are sure again after a silent sensor
 python -m test.reliability hog [SECONDS]          two busy loops beside the running graph
 python -m test.reliability soak [SECONDS]         a running graph with a fault injected each minute
 
@@ -15,7 +16,14 @@ import sys
 from collections.abc import Callable
 from importlib import import_module
 
-DEFAULTS = {"faults": 600, "fuzz": 1_000_000, "kill": 20, "hog": 10, "soak": 1800}
+DEFAULTS = {
+    "faults": 600,
+    "fuzz": 1_000_000,
+    "kill": 20,
+    "silence": 8,
+    "hog": 10,
+    "soak": 1800,
+}
 
 
 def main() -> int:

@@ -23,8 +23,8 @@ from er_plant_sim.simulator import Measurement, SimState, Simulator
 
 Array = NDArray[np.float64]
 
-BLOCK = 64
-"""Ticks for which road and duty are computed at once."""
+BLOCK = 16
+"""Ticks for which road and duty are computed at once: a random road takes 15 us a tick, and the loop waits."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,13 +9,14 @@ through the states; else `run` does.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from time import monotonic, monotonic_ns
+from time import monotonic, monotonic_ns, time_ns
 from typing import Any
 
 from er_models.errors import ErError
 from lifecycle_msgs.srv import ChangeState
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
@@ -53,6 +54,8 @@ class ManagedNode(LifecycleNode):
         self.failure: ErError | None = None
         self.local: IntraProcess | None = None
         self.came = When(0, None)
+        self.add_post_set_parameters_callback(self._follow_time)
+        self._follow_time(())
         self._managed = True
         self.problems: list[Problem] = []
         self.watched: dict[str, Topic] = {}
@@ -148,7 +151,7 @@ class ManagedNode(LifecycleNode):
 
     def when(self) -> When:
         """Now, on both clocks."""
-        return When(monotonic_ns(), clock.now(self))
+        return When(monotonic_ns(), clock.now(self) if self.simulated else time_ns())
 
     @property
     def aged(self) -> bool:
@@ -201,6 +204,10 @@ class ManagedNode(LifecycleNode):
                 heard(message)
 
         return call
+
+    def _follow_time(self, _: Sequence[Parameter[Any]]) -> None:
+        """Whether the node's clock is that of a simulation."""
+        self.simulated = bool(self.get_parameter("use_sim_time").value)
 
     def _look(self) -> None:
         self.problems = watch(self, tuple(self.watched.values()))
