@@ -15,6 +15,7 @@ pytest.importorskip("rclpy")
 
 from er_bringup import played
 from er_bringup import replay as command
+from er_ros_common import topics
 from test import replay_golden
 from test.replay_golden import FILE, IN_THE_LOOP, TICKS
 
@@ -152,6 +153,82 @@ def test_silence_in_a_recording_is_silence_for_the_core(bag: Path, tmp_path: Pat
     # half a second without samples, told as safe again and again
     assert 5 <= len(safe) <= 25
     assert {m.seq for m in safe} == {299}
+
+
+@pytest.fixture(scope="module")
+def seeing(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A gain file of the polytopic observer for both accelerometers and a deflection sensor."""
+    from er_models.files import load_model
+    from er_observers.gains import save_gains
+    from er_observers.synth_tables import figures
+    from er_observers.synthesis.make import Wish, make
+
+    car = load_model(replay_golden.VEHICLE)
+    claim, certificate = make("nlpv_polytopic", car, Wish(deflection=1e-3))
+    path = tmp_path_factory.mktemp("gains") / "seeing.yaml"
+    notes = {"certificate": figures(certificate), "solver": {"name": "Clarabel", "version": "0"}}
+    save_gains(path, "nlpv_polytopic", car, claim, notes)
+    return path
+
+
+def seen(bag: Path, seeing: Path) -> list[Any]:
+    """What the observer with a deflection sensor says to a recording."""
+    name = "nlpv_polytopic_observer"
+    recording = played.opened(bag)
+    core = played.core_of(recording, name, "", {"gains_file": str(seeing)})
+    return [m for _, m in played.play(recording, name, core).answers]
+
+
+def test_an_observer_takes_the_deflection_sensor_its_gains_ask_for(
+    bag: Path, seeing: Path
+) -> None:
+    """Played, it says bit for bit what its pure step says; the deflection of a tick comes after its accelerations."""
+    from er_models.files import load_model
+    from er_observers.observers import nlpv_polytopic as observer
+
+    heard = (topics.ACCELERATION, topics.DEFLECTION, topics.PWM_APPLIED)
+    ticks: dict[int, dict[str, Any]] = {}
+    for topic, m, _ in played.opened(bag).messages({f"/{topic.name}": topic for topic in heard}):
+        ticks.setdefault(m.seq, {})[topic.name] = m
+    gains = observer.load_gains(seeing, load_model(replay_golden.VEHICLE))
+    state, forces = None, []
+    for seq, tick in sorted(ticks.items()):
+        a, x, u = (tick[topic.name] for topic in heard)
+        t = 1e-9 * ((seq - 1) * replay_golden.DT)
+        sample = observer.Sample(t, a.sprung, a.unsprung, u.duty, x.deflection)
+        state = (
+            observer.start(gains, sample)
+            if state is None
+            else observer.step(gains, state, sample)[0]
+        )
+        forces.append(state.estimate.force)
+    said = seen(bag, seeing)
+    assert [m.seq for m in said] == sorted(ticks)
+    assert [m.force for m in said] == forces
+    assert all(m.status == m.STATUS_OK for m in said[20:])
+
+
+def test_a_deflection_that_is_lost_holds_nothing_up_and_a_stuck_one_is_not_believed(
+    bag: Path, seeing: Path, tmp_path: Path
+) -> None:
+    def lost(topic: str, message: Any) -> Any:
+        return None if topic == "/sensors/deflection" and 300 <= message.seq < 306 else message
+
+    def stuck(topic: str, message: Any) -> Any:
+        if topic == "/sensors/deflection" and message.seq >= 300:
+            message.deflection = 0.001
+        return message
+
+    whole = seen(bag, seeing)
+    gap = seen(changed(bag, tmp_path / "gap", lost), seeing)
+    assert [m.seq for m in gap] == [m.seq for m in whole]
+    assert [m.force for m in gap[:298]] == [m.force for m in whole[:298]]
+    assert {m.status for m in gap[299:305]} == {gap[0].STATUS_OK, gap[0].STATUS_DEGRADED}
+    assert all(m.valid for m in gap[299:305])
+    assert abs(gap[500].force - whole[500].force) < 1e-3
+    held = seen(changed(bag, tmp_path / "stuck", stuck), seeing)
+    assert all(m.valid for m in held[20:315])
+    assert not any(m.valid for m in held[340:])
 
 
 def test_another_parameter_gives_another_answer(replay: Replay, bag: Path) -> None:

@@ -1,8 +1,8 @@
-"""Joins accelerations with the duty applied from then on; a lost duty holds nothing up. Pure.
+"""Joins accelerations with the duty applied from then on, and a deflection where one is used. Pure.
 
-The duty of a tick is published after its accelerations. Where it has not come before the
-accelerations of the next tick, these are given on with NaN as duty, which the observers take for
-"as before".
+Duty and deflection of a tick are published after its accelerations. Where one has not come before the
+accelerations of the next tick, these are given on with NaN in its place: a lost part holds nothing up. The
+observers take NaN as duty for "as before", and bridge a sample whose deflection they need and do not have.
 """
 
 from __future__ import annotations
@@ -13,7 +13,9 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 DEPTH = 10
-"""Duties kept that are ahead of their accelerations."""
+"""Duties, and deflections, kept that are ahead of their accelerations."""
+_Parts = Mapping[int, float]
+_NONE: _Parts = MappingProxyType({})
 
 
 class Motion(NamedTuple):
@@ -26,40 +28,82 @@ class Motion(NamedTuple):
 
 
 class Joined(NamedTuple):
-    """Accelerations and the duty from then on; NaN where it was lost."""
+    """Accelerations, the duty from then on, the deflection [m]; NaN where one was lost or is not used."""
 
     motion: Motion
     duty: float
+    deflection: float = math.nan
 
 
 class Feed(NamedTuple):
-    """Accelerations that wait for their duty, duties that wait for accelerations, duties lost."""
+    """Accelerations that wait for other parts, and parts that wait for them, by stamp [ns].
+
+    deflections: None where none are used; lost, blind: duties and deflections that did not come in time.
+    """
 
     waiting: Motion | None = None
-    duties: Mapping[int, float] = MappingProxyType({})
+    duties: _Parts = _NONE
+    deflections: _Parts | None = None
     lost: int = 0
+    blind: int = 0
+
+
+def feed_of(*, deflection: bool) -> Feed:
+    """Before any message; deflection: whether a tick needs one."""
+    return Feed(deflections=_NONE if deflection else None)
 
 
 def on_motion(feed: Feed, motion: Motion) -> tuple[Feed, list[Joined]]:
     """Take accelerations; what can be given on now, oldest first."""
-    ready = [Joined(feed.waiting, math.nan)] if feed.waiting else []
-    feed = Feed(None, feed.duties, feed.lost + len(ready))
-    if motion.stamp not in feed.duties:
-        return feed._replace(waiting=motion), ready
-    ready.append(Joined(motion, feed.duties[motion.stamp]))
-    return feed._replace(duties=_after(feed.duties, motion.stamp)), ready
+    ready = []
+    if feed.waiting is not None:
+        ready.append(_joined(feed, feed.waiting))
+        stamp, sees = feed.waiting.stamp, feed.deflections is not None
+        feed = feed._replace(
+            lost=feed.lost + (stamp not in feed.duties),
+            blind=feed.blind + (sees and stamp not in (feed.deflections or _NONE)),
+        )
+    return _given_on(feed._replace(waiting=motion), ready)
 
 
 def on_duty(feed: Feed, stamp: int, duty: float) -> tuple[Feed, list[Joined]]:
     """Take a duty; the accelerations it completes."""
-    if feed.waiting and feed.waiting.stamp == stamp:
-        ready = [Joined(feed.waiting, duty)]
-        return Feed(None, _after(feed.duties, stamp), feed.lost), ready
-    duties = {**feed.duties, stamp: duty}
-    newest = sorted(duties)[-DEPTH:]
-    return feed._replace(duties={k: duties[k] for k in newest}), []
+    return _given_on(feed._replace(duties=_with(feed.duties, stamp, duty)), [])
 
 
-def _after(duties: Mapping[int, float], stamp: int) -> dict[int, float]:
-    """Duties that can still meet their accelerations."""
-    return {k: v for k, v in duties.items() if k > stamp}
+def on_deflection(feed: Feed, stamp: int, deflection: float) -> tuple[Feed, list[Joined]]:
+    """Take a deflection [m]; the accelerations it completes."""
+    return _given_on(
+        feed._replace(deflections=_with(feed.deflections or _NONE, stamp, deflection)), []
+    )
+
+
+def _given_on(feed: Feed, ready: list[Joined]) -> tuple[Feed, list[Joined]]:
+    """Give on what waits when it is complete, after what is ready already."""
+    motion, seen = feed.waiting, feed.deflections
+    if motion is None or motion.stamp not in feed.duties:
+        return feed, ready
+    if seen is not None and motion.stamp not in seen:
+        return feed, ready
+    ready.append(_joined(feed, motion))
+    left = None if seen is None else _after(seen, motion.stamp)
+    duties = _after(feed.duties, motion.stamp)
+    return feed._replace(waiting=None, duties=duties, deflections=left), ready
+
+
+def _joined(feed: Feed, motion: Motion) -> Joined:
+    """Accelerations with what has come of the other parts."""
+    seen = feed.deflections or _NONE
+    stamp = motion.stamp
+    return Joined(motion, feed.duties.get(stamp, math.nan), seen.get(stamp, math.nan))
+
+
+def _with(parts: _Parts, stamp: int, value: float) -> dict[int, float]:
+    """One more part; the newest are kept."""
+    more = {**parts, stamp: value}
+    return more if len(more) <= DEPTH else {k: more[k] for k in sorted(more)[-DEPTH:]}
+
+
+def _after(parts: _Parts, stamp: int) -> dict[int, float]:
+    """Parts that can still meet their accelerations."""
+    return {k: v for k, v in parts.items() if k > stamp}

@@ -9,17 +9,15 @@ import math
 from functools import partial
 from typing import Any, NamedTuple
 
-from er_models.errors import InputError
 from er_models.files import load_model
 from er_ros_common.builders import Tick
 from er_ros_common.clock import from_stamp
 from er_ros_common.core import Said, When
 from er_ros_common.stamps import StampLimits, StampState, check_stamp
-from er_ros_common.stuck import ACCELERATION, Watched, check
+from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import DamperForce
-from er_observers.feed import Feed, Joined, Motion, on_duty, on_motion
-from er_observers.gains import Gains
+from er_observers.feed import Feed, Joined, Motion, feed_of, on_deflection, on_duty, on_motion
 from er_observers.observers import nlpv_gridding, nlpv_polytopic, unified
 from er_observers.observers import runtime as observer
 from er_observers.observers.ready import ready
@@ -46,7 +44,7 @@ class State(NamedTuple):
 
     base: stamp of the first sample [ns]; last: the one estimated last, heard: when [ns, steady]; unusable:
     samples that were not valid; silent, held: whether it was said that samples stay away, or that the last
-    estimate is held; watched: whether a sensor is stuck.
+    estimate is held; watched, strut: whether an accelerometer or the deflection sensor is stuck.
     """
 
     feed: Feed = Feed()
@@ -59,6 +57,7 @@ class State(NamedTuple):
     silent: bool = False
     held: bool = False
     watched: Watched = Watched()
+    strut: Watched = Watched()
 
 
 class ObserverCore:
@@ -68,30 +67,33 @@ class ObserverCore:
         InputError: Model and gains cannot be used, or not together.
     """
 
-    inputs = (topics.ACCELERATION, topics.PWM_APPLIED)
+    usual = (topics.ACCELERATION, topics.PWM_APPLIED)
 
     def __init__(self, name: str, p: ObserverParameters) -> None:
         self.p, self.topic = p, OUTPUTS[name]
         self.outputs = (self.topic,)
         model = load_model(p.model_file)
         self.gains = ready(p.gains_file, model, name)
-        refuse_deflection(p.gains_file, self.gains)
+        seen = (topics.DEFLECTION,) if self.gains.sees_deflection else ()
+        self.inputs = (*self.usual, *seen)
         self.limits = StampLimits(stale=p.max_age, gap=p.timeout)
         self.model_id, self.gains_id = model.digest(), self.gains.digest
 
     def start(self) -> State:
         """Before any message."""
-        return State()
+        return State(feed_of(deflection=self.gains.sees_deflection))
 
     def on_message(
         self, state: State, topic: topics.Topic, message: Any, when: When
     ) -> tuple[State, list[Said]]:
-        """Take accelerations, if their stamp is good, or the duty from then on."""
+        """Take accelerations, if their stamp is good, the duty from then on, or the deflection."""
         stamp = from_stamp(message.header.stamp)
         if topic is topics.PWM_APPLIED:
             duty = message.duty if message.valid else math.nan
             feed, joined = on_duty(state.feed, stamp, duty)
             return self._estimated(state._replace(feed=feed), joined, when)
+        if topic is topics.DEFLECTION:
+            return self._on_deflection(state, stamp, message, when)
         seq, arrival = int(message.seq), when.system if self.p.max_age else None
         stamps, verdict = check_stamp(self.limits, state.stamps, stamp, seq, arrival)
         state = state._replace(stamps=stamps)
@@ -104,6 +106,18 @@ class ObserverCore:
         values = read if good else (math.nan, math.nan)
         feed, joined = on_motion(state.feed, Motion(stamp, seq, *values))
         state = state._replace(feed=feed, watched=watched, unusable=state.unusable + (not good))
+        return self._estimated(state, joined, when)
+
+    def _on_deflection(
+        self, state: State, stamp: int, message: Any, when: When
+    ) -> tuple[State, list[Said]]:
+        """Take a deflection; NaN where it is not valid or the sensor is stuck."""
+        velocity = message.velocity if message.velocity_valid else math.nan
+        strut, stuck = check(state.strut, (message.deflection, velocity), DEFLECTION, stamp)
+        good = message.valid and math.isfinite(message.deflection) and not stuck
+        value = message.deflection if good else math.nan
+        feed, joined = on_deflection(state.feed, stamp, value)
+        state = state._replace(feed=feed, strut=strut, unusable=state.unusable + (not good))
         return self._estimated(state, joined, when)
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
@@ -129,10 +143,10 @@ class ObserverCore:
     ) -> tuple[State, list[Said]]:
         """Step for each sample that is complete."""
         said: list[Said] = []
-        for motion, duty in joined:
+        for motion, duty, deflection in joined:
             base = state.base or motion.stamp
             t = 1e-9 * (motion.stamp - base)
-            sample = observer.Sample(t, motion.sprung, motion.unsprung, duty)
+            sample = observer.Sample(t, motion.sprung, motion.unsprung, duty, deflection)
             if state.mind is None:
                 mind = observer.start(self.gains, sample)
                 estimate = mind.estimate
@@ -144,12 +158,6 @@ class ObserverCore:
             )
             said.append((self.topic, _message(last, estimate)))
         return state, said
-
-
-def refuse_deflection(path: str, gains: Gains) -> None:
-    """Raise `InputError` for gains that need a sensor which the node does not listen to."""
-    if gains.sees_deflection:
-        raise InputError(path, "model.outputs", "two accelerations", "the deflection as well")
 
 
 def _message(tick: Tick, e: observer.Estimate) -> DamperForce:

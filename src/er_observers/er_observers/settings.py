@@ -13,7 +13,9 @@ class ObserverParameters(NodeParameters):
     """Parameters of the node."""
 
     model_file: str = param(REQUIRED, text="model of the vehicle the gains were made for")
-    gains_file: str = param(REQUIRED, text="gains of this observer for this model")
+    gains_file: str = param(
+        REQUIRED, text="its gains for this model; with those for a deflection sensor it hears it"
+    )
     timeout: float = param(
         0.05, unit="s", low=0.005, high=1.0, text="silence after which the estimate is not valid"
     )

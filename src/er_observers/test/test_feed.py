@@ -2,7 +2,7 @@
 
 import math
 
-from er_observers.feed import DEPTH, Feed, Motion, on_duty, on_motion
+from er_observers.feed import DEPTH, Feed, Motion, feed_of, on_deflection, on_duty, on_motion
 
 
 def motion(stamp: int) -> Motion:
@@ -14,7 +14,7 @@ def test_in_order() -> None:
     feed, ready = on_motion(Feed(), motion(5))
     assert ready == []
     feed, ready = on_duty(feed, 5, 0.2)
-    assert ready == [(motion(5), 0.2)]
+    assert [r[:2] for r in ready] == [(motion(5), 0.2)]
     assert feed.waiting is None
 
 
@@ -22,7 +22,7 @@ def test_the_duty_may_come_first() -> None:
     feed, ready = on_duty(Feed(), 5, 0.2)
     assert ready == []
     feed, ready = on_motion(feed, motion(5))
-    assert ready == [(motion(5), 0.2)]
+    assert [r[:2] for r in ready] == [(motion(5), 0.2)]
     assert not feed.duties
 
 
@@ -35,7 +35,7 @@ def test_a_lost_duty_holds_nothing_up() -> None:
     feed, ready = on_duty(feed, 5, 0.3)
     assert ready == []
     feed, ready = on_duty(feed, 10, 0.2)
-    assert ready == [(motion(10), 0.2)]
+    assert [r[:2] for r in ready] == [(motion(10), 0.2)]
 
 
 def test_lost_accelerations_leave_nothing_behind() -> None:
@@ -46,3 +46,24 @@ def test_lost_accelerations_leave_nothing_behind() -> None:
     feed, ready = on_motion(feed, motion(4 * DEPTH - 1))
     assert ready[0].duty == 0.1
     assert not feed.duties
+
+
+def test_a_deflection_is_waited_for_where_it_is_needed() -> None:
+    feed, _ = on_motion(feed_of(deflection=True), motion(5))
+    feed, ready = on_duty(feed, 5, 0.2)
+    assert ready == []
+    feed, ready = on_deflection(feed, 5, 1e-3)
+    assert ready == [(motion(5), 0.2, 1e-3)]
+    assert (feed.waiting, dict(feed.duties), dict(feed.deflections or {})) == (None, {}, {})
+
+
+def test_a_lost_deflection_holds_nothing_up() -> None:
+    feed, _ = on_motion(feed_of(deflection=True), motion(5))
+    feed, _ = on_duty(feed, 5, 0.2)
+    feed, _ = on_deflection(feed, 10, 2e-3)
+    feed, ready = on_motion(feed, motion(10))
+    assert ready[0][:2] == (motion(5), 0.2)
+    assert math.isnan(ready[0].deflection)
+    assert (feed.lost, feed.blind) == (0, 1)
+    feed, ready = on_duty(feed, 10, 0.3)
+    assert ready == [(motion(10), 0.3, 2e-3)]

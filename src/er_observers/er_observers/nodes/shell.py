@@ -61,6 +61,8 @@ class ObserverNode(CoreNode):
         mode, reason = self.before_samples()
         status = NodeStatus.STATUS_INITIALIZING
         values: dict[str, object] = {"duties lost": s.feed.lost}
+        if self.core.gains.sees_deflection:
+            values["deflections lost"] = s.feed.blind
         if s.mind is not None:
             mode, estimate = "running", s.mind.estimate
             status, reason = ON_THE_WIRE[estimate.status], estimate.reason
@@ -86,7 +88,7 @@ def card(name: str, topic: topics.Topic, text: str) -> Card:
         executable=f"{name}_observer",
         text=text,
         parameters=ObserverParameters,
-        subscribes=ObserverCore.inputs,
+        subscribes=ObserverCore.usual,
         publishes=(topic, GAIN_INFO, topics.STATUS, topics.DIAGNOSTICS),
     )
 
