@@ -31,8 +31,9 @@ from er_observers.faults.rules import Estimator
 from er_observers.faults.sample import Kind
 from er_observers.faults.trials import Trial, drive, faults
 from er_observers.scenarios.drive import DT
+from er_observers.synthesis.lost_force import design, solve
 
-RIVALS = ("ours", "horizon", "forgetting", "adaptive")
+RIVALS = ("ours", "horizon", "forgetting", "adaptive", "descriptor")
 
 
 def register(parent: typer.Typer) -> None:
@@ -132,10 +133,12 @@ def _rival_table(p: Estimator, car: Model, seed: int, number: int) -> Table:
     )
     for head in ("fault", "estimator", "after 2 s", "after 5 s", "others, 5 s"):
         table.add_column(head)
+    problem = design(car, p.noise, car.rig.get("duty_max", car.scales.duty))
+    K = solve(problem).K
     for name in LIMITS:
         records = [(t, drive(t, car)) for t in faults(name, seed, number)]
         for rival in RIVALS:
-            rows = [_errors(t, factors(p, d.samples, rival), name) for t, d in _shown(records)]
+            rows = [_errors(t, factors(p, d.samples, rival, K), name) for t, d in _shown(records)]
             table.add_row(name, rival, *(_spread(column) for column in zip(*rows, strict=True)))
     return table
 

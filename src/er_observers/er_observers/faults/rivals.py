@@ -2,7 +2,8 @@
 
 `forgetting`: recursive least squares of the three shares and an offset, old rows fading within a second. `adaptive`:
 the same shares moved against the normalised gradient of the error. `horizon`: the estimator itself, which learns
-nothing of the healthy damper beforehand (a moving horizon with arrival cost, but no belief of its own).
+nothing of the healthy damper beforehand (a moving horizon with arrival cost, but no belief of its own). `descriptor`:
+the lost force by the H-infinity observer of (2.19), with a motion of its own, and its shares as `forgetting`'s.
 """
 
 from __future__ import annotations
@@ -12,25 +13,30 @@ from dataclasses import replace
 
 import numpy as np
 from er_models.model import Array
+from scipy.linalg import expm
 
 from er_observers.faults import estimator as ours
 from er_observers.faults import tick
+from er_observers.faults.regression import C0, DOUBT, F_ER, K0, K_S, M_S, advance
 from er_observers.faults.rules import Estimator
 from er_observers.faults.sample import Sample
-from er_observers.faults.sums import ROWS, SIZE, TRIANGLE, N
+from er_observers.faults.sums import ROWS, SIZE, TRIANGLE, N, add
+from er_observers.scenarios.drive import DT
 
 FADING, GAIN = 1.0, 0.01
 """Memory of the forgetting one [s]; step of the adaptive one [1]."""
 _SHARES = [0, 1, 2, 4]
 
 
-def factors(p: Estimator, samples: Sequence[Sample], name: str) -> Array:
-    """Factors f1, f2, f3 after each sample, (n, 3)."""
+def factors(p: Estimator, samples: Sequence[Sample], name: str, K: Array) -> Array:
+    """Factors f1, f2, f3 after each sample, (n, 3); K (3, 2): gain of the descriptor observer."""
     if name in ("ours", "horizon"):
         setup = p.setup.copy()
         if name == "horizon":
             setup[tick.KEPT], setup[tick.CALM] = 0.0, float(tick.BLOCKS)
         return _ours(replace(p, setup=setup), samples)
+    if name == "descriptor":
+        return _forgetting(_observed(p, samples, K))
     rows = _rows(p, samples)
     if name == "forgetting":
         return _forgetting(rows)
@@ -59,6 +65,28 @@ def _rows(p: Estimator, samples: Sequence[Sample]) -> list[Array]:
         tick.run(p.p, p.noise, p.setup, a, seen, s.duty, s.force, s.t - before, p.room, memory)
         before = s.t
         found.append(memory[tick.BLOCK].copy())
+    return found
+
+
+def _observed(p: Estimator, samples: Sequence[Sample], K: Array) -> list[Array]:
+    """Sums (SIZE,) of one row each: the force less the lost one, by the observer, against the healthy terms."""
+    c, A = p.p, np.array([[0.0, 1.0], [0.0, 0.0]]) - K[:2]
+    block = expm(DT * np.block([[A, np.array([[0.0], [1.0]]), K[:2]], [np.zeros((3, 5))]]))
+    q, fluid, found, before = np.zeros(2), np.zeros(DOUBT + 1), [np.zeros(SIZE)], samples[0]
+    for s in samples[1:]:
+        relative = s.sprung_acceleration - s.unsprung_acceleration
+        rates = before.sprung_acceleration - before.unsprung_acceleration, relative
+        seen = 0.5 * (np.array(before[3:5]) + np.array(s[3:5]))
+        new = block[:2, :2] @ q + block[:2, 2:] @ [0.5 * sum(rates), *seen]
+        advance(c, fluid, (q[0], new[0]), (q[1], new[1]), rates, 0.0, before.duty, DT)
+        fluid[F_ER] += DT * (K[2] @ (seen - 0.5 * (q + new)))
+        q = new
+        kept = -c[M_S] * s.sprung_acceleration - c[K_S] * q[0]
+        row, phi = np.zeros(SIZE), np.zeros(N)
+        phi[:3], phi[4] = (c[K0] * q[0], c[C0] * q[1], fluid[F_ER]), 1.0
+        add(row, phi, kept, 1.0 / (c[M_S] * p.noise[0]) ** 2)
+        found.append(row)
+        before = s
     return found
 
 
