@@ -9,7 +9,7 @@ from er_model_lab.resume import resume
 from er_models.files import load_model
 from typer.testing import CliRunner
 
-from er_model_lab import cli
+from er_model_lab import cli, cli_missing
 from test.conftest import ROOT
 from test.sample import with_friction, write_sample
 
@@ -36,7 +36,7 @@ def improve(data, folder, stop_in_round, monkeypatch):
     def progress(*_):
         yield tick
 
-    monkeypatch.setattr(cli, "_progress", progress)
+    monkeypatch.setattr(cli_missing, "progress", progress)
     words = [
         "improve",
         data,

@@ -27,7 +27,7 @@ KEPT_BESIDE = ("LICENSE", "SOURCE.txt")
 
 def register(parent: typer.Typer) -> None:
     """Add the command `import` to the lab's application."""
-    parent.command("import")(import_command)
+    parent.command("import", short_help="Convert a measured data set.")(import_command)
 
 
 @app.command("import")

@@ -23,7 +23,7 @@ Tick = Callable[[str], None] | None
 
 def register(parent: typer.Typer) -> None:
     """Add the command `thesis` to the lab's application."""
-    parent.command("thesis")(thesis_command)
+    parent.command("thesis", short_help="Make a chapter of the thesis again.")(thesis_command)
 
 
 def thesis_command(

@@ -1,0 +1,104 @@
+"""Commands that look for what a model lacks: diagnose, add, improve."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from er_model_lab.cli_options import (
+    Anyway,
+    Data,
+    EffectsFrom,
+    FalseAlarm,
+    HoldOut,
+    Json,
+    Level,
+    ModelFile,
+    Out,
+    Report,
+    Seed,
+    Smallest,
+)
+from er_model_lab.cli_running import asked, progress, run
+from er_model_lab.rule import RULE, Rule
+
+if TYPE_CHECKING:
+    from er_model_lab.commands import Outcome
+
+
+def diagnose(
+    data: Data,
+    model: ModelFile,
+    json_file: Json = None,
+    report: Report = None,
+    hold_out: HoldOut = None,
+    effects_from: EffectsFrom = None,
+    level: Level = "damper",
+    seed: Seed = 0,
+    false_alarm: FalseAlarm = RULE.false_alarm,
+    smallest: Smallest = RULE.smallest,
+    anyway: Anyway = False,
+) -> None:
+    """Refit the model, then say which effect is missing, with evidence."""
+    from er_model_lab import commands
+
+    def work() -> Outcome:
+        with progress("trying effects", effects_from) as tick:
+            ask = asked(data, model, seed, hold_out, effects_from, level, anyway)
+            return commands.diagnose(replace(ask, rule=Rule(false_alarm, smallest)), tick)
+
+    run(work, json_file, report)
+
+
+def add(
+    effect: Annotated[
+        str, typer.Argument(help="Effect of the catalogue; `lab effects` lists them.")
+    ],
+    data: Data,
+    model: ModelFile,
+    out: Out,
+    json_file: Json = None,
+    report: Report = None,
+    hold_out: HoldOut = None,
+    effects_from: EffectsFrom = None,
+    level: Level = "damper",
+    seed: Seed = 0,
+    anyway: Anyway = False,
+) -> None:
+    """Add one effect, refit everything, and show the error before and after."""
+    from er_model_lab import commands
+
+    def work() -> Outcome:
+        with progress(f"adding {effect}", effects_from) as tick:
+            return commands.add(
+                asked(data, model, seed, hold_out, effects_from, level, anyway), effect, out, tick
+            )
+
+    run(work, json_file, report, out)
+
+
+def improve(
+    data: Data,
+    model: ModelFile,
+    out: Out,
+    json_file: Json = None,
+    report: Report = None,
+    hold_out: HoldOut = None,
+    effects_from: EffectsFrom = None,
+    level: Level = "damper",
+    seed: Seed = 0,
+    false_alarm: FalseAlarm = RULE.false_alarm,
+    smallest: Smallest = RULE.smallest,
+    anyway: Anyway = False,
+) -> None:
+    """Diagnose and add, again and again, until the model is adequate or nothing known helps."""
+    from er_model_lab import commands
+
+    def work() -> Outcome:
+        with progress("trying effects", effects_from) as tick:
+            ask = asked(data, model, seed, hold_out, effects_from, level, anyway)
+            return commands.improve(replace(ask, rule=Rule(false_alarm, smallest)), out, tick)
+
+    run(work, json_file, report, out)

@@ -1,0 +1,72 @@
+"""Arguments and options that the commands of the lab share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Data = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="DATA", help="rosbag2 folder, .mcap, .csv, .parquet, .mf4, or a folder of them."
+    ),
+]
+ModelFile = Annotated[
+    Path, typer.Option("--model", help="Model file (YAML), e.g. config/dampers/inove_guo.yaml.")
+]
+ModelFiles = Annotated[
+    list[Path],
+    typer.Option(
+        "--model",
+        metavar="PATH",
+        help="Model file (YAML); repeatable, further ones are set beside it.",
+    ),
+]
+Json = Annotated[
+    Path | None, typer.Option("--json", help="Write the machine-readable result here.")
+]
+Report = Annotated[
+    Path | None,
+    typer.Option("--report", help="Write a self-contained HTML report into this folder."),
+]
+Level = Annotated[
+    str,
+    typer.Option(
+        help="damper: force from measured motion and duty; vehicle: force and motion from road and duty."
+    ),
+]
+Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
+HoldOut = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--hold-out",
+        metavar="PATH",
+        help="Data that only score: never used to fit or to choose. Repeatable.",
+    ),
+]
+Out = Annotated[Path, typer.Option("--out", help="New model file.")]
+FalseAlarm = Annotated[
+    float,
+    typer.Option(
+        "--false-alarm",
+        help="Rate at which a complete model may be given a missing effect, above 0 and below 1.",
+    ),
+]
+Smallest = Annotated[
+    float,
+    typer.Option(help="Effects smaller than this share of the noise are given no name."),
+]
+Anyway = Annotated[
+    bool,
+    typer.Option(
+        "--anyway", help="Use data that fail the preflight all the same (exit status 3)."
+    ),
+]
+EffectsFrom = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--effects-from", metavar="FILE", help="Python file with effects of your own. Repeatable."
+    ),
+]
