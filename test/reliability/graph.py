@@ -26,7 +26,10 @@ NUMBERS = {
 
 
 class Listener:
-    """Hears what a graph puts out: when, what is impossible in it, and what the duty was."""
+    """Hears what a graph puts out: when, what is impossible in it, and what the duty was.
+
+    lost: numbers missing, by topic; refused: samples that were too old when a node had them, by node.
+    """
 
     def __init__(self, domain: int) -> None:
         rclpy.init(args=[], domain_id=domain)
@@ -42,6 +45,16 @@ class Listener:
         self.nominal, self.good = -math.inf, -math.inf
         for topic in (topics.PWM_APPLIED, topics.PWM_COMMAND, topics.FORCE_UNIFIED):
             self.node.create_subscription(topic.type, topic.name, self._heard(topic), 100)
+        self.refused = dict.fromkeys(NODES, 0)
+        for name in NODES:
+            kind, asked = topics.STATUS.type, topics.STATUS.subscriber
+            self.node.create_subscription(kind, f"{name}/status", self._status(name), asked)
+
+    def _status(self, name: str) -> Callable[[Any], None]:
+        def call(message: Any) -> None:
+            self.refused[name] = int(message.stale)
+
+        return call
 
     def _heard(self, topic: topics.Topic) -> Callable[[Any], None]:
         def call(message: Any) -> None:
@@ -102,7 +115,8 @@ def arguments(name: str) -> list[str]:
     if name == "skyhook_controller":
         return ["--ros-args", "--params-file", file]
     gains = str(CONFIG / "gains/unified.yaml")
-    return ["--ros-args", "-p", f"model_file:={VEHICLE}", "-p", f"gains_file:={gains}"]
+    own = ["--ros-args", "--params-file", file]
+    return [*own, "-p", f"model_file:={VEHICLE}", "-p", f"gains_file:={gains}"]
 
 
 @contextmanager

@@ -69,12 +69,14 @@ def run(seconds: int) -> int:
             port.ask(unit, Kind.OK, 0.0)
             unwell += not math.isfinite(listener.until(lambda: well(listener), 3.0))
             listener.listen(SETTLE)
-            before = dict(listener.lost)
+            before, refused = dict(listener.lost), sum(listener.refused.values())
             listener.listen(max(period - (monotonic() - begun), 0.0))
             gone = {name: listener.lost[name] - before[name] for name in lost}
             lost = {name: lost[name] + gone[name] for name in lost}
             words = ", ".join(f"{name} {n}" for name, n in gone.items())
-            sys.stdout.write(f"{said}; lost after it: {words}{listener.strangers()}\n")
+            old = sum(listener.refused.values()) - refused
+            late = f"; too old when a node had them: {old}" if old else ""
+            sys.stdout.write(f"{said}; lost after it: {words}{late}{listener.strangers()}\n")
             sys.stdout.flush()
         last = {name: memory(pid) for name, pid in pids.items()}
         alive = all(node.process.poll() is None for node in nodes.values())
