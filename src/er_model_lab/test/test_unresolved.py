@@ -24,7 +24,7 @@ NOISE = {
 def rough():
     """What an ideal sensor reads of the velocity, and the problem of a complete model."""
     car, rng = load_model(CONFIG / "vehicles/inove_quarter_car.yaml"), np.random.default_rng(2)
-    program = replace(load_program(CONFIG / "experiments/iso_steps.yaml"), duration=25.0)
+    program = replace(load_program(CONFIG / "experiments/iso_steps.yaml"), duration=15.0)
     t = times(program.duration, DT)
     road, duty = resolve(program, car, DT).signals(t)
     run = simulate(car, DT, road, duty)
