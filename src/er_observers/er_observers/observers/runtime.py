@@ -129,37 +129,50 @@ def step(gains: Gains, state: State, sample: Sample) -> tuple[State, Estimate]:
     Samples that are late or double change nothing. A jump of time by more than the hold limit, or
     valid data after so long without, starts afresh.
     """
-    hold = gains.limits.hold + ROUNDING
-    dt = sample.t - state.t
-    if not state.running and math.isfinite(sample.t):
-        state = _restart(gains, state, sample)
-    elif not math.isfinite(dt) or -hold < dt <= 0.0:
-        state = state._replace(rejected=state.rejected + 1)
-    elif abs(dt) > hold:
-        state = _restart(gains, state, sample)
-    elif not _valid(gains, sample):
-        state = _bridge(gains, state, sample, dt)
-    elif state.memory.item(watching.LOST) + dt > hold:
-        state = _restart(gains, state, sample)
-    else:
-        state = _follow(gains, state, sample, dt)
+    if state.running and state.P is None:
+        t, sprung, unsprung, asked, deflection = sample
+        memory = state.memory.copy()
+        force, x, v, ratio, verdict, duty, repaired, goes_on = run_sample(
+            gains.book, memory, sprung, unsprung, deflection, state.duty, asked, t - state.t
+        )
+        if goes_on:
+            told, rejected = _says(force, x, v, ratio, verdict), state.rejected + repaired
+            parts = (t, memory, state.layout, None, duty, told, True, state.resets, rejected)
+            return _NEW(State, parts), told
+    state = _other(gains, state, sample)
     return state, state.estimate
 
 
-def _follow(gains: Gains, state: State, sample: Sample, dt: float) -> State:
-    """Advance with the measurement."""
-    t, sprung, unsprung, asked, deflection = sample
-    if state.P is not None and gains.opening is not None:
-        memory = np.empty_like(state.memory)
-        P, said, duty, repaired = _found(gains, state, sample, dt, memory)
-    else:
-        P, memory = None, state.memory.copy()
-        force, x, v, ratio, verdict, duty, repaired = run_sample(
-            gains.book, memory, sprung, unsprung, deflection, state.duty, asked, dt
-        )
-        said = force, x, v, ratio, verdict
-    told, rejected = _says(*said), state.rejected + repaired
-    return _NEW(State, (t, memory, state.layout, P, duty, told, True, state.resets, rejected))
+def _other(gains: Gains, state: State, sample: Sample) -> State:
+    """The state after a sample of the start phase, or one that does not simply follow the one before."""
+    hold = gains.limits.hold + ROUNDING
+    dt = sample.t - state.t
+    if not state.running and math.isfinite(sample.t):
+        return _restart(gains, state, sample)
+    if not math.isfinite(dt) or -hold < dt <= 0.0:
+        return state._replace(rejected=state.rejected + 1)
+    if abs(dt) > hold:
+        return _restart(gains, state, sample)
+    if not _valid(gains, sample):
+        return _bridge(gains, state, sample, dt)
+    if state.memory.item(watching.LOST) + dt > hold:
+        return _restart(gains, state, sample)
+    return _find(gains, state, sample, dt)
+
+
+def _find(gains: Gains, state: State, sample: Sample, dt: float) -> State:
+    """Advance with the measurement in the start phase."""
+    memory = np.empty_like(state.memory)
+    P, said, duty, repaired = _found(gains, state, sample, dt, memory)
+    return state._replace(
+        t=sample.t,
+        memory=memory,
+        P=P,
+        duty=duty,
+        estimate=_says(*said),
+        running=True,
+        rejected=state.rejected + repaired,
+    )
 
 
 def _found(

@@ -16,10 +16,12 @@ from er_observers.observers.kernel import HEAD, SUBSTEP, advance
 from er_observers.observers.matrices import Plan
 from er_observers.observers.watch import (
     FLOOR,
+    LOST,
     POWER,
     contradiction,
     decay_rate,
     follow,
+    follows,
     judge,
 )
 
@@ -95,16 +97,19 @@ def book_of(plan: Plan, reading: Array, rules: Array, layout: Layout) -> Array:
 def run_sample(
     book: Array, memory: Array, sprung: float, unsprung: float, deflection: float, last: float,
     asked: float, dt: float,
-) -> tuple[float, float, float, float, int, float, bool]:  # fmt: skip
+) -> tuple[float, float, float, float, int, float, bool, bool]:  # fmt: skip
     """Bring the memory, in place, dt [s] further with the duty `last` in force.
 
     book: of `book_of`. sprung, unsprung, deflection: outputs, as many as there are. Returns `said`,
-    and the duty from now on as `duty_within` has it.
+    the duty from now on as `duty_within` has it, and whether it went so: a sample that does not
+    simply follow the one before changes nothing.
     """
     a, b, c, d = int(book[0]), int(book[1]), int(book[2]), int(book[3])
     values, reading, rules, scratch, before = book[4:a], book[a:b], book[b:c], book[c:d], book[d:]
     order, m, table = int(values[0]), int(values[1]), int(values[3])
     n, duties = memory.shape[0] - 9 - 2 * m - order, HEAD + 2 * order + m
+    if not follows(rules, memory[LOST], dt, sprung, unsprung, deflection, m):
+        return 0.0, 0.0, 0.0, 0.0, 0, last, False, False
     for i in range(memory.shape[0]):
         before[i] = memory[i]
     dt = np.round(dt * _PICOSECONDS) / _PICOSECONDS  # stamps are sums of rounded periods
@@ -127,7 +132,7 @@ def run_sample(
     force, x, v, ratio, verdict = keep(
         reading, rules, before, last, dt, repaired, end, m, n, memory
     )
-    return force, x, v, ratio, verdict, duty, repaired
+    return force, x, v, ratio, verdict, duty, repaired, True
 
 
 @compiled

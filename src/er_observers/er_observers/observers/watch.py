@@ -70,8 +70,21 @@ def watch_of(form: LinearForm, poles: Array) -> Watch:
 
 
 def rules_of(watch: Watch, limits: Limits) -> Array:
-    """Watch and limits as the compiled functions take them: the numbers of `Watch`, then of `_KEPT`."""
-    return np.array([*watch, *(getattr(limits, name) for name in _KEPT)], float)
+    """Watch and limits as the compiled functions take them: the numbers of `Watch`, of `_KEPT`, what is believed."""
+    kept = [getattr(limits, name) for name in _KEPT]
+    return np.array([*watch, *kept, *limits.acceleration, limits.deflection], float)
+
+
+@compiled
+def follows(
+    rules: Array, lost: float, dt: float, sprung: float, unsprung: float, deflection: float, m: int
+) -> bool:
+    """Whether a sample of m outputs simply goes on from the one dt [s] before; comparisons with NaN are false."""
+    hold = rules[6] + ROUNDING
+    believed = abs(sprung) <= rules[15] and abs(unsprung) <= rules[16]
+    if m > 2 and not abs(deflection) <= rules[17]:
+        return False
+    return bool(0.0 < dt <= hold and believed and lost + dt <= hold)
 
 
 @compiled
