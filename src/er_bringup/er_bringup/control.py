@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 from er_ftc_controller.closed_loop import known
-from er_ftc_controller.compare import inner
+from er_ftc_controller.compare import inner, tradeoff
 from er_ftc_controller.compare.run import WatchOf, compare, run, setup
 from er_ftc_controller.compare.scenarios import Scenario, load_scenarios
 from er_ftc_controller.compare.table import markdown
@@ -64,6 +64,19 @@ def inner_command(
     (chosen,) = _scenarios([scenario])
     _with(chosen, fault)
     _print(inner.markdown(inner.rows(setup(configuration()), chosen, fault, seeds)))
+
+
+@app.command("tradeoff")
+def tradeoff_command(
+    scenario: Annotated[str, typer.Argument(help="Scenario.")] = "thesis_6_4_2",
+    seeds: Annotated[int, typer.Option(min=1, help="Roads.")] = 5,
+) -> None:
+    """Deflection against comfort over horizon and dead zone of the force loop, healthy and with faults."""
+    (chosen,) = _scenarios([scenario])
+    faults = ("healthy", "electrical", "leakage")
+    with _progress() as tick:
+        found = tradeoff.points(setup(configuration()), chosen, faults, seeds, tick=tick)
+    _print(tradeoff.markdown(found))
 
 
 @app.command("endurance")

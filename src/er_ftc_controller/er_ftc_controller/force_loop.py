@@ -30,8 +30,9 @@ class ForceLoop:
 
     horizon: within which the force is to be reached [s], infinite for the inverse static model. correction: share of
     the difference to an estimated force that is taken over at each sample. latency: from a sample to its duty [s].
-    dead_zone: duties below it are the least one. least_gate: a smaller |s| is
-    taken for it, since what no duty can make must not ask for all of it.
+    dead_zone: duties below it are the least one, counted by what an electrical fault leaves of their field: a weak
+    field is no reason to act more often. least_gate: a smaller |s| is taken for it, since what no duty can make must
+    not ask for all of it.
     """
 
     damper: StaticDamper
@@ -120,7 +121,7 @@ def duty_for(
         missing = wanted - kept * respond(p.tau, state.force, goal, p.latency)
         share = max(missing / (1.0 - kept) / full, 0.0)
         duty = min(max(min(share, 1.0) ** (1.0 / p.damper.beta), low), high)
-    if duty < p.dead_zone:
+    if left.electrical * duty**p.damper.beta < p.dead_zone**p.damper.beta:
         duty = low
     room = p.slew * dt
     duty = min(max(duty, state.duty - room), state.duty + room)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import yaml
 from er_ftc_controller.closed_loop import known
+from er_ftc_controller.compare import tradeoff
 from er_ftc_controller.compare.measures import Measures, violations, w_k, weighted
 from er_ftc_controller.compare.run import Outcome, Setup, compare, judged, run, setup
 from er_ftc_controller.compare.scenarios import load_scenario, load_scenarios
@@ -81,6 +82,18 @@ def test_with_a_leak_it_lowers_the_deflection_and_respects_the_domain(of: Setup)
     text = markdown([s], rows, "known")
     assert "| leakage | fault_tolerant |" in text
     assert f"{1e3 * ours.rms:.3f}" in text
+
+
+def test_a_dead_zone_gives_deflection_for_comfort_and_an_electrical_fault_costs_none(
+    of: Setup,
+) -> None:
+    (s,) = load_scenarios(FOLDER, ["thesis_6_4_2"])
+    changes = [{"horizon": 0.02, "dead_zone": zone} for zone in (0.0, of.parameters.dead_zone)]
+    bold, shipped = tradeoff.points(of, s, ("electrical",), 1, changes)
+    assert bold.deflection["electrical"] < shipped.deflection["electrical"] < 0.0
+    assert bold.comfort["electrical"] > 0.01
+    assert abs(shipped.comfort["electrical"]) < 0.01
+    assert tradeoff.markdown([bold, shipped]).count("\n") == 3
 
 
 def test_a_run_repeats_bit_for_bit_and_another_road_does_not(of: Setup) -> None:

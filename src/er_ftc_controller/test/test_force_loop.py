@@ -109,6 +109,11 @@ def test_limits_of_the_duty_hold_and_none_winds_up() -> None:
     assert duty_for(loop(), LoopState(), -wanted, gate, 0.005, LEFT)[1] == 0.0
     assert duty_for(loop(slew=20.0), LoopState(duty=0.3), wanted, gate, 0.005, LEFT)[1] == 0.4
     assert duty_for(loop(dead_zone=0.1), LoopState(), 0.01, gate, 0.005, LEFT)[1] == 0.0
+    shy = loop(dead_zone=0.1, horizon=math.inf)
+    for leaves in (Factors(), Factors(electrical=0.5), Factors(leakage=0.5)):
+        goal = float(shy.damper.height(0.15, leaves))
+        duty = duty_for(shy, LoopState(), goal, gate, 0.005, leaves)[1]
+        assert duty == pytest.approx(0.0 if leaves.electrical < 1.0 else 0.15)
     weak = duty_for(loop(least_gate=0.4), LoopState(), 0.3, 0.1, 0.005, LEFT)[1]
     assert weak == pytest.approx(duty_for(loop(), LoopState(), 0.3, 0.4, 0.005, LEFT)[1])
     assert duty_for(loop(), LoopState(duty=0.3), wanted, 0.0, 0.005, LEFT)[1] == 0.0

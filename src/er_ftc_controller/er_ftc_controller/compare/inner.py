@@ -15,6 +15,8 @@ from er_ftc_controller.compare.measures import weighted
 from er_ftc_controller.compare.run import Setup
 from er_ftc_controller.compare.scenarios import DT, Scenario
 
+BASE: Mapping[str, Any] = {"horizon": 0.01, "dead_zone": 0.05}
+"""What all ways have in common where they do not say otherwise, beside the shipped parameters."""
 VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "inverse static model": {"horizon": 0.0, "least_gate": 0.0, "ahead": 0.0},
     "the same, with least_gate and ahead": {"horizon": 0.0},
@@ -28,7 +30,7 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "10 ms, slew 20 1/s": {"slew": 20.0},
     "10 ms, dead zone 0": {"dead_zone": 0.0},
 }
-"""Changes of the shipped parameters."""
+"""Changes of that."""
 CARS: Mapping[str, Mapping[tuple[str, str], float]] = {
     "as believed": {},
     "tau 30 % longer": {("response", "tau"): 1.3},
@@ -79,9 +81,8 @@ def _one(
     factors: Mapping[tuple[str, str], float], number: int,
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Figures of one run."""
-    p = replace(
-        setup.parameters, u_max=scenario.duty_max, latency=scenario.latency * DT, **changes
-    )
+    limits: dict[str, Any] = {"u_max": scenario.duty_max, "latency": scenario.latency * DT}
+    p = replace(setup.parameters, **limits, **{**BASE, **changes})
     car = _changed(scenario.car(setup.model, fault), factors)
     road, seed = scenario.road(setup.model, number), scenario.program.seed + number
     sensors = Sensors(latency=scenario.latency)

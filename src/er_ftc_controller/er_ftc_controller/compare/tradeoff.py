@@ -1,0 +1,86 @@
+"""Deflection against comfort: what horizon and dead zone of the force loop cost and bring, against the passive car."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from er_models.model import Array
+
+from er_ftc_controller.closed_loop import known
+from er_ftc_controller.compare.run import Setup, judged, run
+from er_ftc_controller.compare.scenarios import DT, Scenario
+from er_ftc_controller.rivals import Law
+
+POINTS: Sequence[Mapping[str, Any]] = tuple(
+    {"horizon": horizon, "dead_zone": zone}
+    for horizon, zone in ((0.01, 0.0), (0.01, 0.05), (0.01, 0.1), (0.01, 0.2), (0.02, 0.05), (0.02, 0.12),
+                          (0.02, 0.2), (0.03, 0.05), (0.03, 0.1))
+)  # fmt: skip
+"""Changes of the shipped parameters."""
+
+
+class Point(NamedTuple):
+    """Shares of the passive car's rms deflection and comfort by which ours differ, mean over roads; by fault.
+
+    gained: share of the nominal controller's rms deflection by which ours is lower.
+    """
+
+    changes: Mapping[str, Any]
+    deflection: Mapping[str, float]
+    comfort: Mapping[str, float]
+    gained: Mapping[str, float]
+
+
+def points(
+    setup: Setup, scenario: Scenario, faults: Sequence[str], seeds: int,
+    changes: Sequence[Mapping[str, Any]] = POINTS, tick: Callable[[int, int], None] | None = None,
+) -> list[Point]:  # fmt: skip
+    """Every point on the first roads of a scenario, the faults known."""
+    passive = {f: _felt(setup, scenario, f, setup.law("passive", scenario), seeds) for f in faults}
+    found = []
+    for done, change in enumerate(changes, 1):
+        p = replace(
+            setup.parameters, u_max=scenario.duty_max, latency=scenario.latency * DT, **change
+        )
+        ours, nominal = (
+            {f: _felt(setup, scenario, f, law, seeds) for f in faults}
+            for law in (setup.built(p), setup.built(p, nominal=True))
+        )
+        share = {f: np.mean(ours[f] / passive[f], axis=0) - 1.0 for f in faults}
+        found.append(Point(
+            change, {f: float(share[f][0]) for f in faults}, {f: float(share[f][1]) for f in faults},
+            {f: 1.0 - float(np.mean(ours[f][:, 0] / nominal[f][:, 0])) for f in faults},
+        ))  # fmt: skip
+        if tick is not None:
+            tick(done, len(changes))
+    return found
+
+
+def markdown(found: Sequence[Point]) -> str:
+    """The points as a table."""
+    faults = list(found[0].comfort)
+    heads = [f"{f}: deflection, comfort" for f in faults] + [
+        f"{f}: less deflection than nominal" for f in faults if f != "healthy"
+    ]
+    lines = [
+        "| horizon [ms] | dead zone | " + " | ".join(heads) + " |",
+        "|---" * (len(heads) + 2) + "|",
+    ]
+    for p in found:
+        cells = [f"{100 * p.deflection[f]:+.1f} %, {100 * p.comfort[f]:+.1f} %" for f in faults]
+        cells += [f"{100 * p.gained[f]:.1f} %" for f in faults if f != "healthy"]
+        first = f"| {1e3 * p.changes['horizon']:g} | {p.changes['dead_zone']:g} | "
+        lines.append(first + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def _felt(setup: Setup, scenario: Scenario, fault: str, law: Law, seeds: int) -> Array:
+    """Rms deflection [m] and comfort [m/s2] of each road, (seeds, 2)."""
+    rows = []
+    for number in range(seeds):
+        m = judged(setup, scenario, run(setup, scenario, fault, law, known, number))
+        rows.append((m.rms, m.comfort))
+    return np.array(rows)
