@@ -39,6 +39,8 @@ CONTRADICTION = 0.03
 """Difference of two estimates of a lag, in samples, above which accelerometers contradict the other channels."""
 FOLDS = 12
 """Blocks for cross-validation."""
+JUMP, SELDOM = 0.05, 0.05
+"""Share of its range by which the duty jumps, and the share of samples below which jumps are left out."""
 
 
 @dataclass(frozen=True)
@@ -192,11 +194,25 @@ def split(motion: Motion, sealed: int = 0) -> tuple[NDArray[np.int64], NDArray[n
                 held[min(lo + guard, hi) : hi] = True
             else:
                 fold[lo : max(hi - guard, lo)] = 0
+    unsure = switching(motion)
+    fold[unsure], held[unsure] = -1, False
     order = np.flatnonzero(fold >= 0)
     if order.size < 100 or held.sum() < 30:
         raise InputError("DATA", "length", "at least 150 samples to fit and to hold out", n)
     fold[order] = np.arange(order.size) * FOLDS // order.size
     return fold, held
+
+
+def switching(motion: Motion) -> NDArray[np.bool_]:
+    """Samples (n,) at whose very instant the duty jumps: whether the force is that before or after it, nobody knows.
+
+    What follows the duty at once makes the two differ, and a lag of no length would explain it. Where the duty
+    changes all the time no sample is another's better, and none is marked.
+    """
+    u = motion.u
+    jumps = np.abs(np.diff(u, prepend=u[0])) > JUMP * float(np.ptp(u))
+    jumps[motion.starts[:-1]] = False
+    return jumps if np.mean(jumps) < SELDOM else np.zeros(u.size, bool)
 
 
 def spared(motion: Motion) -> set[int]:

@@ -21,13 +21,19 @@ def imposed(rng, n):
     return x, v, a, np.repeat(rng.choice([0.0, 0.1, 0.2, 0.3], n // 150 + 1), 150)[:n]
 
 
-def problem_of(effect, values, seconds=24.0, seed=1, accelerometers=True, blur=1.0):
-    """The model without an effect (None: nothing is hidden), and measurements with it along an imposed motion."""
+def problem_of(effect, values, seconds=24.0, seed=1, accelerometers=True, blur=1.0, early=False):
+    """The model without an effect (None: nothing is hidden), and measurements with it along an imposed motion.
+
+    early: where the duty jumps at the instant of a sample, the force was read before.
+    """
     model, rng = load_model(GUO), np.random.default_rng(seed)
     n = round(seconds / DT)
     x, v, a, u = imposed(rng, n)
     truth = model.with_effect(effect, values) if effect else model
     force = predict(truth, motion(DT, x, v, u, a))
+    if early:
+        later = np.concatenate([u[:1], u[:-1]])
+        force = np.where(u != later, predict(truth, motion(DT, x, v, later, a)), force)
     channels = {
         "deflection": x + blur * 2e-5 * rng.standard_normal(n),
         "deflection_velocity": v + blur * 1e-3 * rng.standard_normal(n),

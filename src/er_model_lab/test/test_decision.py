@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.diagnose.candidates import baseline, refit
+from er_model_lab.diagnose.candidates import baseline, effect_size, refit
 from er_model_lab.diagnose.left import bursts, filtered
 from er_model_lab.diagnose.null import Null, simulate_null
 from er_model_lab.diagnose.search import Round, swapped, tied
@@ -57,6 +57,16 @@ def test_a_complete_model_stays_below_what_chance_gives_and_an_effect_does_not()
         limits[effect] = null.threshold(0.01), np.sqrt(max(base.mse - found[0].mse, 0.0))
     assert limits[None][1] < limits[None][0] < 0.05
     assert limits["coulomb_friction"][1] > 3.0 * limits["coulomb_friction"][0]
+
+
+def test_whether_the_force_was_read_before_or_after_a_jump_of_the_duty_is_no_lag():
+    model, problem = problem_of("field_stiffness", {"k_u": 3000.0}, seed=6, early=True)
+    base = refit(baseline(model, problem), model.catalogue["field_stiffness"], problem)
+    lagging = refit(base, model.catalogue["force_lag"], problem)
+    assert effect_size(base, lagging) < 0.02
+    jumps = np.flatnonzero(np.diff(problem.motion.u)) + 1
+    assert jumps.size > 10
+    assert not problem.used[jumps].any()
 
 
 @pytest.mark.parametrize(("rate", "share"), [(0.0, 0.1), (1.0, 0.1), (0.01, -0.1)])
