@@ -183,9 +183,12 @@ def test_a_stack_integrates_one_corner(
             return nominal[0] > 100 and any(m.valid for _, m in heard.forces)
 
         wait_for(car, commanded)
-        car.run(2.0)
-        # all is well: commands answer samples, the force is that of the car
-        recent = [m for _, m in heard.commands[-200:]]
+        # all is well: commands answer samples, the force is that of the car; a busy machine may hold up one look
+        for _ in range(3):
+            car.run(2.0)
+            recent = [m for _, m in heard.commands[-200:]]
+            if {m.source for m in recent} == {PwmDuty.SOURCE_NOMINAL}:
+                break
         assert {m.source for m in recent} == {PwmDuty.SOURCE_NOMINAL}
         assert {round(m.duty, 6) for m in recent} == {0.0, 0.3}
         good = [m for _, m in heard.forces[-300:] if m.valid and m.status == m.STATUS_OK]
