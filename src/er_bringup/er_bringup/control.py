@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -17,8 +15,8 @@ from er_ftc_controller.compare.scenarios import Scenario, load_scenarios
 from er_ftc_controller.compare.table import markdown
 from er_models.errors import ErError, UnknownName
 from er_models.files import write_whole
+from er_observers.compare.progress import roads_done
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from er_bringup.estimated import estimated
 from er_bringup.up import configuration
@@ -46,7 +44,7 @@ def compare_command(
     """All controllers on all faults and roads of the scenarios: tables of means and paired differences."""
     config = configuration()
     scenarios = tuple(_with(s, fault) for s in _scenarios(only))
-    with _progress() as tick:
+    with roads_done() as tick:
         outcomes = compare(setup(config), scenarios, _watch(faults), seeds, tick=tick)
     text = markdown(scenarios, outcomes, faults)
     _print(text)
@@ -74,7 +72,7 @@ def tradeoff_command(
     """Deflection against comfort over horizon and dead zone of the force loop, healthy and with faults."""
     (chosen,) = _scenarios([scenario])
     faults = ("healthy", "electrical", "leakage")
-    with _progress() as tick:
+    with roads_done() as tick:
         found = tradeoff.points(setup(configuration()), chosen, faults, seeds, tick=tick)
     _print(tradeoff.markdown(found))
 
@@ -154,18 +152,6 @@ def _watch(name: str) -> WatchOf:
 def _print(text: str) -> None:
     """For people and for files: no wrapping, no colours."""
     Console(soft_wrap=True, markup=False, highlight=False).print(text)
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[int, int], None] | None]:
-    """Roads done and of all, on a terminal only."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    shown = (TextColumn("roads"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*shown, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("roads", total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def main() -> None:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -13,9 +12,9 @@ import typer
 from er_models.files import load_model, write_whole
 from er_models.model import Model
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from er_observers.compare.estimators import Estimator, estimators_of
+from er_observers.compare.progress import roads_done
 from er_observers.compare.run import compare, follow
 from er_observers.compare.table import csv_lines, document
 from er_observers.compare.terminal import tables
@@ -63,7 +62,7 @@ def compare_command(
     gains = gains or config / "gains"
     estimators = estimators_of(car, gains)
     scenarios = choose_scenarios(load_scenarios(config / "scenarios"), only or [])
-    with _progress() as tick:
+    with roads_done() as tick:
         outcomes = compare(scenarios, car, gains, seeds, tick)
     titles = {e.name: e.title for e in estimators}
     ours = [e.name for e in estimators if e.ours]
@@ -94,15 +93,3 @@ def _draw(
             for e in estimators
         }
         draw(folder / f"{s.name.replace('/', '_')}.png", s.title, record, forces)
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[int, int], None] | None]:
-    """Roads done and of all, on a terminal only."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    shown = (TextColumn("roads"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*shown, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("roads", total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
