@@ -20,6 +20,7 @@ from er_model_lab.diagnose.by_record import by_record
 from er_model_lab.diagnose.candidates import baseline
 from er_model_lab.diagnose.floor import noise_floor
 from er_model_lab.diagnose.null import simulate_null
+from er_model_lab.diagnose.verdict import Name
 from er_model_lab.excess import noise_at, region_tables
 from er_model_lab.floors import floors
 from er_model_lab.fusion import fusion_json
@@ -262,19 +263,30 @@ def _improved(studies: list[Study], model: Model, records: list[Record], ask: Re
         more = clean(diagnosis_json(study, model))
         result["steps"] += more["steps"][1:]
         result["effects"] += [e for e in more["effects"] if e not in result["effects"]]
+        result["alternatives"] += [
+            g for g in more["alternatives"] if g not in result["alternatives"]
+        ]
         for key in ("rmse_after", "noise_floor", "floors", "unexplained"):
             result[key] = more[key]
     final = last.diagnosis
     adequate = final.verdict in ("adequate", "missing_effect", "ambiguous")
     result["final_verdict"] = "adequate" if adequate else final.verdict
-    if len(studies) > 1 and result["verdict"] == "partial" and adequate:
-        result["verdict"] = "missing_effect"
+    if len(studies) > 1 and result["verdict"] == "partial":
+        result["verdict"] = overall(final.verdict, tied=bool(result["alternatives"]))
+        result["reasons"] += [r for r in final.reasons if r not in result["reasons"]]
     view = replace(outcome.view, result=result)
     if len(studies) > 1:
         after = last.problem.force - last.diagnosis.best.fit.residual
         before = first.problem.force - first.diagnosis.base.fit.residual
         view = replace(view, records=views(last.problem, before, after))
     return Outcome(result, view, model, outcome.complete)
+
+
+def overall(last: Name, *, tied: bool) -> Name:
+    """Verdict on all that several passes added, from that of the last: a tie of any of them leaves the whole unsure."""
+    if last in ("adequate", "missing_effect"):
+        return "ambiguous" if tied else "missing_effect"
+    return "ambiguous" if last == "ambiguous" else "partial"
 
 
 def gone_on(outcome: Outcome, begun: Begun, out: Path) -> Outcome:

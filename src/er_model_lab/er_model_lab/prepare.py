@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from er_models.errors import InputError, MissingChannel
@@ -15,6 +16,7 @@ from er_models.predict import Motion, join
 from er_models.scales import Scales
 from numpy.typing import NDArray
 
+from er_model_lab.cycle import Cycle, cycles
 from er_model_lab.forward import DAMPER, Forward
 from er_model_lab.fuse import (
     Channels,
@@ -94,6 +96,12 @@ class Problem:
     def second(self) -> int:
         """Rows of a second."""
         return max(round(1.0 / self.motion.dt), 1) * self.forward.outputs
+
+    @cached_property
+    def cycles(self) -> tuple[Cycle, ...]:
+        """The cycle that each record of a damper repeats; empty where one of them repeats none."""
+        m = self.motion
+        return cycles(m.v, m.dt, m.starts) if self.forward.outputs == 1 else ()
 
     @property
     def train(self) -> NDArray[np.bool_]:

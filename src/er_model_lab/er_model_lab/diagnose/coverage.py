@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from er_model_lab.cycle import FEW_CURVES, curves, one_curve
 from er_model_lab.prepare import Problem
 
 
@@ -14,7 +15,8 @@ from er_model_lab.prepare import Problem
 class Coverage:
     """Ranges of the data, what blocks a verdict, and hints on what to record next.
 
-    tones: number of frequencies that carry 95 % of the motion; levels: distinct duties held.
+    tones: number of frequencies that carry 95 % of the motion; levels: distinct duties held; curves: number of
+    closed curves that the motion runs through again and again, 0 where it does not repeat itself.
     """
 
     deflection: float
@@ -27,6 +29,7 @@ class Coverage:
     temperature: float
     blocking: tuple[str, ...]
     hints: tuple[str, ...]
+    curves: int = 0
 
 
 def coverage(problem: Problem) -> Coverage:
@@ -40,7 +43,10 @@ def coverage(problem: Problem) -> Coverage:
     blocking, hints = [], []
     if seconds < 5.0:
         blocking.append(f"only {seconds:.1f} s of usable data: record at least 20 s")
-    if tones <= 2:
+    many = curves(problem.cycles, m.v, m.starts)
+    if 0 < many <= FEW_CURVES:
+        blocking.append(one_curve(problem.cycles[0].frequency))
+    elif tones <= 2:
         blocking.append(
             "the motion is a single tone: effects of velocity, deflection and acceleration cannot be told apart; "
             "record several frequencies or a sweep"
@@ -57,7 +63,7 @@ def coverage(problem: Problem) -> Coverage:
             )
     return Coverage(
         float(np.max(np.abs(m.x))), float(np.max(np.abs(m.v))), (float(u.min()), float(u.max())), levels, steps,
-        tones, seconds, float(np.ptp(m.theta)), tuple(blocking), tuple(hints),
+        tones, seconds, float(np.ptp(m.theta)), tuple(blocking), tuple(hints), many,
     )  # fmt: skip
 
 

@@ -31,7 +31,8 @@ class Null:
 
     input_error: force error [N] that the motion sensors cause on the training samples, and on the held-out ones;
     force_noise [N] with its lag-one correlation `colour`; input_square (n,): mean square [N2] over the draws of
-    the motion, of `outputs` rows a sample.
+    the motion, of `outputs` rows a sample; least: size [N] below which nothing is believed, however rare: where the
+    motion repeats itself, all that the motion sensors cause, since it comes back in every cycle.
     """
 
     maxima: Array
@@ -41,6 +42,7 @@ class Null:
     colour: float
     input_square: Array
     outputs: int = 1
+    least: float = 0.0
 
     def _peaks(self) -> int:
         """Replicates from which the tail is drawn on."""
@@ -56,7 +58,11 @@ class Null:
     def threshold(self, false_alarm: float) -> float:
         """Effect size that chance passes with this probability [N]."""
         if not self.maxima.size:
-            return 0.0
+            return self.least
+        return max(self.least, self._exceeded(false_alarm))
+
+    def _exceeded(self, false_alarm: float) -> float:
+        """The size that this share of complete models would exceed."""
         begin, mean, share = self._tail()
         if false_alarm >= share:
             return float(np.quantile(self.maxima, 1.0 - false_alarm))
@@ -65,6 +71,8 @@ class Null:
 
     def p_value(self, size: float) -> float:
         """Probability that chance alone does as well in a complete model."""
+        if size <= self.least:
+            return 1.0
         begin, mean, share = self._tail()
         if size <= begin or mean <= 0.0:
             return float((1 + np.sum(self.maxima >= size)) / (self.maxima.size + 1))
@@ -83,14 +91,15 @@ def simulate_null(
     leader = rivals[0] if rivals else base
     noise, colour = _force_noise(leader, problem, input_error)
     square, outputs = np.mean(wobble**2, axis=0), problem.forward.outputs
+    least = input_error if problem.cycles else 0.0
     if not rivals:
-        return Null(np.zeros(0), input_error, held_out, noise, colour, square, outputs)
+        return Null(np.zeros(0), input_error, held_out, noise, colour, square, outputs, least)
     many = -(-replicates // MOTIONS)
     errors = np.repeat(wobble, many, axis=0) + problem.forward.output_errors(
         leader.fit.residual, noise, colour, rng, many * MOTIONS
     )
     maxima = largest(base, rivals, problem, errors.T)
-    return Null(maxima, input_error, held_out, noise, colour, square, outputs)
+    return Null(maxima, input_error, held_out, noise, colour, square, outputs, least)
 
 
 def _force_noise(best: Candidate, problem: Problem, input_error: float) -> tuple[float, float]:

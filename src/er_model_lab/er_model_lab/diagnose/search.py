@@ -82,7 +82,8 @@ def tied(
     """Candidates the data cannot tell from the best one, simplest first.
 
     A tie needs nearly the same effect size, and a paired difference within `DOUBT` standard errors, or within
-    `SURE` and too small to count as an effect of its own.
+    `SURE` and too small to count as an effect of its own. Where the motion repeats itself a difference comes back in
+    every cycle, so that only its size counts.
     """
     best = candidates[0]
     size = effect_size(base, best)
@@ -91,7 +92,7 @@ def tied(
         if not passes(base, other, limit) or effect_size(base, other) < 0.85 * size:
             continue
         gap, t = np.sqrt(max(other.mse - best.mse, 0.0)), block_t(best, other, problem)
-        if t < (SURE if gap < limit else DOUBT):
+        if t < (SURE if gap < limit else DOUBT) or (problem.cycles and gap < limit):
             near.append(other)
     return sorted(near, key=complexity)
 

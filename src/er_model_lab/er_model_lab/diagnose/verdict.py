@@ -211,8 +211,8 @@ def _decide(
     )
     if explained_all >= ENOUGH:
         if any(len(group) > 1 for group in ties):
-            reasons.append("the data cannot tell some effects apart")
-            return "ambiguous", reasons
+            said = "the data cannot tell some effects apart"
+            return "ambiguous", [*reasons, said, *cover.blocking]
         if cover.blocking:
             return "ambiguous", reasons + list(cover.blocking)
         return "missing_effect", reasons

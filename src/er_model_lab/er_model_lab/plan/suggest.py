@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -25,8 +26,21 @@ def suggestions(
     groups = [[e for e in g if e != KINEMATIC] for g in result.get("alternatives") or ()]
     asked = [["--between", *group[:2]] for group in groups if len(group) > 1]
     if not asked:
-        asked = _hidden(result)
+        asked = _rival(result) or _hidden(result)
     return [shlex.join([*words, *a, "--out", "next.yaml"]) for a in asked[:MOST]]
+
+
+def _rival(result: Mapping[str, Any]) -> list[list[str]]:
+    """What was named on data that cannot be sure of it, and what explains them nearly as well."""
+    named = [e for e in result.get("effects") or () if e != KINEMATIC]
+    if result.get("verdict") != "ambiguous" or not named:
+        return []
+    others = [
+        c for c in result.get("candidates") or ()
+        if c["effect"] not in (*named, KINEMATIC) and c["evidence"] > c.get("threshold", math.inf)
+    ]  # fmt: skip
+    best = min(others, key=lambda c: float(c["rmse_cross_validated"]), default=None)
+    return [["--between", named[0], best["effect"]]] if best else []
 
 
 def _hidden(result: Mapping[str, Any]) -> list[list[str]]:

@@ -140,11 +140,13 @@ def _missing(view: View) -> str:
 
 def _ambiguous(view: View) -> str:
     groups = [[title_of(view, e) for e in group] for group in view.result.get("alternatives", ())]
+    blocking = (view.result.get("coverage") or {}).get("blocking") or ()
+    doubt = f" It may be something else: {'; '.join(blocking)}." if blocking else ""
     if not groups:
-        names = joined(_names(view))
-        return f"{names} would explain it: {_fall(view)}. The data are too narrow to be sure."
+        doubt = doubt or " The data are too narrow to be sure."
+        return f"{joined(_names(view))} would explain it: {_fall(view)}.{doubt}"
     either = "; ".join(joined(group, "or") for group in groups)
-    return f"It is {either}. Each explains the error as well: {_fall(view)}, noise {_floor(view)}."
+    return f"It is {either}. Each explains the error as well: {_fall(view)}, noise {_floor(view)}.{doubt}"
 
 
 def _partial(view: View) -> str:

@@ -1,0 +1,29 @@
+"""Whether the motion of all records together is more than a curve or two that are run through again and again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from er_model_lab.cycle import FEW_CURVES, curves, cycles, one_curve
+from er_model_lab.preflight.finding import Finding
+from er_model_lab.record import Record
+
+
+def motion_findings(records: Sequence[Record]) -> Iterator[Finding]:
+    """A warning where the motion repeats itself and cannot tell effects apart."""
+    known = [r for r in records if r.has("deflection_velocity")]
+    if len(known) < len(records) or not known or len({r.dt for r in known}) > 1:
+        return
+    parts = [r.channels["deflection_velocity"] for r in known]
+    velocity = np.concatenate(parts)
+    starts = np.concatenate([[0], np.cumsum([p.size for p in parts])]).astype(np.int64)
+    found = cycles(velocity, known[0].dt, starts)
+    if not 0 < curves(found, velocity, starts) <= FEW_CURVES:
+        return
+    words, _, remedy = one_curve(found[0].frequency).partition("; ")
+    yield Finding(
+        "motion", "warning", known[0].name, "deflection_velocity", "a motion of several frequencies or sizes", words,
+        f"{remedy} (./er lab plan)", known[0].source,
+    )  # fmt: skip
