@@ -100,8 +100,8 @@ class Origin:
 class Catalogue:
     """An ordered set of effects and the layout of their parameters and states in flat vectors.
 
-    origins: by name, where the effects come from that a user added; rest: the last slot, where the kernel searches
-    the force f_r of a damper in series with something.
+    origins: by name, where the effects come from that a user added; formed: the slot of the duty u_f whose chains
+    have formed; rest: the last slot, where the kernel searches the force f_r of a damper in series with something.
     """
 
     effects: tuple[Effect, ...]
@@ -110,6 +110,7 @@ class Catalogue:
     offsets: dict[str, int] = field(init=False, compare=False)
     slots: dict[str, int] = field(init=False, compare=False)
     size: int = field(init=False, compare=False)
+    formed: int = field(init=False, compare=False)
     rest: int = field(init=False, compare=False)
     n_states: int = field(init=False, compare=False)
 
@@ -128,8 +129,9 @@ class Catalogue:
         object.__setattr__(self, "offsets", offsets)
         object.__setattr__(self, "slots", slots)
         object.__setattr__(self, "size", at)
-        object.__setattr__(self, "rest", slot)
-        object.__setattr__(self, "n_states", slot + 1)
+        object.__setattr__(self, "formed", slot)
+        object.__setattr__(self, "rest", slot + 1)
+        object.__setattr__(self, "n_states", slot + 2)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -15,7 +15,13 @@ from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.errors import InputError
 from er_models.kernel.compose import fingerprint
 from er_models.kernel.mask import mask
-from er_models.kernel.order import feeds_back, reads_rest, reads_yield_early
+from er_models.kernel.order import (
+    feeds_back,
+    reads_field,
+    reads_rest,
+    reads_yield_early,
+    turns_with_the_yield,
+)
 from er_models.scales import Scales
 
 Array = NDArray[np.float64]
@@ -114,6 +120,10 @@ class Model:
         if reads_yield_early(used):
             slots.add(c.slots["response"])
             links.add(c.slots["response"])
+        if self.has_response and reads_field(used):
+            slots.add(c.formed)
+            if turns_with_the_yield(used):
+                links.add(c.formed)
         if reads_rest(used):
             links.add(c.rest)
         for effect in used:

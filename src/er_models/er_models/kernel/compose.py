@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from pathlib import Path
 from types import CodeType
@@ -18,9 +18,11 @@ from typing import Any
 from er_models.catalogue import Catalogue
 from er_models.effect import Effect
 from er_models.kernel.inline import inlined
-from er_models.kernel.mask import LAG, of_hook, of_run, stands_alone
+from er_models.kernel.mask import FIELD, LAG, of_hook, of_run, stands_alone
 from er_models.kernel.order import relaxes_at
 
+OF_FIELD = {"y": "u", "f_y": "u_f", "tau_scale": "u_f_scale"}
+"""What the equations of the response see where the duty whose chains have formed follows the duty."""
 PARTS = ("states", "inputs", "imposed", "sensors", "vehicle")
 _MARK = "# --- below this line: compiled with the composed equations ---\n"
 
@@ -30,8 +32,13 @@ def arguments(function: Callable[..., object]) -> tuple[str, ...]:
     return tuple(inspect.signature(function).parameters)
 
 
-def _call(catalogue: Catalogue, effect: Effect, hook: str, pattern: str) -> list[str]:
-    """Source of a hook in its place, with its arguments taken from the flat vectors; pattern holds {call}."""
+def _call(
+    catalogue: Catalogue, effect: Effect, hook: str, pattern: str, signals: Mapping[str, str] = {}
+) -> list[str]:
+    """Source of a hook in its place, with its arguments taken from the flat vectors; pattern holds {call}.
+
+    signals: what stands for a signal here, where that is not the signal itself.
+    """
     names = {}
     for name in arguments(effect.hooks[hook]):
         if name == "w":
@@ -39,7 +46,7 @@ def _call(catalogue: Catalogue, effect: Effect, hook: str, pattern: str) -> list
         elif name in effect.names:
             names[name] = f"p[{catalogue.column(effect.name, name)}]"
         else:
-            names[name] = name
+            names[name] = signals.get(name, name)
     written = inlined(effect.hooks[hook], f"{effect.name}_{hook}", names)
     lines, call = written or ([], f"{effect.name}__{hook}({', '.join(names.values())})")
     lines = [*lines, pattern.format(call=call)]
@@ -68,11 +75,13 @@ def _run(catalogue: Catalogue, run: str, lines: list[str]) -> list[str]:
     return [f"    if on[{of_run(catalogue, run)}]:", *("    " + line for line in lines)]
 
 
-def _relax(catalogue: Catalogue, effect: Effect) -> list[str]:
-    """Lines that bring an effect's state to the end of the step."""
-    slot = catalogue.slots[effect.name]
+def _relax(
+    catalogue: Catalogue, effect: Effect, slot: int = -1, signals: Mapping[str, str] = {}
+) -> list[str]:
+    """Lines that bring an effect's state to the end of the step, or another that follows its equation."""
+    slot = catalogue.slots[effect.name] if slot < 0 else slot
     return [
-        *_call(catalogue, effect, "relax", f"s[R, {slot}], s[G, {slot}] = {{call}}"),
+        *_call(catalogue, effect, "relax", f"s[R, {slot}], s[G, {slot}] = {{call}}", signals),
         f"s[W, {slot}] = follow(s, {slot}, h, how)",
         *_bound(catalogue, effect, slot),
     ]
@@ -87,7 +96,9 @@ def _bound(catalogue: Catalogue, effect: Effect, slot: int) -> list[str]:
     )
 
 
-def _lines(catalogue: Catalogue, hook: str, pattern: str) -> list[str]:
+def _lines(
+    catalogue: Catalogue, hook: str, pattern: str, signals: Mapping[str, str] = {}
+) -> list[str]:
     """Lines of a hook that computes; `pattern` holds {call}.
 
     Where the hook maps a signal that the effect's own state follows, the state's equation comes
@@ -96,7 +107,7 @@ def _lines(catalogue: Catalogue, hook: str, pattern: str) -> list[str]:
 
     def lines(effect: Effect) -> list[str]:
         first = _relax(catalogue, effect) if relaxes_at(effect) == hook else []
-        return [*first, *_call(catalogue, effect, hook, pattern)]
+        return [*first, *_call(catalogue, effect, hook, pattern, signals)]
 
     return _masked(catalogue, hook, lines)
 
@@ -130,11 +141,21 @@ def _damper(catalogue: Catalogue) -> list[str]:
     body += _lines(catalogue, "response_time", "tau_y += {call}")
     response = ["    " + line for line in _relax(catalogue, catalogue["response"])]
     body += [*_run(catalogue, LAG, response), "    else:", f"        s[W, {slot}] = y"]
-    body += [f"    f_y = s[W, {slot}]", "    f_d = f_y"]
+    body += [f"    f_y = s[W, {slot}]", "    f_d = f_y", "    u_f = u", *_field(catalogue)]
     body += _states(catalogue, "states")
     body += _lines(catalogue, "force", "f_d += {call}")
     rest = [f"    s[W, {catalogue.rest}] = f_d - k_0 * x - c_0 * v"]
     return [*body, *_end(catalogue), *_run(catalogue, "early", rest), "    return f_d, f_m, u"]
+
+
+def _field(catalogue: Catalogue) -> list[str]:
+    """The duty whose chains have formed: the lag of the yield force once more, on the duty."""
+    slot = catalogue.formed
+    lines = [f"    u_f = s[W, {slot}]", "    u_f_scale = 1.0"]
+    lines += _lines(catalogue, "tau_scale", "u_f_scale *= {call}", OF_FIELD)
+    lag = _relax(catalogue, catalogue["response"], slot, OF_FIELD)
+    lines += [*("    " + line for line in lag), f"    u_f = s[W, {slot}]"]
+    return _run(catalogue, FIELD, lines)
 
 
 def _early(catalogue: Catalogue) -> list[str]:

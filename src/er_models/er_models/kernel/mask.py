@@ -15,15 +15,18 @@ from numpy.typing import NDArray
 
 from er_models.catalogue import Catalogue
 from er_models.effect import HOOKS, Effect
-from er_models.kernel.order import relaxes_at
+from er_models.kernel.order import reads_field, relaxes_at
 
 LAG = "lag"
 """Mask of a yield force with a response time, whichever effect gives it."""
+FIELD = "field"
+"""Mask of a duty whose chains take that time to form, where an effect acts with them."""
 RUNS: dict[str, tuple[str, ...]] = {
     "early": ("yield_scale", "shift_deflection", "shift_velocity"),
     "scales": ("viscous_scale", "stiffness_scale", "tau_scale"),
     "end": ("limit", "late", "sense"),
     LAG: ("response_time",),
+    FIELD: (),
 }
 """Places of `kernel.order.ORDER` that follow one another."""
 
@@ -52,6 +55,7 @@ def stands_alone(catalogue: Catalogue, effect: Effect, hook: str) -> bool:
 
 def mask(catalogue: Catalogue, used: Iterable[Effect]) -> NDArray[np.uint8]:
     """Mask of a model of these effects (n_effects + n_hooks + n_runs,)."""
+    used = tuple(used)
     on = np.zeros(len(catalogue.effects) + len(HOOKS) + len(RUNS), np.uint8)
     for effect in used:
         on[catalogue.effects.index(effect)] = 1
@@ -60,4 +64,5 @@ def mask(catalogue: Catalogue, used: Iterable[Effect]) -> NDArray[np.uint8]:
         for run, places in RUNS.items():
             acts = {*effect.hooks, relaxes_at(effect)}
             on[of_run(catalogue, run)] |= not acts.isdisjoint(places)
+    on[of_run(catalogue, FIELD)] = on[of_run(catalogue, LAG)] and reads_field(used)
     return on

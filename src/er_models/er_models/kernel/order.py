@@ -2,9 +2,12 @@
 
     duty, passive_stiffness, passive_damping, yield_scale, shift_deflection, shift_velocity,
     flow_deflection, flow_velocity, target, viscous_scale, stiffness_scale, tau_scale,
-    response_time, [response], [states], force, limit, [late states], sense
+    response_time, [response], [field], [states], force, limit, [late states], sense
 
 The flow hooks map the motion for `target` alone; what follows sees the motion of the damper again.
+
+At [field] the duty u_f whose chains have formed follows the duty by the equation and with the response time of
+the yield force.
 
 A state is brought to the end of the step at one of these places. A hook that reads it earlier sees
 the trial of the search in `kernel.states`; the states for which this happens are the links of a
@@ -31,7 +34,7 @@ KNOWN_FROM = {
     **dict.fromkeys(("k_0", "c_0", "f_y", "f_r"), "passive_stiffness"),
     **dict.fromkeys(("yield_scale", "viscous_scale", "stiffness_scale"), "yield_scale"),
     **dict.fromkeys(("tau_scale", "tau_y", "y"), "yield_scale"),
-    "f_d": "states",
+    **dict.fromkeys(("f_d", "u_f"), "states"),
     "f_m": "sense",
 }
 """Place of `ORDER` from which a hook may ask for a signal of the damper."""
@@ -85,6 +88,17 @@ def reads_yield_early(effects: Iterable[Effect]) -> bool:
 def reads_rest(effects: Iterable[Effect]) -> bool:
     """Whether any effect stands in series with the damper: f_r follows only from the motion it leaves to it."""
     return any("f_r" in _arguments(effect, hook) for effect in effects for hook in effect.hooks)
+
+
+def reads_field(effects: Iterable[Effect]) -> bool:
+    """Whether any effect acts with the chains that have formed, u_f."""
+    return any("u_f" in _arguments(effect, hook) for effect in effects for hook in effect.hooks)
+
+
+def turns_with_the_yield(effects: Iterable[Effect]) -> bool:
+    """Whether a response time depends on where the yield force is, and so that of u_f on where u_f is."""
+    own = (e for e in effects if "tau_scale" in e.hooks)
+    return any("f_y" in _arguments(e, "tau_scale") for e in own)
 
 
 @cache

@@ -8,9 +8,9 @@ def relax(z_y: float, v: float) -> tuple[float, float]:
     return abs(v) / z_y, v
 
 
-def force(F_h: float, F_u: float, z_y: float, u: float, w: float) -> float:
+def force(F_h: float, F_u: float, z_y: float, u_f: float, w: float) -> float:
     """Hysteretic force [N]."""
-    return (F_h + F_u * u) * w / z_y
+    return (F_h + F_u * u_f) * w / z_y
 
 
 EFFECT = Effect(
@@ -18,7 +18,7 @@ EFFECT = Effect(
     stage="force",
     title="Pre-sliding hysteresis (Dahl, Bouc-Wen)",
     physics="Before seals slide, or chains yield, they bend elastically: the force follows "
-    "the path, not the velocity.",
+    "the path, not the velocity. What the chains add follows the field with the response time of the yield force.",
     parameters=(
         Param("F_h", "N", 0.0, 3.0, 0.0, (0.1,), "level without field"),
         Param("F_u", "N/duty", -3.0, 10.0, 0.0, (0.0, 0.3), "level per duty"),
