@@ -12,6 +12,7 @@ from er_model_lab.cli_options import (
     Data,
     EffectsFrom,
     FalseAlarm,
+    Helps,
     HoldOut,
     Json,
     Level,
@@ -39,6 +40,7 @@ def diagnose(
     seed: Seed = 0,
     false_alarm: FalseAlarm = RULE.false_alarm,
     smallest: Smallest = RULE.smallest,
+    helps: Helps = RULE.helps,
     anyway: Anyway = False,
 ) -> None:
     """Refit the model, then say which effect is missing, with evidence."""
@@ -47,7 +49,7 @@ def diagnose(
     def work() -> Outcome:
         with progress("trying effects", effects_from) as tick:
             ask = asked(data, model, seed, hold_out, effects_from, level, anyway)
-            return commands.diagnose(replace(ask, rule=Rule(false_alarm, smallest)), tick)
+            return commands.diagnose(replace(ask, rule=Rule(false_alarm, smallest, helps)), tick)
 
     run(work, json_file, report)
 
@@ -91,6 +93,7 @@ def improve(
     seed: Seed = 0,
     false_alarm: FalseAlarm = RULE.false_alarm,
     smallest: Smallest = RULE.smallest,
+    helps: Helps = RULE.helps,
     anyway: Anyway = False,
 ) -> None:
     """Diagnose and add, again and again, until the model is adequate or nothing known helps."""
@@ -99,6 +102,8 @@ def improve(
     def work() -> Outcome:
         with progress("trying effects", effects_from) as tick:
             ask = asked(data, model, seed, hold_out, effects_from, level, anyway)
-            return commands.improve(replace(ask, rule=Rule(false_alarm, smallest)), out, tick)
+            return commands.improve(
+                replace(ask, rule=Rule(false_alarm, smallest, helps)), out, tick
+            )
 
     run(work, json_file, report, out)

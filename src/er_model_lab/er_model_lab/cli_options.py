@@ -58,6 +58,13 @@ Smallest = Annotated[
     float,
     typer.Option(help="Effects smaller than this share of the noise are given no name."),
 ]
+Helps = Annotated[
+    float,
+    typer.Option(
+        help="Effects that explain less than this share of what is explainable are not taken. Smaller on measured "
+        "data, where a form may fit nowhere quite: the error falls in many small steps."
+    ),
+]
 Anyway = Annotated[
     bool,
     typer.Option(

@@ -56,7 +56,7 @@ from er_model_lab.study import (
 from er_model_lab.versions import versions
 from er_model_lab.view import View
 
-MOST_PASSES = 3
+MOST_PASSES = 10
 """How often `improve` diagnoses the model it has just improved."""
 
 

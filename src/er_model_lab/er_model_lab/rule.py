@@ -9,11 +9,11 @@ from er_models.errors import InputError
 
 @dataclass(frozen=True)
 class Rule:
-    """Two thresholds; an effect must pass both.
+    """Three thresholds; an effect must pass all.
 
     false_alarm: rate at which a complete model may be given a missing effect; smallest: size as a share of the
     noise below which no effect is named, however certain: what differs so little may as well be the form of
-    another law.
+    another law; helps: share of what is explainable that what is named must explain together.
 
     Raises:
         InputError: a rate or a share that is none.
@@ -21,12 +21,14 @@ class Rule:
 
     false_alarm: float = 0.01
     smallest: float = 0.12
+    helps: float = 0.2
 
     def __post_init__(self) -> None:
         if not 0.0 < self.false_alarm < 1.0:
             raise InputError("--false-alarm", "", "a rate above 0 and below 1", self.false_alarm)
-        if not 0.0 <= self.smallest <= 1.0:
-            raise InputError("--smallest", "", "a share from 0 to 1", self.smallest)
+        for option, share in (("--smallest", self.smallest), ("--helps", self.helps)):
+            if not 0.0 <= share <= 1.0:
+                raise InputError(option, "", "a share from 0 to 1", share)
 
 
 RULE = Rule()

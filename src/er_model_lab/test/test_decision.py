@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_model_lab.diagnose.candidates import baseline, effect_size, refit
+from er_model_lab.diagnose.floor import Floor
 from er_model_lab.diagnose.left import bursts, filtered
 from er_model_lab.diagnose.null import Null, simulate_null
 from er_model_lab.diagnose.search import Round, swapped, tied
-from er_model_lab.diagnose.verdict import _alternatives
+from er_model_lab.diagnose.verdict import _alternatives, judge
 from er_model_lab.motion_error import drawn
 from er_model_lab.rule import Rule
 from er_models.errors import InputError
@@ -69,10 +70,10 @@ def test_whether_the_force_was_read_before_or_after_a_jump_of_the_duty_is_no_lag
     assert not problem.used[jumps].any()
 
 
-@pytest.mark.parametrize(("rate", "share"), [(0.0, 0.1), (1.0, 0.1), (0.01, -0.1)])
-def test_a_rule_that_cannot_be_is_refused(rate, share):
+@pytest.mark.parametrize("rule", [(0.0,), (1.0,), (0.01, -0.1), (0.01, 0.1, 1.5)])
+def test_a_rule_that_cannot_be_is_refused(rule):
     with pytest.raises(InputError):
-        Rule(rate, share)
+        Rule(*rule)
 
 
 @pytest.fixture(scope="module")
@@ -113,6 +114,19 @@ def test_effects_that_are_both_needed_are_no_rivals(friction):
     both = replace(found[0], effects=tuple(c.name for c in found))
     assert _alternatives(both, [step]) == ()
     assert _alternatives(found[0], [step]) == (tuple(c.name for c in found),)
+
+
+def test_what_explains_little_is_taken_where_that_is_asked_for(friction):
+    base, found, problem = friction
+    null = Null(np.zeros(0), 0.0, 0.0, 1.0, 0.0, np.zeros(0))
+    weak = replace(found[0], mse=base.mse - 0.15 * (base.mse - found[0].mse))
+    floor = Floor(np.sqrt(found[0].mse), 0.0, 0.0, 0.0, 0.3, {}, (0.0, 0.0, 0.0))
+    step = Round(base, [weak], null, 0.01, weak, [weak.name])
+    strict = judge(base, weak, [step], floor, problem)
+    assert (strict.verdict, strict.effects) == ("unknown_effect", ())
+    assert "--helps 0.1" in strict.reasons[-1]
+    asked = judge(base, weak, [step], floor, problem, rule=Rule(helps=0.1))
+    assert (asked.verdict, asked.effects) == ("partial", weak.effects)
 
 
 def test_a_tie_counts_beside_everything_else_that_is_missing():

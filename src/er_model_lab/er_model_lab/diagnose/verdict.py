@@ -23,8 +23,6 @@ Name = Literal[
 
 ENOUGH = 0.8
 """Share of the explainable error that a named effect must explain."""
-HELPS = 0.2
-"""Share above which an effect is said to help."""
 MOST, CLEAR = 0.5, 0.15
 """Share of what is left that a further effect must explain, and the same where its size leaves no doubt."""
 BEYOND_DOUBT = 1.5
@@ -80,9 +78,10 @@ def diagnose(
         taken = [step.taken for step in rounds if step.taken is not None]
         if not taken:
             raise
-        found = judge(base, taken[-1], rounds, floor, problem, _alternatives(taken[-1], rounds))
+        ties = _alternatives(taken[-1], rounds)
+        found = judge(base, taken[-1], rounds, floor, problem, ties, rule)
         return replace(found, interrupted=True)
-    return judge(base, best, rounds, floor, problem, ties)
+    return judge(base, best, rounds, floor, problem, ties, rule)
 
 
 def _searched(
@@ -101,14 +100,14 @@ def _searched(
 
 def judge(
     base: Candidate, best: Candidate, rounds: list[Round], floor: Floor, problem: Problem,
-    ties: tuple[tuple[str, ...], ...] = (),
+    ties: tuple[tuple[str, ...], ...] = (), rule: Rule = RULE,
 ) -> Diagnosis:  # fmt: skip
     """The verdict on what a search found; ties: groups that the data cannot tell apart."""
     cover = coverage(problem)
     limit = floor.floor**2
     explainable = max(1.0 - limit / base.mse, 0.0)
     explained = (base.mse - best.mse) / max(base.mse - limit, 1e-12 * base.mse)
-    name, reasons = _decide(base, best, rounds, floor, explainable, explained, ties, cover)
+    name, reasons = _decide(base, best, rounds, floor, explainable, explained, ties, cover, rule)
     if name in ("adequate", "insufficient_data", "unknown_effect"):
         best, ties = base, ()
     return Diagnosis(
@@ -181,7 +180,7 @@ def _alternatives(best: Candidate, rounds: list[Round]) -> tuple[tuple[str, ...]
 
 def _decide(
     base: Candidate, best: Candidate, rounds: list[Round], floor: Floor, explainable: float, explained: float,
-    ties: tuple[tuple[str, ...], ...], cover: Coverage,
+    ties: tuple[tuple[str, ...], ...], cover: Coverage, rule: Rule,
 ) -> tuple[Name, list[str]]:  # fmt: skip
     """The verdict and its reasons in plain sentences."""
     size = effect_size(base, best)
@@ -216,8 +215,16 @@ def _decide(
         if cover.blocking:
             return "ambiguous", reasons + list(cover.blocking)
         return "missing_effect", reasons
-    if explained >= HELPS:
+    if explained >= rule.helps:
         reasons.append("a part remains that no known effect explains")
         return "partial", reasons
-    reasons.append("what the known effects explain is too little to be the cause")
+    reasons.append(
+        "what the known effects explain is too little to be the cause; to take what helps a little all the same: "
+        f"--helps {_below(explained):.2g}"
+    )
     return "unknown_effect", reasons
+
+
+def _below(share: float) -> float:
+    """A share in whole hundredths that is not above a given one."""
+    return max(int(100.0 * share), 0) / 100.0
