@@ -12,6 +12,7 @@ pytest.importorskip("rclpy")
 
 from er_bringup.arguments import ARGUMENTS, table
 from er_bringup.graph import CAR, NodeSpec, complete, nodes, parse
+from er_bringup.roles import PUBLISHED
 from er_models.errors import InputError
 
 from er_bringup import up
@@ -113,6 +114,17 @@ def test_the_plant_waits_for_the_recorder_too(tmp_path: Path) -> None:
     assert found["plant"].parameters["wait_for"] == [1, 1, 1, 1, 1]
     assert found["plant"].parameters["duty_source"] == "program"
     assert found["recorder"].parameters["out"] == str(tmp_path / "bag")
+    assert "recorder" not in found["plant"].parameters
+
+
+def test_in_lockstep_the_plant_waits_for_what_is_recorded_of_everybody(tmp_path: Path) -> None:
+    given = (f"record:={tmp_path / 'bag'}", "mode:=lockstep", "observers:=unified")
+    (plant,) = (spec for spec in nodes(parse(given), CONFIG) if spec.executable == "plant")
+    assert plant.parameters["recorder"] == "recorder"
+    assert plant.parameters["recorded"] == [*PUBLISHED.values(), "force/unified", "pwm/command"]
+    corners = nodes(parse((*given, "corners:=a,b", "namespace:=car")), CONFIG)
+    asked = [s.parameters["recorder"] for s in corners if s.executable == "plant"]
+    assert asked == ["/car/recorder"] * 2
 
 
 def test_the_recorder_waits_for_everybody_it_will_record(tmp_path: Path) -> None:

@@ -1,7 +1,8 @@
-"""Lockstep: two runs with the same seed give identical messages, however busy the machine."""
+"""Lockstep: runs with the same seed record identical messages, however long anybody is held up."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ pytest.importorskip("rclpy")
 from rosbags.highlevel import AnyReader
 
 from test.graph_help import Graph, own_domain
+from test.reliability.hold import MOVING, child, hold
 
 pytestmark = pytest.mark.alone
 
@@ -23,25 +25,32 @@ TOPICS = (
     "/sensors/road",
     "/pwm/applied",
     "/pwm/command",
+    "/force/nlpv_polytopic",
 )
+HELD = {"recorder": 0.3, "nlpv_polytopic_observer": 0.3, "skyhook_controller": 0.3}
+"""Who is held up in one of the runs, one after the other [s]: 240 ticks at the pace of the run."""
 
 
 Messages = dict[str, dict[int, Any]]
 """Messages by topic and tick."""
 
 
-def run(folder: Path, seed: int) -> Messages:
-    """What a lockstep run of 3 s recorded."""
+def run(folder: Path, seed: int, held: Mapping[str, float]) -> Messages:
+    """What a lockstep run of 3 s recorded, in which these programs were held up for so long [s]."""
     folder.mkdir()
     bag = folder / "bag"
     found: Messages = {topic: {} for topic in TOPICS}
     with own_domain() as env, Graph(env, folder) as graph:
-        status, text = graph.run(
-            "up", "mode:=lockstep", "rate_factor:=2.0", "observers:=none", "duration:=3.0",
-            f"seed:={seed}", f"record:={bag}", seconds=120.0,
+        up = graph.start(
+            "up", "mode:=lockstep", "rate_factor:=4.0", "observers:=nlpv_polytopic", "duration:=3.0",
+            f"seed:={seed}", f"record:={bag}",
         )  # fmt: skip
-    assert status == 0, text
-    assert f"finished after {TICKS} ticks" in text
+        up.wait_for(MOVING)
+        for program, seconds in held.items():
+            hold(child(up, program), seconds)
+        assert "finished" not in up.text, "it was over before everybody was held up"
+        assert up.end(120.0) == 0, up.text
+    assert f"finished after {TICKS} ticks" in up.text
     with AnyReader([bag]) as reader:
         for connection, _, data in reader.messages():
             if connection.topic in found:
@@ -53,9 +62,9 @@ def run(folder: Path, seed: int) -> Messages:
 
 @pytest.fixture(scope="module")
 def twice(tmp_path_factory: pytest.TempPathFactory) -> list[Messages]:
-    """Two runs with one seed."""
+    """Two runs with one seed, the second of them disturbed."""
     folder = tmp_path_factory.mktemp("lockstep")
-    return [run(folder / name, 3) for name in ("a", "b")]
+    return [run(folder / name, 3, held) for name, held in (("a", {}), ("b", HELD))]
 
 
 def test_same_seed_same_run(twice: list[Messages]) -> None:

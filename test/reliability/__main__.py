@@ -5,6 +5,7 @@ python -m test.reliability fuzz [COUNT]           messages of any content at eve
 python -m test.reliability kill [TIMES]           kill -9 of each node of a running graph, and how soon it is back
 python -m test.reliability silence [DRIVES]       how soon observers are sure again after a silent sensor
 python -m test.reliability hog [SECONDS]          two busy loops beside the running graph
+python -m test.reliability hold [TIMES]           a recorder that is held up: what its recording lacks
 python -m test.reliability soak [SECONDS]         a running graph with a fault injected each minute
 
 Exit status 1 where something is not as docs/reliability.md says.
@@ -22,6 +23,7 @@ DEFAULTS = {
     "kill": 20,
     "silence": 8,
     "hog": 10,
+    "hold": 2,
     "soak": 1800,
 }
 

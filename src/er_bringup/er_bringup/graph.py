@@ -218,6 +218,10 @@ def _source(given: Mapping[str, str], config: Path, listeners: Sequence[Role]) -
         above = f"/{given['namespace'].strip('/')}".rpartition("/")[0] if given["corners"] else ""
         names = {RECORDER: f"{above}/{RECORDER.executable}"} if given["corners"] else {}
         parameters["wait_for_nodes"] = [names.get(role, role.executable) for role in listeners]
+        if RECORDER in listeners and given["mode"] == "lockstep":
+            said = (role.says for role in listeners if role.says)
+            parameters["recorder"] = names.get(RECORDER, RECORDER.executable)
+            parameters["recorded"] = [*PUBLISHED.values(), *said]
     if given["effects_from"]:
         own = given["effects_from"].split(",")
         parameters["effects_from"] = tuple(find(file.strip(), config) for file in own)

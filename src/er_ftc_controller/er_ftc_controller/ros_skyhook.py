@@ -10,7 +10,12 @@ from typing import Any, NamedTuple
 
 from er_ros_common.builders import Tick
 from er_ros_common.clock import from_stamp
-from er_ros_common.common_parameters import NodeParameters, awaited_listeners, oldest_sample
+from er_ros_common.common_parameters import (
+    NodeParameters,
+    awaited_listeners,
+    away,
+    oldest_sample,
+)
 from er_ros_common.core import Said, When
 from er_ros_common.parameter_table import REQUIRED, param
 from er_ros_common.stamps import StampLimits, StampState, check_stamp
@@ -111,8 +116,8 @@ class SkyhookCore:
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Ask for the safe duty while the inputs are silent."""
-        silent = 1e-9 * (when.steady - state.heard) > self.p.timeout
-        if not (state.heard and silent and when.steady - state.safe_at > REPEAT):
+        since = away(when.steady - state.heard, self.p.timeout, self.p.max_age)
+        if not (state.heard and since > self.p.timeout and when.steady - state.safe_at > REPEAT):
             return state, []
         now = when.system if when.system is not None else state.last.stamp
         return state._replace(safe=True, safe_at=when.steady), self.last_words(state, now)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from er_models.files import load_model
 from er_ros_common.builders import Tick
 from er_ros_common.clock import from_stamp
+from er_ros_common.common_parameters import away
 from er_ros_common.core import Said, When
 from er_ros_common.stamps import StampLimits, StampState, check_stamp
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
@@ -124,9 +125,9 @@ class ObserverCore:
         """Say once that the last estimate is held, and once that it is no longer valid, when the samples stay away."""
         if not state.heard or state.silent:
             return state, []
-        away = 1e-9 * (when.steady - state.heard)
-        if away <= self.p.timeout:
-            said = [] if state.held or away <= LIMITS.bridge else self._held(state)
+        since = away(when.steady - state.heard, self.p.timeout, self.p.max_age)
+        if since <= self.p.timeout:
+            said = [] if state.held or since <= LIMITS.bridge else self._held(state)
             return state._replace(held=state.held or bool(said)), said
         lost = builders.damper_force(state.last, 0.0, status=DamperForce.STATUS_LOST, valid=False)
         return state._replace(silent=True), [(self.topic, lost)]

@@ -40,6 +40,8 @@ class PlantParameters(RigParameters):
     rate_factor: float = param(
         1.0, low=0.0, high=50.0, text="speed of simulated time; 0: as fast as commands come"
     )
+    recorder: str = param("", text="node whose recording is waited for; none: no waiting")
+    recorded: tuple[str, ...] = param((), text="topics in whose recording nothing may be missing")
     duty_source: str = param("program", choices=("program", "topic"), text="who says the duty")
     noise_sprung: float = _deviation("sprung_acceleration", "m/s2")
     noise_unsprung: float = _deviation("unsprung_acceleration", "m/s2")

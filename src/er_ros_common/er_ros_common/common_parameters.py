@@ -14,6 +14,16 @@ def oldest_sample() -> Any:
     return param(0.02, unit="s", low=0.0, high=1.0, text=text)
 
 
+STANDSTILL = 10.0
+"""Silence that counts as `timeout` where the samples keep a pace of their own: until then somebody is held up [s]."""
+
+
+def away(nanoseconds: int, timeout: float, max_age: float) -> float:
+    """How long samples have stayed away, as it counts against `timeout` [s]; nanoseconds: on the steady clock."""
+    seconds = 1e-9 * nanoseconds
+    return seconds if max_age else seconds * timeout / STANDSTILL
+
+
 def awaited_listeners() -> Any:
     """Field `listeners`: how many must have found the output before the node is ready."""
     return param(0, low=0, high=100, text="subscribers of its output to find before it is ready")

@@ -24,6 +24,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
+from er_ros_common import dds
 from er_ros_common.help import Card, render
 from er_ros_common.intra_process import IntraProcess
 from er_ros_common.managed import ManagedNode
@@ -111,6 +112,7 @@ def guarded(name: str, argv: Sequence[str], live: Callable[[Stopped], None]) -> 
     """Do something under the signals; what is wrong is one line behind the name, and an exit status."""
     try:
         check_files(argv)
+        dds.settle()
         with Stopped() as stopped:
             try:
                 live(stopped)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 
@@ -57,7 +57,7 @@ FORCE: Final = _sensor("sensors/force", DamperForce, "measured damper force [N]"
 ROAD: Final = _sensor("sensors/road", RoadDisplacement, "road displacement [m]")
 PWM_APPLIED: Final = _sensor("pwm/applied", PwmDuty, "duty after all limits [1]")
 PWM_COMMAND: Final = Topic(
-    "pwm/command", PwmDuty, "duty asked for [1]", 200.0, qos.COMMAND, qos.COMMAND
+    "pwm/command", PwmDuty, "duty asked for [1]", 200.0, qos.COMMAND_PUBLISHER, qos.COMMAND
 )
 FORCE_UNIFIED: Final = _sensor("force/unified", DamperForce, "force of the unified observer [N]")
 FORCE_POLYTOPIC: Final = _sensor(
@@ -68,6 +68,15 @@ FORCE_GRIDDING: Final = _sensor(
 )
 FAULT: Final = replace(
     _sensor("fault/estimate", FaultEstimate, "effectiveness f1, f2, f3 [1]"), every_tick=False
+)
+RECORDED: Final = Topic(
+    "~/recorded",
+    DiagnosticStatus,
+    "number of the last message that is written, by topic",
+    10.0,
+    qos.STATUS,
+    qos.STATUS,
+    every_tick=False,
 )
 STATUS: Final = Topic("~/status", NodeStatus, "health of the node", 10.0, qos.STATUS, qos.STATUS)
 DIAGNOSTICS: Final = Topic(

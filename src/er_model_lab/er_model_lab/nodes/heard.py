@@ -24,8 +24,11 @@ Guard = Callable[[Callable[[], None]], None]
 class Heard:
     """A subscription's messages; the topic enters the recording with the first of them.
 
-    ids: from its last status to the hashes of model and gains, by node; empty for other topics.
+    ids: from its last status to the hashes of model and gains, by node; empty for other topics; written: what is
+    called with each message of ours that is written.
     """
+
+    written: Callable[[Heard], None] | None = None
 
     def __init__(
         self, node: Node, bag: BagWriter, guard: Guard, name: str, type_name: str
@@ -35,6 +38,7 @@ class Heard:
         self.count = Count()
         self.ids: dict[str, tuple[str, str]] = {}
         self._topic: Connection | None = None
+        self.ours = type_name.startswith(OURS) and type_name != topics.STATUS.type_name
 
     def on_message(self, data: bytes) -> None:
         """Write one message with the time at which it was received.
@@ -48,6 +52,8 @@ class Heard:
         self.guard(partial(self.bag.write, self._topic, received, data))
         header = header_of(data) if self.type_name.startswith(OURS) else None
         self.count = count(self.count, header.seq if header else 0)
+        if self.written is not None and header:
+            self.written(self)
         if self.type_name == topics.STATUS.type_name:
             said = deserialize_message(data, NodeStatus)
             self.ids[said.node or self.name] = (said.model_id, said.gains_id)

@@ -30,6 +30,7 @@ from er_model_lab.bag_writer import STORAGES, BagWriter
 from er_model_lab.message_count import Count
 from er_model_lab.message_definitions import full_definition
 from er_model_lab.nodes.heard import Heard
+from er_model_lab.nodes.receipt import Receipt
 from er_model_lab.nodes.selection import Selection, message_class
 from er_model_lab.versions import versions
 from er_ros_common import log, qos, topics
@@ -74,6 +75,7 @@ class Recorder(ManagedNode):
         self.parameters = ParameterReader(self, self._inside)
         self.taken: dict[str, str] = {}
         self.heard: dict[str, Heard] = {}
+        self.receipt = Receipt(self)
         self.inputs: dict[str, Subscription] = {}
         self.refused: list[str] = []
         self.lost, self.lost_at, self.was_ready = 0, 0.0, False
@@ -94,6 +96,7 @@ class Recorder(ManagedNode):
         for name, type_name in self.selection.offered().items():
             if name not in self.taken:
                 self.take(name, type_name)
+        self.receipt.look()
         if self.p.duration and monotonic() - self.began > self.p.duration and not self.stopping:
             self.stop()
 
@@ -108,7 +111,7 @@ class Recorder(ManagedNode):
             self.problem(f"{name} is not recorded: there is no definition of {type_name}")
             return
         asked = compatible(publishers, qos.RECORDER.depth)
-        self.heard[name] = Heard(self, self.bag, self.guarded, name, type_name)
+        self.heard[name] = self.receipt.of(Heard(self, self.bag, self.guarded, name, type_name))
         taken = self.create_subscription(
             kind, name, self.while_active(self.heard[name].on_message), asked, raw=True
         )
@@ -224,7 +227,7 @@ CARD = Card(
     text="Records topics into a rosbag2 folder (MCAP or sqlite3) until it is stopped.",
     parameters=RecorderParameters,
     subscribes=(*topics.MEASUREMENTS, *topics.ESTIMATES, topics.STATUS, topics.DIAGNOSTICS),
-    publishes=(topics.STATUS,),
+    publishes=(topics.RECORDED, topics.STATUS),
 )
 
 

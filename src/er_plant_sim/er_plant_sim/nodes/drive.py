@@ -7,8 +7,10 @@ from time import monotonic
 
 from er_plant_sim.nodes.pace import Pace
 
-ANSWER_TIMEOUT = 0.05
-"""Longest wait in lockstep for the command that answers a sample [s]."""
+PATIENCE = 10.0
+"""Longest wait in lockstep for the command that answers a sample: a controller that is merely held up answers [s]."""
+BRIEF = 0.05
+"""The same where nothing is to be expected: the last wait was in vain, or a fault is injected [s]."""
 
 Sense = Callable[[int], int]
 """Publishes the sample of a place in the schedule; returns its seq."""
@@ -33,30 +35,55 @@ class Timed:
     def on_command(self, seq: int) -> None:
         """A command waits for the next tick."""
 
+    def on_recorded(self) -> None:
+        """Time waits for no recording."""
 
-class Answered:
-    """A sample, then nothing until it is answered or the wait is over: lockstep.
 
-    paced: the next sample is also not sent before it is due.
+class Lockstep:
+    """A sample, then nothing until it is answered or the wait is over; nor before the recording follows.
+
+    may: whether the recording follows; paced: the next sample is also not sent before it is due; answered: whether
+    anybody answers (else the duty comes from a program); hopeless: whether the answer may be missing on purpose.
     """
 
-    def __init__(self, pace: Pace, sense: Sense, act: Act, *, paced: bool) -> None:
-        self.pace, self.sense, self.act, self.paced = pace, sense, act, paced
+    def __init__(
+        self,
+        pace: Pace,
+        sense: Sense,
+        act: Act,
+        may: Callable[[], bool],
+        *,
+        paced: bool,
+        answered: bool,
+        hopeless: Callable[[], bool],
+    ) -> None:
+        self.pace, self.sense, self.act, self.may = pace, sense, act, may
+        self.paced, self.answered, self.hopeless = paced, answered, hopeless
         self.timeouts, self.due, self.asked, self.asked_at = 0, 0, 0, 0.0
+        self.silent = False
 
     def on_time(self) -> None:
         """Send the next sample, or give up waiting for the answer to the last one."""
         self.due += len(self.pace.ticks())
         if not self.asked:
             self._ask()
-        elif monotonic() - self.asked_at > ANSWER_TIMEOUT:
-            self.timeouts += 1
+        elif monotonic() - self.asked_at > self._patience():
+            self.timeouts, self.silent = self.timeouts + 1, True
             self._go_on()
+
+    def _patience(self) -> float:
+        return BRIEF if self.silent or self.hopeless() else PATIENCE
 
     def on_command(self, seq: int) -> None:
         """Go on if this answers the last sample."""
         if self.asked and seq == self.asked:
+            self.silent = False
             self._go_on()
+
+    def on_recorded(self) -> None:
+        """Go on if it was the recording that was waited for."""
+        if not self.asked:
+            self._ask()
 
     def _go_on(self) -> None:
         self.asked = 0
@@ -64,7 +91,11 @@ class Answered:
             self._ask()
 
     def _ask(self) -> None:
-        if self.paced and self.due <= 0:
-            return
-        self.due = max(self.due - 1, 0)
-        self.asked, self.asked_at = self.sense(0), monotonic()
+        while (self.due > 0 or not self.paced) and self.may():
+            self.due = max(self.due - 1, 0)
+            seq = self.sense(0)
+            if self.answered:
+                self.asked, self.asked_at = seq, monotonic()
+                return
+            if not self.act():
+                return

@@ -27,9 +27,10 @@ from er_plant_sim.build import build
 from er_plant_sim.duty_gate import Applied, Command, Reason
 from er_plant_sim.loop_times import WARM_UP, LoopTimes
 from er_plant_sim.nodes.card import CARD
-from er_plant_sim.nodes.drive import Answered, Timed
+from er_plant_sim.nodes.drive import Lockstep, Timed
 from er_plant_sim.nodes.outlet import Outlet
 from er_plant_sim.nodes.pace import Pace
+from er_plant_sim.nodes.recording import Recording
 from er_plant_sim.nodes.roll_call import Gathering
 from er_plant_sim.settings import PlantParameters, table
 from er_ros_common import log, topics
@@ -66,7 +67,15 @@ class PlantNode(ManagedNode):
             self, topics.MEASUREMENTS, enabled=p.enable_fault_injection, seed=max(p.seed, 0)
         )
         self.out = Outlet(self, self.port, force_sd=p.noise_force, clock_rate=clock_rate)
-        self.gathering = Gathering(self, self.out, p.wait_for, p.wait_for_nodes, p.start_timeout)
+        self.recording = Recording(self, p.recorder, p.recorded, p.rate, self.on_recorded)
+        self.gathering = Gathering(
+            self,
+            self.out,
+            p.wait_for,
+            p.wait_for_nodes,
+            p.start_timeout,
+            lambda: self.recording.known,
+        )
         if not self.rig.programmed:
             self.subscribe(topics.PWM_COMMAND, self.on_command)
         self.health.model_id = self.rig.sim.plant.model.digest()
@@ -88,21 +97,29 @@ class PlantNode(ManagedNode):
         """Wait for everybody, then go on from where the car is."""
         self.running, self.over = False, False
         self.gathering.begin()
+        self.recording.begin(self.state.sim.tick - 1)
         self.pace = Pace(self.rig.dt, self.p.rate_factor or 1.0, real=self.p.mode == "realtime")
         self.drive = self._drive()
         self.loop = LoopTimes(self.state.sim.tick + round(WARM_UP * self.p.rate))
 
-    def _drive(self) -> Timed | Answered:
-        if self.p.mode == "lockstep" and not self.rig.programmed:
-            paced = self.p.rate_factor > 0.0
-            return Answered(self.pace, self.sense, self.act, paced=paced)
-        return Timed(self.pace, self.sense, self.act)
+    def _drive(self) -> Timed | Lockstep:
+        if self.p.mode != "lockstep":
+            return Timed(self.pace, self.sense, self.act)
+        return Lockstep(
+            self.pace,
+            self.sense,
+            self.act,
+            lambda: self.recording.follows(self.state.sim.tick),
+            paced=self.p.rate_factor > 0.0,
+            answered=not self.rig.programmed,
+            hopeless=lambda: bool(self.port.in_force),
+        )
 
     def on_time(self) -> None:
         """Begin once everybody is there, then run what is due."""
         if self.over:
-            return
-        if self.running:
+            self._leave()
+        elif self.running:
             self.drive.on_time()
         elif self.gathering.complete():
             self.running = True
@@ -130,12 +147,24 @@ class PlantNode(ManagedNode):
         return not self.over
 
     def _finish(self) -> None:
-        """End the node as Ctrl-C would: an exception would end it with a traceback."""
+        """Say so, and end once everything is recorded."""
         log.info(self, f"finished after {self.tick.seq} ticks")
         if self.loop.latency.total:
             log.info(self, self.loop.words())
         self.over = True
-        signal.raise_signal(signal.SIGINT)
+        self._leave()
+
+    def _leave(self) -> None:
+        """End the node as Ctrl-C would: an exception would end it with a traceback."""
+        if self.recording.follows(self.tick.seq, ahead=0):
+            signal.raise_signal(signal.SIGINT)
+
+    def on_recorded(self) -> None:
+        """Go on where the recording was waited for."""
+        if self.over:
+            self._leave()
+        elif self.running and self.active:
+            self.drive.on_recorded()
 
     def on_command(self, message: PwmDuty) -> None:
         """Take a command, or what an injected fault leaves of it."""

@@ -6,7 +6,7 @@ seconds each way. So each node looks at its own ends and says in its status whet
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from time import monotonic
 
@@ -35,7 +35,10 @@ class RollCall:
 
 
 class Gathering:
-    """Waits until the graph is complete: nodes that are ready, and subscribers of every topic."""
+    """Waits until the graph is complete: nodes that are ready, and subscribers of every topic.
+
+    known: whether what else has to be heard first was.
+    """
 
     def __init__(
         self,
@@ -44,9 +47,10 @@ class Gathering:
         wanted: Sequence[int],
         names: Sequence[str],
         patience: float,
+        known: Callable[[], bool] = lambda: True,
     ) -> None:
         self.node, self.out, self.wanted, self.patience = node, out, wanted, patience
-        self.roll_call, self.made_at = RollCall(node, names), monotonic()
+        self.roll_call, self.made_at, self.known = RollCall(node, names), monotonic(), known
 
     def begin(self) -> None:
         """Wait anew."""
@@ -55,7 +59,11 @@ class Gathering:
     def complete(self) -> bool:
         """Whether everybody is there, or waiting took longer than the patience [s]."""
         here, missing = self.out.subscribers(), self.missing()
-        if not missing and all(n >= m for n, m in zip(here, self.wanted, strict=True)):
+        if (
+            not missing
+            and self.known()
+            and all(n >= m for n, m in zip(here, self.wanted, strict=True))
+        ):
             return True
         if monotonic() - self.made_at < self.patience:
             return False

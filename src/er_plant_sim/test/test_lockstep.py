@@ -1,0 +1,166 @@
+"""Lockstep: what a tick waits for, and for how long."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from er_plant_sim.nodes import drive, recording
+from er_plant_sim.nodes.drive import Lockstep
+from er_plant_sim.nodes.recording import Recording
+
+
+class Clock:
+    """A clock that is set by hand."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.now = 100.0
+        for module in (drive, recording):
+            monkeypatch.setattr(module, "monotonic", lambda: self.now)
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    return Clock(monkeypatch)
+
+
+class Rig:
+    """A plant of which only the order of its doings matters; may: whether the recording follows."""
+
+    def __init__(self, *, answered: bool = True, paced: bool = False) -> None:
+        self.done: list[str] = []
+        self.tick, self.may, self.hopeless, self.ready = 0, True, False, 0
+        pace: Any = SimpleNamespace(ticks=lambda: range(self.ready))
+        self.drive = Lockstep(
+            pace,
+            self.sense,
+            self.act,
+            lambda: self.may,
+            paced=paced,
+            answered=answered,
+            hopeless=lambda: self.hopeless,
+        )
+
+    def sense(self, _: int) -> int:
+        self.tick += 1
+        self.done.append(f"sense {self.tick}")
+        return self.tick
+
+    def act(self) -> bool:
+        self.done.append(f"act {self.tick}")
+        return self.tick < 5
+
+
+def test_a_tick_waits_for_its_own_answer_and_for_no_other(clock: Clock) -> None:
+    rig = Rig()
+    rig.drive.on_time()
+    rig.drive.on_time()
+    rig.drive.on_command(2)
+    assert rig.done == ["sense 1"]
+    rig.drive.on_command(1)
+    assert rig.done == ["sense 1", "act 1", "sense 2"]
+
+
+def test_the_wait_is_long_once_and_short_until_somebody_answers_again(clock: Clock) -> None:
+    rig = Rig()
+    rig.drive.on_time()
+    clock.now += drive.PATIENCE - 0.1
+    rig.drive.on_time()
+    assert rig.done == ["sense 1"]
+    clock.now += 0.2
+    rig.drive.on_time()
+    assert rig.done[-2:] == ["act 1", "sense 2"]
+    clock.now += 2.0 * drive.BRIEF
+    rig.drive.on_time()
+    assert rig.done[-1] == "sense 3"
+    rig.drive.on_command(3)
+    clock.now += 2.0 * drive.BRIEF
+    rig.drive.on_time()
+    assert (rig.done[-1], rig.drive.timeouts) == ("sense 4", 2)
+    rig.hopeless = True
+    rig.drive.on_time()
+    assert rig.done[-1] == "sense 5"
+
+
+def test_nothing_goes_on_until_the_recording_follows(clock: Clock) -> None:
+    rig = Rig(answered=False, paced=True)
+    rig.may, rig.ready = False, 3
+    rig.drive.on_time()
+    assert rig.done == []
+    rig.may, rig.ready = True, 0
+    rig.drive.on_recorded()
+    assert rig.done == ["sense 1", "act 1", "sense 2", "act 2", "sense 3", "act 3"]
+
+
+class Graph:
+    """What a recording asks of its node."""
+
+    def __init__(self) -> None:
+        self.recorders, self.lines = 1, [""]
+
+    def resolve_topic_name(self, name: str) -> str:
+        return f"/front/{name}"
+
+    def listen(self, *_: object) -> None:
+        """Nothing comes by itself."""
+
+    def count_publishers(self, _: str) -> int:
+        return self.recorders
+
+
+def said(**last: int) -> DiagnosticStatus:
+    values = [KeyValue(key=f"/front/{name}", value=str(n)) for name, n in last.items()]
+    return DiagnosticStatus(values=[*values, KeyValue(key="/rear/road", value="9999")])
+
+
+@pytest.fixture
+def graph(monkeypatch: pytest.MonkeyPatch) -> Graph:
+    graph = Graph()
+    monkeypatch.setattr(recording.log, "warning", lambda _, text: graph.lines.append(text))
+    return graph
+
+
+def following(graph: Any) -> Recording:
+    made = Recording(graph, "recorder", ["road", "force"], 200.0, lambda: None)
+    made.begin(0)
+    return made
+
+
+def test_the_plant_is_never_further_ahead_than_queues_hold(clock: Clock, graph: Graph) -> None:
+    one = following(graph)
+    assert not one.known
+    one.on_said(said(road=0, force=0))
+    assert one.known
+    assert one.follows(one.ahead)
+    assert not one.follows(one.ahead + 1)
+    one.on_said(said(road=1, force=0))
+    assert not one.follows(one.ahead + 1)
+    one.on_said(said(road=1, force=1))
+    assert one.follows(one.ahead + 1)
+    assert not one.follows(2, ahead=0)
+    assert graph.lines == [""]
+
+
+def test_a_topic_that_stands_still_is_given_up_and_taken_up_again(
+    clock: Clock, graph: Graph
+) -> None:
+    one = following(graph)
+    one.on_said(said(road=500, force=0))
+    assert not one.follows(500)
+    clock.now += recording.PATIENCE - 0.1
+    one.on_said(said(road=500, force=1))
+    assert not one.follows(500)
+    clock.now += recording.PATIENCE + 0.1
+    assert one.follows(500)
+    assert one.follows(510)
+    assert "without /front/force" in graph.lines[-1]
+    one.on_said(said(road=510, force=2))
+    assert not one.follows(510)
+    graph.recorders = 0
+    assert one.follows(510)
+    assert "no recorder" in graph.lines[-1]
