@@ -4,16 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.diagnose.candidates import baseline, effect_size, refit
+from er_model_lab.diagnose.candidates import baseline, effect_size, finished, refit
 from er_model_lab.diagnose.floor import Floor
-from er_model_lab.diagnose.left import bursts, filtered
+from er_model_lab.diagnose.left import burst_shares, bursts, filtered
 from er_model_lab.diagnose.null import Null, simulate_null
-from er_model_lab.diagnose.search import Round, swapped, tied
+from er_model_lab.diagnose.search import Round, passes, promising, swapped, tied
 from er_model_lab.diagnose.verdict import _alternatives, judge
 from er_model_lab.motion_error import drawn
 from er_model_lab.rule import Rule
 from er_models.errors import InputError
-from lab_help import imposed, problem_of
+from lab_help import FORCE_NOISE, imposed, problem_of
 from scipy.signal import lfilter
 
 
@@ -105,6 +105,54 @@ def test_what_noise_does_not_leave_is_seen_and_noise_is_not():
     assert min(share, unseen) > 0.03
     assert next(iter(worth)) == "duty change, its past"
     assert bursts(problem, residual + 0.5 * events, none) > 0.1
+
+
+def test_a_gap_is_found_though_each_size_has_a_valley_of_its_own():
+    b = 2e-4
+    model, problem = problem_of("freeplay", {"b": b}, seconds=12.0)
+    base = baseline(model, problem)
+    found = finished(refit(base, model.catalogue["freeplay"], problem), problem)
+    assert found.fit.model.value("freeplay", "b") == pytest.approx(b, rel=0.1)
+    assert np.sqrt(found.seen) < 1.08 * FORCE_NOISE
+
+
+def test_a_gap_beside_another_effect_promises_more_though_no_regression_sees_it():
+    model, problem = problem_of("force_lag", {"T_f": 0.003}, seconds=12.0)
+    gap = problem.predict(model.with_effect("freeplay", {"b": 3e-5})) - problem.predict(model)
+    null = Null(np.zeros(0), 0.0, 0.0, 1.0, 0.0, np.zeros(0))
+    for force, more in ((problem.force, False), (problem.force + gap, True)):
+        data = replace(problem, force=force)
+        base = baseline(model, data)
+        lag, play = (refit(base, model.catalogue[e], data) for e in ("force_lag", "freeplay"))
+        assert promising(lag, Round(base, [lag, play], null, 0.02, lag, []), data) is more
+
+
+def test_bursts_that_chance_makes_too_are_none():
+    _, problem = problem_of(None, {}, seed=6)
+    n, rng = problem.motion.n, np.random.default_rng(2)
+    events = np.where(np.repeat(rng.random(n // 40 + 1) < 0.1, 40)[:n], 3.0, 1.0)
+    loud, none = 0.15 * rng.standard_normal((2, n)) * events, np.zeros(n)
+    drawn_so, share = burst_shares(problem, loud, none).max(), bursts(problem, loud[0], none)
+    assert share > 0.1
+    assert bursts(problem, loud[0], none, float(drawn_so)) == 0.0
+    assert bursts(problem, loud[0], none, 0.9 * share) == share
+
+
+@pytest.mark.parametrize(
+    ("gains", "there"),
+    [
+        ([0.051, 0.012, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4] + 4 * [-1e-4], True),
+        ([0.063, 0.0, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4] + 4 * [-1e-4], False),
+        ([0.051, 0.022, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4] + 4 * [-3e-3], False),
+    ],
+)
+def test_what_acts_seldom_counts_where_it_acts_more_than_once_and_harms_nowhere(
+    friction, gains, there
+):
+    base = friction[0]
+    mse = base.mse - float(np.mean(gains))
+    found = replace(base, losses=base.losses - np.array(gains), mse=mse, seen=mse)
+    assert passes(base, found, 0.028) is there
 
 
 def test_effects_that_are_both_needed_are_no_rivals(friction):

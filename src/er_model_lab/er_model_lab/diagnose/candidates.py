@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from er_models.effect import Effect
+from er_models.effect import SMOOTH, Effect
 from er_models.model import Array, Model
 
 from er_model_lab.fit import Fit, cross_validated, fit
@@ -27,6 +27,10 @@ FIRST_ITERATIONS, FINALISTS = 10, 4
 
 SCANNED, SCANS, WORTHWHILE = 25, 3, 0.01
 """Values of a limit of the car that are looked at, how often, and the gain that is worth another look."""
+ABOUT = np.geomspace(0.6, 1.6, 7)
+"""Sizes about a fitted gap, as shares of it, that are looked at."""
+GAPS, NARROWEST, WIDEST = 9, 0.1, 3.0
+"""Gaps that are looked at, and the first and the last of them as shares of the least and the largest start."""
 
 
 @dataclass(frozen=True)
@@ -119,15 +123,27 @@ def additions(
     return np.asarray(np.nan_to_num(problem.predict_many(grown, vectors) - predicted).T)
 
 
-def screen(
-    base: Candidate, effect: Effect, problem: Problem
-) -> tuple[list[dict[str, float]], float, float]:
-    """Starting values of an effect, most promising first, the kept fraction and the reach.
+@dataclass(frozen=True)
+class Screen:
+    """What a straight line says of an effect: starting values, most promising first; kept and reach as in `Candidate`.
+
+    gain: root of the fall of the mean square from the best start [N].
+    """
+
+    points: list[dict[str, float]]
+    kept: float
+    reach: float
+    gain: float
+
+
+def screen(base: Candidate, effect: Effect, problem: Problem) -> Screen:
+    """An effect beside a fitted model, in a straight line.
 
     Where amplitudes switch the effect on, a start promises what it gains once they are scaled; where none
     does (a limit whose neutral value is infinite), what it gains as it is.
     """
-    train, points = problem.train, starts(effect, problem)
+    train, points = problem.train, gaps(effect, problem) or starts(effect, problem)
+    switched = bool(_amplitudes(effect)) and not is_gap(effect)
     directions = additions(base, effect, points, problem)[train]
     j, r = base.fit.jacobian[train], base.fit.residual[train]
     absorbed = j @ np.linalg.lstsq(j, directions, rcond=1e-10)[0]
@@ -137,21 +153,64 @@ def screen(
     along = outside.T @ r
     seen = power > 1e-12 * np.maximum(size, 1e-300)
     amplitudes = np.where(seen, along / np.maximum(power, 1e-300), 0.0)
-    if not _amplitudes(effect):
+    if not switched:
         amplitudes = np.where(seen, 1.0, 0.0)
     gains = 2.0 * amplitudes * along - amplitudes**2 * power
     kept = float(np.sqrt(np.max(power / np.maximum(size, 1e-300))))
     reach = float(np.sqrt(np.max(power) / train.sum()) / max(problem.sd_force, 1e-12))
     ranked = [
-        _scaled(points[k], effect, float(amplitudes[k]), problem)
+        _scaled(points[k], effect, float(amplitudes[k]), problem) if switched else points[k]
         for k in np.argsort(-gains, kind="stable")
     ]
-    return ranked, kept, reach
+    gain = float(np.sqrt(max(float(gains.max()), 0.0) / train.sum()))
+    return Screen(ranked, kept, reach, gain)
 
 
 def is_limit(effect: Effect) -> bool:
     """Whether one value of the car says from where on something is cut off."""
     return effect.stage == "vehicle" and len(effect.parameters) == 1 and not _amplitudes(effect)
+
+
+def is_gap(effect: Effect) -> bool:
+    """Whether the first parameter is a gap: below it nothing is felt, and each one has a valley of its own."""
+    q = effect.parameters[0]
+    return effect.stage != "vehicle" and q.unit == "m" and q.neutral == 0.0 and q.step > SMOOTH
+
+
+def gaps(effect: Effect, problem: Problem) -> list[dict[str, float]]:
+    """Starting values of an effect over many sizes of its gap; empty where it has none.
+
+    What a gap does grows neither in a straight line with it nor smoothly, so that a start far off stays there.
+    """
+    if not is_gap(effect):
+        return []
+    q, *_ = effect.parameters
+    sizes = np.geomspace(NARROWEST * min(q.starts), WIDEST * max(q.starts), GAPS)
+    others = {tuple((k, v) for k, v in p.items() if k != q.name) for p in starts(effect, problem)}
+    scale = problem.scales.of(q.unit)
+    return [{q.name: float(s * scale), **dict(rest)} for s in sizes for rest in sorted(others)]
+
+
+def profiled(fitted: Fit, name: str, problem: Problem) -> Fit:
+    """A model fitted with a gap, from the best of sizes about it while all else follows in a straight line.
+
+    Ever closer to it: derivatives by the gap say little beyond the nearest contact.
+    """
+    q, train, best = fitted.model.catalogue[name].parameters[0].name, problem.train, fitted
+    place = fitted.free.index((name, q))
+    for closer in range(SCANS):
+        values = best.model.effects[name]
+        sizes = values[q] * ABOUT ** (2.0**-closer)
+        grown = [best.model.with_effect(name, {**values, q: float(size)}) for size in sizes]
+        vectors = np.stack([m.compiled().p for m in grown])
+        left = (problem.force - problem.predict_many(grown[0], vectors))[:, train].T
+        j = np.delete(best.jacobian[train], place, axis=1)
+        left = np.nan_to_num(left) - j @ np.linalg.lstsq(j, np.nan_to_num(left), rcond=1e-10)[0]
+        costs = np.mean(left**2, axis=0)
+        if costs.min() < (1.0 - WORTHWHILE) * best.mse(train):
+            tried = fit(grown[int(np.argmin(costs))], problem, max_iter=FIRST_ITERATIONS)
+            best = tried if tried.mse(train) < best.mse(train) else best
+    return best
 
 
 def scanned(fitted: Fit, effect: Effect, problem: Problem) -> Fit:
@@ -198,25 +257,30 @@ def refit(
 
     Where no amplitude switches the effect on, a straight line promises little: the two best starts are tried.
     """
-    points, kept, reach = screen(base, effect, problem)
+    seen = screen(base, effect, problem)
     target = base.fit.mse(problem.train) * problem.forward.worth
 
     def begun(values: dict[str, float]) -> Fit:
         grown = base.fit.model.with_effect(effect.name, values)
         return fit(grown, problem, known=base.fit.jacobian, target=target, max_iter=max_iter)
 
-    fits = [begun(values) for values in points[: 1 if _amplitudes(effect) else 2]]
+    fits = [begun(values) for values in seen.points[: 1 if _amplitudes(effect) else 2]]
     fits = [f for f in fits if np.isfinite(f.mse(problem.train))]
     fits = fits or [begun(starts(effect, problem)[0])]
     fitted = min(fits, key=lambda f: f.mse(problem.train))
     if is_limit(effect):
         fitted = scanned(fitted, effect, problem)
-    return cross_judged((*base.effects, effect.name), fitted, problem, kept, reach)
+    return cross_judged((*base.effects, effect.name), fitted, problem, seen.kept, seen.reach)
 
 
 def finished(candidate: Candidate, problem: Problem, max_iter: int = 30) -> Candidate:
-    """A candidate whose fit had used up its iterations, fitted on."""
-    fitted = fit(candidate.fit.model, problem, max_iter=max_iter)
+    """A candidate fitted on where its iterations were used up, and with its gaps looked for more closely."""
+    fitted = candidate.fit
+    if fitted.iterations >= FIRST_ITERATIONS:
+        fitted = fit(fitted.model, problem, max_iter=max_iter)
+    for name in candidate.effects:
+        if is_gap(fitted.model.catalogue[name]):
+            fitted = profiled(fitted, name, problem)
     if not fitted.mse(problem.train) < candidate.fit.mse(problem.train):
         return candidate
     return cross_judged(candidate.effects, fitted, problem, candidate.kept, candidate.reach)
@@ -249,10 +313,7 @@ def refit_all(
         if tick:
             tick(effect.name)
     found.sort(key=lambda c: c.mse)
-    ahead = [
-        finished(c, problem) if c.fit.iterations >= FIRST_ITERATIONS else c
-        for c in found[:FINALISTS]
-    ]
+    ahead = [finished(c, problem) for c in found[:FINALISTS]]
     return sorted([*ahead, *found[FINALISTS:]], key=lambda c: c.mse)
 
 

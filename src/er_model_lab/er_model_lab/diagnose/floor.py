@@ -186,13 +186,14 @@ def _floor(
             weights = importance(problem, residual, inputs, seed)
         unseen = max(boosted_held_out(problem, in_fit, inputs, seed), unseen, 0.0)
     share = max(trees, share, 0.0)
-    loud = bursts(problem, residual, null.input_square[output :: null.outputs])
+    square = null.input_square[output :: null.outputs]
+    loud = bursts(problem, residual, square, null.bursts[output])
     starts = problem.motion.starts
     white = white_noise([in_fit[i:j] for i, j in itertools.pairwise(starts)])
     held = float(np.mean(in_fit[problem.held_out] ** 2))
-    square = float(np.mean(residual[problem.train] ** 2))
+    left = float(np.mean(residual[problem.train] ** 2))
     return Floor(
-        floor=float(np.sqrt(square * (1.0 - share) * (1.0 - loud))),
+        floor=float(np.sqrt(left * (1.0 - share) * (1.0 - loud))),
         held_out=float(np.sqrt(held * (1.0 - unseen))),
         white=white,
         input_error=null.input_error,

@@ -54,28 +54,36 @@ def filtered(
     return share, kept, dict(sorted(worth.items(), key=lambda kv: -kv[1]))
 
 
-def bursts(problem: Problem, residual: Array, input_square: Array) -> float:
+def bursts(problem: Problem, residual: Array, input_square: Array, chance: float = 0.0) -> float:
     """Share of the residual's power that lies in bursts: above what noise does in any window.
 
     input_square (n,): mean square of the force error that the motion sensors cause, at each sample; where the
-    gate closes it is large, and that is no burst. Zero below `BURSTS`.
+    gate closes it is large, and that is no burst. chance: largest share that such errors and noise made when drawn.
+    Zero below that and `BURSTS`.
     """
+    share = float(burst_shares(problem, residual[None], input_square)[0])
+    return share if share > max(BURSTS, chance) else 0.0
+
+
+def burst_shares(problem: Problem, errors: Array, input_square: Array) -> Array:
+    """Shares (m,) of the power of errors (m, n) that lie in bursts; zero where the data are too short to say."""
     rows, length = np.flatnonzero(problem.train), max(round(WINDOW / problem.motion.dt), 8)
     many = rows.size // length * length
     if many < 20 * length:
-        return 0.0
-    power = _windows(residual[rows[:many]] ** 2, length)
-    moved = _windows(input_square[rows[:many]], length)
-    steady = max(float(power.mean() - moved.mean()), 0.1 * float(power.mean()), 1e-300)
-    power = power / (steady + moved)
-    calm = float(np.median(power)) / (1.0 - 2.0 / (9.0 * length)) ** 3
-    share = 1.0 - float(np.mean(np.minimum(power, LOUD * calm))) / max(float(power.mean()), 1e-300)
-    return share if share > BURSTS else 0.0
+        return np.zeros(errors.shape[0])
+    rows = rows[:many]
+    power = _windows(errors[:, rows] ** 2, length)
+    moved = _windows(input_square[rows][None], length)
+    mean = power.mean(axis=1, keepdims=True)
+    power = power / (np.maximum(np.maximum(mean - moved.mean(), 0.1 * mean), 1e-300) + moved)
+    calm = np.median(power, axis=1, keepdims=True) / (1.0 - 2.0 / (9.0 * length)) ** 3
+    quiet = np.minimum(power, LOUD * calm).mean(axis=1)
+    return np.asarray(1.0 - quiet / np.maximum(power.mean(axis=1), 1e-300))
 
 
 def _windows(y: Array, length: int) -> Array:
-    """Means of windows side by side."""
-    return np.asarray(y.reshape(-1, length).mean(axis=1))
+    """Means (m, windows) of windows of each row, side by side."""
+    return np.asarray(y.reshape(y.shape[0], -1, length).mean(axis=2))
 
 
 def _thinned(mask: NDArray[np.bool_]) -> Rows:

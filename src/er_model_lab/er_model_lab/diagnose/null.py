@@ -17,6 +17,7 @@ from er_models.model import Array
 
 from er_model_lab.diagnose.candidates import Candidate
 from er_model_lab.diagnose.chance import largest
+from er_model_lab.diagnose.left import burst_shares
 from er_model_lab.prepare import Problem, white_noise
 
 MOTIONS = 6
@@ -32,7 +33,8 @@ class Null:
     input_error: force error [N] that the motion sensors cause on the training samples, and on the held-out ones;
     force_noise [N] with its lag-one correlation `colour`; input_square (n,): mean square [N2] over the draws of
     the motion, of `outputs` rows a sample; least: size [N] below which nothing is believed, however rare: where the
-    motion repeats itself, all that the motion sensors cause, since it comes back in every cycle.
+    motion repeats itself, all that the motion sensors cause, since it comes back in every cycle; bursts: the largest
+    share of the power that lay in bursts, of each output.
     """
 
     maxima: Array
@@ -43,6 +45,7 @@ class Null:
     input_square: Array
     outputs: int = 1
     least: float = 0.0
+    bursts: tuple[float, ...] = (0.0,)
 
     def _peaks(self) -> int:
         """Replicates from which the tail is drawn on."""
@@ -92,14 +95,16 @@ def simulate_null(
     noise, colour = _force_noise(leader, problem, input_error)
     square, outputs = np.mean(wobble**2, axis=0), problem.forward.outputs
     least = input_error if problem.cycles else 0.0
-    if not rivals:
-        return Null(np.zeros(0), input_error, held_out, noise, colour, square, outputs, least)
     many = -(-replicates // MOTIONS)
     errors = np.repeat(wobble, many, axis=0) + problem.forward.output_errors(
         leader.fit.residual, noise, colour, rng, many * MOTIONS
     )
-    maxima = largest(base, rivals, problem, errors.T)
-    return Null(maxima, input_error, held_out, noise, colour, square, outputs, least)
+    loud = tuple(
+        float(burst_shares(part, errors[:, c::outputs], square[c::outputs]).max())
+        for c, part in enumerate(problem.parts)
+    )
+    maxima = largest(base, rivals, problem, errors.T) if rivals else np.zeros(0)
+    return Null(maxima, input_error, held_out, noise, colour, square, outputs, least, loud)
 
 
 def _force_noise(best: Candidate, problem: Problem, input_error: float) -> tuple[float, float]:

@@ -9,7 +9,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from er_models.model import Array
 
-from er_model_lab.diagnose.candidates import Candidate, effect_size, refit, refit_all, without
+from er_model_lab.diagnose.candidates import (
+    Candidate,
+    effect_size,
+    finished,
+    refit,
+    refit_all,
+    screen,
+    without,
+)
 from er_model_lab.diagnose.null import Null, simulate_null
 from er_model_lab.prepare import Problem
 from er_model_lab.rule import RULE, Rule
@@ -18,6 +26,10 @@ SENSING_FIRST = ("force_delay", "force_lag", "velocity_lag", "deflection_zero", 
 PAIRS_OF = 6
 """Pairs are tried among this many best singles."""
 MOST_EFFECTS = 3
+HARMLESS = 0.05
+"""Share of its gains that an effect which acts seldom may lose elsewhere."""
+PROMISE = 1.5
+"""Size, over what chance gives, from which a candidate left over is worth another round."""
 DOUBT, SURE = 2.0, 4.5
 """Paired t below which two candidates are tied in any case, and from which on they never are."""
 
@@ -44,7 +56,7 @@ def passes(base: Candidate, candidate: Candidate, limit: float) -> bool:
 
     The fall must exceed the limit and be positive in half of the blocks at least. Unless it is three times
     the limit (records of different kind, where some cannot show the effect), it must also be steady: a
-    paired t above 3, or positive in four blocks of five.
+    paired t above 3, or positive in four blocks of five, or seldom at work and harmless else.
     """
     size = effect_size(base, candidate)
     if size <= limit:
@@ -52,7 +64,18 @@ def passes(base: Candidate, candidate: Candidate, limit: float) -> bool:
     gains = base.losses - candidate.losses
     positive = float(np.mean(gains > 0))
     t = float(gains.mean() / max(float(gains.std(ddof=1)) / np.sqrt(gains.size), 1e-300))
-    return positive >= 0.5 and (size > 3.0 * limit or t > 3.0 or positive >= 0.8)
+    steady = t > 3.0 or positive >= 0.8 or seldom(gains, limit)
+    return positive >= 0.5 and (size > 3.0 * limit or steady)
+
+
+def seldom(gains: Array, limit: float) -> bool:
+    """Whether an effect acts in few blocks (gains: falls of their mean squares) but in more than one, and harms nowhere.
+
+    What it gains without its best block must still exceed the limit, and what the other blocks lose be next to nothing.
+    """
+    rest = float(gains.sum() - gains.max()) / gains.size
+    lost = -float(gains[gains < 0.0].sum())
+    return rest > limit**2 and lost < HARMLESS * float(gains[gains > 0.0].sum())
 
 
 def block_t(better: Candidate, worse: Candidate, problem: Problem) -> float:
@@ -140,6 +163,19 @@ def one_round(
     return Round(base, candidates, null, limit, taken, ties)
 
 
+def promising(best: Candidate, step: Round, problem: Problem) -> bool:
+    """Whether another candidate of a round gains beside what was taken there, in a straight line.
+
+    Regressions do not see everything: a gap that is crossed within a sample is lost in their noise.
+    """
+    limit = PROMISE * step.threshold
+    others = [
+        c for c in step.candidates if c is not step.taken and effect_size(step.base, c) > limit
+    ]
+    catalogue = best.fit.model.catalogue
+    return any(screen(best, catalogue[c.name], problem).gain > limit for c in others)
+
+
 def _without_refinements(base: Candidate, able: list[Candidate], limit: float) -> list[Candidate]:
     """Leave out a generalised form unless it is better than its special case by three times the limit."""
     sizes = {c.name: c for c in able}
@@ -196,7 +232,7 @@ def swapped(
 
 def exchanged(rest: Candidate, place: int, name: str, problem: Problem) -> Candidate:
     """A model with another effect in the place of the one that was taken out."""
-    found = refit(rest, rest.fit.model.catalogue[name], problem, max_iter=20)
+    found = finished(refit(rest, rest.fit.model.catalogue[name], problem, max_iter=20), problem)
     return replace(found, effects=(*rest.effects[:place], name, *rest.effects[place:]))
 
 

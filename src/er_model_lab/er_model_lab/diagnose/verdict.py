@@ -13,7 +13,15 @@ from er_model_lab.diagnose.candidates import Candidate, baseline, effect_size
 from er_model_lab.diagnose.coverage import Coverage, coverage
 from er_model_lab.diagnose.floor import Floor, noise_floor
 from er_model_lab.diagnose.null import Null
-from er_model_lab.diagnose.search import MOST_EFFECTS, Round, one_round, prune, swapped, try_pairs
+from er_model_lab.diagnose.search import (
+    MOST_EFFECTS,
+    Round,
+    one_round,
+    promising,
+    prune,
+    swapped,
+    try_pairs,
+)
 from er_model_lab.prepare import Problem
 from er_model_lab.rule import RULE, Rule
 
@@ -129,7 +137,8 @@ def _grow(
     first = rounds[0]
     while best.effects and len(best.effects) < MOST_EFFECTS:
         left = best.mse - floor.floor**2
-        if left < 0.05 * best.mse and floor.explained <= VISIBLE:
+        nothing = left < 0.05 * best.mse and floor.explained <= VISIBLE
+        if nothing and not promising(best, rounds[-1], problem):
             break
         step = one_round(best, problem, seed + len(rounds), rule, tick)
         leader = _leader(step)
