@@ -69,7 +69,7 @@ def passes(base: Candidate, candidate: Candidate, limit: float) -> bool:
 
 
 def seldom(gains: Array, limit: float) -> bool:
-    """Whether an effect acts in few blocks (gains: falls of their mean squares) but in more than one, and harms nowhere.
+    """Whether an effect acts in few blocks, but in more than one, and harms nowhere; gains: falls of mean squares.
 
     What it gains without its best block must still exceed the limit, and what the other blocks lose be next to nothing.
     """
