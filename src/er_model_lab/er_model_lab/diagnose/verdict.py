@@ -125,8 +125,8 @@ def judge(
 
 
 def _leader(step: Round) -> Candidate:
-    """The candidate with the smallest error of a round, or its beginning."""
-    return min([step.base, *step.candidates], key=lambda c: c.mse)
+    """The candidate that gains most in a round, or its beginning: no more than its fit gains is believed."""
+    return max([step.base, *step.candidates], key=lambda c: effect_size(step.base, c))
 
 
 def _grow(
