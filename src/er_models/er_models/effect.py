@@ -33,6 +33,7 @@ SIGNALS: dict[str, str] = {
     "y": "yield force the field asks for, before its lag [N]",
     "f_y": "yield force, after its lag [N]",
     "u_f": "duty whose chains have formed: u after the response time of the fluid [1]",
+    "f_h": "force that the fluid carries by its pressure: viscous, yield and flow losses [N]",
     "f_r": "force of the damper beyond k_0 x + c_0 v, for what stands in series with it [N]",
     "f_d": "damper force [N]",
     "f_m": "damper force after the sensors before this one [N]",
@@ -121,7 +122,8 @@ class Effect:
     """A physical effect: equation hooks, parameters, signature and source.
 
     `hooks` maps a key of `HOOKS` to a scalar function. `initial` tells where its state begins: at rest
-    (zero) or in equilibrium with the first sample.
+    (zero) or in equilibrium with the first sample. `fluid`: its force is carried by the pressure of the fluid (f_h),
+    so that it ends where the fluid cavitates.
     """
 
     name: str
@@ -133,6 +135,7 @@ class Effect:
     signature: Signature
     source: str
     dissipative: bool = False
+    fluid: bool = False
     initial: Literal["equilibrium", "zero"] = "equilibrium"
     generalises: tuple[str, ...] = ()
     knowable: bool = True

@@ -40,8 +40,8 @@ _MAPPED = {
 _SCALING = ("stiffness_scale", "viscous_scale", "yield_scale", "tau_scale")
 _UNITS = {
     "x": "m", "v": "m/s", "a": "m/s2", "u": "duty", "t": "s", "theta": "K", "k_0": "N/m", "c_0": "N s/m",
-    "tau_y": "s", "y": "N", "f_y": "N", "u_f": "duty", "f_r": "N", "f_d": "N", "f_m": "N", "z_t": "m",
-    "v_t": "m/s", "v_s": "m/s", "m_s": "kg", "m_us": "kg", "f_t": "N", "a_s": "m/s2", "a_us": "m/s2",
+    "tau_y": "s", "y": "N", "f_y": "N", "u_f": "duty", "f_h": "N", "f_r": "N", "f_d": "N", "f_m": "N",
+    "z_t": "m", "v_t": "m/s", "v_s": "m/s", "m_s": "kg", "m_us": "kg", "f_t": "N", "a_s": "m/s2", "a_us": "m/s2",
 }  # fmt: skip
 _POSITIVE = ("u", "u_f", "t", "k_0", "c_0", "tau_y", "m_s", "m_us", *_SCALING)
 

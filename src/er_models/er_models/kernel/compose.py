@@ -143,7 +143,7 @@ def _damper(catalogue: Catalogue) -> list[str]:
     body += [*_run(catalogue, LAG, response), "    else:", f"        s[W, {slot}] = y"]
     body += [f"    f_y = s[W, {slot}]", "    f_d = f_y", "    u_f = u", *_field(catalogue)]
     body += _states(catalogue, "states")
-    body += _lines(catalogue, "force", "f_d += {call}")
+    body += ["    f_h = f_y + viscous_scale * c_0 * v", *_forces(catalogue)]
     rest = [f"    s[W, {catalogue.rest}] = f_d - k_0 * x - c_0 * v"]
     return [*body, *_end(catalogue), *_run(catalogue, "early", rest), "    return f_d, f_m, u"]
 
@@ -156,6 +156,18 @@ def _field(catalogue: Catalogue) -> list[str]:
     lag = _relax(catalogue, catalogue["response"], slot, OF_FIELD)
     lines += [*("    " + line for line in lag), f"    u_f = s[W, {slot}]"]
     return _run(catalogue, FIELD, lines)
+
+
+def _forces(catalogue: Catalogue) -> list[str]:
+    """What adds to the damper force; what the fluid carries adds to that as well."""
+
+    def lines(effect: Effect) -> list[str]:
+        if not effect.fluid:
+            return _call(catalogue, effect, "force", "f_d += {call}")
+        added = _call(catalogue, effect, "force", "f_i = {call}")
+        return [*added, "f_d += f_i", "f_h += f_i"]
+
+    return _masked(catalogue, "force", lines)
 
 
 def _early(catalogue: Catalogue) -> list[str]:

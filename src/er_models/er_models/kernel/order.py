@@ -35,6 +35,7 @@ KNOWN_FROM = {
     **dict.fromkeys(("yield_scale", "viscous_scale", "stiffness_scale"), "yield_scale"),
     **dict.fromkeys(("tau_scale", "tau_y", "y"), "yield_scale"),
     **dict.fromkeys(("f_d", "u_f"), "states"),
+    "f_h": "limit",
     "f_m": "sense",
 }
 """Place of `ORDER` from which a hook may ask for a signal of the damper."""
@@ -67,7 +68,10 @@ def relaxes_at(effect: Effect) -> str:
     for hook in _MAPS:
         if hook in effect.hooks:
             return hook
-    return "late" if "f_d" in _arguments(effect, "relax") else "states"
+    driven = _arguments(effect, "relax")
+    if "f_h" in driven:
+        return "limit" if "limit" in effect.hooks else "late"
+    return "late" if "f_d" in driven else "states"
 
 
 @cache

@@ -33,4 +33,5 @@ EFFECT = Effect(
         rivals=("gas_spring", "cavitation"),
     ),
     source="thesis Table 1.3; Dixon 2007, ch. 6",
+    fluid=True,
 )

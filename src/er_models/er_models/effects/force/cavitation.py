@@ -3,15 +3,15 @@
 from er_models.effect import CONTACT, Effect, Param, Signature
 
 
-def relax(F_v: float, c_0: float, v: float, f_y: float, w: float) -> tuple[float, float]:
+def relax(F_v: float, c_0: float, f_h: float, w: float) -> tuple[float, float]:
     """Rate [1/s] and drive [m/s] of the void: the stroke less what the fluid follows at vapour pressure."""
-    excess = c_0 * v + f_y - F_v if F_v > 0.0 else F_v - c_0 * v - f_y
+    excess = f_h - F_v if F_v > 0.0 else F_v - f_h
     return (0.0, excess / (c_0 + 1e-9)) if w > 0.0 or excess > 0.0 else (1e9, 0.0)
 
 
-def limit(F_v: float, w_s: float, c_0: float, v: float, f_y: float, f_d: float, w: float) -> float:
-    """Force [N]: with a void w the fluid pushes with F_v instead of c_0 v + f_y; springs act as ever."""
-    return f_d + (F_v - c_0 * v - f_y) * w / (w + w_s) if w > 0.0 else f_d
+def limit(F_v: float, w_s: float, f_h: float, f_d: float, w: float) -> float:
+    """Force [N]: with a void w the fluid pushes with F_v instead of f_h; springs and friction act as ever."""
+    return f_d + (F_v - f_h) * w / (w + w_s) if w > 0.0 else f_d
 
 
 EFFECT = Effect(

@@ -25,4 +25,5 @@ EFFECT = Effect(
     source="Bingham plastic viscosity under field; Choi et al. 1998. Spencer et al. 1997: yield force and viscous "
     "damping both grow with one first-order lag of the command; Horvath and Szalai 2015: the structure of the chains "
     "forms in the response time of the shear stress",
+    fluid=True,
 )

@@ -25,4 +25,5 @@ EFFECT = Effect(
         rivals=("gas_spring", "field_viscosity"),
     ),
     source="Lee and Moon 2006, displacement-sensitive shock absorber; Dixon 2007",
+    fluid=True,
 )

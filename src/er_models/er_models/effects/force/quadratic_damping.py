@@ -24,4 +24,5 @@ EFFECT = Effect(
     ),
     source="Bernoulli orifice law; Dixon 2007, ch. 5",
     dissipative=True,
+    fluid=True,
 )
