@@ -85,6 +85,7 @@ def test_it_ends_with_the_plant_and_without_a_traceback(run: Run) -> None:
     assert run.status == 0, run.text
     assert "Traceback" not in run.text
     assert f"finished after {round(SECONDS * RATE)} ticks" in run.text
+    assert "[er up] plant ended: everything is stopped" in run.text
 
 
 @pytest.mark.parametrize(

@@ -101,6 +101,7 @@ def test_up_takes_everybody_down_on_ctrl_c(graph: Graph, tmp_path: Path) -> None
     sleep(1.0)
     assert up.stop() == 0, up.text
     assert "Traceback" not in up.text
+    assert "[er up] SIGINT came: everything is stopped" in up.text
     assert messages(tmp_path / "bag") > 200
 
 

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from time import monotonic, sleep
 from typing import IO
@@ -47,8 +48,10 @@ class Child:
         assert self.process.stdout is not None
         with self.process.stdout as lines:
             for line in lines:
-                out.write(f"[{self.label}] {line.rstrip()}\n")
-                out.flush()
+                # where nobody reads any more, a node must not wait for room in its pipe
+                with suppress(OSError, ValueError):
+                    out.write(f"[{self.label}] {line.rstrip()}\n")
+                    out.flush()
 
     @property
     def status(self) -> int | None:

@@ -1,7 +1,8 @@
 """``er up``: starts the graph without ros2 launch, with the same arguments and command lines.
 
 It ends with the plant, or with the first node that fails, or on Ctrl-C; the recorder is stopped
-last, so that a recording holds how everything ended. The exit status is the worst of all nodes.
+last, so that a recording holds how everything ended. Why it ended is its last line but those of the nodes. The exit
+status is the worst of all nodes.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Mapping, Sequence, Set
+from contextlib import suppress
 from pathlib import Path
 from time import sleep
 from types import FrameType
@@ -68,14 +70,14 @@ def argv(spec: NodeSpec) -> list[str]:
 def run(
     given: Mapping[str, str],
     out: IO[str] | None = None,
-    stopping: Callable[[], bool] = lambda: False,
+    stopping: Callable[[], str] = str,
 ) -> dict[str, int]:
     """Run the graph until it ends or `stopping` says so; returns the exit status of every node.
 
     Args:
         given: arguments, complete or not.
         out: where the nodes' lines go; None: standard output.
-        stopping: asked again and again; true ends the graph.
+        stopping: asked again and again; a reason ends the graph.
 
     Raises:
         InputError: An argument, a file or a package is wrong; nothing was started then.
@@ -86,19 +88,49 @@ def run(
     try:
         children += (Child(label, command, out or sys.stdout) for label, command in commands)
         last = {spec.label for spec in specs if ends_all(spec)}
-        while not stopping() and not _over(children, last):
+        while not (reason := stopping() or over(_statuses(children), last)):
             sleep(POLL)
+        _say(f"[er up] {reason}: everything is stopped\n", out or sys.stdout)
     finally:
         stop([child for child in children if child.label != RECORDER.executable])
         stop([child for child in children if child.label == RECORDER.executable])
     return {child.label: child.status or 0 for child in children}
 
 
-def _over(children: Sequence[Child], last: Set[str]) -> bool:
-    """Whether the plants of all corners ended or a node failed; one that was killed may be replaced."""
-    ended = {child.label: child.status for child in children if child.status is not None}
-    failed = any(0 < status < KILLED for status in ended.values())
-    return (bool(last) and last <= ended.keys()) or failed or len(ended) == len(children)
+def _say(line: str, out: IO[str]) -> None:
+    """Write a line, unless nobody reads any more."""
+    with suppress(OSError, ValueError):
+        out.write(line)
+        out.flush()
+
+
+def _statuses(children: Sequence[Child]) -> dict[str, int | None]:
+    return {child.label: child.status for child in children}
+
+
+def over(statuses: Mapping[str, int | None], last: Set[str]) -> str:
+    """Why the graph is over, "" while it is not; a node that was killed may be replaced.
+
+    Args:
+        statuses: exit status of each process, None while it runs.
+        last: processes without which there is no graph, the plants of all corners.
+    """
+    ended = {label: status for label, status in statuses.items() if status is not None}
+    failed = {label: status for label, status in ended.items() if 0 < status < KILLED}
+    if failed:
+        return _words(failed)
+    if last and last <= ended.keys():
+        return _words({label: ended[label] for label in last})
+    return "everybody has ended" if len(ended) == len(statuses) else ""
+
+
+def _words(ended: Mapping[str, int]) -> str:
+    """Which processes ended, and how where that was not well."""
+    each = []
+    for label, status in sorted(ended.items()):
+        how = f"signal {status - KILLED}" if status >= KILLED else f"exit status {status}"
+        each.append(f"{label} ended with {how}" if status else f"{label} ended")
+    return ", ".join(each)
 
 
 def main() -> None:
@@ -107,15 +139,15 @@ def main() -> None:
     if any(word in ("-h", "--help", "--show-args", "-s") for word in given):
         show(USAGE)
         sys.exit(0)
-    told: list[int] = []
+    told: list[str] = []
 
     def tell(number: int, _: FrameType | None) -> None:
-        told.append(number)
+        told.append(f"{signal.Signals(number).name} came")
 
     for number in STOPS:
         signal.signal(number, tell)
     try:
-        statuses = run(parse(given), stopping=lambda: bool(told))
+        statuses = run(parse(given), stopping=lambda: "".join(told[:1]))
     except ErError as error:
         sys.stderr.write(f"er up: {error}\n")
         sys.exit(error.exit_status)

@@ -10,6 +10,7 @@ from time import monotonic, sleep
 
 import pytest
 from er_bringup.processes import Child, stop, worst
+from er_bringup.up import over
 
 pytestmark = pytest.mark.alone
 
@@ -43,6 +44,35 @@ def test_lines_carry_the_label() -> None:
     one = child("import sys; print('a'); print('b', file=sys.stderr)", out, "plant")
     assert ended(one) == 0
     assert sorted(out.getvalue().splitlines()) == ["[plant] a", "[plant] b"]
+
+
+def test_a_child_that_nobody_reads_does_not_wait() -> None:
+    gone = io.StringIO()
+    gone.close()
+    assert ended(child("for i in range(20000): print('many words', i)", gone)) == 0
+
+
+@pytest.mark.parametrize(
+    ("statuses", "reason"),
+    [
+        ({"plant": None, "recorder": None}, ""),
+        ({"plant": None, "recorder": 0}, ""),
+        ({"plant": None, "recorder": 137}, ""),
+        ({"plant": None, "recorder": 2}, "recorder ended with exit status 2"),
+        ({"plant": 0, "recorder": None}, "plant ended"),
+        ({"plant": 139, "recorder": None}, "plant ended with signal 11"),
+        ({"plant": 0, "recorder": 1}, "recorder ended with exit status 1"),
+    ],
+)
+def test_the_graph_says_why_it_is_over(statuses: dict[str, int | None], reason: str) -> None:
+    assert over(statuses, {"plant"}) == reason
+
+
+def test_a_graph_of_several_plants_ends_with_the_last() -> None:
+    plants = {"a/plant", "b/plant"}
+    assert over({"a/plant": 0, "b/plant": None}, plants) == ""
+    assert over({"a/plant": 0, "b/plant": 0}, plants) == "a/plant ended, b/plant ended"
+    assert over({"observer": 0}, set()) == "everybody has ended"
 
 
 @pytest.mark.parametrize(

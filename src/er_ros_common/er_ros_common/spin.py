@@ -81,6 +81,8 @@ def spin(nodes: Nodes, stopped: Stopped | None = None, kind: str = "events") -> 
         if rclpy.ok():
             raise
     finally:
+        if not stopped.signal and not rclpy.ok():
+            sys.stderr.write("the ROS context was shut down from elsewhere: this process ends\n")
         for node in each:
             executor.remove_node(node)
         executor.shutdown(timeout_sec=0.0)
