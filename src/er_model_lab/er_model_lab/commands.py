@@ -20,6 +20,7 @@ from er_model_lab.diagnose.by_record import by_record
 from er_model_lab.diagnose.candidates import baseline
 from er_model_lab.diagnose.floor import noise_floor
 from er_model_lab.diagnose.null import simulate_null
+from er_model_lab.diagnose.search import MOST_EFFECTS
 from er_model_lab.diagnose.verdict import Name
 from er_model_lab.excess import noise_at, region_tables
 from er_model_lab.floors import floors
@@ -272,7 +273,8 @@ def _improved(studies: list[Study], model: Model, records: list[Record], ask: Re
     adequate = final.verdict in ("adequate", "missing_effect", "ambiguous")
     result["final_verdict"] = "adequate" if adequate else final.verdict
     if len(studies) > 1 and result["verdict"] == "partial":
-        result["verdict"] = overall(final.verdict, tied=bool(result["alternatives"]))
+        many = len(result["effects"]) > MOST_EFFECTS
+        result["verdict"] = overall(final.verdict, tied=bool(result["alternatives"]), many=many)
         result["reasons"] += [r for r in final.reasons if r not in result["reasons"]]
     view = replace(outcome.view, result=result)
     if len(studies) > 1:
@@ -282,8 +284,13 @@ def _improved(studies: list[Study], model: Model, records: list[Record], ask: Re
     return Outcome(result, view, model, outcome.complete)
 
 
-def overall(last: Name, *, tied: bool) -> Name:
-    """Verdict on all that several passes added, from that of the last: a tie of any of them leaves the whole unsure."""
+def overall(last: Name, *, tied: bool, many: bool = False) -> Name:
+    """Verdict on all that several passes added, from that of the last: a tie of any of them leaves the whole unsure.
+
+    many: more effects than a search names; together they describe the data, and are no cause.
+    """
+    if many:
+        return "partial"
     if last in ("adequate", "missing_effect"):
         return "ambiguous" if tied else "missing_effect"
     return "ambiguous" if last == "ambiguous" else "partial"

@@ -104,6 +104,7 @@ def test_what_fusion_misses_in_every_cycle_is_no_effect():
 )
 def test_several_passes_are_no_surer_than_each(last, tied, said):
     assert overall(last, tied=tied) == said
+    assert overall(last, tied=tied, many=True) == "partial"
 
 
 def test_a_name_that_is_unsure_asks_for_the_experiment():

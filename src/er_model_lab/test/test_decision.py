@@ -177,6 +177,24 @@ def test_what_explains_little_is_taken_where_that_is_asked_for(friction):
     assert (asked.verdict, asked.effects) == ("partial", weak.effects)
 
 
+@pytest.mark.parametrize(("left", "said"), [(0.02, "missing_effect"), (0.2, "partial")])
+def test_three_effects_that_leave_more_than_noise_may_stand_for_another(friction, left, said):
+    base, found, problem = friction
+    names = ("stribeck_friction", "coulomb_friction", "freeplay")
+    model = found[0].fit.model
+    for name in names[1:]:
+        start = {q.name: 0.0 for q in model.catalogue[name].parameters}
+        model = model.with_effect(name, start)
+    three = replace(found[0], effects=names, fit=replace(found[0].fit, model=model))
+    floor = Floor(np.sqrt((1.0 - left) * three.mse), 0.0, 0.0, 0.0, 0.0, {}, (0.0, 0.0, 0.0))
+    step = Round(
+        base, found, Null(np.zeros(0), 0.0, 0.0, 1.0, 0.0, np.zeros(0)), 0.01, found[0], []
+    )
+    assert judge(base, three, [step], floor, problem).verdict == said
+    two = replace(three, effects=names[:2])
+    assert judge(base, two, [step], floor, problem).verdict == "missing_effect"
+
+
 def test_a_tie_counts_beside_everything_else_that_is_missing():
     """Beside another missing effect the friction was taken for a thinning; in the whole model it no longer is."""
     model, problem = problem_of("coulomb_friction", {"F_c": 0.5, "v_0": 0.003}, seed=3)

@@ -217,6 +217,11 @@ def _decide(
         f"added: {', '.join(best.fit.model.catalogue[e].title for e in best.effects)}; "
         f"the error falls by {size:.3g} N, {explained:.0%} of what is explainable"
     )
+    if len(best.effects) >= MOST_EFFECTS and best.mse - floor.floor**2 > VISIBLE * best.mse:
+        reasons.append(
+            f"{len(best.effects)} effects together leave more than noise: they may stand for another"
+        )
+        return "partial", reasons
     if explained_all >= ENOUGH:
         if any(len(group) > 1 for group in ties):
             said = "the data cannot tell some effects apart"
