@@ -68,9 +68,14 @@ def inner_command(
 def tradeoff_command(
     scenario: Annotated[str, typer.Argument(help="Scenario.")] = "thesis_6_4_2",
     seeds: Annotated[int, typer.Option(min=1, help="Roads.")] = 5,
+    first: Annotated[
+        int | None, typer.Option(min=0, help="Seed of the first road; the scenario's by default.")
+    ] = None,
 ) -> None:
     """Deflection against comfort over horizon and dead zone of the force loop, healthy and with faults."""
     (chosen,) = _scenarios([scenario])
+    if first is not None:
+        chosen = replace(chosen, program=replace(chosen.program, seed=first))
     faults = ("healthy", "electrical", "leakage")
     with roads_done() as tick:
         found = tradeoff.points(setup(configuration()), chosen, faults, seeds, tick=tick)

@@ -9,8 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_models.errors import InputError
-from er_models.model import Model
-from er_observers.faults import bound, evidence, motion, regression, sums
+from er_models.model import Array, Model
+from er_models.simulate import initial_state, prepare
+from er_models.simulate import step as step_car
+from er_observers.faults import bound, evidence, follow, passage, regression, sums, tick
 from er_observers.faults.acceptance import faultless, faulty
 from er_observers.faults.estimator import start, step
 from er_observers.faults.rules import estimator
@@ -147,7 +149,7 @@ def test_bad_samples_change_a_status_and_nothing_else(car: Model) -> None:
     assert lost.resets == 1
     far, estimate = step(p, lost, samples[421]._replace(t=1e6))
     assert far.resets == 2
-    assert np.isfinite(far.memory[: motion.COLUMNS]).all()
+    assert np.isfinite(far.memory[tick.MIND]).all()
 
 
 def test_the_step_is_pure(car: Model) -> None:
@@ -185,19 +187,97 @@ def test_the_evidence_is_that_of_a_gaussian_regression() -> None:
     assert found[0] - found[1] == pytest.approx(density(one) - density(other), rel=1e-9)
 
 
-def test_the_smoother_knows_how_wrong_it_is(car: Model) -> None:
-    record: Drive = drive(Trial(1005, duration=6.0, road="iso8608"), car)
-    noise, trail = estimator(car).noise, np.zeros((motion.LAG + 1, motion.COLUMNS))
-    motion.begin(noise, record.samples[0].deflection, 0.0, False, trail)
-    rows = []
-    for s in record.samples[1:]:
-        relative = s.sprung_acceleration - s.unsprung_acceleration
-        motion.push(noise, trail, relative, s.deflection, s.deflection_velocity, DT)
-        rows.append(motion.smoothed(trail))
-    found = np.array(rows)[200:]
-    true = record.motion[201 - motion.LAG : -motion.LAG]
-    error = np.std(found[:, 1] - true[:, 1])
-    assert 0.7 < error / math.sqrt(np.mean(found[:, 2])) < 1.4
+def followed(car: Model, record: Drive) -> tuple[Array, Array]:
+    """Errors of the motion (n, 2) with their deviations, and innovations over their deviations (n, 3)."""
+    p, mind, rows = estimator(car), np.zeros(follow.SIZE), np.zeros((3, follow.ROW))
+    first = record.samples[0]
+    follow.begin(p.p, p.noise, first.deflection, math.nan, mind)
+    errors, found, duty = [], [], first.duty
+    for s, true in zip(record.samples[1:], record.motion[1:], strict=True):
+        seen = np.array([*s[1:5], math.nan])
+        follow.advance(p.p, p.noise, 0.0, p.first[: sums.N], seen, duty, DT, 0.0, 0.0, mind, rows)
+        duty = s.duty
+        P = mind[follow.COVARIANCE].reshape(5, 5)
+        errors.append((mind[follow.STATE][:2] - true) / np.sqrt(np.diag(P)[:2]))
+        found.append(rows[:, sums.N] / np.sqrt(rows[:, sums.N + 1]))
+    return np.array(errors)[100:], np.array(found)[100:]
+
+
+def test_the_follower_knows_how_wrong_it_is_and_errs_on_its_own(car: Model) -> None:
+    """A filter whose model is right has errors as large as it says, and innovations that are white."""
+    errors, innovations = followed(car, drive(Trial(1005, duration=8.0, road="iso8608"), car))
+    assert np.all(np.abs(np.sqrt(np.mean(errors**2, axis=0)) - 1.0) < 0.2)
+    assert np.all(np.abs(np.sqrt(np.mean(innovations**2, axis=0)) - 1.0) < 0.08)
+    for each in innovations.T:
+        assert abs(float(np.corrcoef(each[1:], each[:-1])[0, 1])) < 4.0 / math.sqrt(each.size)
+
+
+def test_the_derivatives_of_a_sample_are_those_of_its_end(car: Model) -> None:
+    """By state and unknowns, against differences; also for a damper without response time."""
+    p = estimator(car).p.copy()
+    known = np.array([0.9, 0.7, 0.5, 0.02, 0.1, 0.01, -0.01, 0.02])
+    start = np.array([1e-3, 4e-3, 1.5, 3.0, 0.02])
+    sizes = np.array([1e-6, 1e-5, 1e-4, 1e-3, 1e-5, *[1e-5] * 8])
+
+    def end(z: Array, unknowns: Array) -> tuple[Array, Array]:
+        law, turn = np.empty(passage.LAW), np.empty((sums.N, passage.TURNED))
+        # the share that errors of the gate are counted in stays as believed
+        passage.prescribe(p, known, 0.3, DT, math.nan, law, turn)
+        for i, by in enumerate(turn):
+            law[: passage.TURNED] += by * (unknowns[i] - known[i])
+        h = law[passage.PIECE]
+        if p[regression.TAU] > 0.0:
+            law[passage.KEPT] = math.exp(-h / law[passage.LAG])
+            law[passage.MEAN] = (1.0 - law[passage.KEPT]) * law[passage.LAG] / h
+        viscous = 0.25 * h * law[passage.STIFF] + 0.5 * law[passage.VISCOUS]
+        law[passage.HALF] = h * law[passage.PER_MASS] * viscous + 0.25 * h * h * law[passage.TYRE]
+        out, T = z.copy(), np.eye(5, 13)
+        passage.sample(law, turn, out, T, 13)
+        return out, T
+
+    for tau in (p[regression.TAU], 0.0):
+        p[regression.TAU] = tau
+        _, T = end(start, known)
+        for j, size in enumerate(sizes):
+            z, q = np.zeros(5), np.zeros(8)
+            (z if j < 5 else q)[j if j < 5 else j - 5] = size
+            ends = end(start + z, known + q)[0], end(start - z, known - q)[0]
+            assert T[:, j] == pytest.approx((ends[0] - ends[1]) / (2.0 * size), rel=1e-3, abs=1e-6)
+
+
+def test_a_sample_is_that_of_the_simulated_car(car: Model) -> None:
+    """The noise-free car one sample on, from any of its states; the two integrators differ by their own errors."""
+    plant = prepare(car, DT)
+    state, p = initial_state(plant), estimator(car)
+    law, turn, T = np.empty(passage.LAW), np.empty((sums.N, passage.TURNED)), np.eye(5, 13)
+    random, duty, gone = np.random.default_rng(3), 0.3, []
+    for _ in range(400):
+        height = state.road + 1e-3 * random.standard_normal()
+        c, q, force = car.effects["quarter_car"], state.q, float(state.w[0])
+        z = np.array([
+            q[0], q[1] - q[3], force, -c["k_t"] * q[2] / c["m_us"], (height - state.road) / DT - q[1]
+        ])  # fmt: skip
+        passage.prescribe(p.p, p.first[: sums.N], duty, DT, math.nan, law, turn)
+        passage.sample(law, turn, z, T, 0)
+        state, _ = step_car(plant, state, (height, duty))
+        gone.append((z[0] - state.q[0], z[1] - (state.q[1] - state.q[3])))
+    scale = np.array([1e-3, 0.1])
+    assert np.all(np.sqrt(np.mean(np.array(gone) ** 2, axis=0)) < 2e-3 * scale)
+
+
+def test_a_change_is_followed_anew_from_a_beginning_that_may_be_far_off(car: Model) -> None:
+    """All three at once, and most of it lost: rows made for a healthy damper would lead nowhere."""
+    trial = next(faults("combined", 11, 1))
+    samples = drive(trial, car).samples[: round((trial.fault_time + 2.0) / DT)]
+    p = estimator(car)
+    setup = p.setup.copy()
+    setup[tick.AGAIN] = 0.0
+    for each, anew in ((p, True), (replace(p, setup=setup), False)):
+        state = start(each, samples[0])
+        for sample in samples[1:]:
+            state, estimate = step(each, state, sample)
+        errors = np.subtract(estimate.factors, tuple(trial.left.values()))
+        assert bool(np.max(np.abs(errors)) < 0.05) is anew
 
 
 def test_a_model_that_is_no_such_car_is_refused(car: Model) -> None:

@@ -16,8 +16,8 @@ from er_ftc_controller.rivals import Law
 
 POINTS: Sequence[Mapping[str, Any]] = tuple(
     {"horizon": horizon, "dead_zone": zone}
-    for horizon, zone in ((0.01, 0.0), (0.01, 0.05), (0.01, 0.1), (0.01, 0.2), (0.02, 0.05), (0.02, 0.12),
-                          (0.02, 0.2), (0.03, 0.05), (0.03, 0.1))
+    for horizon, zone in ((0.01, 0.05), (0.01, 0.1), (0.01, 0.2), (0.02, 0.05), (0.02, 0.12), (0.02, 0.15), (0.02, 0.2),
+                          (0.03, 0.05), (0.03, 0.1), (0.03, 0.15))
 )  # fmt: skip
 """Changes of the shipped parameters."""
 

@@ -19,6 +19,8 @@ from er_observers.scenarios.drive import DT
 NAMED = {"f1": Kind.ELECTRICAL, "f2": Kind.LEAKAGE, "f3": Kind.DEFORMATION}
 LIMITS = {"f1": (0.1, 5.0), "f2": (0.05, 2.0), "f3": (0.1, 5.0)}
 """Error of a factor, and after how many seconds of motion it may be no larger."""
+EXCITED = 0.95
+"""A fault is excited where the best estimator, not told which it is, would be within the limits this probably."""
 _MOVING, _LOOK = 0.07, 50
 
 

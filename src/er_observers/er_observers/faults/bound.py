@@ -120,7 +120,7 @@ def _seen(p: Estimator, P: Array, shown: Array) -> Array:
     """The covariance (SIZE, SIZE) after the sprung accelerometer and the deflection sensor."""
     H = np.zeros((3, SIZE))
     H[0], H[1, X], H[2, V] = shown, 1.0, 1.0
-    M = H @ P @ H.T + np.diag(p.noise**2)
+    M = H @ P @ H.T + np.diag(p.noise[:3] ** 2)
     P = P - P @ H.T @ np.linalg.solve(M, H @ P)
     return np.asarray(0.5 * (P + P.T))
 

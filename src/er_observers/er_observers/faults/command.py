@@ -15,6 +15,7 @@ from rich.progress import track
 from rich.table import Table
 
 from er_observers.faults.acceptance import (
+    EXCITED,
     LIMITS,
     NAMED,
     Outcome,
@@ -47,6 +48,10 @@ def fault_trials(
     ),
     number: Annotated[int, typer.Option(min=1, help="Drives of each kind of fault.")] = 50,
     seed: Annotated[int, typer.Option(min=0, help="Seed of all drives.")] = 1,
+    spread: Annotated[
+        float,
+        typer.Option(min=0.0, max=0.2, help="Share by which parameters of faulty cars are off."),
+    ] = 0.0,
     rivals: Annotated[bool, typer.Option(help="Compare with other estimators instead.")] = False,
 ) -> None:
     """Try the fault estimator on random closed-loop drives: faults, none, and effects that are no faults."""
@@ -55,7 +60,7 @@ def fault_trials(
     if rivals:
         console.print(_rival_table(p, car, seed, number))
         return
-    console.print(_fault_table(p, car, seed, number))
+    console.print(_fault_table(p, car, seed, number, spread))
     healthy = [
         faultless(p, trial, car) for trial in _shown(list(healthy_trials(seed, 2 * number)))
     ]
@@ -76,13 +81,16 @@ def _shown(jobs: list[Any]) -> Iterator[Any]:
     yield from track(jobs, console=console, disable=not console.is_terminal)
 
 
-def _fault_table(p: Estimator, car: Model, seed: int, number: int) -> Table:
-    table = Table(title=f"{number} drives each, seed {seed}", title_justify="left")
-    for head in ("fault", "within limit", "best, told", "not told", "named rightly", "at best", "named wrongly",
-                 "kind open", "median s to name", "early", "unexplained"):  # fmt: skip
+def _fault_table(p: Estimator, car: Model, seed: int, number: int, spread: float) -> Table:
+    title = f"{number} drives each, seed {seed}, parameters within {100.0 * spread:g} %"
+    table = Table(title=title, title_justify="left")
+    for head in ("fault", "within limit", "once excited", "best, told", "not told", "named rightly", "at best",
+                 "named wrongly", "kind open", "median s to name", "early", "unexplained"):  # fmt: skip
         table.add_column(head, justify="left" if head == "fault" else "right")
     for name in kinds():
-        found = [faulty(p, trial, car) for trial in _shown(list(faults(name, seed, number)))]
+        found = [
+            faulty(p, trial, car) for trial in _shown(list(faults(name, seed, number, spread)))
+        ]
         table.add_row(name, *_row(name, found))
     return table
 
@@ -91,11 +99,12 @@ def _row(name: str, found: Sequence[Outcome]) -> list[str]:
     """Counts of one kind of fault, and what the best estimator could be expected to reach."""
     right = NAMED.get(name, Kind.COMBINED)
     good = [all(abs(e) <= LIMITS[f][0] for f, e in o.errors.items()) for o in found]
+    excited = [g for g, o in zip(good, found, strict=True) if o.could[1] >= EXCITED]
     told, not_told, nameable = (
         f"{100.0 * np.mean(each):.0f} %" for each in zip(*(o.could for o in found), strict=True)
     )
     return [
-        f"{sum(good)}/{len(found)}", told, not_told,
+        f"{sum(good)}/{len(found)}", f"{sum(excited)}/{len(excited)}", told, not_told,
         f"{sum(o.kind is right for o in found)}/{len(found)}", nameable,
         str(sum(o.wrong for o in found)), str(sum(o.kind is Kind.SOME for o in found)),
         f"{np.median([o.named for o in found]):.1f}", str(sum(o.early for o in found)),
@@ -133,7 +142,7 @@ def _rival_table(p: Estimator, car: Model, seed: int, number: int) -> Table:
     )
     for head in ("fault", "estimator", "after 2 s", "after 5 s", "others, 5 s"):
         table.add_column(head)
-    problem = design(car, p.noise, car.rig.get("duty_max", car.scales.duty))
+    problem = design(car, p.noise[:3], car.rig.get("duty_max", car.scales.duty))
     K = solve(problem).K
     for name in LIMITS:
         records = [(t, drive(t, car)) for t in faults(name, seed, number)]

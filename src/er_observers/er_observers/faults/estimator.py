@@ -24,7 +24,7 @@ from er_models.model import Array
 from er_observers.faults import decision, tick
 from er_observers.faults.rules import Estimator
 from er_observers.faults.sample import NOTHING, Estimate, FactorStatus, Kind, Sample, Status
-from er_observers.faults.sums import SIZE, N
+from er_observers.faults.sums import N
 from er_observers.observers.status import ROUNDING
 
 
@@ -47,9 +47,10 @@ class State(NamedTuple):
 
 def start(p: Estimator, sample: Sample) -> State:
     """State at the first sample; one that is not valid leaves the estimator waiting."""
-    memory, window = np.zeros(tick.MEMORY), np.zeros((tick.BLOCKS, SIZE))
+    memory, window = np.zeros(tick.MEMORY), np.zeros((tick.BLOCKS, tick.STORED))
     memory[tick.VERDICT] = decision.begin()
     memory[tick.EXPECTED] = p.first[:N]
+    memory[tick.COUNTED][tick.BENT] = tick.BENDS
     return _placed(
         p, State(sample.t, 0.0, memory, window, running=False, estimate=NOTHING), sample
     )
@@ -78,11 +79,11 @@ def _follow(p: Estimator, state: State, sample: Sample, dt: float) -> State:
     seen = (sample.deflection, sample.deflection_velocity)
     if not good:
         a = seen = (math.nan, math.nan)
-    duty = _duty(sample.duty, float(memory[tick.DUTY]))
+    duty = _duty(sample.duty, float(memory[tick.COUNTED][tick.DUTY]))
     lost, estimate = 0.0 if good else state.lost + dt, state.estimate
-    if tick.run(p.p, p.noise, p.setup, a, seen, duty, sample.force, dt, p.room, memory):
+    if tick.run(p.p, p.noise, p.setup, a, seen, duty, sample.force, dt, memory):
         window = window.copy()
-        tick.close(p.setup, p.judging, p.prior, p.first, p.room, window, memory)
+        tick.close(p.p, p.noise, p.setup, p.judging, p.prior, p.first, p.room, window, memory)
         estimate = _says(p, memory, lost)
     elif lost != state.lost:
         estimate = _says(p, memory, lost)
@@ -99,7 +100,7 @@ def _placed(p: Estimator, state: State, sample: Sample) -> State:
         return state._replace(t=sample.t, lost=lost, estimate=estimate, rejected=rejected)
     memory = state.memory.copy()
     tick.place(p.p, p.noise, sample.deflection, sample.deflection_velocity, memory)
-    memory[tick.DUTY] = _duty(sample.duty, 0.0)
+    memory[tick.COUNTED][tick.DUTY] = _duty(sample.duty, 0.0)
     resets, estimate = state.resets + state.running, _says(p, memory, 0.0)
     return State(sample.t, 0.0, memory, state.window, True, estimate, resets, state.rejected)
 

@@ -19,16 +19,18 @@ import math
 import numpy as np
 from er_models.model import Array
 
-from er_observers.faults.sums import N, backward, factorise, forward
+from er_observers.faults.sums import SIZE, TRIANGLE, N, backward, factorise, forward
 from er_observers.observers.compiled import compiled
 
 NONE, ELECTRICAL, LEAKAGE, DEFORMATION, COMBINED = range(5)
 KINDS = 5
 SMALLEST = 0.02
 """Least share [1] that is told from none: below it the columns vanish."""
-_STEP = 0.02
+_STEP, _FINEST = 0.02, 1e-3
+_HALVES = 5
+_ANY = 0.5
 _NEWTON = 4
-_MIXED = 3
+_MIXED = 4
 _LEAST_CURVATURE = 1e-3
 _ROOT_2 = math.sqrt(2.0)
 _LN_2_PI = math.log(2.0 * math.pi)
@@ -73,25 +75,36 @@ def single(
     kind: int, total: Array, prior: Array, temper: float, s: float, room: Array
 ) -> tuple[float, float, float]:
     """Most likely factor of one fault from the start s on, its deviation, and ln Z of that fault."""
-    shares, here = np.empty(3), 0.0
-    curvature = _LEAST_CURVATURE
+    shares, step, curvature = np.empty(3), _STEP, _LEAST_CURVATURE
+    here = _of_one(kind, total, prior, temper, s, shares, room)
     for _ in range(_NEWTON):
-        shares_of(kind, s - _STEP, shares)
-        below = log_evidence(total, prior, temper, shares, room)
-        shares_of(kind, s + _STEP, shares)
-        above = log_evidence(total, prior, temper, shares, room)
-        shares_of(kind, s, shares)
-        here = log_evidence(total, prior, temper, shares, room)
-        curvature = max((2.0 * here - below - above) / _STEP**2, _LEAST_CURVATURE)
-        move = (above - below) / (2.0 * _STEP) / curvature
+        below = _of_one(kind, total, prior, temper, s - step, shares, room)
+        above = _of_one(kind, total, prior, temper, s + step, shares, room)
+        curvature = max((2.0 * here - below - above) / step**2, _LEAST_CURVATURE)
+        move = (above - below) / (2.0 * step) / curvature
         move = min(max(move, -0.5), 0.5)
-        move = min(max(s + move, SMALLEST), 1.3) - s
-        here += move * (above - below) / (2.0 * _STEP) - 0.5 * curvature * move * move
-        s += move
+        for _ in range(_HALVES):
+            new = min(max(s + move, SMALLEST), 1.3)
+            there = _of_one(kind, total, prior, temper, new, shares, room)
+            if there >= here:
+                break
+            move *= 0.5
+        if there >= here:
+            s, here = new, there
+        step = min(max(1.0 / math.sqrt(curvature), _FINEST), _STEP)
         if abs(move) < 1e-3:
             break
     deviation = 1.0 / math.sqrt(curvature)
     return s, deviation, here + 0.5 * _LN_2_PI + math.log(deviation * within(s, deviation))
+
+
+@compiled
+def _of_one(
+    kind: int, total: Array, prior: Array, temper: float, s: float, shares: Array, room: Array
+) -> float:
+    """Ln Z of one fault of the factor s."""
+    shares_of(kind, s, shares)
+    return float(log_evidence(total, prior, temper, shares, room))
 
 
 @compiled
@@ -110,15 +123,23 @@ def combined(
     the force on their own.
     """
     a, g, H, P, trial = start, np.empty(3), np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
-    det = 1.0
+    step, move, det = np.full(3, _STEP), np.empty(3), 1.0
+    here = log_evidence(total, prior, temper, a, room)
     for _ in range(_MIXED):
-        here = log_evidence(total, prior, temper, a, room)
-        _quadratic(total, prior, temper, a, here, trial, room, g, H)
+        _quadratic(total, prior, temper, a, here, trial, room, step, g, H)
         det = _inverse(H, P)
         for i in range(3):
-            move = P[i, 0] * g[0] + P[i, 1] * g[1] + P[i, 2] * g[2]
-            a[i] = min(max(a[i] + min(max(move, -0.5), 0.5), SMALLEST), 1.3)
-    here = log_evidence(total, prior, temper, a, room)
+            move[i] = P[i, 0] * g[0] + P[i, 1] * g[1] + P[i, 2] * g[2]
+            move[i] = min(max(move[i], -0.5), 0.5)
+            step[i] = min(max(1.0 / math.sqrt(H[i, i]), _FINEST), _STEP)
+        for _ in range(_HALVES):
+            for i in range(3):
+                trial[i] = min(max(a[i] + move[i], SMALLEST), 1.3)
+            there = log_evidence(total, prior, temper, trial, room)
+            if there >= here:
+                a[:], here = trial, there
+                break
+            move *= 0.5
     factors[0], factors[1], factors[2] = a[2] / a[1], a[0], a[1] / a[0]
     spread[1] = math.sqrt(max(P[0, 0], 1e-12))
     third = P[1, 1] - 2.0 * factors[2] * P[0, 1] + factors[2] ** 2 * P[0, 0]
@@ -134,25 +155,40 @@ def combined(
 
 
 @compiled
+def free(total: Array, first: Array, temper: float, room: Array) -> None:
+    """Leave unknowns of which the shares may be anything in room[N:2 N]: a beginning; first (2 N,): see `decision`."""
+    prior, ones = np.zeros(SIZE), np.ones(3)
+    for i in range(N):
+        precision = (_ANY if i < 3 else first[N + i]) ** -2
+        prior[i * (i + 1) // 2 + i] = precision
+        prior[TRIANGLE + i] = precision * first[i]
+    unknowns(total, prior, temper, ones, room)
+    for i in range(3):
+        room[N + i] = min(max(room[N + i], SMALLEST), 1.0)
+
+
+@compiled
 def _quadratic(
     total: Array, prior: Array, temper: float, a: Array, here: float, trial: Array, room: Array,
-    g: Array, H: Array,
+    step: Array, g: Array, H: Array,
 ) -> None:  # fmt: skip
     """Gradient g (3,) and negative Hessian H (3, 3) of ln Z at the shares a (3,), made safely definite."""
     for i in range(3):
         trial[:] = a
-        trial[i] = a[i] + _STEP
+        trial[i] = a[i] + step[i]
         above = log_evidence(total, prior, temper, trial, room)
-        trial[i] = a[i] - _STEP
+        trial[i] = a[i] - step[i]
         below = log_evidence(total, prior, temper, trial, room)
-        g[i] = (above - below) / (2.0 * _STEP)
-        H[i, i] = max((2.0 * here - above - below) / _STEP**2, 1.0)
+        g[i] = (above - below) / (2.0 * step[i])
+        H[i, i] = max((2.0 * here - above - below) / step[i] ** 2, 1.0)
     for i in range(3):
         for j in range(i):
+            h, k = step[i], step[j]
             trial[:] = a
-            trial[i], trial[j] = a[i] + _STEP, a[j] + _STEP
+            trial[i], trial[j] = a[i] + h, a[j] + k
             both = log_evidence(total, prior, temper, trial, room)
-            cross = (here - both) / _STEP**2 + (g[i] + g[j]) / _STEP - 0.5 * (H[i, i] + H[j, j])
+            cross = (here - both + g[i] * h + g[j] * k) / (h * k)
+            cross -= 0.5 * (H[i, i] * h / k + H[j, j] * k / h)
             limit = 0.999 * math.sqrt(H[i, i] * H[j, j])
             H[i, j] = H[j, i] = min(max(cross, -limit), limit)
 

@@ -14,6 +14,6 @@ def ready(model: Model, rules: Rules = RULES, force_noise: float | None = None) 
     """As `rules.estimator`, and raises as it does."""
     p = estimator(model, rules, force_noise)
     state = start(p, Sample(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
-    for k in range(1, round((p.rules.least + 2) * p.setup[tick.ROWS_OF_BLOCK])):
+    for k in range(1, round((p.rules.least + 2) * tick.WITHIN)):
         state, _ = step(p, state, Sample(0.005 * k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     return p

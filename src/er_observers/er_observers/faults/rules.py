@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,26 +14,26 @@ from er_models.static_damper import StaticDamper, static_damper
 from er_observers.faults import tick
 from er_observers.faults.sums import SIZE, TRIANGLE, N
 
-SAMPLE = 0.005
-"""Sample time that a block is counted with [s]."""
+BLOCK = 0.005 * tick.WITHIN
+"""Length of a block at the usual sample time [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Rules:
     """What is believed and when something is said.
 
-    tolerance: relative deviation of every parameter of damper and body. block: length of the steps of the verdict [s].
-    hold: time without samples until the estimate is invalid [s]. sure: probability that names a kind, in `blocks`
-    blocks in a row. smallest: loss that is a fault. known, lost: deviation of a factor below which it is estimated and
-    above which it is no longer excited. limit: rms residual over noise, and belief: deviations of an unknown from what
-    was believed, that are unexplained; again: test ratio below which that is over. colour: how often neighbouring
-    residuals say the same. cut: misfit of a block over that of the window that begins a new window; least: blocks
-    before a verdict; calm: blocks in the window while all is well; fresh: blocks too young to learn from when the
-    window is cut. memory: how long lessons last [s]. healthy, single, combined: probabilities before any sample.
+    tolerance: relative deviation of every parameter of damper and body. hold: time without samples until the estimate
+    is invalid [s]. sure: probability that names a kind, in `blocks` blocks in a row. smallest: loss that is a fault.
+    known, lost: deviation of a factor below which it is estimated and above which it is no longer excited. limit: rms
+    residual over noise, and belief: deviations of an unknown from what was believed, that are unexplained; again: test
+    ratio below which that is over. colour: how often neighbouring residuals say the same. cut: misfit of a block over
+    that of the window that begins a new window; least: blocks before a verdict; calm: blocks in the window while all is
+    well; fresh: blocks too young to learn from when the window is cut; anew: blocks after a cut in which all samples
+    since then are followed again. memory: how long lessons last [s]. healthy, single, combined: probabilities before
+    any sample. road: how fast the road may be, over the greatest velocity of the damper.
     """
 
     tolerance: float = 0.05
-    block: float = 0.1
     hold: float = 0.05
     sure: float = 0.95
     blocks: float = 4.0
@@ -42,7 +43,7 @@ class Rules:
     limit: float = 1.5
     belief: float = 2.5
     again: float = 0.85
-    colour: float = 2.5
+    colour: float = 1.5
     cut: float = 3.0
     least: float = 3.0
     calm: float = 15.0
@@ -51,6 +52,8 @@ class Rules:
     healthy: float = 0.85
     single: float = 0.04
     combined: float = 0.03
+    road: float = 4.0
+    anew: float = 10.0
 
 
 RULES = Rules()
@@ -84,15 +87,11 @@ def estimator(model: Model, rules: Rules = RULES, force_noise: float | None = No
     if not model.is_vehicle:
         raise InputError(model.name, "effects.quarter_car", "a vehicle model", "a damper only")
     damper, car = static_damper(model), model.effects["quarter_car"]
-    given, sizes, r = force_noise is not None, _noise(model), rules
+    given, sizes, r = force_noise is not None, _noise(model, rules), rules
     tau = model.effects["response"]["tau"] if "response" in model.effects else 0.0
-    seen = (
-        math.hypot(car["m_s"] * sizes[0], car["k_s"] * sizes[1])
-        if force_noise is None
-        else force_noise
-    )
+    seen = car["m_s"] * sizes[0] if force_noise is None else force_noise
     setup = [
-        given, seen**2, round(r.block / SAMPLE), r.cut, r.least, math.exp(-r.block / r.memory), r.calm, r.fresh,
+        force_noise or 0.0, seen**2, r.cut, r.least, math.exp(-BLOCK / r.memory), r.calm, r.fresh, r.anew,
     ]  # fmt: skip
     judging = [
         r.sure, r.blocks, r.smallest, r.known, r.lost, r.limit, r.belief, r.colour, r.healthy / r.single,
@@ -100,25 +99,27 @@ def estimator(model: Model, rules: Rules = RULES, force_noise: float | None = No
     ]  # fmt: skip
     s = model.scales
     return Estimator(
-        rules, _constants(damper, tau, car["m_s"], car["k_s"]), sizes, np.array(setup, float), np.array(judging),
+        rules, _constants(damper, tau, car), sizes, np.array(setup, float), np.array(judging),
         *_belief(model, r.tolerance, with_body=not given), np.zeros(tick.ROOM),
         (100.0 * s.acceleration, 100.0 * s.deflection, 100.0 * s.velocity),
     )  # fmt: skip
 
 
-def _constants(damper: StaticDamper, tau: float, m_s: float, k_s: float) -> Array:
-    """Constants (9,) in the order of `regression`."""
+def _constants(damper: StaticDamper, tau: float, car: Mapping[str, float]) -> Array:
+    """Constants (11,) in the order of `regression`."""
     d = damper
-    return np.array([d.k0, d.c0, d.sigma, d.beta, d.k1, d.c1, tau, m_s, k_s])
+    body = [car[name] for name in ("m_s", "k_s", "m_us", "k_t")]
+    return np.array([d.k0, d.c0, d.sigma, d.beta, d.k1, d.c1, tau, *body])
 
 
-def _noise(model: Model) -> Array:
-    """Standard deviations (3,) of acceleration, deflection, velocity: of the rig, else shares of the envelope."""
+def _noise(model: Model, rules: Rules) -> Array:
+    """Deviations (4,) of acceleration, deflection, velocity: of the rig, else shares of the envelope; see `follow`."""
     s = model.scales
     shares = {
         "acceleration": 1e-2 * s.acceleration, "deflection": 2e-3 * s.deflection, "velocity": 7e-3 * s.velocity,
     }  # fmt: skip
-    return np.array([model.rig.get(f"{name}_noise", share) for name, share in shares.items()])
+    sensors = [model.rig.get(f"{name}_noise", share) for name, share in shares.items()]
+    return np.array([*sensors, rules.road * s.velocity])
 
 
 def _belief(model: Model, tolerance: float, *, with_body: bool) -> tuple[Array, Array]:

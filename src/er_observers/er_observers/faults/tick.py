@@ -1,18 +1,20 @@
 """One sample of the fault estimator in one compiled call: motion, regression, blocks; and, per block, a verdict.
 
-The memory between samples is one array: what is counted (9,), fluid (6,), verdict, what is expected (N,), how F_er
-leans on it (N,), the block that fills up, what the healthy damper has taught (SIZE,), number, sum and sum of squares of
-the duties with a field, the trail of the smoother. The window of finished blocks (BLOCKS, SIZE) changes once a block
-only and is kept apart.
+The memory between samples is one array: what is counted (9,), the follower, verdict, what is expected (N,), the block
+that fills up, what the healthy damper has taught (SIZE,), number, sum and sum of squares of the duties with a field,
+and the samples of the block. The window of finished blocks, each its sum and its samples, changes once a block only and
+is kept apart. After a cut the samples since then are followed anew at the end of every block, with what is expected by
+then: rows are derivatives, and those of a healthy damper lead a faulty one astray.
 """
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
 from er_models.model import Array
 
-from er_observers.faults import motion
+from er_observers.faults import follow
 from er_observers.faults.decision import (
     COLOUR,
     KIND,
@@ -25,20 +27,9 @@ from er_observers.faults.decision import (
     UNEXPLAINED,
     decide,
 )
-from er_observers.faults.evidence import NONE
-from er_observers.faults.regression import (
-    C0,
-    C1,
-    DOUBT,
-    F_ER,
-    K1,
-    TAU,
-    S,
-    advance,
-    body_force,
-    innovate,
-    row,
-)
+from er_observers.faults.evidence import NONE, free
+from er_observers.faults.passage import STATES, V
+from er_observers.faults.regression import SIGMA
 from er_observers.faults.sums import ROWS, SIZE, N, add, misfit
 from er_observers.observers.compiled import compiled
 
@@ -47,94 +38,154 @@ _REAL, _FADING = 25.0, 0.05
 as a column of the regression would look like a lost force."""
 _SAME = 0.1
 """Spread of duties over their mean below which they are one: a law of the field could be anything between."""
+_TRIES, _LOOSE, _TIGHTER, _EARLY, _FAR = 2, 0.1, 0.3, 5, 2.0
+"""How often, how far from what is believed (over the whole yield force), and for how many blocks a beginning is looked
+for, and the misfit that asks for it."""
+BENDS, _STRAIGHT, _PACE = 0.1, 0.003, 0.3
+"""Greatest and least bend of the road within a sample that is believed, and how fast it is learnt, per block."""
 BLOCKS = 60
 """Blocks the window can hold."""
-X, V, A, DUTY, FILLED, COUNT, HEAD, QUIET, SHAKEN = range(9)
-"""Counted: smoothed deflection and velocity, relative acceleration, duty in force then; samples in the block; blocks in
-the window, place of the newest, blocks since the window was last cut, mean square of the velocity [m2/s2]."""
+WITHIN, TOLD = 20, follow.SEEN + 3
+"""Samples of a block, and places of a sample."""
+DUTY, FILLED, COUNT, HEAD, QUIET, SHAKEN, BENT, MISSED, MOVES = range(9)
+"""Counted: duty in force; samples in the block; blocks in the window, place of the newest, blocks since the window was
+last cut, mean square of the velocity [m2/s2]; how the road bends within samples, see `follow`, squared innovations of
+the motion over their variances in this block, and their number."""
 COUNTED = slice(0, 9)
-FLUID = slice(9, 15)
-VERDICT = slice(15, 15 + LENGTH)
+MIND = slice(9, 9 + follow.SIZE)
+VERDICT = slice(MIND.stop, MIND.stop + LENGTH)
 EXPECTED = slice(VERDICT.stop, VERDICT.stop + N)
-LEAN = slice(EXPECTED.stop, EXPECTED.stop + N)
-BLOCK = slice(LEAN.stop, LEAN.stop + SIZE)
+BLOCK = slice(EXPECTED.stop, EXPECTED.stop + SIZE)
 TAUGHT = slice(BLOCK.stop, BLOCK.stop + SIZE)
 LEVELS = slice(TAUGHT.stop, TAUGHT.stop + 3)
-TRAIL = slice(LEVELS.stop, LEVELS.stop + (motion.LAG + 1) * motion.COLUMNS)
-MEMORY = TRAIL.stop
+RAW = slice(LEVELS.stop, LEVELS.stop + WITHIN * TOLD)
+MEMORY = RAW.stop
+STORED = SIZE + WITHIN * TOLD
+"""Places of a block in the window: its sum, and of each sample what was seen, duty in force, length, whether it
+counts."""
 ROOM = 4 * N + N * N + 2 * SIZE
-FORCE, VARIANCE, ROWS_OF_BLOCK, CUT, LEAST, KEPT, CALM, FRESH = range(8)
-"""Places in the set-up (8,): whether the force is given; variance of y [N2]; rows of a block; misfit that cuts the
+FORCE, VARIANCE, CUT, LEAST, KEPT, CALM, FRESH, AGAIN = range(8)
+"""Places in the set-up (8,): noise of a given force, 0 for none; variance of the force [N2]; misfit that cuts the
 window, blocks before a verdict, share of the lessons kept per block, blocks kept in the window while all is well,
-blocks that are too young for lessons when the window is cut."""
+blocks that are too young for lessons when the window is cut, blocks after a cut in which all is followed anew."""
 
 
 @compiled
 def place(p: Array, noise: Array, x: float, v: float, memory: Array) -> None:
     """Let the motion begin with x and v (NaN: unknown); what is known of the damper stays."""
-    known = math.isfinite(v)
-    trail = memory[TRAIL].reshape((motion.LAG + 1, motion.COLUMNS))
-    motion.begin(noise, x, v if known else 0.0, known, trail)
-    counted, fluid = memory[COUNTED], memory[FLUID]
-    counted[X], counted[V], counted[A] = x, v if known else 0.0, 0.0
-    counted[FILLED] = 0.0
+    follow.begin(p, noise, x, v, memory[MIND])
+    memory[COUNTED][FILLED] = memory[COUNTED][MISSED] = memory[COUNTED][MOVES] = 0.0
     memory[BLOCK] = 0.0
-    fluid[:] = 0.0
-    memory[LEAN] = 0.0
-    fluid[S] = p[K1] * counted[X] + p[C1] * counted[V]
 
 
 @compiled
 def run(
     p: Array, noise: Array, setup: Array, a: tuple[float, float], seen: tuple[float, float],
-    duty: float, force: float, dt: float, room: Array, memory: Array,
+    duty: float, force: float, dt: float, memory: Array,
 ) -> bool:  # fmt: skip
     """Bring the memory dt [s] on with a sample, in place; whether a block is full.
 
     a: sprung and unsprung acceleration, seen: deflection and velocity; all may be NaN, as may the force.
     """
-    trail = memory[TRAIL].reshape((motion.LAG + 1, motion.COLUMNS))
-    relative = a[0] - a[1]
-    if not math.isfinite(relative):
-        relative = trail[motion.LAG, motion.A_RELATIVE]
-    motion.push(noise, trail, relative, seen[0], seen[1], dt)
-    last = trail[motion.LAG]
-    last[motion.A_SPRUNG], last[motion.DUTY], last[motion.GIVEN] = a[0], duty, force
-    if not math.isfinite(a[0]):
-        last[motion.GOOD] = 0.0
-    return _regress(p, setup, trail, room, memory)
+    counted, mind, raw = memory[COUNTED], memory[MIND], memory[RAW].reshape((WITHIN, TOLD))
+    told = raw[int(counted[FILLED])]
+    told[follow.BODY_SEEN], told[follow.WHEEL_SEEN] = a
+    told[follow.X_SEEN], told[follow.V_SEEN] = seen
+    told[follow.FORCE_SEEN], told[-3], told[-2] = force, counted[DUTY], dt
+    rows = np.empty((3, follow.ROW))
+    _take(p, noise, setup, told, memory[EXPECTED], 0.0, counted[BENT], mind, rows)
+    _compare(counted, rows)
+    v, variance = mind[V], mind[follow.COVARIANCE][V * STATES + V]
+    counted[SHAKEN] += _FADING * (v * v - counted[SHAKEN])
+    told[-1] = 1.0 if counted[SHAKEN] > _REAL * variance else 0.0
+    if told[-1] > 0.0:
+        _add(memory[BLOCK], rows, memory[EXPECTED])
+        _count(memory[LEVELS], counted[DUTY])
+    counted[DUTY] = duty
+    counted[FILLED] += 1.0
+    return bool(counted[FILLED] >= WITHIN)
 
 
 @compiled
-def _regress(p: Array, setup: Array, trail: Array, room: Array, memory: Array) -> bool:
-    """Add the oldest sample of the trail to the block; whether it is full."""
-    counted, fluid, old = memory[COUNTED], memory[FLUID], trail[0]
-    if old[motion.DT] <= 0.0:  # the trail is still filling up
-        return False
-    x_0, v_0, a_0, a_1 = counted[X], counted[V], counted[A], old[motion.A_RELATIVE]
-    x, v, variance = motion.smoothed(trail)
-    between = variance + motion.between(trail)
-    advance(p, fluid, (x_0, x), (v_0, v), (a_0, a_1), between, counted[DUTY], old[motion.DT])
-    counted[X], counted[V], counted[A], counted[DUTY] = x, v, a_1, old[motion.DUTY]
-    y = old[motion.GIVEN] if setup[FORCE] > 0.0 else body_force(p, x, old[motion.A_SPRUNG])
-    lean = memory[LEAN]
-    lean *= math.exp(-old[motion.DT] / p[TAU]) if p[TAU] > 0.0 else 0.0
-    counted[SHAKEN] += _FADING * (v * v - counted[SHAKEN])
-    counted[FILLED] += 1.0
-    if old[motion.GOOD] > 0.0 and math.isfinite(y) and counted[SHAKEN] > _REAL * variance:
-        phi = room[:N]
-        row(p, fluid, x, v, phi)
-        if setup[FORCE] > 0.0:
-            phi[3] = 0.0
-        expected, own = memory[EXPECTED], setup[VARIANCE] + p[C0] ** 2 * variance
-        if counted[QUIET] > setup[LEAST]:
-            spread = own + expected[2] ** 2 * fluid[DOUBT]
-            y = innovate(fluid, lean, expected, y, own, phi)
-        else:  # what the filter would go by is not known yet
-            spread = own + fluid[DOUBT]
-        add(memory[BLOCK], phi, y, 1.0 / spread)
-        _count(memory[LEVELS], counted[DUTY])
-    return bool(counted[FILLED] >= setup[ROWS_OF_BLOCK])
+def _take(
+    p: Array, noise: Array, setup: Array, told: Array, known: Array, loose: float, bent: float,
+    mind: Array, rows: Array,
+) -> None:  # fmt: skip
+    """Follow one sample."""
+    seen, duty, dt = told[: follow.SEEN], told[-3], told[-2]
+    follow.advance(p, noise, setup[FORCE], known, seen, duty, dt, loose, bent, mind, rows)
+
+
+@compiled
+def _compare(counted: Array, rows: Array) -> None:
+    """Count how the motion's innovations compare with their variances, in place."""
+    for q in range(2):
+        if rows[q, N + 1] > 0.0:
+            counted[MISSED] += rows[q, N] ** 2 / rows[q, N + 1]
+            counted[MOVES] += 1.0
+
+
+@compiled
+def _learn_the_road(setup: Array, counted: Array) -> None:
+    """Let the bend be what the motion's innovations say, unless the damper has just changed; in place."""
+    if counted[QUIET] > setup[AGAIN] and counted[MOVES] > 0.0:
+        beyond = min(counted[MISSED] / counted[MOVES] - 1.0, 1.0)
+        counted[BENT] = min(max(counted[BENT] * math.exp(_PACE * beyond), _STRAIGHT), BENDS)
+    counted[MISSED] = counted[MOVES] = 0.0
+
+
+@compiled
+def _add(block: Array, rows: Array, known: Array) -> None:
+    """Add the rows of a sample to a sum, in place."""
+    for q in range(rows.shape[0]):
+        row = rows[q]
+        if row[N + 1] > 0.0:
+            add(block, row[:N], row[N] + row[:N] @ known, 1.0 / row[N + 1])
+
+
+@compiled
+def _anew(
+    p: Array, noise: Array, setup: Array, loose: float, window: Array, memory: Array, total: Array
+) -> None:
+    """Follow the samples of the window again, with what is expected now; fill their sum (SIZE,)."""
+    counted, mind = memory[COUNTED], memory[MIND]
+    head, count = int(counted[HEAD]), int(counted[COUNT])
+    rows, begun = np.empty((3, follow.ROW)), False
+    for i in range(count - 1, -1, -1):
+        stored = window[(head - i) % BLOCKS]
+        raw = stored[SIZE:].reshape((WITHIN, TOLD))
+        stored[:SIZE] = 0.0
+        for k in range(WITHIN):
+            if begun:
+                _take(p, noise, setup, raw[k], memory[EXPECTED], loose, counted[BENT], mind, rows)
+                if raw[k, -1] > 0.0:
+                    _add(stored[:SIZE], rows, memory[EXPECTED])
+            elif math.isfinite(raw[k, follow.X_SEEN]):
+                begun = True
+                follow.begin(p, noise, raw[k, follow.X_SEEN], raw[k, follow.V_SEEN], mind)
+    _sum_up(window, memory, total)
+
+
+@compiled
+def _sum_up(window: Array, memory: Array, total: Array) -> None:
+    """Fill the sum (SIZE,) of the window."""
+    counted = memory[COUNTED]
+    total[:] = 0.0
+    for i in range(int(counted[COUNT])):
+        total += window[(int(counted[HEAD]) - i) % BLOCKS, :SIZE]
+
+
+@compiled
+def _begin_again(
+    p: Array, noise: Array, setup: Array, first: Array, room: Array, window: Array, memory: Array
+) -> None:
+    """Find a beginning for unknowns that may be far off, with a motion that hardly goes by them."""
+    total, rest = room[2 * N : 2 * N + SIZE], room[2 * N + 2 * SIZE :]
+    for k in range(_TRIES):
+        loose = _LOOSE * p[SIGMA] * _TIGHTER**k
+        _anew(p, noise, setup, loose, window, memory, total)
+        free(total, first, 1.0, rest)
+        memory[EXPECTED] = rest[N : 2 * N]
 
 
 @compiled
@@ -157,45 +208,46 @@ def _single(levels: Array) -> float:
 
 @compiled
 def close(
-    setup: Array,
-    rules: Array,
-    prior: Array,
-    first: Array,
-    room: Array,
-    window: Array,
-    memory: Array,
-) -> None:
-    """Put the full block into the window (BLOCKS, SIZE), what leaves it into the lessons, and judge anew, in place."""
+    p: Array, noise: Array, setup: Array, rules: Array, prior: Array, first: Array, room: Array,
+    window: Array, memory: Array,
+) -> None:  # fmt: skip
+    """Put the full block into the window (BLOCKS, STORED), what leaves it into the lessons, and judge, in place."""
     counted, verdict, block = memory[COUNTED], memory[VERDICT], memory[BLOCK]
     ones, total = room[N : 2 * N], room[2 * N : 2 * N + SIZE]
     ones[:] = 1.0
     surprise = misfit(block, ones, memory[EXPECTED]) / max(block[ROWS], 1.0)
     counted[QUIET] += 1.0
-    enough = block[ROWS] >= 0.5 * setup[ROWS_OF_BLOCK]
+    enough = block[ROWS] >= 0.5 * WITHIN
     if (
         enough
         and counted[QUIET] > setup[LEAST]
         and surprise > setup[CUT] * max(verdict[MISFIT], 1.0)
     ):
         _shorten(setup, rules, int(setup[FRESH]), window, memory)
-        counted[COUNT], counted[QUIET] = 0.0, -1.0
-        memory[LEAN] = 0.0
+        counted[COUNT], counted[QUIET] = 0.0, 0.0
     elif _well(verdict):
         _shorten(setup, rules, int(setup[CALM]) - 1, window, memory)
+    _learn_the_road(setup, counted)
     head = int(counted[HEAD])
-    if (
-        counted[QUIET] > 0.0
-    ):  # a cut lies within its block, and the fluid still follows in the next one
+    if counted[QUIET] > 0.0:  # a cut lies within its block
         head = (head + 1) % BLOCKS
-        window[head] = block
+        window[head, :SIZE], window[head, SIZE:] = block, memory[RAW]
         counted[HEAD], counted[COUNT] = head, min(counted[COUNT] + 1.0, float(BLOCKS))
     block[:] = 0.0
     counted[FILLED] = 0.0
     if counted[COUNT] < setup[LEAST]:
         return
-    total[:] = 0.0
-    for i in range(int(counted[COUNT])):
-        total += window[(head - i) % BLOCKS]
+    young = counted[COUNT] == counted[QUIET] and counted[COUNT] <= setup[AGAIN]
+    if (
+        young
+        and counted[COUNT] <= _EARLY
+        and (counted[COUNT] == setup[LEAST] or verdict[MISFIT] > _FAR)
+    ):
+        _begin_again(p, noise, setup, first, room, window, memory)
+    if young:
+        _anew(p, noise, setup, 0.0, window, memory, total)
+    else:
+        _sum_up(window, memory, total)
     _conclude(setup, rules, prior, first, room, memory)
 
 
@@ -210,12 +262,21 @@ def _conclude(
     memory[LEVELS] *= setup[KEPT]
     verdict[SINGLE] = _single(memory[LEVELS])
     decide(rules, total, belief, first, verdict, rest)
-    expected, fluid = memory[EXPECTED], memory[FLUID]
     for i in range(N):
-        new = rest[i] * rest[N + i]
-        fluid[F_ER] += memory[LEAN][i] * (new - expected[i])
-        expected[i] = new
+        rest[i] *= rest[N + i]
+    expect(memory, rest[:N])
     verdict[RESIDUAL] = math.sqrt(max(verdict[MISFIT] - 1.0, 0.0) * setup[VARIANCE])
+
+
+@compiled
+def expect(memory: Array, known: Array) -> None:
+    """Go by these unknowns (N,) from now on; the motion follows as far as it leans on them."""
+    expected, mind = memory[EXPECTED], memory[MIND]
+    z, S = mind[follow.STATE], mind[follow.LEAN].reshape((STATES, N))
+    for i in range(N):
+        for j in range(STATES):
+            z[j] += S[j, i] * (known[i] - expected[i])
+        expected[i] = known[i]
 
 
 @compiled
@@ -234,7 +295,7 @@ def _shorten(setup: Array, rules: Array, keep: int, window: Array, memory: Array
     for i in range(keep, count):
         if _well(verdict):
             taught *= setup[KEPT]
-            taught += window[(head - i) % BLOCKS] / (
+            taught += window[(head - i) % BLOCKS, :SIZE] / (
                 rules[COLOUR] * max(verdict[MISFIT], LEAST_MISFIT)
             )
     counted[COUNT] = min(count, keep)

@@ -115,10 +115,11 @@ def _road(trial: Trial, model: Model, random: np.random.Generator) -> Array:
     return np.zeros_like(height) if trial.still else height
 
 
-def faults(factor: str, seed: int, number: int) -> Iterator[Trial]:
-    """Random steps of one factor (`f1`, `f2`, `f3`), or of all three (`combined`)."""
+def faults(factor: str, seed: int, number: int, spread: float = 0.0) -> Iterator[Trial]:
+    """Random steps of one factor (`f1`, `f2`, `f3`), or of all three (`combined`); spread: see `Trial`."""
     for i in range(number):
         random = np.random.default_rng([seed, i, 1])
         names = FAULTS if factor == "combined" else (factor,)
         left = {name: float(random.uniform(0.3, 0.9)) for name in names}
-        yield Trial(seed * 1000 + i, left, fault_time=float(random.uniform(6.0, 10.0)))
+        begun = float(random.uniform(6.0, 10.0))
+        yield Trial(seed * 1000 + i, left, fault_time=begun, spread=spread)

@@ -1,0 +1,219 @@
+r"""Follows car and damper through the samples, and makes of each what it says of the unknowns, compiled.
+
+An iterated Kalman filter of the state of `passage`, whose road may do anything from sample to sample: the wheel's
+sensor tells it. What body (or a given force), deflection and velocity show beyond what was expected are innovations,
+which err on their own; their derivatives by the unknowns, the filter's own answers included, are the rows of the
+regression. Where what is believed may be far off, a loose filter goes by the sensors more than by the model.
+
+Source: Ljung 1979 (recursive prediction error method); Bell and Cathey 1993 (iterated filter); Kalman 1960.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from er_models.model import Array
+
+from er_observers.faults.passage import (
+    BODY,
+    F_ER,
+    FIELD,
+    LAW,
+    OFFSET,
+    PER_MASS,
+    STATES,
+    STIFF,
+    TURNED,
+    TYRE,
+    VISCOUS,
+    R,
+    V,
+    W,
+    X,
+    prescribe,
+    sample,
+    strut,
+)
+from er_observers.faults.regression import C1, K_S, M_S, M_US, SIGMA
+from er_observers.faults.sums import N
+from er_observers.observers.compiled import compiled
+
+BODY_SEEN, WHEEL_SEEN, X_SEEN, V_SEEN, FORCE_SEEN = range(5)
+"""Places in what is seen (5,): accelerations [m/s2], deflection, velocity, and a given force; NaN where it is not."""
+SEEN = 5
+STATE, COVARIANCE, LEAN = slice(0, 5), slice(5, 30), slice(30, 30 + STATES * N)
+BEFORE = LEAN.stop
+SIZE = BEFORE + 1
+"""A follower (SIZE,): state (5,), covariance (5, 5), how the state leans on the unknowns (5, N), and the acceleration
+of the body that was seen last [m/s2]."""
+ROW = N + 2
+"""A row: derivative of an innovation by the unknowns (N,), the innovation, its variance (0: nothing was seen)."""
+ROAD = 3
+"""Place in the noise (4,), after those of acceleration, x and v: how much the road's rate may be [m/s]."""
+_ITERATIONS = 4
+_CLOSE = 0.1
+_WIDE = 1e4
+_ALSO = 0.3
+
+
+@compiled
+def begin(p: Array, noise: Array, x: float, v: float, mind: Array) -> None:
+    """Start a follower with a first x and v (NaN: unknown); the field may be anything."""
+    known = math.isfinite(v)
+    mind[:] = 0.0
+    z, P = mind[STATE], mind[COVARIANCE].reshape((STATES, STATES))
+    z[X], z[V] = x, v if known else 0.0
+    P[X, X], P[V, V] = noise[1] ** 2, noise[2] ** 2 if known else 1e6 * noise[2] ** 2
+    P[F_ER, F_ER], P[W, W] = (0.3 * p[SIGMA]) ** 2, (_WIDE * noise[0]) ** 2
+
+
+@compiled
+def advance(
+    p: Array, noise: Array, force_noise: float, known: Array, seen: Array, duty: float, dt: float,
+    loose: float, bent: float, mind: Array, rows: Array,
+) -> None:  # fmt: skip
+    """Follow one sample, dt [s] long, in place, with the unknowns (N,) that are believed; fill rows (3, ROW).
+
+    seen (SEEN,): at its end; force_noise [N]: of a given force, 0 where the body's acceleration tells it. loose
+    [N]: force by which what is believed may be wrong. bent: how the road bends within a sample, over the change of its
+    rate from the one before.
+    """
+    z, P = mind[STATE], mind[COVARIANCE].reshape((STATES, STATES))
+    S = mind[LEAN].reshape((STATES, N))
+    law, turn = np.empty(LAW), np.empty((N, TURNED))
+    given = force_noise > 0.0
+    now = seen[BODY_SEEN] if math.isfinite(seen[BODY_SEEN]) else mind[BEFORE]
+    push = 0.5 * (mind[BEFORE] + now) if given else math.nan
+    mind[BEFORE] = now
+    prescribe(p, known, duty, dt, push, law, turn)
+    before = z[R]
+    P[R, :] = 0.0
+    P[:, R] = 0.0
+    P[R, R] = noise[ROAD] ** 2
+    S[R, :] = 0.0
+    r = np.empty(4)
+    r[0], r[1], r[2], r[3] = noise[0], noise[1], noise[2], force_noise if given else noise[0]
+    r[3] = math.hypot(r[3], loose if given else loose / p[M_S])
+    at, end, T = z.copy(), np.empty(STATES), np.empty((STATES, STATES + N))
+    H, shown = np.zeros((4, STATES)), np.empty(4)
+    H[1, X] = H[2, V] = 1.0
+    measured = np.empty(4)
+    measured[0], measured[1], measured[2] = seen[WHEEL_SEEN], seen[X_SEEN], seen[V_SEEN]
+    measured[3] = seen[FORCE_SEEN] if given else seen[BODY_SEEN]
+    for _ in range(_ITERATIONS):
+        _pass(law, turn, at, end, T, STATES)
+        _show(p, law, known, end, given, H, shown)
+        move = _improved(P, T, H, shown, measured, r, z - at)
+        at += move
+        if abs(p[C1] * (T[V, :STATES] @ move)) < _CLOSE:
+            break
+    T[:, STATES:] = S
+    _pass(law, turn, at, end, T, STATES + N)
+    _show(p, law, known, end, given, H, shown)
+    A = np.ascontiguousarray(T[:, :STATES])
+    P[:] = A @ P @ A.T
+    between = bent * law[TYRE] * dt * abs(at[R] - before)
+    P[W, W] += between**2
+    P[V, V] += (0.25 * dt * between) ** 2
+    P[V, V] += (0.5 * dt * law[PER_MASS] * loose) ** 2
+    P[F_ER, F_ER] += (_ALSO * loose) ** 2
+    S[:] = T[:, STATES:]
+    rest = A @ (z - at)
+    for q in range(4):
+        _correct(p, q, turn, given, end, H[q], measured[q] - shown[q], r[q], P, S, rest, rows)
+    z[:] = end + rest
+    for i in range(STATES):
+        for j in range(i):
+            P[i, j] = P[j, i] = 0.5 * (P[i, j] + P[j, i])
+
+
+@compiled
+def _pass(law: Array, turn: Array, at: Array, end: Array, T: Array, columns: int) -> None:
+    """State at the end of a sample that begins at `at`, and its derivatives."""
+    T[:, :STATES] = 0.0
+    for i in range(STATES):
+        T[i, i] = 1.0
+    end[:] = at
+    sample(law, turn, end, T, columns)
+
+
+@compiled
+def _show(
+    p: Array, law: Array, known: Array, z: Array, given: bool, H: Array, shown: Array
+) -> None:
+    """What the sensors of wheel, x, v and body (or force) should show, (4,), and its derivatives H (4, 5)."""
+    f = strut(law, z)
+    H[0, X], H[0, V], H[0, F_ER] = (
+        law[STIFF] / p[M_US],
+        law[VISCOUS] / p[M_US],
+        law[FIELD] / p[M_US],
+    )
+    H[0, W] = 1.0
+    shown[0], shown[1], shown[2] = f / p[M_US] + z[W], z[X], z[V]
+    spring = p[K_S] * (1.0 + known[3])
+    if given:
+        H[3, X], H[3, V], H[3, F_ER] = law[STIFF] - spring, law[VISCOUS], law[FIELD]
+        shown[3] = f - spring * z[X]
+    else:
+        by = -law[BODY]
+        H[3, X], H[3, V], H[3, F_ER] = by * law[STIFF], by * law[VISCOUS], by * law[FIELD]
+        shown[3] = by * f
+
+
+@compiled
+def _improved(
+    P: Array, T: Array, H: Array, shown: Array, measured: Array, r: Array, rest: Array
+) -> Array:
+    """How far the state at the begin of a sample should move, (5,), for what its end shows; rest: its mean less it."""
+    move, Q, h = rest.copy(), P.copy(), np.empty(STATES)
+    for q in range(4):
+        if not math.isfinite(measured[q]):
+            continue
+        for j in range(STATES):
+            h[j] = H[q, 0] * T[0, j] + H[q, 1] * T[1, j] + H[q, 2] * T[2, j] + H[q, 3] * T[3, j]
+        g = Q @ h
+        spread = h @ g + r[q] ** 2
+        error = (measured[q] - shown[q] - h @ move) / spread
+        for i in range(STATES):
+            move[i] += g[i] * error
+            for j in range(STATES):
+                Q[i, j] -= g[i] * g[j] / spread
+    return move
+
+
+@compiled
+def _correct(
+    p: Array, q: int, turn: Array, given: bool, z: Array, h: Array, error: float, noise: float,
+    P: Array, S: Array, rest: Array, rows: Array,
+) -> None:  # fmt: skip
+    """Correct by one sensor, in place; all but the wheel's, which tells the road, leave a row."""
+    if q > 0:
+        rows[q - 1, N + 1] = 0.0
+    if not math.isfinite(error):
+        return
+    g, phi = P @ h, np.empty(N)
+    spread = h @ g + noise**2
+    error -= float(h @ rest)
+    for i in range(N):
+        phi[i] = 0.0
+        for j in range(STATES):
+            phi[i] += h[j] * S[j, i]
+        if q in (0, 3):
+            f = turn[i, STIFF] * z[X] + turn[i, VISCOUS] * z[V] + turn[i, FIELD] * z[F_ER]
+            f += turn[i, OFFSET]
+            if q == 0:
+                phi[i] += f / p[M_US]
+            elif given:
+                phi[i] += f if i != 3 else 0.0
+            else:
+                phi[i] -= f / p[M_S]
+    if q > 0:
+        rows[q - 1, :N], rows[q - 1, N], rows[q - 1, N + 1] = phi, error, spread
+    for i in range(STATES):
+        share = g[i] / spread
+        rest[i] += share * error
+        for j in range(N):
+            S[i, j] -= share * phi[j]
+        for j in range(STATES):
+            P[i, j] -= share * g[j]
