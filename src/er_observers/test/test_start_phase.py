@@ -10,9 +10,11 @@ import pytest
 from er_observers.compare.estimators import estimators_of
 from er_observers.compare.nrmse import nrmse, settling_time
 from er_observers.compare.run import follow as follow_record
-from er_observers.observers import runtime, start_phase
+from er_observers.observers import runtime, start_filter, start_phase
+from er_observers.observers.phi import phi_functions
 from er_observers.observers.runtime import Sample
 from er_observers.observers.status import Status
+from er_observers.peers.flow import flow
 from er_observers.scenarios.drive import drive
 from er_observers.scenarios.files import choose_scenarios, load_scenarios
 from er_observers.scenarios.starts import NLPV
@@ -80,3 +82,37 @@ def test_samples_that_are_missing_do_not_end_it(gains):
     state, _ = runtime.step(gains, state, rest._replace(t=0.025))
     assert state.P is not None
     assert state.estimate.status is not Status.OK
+
+
+def test_its_filter_has_the_mean_and_covariance_of_many_samples(gains):
+    """Where the gate bends, the mean moves, and a linearised filter would not know; points that reach far see it
+    coarsely where the spread is small. Without field all is linear."""
+    o, h = gains.opening, 0.0025
+    phi = phi_functions(h * o.A)
+    kick, nothing = h * (phi[1] @ o.B), np.zeros((4, 4))
+    x, P = np.array([0.0, 3e-3, 0.0, 0.0]), np.diag(np.square([1e-3, 4e-3, 1e-5, 0.1]))
+    many = np.random.default_rng(1).multivariate_normal(x, P, 20000)
+    centre, mean, spread = x.copy(), x.copy(), P.copy()
+    for row in (centre, *many):
+        flow(phi[0], kick, o.Gamma, 1.0, row)
+    start_filter.predict(phi[0], kick, o.Gamma, nothing, 1.0, mean, spread)
+    true = many.mean(axis=0)
+    assert abs(mean[3] - true[3]) < 0.5 * abs(centre[3] - true[3])
+    assert np.sqrt(np.diag(spread)) == pytest.approx(many.std(axis=0), rel=0.3)
+    mean, spread = x.copy(), P.copy()
+    start_filter.predict(phi[0], kick, o.Gamma, o.noise, 0.0, mean, spread)
+    assert mean == pytest.approx(phi[0] @ x, abs=1e-12)
+    assert spread == pytest.approx(phi[0] @ P @ phi[0].T + o.noise, rel=1e-9, abs=1e-18)
+
+
+def test_its_filter_blames_a_road_that_is_rougher_than_thought(gains):
+    """A wheel thrown up by a step moves the tyre, not the deflection that was nearly known."""
+    o, x = gains.opening, np.zeros(4)
+    P = np.diag(np.square([1e-4, 1e-2, 1e-4, 0.1]))
+    thrown = o.C @ [0.0, 0.0, -0.005, 0.0]
+    expected = np.array([0.0, 0.0, -0.005, 0.0])
+    found, after = start_phase.follow(o, x, P, 0.2, 0.005, thrown)
+    calm, usual = start_phase.follow(o, x, P, 0.2, 0.005, 0.0 * thrown)
+    assert after[0, 0] >= usual[0, 0]
+    assert abs((found - expected)[2]) < 1e-5
+    assert gains.opening.cost @ (found - calm - expected) == pytest.approx(0.0, abs=0.2)

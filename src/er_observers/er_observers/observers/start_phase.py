@@ -2,7 +2,7 @@
 
 A constant gain forgets a wrong start no faster than it follows the road. An observer that knows
 how wrong its start may be can do better: while the doubt about the deflection still costs force,
-its gain is that of an unscented Kalman filter, which falls as the doubt does. Then the proved gain
+its gain is that of a Kalman filter (`start_filter`), which falls as the doubt does. Then the proved gain
 takes over, from the state reached; it converges from wherever it is put, so its certificate needs
 nothing of this. An extended filter is cheaper and leaves a third more error: what it makes of a
 start depends on which side of the gate it believes the damper to be.
@@ -17,13 +17,15 @@ from er_models.linear import LinearForm
 from er_models.model import Array, Model
 
 from er_observers.observers.phi import phi_functions
+from er_observers.observers.start_filter import start_sample
 from er_observers.peers.flow import noise_covariance
-from er_observers.peers.unscented import unscented_sample
 from er_observers.synthesis.scaling import road_density
 
 SUBSTEPS = 2
 PERIOD = 0.005
 """Sample time that the process noise is computed for; other times take their share of it [s]."""
+ROAD = 0.35
+"""Share of the road's density that ISO roads have: it is stated for a third of the velocity's envelope."""
 WRONG = 2.0 / 3.0
 """Share of the envelope that all but the deflection may be wrong by at the start."""
 ENOUGH = 0.015
@@ -61,7 +63,9 @@ def opening_of(model: Model, form: LinearForm, noise: float) -> Opening:
     yielding = s.duty * abs(float(form.B[at] / form.A[at, at]))
     spread = np.array([s.deflection, *(WRONG * np.array([s.velocity, tyre, yielding]))])
     cost = form.F - form.C[0] * (form.F[at] / form.C[0, at])
-    noise_of_road = noise_covariance(form, road_density(model) * form.D1**2, PERIOD / SUBSTEPS)
+    noise_of_road = noise_covariance(
+        form, ROAD * road_density(model) * form.D1**2, PERIOD / SUBSTEPS
+    )
     A, B, gamma, C = (np.ascontiguousarray(m) for m in (form.A, form.B, form.Gamma, form.C))
     return Opening(
         A, B, gamma, C,
@@ -81,7 +85,7 @@ def follow(
     phi = phi_functions(h * opening.A)
     kick, noise = h * (phi[1] @ opening.B), dt / PERIOD * opening.noise
     x, P = x.copy(), P.copy()
-    unscented_sample(
+    start_sample(
         phi[0], kick, opening.Gamma, noise, opening.C, opening.variance,
         duty, SUBSTEPS if dt > 0.0 else 0, y, x, P,
     )  # fmt: skip
