@@ -70,7 +70,7 @@ def compare_command(
     for table in tables(scenarios, outcomes, titles, ours):
         console.print(table)
     if json_file is not None:
-        text = json.dumps(document(scenarios, outcomes, titles), indent=1, allow_nan=False)
+        text = json.dumps(document(scenarios, outcomes, titles, ours), indent=1, allow_nan=False)
         write_whole(json_file, text + "\n")
     if csv_file is not None:
         write_whole(csv_file, "\n".join(csv_lines(scenarios, outcomes)) + "\n")

@@ -14,11 +14,12 @@ from er_models.model import Array, Model
 from er_models.parallel import cores
 
 from er_observers.compare.estimators import Estimator, estimators_of
+from er_observers.compare.floor import floor_of
 from er_observers.compare.nrmse import SETTLED, nrmse, settling_time
 from er_observers.observers.runtime import Estimate, Sample
 from er_observers.observers.status import Status
 from er_observers.scenarios.drive import drive
-from er_observers.scenarios.scenario import Scenario
+from er_observers.scenarios.scenario import Plant, Scenario
 from er_observers.scenarios.starts import first_state
 
 _TOLD = ("t", "told_sprung_acceleration", "told_unsprung_acceleration", "told_duty")
@@ -36,7 +37,8 @@ class Outcome(NamedTuple):
     """One estimator on one road.
 
     errors: NRMSE of each window of the scenario; settled: `settling_time` [s]; unnoticed: share
-    of the samples that are wrong by more than 2 % of the range and called OK; seconds: per step.
+    of the samples that are wrong by more than 2 % of the range and called OK; seconds: per step;
+    floors: `floor.floor_of` of each window, where plant or sensors are not what is believed.
     """
 
     scenario: str
@@ -46,6 +48,7 @@ class Outcome(NamedTuple):
     settled: float
     unnoticed: float
     seconds: float
+    floors: tuple[float, ...] = ()
 
 
 def follow(estimator: Estimator, record: dict[str, Array], x: Array | None) -> Trace:
@@ -69,10 +72,14 @@ def road_outcomes(
 ) -> list[Outcome]:
     """Every estimator on road `number` of a scenario."""
     record = drive(scenario, model, number)
+    wrong = scenario.plant != Plant() or scenario.sensors.delay > 0.0
+    windows = scenario.windows if wrong else ()
+    floors = tuple(floor_of(scenario, w, record, model) for w in windows)
     outcomes = []
     for e in estimators:
         trace = follow(e, record, first_state(scenario, e.form, e.name, record, number))
-        outcomes.append(_outcome(scenario, number, e.name, record, trace))
+        found = _outcome(scenario, number, e.name, record, trace)
+        outcomes.append(found._replace(floors=floors))
     return outcomes
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.stats import binom
 
 from er_observers.compare.run import Outcome
 from er_observers.scenarios.scenario import Scenario, Window
@@ -15,13 +16,18 @@ NEAR = 1.1
 
 
 class Row(NamedTuple):
-    """A window of a scenario: its thesis figures and the median NRMSE of each estimator; roads in it."""
+    """A window of a scenario: its thesis figures and the median NRMSE of each estimator; roads in it.
+
+    each: NRMSE of every estimator road by road; floor: median of `Outcome.floors`, NaN where nothing is wrong.
+    """
 
     scenario: Scenario
     window: Window
     errors: dict[str, float]
     worst: dict[str, float]
     roads: int
+    each: dict[str, list[float]]
+    floor: float
 
 
 class Summary(NamedTuple):
@@ -42,7 +48,10 @@ def rows_of(scenarios: Iterable[Scenario], outcomes: Sequence[Outcome]) -> list[
             each = {n: [o.errors[k] for o in mine if o.estimator == n] for n in names}
             medians = {n: float(np.median(v)) for n, v in each.items()}
             worst = {n: float(np.max(v)) for n, v in each.items()}
-            rows.append(Row(s, window, medians, worst, len(mine) // max(1, len(names))))
+            floors = [o.floors[k] for o in mine if o.floors]
+            floor = float(np.median(floors)) if floors else float("nan")
+            roads = len(mine) // max(1, len(names))
+            rows.append(Row(s, window, medians, worst, roads, each, floor))
     return rows
 
 
@@ -69,8 +78,28 @@ def ratio_to_peers(row: Row, name: str, peers: Sequence[str]) -> float:
     return row.errors[name] / min(row.errors[p] for p in peers)
 
 
+def paired(row: Row, ours: Sequence[str]) -> tuple[float, float, float] | None:
+    """Error of the best of ours less that of the best peer, road by road: median and its 95 % interval.
+
+    The interval lies between order statistics and asks for no distribution (Conover 1999, 3.2); None where
+    there are too few roads for one.
+    """
+    names = (ours, [n for n in row.each if n not in ours])
+    if not all(names):
+        return None
+    mine, peer = (min(group, key=lambda n: row.errors[n]) for group in names)
+    less = np.sort(np.subtract(row.each[mine], row.each[peer]))
+    skip = int(binom.ppf(0.025, less.size, 0.5))
+    if skip < 1:
+        return None
+    return float(np.median(less)), float(less[skip - 1]), float(less[less.size - skip])
+
+
 def document(
-    scenarios: Sequence[Scenario], outcomes: Sequence[Outcome], titles: dict[str, str]
+    scenarios: Sequence[Scenario],
+    outcomes: Sequence[Outcome],
+    titles: dict[str, str],
+    ours: Sequence[str],
 ) -> dict[str, Any]:
     """Everything as plain values for a JSON file; settling `null` means never."""
     by = summaries(outcomes)
@@ -82,7 +111,8 @@ def document(
                 "scenario": r.scenario.name, "title": r.scenario.title, "start": r.scenario.start,
                 "begin": r.window.begin, "end": r.window.end, "table": r.window.table,
                 "roads": r.roads, "published": dict(r.window.published),
-                "nrmse": r.errors, "nrmse_worst": r.worst,
+                "nrmse": r.errors, "nrmse_worst": r.worst, "floor": _plain(r.floor),
+                "best_of_ours_less_best_peer": paired(r, ours),
                 "settled": {n: _plain(by[r.scenario.name, n].settled) for n in r.errors},
                 "unnoticed": {n: by[r.scenario.name, n].unnoticed for n in r.errors},
             }

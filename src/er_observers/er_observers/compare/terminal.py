@@ -62,15 +62,18 @@ def _errors(rows: Sequence[Row], titles: dict[str, str], ours: Sequence[str]) ->
     """Every window; how the worst of our observers stands to the better peer."""
     peers = [n for n in titles if n not in ours]
     table = _table(
-        f"NRMSE [%], median over the roads; ! where one of ours is beyond {NEAR} of the better peer",
+        f"NRMSE [%], median over the roads; ! where one of ours is beyond {NEAR} of the better peer; "
+        "belief: what is believed wrongly leaves this of a known motion",
         ("scenario", "start", "time", "roads"),
-        (*titles.values(), "ours / better peer"),
+        (*titles.values(), "belief", "ours / better peer"),
     )
     for r in rows:
         ratio = max((ratio_to_peers(r, n, peers) for n in ours), default=math.nan)
         mark = f"{ratio:.2f}" + (" !" if ratio > NEAR else "")
         errors = (_percent(r.errors[n]) for n in titles)
-        table.add_row(r.scenario.name, r.scenario.start, r.window.name, str(r.roads), *errors, mark)  # fmt: skip
+        floor = "-" if math.isnan(r.floor) else _percent(r.floor)
+        words = (r.scenario.name, r.scenario.start, r.window.name, str(r.roads))
+        table.add_row(*words, *errors, floor, mark)
     return table
 
 
