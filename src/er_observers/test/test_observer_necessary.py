@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from er_models.linear import relative_form, thesis_form
 from er_models.model import Model
+from er_observers.synthesis import make
+from er_observers.synthesis.conditioning import RESOLVED, condition_needed
 from er_observers.synthesis.necessary import (
     decoupling_ranks,
     road_blind_gain,
@@ -19,6 +21,7 @@ from er_observers.synthesis.spec import (
     LIPSCHITZ,
     SLOPE,
     Spec,
+    SynthesisFailed,
     force_output,
     state_output,
 )
@@ -105,3 +108,33 @@ def test_what_no_output_shows_is_named(car: Model) -> None:
     assert undetectable(form) == []
     assert undetectable(blind) == [0.0]
     assert any("show in no output" in text for text in violated(blind, force_output(form), Spec()))
+
+
+def test_the_lipschitz_bound_needs_a_condition_without_bound(car: Model) -> None:
+    """Below 0.2777 nothing forbids it, but every Lyapunov function is ever closer to singular; the slope's is not."""
+    asked = make._asked(car, make.Wish(spec=Spec(sector=LIPSCHITZ, rho=(0.0, 0.25))))
+    duties = (0.05, 0.1, 0.25, 0.27)
+    needed = [condition_needed(*asked, rho) for rho in duties]
+    assert needed == pytest.approx([3.98e3, 3.19e4, 9.14e6, 1.37e8], rel=0.01)
+    assert needed[0] < RESOLVED < needed[1]  # 0.05 has a solution, 0.1 none that a solver finds
+    form, output, spec, scaling = asked
+    slope = replace(spec, sector=SLOPE)
+    found = [condition_needed(form, output, slope, scaling, rho) for rho in duties]
+    assert max(found) < 6.0
+
+
+def test_every_solution_has_the_condition_it_needs(car: Model) -> None:
+    """A lower bound: what the synthesis finds lies above, with the Lipschitz bound at 0.05 and with the slope."""
+    for sector, rho in ((LIPSCHITZ, 0.05), (SLOPE, 1.0)):
+        wish = make.Wish(spec=Spec(sector=sector, rho=(0.0, rho)))
+        claim = make.solve("nlpv_polytopic", car, wish)
+        x = claim.scaling.state
+        condition = float(np.linalg.cond(claim.solution.P * x * x[:, None]))
+        least = condition_needed(claim.form, claim.output, claim.spec, claim.scaling, rho)
+        assert 1.0 < least < condition
+
+
+@pytest.mark.parametrize("observer", ["nlpv_polytopic", "unified"])
+def test_the_synthesis_names_the_condition(car: Model, observer: str) -> None:
+    with pytest.raises(SynthesisFailed, match=r"condition number of \d[\d.e+]* or more"):
+        make.solve(observer, car, make.Wish(spec=Spec(sector=LIPSCHITZ, rho=(0.0, 0.25))))

@@ -29,8 +29,8 @@ from scipy.linalg import expm
 
 from er_observers.observers.kernel import SUBSTEP
 from er_observers.observers.table import Table, table_of
-from er_observers.synthesis.lmi import run as run_solver
 from er_observers.synthesis.proof import Claim
+from er_observers.synthesis.solver import run as run_solver
 from er_observers.synthesis.spec import SynthesisFailed
 
 _ROUNDS = 8

@@ -26,31 +26,25 @@ Source: thesis (3.61), (4.23), (4.34) with the sector as a parameter; regions: C
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import cast
 
 import cvxpy as cp
 import numpy as np
-from cvxpy.atoms.affine.bmat import bmat
 from cvxpy.atoms.affine.trace import trace
 from er_models.linear import LinearForm
 from er_models.model import Array
 
 from er_observers.law import Law
+from er_observers.synthesis.conditioning import reason_of_condition
 from er_observers.synthesis.family import Family
 from er_observers.synthesis.necessary import violated
 from er_observers.synthesis.scaled import Scaled, law_of, rounded, scale, storage_of, units
 from er_observers.synthesis.scaling import Scaling
+from er_observers.synthesis.solver import SOLVER, blocks, run
 from er_observers.synthesis.spec import Output, Solution, Spec, SynthesisFailed
 
-SOLVER = cp.CLARABEL
-OPTIONS: dict[str, dict[str, object]] = {
-    SOLVER: {"chordal_decomposition_enable": False},
-    cp.SCS: {"eps": 1e-7, "max_iters": 20000},
-}
-"""The matrices are small and full; taken apart, the badly conditioned ones fail."""
 Maker = Callable[[Array, Array, Array], Family]
 """A structure from scaled A, C and D1."""
 NO_SOLUTION = (
@@ -109,7 +103,14 @@ def solve(problem: Problem) -> Solution:
     if reasons:
         raise SynthesisFailed(p.theorem, "; ".join(reasons))
     posed = _pose(p)
-    return _gains(p, posed, optimise(p.theorem, p.spec, posed.v, posed.constraints, p.solver))
+    try:
+        found = optimise(p.theorem, p.spec, posed.v, posed.constraints, p.solver)
+    except SynthesisFailed as failed:
+        reason = reason_of_condition(posed.s, posed.family, p.spec)
+        if failed.reason != NO_SOLUTION or not reason:
+            raise
+        raise SynthesisFailed(p.theorem, reason, failed.solver_status) from failed
+    return _gains(p, posed, found)
 
 
 def smallest(problem: Problem) -> float:
@@ -247,17 +248,6 @@ def optimise(
     return optimum, status
 
 
-def run(problem: cp.Problem, solver: str = SOLVER) -> str:
-    """Solve and return the solver's word."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="Solution may be inaccurate")
-        try:
-            problem.solve(solver=solver, **OPTIONS.get(solver, {}))  # type: ignore[no-untyped-call]
-        except cp.SolverError as error:
-            return f"failed: {str(error).split('.')[0]}"
-    return str(problem.status)
-
-
 def _unknowns(p: Problem, order: int) -> Unknowns:
     """Variables: P of one or two coefficients, a multiplier for each node."""
     return Unknowns(
@@ -329,8 +319,3 @@ def regions(spec: Spec, s: Scaled, P: cp.Expression, S: cp.Expression) -> list[c
         sine, both, skew = np.sqrt(1.0 - spec.damping**2), S + S.T, spec.damping * (S - S.T)
         found.append(blocks([[sine * both, skew], [skew.T, sine * both]]))
     return found
-
-
-def blocks(rows: list[list[object]]) -> cp.Expression:
-    """Matrix of blocks."""
-    return cast(cp.Expression, bmat(rows))  # type: ignore[no-untyped-call]

@@ -37,7 +37,7 @@ from er_models.forms.linearise import rounded
 from er_models.model import Array, Model
 from er_models.static_damper import static_damper
 
-from er_observers.synthesis.lmi import run
+from er_observers.synthesis.solver import run
 from er_observers.synthesis.spec import SynthesisFailed
 
 THEOREM = "lost force (2.19)"

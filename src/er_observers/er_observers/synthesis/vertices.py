@@ -18,8 +18,8 @@ from __future__ import annotations
 import cvxpy as cp
 import numpy as np
 
-from er_observers.synthesis.lmi import SOLVER, blocks, run
 from er_observers.synthesis.proof import Claim
+from er_observers.synthesis.solver import SOLVER, blocks, run
 from er_observers.synthesis.spec import SynthesisFailed
 
 _TRACES = (0.0, 1e-8, 1e-6, 1e-4, 1e-3)
