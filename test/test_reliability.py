@@ -311,6 +311,9 @@ def test_commands_for_a_plant_that_was_here_before_block_nothing_r18() -> None:
 
 @pytest.mark.alone
 def test_a_killed_node_comes_back_by_itself_r18(tmp_path: Path) -> None:
-    """Each once; twenty times each is `python -m test.reliability kill`."""
-    found = killed(1, tmp_path)
+    """Each once; twenty times each, and how soon, is `python -m test.reliability kill`.
+
+    A restart is two seconds of processor time: how long that takes depends on what else the machine does.
+    """
+    found = killed(1, tmp_path, within=60.0)
     assert all(math.isfinite(t) for each in found.values() for t in each), found

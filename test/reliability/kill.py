@@ -17,8 +17,8 @@ WITHIN = 10.0
 """Longest time from the restart until the loop is well again [s]."""
 
 
-def killed(times: int, folder: Path) -> dict[str, list[float]]:
-    """For each node, from its restart until all is well [s]; inf where it was not.
+def killed(times: int, folder: Path, within: float = WITHIN) -> dict[str, list[float]]:
+    """For each node, from its restart until all is well [s]; inf where it was not within so long.
 
     Raises:
         AssertionError: Another node died, or impossible numbers went out.
@@ -37,7 +37,7 @@ def killed(times: int, folder: Path) -> dict[str, list[float]]:
                 restarted = monotonic()
                 nodes[name] = graph.start(name, *arguments(name))
                 listener.nominal = listener.good = -math.inf
-                back = listener.until(lambda: well(listener), WITHIN)
+                back = listener.until(lambda: well(listener), within)
                 found[name].append(monotonic() - restarted if math.isfinite(back) else math.inf)
                 if math.isinf(back):
                     since = {t: monotonic() - last for t, last in listener.last.items()}
