@@ -23,6 +23,7 @@ from er_damper_msgs.msg import (
     SuspensionAcceleration,
     SuspensionDeflection,
 )
+from er_ros_common.blank import blank
 from er_ros_common.clock import set_stamp
 from er_ros_common.stamps import StampState
 
@@ -86,7 +87,7 @@ def suspension_acceleration(
 ) -> SuspensionAcceleration:
     """Accelerations [m/s2], positive upwards, gravity removed."""
     numbers = {"sprung": sprung, "unsprung": unsprung}
-    return _filled(SuspensionAcceleration(), tick, numbers, status, valid=valid)
+    return _filled(blank(SuspensionAcceleration), tick, numbers, status, valid=valid)
 
 
 def suspension_deflection(
@@ -99,7 +100,7 @@ def suspension_deflection(
 ) -> SuspensionDeflection:
     """Deflection [m], positive in extension, and its velocity [m/s], None where not measured."""
     numbers = {"deflection": deflection, "velocity": 0.0 if velocity is None else velocity}
-    message = _filled(SuspensionDeflection(), tick, numbers, status, valid=valid)
+    message = _filled(blank(SuspensionDeflection), tick, numbers, status, valid=valid)
     message.velocity_valid = bool(message.valid and velocity is not None)
     return message
 
@@ -115,14 +116,16 @@ def damper_force(
 ) -> DamperForce:
     """Force [N], positive resists extension, its deviation [N], the residual over its gate [1]."""
     numbers = {"force": force, "force_sd": force_sd, "test_ratio": test_ratio}
-    return _filled(DamperForce(), tick, numbers, status, valid=valid)
+    return _filled(blank(DamperForce), tick, numbers, status, valid=valid)
 
 
 def road_displacement(
     tick: Tick, displacement: float, *, status: int = OK, valid: bool = True
 ) -> RoadDisplacement:
     """Road displacement [m], positive upwards."""
-    return _filled(RoadDisplacement(), tick, {"displacement": displacement}, status, valid=valid)
+    return _filled(
+        blank(RoadDisplacement), tick, {"displacement": displacement}, status, valid=valid
+    )
 
 
 def pwm_duty(
@@ -136,7 +139,7 @@ def pwm_duty(
     valid: bool = True,
 ) -> PwmDuty:
     """Duty [1], clamped to 0..1 and then marked saturated; command_seq None: it is the command."""
-    message = _filled(PwmDuty(), tick, {"duty": duty}, status, valid=valid)
+    message = _filled(blank(PwmDuty), tick, {"duty": duty}, status, valid=valid)
     wanted = message.duty
     message.duty = min(max(wanted, 0.0), 1.0)
     message.saturated = truth("saturated", saturated) or message.duty != wanted
@@ -166,7 +169,7 @@ def fault_estimate(
         raise ValueError("three factors, three standard deviations and three states are needed")
     numbers = dict(zip(_FACTORS, (*factors, *deviations), strict=True))
     numbers |= {"certainty": certainty, "residual": residual, "test_ratio": test_ratio}
-    message = _filled(FaultEstimate(), tick, numbers, status, valid=valid)
+    message = _filled(blank(FaultEstimate), tick, numbers, status, valid=valid)
     message.kind = integer("kind", kind, 8)
     message.unexplained = truth("unexplained", unexplained)
     for name, state in zip(_FACTOR_STATES, states, strict=True):
@@ -206,7 +209,7 @@ def node_status(
     """Health of a node; the tick counts the status messages."""
     rates = ("output_rate", "step_time_mean", "step_time_max")
     numbers = {name: getattr(timing, name) for name in rates}
-    message = _filled(NodeStatus(), tick, numbers, status, valid=True)
+    message = _filled(blank(NodeStatus), tick, numbers, status, valid=True)
     message.valid = truth("valid", valid) and message.valid
     texts = {
         "node": node,

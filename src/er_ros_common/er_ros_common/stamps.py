@@ -68,6 +68,7 @@ class StampState(NamedTuple):
     resets: int = 0
 
 
+_NEW = tuple.__new__
 _COUNTER = {
     Verdict.DUPLICATE: "duplicate",
     Verdict.OUT_OF_ORDER: "out_of_order",
@@ -104,7 +105,7 @@ def check_stamp(
         lost += seq - before - 1
     refused = state.duplicate, state.out_of_order, state.stale, state.future, state.zero_stamp
     following = (stamp, seq, received + 1, state.used + 1, lost, *refused, resets)
-    return StampState._make(following), verdict
+    return _NEW(StampState, following), verdict
 
 
 def _verdict(limits: StampLimits, state: StampState, stamp: int, now: int | None) -> Verdict:
