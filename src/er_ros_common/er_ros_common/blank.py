@@ -32,7 +32,7 @@ def _maker(kind: type[Any]) -> Callable[[], Any]:
     if not all(isinstance(value, _PLAIN) for _, value in plain):
         return kind
     nested = [(slot, _maker(each)) for slot, each in inner.items()]
-    new = kind.__new__
+    new: Any = kind.__new__
 
     def make() -> Any:
         message = new(kind)

@@ -11,7 +11,7 @@ pytest.importorskip("rclpy")
 
 from diagnostic_msgs.msg import DiagnosticArray
 from er_ros_common.blank import blank
-from rclpy.serialization import serialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import Header
 
 from er_damper_msgs import msg
@@ -24,7 +24,8 @@ def test_a_blank_message_is_as_its_constructor_makes_it(kind: type[Any]) -> None
     made = blank(kind)
     assert type(made) is kind
     assert made == kind()
-    assert serialize_message(made) == serialize_message(kind())
+    # not byte by byte: what fills gaps on the wire is anything
+    assert deserialize_message(serialize_message(made), kind) == kind()
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda k: k.__name__)
