@@ -28,7 +28,15 @@ from er_observers.observers.evaluate import SCENARIOS, evaluate
 from er_observers.observers.ready import ready
 from er_observers.synth_tables import certificate_table, figures, plain, score_table
 from er_observers.synth_variants import register as register_variants
-from er_observers.synthesis.make import OUTPUTS, STRUCTURES, THEOREMS, Wish, make, trade_off
+from er_observers.synthesis.make import (
+    OUTPUTS,
+    STRUCTURES,
+    THEOREMS,
+    Wish,
+    least_gamma,
+    make,
+    trade_off,
+)
 from er_observers.synthesis.spec import SECTORS, SLOPE, Spec
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
@@ -117,6 +125,9 @@ def write_gains(observer: str, car: Model, wish: Wish, out: Path) -> None:
     Console().print(certificate_table(title, claim, certificate))
     pairs = ", ".join(f"{r:g}: {g:.4g}" for r, g in curve)
     Console().print(f"gamma over the bound of the poles [1/s]: {pairs}")
+    least = least_gamma(observer, car, wish)
+    if least is not None:
+        Console().print(f"gamma of any gains of this theorem: above {least:.4f}, in fractions")
     told = f"wrote {out}" if loadable else "not written: the loop needs relative coordinates"
     Console().print(told, soft_wrap=True)
 

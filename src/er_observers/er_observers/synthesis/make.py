@@ -17,11 +17,13 @@ from er_observers.synthesis import (
     unified,
 )
 from er_observers.synthesis.certify import Certificate, certify
+from er_observers.synthesis.lower_bound import lower_bound
 from er_observers.synthesis.proof import Claim
 from er_observers.synthesis.scaling import Scaling, scaling_of
 from er_observers.synthesis.spec import (
     Output,
     Spec,
+    SynthesisFailed,
     every_state,
     force_output,
     state_output,
@@ -99,11 +101,24 @@ def trade_off(
     observer: str, model: Model, wish: Wish, factors: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0)
 ) -> list[tuple[float, float]]:
     """Pole radius [1/s] and the gamma it allows, for multiples of the radius asked for."""
-    form, output, spec, scaling = _asked(model, wish)
-    theorem = {"unified": unified, "nlpv_polytopic": nlpv_polytopic}.get(observer, nlpv_gridding)
-    problem = theorem.problem(form, output, spec, scaling)
-    specs = [replace(spec, radius=factor * spec.radius) for factor in factors]
+    problem = _problem(observer, model, wish)
+    specs = [replace(problem.spec, radius=f * problem.spec.radius) for f in factors]
     return [(each.radius, lmi.smallest(replace(problem, spec=each))) for each in specs]
+
+
+def least_gamma(observer: str, model: Model, wish: Wish) -> float | None:
+    """Gamma that no gains of the theorem go below, see `lower_bound`; None where there is no proof."""
+    try:
+        return lower_bound(_problem(observer, model, wish))
+    except SynthesisFailed:
+        return None
+
+
+def _problem(observer: str, model: Model, wish: Wish) -> lmi.Problem:
+    """The inequalities of an observer's theorem."""
+    theorem = {"unified": unified, "nlpv_polytopic": nlpv_polytopic}.get(observer, nlpv_gridding)
+    problem: lmi.Problem = theorem.problem(*_asked(model, wish))
+    return problem
 
 
 def _asked(model: Model, wish: Wish) -> tuple[LinearForm, Output, Spec, Scaling]:
