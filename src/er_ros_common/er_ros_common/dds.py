@@ -2,8 +2,10 @@
 
 A reliable reader learns what it lacks from the writer's heartbeat: every 3 s in Fast DDS, and with every message once
 the writer's history is full. With a history that is deep enough for a recorder that was held up, each reader that
-missed one message would wait for up to 3 s, since messages are delivered in order. So it is 0.1 s here. Other
-middlewares do not read the file.
+missed one message would wait for up to 3 s, since messages are delivered in order. So it is 0.1 s here.
+
+A process announces itself five times within half a second and then every 3 s: whoever was busy just then waits for the
+next time. Here it is twenty times within 2 s, then every second. Other middlewares do not read the file.
 """
 
 from __future__ import annotations
