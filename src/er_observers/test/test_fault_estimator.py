@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from er_models.errors import InputError
 from er_models.model import Array, Model
-from er_models.simulate import initial_state, prepare
+from er_models.simulate import initial_state, prepare, simulate
 from er_models.simulate import step as step_car
 from er_observers.faults import bound, evidence, follow, passage, regression, sums, tick
 from er_observers.faults.acceptance import faultless, faulty
@@ -109,6 +109,34 @@ def test_what_is_no_fault_is_not_called_one_in_silence(car: Model, name: str) ->
         assert max(e.test_ratio for e in found) > 1.0
     assert not any(e.kind > Kind.NONE and not e.unexplained for e in found)
     assert FactorStatus.CONFIRMED not in {s for e in found for s in e.states}
+
+
+def test_a_fading_field_is_a_loss_of_f1_and_named_so(car: Model) -> None:
+    """(6.2) whatever takes the yield force: both effects act through the same hook, and give the same motion."""
+    fade, fault = (car.catalogue[n] for n in ("effectiveness_fade", "electrical_fault"))
+    assert set(fade.hooks) == set(fault.hooks) == {"yield_scale"}
+    settled = {"s": 0.3, "t_f": 2.0}
+    lost = {"f": 0.7, "t_0": 0.0, "t_r": 0.0, "q": 0.0, "d": 0.5}
+    n = round(70.0 / DT)
+    road = 1e-3 * np.cumsum(np.random.default_rng(1).standard_normal(n))
+    road, duty = road - np.linspace(road[0], road[-1], n), np.full(n, 0.3)
+    cars = (
+        car.with_effect("effectiveness_fade", settled),
+        car.with_effect("electrical_fault", lost),
+    )
+    ends = [simulate(each, DT, road, duty)["damper_force"][-400:] for each in cars]
+    assert ends[0] == pytest.approx(ends[1], abs=1e-6)
+    healthy = simulate(car, DT, road, duty)["damper_force"][-400:]
+    assert float(np.max(np.abs(healthy - ends[1]))) > 1.0
+    trial = Trial(7000, hidden={"effectiveness_fade": {"s": 0.3, "t_f": 5.0}}, duration=12.0)
+    found = said(car, drive(replace(trial, road="iso8608"), car).samples)
+    assert found[-1].kind is Kind.ELECTRICAL
+    assert found[-1].states == (FactorStatus.CONFIRMED, *[FactorStatus.HEALTHY] * 2)
+    assert not any(e.unexplained for e in found)
+    assert found[-1].factors[0] == pytest.approx(
+        1.0 - 0.3 * (1.0 - math.exp(-12.0 / 5.0)), abs=0.1
+    )
+    assert {e.kind for e in found} == {Kind.UNKNOWN, Kind.NONE, Kind.ELECTRICAL}
 
 
 def test_a_measured_force_needs_no_body(car: Model) -> None:

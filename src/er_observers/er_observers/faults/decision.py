@@ -152,8 +152,9 @@ def _name(rules: Array, likely: int, verdict: Array) -> None:
     if likely not in (NONE, COMBINED) and verdict[OWN][likely - 1] > 1.0 - rules[SMALLEST]:
         likely = NONE
     calm = p[NONE]  # a factor that nothing excites speaks for no fault
-    for i in range(3):
-        calm += p[i + 1] * (1.0 - verdict[EXCITED][i])
+    for i in range(3):  # nor does one that has lost too little
+        little = verdict[OWN][i] > 1.0 - rules[SMALLEST]
+        calm += p[i + 1] * (1.0 if little else 1.0 - verdict[EXCITED][i])
     sure = (calm if likely == NONE else p[likely]) >= rules[SURE]
     if not sure and calm < 1.0 - rules[SURE] and (named <= NONE or p[named] < _KEPT):
         likely, sure = SOME, True
