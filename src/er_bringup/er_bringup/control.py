@@ -72,7 +72,7 @@ def tradeoff_command(
         int | None, typer.Option(min=0, help="Seed of the first road; the scenario's by default.")
     ] = None,
 ) -> None:
-    """Deflection against comfort over horizon and dead zone of the force loop, healthy and with faults."""
+    """Deflection against comfort over horizon, dead zone and mu, healthy and with faults."""
     (chosen,) = _scenarios([scenario])
     if first is not None:
         chosen = replace(chosen, program=replace(chosen.program, seed=first))

@@ -1,4 +1,4 @@
-"""Deflection against comfort: what horizon and dead zone of the force loop cost and bring, against the passive car."""
+"""Deflection against comfort: what horizon, dead zone and mu cost and bring, against the passive car."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ from er_ftc_controller.compare.scenarios import DT, Scenario
 from er_ftc_controller.rivals import Law
 
 POINTS: Sequence[Mapping[str, Any]] = tuple(
-    {"horizon": horizon, "dead_zone": zone}
-    for horizon, zone in ((0.01, 0.05), (0.01, 0.1), (0.01, 0.2), (0.02, 0.05), (0.02, 0.12), (0.02, 0.15), (0.02, 0.2),
-                          (0.03, 0.05), (0.03, 0.1), (0.03, 0.15))
+    {"horizon": horizon, "dead_zone": zone, "mu": mu}
+    for horizon, zone, mu in ((0.01, 0.05, 0.2), (0.01, 0.2, 0.2), (0.02, 0.05, 0.2), (0.02, 0.12, 0.2),
+                              (0.02, 0.2, 0.2), (0.03, 0.1, 0.2), (0.02, 0.12, 0.8), (0.02, 0.12, 1.6),
+                              (0.02, 0.12, 4.0), (0.02, 0.2, 1.6), (0.02, 0.05, 4.0))
 )  # fmt: skip
 """Changes of the shipped parameters."""
 
@@ -66,13 +67,13 @@ def markdown(found: Sequence[Point]) -> str:
         f"{f}: less deflection than nominal" for f in faults if f != "healthy"
     ]
     lines = [
-        "| horizon [ms] | dead zone | " + " | ".join(heads) + " |",
-        "|---" * (len(heads) + 2) + "|",
+        "| horizon [ms] | dead zone | mu [N] | " + " | ".join(heads) + " |",
+        "|---" * (len(heads) + 3) + "|",
     ]
     for p in found:
         cells = [f"{100 * p.deflection[f]:+.1f} %, {100 * p.comfort[f]:+.1f} %" for f in faults]
         cells += [f"{100 * p.gained[f]:.1f} %" for f in faults if f != "healthy"]
-        first = f"| {1e3 * p.changes['horizon']:g} | {p.changes['dead_zone']:g} | "
+        first = f"| {1e3 * p.changes['horizon']:g} | {p.changes['dead_zone']:g} | {p.changes.get('mu', 'shipped')} | "
         lines.append(first + " | ".join(cells) + " |")
     return "\n".join(lines)
 
