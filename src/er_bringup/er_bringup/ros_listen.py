@@ -18,7 +18,7 @@ from rclpy.utilities import try_shutdown
 
 from er_bringup.checks import Heard, Observation, SeenNode
 from er_damper_msgs.msg import NodeStatus
-from er_ros_common import topics
+from er_ros_common import dds, topics
 
 CONTRACT = (*topics.MEASUREMENTS, *topics.ESTIMATES)
 DEPTH = 500
@@ -75,6 +75,7 @@ class _Log:
 
 def observe(namespace: str, seconds: float) -> Observation:
     """What goes on in a namespace ('' is the root) during this time [s]; starts and ends rclpy."""
+    dds.settle()
     rclpy.init(args=[])
     try:
         node = Node("doctor", namespace=namespace, enable_rosout=False)
