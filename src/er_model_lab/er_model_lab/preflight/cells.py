@@ -222,7 +222,7 @@ def needs(effect: Effect) -> tuple[str, ...]:
         found += ["fast_extension", "fast_compression"]
     if "x" in used:
         found += ["far_extension", "far_compression"]
-    if "u" in used:
+    if used & {"u", "u_f"}:
         found += ["duty_levels"]
         found += ["fast_high_duty"] if "v" in used else []
         found += ["far_high_duty"] if "x" in used else []
