@@ -104,11 +104,10 @@ class FtcCore:
         else:
             motion = (message.deflection, message.velocity)
             strut, stuck = check(state.strut, motion, DEFLECTION, stamp)
-            state = state._replace(strut=strut)
             if stuck or not (message.valid and message.velocity_valid):
-                return state._replace(unusable=state.unusable + 1), []
+                return state._replace(strut=strut, unusable=state.unusable + 1), []
             pairs, pair = state.pairs.with_right(stamp, motion)
-            state = state._replace(pairs=pairs)
+            state = state._replace(strut=strut, pairs=pairs)
         if pair is None:
             return state, []
         return self._sample(state, Tick(stamp, message.seq), Sample(*pair[1], *pair[0]), when)
@@ -138,31 +137,31 @@ class FtcCore:
         """Answer a whole sample."""
         arrival = when.system if self.p.max_age else None
         stamps, verdict = check_stamp(self.limits, state.stamps, tick.stamp, tick.seq, arrival)
-        state = state._replace(stamps=stamps)
         if not verdict.use:
-            return state, []
+            return state._replace(stamps=stamps), []
         base = state.base or tick.stamp
         t = 1e-9 * (tick.stamp - base)
-        state = self._heard(state._replace(base=base), tick.stamp)
-        mind, command = control.step(self.controller, state.mind, t, sample)
+        mind, waiting = self._heard(state, base, tick.stamp)
+        mind, command = control.step(self.controller, mind, t, sample)
         good = mind.heard == t
         state = state._replace(
-            mind=mind, silent=None, last=tick, heard=when.steady if good else state.heard,
-            unusable=state.unusable + (not good),
+            mind=mind, silent=None, last=tick, heard=when.steady if good else state.heard, stamps=stamps, base=base,
+            unusable=state.unusable + (not good), waiting=waiting, told=state.told + (waiting is not state.waiting),
         )  # fmt: skip
         return state, [_command(tick, command)]
 
-    def _heard(self, state: State, stamp: int) -> State:
-        """The newest estimate that is old enough for a sample, taken; later ones go on waiting."""
+    def _heard(
+        self, state: State, base: int, stamp: int
+    ) -> tuple[control.State, tuple[tuple[int, Faults], ...]]:
+        """The controller told the newest estimate that is old enough for a sample, and the later ones, which wait."""
         limit = stamp - round(1e9 * SETTLED)
         due = [each for each in state.waiting if each[0] <= limit]
         if not due:
-            return state
+            return state.mind, state.waiting
         newest, faults = max(due, key=lambda each: each[0])
-        faults = faults._replace(t=1e-9 * (newest - state.base))
-        mind = control.hear(self.controller, state.mind, faults)
+        faults = faults._replace(t=1e-9 * (newest - base))
         rest = tuple(each for each in state.waiting if each[0] > limit)
-        return state._replace(mind=mind, waiting=rest, told=state.told + 1)
+        return control.hear(self.controller, state.mind, faults), rest
 
 
 def _waiting(state: State, message: FaultEstimate) -> State:

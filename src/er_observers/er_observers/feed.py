@@ -63,19 +63,18 @@ def on_motion(feed: Feed, motion: Motion) -> tuple[Feed, list[Joined]]:
             lost=feed.lost + (stamp not in feed.duties),
             blind=feed.blind + (sees and stamp not in (feed.deflections or _NONE)),
         )
-    return _given_on(feed._replace(waiting=motion), ready)
+    return _given_on(Feed(motion, *feed[1:]), ready)
 
 
 def on_duty(feed: Feed, stamp: int, duty: float) -> tuple[Feed, list[Joined]]:
     """Take a duty; the accelerations it completes."""
-    return _given_on(feed._replace(duties=_with(feed.duties, stamp, duty)), [])
+    return _given_on(Feed(feed.waiting, _with(feed.duties, stamp, duty), *feed[2:]), [])
 
 
 def on_deflection(feed: Feed, stamp: int, deflection: float) -> tuple[Feed, list[Joined]]:
     """Take a deflection [m]; the accelerations it completes."""
-    return _given_on(
-        feed._replace(deflections=_with(feed.deflections or _NONE, stamp, deflection)), []
-    )
+    seen = _with(feed.deflections or _NONE, stamp, deflection)
+    return _given_on(feed._replace(deflections=seen), [])
 
 
 def _given_on(feed: Feed, ready: list[Joined]) -> tuple[Feed, list[Joined]]:
@@ -87,8 +86,7 @@ def _given_on(feed: Feed, ready: list[Joined]) -> tuple[Feed, list[Joined]]:
         return feed, ready
     ready.append(_joined(feed, motion))
     left = None if seen is None else _after(seen, motion.stamp)
-    duties = _after(feed.duties, motion.stamp)
-    return feed._replace(waiting=None, duties=duties, deflections=left), ready
+    return Feed(None, _after(feed.duties, motion.stamp), left, *feed[3:]), ready
 
 
 def _joined(feed: Feed, motion: Motion) -> Joined:

@@ -92,21 +92,21 @@ class ObserverCore:
         if topic is topics.PWM_APPLIED:
             duty = message.duty if message.valid else math.nan
             feed, joined = on_duty(state.feed, stamp, duty)
-            return self._estimated(state._replace(feed=feed), joined, when)
+            return self._estimated(State(feed, *state[1:]), joined, when)
         if topic is topics.DEFLECTION:
             return self._on_deflection(state, stamp, message, when)
         seq, arrival = int(message.seq), when.system if self.p.max_age else None
         stamps, verdict = check_stamp(self.limits, state.stamps, stamp, seq, arrival)
-        state = state._replace(stamps=stamps)
         if not verdict.use:
-            return state, []
+            return state._replace(stamps=stamps), []
         # values that are not valid are bridged
         read = (message.sprung, message.unsprung)
         watched, stuck = check(state.watched, read, ACCELERATION, stamp)
         good = message.valid and all(map(math.isfinite, read)) and not stuck
         values = read if good else (math.nan, math.nan)
         feed, joined = on_motion(state.feed, Motion(stamp, seq, *values))
-        state = state._replace(feed=feed, watched=watched, unusable=state.unusable + (not good))
+        unusable = state.unusable + (not good)
+        state = state._replace(feed=feed, stamps=stamps, watched=watched, unusable=unusable)
         return self._estimated(state, joined, when)
 
     def _on_deflection(

@@ -94,20 +94,23 @@ class FaultCore:
     ) -> tuple[State, list[Said]]:
         """Take a part of a tick; stamps are those of the accelerations."""
         stamp, seq = from_stamp(message.header.stamp), int(message.seq)
+        stamps = state.stamps
         if topic is topics.ACCELERATION:
             arrival = when.system if self.p.max_age else None
-            stamps, verdict = check_stamp(self.limits, state.stamps, stamp, seq, arrival)
-            state = state._replace(stamps=stamps)
+            stamps, verdict = check_stamp(self.limits, stamps, stamp, seq, arrival)
             if not verdict.use:
-                return state, []
+                return state._replace(stamps=stamps), []
         part = _part(topic, message)
-        state, stuck = _watched(state, topic, part, stamp)
+        body, strut, stuck = _watched(state, topic, part, stamp)
         if stuck:
             part = (math.nan,) * len(part)
-        state = state._replace(unusable=state.unusable + (stuck or not message.valid))
+        unusable = state.unusable + (stuck or not message.valid)
         which = _PARTS.get(topic.name, gather.FORCE)
         gathered, ticks = gather.add(state.gathered, self.needed, which, stamp, seq, part)
-        return self._estimated(state._replace(gathered=gathered), ticks, when)
+        state = state._replace(
+            gathered=gathered, stamps=stamps, unusable=unusable, body=body, strut=strut
+        )
+        return self._estimated(state, ticks, when)
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Say once that the estimate is no longer valid when the samples stay away."""
@@ -164,15 +167,18 @@ def _topic(source: str) -> topics.Topic | None:
 
 def _watched(
     state: State, topic: topics.Topic, part: gather.Part, stamp: int
-) -> tuple[State, bool]:
-    """Whether a sensor says the same again and again; a part that is not valid says nothing of it."""
+) -> tuple[Watched, Watched, bool]:
+    """What is known of body and strut, and whether a sensor says the same again and again.
+
+    Of a part that is not valid nothing is learnt.
+    """
     if topic is topics.ACCELERATION and math.isfinite(part[0]):
         body, stuck = check(state.body, part, ACCELERATION, stamp)
-        return state._replace(body=body), stuck
+        return body, state.strut, stuck
     if topic is topics.DEFLECTION and math.isfinite(part[0]):
         strut, stuck = check(state.strut, part, DEFLECTION, stamp)
-        return state._replace(strut=strut), stuck
-    return state, False
+        return state.body, strut, stuck
+    return state.body, state.strut, False
 
 
 def _part(topic: topics.Topic, message: Any) -> gather.Part:

@@ -73,8 +73,10 @@ class Input:
         """Take one message; now: time of arrival on the clock of the stamps [ns], None where ages mean nothing."""
         before, self.arrived = self.state, arrival
         self.state, verdict = check_stamp(self.limits, before, stamp, seq, now)
-        if verdict is Verdict.FRESH and seq > before.seq > 0:
-            self._period = 1e-9 * (stamp - before.stamp) / (seq - before.seq)
+        if verdict is Verdict.FRESH:
+            if seq > before.seq > 0:
+                self._period = 1e-9 * (stamp - before.stamp) / (seq - before.seq)
+            return verdict
         if verdict in _WORDS:
             self._bad[verdict] = arrival
             self.age = 1e-9 * (now - stamp) if now is not None and stamp else 0.0
