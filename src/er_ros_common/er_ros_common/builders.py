@@ -54,7 +54,7 @@ def number(name: str, value: Any) -> float:
 def integer(name: str, value: Any, bits: int) -> int:
     """The value as unsigned integer; TypeError for other types, ValueError beyond the bits."""
     whole = value if type(value) is int else _index(name, value)
-    if not 0 <= whole < 2**bits:
+    if whole < 0 or whole >> bits:
         raise ValueError(f"{name} must be in 0..2^{bits}-1, not {whole}")
     return whole
 
