@@ -20,7 +20,7 @@ from er_models.model import Array
 from er_observers.observers.compiled import compiled
 from er_observers.peers.correct import correct
 from er_observers.peers.flow import flow
-from er_observers.peers.unscented import root
+from er_observers.peers.unscented import points_about
 
 H_2 = 6.5
 """Square of the reach of the points, in standard deviations; from 5 to 8 the errors from drawn starts are alike."""
@@ -34,13 +34,9 @@ def predict(
 ) -> None:
     """Move x (n,) and P (n, n) one substep on, in place; noise (n, n) comes at its end."""
     n = x.shape[0]
-    points, L = np.empty((2 * n + 1, n)), np.empty((n, n))
-    root(P, L)
-    for i in range(n):
-        points[2 * n, i] = x[i]
-        for k in range(n):
-            reach = math.sqrt(H_2) * L[i, k]
-            points[k, i], points[n + k, i] = x[i] + reach, x[i] - reach
+    points = np.empty((2 * n + 1, n))
+    points_about(x, P, math.sqrt(H_2), points)
+    points[2 * n] = x
     for k in range(2 * n + 1):
         flow(linear, kick, gamma, duty, points[k])
     P[:, :] = noise
@@ -60,23 +56,6 @@ def predict(
 
 
 @compiled
-def surprise(C: Array, variance: Array, y: Array, x: Array, P: Array) -> float:
-    """Mean square of the innovations of y (m,), one after another, over their variances."""
-    x, P, total = x.copy(), P.copy(), 0.0
-    for k in range(y.shape[0]):
-        row, own = C[k], variance[k]
-        for i in range(row.shape[0]):
-            for j in range(row.shape[0]):
-                own += row[i] * P[i, j] * row[j]
-        error = y[k]
-        for i in range(row.shape[0]):
-            error -= row[i] * x[i]
-        total += error * error / own
-        correct(C[k : k + 1], variance[k : k + 1], y[k : k + 1], x, P)
-    return float(total / y.shape[0])
-
-
-@compiled
 def start_sample(
     linear: Array, kick: Array, gamma: Array, noise: Array, C: Array, variance: Array,
     duty: float, steps: int, y: Array, x: Array, P: Array,
@@ -85,7 +64,8 @@ def start_sample(
     for _ in range(steps):
         predict(linear, kick, gamma, noise, duty, x, P)
     if np.isfinite(y).all():
-        far = surprise(C, variance, y, x, P) / FAR
+        predicted, spread = x.copy(), P.copy()
+        far = correct(C, variance, y, x, P) / FAR
         if steps > 0 and far > 1.0:
-            P += far * steps * noise
-        correct(C, variance, y, x, P)
+            x[:], P[:] = predicted, spread + far * steps * noise
+            correct(C, variance, y, x, P)

@@ -9,13 +9,14 @@ from er_observers.observers.compiled import compiled
 
 
 @compiled
-def correct(C: Array, variance: Array, y: Array, x: Array, P: Array) -> None:
+def correct(C: Array, variance: Array, y: Array, x: Array, P: Array) -> float:
     """Correct x (n,) and its covariance P (n, n), in place, by y (m,), one output after another.
 
-    variance (m,): of each output. Joseph's form keeps P symmetric and positive (Bierman 1977).
+    variance (m,): of each output. Joseph's form keeps P symmetric and positive (Bierman 1977). Returns the mean square
+    of the innovations over their variances.
     """
     n = x.shape[0]
-    spread, gain, rows = np.empty(n), np.empty(n), np.empty((n, n))
+    spread, gain, rows, far = np.empty(n), np.empty(n), np.empty((n, n)), 0.0
     for k in range(y.shape[0]):
         total, innovation = variance[k], y[k]
         for i in range(n):
@@ -24,6 +25,7 @@ def correct(C: Array, variance: Array, y: Array, x: Array, P: Array) -> None:
                 spread[i] += P[i, j] * C[k, j]
             total += C[k, i] * spread[i]
             innovation -= C[k, i] * x[i]
+        far += innovation * innovation / total
         for i in range(n):
             gain[i] = spread[i] / total
             x[i] += gain[i] * innovation
@@ -33,3 +35,4 @@ def correct(C: Array, variance: Array, y: Array, x: Array, P: Array) -> None:
         for i in range(n):
             for j in range(n):
                 P[i, j] = rows[i, j] + gain[i] * total * gain[j]
+    return float(far / y.shape[0])

@@ -35,18 +35,25 @@ def root(P: Array, out: Array) -> None:
 
 
 @compiled
+def points_about(x: Array, P: Array, reach: float, points: Array) -> None:
+    """Fill points (2 n or more, n): x (n,) and `reach` deviations along each root of P (n, n), up and then down."""
+    n = x.shape[0]
+    L = np.empty((n, n))
+    root(P, L)
+    for k in range(n):
+        for i in range(n):
+            step = reach * L[i, k]
+            points[k, i], points[n + k, i] = x[i] + step, x[i] - step
+
+
+@compiled
 def predict_unscented(
     linear: Array, kick: Array, gamma: Array, noise: Array, duty: float, x: Array, P: Array
 ) -> None:
     """Move x (n,) and P (n, n) one substep on, in place; noise (n, n) comes at its end."""
     n = x.shape[0]
-    points, L = np.empty((2 * n, n)), np.empty((n, n))
-    root(P, L)
-    for k in range(n):
-        for i in range(n):
-            reach = np.sqrt(float(n)) * L[i, k]
-            points[k, i] = x[i] + reach
-            points[n + k, i] = x[i] - reach
+    points = np.empty((2 * n, n))
+    points_about(x, P, np.sqrt(float(n)), points)
     x[:] = 0.0
     for k in range(2 * n):
         flow(linear, kick, gamma, duty, points[k])
