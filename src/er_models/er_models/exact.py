@@ -1,4 +1,4 @@
-"""Definiteness of small matrices, decided in exact rational arithmetic.
+"""Definiteness of small matrices and their systems, in exact rational arithmetic.
 
 Every double is a fraction, so a matrix made of doubles is known exactly, and so are its leading
 minors. The answer is a proof, not an estimate: no rounding, no tolerance, no
@@ -44,3 +44,17 @@ def is_positive_definite(matrix: Exact) -> bool:
                 a[i][j] = (a[i][j] * minor - a[i][k] * a[k][j]) // before
         before = minor
     return True
+
+
+def solved(matrix: Exact, right: Exact) -> Exact:
+    """Exact solution (n,) of a regular system of fractions (n, n), by Gauss and Jordan."""
+    whole = np.column_stack([matrix, right])
+    n = len(whole)
+    for k in range(n):
+        pivot = next(i for i in range(k, n) if whole[i, k] != 0)
+        whole[[k, pivot]] = whole[[pivot, k]]
+        whole[k] = whole[k] / whole[k, k]
+        for i in range(n):
+            if i != k and whole[i, k] != 0:
+                whole[i] = whole[i] - whole[k] * whole[i, k]
+    return np.asarray(whole[:, -1])

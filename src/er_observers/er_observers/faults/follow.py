@@ -51,10 +51,12 @@ ROW = N + 2
 """A row: derivative of an innovation by the unknowns (N,), the innovation, its variance (0: nothing was seen)."""
 ROAD = 3
 """Place in the noise (4,), after those of acceleration, x and v: how much the road's rate may be [m/s]."""
-_ITERATIONS = 4
-_CLOSE = 0.1
+_ITERATIONS, _CLOSE = 4, 0.1
+"""Most passes over a sample, and the move of the gate's argument below which no further one is made."""
 _WIDE = 1e4
+"""Deviation of the tyre's pull at the start, over the noise of an accelerometer."""
 _ALSO = 0.3
+"""Share of `loose` by which the yield force may be wrong as well."""
 
 
 @compiled

@@ -24,11 +24,12 @@ from typing import NamedTuple, cast
 import cvxpy as cp
 import numpy as np
 from cvxpy.atoms.affine.trace import trace
-from er_models.exact import Exact, exact, is_positive_definite
+from er_models.exact import Exact, exact, is_positive_definite, solved
 from er_models.model import Array
 
 from er_observers.synthesis.family import Family
 from er_observers.synthesis.lmi import Problem
+from er_observers.synthesis.proof import dissipation
 from er_observers.synthesis.scaled import Scaled, scale
 from er_observers.synthesis.solver import run
 from er_observers.synthesis.spec import Spec, SynthesisFailed
@@ -109,26 +110,17 @@ def _points(family: Family, count: int, one_gain: bool) -> Iterator[_Point]:
 
 
 def _blocks(spec: Spec, s: Scaled, family: Family, nodes: Array, v: _Point) -> list[Exact]:
-    """Dissipation and disc at every node, in fractions of the scaled doubles; written apart from `lmi`."""
+    """Dissipation and disc at every node, in fractions of the scaled doubles; not the blocks of `lmi`."""
     A11, A12, B11, B12, T, R, S_y = (exact(part) for part in family)
     N, q = exact(s.N), exact(spec.sector.form)
     G, H = exact(s.Gamma) @ R, exact(s.H) @ R
-    G_w, H_w = -exact(s.Gamma) @ S_y @ N, -exact(s.H) @ S_y @ N
+    shown = (G, -exact(s.Gamma) @ S_y @ N, H, -exact(s.H) @ S_y @ N)
     TW, TB, radius = T @ exact(s.W), T @ exact(s.B), exact(spec.radius / s.scaling.rate)[()]
-    one = exact(np.eye(TW.shape[1]))
     found = []
     for rho, Y, m in zip(exact(nodes), v.Y, v.multipliers, strict=True):
         S = v.P @ A11 - Y @ A12
-        gate = v.P @ TB * rho + G.T * (m * q[0, 1])
-        entry = v.P @ (TW - B11 @ N) + Y @ (B12 @ N) + H.T @ H_w + G.T @ G_w * (m * q[0, 0])
-        corner = H_w.T @ H_w + G_w.T @ G_w * (m * q[0, 0]) - one * v.gamma_2
-        through = G_w * (m * q[0, 1])
-        state = S + S.T + H.T @ H + G.T @ G * (m * q[0, 0])
-        found.append(np.block([
-            [state, gate, entry],
-            [gate.T, exact([[1.0]]) * (m * q[1, 1]), through],
-            [entry.T, through.T, corner],
-        ]))  # fmt: skip
+        drive = v.P @ (TW - B11 @ N) + Y @ (B12 @ N)
+        found.append(dissipation(S + S.T, v.P @ TB * rho, drive, shown, q, m, v.gamma_2, exact))
         found.append(np.block([[-v.P * radius, S], [S.T, -v.P * radius]]))
     return found
 
@@ -186,24 +178,10 @@ def _proved(rows: Exact, Z: list[Array], sizes: list[int], inside: float) -> Fra
     """The bound on gamma^2 of Z after the exact projection; zero where it is not inside the cone."""
     z = np.concatenate([exact(each)[np.tril_indices(len(each))] for each in Z])
     asked = np.array([Fraction(-1 if i == 0 else 0) for i in range(len(rows) - 1)], dtype=object)
-    moved = rows[1:].T @ _solved(rows[1:] @ rows[1:].T, asked - rows[1:] @ z)
+    moved = rows[1:].T @ solved(rows[1:] @ rows[1:].T, asked - rows[1:] @ z)
     margin = exact(0.5 * inside)[()]
     for each, change in zip(Z, _unstacked(moved, sizes), strict=True):
         held = is_positive_definite(exact(each) - exact(np.eye(len(each))) * margin)
         if not held or (change * change).sum() >= margin * margin:
             return Fraction(0)
     return Fraction(rows[0] @ (z + moved))
-
-
-def _solved(matrix: Exact, right: Exact) -> Exact:
-    """Exact solution (n,) of a regular system of fractions, by Gauss and Jordan."""
-    whole = np.column_stack([matrix, right])
-    n = len(whole)
-    for k in range(n):
-        pivot = next(i for i in range(k, n) if whole[i, k] != 0)
-        whole[[k, pivot]] = whole[[pivot, k]]
-        whole[k] = whole[k] / whole[k, k]
-        for i in range(n):
-            if i != k and whole[i, k] != 0:
-                whole[i] = whole[i] - whole[k] * whole[i, k]
-    return np.asarray(whole[:, -1])

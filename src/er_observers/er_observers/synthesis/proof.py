@@ -15,7 +15,7 @@ Source: Bernstein's bound: Garloff 1993.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import pairwise
@@ -110,18 +110,9 @@ class Claim:
         P_1 = convert(s.P_1)
         P = convert(s.P) + P_1 * rho
         decay, W = P @ mid(s.law.M), mid(e.W)
-        b, G, G_w, H, H_w = (convert(v) for v in (e.b, e.G, e.G_w, e.H, e.H_w))
-        gate = P @ b * rho + G.T * (m * q[0, 1])
-        entry = P @ W + H.T @ H_w + G.T @ G_w * (m * q[0, 0])
-        through = G_w * (m * q[0, 1])
-        corner = H_w.T @ H_w + G_w.T @ G_w * (m * q[0, 0])
-        corner = corner - convert(np.eye(W.shape[1])) * (gamma * gamma)
-        drift = P_1 * convert(sign * s.rate)
-        matrix = np.block([
-            [decay + decay.T + drift + H.T @ H + G.T @ G * (m * q[0, 0]), gate, entry],
-            [gate.T, convert(np.ones((1, 1))) * (m * q[1, 1]), through],
-            [entry.T, through.T, corner],
-        ])  # fmt: skip
+        b, *shown = (convert(v) for v in (e.b, e.G, e.G_w, e.H, e.H_w))
+        state = decay + decay.T + P_1 * convert(sign * s.rate)
+        matrix = dissipation(state, P @ b * rho, P @ W, shown, q, m, gamma * gamma, convert)
         wide = np.linalg.norm(e.G * self.sizes)
         sizes = convert(np.concatenate([self.sizes, [wide], np.ones(W.shape[1])]))
         return -matrix * sizes * sizes[:, None]
@@ -147,6 +138,25 @@ class Claim:
         x = convert(self.sizes)
         P = convert(s.P) + convert(s.P_1) * _middle(s.law.rho, point=point, convert=convert)
         return P * x * x[:, None]
+
+
+def dissipation(
+    state: Any, kick: Any, drive: Any, shown: Sequence[Any], q: Any, m: Any, gamma_2: Any, convert: Convert
+) -> Any:  # fmt: skip
+    """Dissipation matrix of (zeta, d, w), for P M + M' P (N, N), P b rho (N, 1) and P W (N, w).
+
+    shown: G, G_w, H, H_w of `ErrorSystem`; q (2, 2): form of the sector, m its multiplier; gamma_2: gamma squared.
+    """
+    G, G_w, H, H_w = shown
+    gate = kick + G.T * (m * q[0, 1])
+    entry = drive + H.T @ H_w + G.T @ G_w * (m * q[0, 0])
+    through = G_w * (m * q[0, 1])
+    corner = H_w.T @ H_w + G_w.T @ G_w * (m * q[0, 0])
+    return np.block([
+        [state + H.T @ H + G.T @ G * (m * q[0, 0]), gate, entry],
+        [gate.T, convert(np.ones((1, 1))) * (m * q[1, 1]), through],
+        [entry.T, through.T, corner - convert(np.eye(drive.shape[1])) * gamma_2],
+    ])  # fmt: skip
 
 
 def prove(claim: Claim) -> tuple[Margins, str]:
