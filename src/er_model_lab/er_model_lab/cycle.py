@@ -27,6 +27,8 @@ MULTIPLES, STEPS = (1, 2, 3), 41
 """Cycles of the strongest line that may make a period, and frequencies tried about each."""
 FEW_CURVES = 2
 """Different closed curves up to which effects of the motion cannot be told apart."""
+REMEDY = "record several frequencies or a sweep"
+"""What would tell effects apart."""
 ALIKE = 0.1
 """Difference of frequency or size, as a share, up to which two curves are one."""
 
@@ -87,8 +89,8 @@ def curves(found: tuple[Cycle, ...], velocity: Array, starts: NDArray[np.int64])
 
 
 def one_curve(frequency: float) -> str:
-    """What such a motion cannot show, and what would."""
+    """What such a motion cannot show."""
     return (
         f"the motion repeats one closed curve at {frequency:.3g} Hz: nothing that depends on deflection, velocity, "
-        "acceleration or the time within a cycle can be told apart; record several frequencies or a sweep"
+        "acceleration or the time within a cycle can be told apart"
     )

@@ -7,7 +7,7 @@ residual is often an impostor.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -201,9 +201,10 @@ def profiled(fitted: Fit, name: str, problem: Problem) -> Fit:
     for closer in range(SCANS):
         values = best.model.effects[name]
         sizes = values[q] * ABOUT ** (2.0**-closer)
-        grown = [best.model.with_effect(name, {**values, q: float(size)}) for size in sizes]
-        vectors = np.stack([m.compiled().p for m in grown])
-        left = (problem.force - problem.predict_many(grown[0], vectors))[:, train].T
+        grown, left = _left_over(
+            best.model, name, [{**values, q: float(s)} for s in sizes], problem
+        )
+        left = left.T
         j = np.delete(best.jacobian[train], place, axis=1)
         left = np.nan_to_num(left) - j @ np.linalg.lstsq(j, np.nan_to_num(left), rcond=1e-10)[0]
         costs = np.mean(left**2, axis=0)
@@ -223,15 +224,22 @@ def scanned(fitted: Fit, effect: Effect, problem: Problem) -> Fit:
     values = problem.scales.of(q.unit) * np.geomspace(min(q.starts), max(q.starts), SCANNED)
     model, best = fitted.model, fitted
     for _ in range(SCANS):
-        grown = [model.with_effect(effect.name, {q.name: float(v)}) for v in values]
-        vectors = np.stack([m.compiled().p for m in grown])
-        left = (problem.force - problem.predict_many(grown[0], vectors))[:, problem.train]
+        grown, left = _left_over(model, effect.name, [{q.name: float(v)} for v in values], problem)
         cost = np.nan_to_num(np.mean(left**2, axis=1), nan=np.inf)
         tried = fit(grown[int(np.argmin(cost))], problem, max_iter=FIRST_ITERATIONS)
         if not tried.mse(problem.train) < (1.0 - WORTHWHILE) * best.mse(problem.train):
             break
         model, best = tried.model, tried
     return best
+
+
+def _left_over(
+    model: Model, name: str, values: Sequence[Mapping[str, float]], problem: Problem
+) -> tuple[list[Model], Array]:
+    """The model with each of the values (k) of an effect, and what it leaves of the force where it is fitted (k, m)."""
+    grown = [model.with_effect(name, each) for each in values]
+    vectors = np.stack([m.compiled().p for m in grown])
+    return grown, (problem.force - problem.predict_many(grown[0], vectors))[:, problem.train]
 
 
 def _scaled(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from er_model_lab.cycle import FEW_CURVES, curves, one_curve
+from er_model_lab.cycle import FEW_CURVES, REMEDY, curves, one_curve
 from er_model_lab.prepare import Problem
 
 
@@ -45,11 +45,11 @@ def coverage(problem: Problem) -> Coverage:
         blocking.append(f"only {seconds:.1f} s of usable data: record at least 20 s")
     many = curves(problem.cycles, m.v, m.starts)
     if 0 < many <= FEW_CURVES:
-        blocking.append(one_curve(problem.cycles[0].frequency))
+        blocking.append(f"{one_curve(problem.cycles[0].frequency)}; {REMEDY}")
     elif tones <= 2:
         blocking.append(
             "the motion is a single tone: effects of velocity, deflection and acceleration cannot be told apart; "
-            "record several frequencies or a sweep"
+            f"{REMEDY}"
         )
     if steps == 0:
         hints.append(

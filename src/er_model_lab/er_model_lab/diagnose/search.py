@@ -22,7 +22,6 @@ from er_model_lab.diagnose.null import Null, simulate_null
 from er_model_lab.prepare import Problem
 from er_model_lab.rule import RULE, Rule
 
-SENSING_FIRST = ("force_delay", "force_lag", "velocity_lag", "deflection_zero", "preload")
 PAIRS_OF = 6
 """Pairs are tried among this many best singles."""
 MOST_EFFECTS = 3

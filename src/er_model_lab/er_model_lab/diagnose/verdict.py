@@ -196,21 +196,9 @@ def _decide(
     reasons = [
         f"root mean square error {np.sqrt(base.mse):.3g} N after refitting, noise floor {floor.floor:.3g} N"
     ]
-    unexplained = floor.explained > VISIBLE or floor.line[2] > VISIBLE or floor.bursts > 0.0
     if not best.effects:
-        if cover.blocking:
-            return "insufficient_data", reasons + list(cover.blocking)
-        if unexplained or explainable > 2 * VISIBLE:
-            reasons.append(
-                "no known effect passes, yet the residual comes in bursts that noise does not make"
-                if floor.bursts > 0.0
-                else "no known effect passes, yet the residual can be predicted from the inputs"
-            )
-            return "unknown_effect", reasons
-        reasons.append(
-            f"no effect exceeds what chance gives in a complete model ({rounds[0].threshold:.3g} N)"
-        )
-        return "adequate", reasons
+        name, why = _without(rounds[0], floor, explainable, cover)
+        return name, reasons + why
     line_share = floor.line[2]
     explained_all = explained * (1.0 - line_share)
     reasons.append(
@@ -237,6 +225,26 @@ def _decide(
         f"--helps {_below(explained):.2g}"
     )
     return "unknown_effect", reasons
+
+
+def _without(
+    step: Round, floor: Floor, explainable: float, cover: Coverage
+) -> tuple[Name, list[str]]:
+    """The verdict where no effect was taken, and why."""
+    if cover.blocking:
+        return "insufficient_data", list(cover.blocking)
+    bursts = floor.bursts > 0.0
+    visible = floor.explained > VISIBLE or floor.line[2] > VISIBLE or bursts
+    if not visible and explainable <= 2 * VISIBLE:
+        return "adequate", [
+            f"no effect exceeds what chance gives in a complete model ({step.threshold:.3g} N)"
+        ]
+    what = (
+        "comes in bursts that noise does not make"
+        if bursts
+        else "can be predicted from the inputs"
+    )
+    return "unknown_effect", [f"no known effect passes, yet the residual {what}"]
 
 
 def _below(share: float) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from er_model_lab.cycle import FEW_CURVES, curves, cycles, one_curve
+from er_model_lab.cycle import FEW_CURVES, REMEDY, curves, cycles, one_curve
 from er_model_lab.preflight.finding import Finding
 from er_model_lab.record import Record
 
@@ -22,8 +22,7 @@ def motion_findings(records: Sequence[Record]) -> Iterator[Finding]:
     found = cycles(velocity, known[0].dt, starts)
     if not 0 < curves(found, velocity, starts) <= FEW_CURVES:
         return
-    words, _, remedy = one_curve(found[0].frequency).partition("; ")
     yield Finding(
-        "motion", "warning", known[0].name, "deflection_velocity", "a motion of several frequencies or sizes", words,
-        f"{remedy} (./er lab plan)", known[0].source,
+        "motion", "warning", known[0].name, "deflection_velocity", "a motion of several frequencies or sizes",
+        one_curve(found[0].frequency), f"{REMEDY} (./er lab plan)", known[0].source,
     )  # fmt: skip
