@@ -25,6 +25,13 @@ KILLED = 128
 _PR_SET_PDEATHSIG = 1
 
 
+def say(line: str, out: IO[str]) -> None:
+    """Write a line at once, unless nobody reads any more."""
+    with suppress(OSError, ValueError):
+        out.write(f"{line}\n")
+        out.flush()
+
+
 class Child:
     """One running process; its lines appear on `out` behind its label."""
 
@@ -49,9 +56,7 @@ class Child:
         with self.process.stdout as lines:
             for line in lines:
                 # where nobody reads any more, a node must not wait for room in its pipe
-                with suppress(OSError, ValueError):
-                    out.write(f"[{self.label}] {line.rstrip()}\n")
-                    out.flush()
+                say(f"[{self.label}] {line.rstrip()}", out)
 
     @property
     def status(self) -> int | None:

@@ -11,7 +11,6 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Mapping, Sequence, Set
-from contextlib import suppress
 from pathlib import Path
 from time import sleep
 from types import FrameType
@@ -27,7 +26,7 @@ from er_ros_common.spin import show
 
 from er_bringup.arguments import table
 from er_bringup.graph import NodeSpec, complete, ends_all, nodes, parse
-from er_bringup.processes import KILLED, POLL, Child, stop, worst
+from er_bringup.processes import KILLED, POLL, Child, say, stop, worst
 from er_bringup.roles import RECORDER
 
 USAGE = f"""usage: er up [KEY:=VALUE ...]
@@ -90,18 +89,11 @@ def run(
         last = {spec.label for spec in specs if ends_all(spec)}
         while not (reason := stopping() or over(_statuses(children), last)):
             sleep(POLL)
-        _say(f"[er up] {reason}: everything is stopped\n", out or sys.stdout)
+        say(f"[er up] {reason}: everything is stopped", out or sys.stdout)
     finally:
         stop([child for child in children if child.label != RECORDER.executable])
         stop([child for child in children if child.label == RECORDER.executable])
     return {child.label: child.status or 0 for child in children}
-
-
-def _say(line: str, out: IO[str]) -> None:
-    """Write a line, unless nobody reads any more."""
-    with suppress(OSError, ValueError):
-        out.write(line)
-        out.flush()
 
 
 def _statuses(children: Sequence[Child]) -> dict[str, int | None]:

@@ -17,8 +17,7 @@ from er_models.kernel.compose import fingerprint
 from er_models.kernel.mask import mask
 from er_models.kernel.order import (
     feeds_back,
-    reads_field,
-    reads_rest,
+    reads,
     reads_yield_early,
     turns_with_the_yield,
 )
@@ -120,11 +119,13 @@ class Model:
         if reads_yield_early(used):
             slots.add(c.slots["response"])
             links.add(c.slots["response"])
-        if self.has_response and reads_field(used):
+        if self.has_response and reads(used, "u_f"):
             slots.add(c.formed)
             if turns_with_the_yield(used):
                 links.add(c.formed)
-        if reads_rest(used):
+        if reads(
+            used, "f_r"
+        ):  # in series: f_r follows only from the motion that is left to the damper
             links.add(c.rest)
         for effect in used:
             for j, name in enumerate(effect.names):

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from er_models.catalogue import Catalogue
 from er_models.effect import HOOKS, Effect
-from er_models.kernel.order import reads_field, relaxes_at
+from er_models.kernel.order import reads, relaxes_at
 
 LAG = "lag"
 """Mask of a yield force with a response time, whichever effect gives it."""
@@ -64,5 +64,5 @@ def mask(catalogue: Catalogue, used: Iterable[Effect]) -> NDArray[np.uint8]:
         for run, places in RUNS.items():
             acts = {*effect.hooks, relaxes_at(effect)}
             on[of_run(catalogue, run)] |= not acts.isdisjoint(places)
-    on[of_run(catalogue, FIELD)] = on[of_run(catalogue, LAG)] and reads_field(used)
+    on[of_run(catalogue, FIELD)] = on[of_run(catalogue, LAG)] and reads(used, "u_f")
     return on

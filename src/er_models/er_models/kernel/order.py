@@ -89,14 +89,9 @@ def reads_yield_early(effects: Iterable[Effect]) -> bool:
     return any(_reads_yield_early(effect) for effect in effects)
 
 
-def reads_rest(effects: Iterable[Effect]) -> bool:
-    """Whether any effect stands in series with the damper: f_r follows only from the motion it leaves to it."""
-    return any("f_r" in _arguments(effect, hook) for effect in effects for hook in effect.hooks)
-
-
-def reads_field(effects: Iterable[Effect]) -> bool:
-    """Whether any effect acts with the chains that have formed, u_f."""
-    return any("u_f" in _arguments(effect, hook) for effect in effects for hook in effect.hooks)
+def reads(effects: Iterable[Effect], signal: str) -> bool:
+    """Whether a hook of any effect reads a signal."""
+    return any(signal in _arguments(effect, hook) for effect in effects for hook in effect.hooks)
 
 
 def turns_with_the_yield(effects: Iterable[Effect]) -> bool:
