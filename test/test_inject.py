@@ -39,7 +39,7 @@ def plant(request: pytest.FixtureRequest) -> Iterator[tuple[Asked, Callable[[flo
         for each in (node, other):
             executor.add_node(each)
 
-        def run(done: Callable[[], object], seconds: float = 10.0) -> None:
+        def run(done: Callable[[], object], seconds: float = 60.0) -> None:
             end = monotonic() + seconds
             while not done() and monotonic() < end:
                 executor.spin_once(timeout_sec=0.02)

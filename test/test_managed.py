@@ -45,9 +45,9 @@ def ros() -> Iterator[SingleThreadedExecutor]:
 
 
 def until(
-    executor: SingleThreadedExecutor, there: Callable[[], object], seconds: float = 10.0
+    executor: SingleThreadedExecutor, there: Callable[[], object], seconds: float = 90.0
 ) -> None:
-    """Run callbacks until something is true."""
+    """Run callbacks until something is true; the first configuration on a machine compiles."""
     end = monotonic() + seconds
     while not there():
         assert monotonic() < end, "it did not come"

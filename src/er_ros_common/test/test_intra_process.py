@@ -90,7 +90,7 @@ class World:
         self.ears: Executor = rclpy.executors.SingleThreadedExecutor(context=self.context)
         self.ears.add_node(self.outside)
 
-    def until(self, there: Callable[[], object], seconds: float = 10.0) -> None:
+    def until(self, there: Callable[[], object], seconds: float = 60.0) -> None:
         """Run callbacks until something is true."""
         end = monotonic() + seconds
         while not there():
