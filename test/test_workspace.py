@@ -153,6 +153,22 @@ def test_commands_see_the_messages_and_keep_ros_to_this_machine() -> None:
     assert done.stdout == "LOCALHOST 7\n"
 
 
+def test_compiled_modules_are_kept_beside_no_source() -> None:
+    script = "import er_ros_common.stamps as s, sys; print(s.__cached__, sys.dont_write_bytecode)"
+    env = {k: v for k, v in os.environ.items() if k != "PYTHONPYCACHEPREFIX"}
+    done = subprocess.run(
+        [str(ROOT / "er"), "exec", "python", "-c", script],
+        env=env | {"PYTHONDONTWRITEBYTECODE": "1"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    place, forbidden = done.stdout.rsplit(maxsplit=1)
+    assert forbidden == "False"
+    assert Path(place).is_relative_to(ROOT / ".venv/bytecode")
+    assert Path(place).is_file()
+
+
 def test_installed_python_is_the_source_itself() -> None:
     done = er("exec", "python", "-c", "import er_ros_common; print(er_ros_common.__file__)")
     found = Path(os.path.realpath(done.stdout.strip()))

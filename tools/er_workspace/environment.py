@@ -13,6 +13,8 @@ from er_workspace.layout import Layout, Stop
 from er_workspace.venv import setup_environment
 
 FILE = ".er-environment.json"
+BYTECODE = "bytecode"
+"""Folder in .venv where Python keeps what it compiled."""
 PATHS = ("PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH")
 
 
@@ -74,6 +76,10 @@ def command_environment(layout: Layout, environ: Mapping[str, str]) -> dict[str,
         # the wheels bring Fast DDS only
         env.pop("RMW_IMPLEMENTATION", None)
     env.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    # without compiled modules a node spends more than half of its start on compiling Numba's; whoever forbids
+    # them means those beside the sources
+    env.pop("PYTHONDONTWRITEBYTECODE", None)
+    env.setdefault("PYTHONPYCACHEPREFIX", str(layout.venv / BYTECODE))
     return env
 
 
