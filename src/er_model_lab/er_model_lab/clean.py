@@ -17,6 +17,8 @@ from er_model_lab.timing import timing_of
 
 MIN_SECONDS = 2.0
 MIN_SAMPLES = 200
+SLOWEST = 0.1
+"""Median step from which on rows are not the samples of a moving damper [s]."""
 
 LIMITS: dict[str, tuple[float, str]] = {
     "road": (10.0, "looks like mm"),
@@ -57,6 +59,7 @@ def clean(record: Record) -> list[Record]:
     long_enough = [piece for piece in pieces if _enough(piece)]
     if not long_enough:
         raise _too_short(record, pieces)
+    check_step(record)
     dropped = [piece for piece in pieces if not _enough(piece)]
     notes = [
         f"{piece.name} ({len(piece)} samples) is too short and was dropped" for piece in dropped
@@ -82,6 +85,15 @@ def check_time(record: Record) -> None:
             f"t, row {k + 2}",
             f"a time after {t[k]:.9g} s",
             f"{t[k + 1]:.9g} s (not sorted)",
+        )
+
+
+def check_step(record: Record) -> None:
+    """Refuse times whose steps can only be another unit."""
+    if record.dt >= SLOWEST:
+        hint = " (looks like ms)" if record.dt < 1e3 * SLOWEST else ""
+        raise InputError(
+            record.source, "t", f"steps below {SLOWEST:g} s", f"{record.dt:.4g} s as a rule{hint}"
         )
 
 

@@ -15,7 +15,7 @@ from er_models.files import load_model, save_model
 from er_models.model import Model
 from er_models.own import catalogue_with
 
-from er_model_lab.compare import errors, regions_json, worst
+from er_model_lab.compare import errors, regions_json, size_notes, worst
 from er_model_lab.diagnose.by_record import by_record
 from er_model_lab.diagnose.candidates import baseline
 from er_model_lab.diagnose.floor import noise_floor
@@ -150,7 +150,8 @@ def compare(ask: Request) -> Outcome:
     noise = noise_at(problem, floor.floor, null.input_square)
     tables = region_tables(problem, given, ask.seed, noise)
     result = compare_json(problem, given, floor.floor, explainable, tables)
-    notes = problem.notes
+    notes = (*size_notes(problem, given), *problem.notes)
+    result["notes"] = list(notes)
     on_all = checked(problem, given, given=on_fused(model))
     if on_all is not None:
         result["long"] = long_json(on_all, again=False)

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from er_model_lab.prepare import Problem
 from er_model_lab.view import Region, RegionTable
 
+ANOTHER_SIZE = 5.0
+"""Factor between measured and predicted force beyond which the model is that of another damper, or a unit is wrong."""
+
 
 @dataclass(frozen=True)
 class Errors:
@@ -27,6 +30,21 @@ def errors(problem: Problem, residual: Array, mask: NDArray[np.bool_]) -> Errors
     rmse = float(np.sqrt(np.mean(e[mask] ** 2))) if mask.any() else float("nan")
     span = float(np.ptp(y[mask])) if mask.any() else float("nan")
     return Errors(rmse, rmse / span if span > 0 else float("nan"))
+
+
+def size_notes(problem: Problem, residual: Array) -> tuple[str, ...]:
+    """What to think of a measured force of quite another size than the predicted one; empty where it is alike.
+
+    residual (n,): measured minus predicted [N]. The factor is the one by which predicted forces come closest.
+    """
+    y, mask = problem.force, problem.used
+    p = y - residual
+    square = float(np.sum(p[mask] ** 2))
+    factor = float(np.sum(p[mask] * y[mask])) / square if square > 0.0 else 1.0
+    if 1.0 / ANOTHER_SIZE < factor < ANOTHER_SIZE:
+        return ()
+    said = f"the measured force is {factor:.2g} times the predicted one: a damper of another size (lab identify)"
+    return (f"{said}, or of another unit or sign (lab check)",)
 
 
 def worst(tables: tuple[RegionTable, ...], most: int = 8) -> list[dict[str, object]]:

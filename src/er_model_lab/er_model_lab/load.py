@@ -12,7 +12,7 @@ from er_models.errors import InputError
 
 from er_model_lab.clean import clean
 from er_model_lab.provenance import fingerprint as fingerprint
-from er_model_lab.readers import csv, mf4, parquet, rosbag
+from er_model_lab.readers import columns, csv, mf4, parquet, rosbag
 from er_model_lab.record import Record
 
 Reader = Callable[[Path, Mapping[str, str] | None], list[Record]]
@@ -28,7 +28,6 @@ READERS: dict[str, Reader] = {
 """Suffix to reader; a folder with metadata.yaml, .mcap or .db3 inside is a rosbag2 folder."""
 
 BAG_SUFFIXES = (".mcap", ".db3")
-NAMES_SUFFIX = ".names.yaml"
 
 
 def load(paths: Sequence[Path]) -> list[Record]:
@@ -92,7 +91,7 @@ def _data_in(folder: Path) -> Iterator[Path]:
 
 def _names(path: Path) -> Mapping[str, str] | None:
     """Contract name to name in the file, from the YAML file beside it; None when there is none."""
-    beside = path.with_name(path.name + NAMES_SUFFIX)
+    beside = path.with_name(path.name + columns.NAMES_SUFFIX)
     if not beside.exists():
         return None
     try:

@@ -41,6 +41,12 @@ CONTRADICTION = 0.03
 """Difference of two estimates of a lag, in samples, above which accelerometers contradict the other channels."""
 FOLDS = 12
 """Blocks for cross-validation."""
+GUARD = 0.25
+"""Time between what is fitted and what is held out [s]."""
+STRETCHES, SHORTEST = 10, 0.5
+"""How many stretches a record is cut into where every third is held out; fewer where they were shorter [s]."""
+TO_FIT, TO_HOLD_OUT = 100, 30
+"""Samples without which nothing can be fitted or scored."""
 JUMP, SELDOM = 0.05, 0.05
 """Share of its range by which the duty jumps, and the share of samples below which jumps are left out."""
 
@@ -168,7 +174,7 @@ def prepare(
     return Problem(
         motion=motion, force=y, fold=fold, held_out=held_out, raw=raw, fused=fused, noise=noise,
         names=tuple(r.name for r in records),
-        notes=tuple(n for r in records for n in r.notes) + unresolved + losses(records),
+        notes=tuple(dict.fromkeys(n for r in records for n in r.notes)) + unresolved + losses(records),
         complete=all(r.complete for r in records), sd_force=white_noise(force), velocity_lag=(lag, lag_sd),
     )  # fmt: skip
 
@@ -177,14 +183,14 @@ def split(motion: Motion, sealed: int = 0) -> tuple[NDArray[np.int64], NDArray[n
     """Fold of each training sample (-1: not used) and mask of the held-out samples.
 
     The last `sealed` records are held out whole, if any are. Otherwise, of three records or more, about a
-    quarter is held out whole (`spared`); of fewer, every third of some ten stretches of each, with a guard
-    on both sides.
+    quarter is held out whole (`spared`); of fewer, every third of some ten stretches of each (of short records
+    fewer, but three), with a guard on both sides.
     """
     starts, dt = motion.starts, motion.dt
     n, records = int(starts[-1]), len(starts) - 1
     fold = np.full(n, -1, np.int64)
     held = np.zeros(n, bool)
-    guard = round(0.25 / dt)
+    guard = round(GUARD / dt)
     chosen = set(range(records - sealed, records)) if sealed else spared(motion)
     for r in range(records):
         i, j = int(starts[r]) + round(WARM_UP / dt), int(starts[r + 1])
@@ -196,7 +202,8 @@ def split(motion: Motion, sealed: int = 0) -> tuple[NDArray[np.int64], NDArray[n
             else:
                 fold[i:j] = 0
             continue
-        edges = np.linspace(i, j, 11).astype(int)
+        stretches = min(max(int((j - i) * dt / SHORTEST), 3), STRETCHES)
+        edges = np.linspace(i, j, stretches + 1).astype(int)
         for b, (lo, hi) in enumerate(itertools.pairwise(edges)):
             if b % 3 == 2:
                 held[min(lo + guard, hi) : hi] = True
@@ -205,8 +212,12 @@ def split(motion: Motion, sealed: int = 0) -> tuple[NDArray[np.int64], NDArray[n
     unsure = switching(motion)
     fold[unsure], held[unsure] = -1, False
     order = np.flatnonzero(fold >= 0)
-    if order.size < 100 or held.sum() < 30:
-        raise InputError("DATA", "length", "at least 150 samples to fit and to hold out", n)
+    if order.size < TO_FIT or held.sum() < TO_HOLD_OUT:
+        expected = (
+            f"at least {TO_FIT} samples to fit and {TO_HOLD_OUT} to hold out, {GUARD:g} s apart"
+        )
+        found = f"{order.size} and {int(held.sum())} in the {n * dt:.3g} s recorded"
+        raise InputError("DATA", "length", expected, found)
     fold[order] = np.arange(order.size) * FOLDS // order.size
     return fold, held
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,7 +27,7 @@ from er_model_lab.view import View
 WIDTH = 100
 MOST_CANDIDATES = 6
 MOST_STEPS = 5
-MOST_NOTES = 1
+MOST_NOTES, MOST_NOTES_INCOMPLETE = 1, 4
 MOST_MODELS = 10
 LEAST_ROOM = 18
 """Columns below which the table goes without parameters."""
@@ -107,7 +108,7 @@ def _head(view: View, pen: Pen) -> Iterator[RenderableType]:
     values = {name: (known.get(key) or {}).get("value") for key, name in FLOORS}
     said = [f"{name} {short(value)}" for name, value in values.items() if value is not None]
     if said:
-        yield pen.line(pen.cut(f"noise by {', '.join(said)} N", pen.width), "dim")
+        yield pen.line(f"noise by {', '.join(said)} N", "dim")
 
 
 def _models(view: View, pen: Pen) -> Iterator[RenderableType]:
@@ -271,13 +272,26 @@ def _regions(view: View, pen: Pen) -> Iterator[RenderableType]:
 def _next(view: View, pen: Pen) -> Iterator[RenderableType]:
     """What would plan the experiment that these data lack, ready to be pasted."""
     for command in view.result.get("next") or ():
-        yield pen.line(f"next: {command}")
+        yield from map(pen.line, pasteable(command, pen.width))
+
+
+def pasteable(command: str, width: int) -> list[str]:
+    """A command in lines of at most this width (longer words stay whole) that a shell takes for one when pasted."""
+    lines, line = [], "next:"
+    for word in map(shlex.quote, shlex.split(command)):
+        if len(line) + len(word) + 3 > width:
+            lines.append(f"{line} \\")
+            line = "   "
+        line = f"{line} {word}"
+    return [*lines, line]
 
 
 def _notes(view: View, pen: Pen) -> Iterator[RenderableType]:
-    """The first notes, one line each."""
+    """The first notes, one line each; more of them where data are missing."""
     notes = list(dict.fromkeys(view.notes))
-    for note in notes[:MOST_NOTES]:
+    most = MOST_NOTES if view.result.get("complete", True) else MOST_NOTES_INCOMPLETE
+    for note in notes[:most]:
         yield pen.line(pen.cut(f"note: {note}", pen.width), "dim")
-    if len(notes) > MOST_NOTES:
-        yield pen.line(f"{len(notes) - MOST_NOTES} more notes in the report", "dim")
+    more = len(notes) - most
+    if more > 0:
+        yield pen.line(f"{more} more note{'s' * (more > 1)} in --json and --report", "dim")

@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from er_model_lab.compare import size_notes
 from er_model_lab.diagnose.candidates import baseline, effect_size, finished, refit
-from er_model_lab.diagnose.floor import Floor
+from er_model_lab.diagnose.floor import Floor, noise_floor
 from er_model_lab.diagnose.left import burst_shares, bursts, filtered
 from er_model_lab.diagnose.null import Null, simulate_null
-from er_model_lab.diagnose.search import Round, passes, promising, swapped, tied
+from er_model_lab.diagnose.search import Round, block_t, passes, promising, swapped, tied
 from er_model_lab.diagnose.verdict import _alternatives, judge
 from er_model_lab.motion_error import drawn
 from er_model_lab.rule import Rule
@@ -85,6 +86,28 @@ def friction():
     names = ("stribeck_friction", "coulomb_friction")
     found = [refit(base, model.catalogue[n], problem, max_iter=30) for n in names]
     return base, sorted(found, key=lambda c: c.mse), problem
+
+
+def test_two_seconds_are_enough_to_fit_and_to_score():
+    model, problem = problem_of("coulomb_friction", {"F_c": 1.5, "v_0": 0.003}, seconds=2.005)
+    base = baseline(model, problem)
+    found = refit(base, model.catalogue["coulomb_friction"], problem)
+    assert block_t(found, base, problem) > 1.0
+    floor = noise_floor(problem, found, simulate_null(base, [], problem, 0), seed=0)
+    assert floor.floor == pytest.approx(FORCE_NOISE, rel=0.3)
+    with pytest.raises(
+        InputError, match=r"expected at least 100 samples to fit.*, found \d+ and \d+ in"
+    ):
+        problem_of(None, {}, seconds=1.5)
+
+
+def test_a_force_of_another_size_is_said_and_one_that_a_term_is_missing_from_is_not():
+    model, problem = problem_of("coulomb_friction", {"F_c": 1.5, "v_0": 0.003}, seconds=6.0)
+    assert size_notes(problem, problem.force - problem.predict(model)) == ()
+    for factor in (1e-3, 50.0, -1.0):
+        other = replace(problem, force=factor * problem.force)
+        (note,) = size_notes(other, other.force - problem.predict(model))
+        assert float(note.split("is ")[1].split()[0]) == pytest.approx(factor, rel=0.3)
 
 
 def test_a_small_difference_that_is_sure_is_no_tie(friction):

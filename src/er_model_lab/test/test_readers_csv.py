@@ -159,6 +159,7 @@ def test_an_unsorted_or_doubled_time_names_its_row(tmp_path: Path) -> None:
         ("deflection", 1e3, "looks like mm"),
         ("deflection_velocity", 1e3, "looks like mm/s"),
         ("duty", 100.0, "looks like percent"),
+        ("t", 1e3, "looks like ms"),
     ],
 )
 def test_wrong_units_are_named_by_what_they_look_like(
@@ -168,6 +169,12 @@ def test_wrong_units_are_named_by_what_they_look_like(
     data[channel] = factor * data[channel]
     text = table(tmp_path / "u.csv", data).read_text()
     message(tmp_path / "u.csv", text, channel, hint)
+
+
+def test_names_of_ones_own_are_asked_for_where_none_are_given(tmp_path: Path) -> None:
+    own = {"Zeit" if k == "t" else k: v for k, v in columns().items()}
+    text = table(tmp_path / "rig.csv", own).read_text()
+    message(tmp_path / "rig.csv", text, "found Zeit", "rig.csv.names.yaml")
 
 
 def test_a_negative_duty_and_an_infinite_force_are_refused(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -187,3 +188,16 @@ def test_what_to_plan_next_can_be_pasted() -> None:
     command = "./er lab plan --model m.yaml --data d.csv --between a b --out next.yaml"
     lines = printed(view(next=[command])).splitlines()
     assert f"next: {command}" in lines
+    long = "./er lab plan --model m.yaml --data 'my rig/a run.csv' --data b.csv --between a b --out next.yaml"
+    for width in (40, 100):
+        pasted = printed(view(next=[long]), width).partition("next: ")[2]
+        assert max(map(len, pasted.splitlines())) <= width
+        command_read = pasted[: pasted.index("next.yaml") + len("next.yaml")]
+        assert shlex.split(command_read.replace("\\\n", " ")) == shlex.split(long)
+
+
+def test_what_made_data_incomplete_is_said_where_it_is_called_incomplete() -> None:
+    notes = tuple(f"hole {k}" for k in range(6))
+    told = {c: printed(replace(view(complete=c), notes=notes)) for c in (True, False)}
+    assert [told[c].count("note: hole") for c in (True, False)] == [1, 4]
+    assert "2 more notes in --json and --report" in told[False]

@@ -97,11 +97,17 @@ def _rows(mask: NDArray[np.bool_]) -> NDArray[np.intp]:
     return rows[:: max(1, rows.size // MAX_SAMPLES)]
 
 
+def _fourths(problem: Problem, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Which of four groups each row is in: whole seconds in turn; of data too short for that, one after the other."""
+    seconds = (rows // max(round(1.0 / problem.motion.dt), 1)) % 4
+    return seconds if np.unique(seconds).size == 4 else np.arange(rows.size) * 4 // rows.size
+
+
 def boosted(problem: Problem, residual: Array, inputs: Array, seed: int) -> float:
     """Share of the training residual that is explained on unseen stretches."""
     rows = _rows(problem.train)
     target = residual[rows]
-    groups = (rows // max(round(1.0 / problem.motion.dt), 1)) % 4
+    groups = _fourths(problem, rows)
     out = np.zeros(rows.size)
     for k in range(4):
         train = groups != k
@@ -121,7 +127,7 @@ def boosted_held_out(problem: Problem, residual: Array, inputs: Array, seed: int
 def importance(problem: Problem, residual: Array, inputs: Array, seed: int) -> dict[str, float]:
     """Which inputs the unexplained part depends on: loss of explained variance when one is shuffled."""
     rows = _rows(problem.train)
-    test = (rows // max(round(1.0 / problem.motion.dt), 1)) % 4 == 0
+    test = _fourths(problem, rows) == 0
     known, target = inputs[rows[test]], residual[rows[test]]
     trees = _trees(seed).fit(inputs[rows[~test]], residual[rows[~test]])
     rng = np.random.default_rng(seed)

@@ -78,10 +78,13 @@ def seldom(gains: Array, limit: float) -> bool:
 
 
 def block_t(better: Candidate, worse: Candidate, problem: Problem) -> float:
-    """Paired t of the squared errors of two candidates over one-second blocks; positive: `better` is."""
+    """Paired t of the squared errors of two candidates over one-second blocks; positive: `better` is.
+
+    Of less than four seconds the blocks are quarters.
+    """
     rows = problem.train
     d = worse.residual[rows] ** 2 - better.residual[rows] ** 2
-    length = problem.second
+    length = min(problem.second, max(d.size // 4, 1))
     means: Array = d[: d.size // length * length].reshape(-1, length).mean(axis=1)
     spread = float(means.std(ddof=1)) / np.sqrt(means.size)
     return float(means.mean() / max(spread, 1e-300))

@@ -13,9 +13,11 @@ from er_models.errors import InputError, UnknownName
 from er_model_lab.record import CHANNELS, Array, unit_of
 
 TIME = "t"
+NAMES_SUFFIX = ".names.yaml"
+"""Of the file beside a data file that says which of its columns is which channel."""
 
 UNITS: dict[str, dict[str, float]] = {
-    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
+    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0},
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254},
     "m/s": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3, "in/s": 0.0254},
     "1": {"1": 1.0, "-": 1.0, "%": 1e-2},
@@ -163,6 +165,15 @@ def _check(
         if number > 1:
             raise InputError(path, f"column '{name}'", "one column of that name", number)
     if needs_time and TIME not in names:
-        raise InputError(path, "columns", "a column 't' [s]", found)
+        raise InputError(path, "columns", "a column 't' [s]", found + _hint(path))
     if not names & set(CHANNELS):
-        raise InputError(path, "columns", f"at least one of {', '.join(CHANNELS)}", found)
+        expected = f"at least one of {', '.join(CHANNELS)}"
+        raise InputError(path, "columns", expected, found + _hint(path))
+
+
+def _hint(path: Path) -> str:
+    """How a file with names of its own is read, where nothing says so yet."""
+    beside = path.name + NAMES_SUFFIX
+    return (
+        "" if path.with_name(beside).exists() else f" (names of your own: {beside}, docs/data.md)"
+    )
