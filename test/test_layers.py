@@ -1,6 +1,8 @@
 """Imports follow the arrows of ARCHITECTURE.md."""
 
 import ast
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -76,9 +78,26 @@ def test_imports_follow_the_arrows(package, path):
 def test_the_pure_library_needs_no_ros():
     """A file that pip installs alone must not reach for anything but the field's libraries."""
     heads = {n.split(".")[0] for p, f in modules() if p == "er_models" for n in imports(f)}
-    import sys
-
     foreign = {h for h in heads if h not in sys.stdlib_module_names and h != "er_models"}
     assert foreign <= {"numpy", "scipy", "numba", "yaml", "sympy", "matplotlib", "pyarrow"}, (
         foreign
     )
+
+
+HEAVY = {
+    "asammdf", "clarabel", "cvxpy", "jinja2", "matplotlib", "mcap", "pandas", "plotly", "pyarrow", "pydantic", "rich",
+    "rosbags", "scipy.integrate", "scipy.interpolate", "scipy.optimize", "scipy.signal", "scipy.sparse", "scipy.stats",
+    "sklearn", "typer",
+}  # fmt: skip
+"""What belongs to the lab, to syntheses and to reports, and takes longer to import than a node."""
+LOOP = ("er_plant_sim", "er_observers", "er_ftc_controller")
+"""Packages whose nodes the control loop waits for."""
+
+
+def test_a_node_of_the_loop_is_there_soon():
+    nodes = [f"{p}.nodes.{f.stem}" for p, f in modules() if p in LOOP and "nodes" in f.parts]
+    script = f"import sys, {', '.join(nodes)}; print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert set(done.stdout.split()) & HEAVY == set()

@@ -114,5 +114,6 @@ def _before(place: str, other: str) -> bool:
     return ORDER.index(place) < ORDER.index(other)
 
 
+@cache
 def _arguments(effect: Effect, hook: str) -> tuple[str, ...]:
     return tuple(inspect.signature(effect.hooks[hook]).parameters)
