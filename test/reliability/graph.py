@@ -14,7 +14,7 @@ from er_ros_common.clock import from_stamp
 from er_ros_common.spin import make_executor
 
 from er_damper_msgs.msg import PwmDuty
-from er_ros_common import topics
+from er_ros_common import dds, topics
 from test.graph_help import CONFIG, VEHICLE, Graph, Running, own_domain, plant_arguments
 
 NODES = ("plant", "unified_observer", "skyhook_controller")
@@ -32,6 +32,7 @@ class Listener:
     """
 
     def __init__(self, domain: int) -> None:
+        dds.settle()
         rclpy.init(args=[], domain_id=domain)
         self.node = rclpy.create_node("listener")
         self.executor = make_executor(self.node)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from er_models.files import load_model
 from er_ros_common.builders import Tick
 from er_ros_common.clock import from_stamp
-from er_ros_common.common_parameters import away
+from er_ros_common.common_parameters import silence
 from er_ros_common.core import Said, When
 from er_ros_common.stamps import StampLimits, StampState, check_stamp
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
@@ -114,7 +114,7 @@ class FtcCore:
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Go on without samples where they stay away, towards the safe duty."""
-        since = away(when.steady - state.heard, self.p.timeout, self.p.max_age)
+        since = silence(self.p, when.steady - state.heard)
         if not state.heard or since <= self.p.timeout:
             return state, []
         t = 1e-9 * (state.last.stamp - state.base) + since

@@ -13,8 +13,8 @@ from er_ros_common.clock import from_stamp
 from er_ros_common.common_parameters import (
     NodeParameters,
     awaited_listeners,
-    away,
     oldest_sample,
+    silence,
 )
 from er_ros_common.core import Said, When
 from er_ros_common.parameter_table import REQUIRED, param
@@ -116,7 +116,7 @@ class SkyhookCore:
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Ask for the safe duty while the inputs are silent."""
-        since = away(when.steady - state.heard, self.p.timeout, self.p.max_age)
+        since = silence(self.p, when.steady - state.heard)
         if not (state.heard and since > self.p.timeout and when.steady - state.safe_at > REPEAT):
             return state, []
         now = when.system if when.system is not None else state.last.stamp

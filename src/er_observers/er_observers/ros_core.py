@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from er_models.files import load_model
 from er_ros_common.builders import Tick
 from er_ros_common.clock import from_stamp
-from er_ros_common.common_parameters import away
+from er_ros_common.common_parameters import silence
 from er_ros_common.core import Said, When
 from er_ros_common.stamps import StampLimits, StampState, check_stamp
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
@@ -125,7 +125,7 @@ class ObserverCore:
         """Say once that the last estimate is held, and once that it is no longer valid, when the samples stay away."""
         if not state.heard or state.silent:
             return state, []
-        since = away(when.steady - state.heard, self.p.timeout, self.p.max_age)
+        since = silence(self.p, when.steady - state.heard)
         if since <= self.p.timeout:
             said = [] if state.held or since <= LIMITS.bridge else self._held(state)
             return state._replace(held=state.held or bool(said)), said

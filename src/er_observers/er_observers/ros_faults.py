@@ -14,7 +14,7 @@ from er_models.files import load_model
 from er_models.model import Model
 from er_ros_common.builders import Tick
 from er_ros_common.clock import from_stamp
-from er_ros_common.common_parameters import away
+from er_ros_common.common_parameters import silence
 from er_ros_common.core import Said, When
 from er_ros_common.stamps import StampLimits, StampState, check_stamp
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
@@ -116,7 +116,7 @@ class FaultCore:
         """Say once that the estimate is no longer valid when the samples stay away."""
         if not state.heard or state.silent:
             return state, []
-        if away(when.steady - state.heard, self.p.timeout, self.p.max_age) <= self.p.timeout:
+        if silence(self.p, when.steady - state.heard) <= self.p.timeout:
             return state, []
         nothing = NOTHING._replace(status=Status.INVALID)
         return state._replace(silent=True), [(topics.FAULT, _message(state.last, nothing))]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from er_ros_common.parameter_table import param
 
@@ -18,10 +18,22 @@ STANDSTILL = 10.0
 """Silence that counts as `timeout` where the samples keep a pace of their own: until then somebody is held up [s]."""
 
 
-def away(nanoseconds: int, timeout: float, max_age: float) -> float:
-    """How long samples have stayed away, as it counts against `timeout` [s]; nanoseconds: on the steady clock."""
+class Listening(Protocol):
+    """What a node with inputs is told of their silence."""
+
+    @property
+    def timeout(self) -> float:
+        """Silence after which the inputs count as dead [s]."""
+
+    @property
+    def max_age(self) -> float:
+        """Oldest sample that is used [s]; 0: any, as the samples keep a pace of their own."""
+
+
+def silence(p: Listening, nanoseconds: int) -> float:
+    """How long inputs have been silent, as it counts against the timeout [s]; nanoseconds: on the steady clock."""
     seconds = 1e-9 * nanoseconds
-    return seconds if max_age else seconds * timeout / STANDSTILL
+    return seconds if p.max_age else seconds * p.timeout / STANDSTILL
 
 
 def awaited_listeners() -> Any:

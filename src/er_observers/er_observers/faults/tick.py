@@ -45,8 +45,12 @@ BENDS, _STRAIGHT, _PACE = 0.1, 0.003, 0.3
 """Greatest and least bend of the road within a sample that is believed, and how fast it is learnt, per block."""
 BLOCKS = 60
 """Blocks the window can hold."""
-WITHIN, TOLD = 20, follow.SEEN + 3
-"""Samples of a block, and places of a sample."""
+WITHIN = 20
+"""Samples of a block."""
+HELD, LASTED, COUNTS = follow.SEEN, follow.SEEN + 1, follow.SEEN + 2
+"""Places in a sample behind what was seen: duty in force, length [s], whether it counts (1) or not (0)."""
+TOLD = follow.SEEN + 3
+"""Places of a sample."""
 DUTY, FILLED, COUNT, HEAD, QUIET, SHAKEN, BENT, MISSED, MOVES = range(9)
 """Counted: duty in force; samples in the block; blocks in the window, place of the newest, blocks since the window was
 last cut, mean square of the velocity [m2/s2]; how the road bends within samples, see `follow`, squared innovations of
@@ -61,8 +65,7 @@ LEVELS = slice(TAUGHT.stop, TAUGHT.stop + 3)
 RAW = slice(LEVELS.stop, LEVELS.stop + WITHIN * TOLD)
 MEMORY = RAW.stop
 STORED = SIZE + WITHIN * TOLD
-"""Places of a block in the window: its sum, and of each sample what was seen, duty in force, length, whether it
-counts."""
+"""Places of a block in the window: its sum, and its samples."""
 ROOM = 4 * N + N * N + 2 * SIZE
 FORCE, VARIANCE, CUT, LEAST, KEPT, CALM, FRESH, AGAIN = range(8)
 """Places in the set-up (8,): noise of a given force, 0 for none; variance of the force [N2]; misfit that cuts the
@@ -91,14 +94,14 @@ def run(
     told = raw[int(counted[FILLED])]
     told[follow.BODY_SEEN], told[follow.WHEEL_SEEN] = a
     told[follow.X_SEEN], told[follow.V_SEEN] = seen
-    told[follow.FORCE_SEEN], told[-3], told[-2] = force, counted[DUTY], dt
+    told[follow.FORCE_SEEN], told[HELD], told[LASTED] = force, counted[DUTY], dt
     rows = np.empty((3, follow.ROW))
     _take(p, noise, setup, told, memory[EXPECTED], 0.0, counted[BENT], mind, rows)
     _compare(counted, rows)
     v, variance = mind[V], mind[follow.COVARIANCE][V * STATES + V]
     counted[SHAKEN] += _FADING * (v * v - counted[SHAKEN])
-    told[-1] = 1.0 if counted[SHAKEN] > _REAL * variance else 0.0
-    if told[-1] > 0.0:
+    told[COUNTS] = 1.0 if counted[SHAKEN] > _REAL * variance else 0.0
+    if told[COUNTS] > 0.0:
         _add(memory[BLOCK], rows, memory[EXPECTED])
         _count(memory[LEVELS], counted[DUTY])
     counted[DUTY] = duty
@@ -112,7 +115,7 @@ def _take(
     mind: Array, rows: Array,
 ) -> None:  # fmt: skip
     """Follow one sample."""
-    seen, duty, dt = told[: follow.SEEN], told[-3], told[-2]
+    seen, duty, dt = told[: follow.SEEN], told[HELD], told[LASTED]
     follow.advance(p, noise, setup[FORCE], known, seen, duty, dt, loose, bent, mind, rows)
 
 
@@ -158,7 +161,7 @@ def _anew(
         for k in range(WITHIN):
             if begun:
                 _take(p, noise, setup, raw[k], memory[EXPECTED], loose, counted[BENT], mind, rows)
-                if raw[k, -1] > 0.0:
+                if raw[k, COUNTS] > 0.0:
                     _add(stored[:SIZE], rows, memory[EXPECTED])
             elif math.isfinite(raw[k, follow.X_SEEN]):
                 begun = True
