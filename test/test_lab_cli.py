@@ -128,6 +128,28 @@ def test_effects_lists_the_catalogue_and_shows_a_card():
     assert lab("effects", "coulomb_fricton").exit_code == 2
 
 
+def test_the_catalogue_takes_the_options_of_all_commands(tmp_path):
+    for level, car in (("damper", False), ("vehicle", True)):
+        listed = lab("effects", "--level", level, "--seed", 1, "--json", tmp_path / "e.json")
+        assert listed.exit_code == 0
+        assert ("tyre_damping" in listed.output) == car
+        names = [e["effect"] for e in json.loads((tmp_path / "e.json").read_text())["effects"]]
+        assert ("tyre_damping" in names) == car
+    assert lab("effects", "tyre_damping", "--report", tmp_path / "card").exit_code == 0
+    page = (tmp_path / "card" / "index.html").read_text()
+    assert "data:image/svg+xml" in page
+    assert "F_t += c_t v_t" in page
+
+
+def test_places_that_cannot_be_written_are_named_before_anything_is_computed(data, root, tmp_path):
+    file = tmp_path / "file"
+    file.write_text("in the way")
+    model, nothing = ["--model", root / MODEL], tmp_path / "absent.csv"
+    for option, place in (("--json", file / "r.json"), ("--report", file), ("--json", tmp_path)):
+        one_line(lab("diagnose", nothing, *model, option, place), 2, option, str(place))
+    one_line(lab("improve", nothing, *model, "--out", file / "new.yaml"), 2, "--out", "file")
+
+
 def one_line(result, status, *words):
     assert result.exit_code == status, result.output
     lines = [line for line in result.output.strip().splitlines() if line]

@@ -9,7 +9,17 @@ import typer
 from er_models.errors import ErError
 
 from er_model_lab.cli_options import EffectsFrom, Json, Level, ModelFile, Report, Seed
-from er_model_lab.cli_running import asked, console, damper_only, fail, run, stages, write_json
+from er_model_lab.cli_running import (
+    asked,
+    console,
+    damper_only,
+    fail,
+    known_level,
+    run,
+    stages,
+    writable,
+    write_json,
+)
 
 if TYPE_CHECKING:
     from er_model_lab.commands import Outcome
@@ -65,23 +75,40 @@ def plan(
         with stages("planning", command.STEPS) as tick:
             return command.run(asked(data or [], model, seed, None, effects_from), wanted, tick)
 
-    run(work, json_file, report)
+    run(work, json_file, report, program=out)
 
 
 def effects(
     effect: Annotated[str | None, typer.Argument(help="Show the card of this effect.")] = None,
     json_file: Json = None,
+    report: Report = None,
     effects_from: EffectsFrom = None,
+    level: Annotated[
+        str, typer.Option(help="damper: without the effects of the car; vehicle: all.")
+    ] = "vehicle",
+    seed: Annotated[
+        int, typer.Option(help="As of the other commands; nothing here is random.")
+    ] = 0,
 ) -> None:
     """The catalogue of effects, or the card of one."""
     from er_models.own import catalogue_with
 
-    from er_model_lab.effects_command import card, table
+    from er_model_lab.effects_command import card, shown, table
 
     try:
+        known_level(level)
+        writable({"--json": json_file}, report)
         catalogue = catalogue_with(effects_from or ())
-        result, text = card(effect, catalogue) if effect else table(catalogue)
+        wanted = shown(catalogue, level)
+        result, text = card(effect, catalogue) if effect else table(wanted)
+        result |= {"seed": seed}
         write_json(json_file, result)
         console().print(text, soft_wrap=bool(effect))
+        if report:
+            from er_model_lab.report.effects import write_cards
+
+            cards = [catalogue[effect]] if effect else wanted
+            page = write_cards(cards, catalogue, result, report)
+            typer.echo(f"report: {page}")
     except ErError as error:
         fail(error)

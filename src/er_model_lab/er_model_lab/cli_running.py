@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable
+import tempfile
+from collections.abc import Callable, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,8 +33,7 @@ def asked(
     """The request of a command line."""
     from er_model_lab.commands import Request
 
-    if level not in ("damper", "vehicle"):
-        raise InputError("--level", "", "damper or vehicle", level)
+    known_level(level)
     return Request(
         data,
         model,
@@ -45,14 +45,19 @@ def asked(
     )
 
 
+def known_level(level: str) -> None:
+    """A level that there is."""
+    if level not in ("damper", "vehicle"):
+        raise InputError("--level", "", "damper or vehicle", level)
+
+
 def damper_only(level: str, command: str) -> None:
     """Levels other than damper are refused in words."""
     if level == "vehicle":
         raise InputError(
             "--level", "", f"damper (lab {command} works on the damper force)", "vehicle"
         )
-    if level != "damper":
-        raise InputError("--level", "", "damper or vehicle", level)
+    known_level(level)
 
 
 def run(
@@ -62,9 +67,14 @@ def run(
     out: Path | None = None,
     *,
     strict: bool = True,
+    program: Path | None = None,
 ) -> Outcome:
-    """Do the work, write what was asked for, print one screen, and exit with the contract's status."""
+    """Do the work, write what was asked for, print one screen, and exit with the contract's status.
+
+    out: new model, announced; program: another file that the work itself writes and tells of.
+    """
     try:
+        writable({"--json": json_file, "--out": out or program}, report)
         outcome = work()
         write_json(json_file, outcome.result)
         page = _write_report(report, outcome)
@@ -83,6 +93,34 @@ def run(
         typer.echo("the data were incomplete: see the notes", err=True)
         raise typer.Exit(3)
     return outcome
+
+
+def writable(files: Mapping[str, Path | None], report: Path | None = None) -> None:
+    """Refuse places that cannot be written before minutes are spent on what would go there.
+
+    files: option to its file. Nothing is left behind, also no folder.
+    """
+    for option, path in files.items():
+        if path is not None:
+            if path.is_dir():
+                raise InputError(path, option, "a file name", "a folder")
+            _may_write(path, option, path.parent)
+    if report is not None:
+        _may_write(report, "--report", report)
+
+
+def _may_write(path: Path, option: str, folder: Path) -> None:
+    """Whether the nearest folder that exists takes a file."""
+    while not folder.exists() and folder != folder.parent:
+        folder = folder.parent
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        found = error.strerror or str(error)
+        raise InputError(
+            path, option, "a folder that can be written", f"{found} ({folder})"
+        ) from None
 
 
 def _print(outcome: Outcome, page: Path | None, out: Path | None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from er_models.card import card_text
@@ -38,15 +39,20 @@ def _finite(value: float | None) -> float | str | None:
     return "inf" if value == float("inf") else value
 
 
-def table(catalogue: Catalogue) -> tuple[dict[str, Any], RenderableType]:
-    """All effects: plain data and a table; those that cannot be known say why."""
+def shown(catalogue: Catalogue, level: str) -> list[Effect]:
+    """Effects that act at a level: of the damper alone, or of the whole car."""
+    return [e for e in catalogue.effects if level == "vehicle" or e.stage != "vehicle"]
+
+
+def table(effects: Sequence[Effect]) -> tuple[dict[str, Any], RenderableType]:
+    """Effects: plain data and a table; those that cannot be known say why."""
     out = Table(title="effects", show_lines=False)
     for column in ("effect", "stage", "what it is", "shows itself as"):
         out.add_column(column, overflow="fold")
-    for effect in catalogue.effects:
+    for effect in effects:
         mark = effect.signature.mark if effect.knowable else because(effect)
         out.add_row(effect.name, effect.stage, effect.title, escape(mark))
-    return {"effects": [_data(e) for e in catalogue.effects]}, out
+    return {"effects": [_data(e) for e in effects]}, out
 
 
 def card(name: str, catalogue: Catalogue) -> tuple[dict[str, Any], RenderableType]:

@@ -20,7 +20,10 @@ SAID = {
         "Missing effect found: Coulomb friction",
         ["from 0.600 N to 0.200 N", "noise alone is 0.200 N"],
     ),
-    "ambiguous": ("cannot say which", ["Coulomb friction or Shear thinning", "Each explains"]),
+    "ambiguous": (
+        "cannot say which",
+        ["Coulomb friction or Shear thinning", "to 0.295 N or 0.400 N"],
+    ),
     "partial": ("Part of what is missing was found: Coulomb friction", ["more is missing"]),
     "unknown_effect": ("catalogue does not know", ["no known effect explains"]),
     "insufficient_data": ("cannot decide", ["only 3 s of data"]),
@@ -56,6 +59,16 @@ def test_each_verdict_is_said_in_plain_words_with_its_numbers(verdict: str) -> N
     assert "_" not in verdict_title(v) + verdict_sentence(v), (
         "names of the code are no plain words"
     )
+
+
+def test_tied_effects_that_leave_different_errors_are_not_said_to_explain_it_alike() -> None:
+    group = ["coulomb_friction", "shear_thinning"]
+    for left, said in ((0.203, "Each explains"), (0.4, "from 0.600 N to 0.200 N or 0.400 N")):
+        told = [{"effect": e, "rmse_held_out": r} for e, r in zip(group, (0.2, left), strict=True)]
+        sentence = verdict_sentence(
+            view(verdict="ambiguous", alternatives=[group], candidates=told)
+        )
+        assert said in sentence
 
 
 def test_the_words_cover_the_verdicts_of_the_lab() -> None:

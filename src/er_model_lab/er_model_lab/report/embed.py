@@ -34,6 +34,11 @@ def picture(png: bytes, svg: bytes) -> str:
         full.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(small, "PNG")
     if small.tell() < len(svg):
         return f"data:image/png;base64,{base64.b64encode(small.getvalue()).decode('ascii')}"
+    return drawing(svg)
+
+
+def drawing(svg: bytes) -> str:
+    """An SVG as a data address."""
     return f"data:image/svg+xml;base64,{base64.b64encode(svg).decode('ascii')}"
 
 

@@ -102,6 +102,10 @@ def rmse(result: Mapping[str, Any], key: str = "rmse") -> float | None:
     return None if value is None else float(value)
 
 
+ALIKE = 1.05
+"""Ratio of errors that are called equal."""
+
+
 def left_after(view: View) -> float | None:
     """Error on held-out data with what was added [N]; None when nothing was."""
     steps = view.result.get("steps") or []
@@ -146,12 +150,26 @@ def _ambiguous(view: View) -> str:
         doubt = doubt or " The data are too narrow to be sure."
         return f"{joined(_names(view))} would explain it: {_fall(view)}.{doubt}"
     either = "; ".join(joined(group, "or") for group in groups)
-    return f"It is {either}. Each explains the error as well: {_fall(view)}, noise {_floor(view)}.{doubt}"
+    return f"It is {either}. {_rivals(view)}, noise {_floor(view)}.{doubt}"
+
+
+def _rivals(view: View) -> str:
+    """What each of the first group of tied effects leaves where they are not quite alike, in a clause."""
+    left = {
+        str(e["effect"]): rmse(e, "rmse_held_out") for e in view.result.get("candidates") or ()
+    }
+    group = view.result["alternatives"][0] if len(view.result.get("effects", ())) == 1 else ()
+    found = [value for e in group if (value := left.get(e)) is not None]
+    if not found or max(found) <= ALIKE * min(found):
+        return f"Each explains the error as well: {_fall(view)}"
+    before, after = newtons(rmse(view.result)), joined([newtons(value) for value in found], "or")
+    return f"Chance could make their difference: the error on held-out data falls from {before} to {after}"
 
 
 def _partial(view: View) -> str:
+    them = "it" if len(_names(view)) == 1 else "them"
     return (
-        f"With it {_fall(view)}, but noise alone is {_floor(view)}: more is missing, and no known "
+        f"With {them} {_fall(view)}, but noise alone is {_floor(view)}: more is missing, and no known "
         "effect explains it."
     )
 
