@@ -34,6 +34,10 @@ def specs(*pairs: str) -> dict[str, NodeSpec]:
         ("duration:=long", "duration: expected a number, found 'long'"),
         ("seed:=1.5", "seed: expected an integer, found '1.5'"),
         ("controller", "controller: expected KEY:=VALUE"),
+        ("duration:=nan", "duration: expected a finite number, found 'nan'"),
+        ("namespace:=/front//left", "namespace: expected names of letters.* found '/front//left'"),
+        ("namespace:=front left", "namespace: expected names of letters"),
+        ("record:=/", "record: expected a path that does not exist yet"),
     ],
 )
 def test_a_bad_argument_is_one_line(pair: str, words: str) -> None:

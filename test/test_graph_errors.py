@@ -150,6 +150,8 @@ def test_a_recording_of_nothing_is_said_and_not_kept(graph: Graph, tmp_path: Pat
         ("up", ["model:=nix"], "expected a file, or one of inove_quarter_car"),
         ("doctor", ["--secnds", "3"], "--secnds"),
         ("doctor", ["--seconds", "0"], "--seconds: expected 0.1 to 600"),
+        ("doctor", ["--namespace", "a b"], "--namespace: expected names of letters"),
+        ("inject", ["sensors/force", "off", "--namespace", "a//b"], "expected names of letters"),
         ("plant", ["--fast"], "unknown argument '--fast'"),
     ],
 )

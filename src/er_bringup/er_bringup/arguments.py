@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 
@@ -72,6 +73,15 @@ ARGUMENTS = (
     ),
     Argument("plant_params", "", "parameter file for plant or bridge, over that in config/nodes"),
 )
+
+
+NAMESPACE = "names of letters, digits and underscores with / between"
+_NAME = r"[A-Za-z_]\w*"
+
+
+def is_namespace(text: str) -> bool:
+    """Whether ROS takes a text for a namespace; empty is the root."""
+    return re.fullmatch(rf"/?({_NAME}(/{_NAME})*/?)?", text, re.ASCII) is not None
 
 
 def table() -> str:

@@ -19,6 +19,7 @@ from er_ros_common.graph_check import Problem
 from rich.console import Console
 from rich.table import Table
 
+from er_bringup.arguments import NAMESPACE, is_namespace
 from er_bringup.checks import Heard, Observation, problems
 
 HEALTHY, UNHEALTHY, BAD_USAGE = 0, 1, 2
@@ -33,6 +34,13 @@ class OneLine(argparse.ArgumentParser):
         sys.exit(BAD_USAGE)
 
 
+def namespace(text: str) -> str:
+    """A namespace on the command line."""
+    if not is_namespace(text):
+        raise argparse.ArgumentTypeError(f"expected {NAMESPACE}, found '{text}'")
+    return text
+
+
 def parser() -> OneLine:
     """Options of the command."""
     p = OneLine(
@@ -40,7 +48,9 @@ def parser() -> OneLine:
         description="Check a running graph: types, QoS, rates, stamps, parameters, health.",
         allow_abbrev=False,
     )
-    p.add_argument("--namespace", default="", metavar="NS", help="namespace of the corner")
+    p.add_argument(
+        "--namespace", type=namespace, default="", metavar="NS", help="namespace of the corner"
+    )
     p.add_argument(
         "--seconds", type=float, default=3.0, metavar="S", help="how long to listen (3)"
     )

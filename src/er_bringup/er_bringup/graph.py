@@ -7,6 +7,7 @@ for node in nodes(given, config):
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -16,7 +17,7 @@ from pathlib import Path
 from er_models.errors import InputError
 from er_ros_common.arguments import Value, ros_arguments
 
-from er_bringup.arguments import ARGUMENTS, Argument
+from er_bringup.arguments import ARGUMENTS, NAMESPACE, Argument, is_namespace
 from er_bringup.roles import (
     BRIDGE,
     COMPOSED,
@@ -110,6 +111,13 @@ def _checked(argument: Argument, value: str) -> str:
             argument.kind(value)
         except ValueError:
             raise InputError("arguments", argument.name, argument.expected, f"'{value}'") from None
+        if not math.isfinite(float(value)):
+            raise InputError("arguments", argument.name, "a finite number", f"'{value}'")
+    if argument.name == "namespace" and not is_namespace(value):
+        raise InputError("arguments", argument.name, NAMESPACE, f"'{value}'")
+    if argument.name == "record" and value and Path(value).exists():
+        expected = "a path that does not exist yet"
+        raise InputError("arguments", argument.name, expected, f"'{value}', which does")
     return value
 
 

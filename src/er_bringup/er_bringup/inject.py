@@ -19,7 +19,7 @@ from er_ros_common.fault_port import SERVICE
 from er_ros_common.injection import Kind
 from rclpy.executors import SingleThreadedExecutor
 
-from er_bringup.doctor import OneLine
+from er_bringup.doctor import OneLine, namespace
 from er_damper_msgs.srv import InjectFault
 from er_ros_common import dds
 
@@ -34,8 +34,10 @@ def parser() -> OneLine:
     p.add_argument("kind", choices=[kind.name.lower() for kind in Kind])
     p.add_argument("value", nargs="?", type=float, default=0.0, help="bias, Hz, s or probability")
     p.add_argument("--seconds", type=float, default=0.0, help="how long; 0: until ok")
-    p.add_argument("--node", default="plant", help="node to ask (plant)")
-    p.add_argument("--namespace", default="", metavar="NS", help="namespace of the corner")
+    p.add_argument("--node", type=namespace, default="plant", help="node to ask (plant)")
+    p.add_argument(
+        "--namespace", type=namespace, default="", metavar="NS", help="namespace of the corner"
+    )
     return p
 
 

@@ -19,7 +19,7 @@ from rich.console import Console
 from rich.table import Table
 
 from er_bringup.cores import cores
-from er_bringup.doctor import OneLine
+from er_bringup.doctor import OneLine, namespace
 from er_bringup.played import Bag, Played, core_of, nodes_in, opened, play
 
 SAME, DIFFERENT, INCOMPLETE = 0, 1, 3
@@ -35,7 +35,9 @@ def parser() -> OneLine:
         metavar="NODE",
         help="executable, again for more; all recorded ones",
     )
-    p.add_argument("--namespace", default="", metavar="NS", help="namespace of the corner")
+    p.add_argument(
+        "--namespace", type=namespace, default="", metavar="NS", help="namespace of the corner"
+    )
     p.add_argument(
         "--set",
         action="append",
@@ -77,15 +79,15 @@ def replayed(options: Any) -> tuple[Bag, list[Played]]:
         ErError: Something of the recording or the parameters cannot be used.
     """
     bag = opened(options.bag)
-    namespace = f"/{options.namespace.strip('/')}" if options.namespace.strip("/") else ""
-    names = options.node or nodes_in(bag, namespace, list(cores()))
+    space = f"/{options.namespace.strip('/')}" if options.namespace.strip("/") else ""
+    names = options.node or nodes_in(bag, space, list(cores()))
     if not names:
         known = ", ".join(sorted(cores()))
         expected = f"--node with one of {known}" if not bag.parameters else f"one of {known} in it"
         raise InputError(options.bag, "nodes", expected, "none recorded")
     values = given(options.set)
-    made = [(name, core_of(bag, name, namespace, values)) for name in names]
-    return bag, [play(bag, name, core, namespace, follow=options.follow) for name, core in made]
+    made = [(name, core_of(bag, name, space, values)) for name in names]
+    return bag, [play(bag, name, core, space, follow=options.follow) for name, core in made]
 
 
 def document(bag: Bag, found: Sequence[Played]) -> dict[str, object]:
