@@ -50,6 +50,25 @@ def test_faults_of_a_running_graph_are_named(tmp_path: Path) -> None:
     assert all(p["cure"] for p in found.values())
 
 
+def test_graphs_below_namespaces_are_found_each_with_its_own_nodes_only(tmp_path: Path) -> None:
+    report = tmp_path / "doctor.json"
+    with own_domain() as env, Graph(env, tmp_path) as graph:
+        plants = [
+            graph.start("plant", *plant_arguments("-p", "duration:=0.0", "-r", f"__ns:=/car/{c}"))
+            for c in ("left", "right")
+        ]
+        for plant in plants:
+            plant.wait_for("plant]: running")
+        _, text = graph.run("doctor", "--seconds", "1", "--json", str(report))
+    graphs = json.loads(report.read_text())["graphs"]
+    assert [g["namespace"] for g in graphs] == ["/car/left", "/car/right"]
+    for g in graphs:
+        assert {n["node"] for n in g["nodes"]} == {f"{g['namespace']}/plant"}
+        assert "missing topic" not in {p["kind"] for p in g["problems"]}
+        assert {row["lost"] for row in g["topics"]} == {"0"}
+    assert "graph in /car/right" in text
+
+
 def test_an_empty_graph_is_said_to_be_empty(tmp_path: Path) -> None:
     with own_domain() as env, Graph(env, tmp_path) as graph:
         status, text = graph.run("doctor", "--seconds", "0.5", "--json", "-")

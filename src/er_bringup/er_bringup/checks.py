@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +20,8 @@ NEEDED = (
     topics.PWM_APPLIED,
 )
 """Topics without which a graph measures nothing."""
+CONTRACT = (*topics.MEASUREMENTS, *topics.ESTIMATES)
+"""Topics that are looked at."""
 OF_RIGS = (topics.FORCE, topics.ROAD)
 """Of those, what only a rig or a simulation knows: a car's own sensors need not have them."""
 TOLERANCE = 0.1
@@ -82,11 +84,26 @@ class Observation:
     said: tuple[tuple[str, int, str], ...] = ()
 
 
+def namespaces(names: Sequence[str]) -> list[str]:
+    """Namespaces ('' is the root) in which a topic of the contract is, of full topic names."""
+    ends = [f"/{topic.name}" for topic in CONTRACT]
+    return sorted({name.removesuffix(end) for name in names for end in ends if name.endswith(end)})
+
+
+def plant_of(seen: Observation) -> Mapping[str, Any]:
+    """Parameters of the plant; empty where there is none or it does not answer."""
+    return next((p for n in seen.nodes if "rate_factor" in (p := n.parameters or {})), {})
+
+
+def real_time(plant: Mapping[str, Any]) -> bool:
+    """Whether stamps are of the system clock, so that messages have an age."""
+    return str(plant.get("mode", "realtime")) == "realtime"
+
+
 def problems(seen: Observation) -> list[Problem]:
     """Everything that is wrong, most important first."""
     found = [*_nothing(seen), *_missing(seen), *_ends(seen)]
-    answers = [node.parameters or {} for node in seen.nodes]
-    plant = next((p for p in answers if "rate_factor" in p), {})
+    plant = plant_of(seen)
     for heard in seen.heard:
         found += _flow(heard, plant)
     return [*found, *_nodes(seen), *_time(seen), *_said(seen)]
@@ -134,7 +151,7 @@ def _flow(heard: Heard, plant: Mapping[str, Any]) -> Iterator[Problem]:
         )
         return
     yield from _rate(heard, plant)
-    real = plant.get("mode", "realtime") == "realtime"
+    real = real_time(plant)
     old = sum(age > STALE for age in heard.ages)
     if real and old > OLD_SHARE * heard.count:
         worst = 1e3 * max(heard.ages)

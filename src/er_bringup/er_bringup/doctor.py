@@ -20,7 +20,7 @@ from rich.console import Console
 from rich.table import Table
 
 from er_bringup.arguments import NAMESPACE, is_namespace
-from er_bringup.checks import Heard, Observation, problems
+from er_bringup.checks import Heard, Observation, plant_of, problems, real_time
 
 HEALTHY, UNHEALTHY, BAD_USAGE = 0, 1, 2
 
@@ -49,7 +49,10 @@ def parser() -> OneLine:
         allow_abbrev=False,
     )
     p.add_argument(
-        "--namespace", type=namespace, default="", metavar="NS", help="namespace of the corner"
+        "--namespace",
+        type=namespace,
+        metavar="NS",
+        help="namespace of the corner; all that there are",
     )
     p.add_argument(
         "--seconds", type=float, default=3.0, metavar="S", help="how long to listen (3)"
@@ -61,13 +64,15 @@ def parser() -> OneLine:
 
 
 def rows(seen: Observation) -> list[tuple[str, ...]]:
-    """One line a topic that somebody publishes or waits for."""
-    return [_row(heard) for heard in seen.heard if heard.publishers or heard.subscribers]
+    """One line a topic that somebody publishes or waits for; simulated stamps have no age."""
+    aged = real_time(plant_of(seen))
+    there = [heard for heard in seen.heard if heard.publishers or heard.subscribers]
+    return [_row(heard, heard.ages if aged else ()) for heard in there]
 
 
-def _row(heard: Heard) -> tuple[str, ...]:
-    age = f"{1e3 * median(heard.ages):.1f}" if heard.ages else "-"
-    worst = f"{1e3 * max(heard.ages):.1f}" if heard.ages else "-"
+def _row(heard: Heard, ages: Sequence[float]) -> tuple[str, ...]:
+    age = f"{1e3 * median(ages):.1f}" if ages else "-"
+    worst = f"{1e3 * max(ages):.1f}" if ages else "-"
     return (
         heard.name,
         ", ".join(end.node for end in heard.publishers) or "nobody",
@@ -96,13 +101,20 @@ def document(seen: Observation, found: Sequence[Problem]) -> dict[str, object]:
 
 
 def show(seen: Observation, found: Sequence[Problem], console: Console) -> None:
-    """Tables for people."""
+    """Tables for people; names below the namespace of the title, so that they fit a terminal."""
+
+    def near(name: str) -> str:
+        return name.replace(f"{seen.namespace}/", "") if seen.namespace else name
+
     table = Table(title=f"graph in {seen.namespace or '/'}, {seen.seconds:g} s")
-    for head in ("topic", "published by", "subscribers", "Hz", "age ms", "max", "lost"):
+    for head in ("topic", "published by", "heard by", "Hz", "age ms", "max", "lost"):
         text = head in ("topic", "published by")
-        table.add_column(head, justify="left" if text else "right", no_wrap=head == "topic")
-    for row in rows(seen):
-        table.add_row(*row)
+        fold = head == "published by"
+        table.add_column(
+            head, justify="left" if text else "right", no_wrap=not fold, overflow="fold"
+        )
+    for topic, sender, *rest in rows(seen):
+        table.add_row(near(topic), near(sender), *rest)
     if table.row_count:
         console.print(table)
     if not found:
@@ -112,7 +124,7 @@ def show(seen: Observation, found: Sequence[Problem], console: Console) -> None:
     for head in ("where", "what", "cure"):
         sick.add_column(head, overflow="fold")
     for problem in found:
-        sick.add_row(problem.topic, f"{problem.kind}: {problem.text}", problem.cure)
+        sick.add_row(near(problem.topic), f"{problem.kind}: {problem.text}", problem.cure)
     console.print(sick)
 
 
@@ -129,15 +141,29 @@ def main() -> None:
         seen = observe(options.namespace, options.seconds)
     except KeyboardInterrupt:
         sys.exit(130)
-    found = problems(seen)
-    text = json.dumps(document(seen, found), indent=1)
+    found = [problems(one) for one in seen]
+    documents = [document(*both) for both in zip(seen, found, strict=True)]
+    text = json.dumps(together(documents), indent=1)
     if options.json == "-":
         print(text)  # noqa: T201  (asked for)
     else:
-        show(seen, found, Console())
+        for both in zip(seen, found, strict=True):
+            show(*both, console())
         if options.json:
             write_whole(Path(options.json), text)
-    sys.exit(UNHEALTHY if found else HEALTHY)
+    sys.exit(UNHEALTHY if any(found) else HEALTHY)
+
+
+def together(documents: Sequence[dict[str, object]]) -> dict[str, object]:
+    """One document: that of the graph, or those of several graphs."""
+    if len(documents) == 1:
+        return documents[0]
+    return {"healthy": all(d["healthy"] for d in documents), "graphs": list(documents)}
+
+
+def console() -> Console:
+    """The terminal; a file or pipe is 120 columns wide."""
+    return Console() if sys.stdout.isatty() else Console(width=120)
 
 
 if __name__ == "__main__":

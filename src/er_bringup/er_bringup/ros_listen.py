@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from time import monotonic, time_ns
+from time import monotonic, sleep, time_ns
 from typing import Any
 
 import rclpy
@@ -16,11 +16,10 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.utilities import try_shutdown
 
-from er_bringup.checks import Heard, Observation, SeenNode
+from er_bringup.checks import CONTRACT, Heard, Observation, SeenNode, namespaces
 from er_damper_msgs.msg import NodeStatus
 from er_ros_common import dds, topics
 
-CONTRACT = (*topics.MEASUREMENTS, *topics.ESTIMATES)
 DEPTH = 500
 DISCOVERY, SETTLE = 8.0, 1.0
 """Longest wait until the graph is known, and for how long nothing new must have come up until it is [s]."""
@@ -73,22 +72,45 @@ class _Log:
         self.seq = self.lost = self.zero = self.invalid = self.stamp = 0
 
 
-def observe(namespace: str, seconds: float) -> Observation:
-    """What goes on in a namespace ('' is the root) during this time [s]; starts and ends rclpy."""
+def observe(namespace: str | None, seconds: float) -> list[Observation]:
+    """What goes on in a namespace ('' is the root) during this time [s]; starts and ends rclpy.
+
+    None: in each namespace that holds a graph, one after the other; in the root where none is found.
+    """
     dds.settle()
     rclpy.init(args=[])
     try:
-        node = Node("doctor", namespace=namespace, enable_rosout=False)
-        return _Listener(node, namespace).observe(seconds)
+        spaces = _graphs() if namespace is None else [namespace]
+        seen = []
+        for space in spaces:
+            node = Node("doctor", namespace=space, enable_rosout=False)
+            seen.append(_Listener(node, space, known=namespace is None).observe(seconds))
+            node.destroy_node()
+        return seen
     finally:
         try_shutdown()
+
+
+def _graphs() -> list[str]:
+    """Namespaces in which a topic of the contract is, once nothing new comes up; the root where there is none."""
+    node = Node("doctor_looking", enable_rosout=False)
+    began = changed = monotonic()
+    ends: dict[str, int] = {}
+    while (at := monotonic()) - began < DISCOVERY and not (ends and at - changed >= SETTLE):
+        sleep(LOOK)
+        names = [name for name, _ in node.get_topic_names_and_types() if namespaces([name])]
+        before, ends = ends, {name: node.count_publishers(name) for name in names}
+        if ends != before:
+            changed = monotonic()
+    node.destroy_node()
+    return namespaces(list(ends)) or [""]
 
 
 class _Listener:
     """Subscribes to whatever the contract names and is there."""
 
-    def __init__(self, node: Node, namespace: str) -> None:
-        self.node = node
+    def __init__(self, node: Node, namespace: str, *, known: bool = False) -> None:
+        self.node, self.known = node, known
         self.namespace = f"/{namespace.strip('/')}" if namespace.strip("/") else ""
         self.logs = {t.name: _Log(t, f"{self.namespace}/{t.name}") for t in CONTRACT}
         self.subscribed: set[str] = set()
@@ -104,7 +126,9 @@ class _Listener:
 
     def observe(self, seconds: float) -> Observation:
         """Find the graph, then listen."""
-        self._discover()
+        if not self.known:
+            self._discover()
+        self._turn(LOOK)
         for log in self.logs.values():
             log.clear()
         self._turn(seconds)
@@ -151,7 +175,8 @@ class _Listener:
         for log in self.logs.values():
             self._subscribe(log.name, log.topic, log.on_message)
         for name, kinds in self.node.get_topic_names_and_types():
-            if name.endswith(STATUS_ENDING) and topics.STATUS.type_name in kinds:
+            ours = self._inside(name) and name.endswith(STATUS_ENDING)
+            if ours and topics.STATUS.type_name in kinds:
                 self._subscribe(name, topics.STATUS, self._on_status)
 
         if not self.diagnosed:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import replace
 from typing import Any
 
@@ -9,10 +10,11 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from er_bringup.checks import NEEDED, Heard, Observation, SeenNode, problems
-from er_bringup.doctor import document, rows
+from er_bringup.checks import NEEDED, Heard, Observation, SeenNode, namespaces, problems
+from er_bringup.doctor import document, rows, show
 from er_ros_common.graph_check import Endpoint
 from er_ros_common.topics import Topic
+from rich.console import Console
 
 from er_damper_msgs.msg import NodeStatus
 from er_ros_common import topics
@@ -162,6 +164,32 @@ def test_the_document_holds_what_the_table_shows() -> None:
     assert len(rows(seen)) == len(seen.heard)
     (problem,) = made["problems"]  # type: ignore[misc]
     assert problem["kind"] == "lost messages"
+
+
+def test_simulated_stamps_have_no_age() -> None:
+    seen = healthy(nodes=(SeenNode("/plant", {**PLANT, "mode": "sim_time"}, 0, "running"),))
+    assert {row[4] for row in rows(healthy())} == {"1.0"}
+    assert {row[4] for row in rows(seen)} == {"-"}
+
+
+def test_graphs_are_found_by_the_topics_of_the_contract() -> None:
+    names = ["/car/left/sensors/force", "/car/left/pwm/applied", "/sensors/road", "/other/force"]
+    assert namespaces(names) == ["", "/car/left"]
+    assert namespaces(["/rosout", "/x/parameter_events"]) == []
+
+
+def test_the_table_fits_a_terminal_with_whole_names() -> None:
+    space = "/vehicle/suspension/front_left"
+    each = tuple(
+        replace(h, name=f"{space}{h.name}", publishers=(end(f"{space}/plant", h.topic),))
+        for h in healthy().heard
+    )
+    out = io.StringIO()
+    seen = healthy(namespace=space, heard=each)
+    show(seen, problems(seen), Console(file=out, width=80))
+    assert space in out.getvalue()
+    assert "sensors/acceleration" in out.getvalue()
+    assert "\N{HORIZONTAL ELLIPSIS}" not in out.getvalue()
 
 
 def test_a_car_with_sensors_of_its_own_has_no_force_sensor_and_no_road() -> None:
