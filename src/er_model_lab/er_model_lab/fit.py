@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from er_model_lab.forward import Free, Limits
 from er_model_lab.prepare import Problem
 
+FIRST_ITERATIONS = 10
+"""Iterations every candidate gets before the best are fitted to the end."""
 DOUBTFUL = 1.1
 """Mean square without each block, over that of the fit, above which a straight line is not believed."""
 SHARES = np.array([0.0, 0.1, 0.3, 1.0])
@@ -133,6 +135,12 @@ def fit(
         jacobian, exact = _jacobian(box, theta, f, problem, None), True
     edge = (theta <= box.low + 1e-9 * box.size) | (theta >= box.high - 1e-9 * np.abs(box.high))
     return Fit(box.model_at(theta), box.free, theta, box.scale, y - f, jacobian, edge, rounds)
+
+
+def practised(model: Model, problem: Problem) -> Model:
+    """The model with values from a few runs, where there are many: a start near the end for a fit to all."""
+    few = problem.practice
+    return model if few is None else fit(model, few.problem).model
 
 
 def _jacobian(box: Box, theta: Array, f: Array, problem: Problem, known: Array | None) -> Array:

@@ -29,6 +29,7 @@ from er_model_lab.fuse import (
     fuse,
 )
 from er_model_lab.losses import losses
+from er_model_lab.practice import Practice, practice
 from er_model_lab.record import Record
 
 Array = NDArray[np.float64]
@@ -108,6 +109,11 @@ class Problem:
         """The cycle that each record of a damper repeats; empty where one of them repeats none."""
         m = self.motion
         return cycles(m.v, m.dt, m.starts) if self.forward.outputs == 1 else ()
+
+    @cached_property
+    def practice(self) -> Practice | None:
+        """Stretches on which fits begin where there are many runs, else None."""
+        return practice(self, WARM_UP)
 
     @property
     def train(self) -> NDArray[np.bool_]:

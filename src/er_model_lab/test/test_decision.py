@@ -39,7 +39,7 @@ def test_chance_passes_its_threshold_as_often_as_it_is_allowed_to():
     for alarm in (0.3, 0.05, 0.01):
         rates, values = [], []
         for part in sizes.reshape(-1, 64):
-            null = Null(part, 0.0, 0.0, 1.0, 0.0, np.zeros(0))
+            null = Null(part, 0.0, 1.0, 0.0, np.zeros(0))
             limit = null.threshold(alarm)
             rates.append(np.exp(-(limit**2) / 2.0))
             values.append(null.p_value(limit))
@@ -142,7 +142,7 @@ def test_a_gap_is_found_though_each_size_has_a_valley_of_its_own():
 def test_a_gap_beside_another_effect_promises_more_though_no_regression_sees_it():
     model, problem = problem_of("force_lag", {"T_f": 0.003}, seconds=12.0)
     gap = problem.predict(model.with_effect("freeplay", {"b": 3e-5})) - problem.predict(model)
-    null = Null(np.zeros(0), 0.0, 0.0, 1.0, 0.0, np.zeros(0))
+    null = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0))
     for force, more in ((problem.force, False), (problem.force + gap, True)):
         data = replace(problem, force=force)
         base = baseline(model, data)
@@ -180,7 +180,7 @@ def test_what_acts_seldom_counts_where_it_acts_more_than_once_and_harms_nowhere(
 
 def test_effects_that_are_both_needed_are_no_rivals(friction):
     base, found, _ = friction
-    null = Null(np.zeros(0), 0.0, 0.0, 1.0, 0.0, np.zeros(0))
+    null = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0))
     step = Round(base, found, null, 0.1, found[0], [c.name for c in found])
     both = replace(found[0], effects=tuple(c.name for c in found))
     assert _alternatives(both, [step]) == ()
@@ -189,7 +189,7 @@ def test_effects_that_are_both_needed_are_no_rivals(friction):
 
 def test_what_explains_little_is_taken_where_that_is_asked_for(friction):
     base, found, problem = friction
-    null = Null(np.zeros(0), 0.0, 0.0, 1.0, 0.0, np.zeros(0))
+    null = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0))
     weak = replace(found[0], mse=base.mse - 0.15 * (base.mse - found[0].mse))
     floor = Floor(np.sqrt(found[0].mse), 0.0, 0.0, 0.0, 0.3, {}, (0.0, 0.0, 0.0))
     step = Round(base, [weak], null, 0.01, weak, [weak.name])
@@ -210,9 +210,7 @@ def test_three_effects_that_leave_more_than_noise_may_stand_for_another(friction
         model = model.with_effect(name, start)
     three = replace(found[0], effects=names, fit=replace(found[0].fit, model=model))
     floor = Floor(np.sqrt((1.0 - left) * three.mse), 0.0, 0.0, 0.0, 0.0, {}, (0.0, 0.0, 0.0))
-    step = Round(
-        base, found, Null(np.zeros(0), 0.0, 0.0, 1.0, 0.0, np.zeros(0)), 0.01, found[0], []
-    )
+    step = Round(base, found, Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0)), 0.01, found[0], [])
     assert judge(base, three, [step], floor, problem).verdict == said
     two = replace(three, effects=names[:2])
     assert judge(base, two, [step], floor, problem).verdict == "missing_effect"
@@ -227,7 +225,7 @@ def test_a_tie_counts_beside_everything_else_that_is_missing():
     catalogue = model.catalogue
     names = ("shear_thinning", "coulomb_friction")
     found = [refit(base, catalogue[n], problem) for n in names]
-    null = Null(np.zeros(0), 0.0, 0.0, 1.0, 0.0, np.zeros(0))
+    null = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0))
     step = Round(base, found, null, 0.02, found[0], list(names))
     both = refit(found[0], catalogue["field_stiffness"], problem)
     best, ties = swapped(both, [step], problem)

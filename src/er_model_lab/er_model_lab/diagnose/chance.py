@@ -12,7 +12,8 @@ import numpy as np
 from er_models.model import Array
 from numpy.typing import NDArray
 
-from er_model_lab.diagnose.candidates import Candidate, additions, starts
+from er_model_lab.diagnose.candidates import Candidate, additions
+from er_model_lab.diagnose.starts import starts
 from er_model_lab.prepare import FOLDS, Problem
 
 Mask = NDArray[np.bool_]

@@ -15,15 +15,13 @@ from er_model_lab.prepare import Problem
 class Coverage:
     """Ranges of the data, what blocks a verdict, and hints on what to record next.
 
-    tones: number of frequencies that carry 95 % of the motion; levels: distinct duties held; curves: number of
-    closed curves that the motion runs through again and again, 0 where it does not repeat itself.
+    tones: number of frequencies that carry 95 % of the motion; curves: number of closed curves that the motion runs
+    through again and again, 0 where it does not repeat itself.
     """
 
     deflection: float
     velocity: float
     duty: tuple[float, float]
-    duty_levels: int
-    duty_steps: int
     tones: int
     seconds: float
     temperature: float
@@ -36,7 +34,6 @@ def coverage(problem: Problem) -> Coverage:
     """Measure what the records exercise."""
     m = problem.motion
     u = m.u
-    levels = len(np.unique(np.round(u, 2)))
     steps = int(np.sum(np.abs(np.diff(u)) > 0.01))
     tones = _tones(problem)
     seconds = float(problem.used.sum() / problem.forward.outputs * m.dt)
@@ -62,7 +59,7 @@ def coverage(problem: Problem) -> Coverage:
                 "the duty follows the velocity: record with a duty that does not depend on the motion"
             )
     return Coverage(
-        float(np.max(np.abs(m.x))), float(np.max(np.abs(m.v))), (float(u.min()), float(u.max())), levels, steps,
+        float(np.max(np.abs(m.x))), float(np.max(np.abs(m.v))), (float(u.min()), float(u.max())),
         tones, seconds, float(np.ptp(m.theta)), tuple(blocking), tuple(hints), many,
     )  # fmt: skip
 

@@ -30,16 +30,15 @@ PEAKS = 12
 class Null:
     """Largest effect sizes [N] by chance, one per replicate.
 
-    input_error: force error [N] that the motion sensors cause on the training samples, and on the held-out ones;
-    force_noise [N] with its lag-one correlation `colour`; input_square (n,): mean square [N2] over the draws of
-    the motion, of `outputs` rows a sample; least: size [N] below which nothing is believed, however rare: where the
-    motion repeats itself, all that the motion sensors cause, since it comes back in every cycle; bursts: the largest
-    share of the power that lay in bursts, of each output.
+    input_error: force error [N] that the motion sensors cause on the training samples; force_noise [N] with its
+    lag-one correlation `colour`; input_square (n,): mean square [N2] over the draws of the motion, of `outputs` rows
+    a sample; least: size [N] below which nothing is believed, however rare: where the motion repeats itself, all that
+    the motion sensors cause, since it comes back in every cycle; bursts: the largest share of the power that lay in
+    bursts, of each output.
     """
 
     maxima: Array
     input_error: float
-    input_error_held_out: float
     force_noise: float
     colour: float
     input_square: Array
@@ -90,7 +89,6 @@ def simulate_null(
     rng = np.random.default_rng(seed)
     wobble = problem.forward.input_errors(problem, base.fit.model, rng, MOTIONS)
     input_error = float(np.sqrt(np.mean(wobble[:, problem.train] ** 2)))
-    held_out = float(np.sqrt(np.mean(wobble[:, problem.held_out] ** 2)))
     leader = rivals[0] if rivals else base
     noise, colour = _force_noise(leader, problem, input_error)
     square, outputs = np.mean(wobble**2, axis=0), problem.forward.outputs
@@ -104,7 +102,7 @@ def simulate_null(
         for c, part in enumerate(problem.parts)
     )
     maxima = largest(base, rivals, problem, errors.T) if rivals else np.zeros(0)
-    return Null(maxima, input_error, held_out, noise, colour, square, outputs, least, loud)
+    return Null(maxima, input_error, noise, colour, square, outputs, least, loud)
 
 
 def _force_noise(best: Candidate, problem: Problem, input_error: float) -> tuple[float, float]:

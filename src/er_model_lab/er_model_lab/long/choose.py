@@ -80,20 +80,21 @@ def _cut(data: tuple[Record, ...], learn: int, place: Place) -> Record:
     return replace(part, name=name, part_of=Part(data, learn, place.record, place.i))
 
 
-def places_of(records: Sequence[Record]) -> list[Place]:
-    """All stretches of all records, end to end and equally long within a record."""
+def places_of(records: Sequence[Record], longest: float = STRETCH[1]) -> list[Place]:
+    """All stretches of all records, end to end and equally long within a record, at most some `longest` seconds."""
     found = []
     for r, record in enumerate(records):
-        seconds = float(np.clip(USED * record.dt / (2 * len(records)), *STRETCH))
+        usual = float(np.clip(USED * record.dt / (2 * len(records)), *STRETCH))
+        seconds = min(usual, longest)
         number = max(round(len(record) * record.dt / seconds), 1)
         edges = np.linspace(0, len(record), number + 1).astype(int)
         found += [Place(r, int(i), int(j)) for i, j in pairwise(edges)]
     return found
 
 
-def chosen(records: Sequence[Record], budget: int) -> list[Place]:
+def chosen(records: Sequence[Record], budget: int, longest: float = STRETCH[1]) -> list[Place]:
     """Stretches of at most `budget` samples together (but at least three) that cover the data best."""
-    places = places_of(records)
+    places = places_of(records, longest)
     seconds = _seconds_in_cells(records, places)
     taken: list[int] = []
     covered, used = np.zeros(seconds.shape[1]), 0

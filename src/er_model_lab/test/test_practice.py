@@ -1,0 +1,103 @@
+"""Many runs: fits begin on stretches of them, and what is judged is fitted to all."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from er_model_lab.diagnose import candidates
+from er_model_lab.diagnose.candidates import baseline, refit_all
+from er_model_lab.forward import DamperForward
+from er_model_lab.prepare import Problem, prepare
+from er_model_lab.record import Record
+from er_models.files import load_model
+from er_models.predict import motion, predict
+from lab_help import DT, GUO, imposed
+
+from er_model_lab import practice
+
+SECONDS, RUNS = 12.0, 6
+TRIED = ("coulomb_friction", "preload", "quadratic_damping", "gas_spring", "force_delay", "end_stop",
+         "duty_dead_band", "fluid_inertia")  # fmt: skip
+
+
+def runs():
+    """Six runs of a damper with Coulomb friction; only the last ones have duty."""
+    truth = load_model(GUO).with_effect("coulomb_friction", {"F_c": 1.0, "v_0": 0.003})
+    n, found = round(SECONDS / DT), []
+    for r in range(RUNS):
+        rng = np.random.default_rng(r)
+        x, v, a, u = imposed(rng, n)
+        u = u if r > 3 else np.zeros(n)
+        force = predict(truth, motion(DT, x, v, u, a)) + 0.15 * rng.standard_normal(n)
+        channels = {
+            "deflection": x,
+            "deflection_velocity": v + 1e-3 * rng.standard_normal(n),
+            "duty": u,
+        }
+        found.append(Record(f"run {r}", np.arange(n) * DT, {**channels, "damper_force": force}))
+    return found
+
+
+@pytest.fixture(scope="module")
+def prepared():
+    return prepare(runs())
+
+
+@pytest.fixture
+def many(prepared, monkeypatch):
+    """A minute counts as many runs, and a quarter of it is practised on; two effects are fitted to all."""
+    monkeypatch.setattr(practice, "MANY", 60.0)
+    monkeypatch.setattr(practice, "PRACTISED", 18.0)
+    monkeypatch.setattr(practice, "STRETCH", (3.0, 3.0))
+    monkeypatch.setattr(candidates, "FINALISTS", 2)
+    return replace(prepared)
+
+
+def test_stretches_are_training_samples_that_hold_what_all_runs_hold(many):
+    few = many.practice
+    assert few is not None
+    assert not many.held_out[few.rows].any()
+    assert few.problem.scales == many.scales
+    np.testing.assert_array_equal(few.problem.force, many.force[few.rows])
+    assert few.problem.motion.u.max() == many.motion.u.max()
+    assert 0.2 < few.problem.train.sum() / many.train.sum() < 0.5
+
+
+def test_few_or_single_runs_are_fitted_as_they_are(prepared, monkeypatch):
+    assert prepared.practice is None
+    monkeypatch.setattr(practice, "MANY", 10.0)
+    alone = prepare(runs()[:1])
+    assert alone.motion.n * alone.motion.dt > practice.MANY
+    assert alone.practice is None
+
+
+def test_the_best_effects_come_out_as_of_fits_to_all_runs_for_less_work(
+    prepared, many, monkeypatch
+):
+    work = []
+    through = DamperForward.predict_many
+
+    def counted(self, problem: Problem, model, vectors):
+        work.append(vectors.shape[0] * problem.motion.n)
+        return through(self, problem, model, vectors)
+
+    monkeypatch.setattr(DamperForward, "predict_many", counted)
+
+    def ranked(problem):
+        work.clear()
+        base = baseline(load_model(GUO), problem)
+        effects = [base.fit.model.catalogue[name] for name in TRIED]
+        found = refit_all(base, problem, effects)
+        return base, found, sum(work)
+
+    base, whole, all_work = ranked(prepared)
+    same, part, less_work = ranked(many)
+    assert same.mse == pytest.approx(base.mse, rel=1e-3)
+    assert part[0].name == whole[0].name == "coulomb_friction"
+    assert part[0].mse == pytest.approx(whole[0].mse, rel=1e-3)
+    assert {c.name for c in part} == set(TRIED)
+    for c in part:
+        assert c.fit.residual.shape == (many.motion.n,)
+        left = many.force - many.predict(c.fit.model)
+        np.testing.assert_allclose(c.fit.residual, left, atol=1e-9)
+    assert less_work < 0.8 * all_work
