@@ -51,6 +51,7 @@ def run(folder: Path, seed: int, held: Mapping[str, float]) -> Messages:
         assert "finished" not in up.text, "it was over before everybody was held up"
         assert up.end(120.0) == 0, up.text
     assert f"finished after {TICKS} ticks" in up.text
+    assert "lost nothing" in up.text
     with AnyReader([bag]) as reader:
         for connection, _, data in reader.messages():
             if connection.topic in found:

@@ -158,6 +158,12 @@ class Recorder(ManagedNode):
         """What was received and lost, of every topic that carried anything."""
         return {name: each.count for name, each in self.heard.items() if each.count.received}
 
+    @property
+    def gaps(self) -> dict[str, int]:
+        """Messages lost, of topics that lost any; not of a status: the newest has replaced it on purpose."""
+        each = {name: heard.count.lost for name, heard in self.heard.items() if heard.ours}
+        return {name: lost for name, lost in each.items() if lost}
+
     def ready(self) -> bool:
         """Whether every topic it was told of has a publisher that it hears."""
         names = [self.selection.full(name) for name in self.p.sources]
@@ -172,7 +178,7 @@ class Recorder(ManagedNode):
 
     def report(self) -> Report:
         """Health of the recorder."""
-        lost = sum(c.lost for c in self.counts.values())
+        lost = sum(self.gaps.values())
         if lost > self.lost:
             self.lost, self.lost_at = lost, monotonic()
         fresh = self.lost > 0 and monotonic() - self.lost_at < RECENT
@@ -197,8 +203,7 @@ class Recorder(ManagedNode):
         except OSError as error:
             self.trouble = self.trouble or self._unwritable(error)
             return
-        lost = {name: c.lost for name, c in self.counts.items() if c.lost}
-        words = ", ".join(f"{name} {n}" for name, n in sorted(lost.items())) or "nothing"
+        words = ", ".join(f"{name} {n}" for name, n in sorted(self.gaps.items())) or "nothing"
         written = f"{self.bag.messages} messages of {len(self.counts)} topics"
         log.info(self, f"{self.p.out}: {written}, lost {words}")
 
