@@ -91,6 +91,20 @@ def test_bad_usage_is_one_line_and_status_2(args: list[str], message: str) -> No
     assert done.stderr.count("\n") == 1
 
 
+def test_ctrl_c_is_one_line_also_while_a_program_is_imported(tmp_path: Path) -> None:
+    (tmp_path / "theirs.py").write_text("raise KeyboardInterrupt\n")
+    (tmp_path / "slow.py").write_text("import sys\nprint(sys.argv[1:])\nimport theirs\n")
+    runner = ROOT / "tools/er_workspace/program.py"
+    done = subprocess.run(
+        [sys.executable, runner, "slow", "a", "b"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "['a', 'b']\n", "interrupted\n")
+
+
 @pytest.mark.parametrize("args", [[], ["help"], ["--help"], ["-h"]])
 def test_help_names_every_command_in_one_line_each(args: list[str]) -> None:
     done = er(*args)

@@ -15,6 +15,9 @@ from er_workspace.environment import command_environment
 from er_workspace.layout import Layout, Stop, find_layout, work_root
 from er_workspace.process import locked, say
 
+#: what runs the module of a command
+PROGRAM = str(Path(__file__).with_name("program.py"))
+
 #: command: (arguments, help, module it hands over to; None where there is a function below)
 COMMANDS: dict[str, tuple[str, str, str | None]] = {
     "setup": (
@@ -137,7 +140,7 @@ def _hand_over(layout: Layout, name: str, args: list[str]) -> None:
         "run": lambda: _run_command(layout, args),
         "exec": lambda: args,
     }
-    command = [str(layout.python), "-m", module, *args] if module else make[name]()
+    command = [str(layout.python), PROGRAM, module, *args] if module else make[name]()
     if not command:
         raise Stop(f"{name}: expected {COMMANDS[name][0]}")
     if name == "test":
