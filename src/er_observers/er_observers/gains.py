@@ -24,6 +24,7 @@ from er_observers.claim_file import claim_of, sections
 from er_observers.forms import SENSORS, form_of
 from er_observers.observers.kernel import SUBSTEP
 from er_observers.observers.matrices import Plan, bridge_plan, plan_of
+from er_observers.observers.payload import numbers_of
 from er_observers.observers.sample import Layout, book_of
 from er_observers.observers.start_phase import Opening, opening_of
 from er_observers.observers.status import LIMITS, Limits
@@ -42,9 +43,10 @@ class Gains:
     """Proved gains of one observer for one model, with what the loop takes from them.
 
     plan: the observer; bridge: the model alone; watch: constants of its health; opening: of its
-    start phase, None where it needs none or its states are not the relative ones; layout, reading,
-    rules: parts of the book that the loop takes, see `sample.book_of`; sees_deflection: whether the
-    gains were made for a deflection sensor beside the accelerometers.
+    start phase, None where it needs none or its states are not the relative ones; payload: whether the
+    sprung mass is estimated, where it can be; layout, reading, rules, mass: parts of the book that the
+    loop takes, see `sample.book_of`; sees_deflection: whether the gains were made for a deflection
+    sensor beside the accelerometers.
     """
 
     observer: str
@@ -54,6 +56,7 @@ class Gains:
     digest: str
     limits: Limits = LIMITS
     opening: Opening | None = None
+    payload: bool = True
     plan: Plan = field(init=False)
     bridge: Plan = field(init=False)
     watch: Watch = field(init=False)
@@ -61,6 +64,7 @@ class Gains:
     sees_deflection: bool = field(init=False)
     reading: Array = field(init=False)
     rules: Array = field(init=False)
+    mass: Array = field(init=False)
     book: Array = field(init=False)
 
     def __post_init__(self) -> None:
@@ -74,7 +78,8 @@ class Gains:
         object.__setattr__(self, "layout", Layout(form.C.shape[0], form.n, law.order))
         object.__setattr__(self, "reading", np.concatenate([np.ravel(p) for p in parts]))
         object.__setattr__(self, "rules", rules_of(watch, self.limits))
-        book = book_of(self.plan, self.reading, self.rules, self.layout)
+        object.__setattr__(self, "mass", numbers_of(form, self.limits.noise, on=self.payload))
+        book = book_of(self.plan, self.reading, self.rules, self.mass, self.layout)
         object.__setattr__(self, "book", book)
 
     @property

@@ -6,6 +6,7 @@ The estimate itself is `er_observers.observers.runtime`.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -74,7 +75,7 @@ class ObserverCore:
         self.p, self.topic = p, OUTPUTS[name]
         self.outputs = (self.topic,)
         model = load_model(p.model_file)
-        self.gains = ready(p.gains_file, model, name)
+        self.gains = replace(ready(p.gains_file, model, name), payload=p.payload)
         seen = (topics.DEFLECTION,) if self.gains.sees_deflection else ()
         self.inputs = (*self.usual, *seen)
         self.limits = StampLimits(stale=p.max_age, gap=p.timeout)

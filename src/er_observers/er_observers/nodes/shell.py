@@ -14,6 +14,7 @@ from er_ros_common.spin import Executable
 from std_msgs.msg import String
 
 from er_damper_msgs.msg import NodeStatus
+from er_observers.observers.runtime import payload_of
 from er_observers.ros_core import ON_THE_WIRE, ObserverCore
 from er_observers.settings import ObserverParameters
 from er_ros_common import qos, topics
@@ -67,6 +68,8 @@ class ObserverNode(CoreNode):
             mode, estimate = "running", s.mind.estimate
             status, reason = ON_THE_WIRE[estimate.status], estimate.reason
             values |= {"test ratio": f"{estimate.test_ratio:.2f}", "resets": s.mind.resets}
+            payload = payload_of(self.core.gains, s.mind)
+            values |= {"payload": payload.text, "sprung mass ratio": f"{payload.ratio:.3f}"}
         if s.silent:
             mode, status = "silent", NodeStatus.STATUS_LOST
             reason = f"no sample for {self.p.timeout:g} s"

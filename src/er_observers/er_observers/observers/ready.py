@@ -8,7 +8,7 @@ from er_models.model import Model
 
 from er_observers import gains as gain_files
 from er_observers.gains import Gains
-from er_observers.observers.runtime import Sample, start, step
+from er_observers.observers.runtime import Sample, payload_of, start, step
 from er_observers.observers.status import LIMITS, Limits
 
 
@@ -21,5 +21,5 @@ def ready(path: str | Path, model: Model, observer: str, limits: Limits = LIMITS
     rest = Sample(0.0, 0.0, 0.0, 0.0, 0.0)
     state = start(gains, rest)
     for P in {id(m): m for m in (state.P, None)}.values():  # both phases
-        step(gains, state._replace(P=P), rest._replace(t=0.005))
+        payload_of(gains, step(gains, state._replace(P=P), rest._replace(t=0.005))[0])
     return gains

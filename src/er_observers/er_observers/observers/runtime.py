@@ -17,9 +17,10 @@ import numpy as np
 from er_models.model import Array
 
 from er_observers.gains import Gains
-from er_observers.observers import start_phase
+from er_observers.observers import payload, start_phase
 from er_observers.observers import watch as watching
 from er_observers.observers.kernel import advance, substeps
+from er_observers.observers.payload import Payload
 from er_observers.observers.sample import CHANGE, HEALTH, Layout, duty_within, keep, run_sample
 from er_observers.observers.sample import said as said_of
 from er_observers.observers.start_phase import Opening
@@ -102,20 +103,25 @@ class State(NamedTuple):
         return Health(doubt, decay, lost, healing, power, floor, weak > 0.0, contradicted > 0.0)
 
 
-def start(gains: Gains, sample: Sample, x: Array | None = None) -> State:
+def start(
+    gains: Gains, sample: Sample, x: Array | None = None, known: Array | None = None
+) -> State:
     """State at the first sample: the likeliest for its accelerations, or x (n,) where known.
 
-    A sample that is not valid leaves the observer waiting for one that is.
+    known: what was learnt of the sprung mass before (`payload`). A sample that is not valid leaves the
+    observer waiting for one that is.
     """
     duty, _ = _duty(gains, sample.duty, 0.0)
     law, running = gains.claim.solution.law, _valid(gains, sample)
+    known = payload.begin() if known is None else payload.interrupted(known)
     y = _outputs(gains, sample) if running else np.zeros(law.S.shape[1])
-    first, P = _likeliest(gains, y, duty) if x is None else np.array(x, float), None
+    seen = payload.seen(known, y)
+    first, P = _likeliest(gains, seen, duty) if x is None else np.array(x, float), None
     if running and gains.opening is not None:
         prior = gains.opening.prior
-        first, P = start_phase.follow(gains.opening, first, prior, duty, 0.0, y)
-    z = law.state(first, y, np.zeros(law.order))
-    memory = np.concatenate([watching.begin(gains.rules), [0.0], y, y + math.nan, first, z])
+        first, P = start_phase.follow(gains.opening, first, prior, duty, 0.0, seen)
+    z = law.state(first, seen, np.zeros(law.order))
+    memory = np.concatenate([watching.begin(gains.rules), [0.0], y, y + math.nan, first, z, known])
     if not running:
         memory[watching.LOST] = math.inf
     estimate = _estimate(gains, memory)
@@ -141,6 +147,11 @@ def step(gains: Gains, state: State, sample: Sample) -> tuple[State, Estimate]:
             return _NEW(State, parts), told
     state = _other(gains, state, sample)
     return state, state.estimate
+
+
+def payload_of(gains: Gains, state: State) -> Payload:
+    """What is known of the sprung mass."""
+    return payload.said(gains.mass, state.memory[state.layout.payload])
 
 
 def _other(gains: Gains, state: State, sample: Sample) -> State:
@@ -181,9 +192,11 @@ def _found(
     """Covariance, what is said and the duty in the start phase, whose last sample ends the doubt."""
     opening, lay, y = cast(Opening, gains.opening), state.layout, _outputs(gains, sample)
     duty, repaired = _duty(gains, sample.duty, state.duty)
-    x, P = start_phase.follow(opening, state.x, cast(Array, state.P), state.duty, dt, y)
-    z = gains.claim.solution.law.state(x, y, state.z)
-    memory[lay.y], memory[lay.x], memory[lay.z] = y, x, z
+    known = payload.interrupted(state.memory[lay.payload])
+    seen = payload.seen(known, y)
+    x, P = start_phase.follow(opening, state.x, cast(Array, state.P), state.duty, dt, seen)
+    z = gains.claim.solution.law.state(x, seen, state.z)
+    memory[lay.y], memory[lay.x], memory[lay.z], memory[lay.payload] = y, x, z, known
     end, rest = float(gains.form.Gamma @ x), (lay.m, lay.n, memory)
     keep(gains.reading, gains.rules, state.memory, state.duty, dt, repaired, end, *rest)
     done = start_phase.finished(opening, P)
@@ -201,12 +214,13 @@ def _bridge(gains: Gains, state: State, sample: Sample, dt: float) -> State:
         advance(*gains.bridge, state.x, nothing, nothing, nothing, state.duty, dt, n_sub, x)
     else:
         x, P = start_phase.follow(gains.opening, state.x, P, state.duty, dt, nothing + math.nan)
-    y = gains.form.C @ x
+    seen = gains.form.C @ x
     memory = state.memory.copy()
+    known = payload.interrupted(memory[lay.payload])
     watching.missed(gains.rules, memory[HEALTH], dt)
     memory[CHANGE] = 0.0
-    memory[lay.y], memory[lay.pace], memory[lay.x] = y, math.nan, x
-    memory[lay.z] = gains.claim.solution.law.state(x, y, state.z)
+    memory[lay.y], memory[lay.pace], memory[lay.x] = payload.told(known, seen), math.nan, x
+    memory[lay.z], memory[lay.payload] = gains.claim.solution.law.state(x, seen, state.z), known
     return state._replace(
         t=sample.t,
         memory=memory,
@@ -219,7 +233,7 @@ def _bridge(gains: Gains, state: State, sample: Sample, dt: float) -> State:
 
 def _restart(gains: Gains, state: State, sample: Sample) -> State:
     """Start afresh, counting it."""
-    fresh = start(gains, sample)
+    fresh = start(gains, sample, known=state.memory[state.layout.payload])
     return fresh._replace(
         resets=state.resets + state.running, rejected=state.rejected + fresh.rejected
     )

@@ -1,6 +1,6 @@
 """One sample of an observer in one compiled call: the state, what it says, and its health.
 
-The memory between samples is one array: health (8,), change (1,), y (m,), pace (m,), x (n,), z (N,).
+The memory between samples is one array: health (8,), change (1,), y (m,), pace (m,), x (n,), z (N,), payload (26,).
 """
 
 from __future__ import annotations
@@ -11,9 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from er_models.model import Array
 
+from er_observers.observers import payload
 from er_observers.observers.compiled import compiled
 from er_observers.observers.kernel import HEAD, SUBSTEP, advance
 from er_observers.observers.matrices import Plan
+from er_observers.observers.payload import RATIO, learn
 from er_observers.observers.watch import (
     FLOOR,
     LOST,
@@ -32,6 +34,7 @@ Whole, it over-bends what moves at a quarter of the sampling rate; from 0.5 to 0
 roads are the smallest, a tenth to a sixth below those of straight lines.
 """
 _PICOSECONDS = 1e12
+_KNOWN = payload.SIZE
 HEALTH = slice(0, 8)
 CHANGE = 8
 
@@ -63,6 +66,11 @@ class Layout(NamedTuple):
         """The observer's own state (N,)."""
         return slice(9 + 2 * self.m + self.n, 9 + 2 * self.m + self.n + self.order)
 
+    @property
+    def payload(self) -> slice:
+        """What is known of the sprung mass, see `payload`."""
+        return slice(self.z.stop, self.z.stop + payload.SIZE)
+
 
 @compiled
 def bend_of(y_0: Array, y_1: Array, pace: Array, dt: float, out: Array) -> None:
@@ -83,14 +91,15 @@ def duty_within(duty: float, before: float, low: float, high: float) -> tuple[fl
     return min(max(duty, low), high), not low - 1e-6 <= duty <= high + 1e-6
 
 
-def book_of(plan: Plan, reading: Array, rules: Array, layout: Layout) -> Array:
+def book_of(plan: Plan, reading: Array, rules: Array, mass: Array, layout: Layout) -> Array:
     """All that `run_sample` takes of an observer: where the parts begin, the parts, room for a memory.
 
-    reading: R (n, N), S (n, m), F (n,), Gamma (n,) one after the other; rules: of `watch.rules_of`.
+    reading: R (n, N), S (n, m), F (n,), Gamma (n,) one after the other; rules: of `watch.rules_of`;
+    mass: of `payload.numbers_of`.
     """
-    parts = (plan.values, reading, rules, plan.scratch)
-    ends = 4.0 + np.cumsum([len(p) for p in parts])
-    return np.concatenate([ends, *parts, np.empty(layout.z.stop)])
+    parts = (plan.values, reading, rules, mass, plan.scratch)
+    ends = 5.0 + np.cumsum([len(p) for p in parts])
+    return np.concatenate([ends, *parts, np.empty(layout.payload.stop)])
 
 
 @compiled
@@ -104,10 +113,12 @@ def run_sample(
     the duty from now on as `duty_within` has it, and whether it went so: a sample that does not
     simply follow the one before changes nothing.
     """
-    a, b, c, d = int(book[0]), int(book[1]), int(book[2]), int(book[3])
-    values, reading, rules, scratch, before = book[4:a], book[a:b], book[b:c], book[c:d], book[d:]
+    a, b, c, d, e = int(book[0]), int(book[1]), int(book[2]), int(book[3]), int(book[4])
+    values, reading, rules, mass = book[5:a], book[a:b], book[b:c], book[c:d]
+    scratch, before = book[d:e], book[e:]
     order, m, table = int(values[0]), int(values[1]), int(values[3])
-    n, duties = memory.shape[0] - 9 - 2 * m - order, HEAD + 2 * order + m
+    last_of_z = memory.shape[0] - _KNOWN
+    n, duties = last_of_z - 9 - 2 * m - order, HEAD + 2 * order + m
     if not follows(rules, memory[LOST], dt, sprung, unsprung, deflection, m):
         return 0.0, 0.0, 0.0, 0.0, 0, last, False, False
     for i in range(memory.shape[0]):
@@ -115,13 +126,18 @@ def run_sample(
     dt = np.round(dt * _PICOSECONDS) / _PICOSECONDS  # stamps are sums of rounded periods
     duty, repaired = duty_within(asked, last, values[duties], values[duties + table - 1])
     y, at = memory[9 : 9 + m], 9 + 2 * m + n
-    y[0], y[1] = sprung, unsprung
+    known = memory[last_of_z:]
+    ratio_of_mass, sprung_before = known[RATIO], before[9]
+    y[0], y[1] = ratio_of_mass * sprung, unsprung
+    before[9] *= ratio_of_mass
+    before[9 + m] *= ratio_of_mass
     if m > 2:
         y[2] = deflection
     y_0, bend = before[9 : 9 + m], memory[9 + m : 9 + 2 * m]
     bend_of(y_0, y, before[9 + m : 9 + 2 * m], dt, bend)
     n_sub = max(1, math.ceil(dt / SUBSTEP - 1e-6))
-    end = advance(values, scratch, before[at:], y_0, y, bend, last, dt, n_sub, memory[at:])
+    z, next_z = before[at:last_of_z], memory[at:last_of_z]
+    end = advance(values, scratch, z, y_0, y, bend, last, dt, n_sub, next_z)
     for i in range(n):
         total = 0.0
         for k in range(order):
@@ -129,6 +145,8 @@ def run_sample(
         for j in range(m):
             total += reading[n * order + i * m + j] * y[j]
         memory[9 + 2 * m + i] = total
+    y[0], before[9] = sprung, sprung_before
+    learn(mass, known, y_0[0], y_0[1], sprung, unsprung, memory[10 + 2 * m], end, last, dt)
     force, x, v, ratio, verdict = keep(
         reading, rules, before, last, dt, repaired, end, m, n, memory
     )

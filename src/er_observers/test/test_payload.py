@@ -1,0 +1,221 @@
+"""The sprung mass online: found where it is wrong, left alone where something else is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from er_models.model import Array, Model
+from er_observers.compare.nrmse import nrmse
+from er_observers.forms import form_of
+from er_observers.gains import Gains
+from er_observers.observers import nlpv_gridding, nlpv_polytopic, payload, unified
+from er_observers.observers.payload import Payload, Verdict
+from er_observers.observers.runtime import Estimate, Sample, State, payload_of, start, step
+from er_observers.scenarios.drive import drive
+from er_observers.scenarios.files import load_scenario
+from er_observers.scenarios.scenario import Plant
+
+DT = 0.005
+CONFIG = Path(__file__).resolve().parents[3] / "config"
+HEAVY: Mapping[str, Mapping[str, float]] = {"sprung_mass_error": {"e": 0.2}}
+
+
+@pytest.fixture(scope="session")
+def hidden(car: Model):
+    """Record of 6 s of the scenario with these effects hidden: ``hidden({name: values})``."""
+    (usual, *_) = load_scenario(CONFIG / "scenarios" / "hidden_effects.yaml")
+    short = replace(usual, program=replace(usual.program, duration=6.0))
+
+    @lru_cache
+    def record(names: tuple[tuple[str, tuple[tuple[str, float], ...]], ...]) -> dict[str, Array]:
+        effects = {name: dict(values) for name, values in names}
+        return drive(replace(short, plant=Plant(effects=effects)), car, number=60)
+
+    return lambda effects: record(tuple((n, tuple(v.items())) for n, v in effects.items()))
+
+
+def samples_of(record: Mapping[str, Array], sprung: float = 1.0) -> list[Sample]:
+    """What an observer is told, the sprung acceleration times a factor."""
+    names = ("told_sprung_acceleration", "told_unsprung_acceleration", "told_duty")
+    a, b, duty = (record[name] for name in names)
+    rows = zip(record["t"].tolist(), (sprung * a).tolist(), b.tolist(), duty.tolist(), strict=True)
+    return [Sample(*row) for row in rows]
+
+
+def run(
+    gains: Gains, samples: list[Sample], x: Array | None = None
+) -> tuple[State, list[Estimate]]:
+    """Last state and all estimates."""
+    state = start(gains, samples[0], x)
+    told = [state.estimate]
+    for sample in samples[1:]:
+        state, estimate = step(gains, state, sample)
+        told.append(estimate)
+    return state, told
+
+
+def error(record: Mapping[str, Array], told: list[Estimate]) -> float:
+    """NRMSE from 2 s on."""
+    rows = record["t"] >= 2.0
+    return nrmse(record["damper_force"][rows], np.array([e.force for e in told])[rows])
+
+
+@pytest.mark.parametrize("observer", [nlpv_polytopic, nlpv_gridding, unified])
+def test_a_heavier_body_is_found_and_followed(car, hidden, observer) -> None:
+    """Twenty per cent: found within 3 %, and the error of the force is that of a right model."""
+    gains, record = (
+        observer.load_gains(CONFIG / "gains" / f"{observer.NAME}.yaml", car),
+        hidden(HEAVY),
+    )
+    state, told = run(gains, samples_of(record))
+    found = payload_of(gains, state)
+    assert found.verdict is Verdict.ESTIMATED
+    assert abs(found.found - 1.2) < 0.03
+    assert abs(found.ratio - found.found) < 0.005
+    assert 0.0 < found.deviation < 0.02
+    before = error(record, run(replace(gains, payload=False), samples_of(record))[1])
+    assert error(record, told) < 0.25 * before
+    assert before > 0.02
+
+
+@pytest.mark.parametrize("e", [-0.2, 1.0])
+def test_lighter_bodies_too_and_none_beyond_belief(gains: Gains, hidden, e: float) -> None:
+    """The ratio in use stays within what a car may be loaded with."""
+    state, _ = run(gains, samples_of(hidden({"sprung_mass_error": {"e": e}})))
+    expected = max(payload.LOW, min(1.0 + e, payload.HIGH))
+    assert abs(payload_of(gains, state).ratio - expected) < 0.01
+    assert payload_of(gains, state).ratio <= payload.HIGH
+
+
+@pytest.mark.parametrize(
+    "effects",
+    [
+        {},
+        {"coulomb_friction": {"F_c": 1.0, "v_0": 0.003}},
+        {"bouc_wen_hysteresis": {}},
+        {"field_viscosity": {}},
+        {"dead_time": {}},
+        {"asymmetric_damping": {}},
+    ],
+    ids=lambda effects: next(iter(effects), "nothing"),
+)
+def test_what_is_no_mass_is_not_taken_for_one(gains: Gains, hidden, effects) -> None:
+    """Nothing hidden, or something else: the estimates are those without the regression, bit by bit."""
+    record = hidden(effects)
+    state, told = run(gains, samples_of(record))
+    assert payload_of(gains, state).verdict is Verdict.OTHER
+    assert payload_of(gains, state).share < payload.ENOUGH
+    assert told == run(replace(gains, payload=False), samples_of(record))[1]
+
+
+def test_a_share_that_damping_explains_better_is_not_used(gains: Gains) -> None:
+    """Twice the same disagreement, once seen along the mass, once along the damping."""
+    memory = payload.begin()
+    memory[[payload.MM, payload.MN, payload.NN, payload.DD, payload.TIME]] = (
+        1.0,
+        -0.97,
+        1.0,
+        1.0,
+        9.0,
+    )
+    for damping, expected in ((0.5, 1.0), (0.98, 0.0)):
+        memory[payload.DN] = damping
+        assert payload.judged(memory) == pytest.approx((0.97, 0.97**2, expected))
+
+
+def test_a_car_that_stands_teaches_nothing_and_forgets_nothing(gains: Gains, hidden) -> None:
+    """Noise alone moves nothing; the ratio outlives a stop and a loss of samples, and goes with the load."""
+    random = np.random.default_rng(5)
+
+    def rest(n: int, after: float) -> list[Sample]:
+        noise = 0.025 * random.standard_normal((n, 2))
+        return [Sample(after + DT * (i + 1), *noise[i].tolist(), 0.0) for i in range(n)]
+
+    state, _ = run(gains, rest(1000, 0.0))
+    assert payload_of(gains, state).verdict is Verdict.NOT_EXCITED
+    assert payload_of(gains, state).ratio == 1.0
+    state, _ = run(gains, samples_of(hidden(HEAVY)))
+    known = payload_of(gains, state)
+    for sample in (*rest(1000, state.t + 0.5), *rest(200, state.t + 6.0)):
+        state, _ = step(gains, state, sample)
+    assert state.resets == 2
+    assert abs(payload_of(gains, state).ratio - known.ratio) < 0.01
+    assert payload_of(gains, state).verdict is Verdict.ESTIMATED
+    moves = samples_of(hidden({}))
+    for sample in moves:
+        state, _ = step(gains, state, sample._replace(t=state.t + DT))
+    assert payload_of(gains, state).verdict is Verdict.OTHER
+    assert abs(payload_of(gains, state).ratio - 1.0) < 0.01
+
+
+@pytest.mark.parametrize("spike", [150.0, -150.0])
+def test_a_spike_is_no_payload(gains: Gains, hidden, spike: float) -> None:
+    """One sample far off, which a light body would explain perfectly, changes nothing that is known."""
+    for effects in ({}, HEAVY):
+        samples = samples_of(hidden(effects))
+        samples[800] = samples[800]._replace(sprung_acceleration=spike)
+        ratio = payload_of(gains, run(gains, samples)[0]).ratio
+        assert abs(ratio - (1.21 if effects else 1.0)) < 0.02
+
+
+def test_the_sensitivity_is_the_observers_own(gains: Gains, hidden) -> None:
+    """d v / d theta of the two equations, against observers that are told 1 % more and 1 % less."""
+    record, off = hidden({}), replace(gains, payload=False)
+    form = gains.form
+    x = np.zeros(form.n)
+    more, less = (
+        np.array([e.deflection_velocity for e in run(off, samples_of(record, f), x)[1]])
+        for f in (1.01, 0.99)
+    )
+    true = (more - less) / 0.02
+    state = start(gains, samples_of(record)[0], x)
+    found = [0.0]
+    for sample in samples_of(record)[1:]:
+        state, _ = step(gains, state, sample)
+        found.append(float(state.memory[state.layout.payload][payload.MV]))
+    ours = np.array(found)
+    assert np.corrcoef(true, ours)[0, 1] > 0.95
+    assert abs(float(true @ ours / (ours @ ours)) - 1.0) < 0.1
+
+
+def test_any_ratio_leaves_the_decay_of_errors_alone(gains: Gains, hidden) -> None:
+    """Two observers from different starts meet as fast with 0.7 and 1.4 as with the believed mass.
+
+    Without field the error is linear in the start, so it is the same to the last digits.
+    """
+    samples, off = samples_of(hidden({})), replace(gains, payload=False)
+    samples = [s._replace(duty=0.0) for s in samples]
+    left = []
+    for ratio in (payload.LOW, 1.0, payload.HIGH):
+        known = payload.begin()
+        known[payload.RATIO] = ratio
+        pair = [start(off, samples[0], np.array([x, 0.0, 0.0, 0.0]), known) for x in (0.0, 0.01)]
+        for sample in samples[1:20]:
+            pair = [step(off, state, sample)[0] for state in pair]
+        assert pair[0].memory[pair[0].layout.payload][payload.RATIO] == ratio
+        left.append(abs(pair[1].x[0] - pair[0].x[0]) / 0.01)
+    assert 0.01 < left[1] < 0.5
+    np.testing.assert_allclose(left, left[1], rtol=1e-6)
+
+
+def test_it_is_off_where_it_cannot_be(car: Model, gains: Gains) -> None:
+    """With a deflection sensor, where the observer's velocity obeys that; and where it is switched off."""
+    assert not payload.numbers_of(form_of(car, deflection=True), 0.05).any()
+    off = replace(gains, payload=False)
+    said = payload_of(off, start(off, Sample(0.0, 0.0, 0.0, 0.0)))
+    assert said == Payload(1.0, 1.0, np.inf, 0.0, Verdict.OFF)
+    assert said.text == "off"
+
+
+def test_what_is_seen_is_told_back() -> None:
+    """The scaling of the sprung acceleration has its inverse."""
+    memory = payload.begin()
+    memory[payload.RATIO] = 1.25
+    y = np.array([2.0, -3.0])
+    np.testing.assert_allclose(payload.seen(memory, y), [2.5, -3.0])
+    np.testing.assert_allclose(payload.told(memory, payload.seen(memory, y)), y)
