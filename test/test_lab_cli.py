@@ -74,6 +74,19 @@ def test_add_shows_the_fall_and_the_new_model_loads(data, root, tmp_path):
     assert "coulomb" in page.lower()
 
 
+def test_an_effect_that_is_added_in_vain_is_said_to_be(data, root, tmp_path):
+    json_file, out = tmp_path / "r.json", tmp_path / "m.yaml"
+    words = ["--model", root / MODEL, "--out", out, "--json", json_file]
+    result = lab("add", "end_stop", data, *words)
+    assert result.exit_code == 0, result.output
+    assert "End stop (bump rubber) does not explain the error" in result.output
+    assert "catalogue" not in result.output
+    first, second = json.loads(json_file.read_text())["steps"]
+    assert (first["added"], second["added"]) == (None, "end_stop")
+    assert second["rmse_held_out"] == pytest.approx(first["rmse_held_out"], rel=0.02)
+    assert "end_stop" in load_model(out).effects
+
+
 def test_improve_is_the_same_twice(data, root, tmp_path):
     results = []
     for name in ("a", "b"):

@@ -13,6 +13,8 @@ from er_model_lab.view import Region, RegionTable
 
 ANOTHER_SIZE = 5.0
 """Factor between measured and predicted force beyond which the model is that of another damper, or a unit is wrong."""
+ALIKE = 0.25
+"""Share of the measured force that the predicted one must explain at any size before their sizes are compared."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,8 @@ def size_notes(problem: Problem, residual: Array) -> tuple[str, ...]:
     p = y - residual
     square = float(np.sum(p[mask] ** 2))
     factor = float(np.sum(p[mask] * y[mask])) / square if square > 0.0 else 1.0
-    if 1.0 / ANOTHER_SIZE < factor < ANOTHER_SIZE:
+    alike = factor**2 * square > ALIKE * float(np.sum(y[mask] ** 2))
+    if not alike or 1.0 / ANOTHER_SIZE < factor < ANOTHER_SIZE:
         return ()
     said = f"the measured force is {factor:.2g} times the predicted one: a damper of another size (lab identify)"
     return (f"{said}, or of another unit or sign (lab check)",)

@@ -102,7 +102,7 @@ def estimate(fitted: Fit, problem: Problem, seed: int) -> Estimate:
         moves.append(_step(j[train], (f - seen)[train], inner))
     bias, spread = np.mean(moves, axis=0), np.std(moves, axis=0, ddof=1)
     found = covariance(fitted, problem)
-    most = MOST_BIAS * np.nan_to_num(np.sqrt(np.diag(found)) / fitted.scale)
+    most = MOST_BIAS * np.nan_to_num(np.sqrt(np.maximum(np.diag(found), 0.0)) / fitted.scale)
     bias = np.clip(bias, -most, most)
     theta = np.clip(fitted.theta - bias, box.low, box.high)
     return Estimate(theta, bias, found + np.diag((spread * fitted.scale) ** 2 / DRAWS))

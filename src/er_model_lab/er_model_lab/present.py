@@ -221,6 +221,11 @@ def steps(study: Study) -> list[dict[str, Any]]:
     if left:
         rmse = errors(problem, found.best.fit.residual, held).rmse
         out.append({"added": " + ".join(left), "rmse_held_out": rmse})
+    tried = found.rounds[0].candidates
+    if len(out) == 1 and len(tried) == 1:
+        # one effect was asked for: it is in the model, whether it helps or not
+        rmse = errors(problem, tried[0].fit.residual, held).rmse
+        out.append({"added": tried[0].name, "rmse_held_out": rmse})
     return out
 
 

@@ -288,7 +288,8 @@ def pasteable(command: str, width: int) -> list[str]:
 
 def _notes(view: View, pen: Pen) -> Iterator[RenderableType]:
     """The first notes, one line each; more of them where data are missing."""
-    notes = list(dict.fromkeys(view.notes))
+    said = view.result.get("reasons") or () if "stages" in view.result else ()
+    notes = [note for note in dict.fromkeys(view.notes) if note not in said]
     most = MOST_NOTES if view.result.get("complete", True) else MOST_NOTES_INCOMPLETE
     for note in notes[:most]:
         yield pen.line(pen.cut(f"note: {note}", pen.width), "dim")

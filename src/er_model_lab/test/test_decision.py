@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 from er_model_lab.compare import size_notes
 from er_model_lab.diagnose.candidates import baseline, effect_size, finished, refit
+from er_model_lab.diagnose.coverage import coverage
 from er_model_lab.diagnose.floor import Floor, noise_floor
 from er_model_lab.diagnose.left import burst_shares, bursts, filtered
 from er_model_lab.diagnose.null import Null, simulate_null
 from er_model_lab.diagnose.search import Round, block_t, passes, promising, swapped, tied
 from er_model_lab.diagnose.verdict import _alternatives, judge
 from er_model_lab.motion_error import drawn
+from er_model_lab.prepare import prepare
+from er_model_lab.record import Record
 from er_model_lab.rule import Rule
 from er_models.errors import InputError
 from lab_help import FORCE_NOISE, imposed, problem_of
@@ -99,6 +102,16 @@ def test_two_seconds_are_enough_to_fit_and_to_score():
         InputError, match=r"expected at least 100 samples to fit.*, found \d+ and \d+ in"
     ):
         problem_of(None, {}, seconds=1.5)
+
+
+def test_a_damper_that_stands_still_is_said_to_stand_still():
+    rng, n = np.random.default_rng(0), 3000
+    sizes = {"deflection": 2e-5, "deflection_velocity": 1e-3, "damper_force": FORCE_NOISE}
+    noise = {name: size * rng.standard_normal(n) for name, size in sizes.items()}
+    still = prepare([Record("still", np.arange(n) * 0.005, noise)])
+    assert "stands still" in coverage(still).blocking[0]
+    _, moving = problem_of(None, {}, seconds=6.0)
+    assert not any("still" in text for text in coverage(moving).blocking)
 
 
 def test_a_force_of_another_size_is_said_and_one_that_a_term_is_missing_from_is_not():

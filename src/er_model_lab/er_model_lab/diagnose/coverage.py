@@ -8,7 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from er_model_lab.cycle import FEW_CURVES, REMEDY, curves, one_curve
-from er_model_lab.prepare import Problem
+from er_model_lab.prepare import Problem, white_noise
+
+MOVED = 1.2
+"""Ratio of a channel's deviation to its white noise above which something moved."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +44,11 @@ def coverage(problem: Problem) -> Coverage:
     if seconds < 5.0:
         blocking.append(f"only {seconds:.1f} s of usable data: record at least 20 s")
     many = curves(problem.cycles, m.v, m.starts)
-    if 0 < many <= FEW_CURVES:
+    if still(problem):
+        blocking.append(
+            f"the damper stands still: its motion is not above the noise of its sensors; {REMEDY}"
+        )
+    elif 0 < many <= FEW_CURVES:
         blocking.append(f"{one_curve(problem.cycles[0].frequency)}; {REMEDY}")
     elif tones <= 2:
         blocking.append(
@@ -62,6 +69,14 @@ def coverage(problem: Problem) -> Coverage:
         float(np.max(np.abs(m.x))), float(np.max(np.abs(m.v))), (float(u.min()), float(u.max())),
         tones, seconds, float(np.ptp(m.theta)), tuple(blocking), tuple(hints), many,
     )  # fmt: skip
+
+
+def still(problem: Problem) -> bool:
+    """Whether deflection and velocity, as measured in every record, are the noise of their sensors and nothing else."""
+    measured = [
+        c.z[:, k] for c in problem.raw for k in (0, 1) if c.has[k] and np.isfinite(c.z[:, k]).all()
+    ]
+    return bool(measured) and all(np.std(y) <= MOVED * white_noise([y]) for y in measured)
 
 
 def _tones(problem: Problem) -> int:

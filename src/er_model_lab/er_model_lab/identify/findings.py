@@ -44,8 +44,12 @@ def missing(found: Identified) -> list[str]:
             if others
             else ""
         )
+        kept = np.isclose(value, found.before.value(*q), rtol=1e-6)
+        whose = (
+            "keeps the value of the given model" if kept else "has a value of the size of the data"
+        )
         out.append(
-            f"{'.'.join(q)} keeps the value of the given model, {f'{short(value, 4)} {unit}'.strip()}: "
+            f"{'.'.join(q)} {whose}, {f'{short(value, 4)} {unit}'.strip()}: "
             f"these data do not say it{for_it}"
         )
     return out

@@ -74,6 +74,8 @@ def verdict_title(view: View) -> str:
         )
     title = TITLES.get(str(verdict), str(verdict).replace("_", " "))
     names = _names(view)
+    if (tried := _in_vain(view)) is not None:
+        return f"{title_of(view, tried)} does not explain the error"
     if verdict in ("missing_effect", "partial") and names:
         return f"{title}: {joined(names)}"
     return title
@@ -91,7 +93,30 @@ def verdict_sentence(view: View) -> str:
         **dict.fromkeys(PLANNED, _planned),
     }  # fmt: skip
     maker = makers.get(str(result.get("verdict")))
+    if said := _of_one(view):
+        return said
     return maker(view) if maker else _compared(view)
+
+
+def _in_vain(view: View) -> str | None:
+    """The effect that was added on request and explains nothing; None otherwise."""
+    tried = [str(e["effect"]) for e in view.result.get("candidates") or ()]
+    vain = view.command == "add" and len(tried) == 1 and not view.result.get("effects")
+    return tried[0] if vain else None
+
+
+def _of_one(view: View) -> str:
+    """What a verdict means where one effect only was tried; empty where it says nothing of the others."""
+    others = "./er lab diagnose tries the other effects"
+    if _in_vain(view) is not None:
+        before, after = newtons(rmse(view.result)), newtons(rmse(view.result, "rmse_after"))
+        said = f"The error on held-out data was {before} and is {after} with it"
+        return f"{said}; noise alone is {_floor(view)}; {others}."
+    if view.command == "add" and view.result.get("verdict") == "partial":
+        return (
+            f"With it {_fall(view)}, but noise alone is {_floor(view)}: more is missing; {others}."
+        )
+    return ""
 
 
 def rmse(result: Mapping[str, Any], key: str = "rmse") -> float | None:
