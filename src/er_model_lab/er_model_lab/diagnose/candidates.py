@@ -26,6 +26,8 @@ FOREIGN = 0.25
 MOST_RESTARTS = 16
 FINALISTS = 4
 """Candidates that are fitted to the end; of many runs these are fitted to all."""
+WORTH_AN_END = 2.0
+"""Mean square, over that of the best, up to which such a fit to many runs is brought to its end."""
 
 
 @dataclass(frozen=True)
@@ -150,32 +152,32 @@ def refit(
     base: Candidate, effect: Effect, problem: Problem, *, max_iter: int = FIRST_ITERATIONS
 ) -> Candidate:
     """Add one effect to a fitted model, refit everything, and cross-validate; of many runs on stretches first."""
-    few = problem.practice
+    few, effects = problem.practice, (*base.effects, effect.name)
     if few is None:
-        return _refit(base, effect, problem, max_iter)
-    return on_all(
-        base, _refit(part_of(base, few), effect, few.problem, max_iter), problem, max_iter
-    )
+        fitted, seen = _fitted_with(base, effect, problem, max_iter)
+    else:
+        begun, seen = _fitted_with(part_of(base, few), effect, few.problem, max_iter)
+        fitted = _on_all(base, begun, problem, max_iter)
+    return cross_judged(effects, fitted, problem, seen.kept, seen.reach)
 
 
 def part_of(whole: Candidate, few: Practice) -> Candidate:
     """A fitted model on the stretches to practise on."""
-    part = replace(
+    fitted = replace(
         whole.fit, residual=whole.fit.residual[few.rows], jacobian=whole.fit.jacobian[few.rows]
     )
-    residual, train = whole.residual[few.rows], few.problem.train
-    mse, seen = float(np.mean(residual[train] ** 2)), part.mse(train)
-    return replace(whole, fit=part, residual=residual, mse=mse, seen=seen)
+    return replace(whole, fit=fitted)
 
 
-def on_all(base: Candidate, begun: Candidate, problem: Problem, max_iter: int) -> Candidate:
-    """A candidate that was fitted to stretches, fitted further to all runs and judged there."""
-    fitted = fit(begun.fit.model, problem, known=base.fit.jacobian, max_iter=max_iter)
-    return cross_judged(begun.effects, fitted, problem, begun.kept, begun.reach)
+def _on_all(base: Candidate, begun: Fit, problem: Problem, max_iter: int) -> Fit:
+    """A fit to stretches, fitted further to all runs; base: the model on all runs before it grew."""
+    return fit(begun.model, problem, known=base.fit.jacobian, max_iter=max_iter)
 
 
-def _refit(base: Candidate, effect: Effect, problem: Problem, max_iter: int) -> Candidate:
-    """Add one effect to a fitted model, refit everything, and cross-validate.
+def _fitted_with(
+    base: Candidate, effect: Effect, problem: Problem, max_iter: int
+) -> tuple[Fit, Screen]:
+    """A fitted model with one effect more, everything refitted, and what a straight line said of it.
 
     Where no amplitude switches the effect on, a straight line promises little: the two best starts are tried.
     """
@@ -190,9 +192,7 @@ def _refit(base: Candidate, effect: Effect, problem: Problem, max_iter: int) -> 
     fits = [f for f in fits if np.isfinite(f.mse(problem.train))]
     fits = fits or [begun(starts(effect, problem)[0])]
     fitted = min(fits, key=lambda f: f.mse(problem.train))
-    if is_limit(effect):
-        fitted = scanned(fitted, effect, problem)
-    return cross_judged((*base.effects, effect.name), fitted, problem, seen.kept, seen.reach)
+    return (scanned(fitted, effect, problem) if is_limit(effect) else fitted), seen
 
 
 def finished(candidate: Candidate, problem: Problem, max_iter: int = 30) -> Candidate:
@@ -229,24 +229,40 @@ def refit_all(
     effects: Iterable[Effect] | None = None,
     tick: Callable[[str], None] | None = None,
 ) -> list[Candidate]:
-    """Every missing effect refitted, best held-out error first; the best few are fitted to the end.
-
-    Of many runs every effect is fitted to stretches, and the best to all; the others stand as they were fitted there.
-    """
+    """Every missing effect refitted, best held-out error first; the best few are fitted to the end."""
+    tried = list(missing(base.fit.model, problem) if effects is None else effects)
     few = problem.practice
-    where, start = (few.problem, part_of(base, few)) if few else (problem, base)
+    if few:
+        return _refit_many(base, problem, few, tried, tick)
     found = []
-    for effect in effects if effects is not None else missing(base.fit.model, problem):
-        found.append(_refit(start, effect, where, FIRST_ITERATIONS))
+    for effect in tried:
+        found.append(refit(base, effect, problem))
         if tick:
             tick(effect.name)
-    if few:
-        found.sort(key=lambda c: max(c.mse, c.seen))
-        rounds = [FIRST_ITERATIONS] * FINALISTS + [0] * len(found)
-        found = [on_all(base, c, problem, n) for c, n in zip(found, rounds, strict=False)]
-    found.sort(key=lambda c: max(c.mse, c.seen) if few else c.mse)
+    found.sort(key=lambda c: c.mse)
     ahead = [finished(c, problem) for c in found[:FINALISTS]]
     return sorted([*ahead, *found[FINALISTS:]], key=lambda c: c.mse)
+
+
+def _refit_many(
+    base: Candidate, problem: Problem, few: Practice, effects: Iterable[Effect], tick: Callable[[str], None] | None
+) -> list[Candidate]:  # fmt: skip
+    """Of many runs: every effect fitted to stretches, the best few to all; the others are judged as they are there."""
+    part, begun = part_of(base, few), []
+    for effect in effects:
+        begun.append((effect, *_fitted_with(part, effect, few.problem, FIRST_ITERATIONS)))
+        if tick:
+            tick(effect.name)
+    begun.sort(key=lambda b: b[1].mse(few.problem.train))
+    found = []
+    for k, (effect, fitted, seen) in enumerate(begun):
+        on_all = _on_all(base, fitted, problem, FIRST_ITERATIONS if k < FINALISTS else 0)
+        names = (*base.effects, effect.name)
+        found.append(cross_judged(names, on_all, problem, seen.kept, seen.reach))
+    found.sort(key=lambda c: max(c.mse, c.seen))
+    near = WORTH_AN_END * found[0].mse
+    ended = [finished(c, problem) if c.mse < near else c for c in found[:FINALISTS]]
+    return sorted([*ended, *found[FINALISTS:]], key=lambda c: c.mse)
 
 
 def effect_size(base: Candidate, candidate: Candidate) -> float:
