@@ -63,6 +63,14 @@ def test_stretches_are_training_samples_that_hold_what_all_runs_hold(many):
     assert 0.2 < few.problem.train.sum() / many.train.sum() < 0.5
 
 
+def test_runs_held_out_are_never_practised_on(many, monkeypatch):
+    monkeypatch.setattr(practice, "PRACTISED", 1000.0)
+    few = many.practice
+    assert few is not None
+    assert few.rows.size == many.motion.n - round(SECONDS / DT)  # one run of six is held out
+    assert not many.held_out[few.rows].any()
+
+
 def test_few_or_single_runs_are_fitted_as_they_are(prepared, monkeypatch):
     assert prepared.practice is None
     monkeypatch.setattr(practice, "MANY", 10.0)
