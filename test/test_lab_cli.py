@@ -67,6 +67,8 @@ def test_add_shows_the_fall_and_the_new_model_loads(data, root, tmp_path):
     r = json.loads((tmp_path / "r.json").read_text())
     assert [s["added"] for s in r["steps"]] == [None, "coulomb_friction"]
     assert r["steps"][1]["rmse_held_out"] < 0.7 * r["steps"][0]["rmse_held_out"]
+    assert r["steps"][1]["evidence"] > 3.0 * r["steps"][1]["threshold"] > 0.0
+    assert (r["steps"][1]["blocks"], r["steps"][1]["records"]) == (1.0, 1.0)
     model = load_model(out)
     assert model.value("coulomb_friction", "F_c") == pytest.approx(1.0, abs=0.1)
     assert model.history[-1]["added"] == ["coulomb_friction"]

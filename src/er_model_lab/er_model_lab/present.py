@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from importlib import import_module
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -201,7 +202,7 @@ def _lag_entry(study: Study) -> dict[str, Any]:
 
 
 def steps(study: Study) -> list[dict[str, Any]]:
-    """The falling error on held-out data, one entry per effect taken."""
+    """The falling error on held-out data, one entry per effect taken, with the evidence for it."""
     problem, found = study.problem, study.diagnosis
     held = problem.held_out
     base = study.lag_base or found.rounds[0].base
@@ -211,11 +212,13 @@ def steps(study: Study) -> list[dict[str, Any]]:
     if study.lag:
         rmse = errors(problem, found.rounds[0].base.fit.residual, held).rmse
         out.append({"added": "velocity_lag", "rmse_held_out": rmse})
-    chain = [s.taken for s in found.rounds if s.taken is not None]
-    kept = [c for c in chain if set(c.effects) <= set(found.effects)]
-    for candidate in kept:
-        rmse = errors(problem, candidate.fit.residual, held).rmse
-        out.append({"added": candidate.name, "rmse_held_out": rmse})
+    for step in found.rounds:
+        taken = step.taken
+        if taken is not None and set(taken.effects) <= set(found.effects):
+            rmse = errors(problem, taken.fit.residual, held).rmse
+            out.append(
+                {"added": taken.name, "rmse_held_out": rmse, **_evidence(step, taken, problem)}
+            )
     named = {s["added"] for s in out}
     left = [e for e in found.effects if e not in named]
     if left:
@@ -227,6 +230,20 @@ def steps(study: Study) -> list[dict[str, Any]]:
         rmse = errors(problem, tried[0].fit.residual, held).rmse
         out.append({"added": tried[0].name, "rmse_held_out": rmse})
     return out
+
+
+def _evidence(step: Round, taken: Candidate, problem: Problem) -> dict[str, float]:
+    """Effect size and its threshold [N], and the shares of blocks left out and of records whose error fell."""
+    base, used = step.base, problem.used
+    starts = problem.motion.starts * problem.forward.outputs
+    runs = [slice(int(i), int(j)) for i, j in pairwise(starts) if used[i:j].any()]
+    falls = used * (base.fit.residual**2 - taken.fit.residual**2)
+    return {
+        "evidence": float(effect_size(base, taken)),
+        "threshold": float(step.threshold),
+        "blocks": float(np.mean(base.losses > taken.losses)),
+        "records": float(np.mean([falls[run].sum() > 0.0 for run in runs])),
+    }
 
 
 def headline(rmse: float, floor: float) -> str:
