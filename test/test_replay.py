@@ -260,6 +260,29 @@ def test_bad_usage_is_one_line(
     assert text.count("\n") == 1
 
 
+def test_what_is_no_recording_is_refused_and_the_middle_of_one_is_said_to_be(
+    replay: Replay, bag: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("run.csv", "run.mcap", "run.db3"):
+        (tmp_path / name).write_text("t,x\n0,0\n")
+        status, text, _ = replay(tmp_path / name)
+        assert (status, text.count("\n")) == (2, 1), text
+
+    def later(topic: str, message: Any) -> Any:
+        return message if getattr(message, "seq", TICKS) > TICKS // 2 else None
+
+    from rich.console import Console
+
+    late = played.opened(changed(bag, tmp_path / "late", later))
+    known = played.opened(bag)
+    late.parameters, late.models = known.parameters, known.models
+    core = played.core_of(late, "unified_observer", "", {})
+    found = played.play(late, "unified_observer", core)
+    assert found.different > 0
+    command.show(late, [found], Console())
+    assert f"middle of the run (seq {TICKS // 2 + 1})" in " ".join(capsys.readouterr().out.split())
+
+
 def test_a_recording_without_the_inputs_and_a_damaged_one(
     replay: Replay, bag: Path, tmp_path: Path
 ) -> None:

@@ -72,8 +72,8 @@ def opened(path: Path) -> Bag:
     """
     if not path.exists():
         raise InputError(path, "", "a rosbag2 folder or file", "nothing there")
-    reader = AnyReader([path])
     try:
+        reader = AnyReader([path])
         reader.open()
     except Exception as error:  # as above
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__

@@ -125,6 +125,14 @@ def values(found: Sequence[Played]) -> str:
     return "\n".join([*lines, ""])
 
 
+def begun_before(found: Played) -> str:
+    """Why a node with memory may differ from the first answer on; empty where the recording holds its beginning."""
+    first = int(found.answers[0][1].seq) if found.answers else 1
+    if first <= 1:
+        return ""
+    return f"the recording begins in the middle of the run (seq {first}): what the node remembered then is unknown"
+
+
 def show(bag: Bag, found: Sequence[Played], console: Console) -> None:
     """A table for people."""
     span = max((f.span for f in found), default=0.0)
@@ -142,6 +150,8 @@ def show(bag: Bag, found: Sequence[Played], console: Console) -> None:
             console.print(f"{f.node}: {only}")
         if f.first:
             console.print(f"{f.node} first differs at {f.first}")
+            if since := begun_before(f):
+                console.print(f"{f.node}: {since}")
     if bag.damage:
         console.print(f"the recording is damaged ({bag.damage}): played as far as it goes")
 
