@@ -6,6 +6,7 @@ Held-out samples are never used for fitting or for choosing an effect; they only
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -45,7 +46,9 @@ FOLDS = 12
 GUARD = 0.25
 """Time between what is fitted and what is held out [s]."""
 STRETCHES, SHORTEST = 10, 0.5
-"""How many stretches a record is cut into where every third is held out; fewer where they were shorter [s]."""
+"""How many stretches a record is cut into, of which a third is held out; fewer where they were shorter [s]."""
+REACHED, ALIKE = 0.95, 0.8
+"""How far the other stretches reach at least, and how much those held out move, as shares of the whole."""
 TO_FIT, TO_HOLD_OUT = 100, 30
 """Samples without which nothing can be fitted or scored."""
 JUMP, SELDOM = 0.05, 0.05
@@ -185,18 +188,22 @@ def prepare(
     )  # fmt: skip
 
 
-def split(motion: Motion, sealed: int = 0) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+def split(
+    motion: Motion, sealed: int = 0, *, evenly: bool = False
+) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """Fold of each training sample (-1: not used) and mask of the held-out samples.
 
     The last `sealed` records are held out whole, if any are. Otherwise, of three records or more, about a
-    quarter is held out whole (`spared`); of fewer, every third of some ten stretches of each (of short records
-    fewer, but three), with a guard on both sides.
+    quarter is held out whole (`spared`); of fewer, a third of some ten stretches of each, of short records of
+    fewer, but three (`spared_stretches`; every third where `evenly`, for a motion that is not measured), with a
+    guard on both sides.
     """
     starts, dt = motion.starts, motion.dt
     n, records = int(starts[-1]), len(starts) - 1
     fold = np.full(n, -1, np.int64)
     held = np.zeros(n, bool)
     guard = round(GUARD / dt)
+    unsure = switching(motion)
     chosen = set(range(records - sealed, records)) if sealed else spared(motion)
     for r in range(records):
         i, j = int(starts[r]) + round(WARM_UP / dt), int(starts[r + 1])
@@ -209,13 +216,13 @@ def split(motion: Motion, sealed: int = 0) -> tuple[NDArray[np.int64], NDArray[n
                 fold[i:j] = 0
             continue
         stretches = min(max(int((j - i) * dt / SHORTEST), 3), STRETCHES)
-        edges = np.linspace(i, j, stretches + 1).astype(int)
-        for b, (lo, hi) in enumerate(itertools.pairwise(edges)):
-            if b % 3 == 2:
+        edges = list(itertools.pairwise(np.linspace(i, j, stretches + 1).astype(int).tolist()))
+        kept_back = every_third(stretches) if evenly else spared_stretches(motion, edges)
+        for b, (lo, hi) in enumerate(edges):
+            if b in kept_back:
                 held[min(lo + guard, hi) : hi] = True
             else:
                 fold[lo : max(hi - guard, lo)] = 0
-    unsure = switching(motion)
     fold[unsure], held[unsure] = -1, False
     order = np.flatnonzero(fold >= 0)
     if order.size < TO_FIT or held.sum() < TO_HOLD_OUT:
@@ -240,6 +247,47 @@ def switching(motion: Motion) -> NDArray[np.bool_]:
     return jumps if np.mean(jumps) < SELDOM else np.zeros(u.size, bool)
 
 
+def reaches(motion: Motion, parts: Sequence[tuple[int, int]]) -> Array:
+    """How far each part (from, to) goes in what the damper feels (p, 8).
+
+    Deflection, velocity, and velocity with the field, both ways; duty, both ways.
+    """
+    felt = (motion.x, motion.v, motion.v * motion.u)
+    return np.array(
+        [
+            [float(np.quantile(s * y[i:j], 0.999)) for y in felt for s in (-1.0, 1.0)]
+            + [float(motion.u[i:j].max()), float(-motion.u[i:j].min())]
+            for i, j in parts
+        ]
+    )
+
+
+def every_third(stretches: int) -> tuple[int, ...]:
+    """Stretches that are held out where nothing speaks against it."""
+    return tuple(range(2, stretches, 3))
+
+
+def spared_stretches(motion: Motion, parts: Sequence[tuple[int, int]]) -> tuple[int, ...]:
+    """Which third of some stretches (from, to) to hold out.
+
+    What only they exercise could never be learnt, as in `spared`, and a standstill tells nothing: the rest
+    reaches `REACHED` of everything the damper feels, and they move by `ALIKE` of the whole at least. Of the
+    choices that do, the one that is spread most evenly over the record.
+    """
+    reach, even = reaches(motion, parts), every_third(len(parts))
+    power = np.array([float(np.mean(motion.v[i:j] ** 2)) for i, j in parts])
+    whole = np.maximum(np.abs(reach).max(axis=0), 1e-300)
+
+    def price(chosen: tuple[int, ...]) -> tuple[float, int]:
+        rest = np.delete(reach, chosen, axis=0).max(axis=0)
+        lost = float(np.max((reach.max(axis=0) - rest) / whole))
+        moves = float(np.sqrt(power[list(chosen)].mean() / max(float(power.mean()), 1e-300)))
+        wrong = max(lost - (1.0 - REACHED), 0.0) + max(ALIKE - moves, 0.0)
+        return round(wrong, 2), sum(abs(b - e) for b, e in zip(chosen, even, strict=True))
+
+    return min(itertools.combinations(range(len(parts)), len(even)), key=price)
+
+
 def spared(motion: Motion) -> set[int]:
     """Records to hold out: about a quarter, none of which reaches furthest in anything the damper feels.
 
@@ -249,14 +297,8 @@ def spared(motion: Motion) -> set[int]:
     pairs = list(itertools.pairwise(motion.starts))
     if len(pairs) < 3:
         return set()
-    reach = np.array(
-        [
-            [float(np.quantile(y[i:j], q)) for y in (motion.x, motion.v) for q in (0.001, 0.999)]
-            + [float(motion.u[i:j].max()), float(-motion.u[i:j].min()), float(j - i)]
-            for i, j in pairs
-        ]
-    )
-    reach[:, [0, 2]] *= -1.0
+    length = [[float(j - i)] for i, j in pairs]
+    reach = np.hstack([reaches(motion, pairs), length])
     size = np.maximum(np.abs(reach).max(axis=0), 1e-300)
     widest = np.max(reach / size - (reach / size).max(axis=0) + 1.0, axis=1)
     order = np.argsort(widest, kind="stable")

@@ -28,6 +28,8 @@ SHOWN = 12
 """Candidates that get an evidence card."""
 POINTS = 600
 """Points of a signature picture."""
+MUCH_MORE = 1.5
+"""Held-out error over that of the data learnt from, from which a note says so."""
 
 
 def clean(value: Any) -> Any:
@@ -106,6 +108,18 @@ def reason(candidate: Candidate, step: Round, found: Diagnosis) -> str:
     return f"helps by {size:.3g} N, but {taken} explains the error better"
 
 
+def unseen(study: Study) -> tuple[str, ...]:
+    """A note where the model leaves much more of the held-out data than of those it was made with."""
+    after, problem = study.diagnosis.best.fit.residual, study.problem
+    train, held = (errors(problem, after, rows).rmse for rows in (problem.train, problem.held_out))
+    if not held > MUCH_MORE * train:
+        return ()
+    return (
+        f"{held:.3g} N are left of the held-out data, {train:.3g} N of those learnt from: "
+        "something may act there that the others do not show; more records would tell",
+    )
+
+
 def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
     """The contract's JSON of `diagnose`, `add` and `improve`."""
     found, problem = study.diagnosis, study.problem
@@ -168,7 +182,7 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
             "duty": list(found.coverage.duty), "tones": found.coverage.tones,
         },
         "model": model_after.name,
-        "notes": list(problem.notes),
+        "notes": [*unseen(study), *problem.notes],
         "complete": problem.complete,
         **ride_json(study),
     }  # fmt: skip
@@ -337,7 +351,7 @@ def study_view(
     return View(
         command=command, model=study.model.name, headline=line, result=result, records=record_views(study),
         candidates=candidate_views(study, result),
-        notes=tuple(problem.notes) + found.coverage.hints, provenance=provenance,
+        notes=(*unseen(study), *problem.notes, *found.coverage.hints), provenance=provenance,
     )  # fmt: skip
 
 

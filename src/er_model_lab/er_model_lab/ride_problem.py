@@ -194,7 +194,7 @@ def _problem(
         data.dt, states[:, 0], states[:, 1] - states[:, 3], seen[:, 0] - seen[:, 1],
         np.concatenate(data.duties), np.zeros(rows[-1]), rows,
     )  # fmt: skip
-    fold, held_out = split(motion, sealed)
+    fold, held_out = split(motion, sealed, evenly=True)
     for i, j in forward.blocks():
         first = slice(i, min(i + round(SETTLE / data.dt), j))
         fold[first], held_out[first] = -1, False

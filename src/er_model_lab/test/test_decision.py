@@ -229,7 +229,8 @@ def test_three_effects_that_leave_more_than_noise_may_stand_for_another(friction
     assert judge(base, two, [step], floor, problem).verdict == "missing_effect"
 
 
-def test_a_tie_counts_beside_everything_else_that_is_missing():
+@pytest.mark.parametrize("ties", [["shear_thinning", "coulomb_friction"], ["shear_thinning"]])
+def test_a_tie_or_a_lead_counts_beside_everything_else_that_is_missing(ties):
     """Beside another missing effect the friction was taken for a thinning; in the whole model it no longer is."""
     model, problem = problem_of("coulomb_friction", {"F_c": 0.5, "v_0": 0.003}, seed=3)
     drag = 0.05 * problem.scales.force * problem.motion.x / problem.scales.deflection
@@ -239,7 +240,7 @@ def test_a_tie_counts_beside_everything_else_that_is_missing():
     names = ("shear_thinning", "coulomb_friction")
     found = [refit(base, catalogue[n], problem) for n in names]
     null = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0))
-    step = Round(base, found, null, 0.02, found[0], list(names))
+    step = Round(base, found, null, 0.02, found[0], ties)
     both = refit(found[0], catalogue["field_stiffness"], problem)
     best, ties = swapped(both, [step], problem)
     assert best.effects == ("coulomb_friction", "field_stiffness")

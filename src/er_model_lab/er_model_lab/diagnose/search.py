@@ -31,6 +31,8 @@ PROMISE = 1.5
 """Size, over what chance gives, from which a candidate left over is worth another round."""
 DOUBT, SURE = 2.0, 4.5
 """Paired t below which two candidates are tied in any case, and from which on they never are."""
+NEARLY = 0.85
+"""Share of the best one's effect size from which on a candidate comes near it."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +116,7 @@ def tied(
     size = effect_size(base, best)
     near = [best]
     for other in candidates[1:]:
-        if not passes(base, other, limit) or effect_size(base, other) < 0.85 * size:
+        if not passes(base, other, limit) or effect_size(base, other) < NEARLY * size:
             continue
         gap, t = np.sqrt(max(other.mse - best.mse, 0.0)), block_t(best, other, problem)
         if t < (SURE if gap < limit else DOUBT) or (problem.cycles and gap < limit):
@@ -208,15 +210,17 @@ def try_pairs(step: Round, problem: Problem, target: float) -> Candidate | None:
 def swapped(
     best: Candidate, rounds: list[Round], problem: Problem
 ) -> tuple[Candidate, tuple[tuple[str, ...], ...]]:
-    """The best model once every tied effect was exchanged for its rivals, and the groups still tied then.
+    """The best model once every effect was exchanged for its rivals, and the groups still tied then.
 
-    A tie of the first round is one beside all that was still missing; what counts is the tie in the whole model.
+    A tie of the first round is one beside all that was still missing, and so is a lead there (`close`); what
+    counts is the tie in the whole model.
     """
     groups = []
     for step in rounds:
-        if step.taken is None or len(step.ties) < 2 or step.taken.name not in best.effects:
+        if step.taken is None or step.taken.name not in best.effects:
             continue
-        others = [n for n in step.ties if n not in best.effects]
+        near = step.ties if len(best.effects) < 2 else [*step.ties, *close(step)]
+        others = [n for n in dict.fromkeys(near) if n not in best.effects]
         if not others:
             continue
         place, rest = (
@@ -224,12 +228,21 @@ def swapped(
             without(best, step.taken.name, problem),
         )
         trials = [exchanged(rest, place, n, problem) for n in others]
-        near = tied(rest, sorted([best, *trials], key=lambda c: c.mse), problem, step.threshold)
-        best = near[0]
+        alike = tied(rest, sorted([best, *trials], key=lambda c: c.mse), problem, step.threshold)
+        best = alike[0]
         groups.append(
-            tuple(c.effects[place] for c in near if c is best or rivals(best, c, problem))
+            tuple(c.effects[place] for c in alike if c is best or rivals(best, c, problem))
         )
     return best, tuple(g for g in groups if len(g) > 1)
+
+
+def close(step: Round) -> list[str]:
+    """Effects that came near the one that a round took: what was missing beside them may have decided."""
+    assert step.taken is not None
+    least = NEARLY * effect_size(step.base, step.taken)
+    able = [c for c in step.candidates if passes(step.base, c, step.threshold)]
+    near = _without_refinements(step.base, able, step.threshold)
+    return [c.name for c in near if effect_size(step.base, c) >= least]
 
 
 def exchanged(rest: Candidate, place: int, name: str, problem: Problem) -> Candidate:

@@ -115,7 +115,8 @@ def judge(
     limit = floor.floor**2
     explainable = max(1.0 - limit / base.mse, 0.0)
     explained = (base.mse - best.mse) / max(base.mse - limit, 1e-12 * base.mse)
-    name, reasons = _decide(base, best, rounds, floor, explainable, explained, ties, cover, rule)
+    beyond_fit = max(1.0 - limit / min(base.mse, base.fit.mse(problem.train)), 0.0)
+    name, reasons = _decide(base, best, rounds, floor, beyond_fit, explained, ties, cover, rule)
     if name in ("adequate", "insufficient_data", "unknown_effect"):
         best, ties = base, ()
     return Diagnosis(

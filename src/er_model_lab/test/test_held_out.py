@@ -1,0 +1,76 @@
+"""What is held out: nothing that only the held-out samples could have taught."""
+
+import itertools
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from er_model_lab.prepare import STRETCHES, every_third, spared_stretches, split
+from er_model_lab.present import unseen
+from er_models.predict import Motion, motion
+from lab_help import problem_of
+
+N = 4000
+DT = 0.005
+
+
+def parts() -> list[tuple[int, int]]:
+    return list(itertools.pairwise(np.linspace(60, N, STRETCHES + 1).astype(int).tolist()))
+
+
+def moved(far: dict[str, int], seed: int = 0) -> Motion:
+    """A random drive whose deflection, velocity or duty goes furthest in one stretch each."""
+    rng = np.random.default_rng(seed)
+    signals = {name: np.tanh(rng.standard_normal(N)) for name in ("x", "v", "u")}
+    signals["u"] = 0.1 + 0.05 * signals["u"]
+    for name, place in far.items():
+        i, j = parts()[place]
+        signals[name][i + 100 : j - 100] *= 2.0
+    x, v, u = (signals[name] for name in ("x", "v", "u"))
+    return motion(DT, x, v, u)
+
+
+@pytest.mark.parametrize("far", [{"x": 2, "v": 5, "u": 8}, {"x": 5, "v": 5, "u": 2}, {"v": 8}])
+def test_what_only_one_stretch_shows_is_learnt_from(far):
+    drive = moved(far)
+    chosen = spared_stretches(drive, parts())
+    assert len(set(chosen)) == 3
+    assert not set(chosen) & set(far.values())
+    _, held = split(drive)
+    for name in far:
+        signal = np.abs(getattr(drive, name))
+        assert signal[held].max() < 0.7 * signal[~held].max()
+
+
+def test_where_all_stretches_are_alike_every_third_is_held_out():
+    one = moved({})
+    length = (N - 60) // STRETCHES
+    x, v, u = (np.resize(y[60 : 60 + length], N) for y in (one.x, one.v, one.u))
+    alike = motion(DT, x, v, u)
+    assert spared_stretches(alike, parts()) == every_third(STRETCHES)
+
+
+@pytest.mark.parametrize(("larger", "notes"), [(1.2, 0), (2.0, 1)])
+def test_more_left_of_the_held_out_data_than_of_the_others_is_said(larger, notes):
+    _, problem = problem_of(None, {}, seed=2, seconds=8.0)
+    left = np.where(problem.held_out, 0.2 * larger, 0.2) * (-1.0) ** np.arange(problem.force.size)
+    best = SimpleNamespace(fit=SimpleNamespace(residual=left))
+    said = unseen(SimpleNamespace(diagnosis=SimpleNamespace(best=best), problem=problem))
+    assert len(said) == notes
+    assert all("0.4 N" in note and "0.2 N" in note for note in said)
+
+
+def test_a_standstill_is_not_held_out_though_the_rest_reaches_further():
+    drive = moved({})
+    still = np.concatenate([np.arange(*parts()[b]) for b in (0, 2, 3, 5)])
+    v, x = drive.v.copy(), drive.x.copy()
+    v[still], x[still] = 0.0, 0.0
+    chosen = spared_stretches(motion(DT, x, v, drive.u), parts())
+    assert sum(b in (0, 2, 3, 5) for b in chosen) <= 1
+
+
+def test_a_motion_that_is_not_measured_is_split_evenly():
+    _, held = split(moved({"v": 2}), evenly=True)
+    middles = [sum(parts()[b]) // 2 for b in every_third(STRETCHES)]
+    assert held[middles].all()
+    assert held.sum() < 3 * N / STRETCHES
