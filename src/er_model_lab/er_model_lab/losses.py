@@ -1,22 +1,36 @@
-"""What is lost for want of a channel."""
+"""What is lost for want of a channel, or of a rate."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from er_model_lab.record import Record
 
 ACCELEROMETERS = ("sprung_acceleration", "unsprung_acceleration")
+SAME = 1.02
+"""Ratio of rates that are one rate."""
 
 
 def losses(records: Sequence[Record]) -> tuple[str, ...]:
-    """What is lost for want of channels, and in how many records."""
+    """What is lost for want of channels or of one rate, and in how many records."""
     said: dict[str, int] = {}
     for r in records:
         for sentence in _lost(r):
             said[sentence] = said.get(sentence, 0) + 1
     many = len(records)
-    return tuple(s if n == many else f"{s} ({n} of {many} records)" for s, n in said.items())
+    lacking = (s if n == many else f"{s} ({n} of {many} records)" for s, n in said.items())
+    return (*_slowed(records), *lacking)
+
+
+def _slowed(records: Sequence[Record]) -> Iterator[str]:
+    """Records that are faster than the slowest, at whose rate all are looked at."""
+    rates = [1.0 / r.dt for r in records]
+    faster = sum(rate > SAME * min(rates) for rate in rates)
+    if faster:
+        yield (
+            f"rates from {min(rates):.4g} to {max(rates):.4g} Hz: {faster} of {len(records)} records are averaged to "
+            f"{min(rates):.4g} Hz, what is faster is lost; give records of one rate to use it"
+        )
 
 
 def _lost(r: Record) -> list[str]:

@@ -93,6 +93,13 @@ def test_any_subset_gives_a_usable_motion(rides, gone, most):
     assert bool(losses(records)) is bool(gone)
 
 
+def test_a_slow_record_beside_fast_ones_is_said_to_slow_them(rides):
+    slow = Record("slow", rides[0].t[::2], {n: y[::2] for n, y in rides[0].channels.items()})
+    (said,) = losses([*rides, slow])
+    assert said.startswith("rates from 100 to 200 Hz")
+    assert prepare([*rides, slow]).motion.dt == pytest.approx(0.01)
+
+
 def test_an_offset_of_the_velocity_does_not_carry_the_deflection_away():
     problem = prepare([without(ride(3, offset=1e-3), "deflection")])
     assert error(problem) < 2.2
