@@ -170,12 +170,14 @@ def _trials(j: Array, r: Array, theta: Array, box: Box, damping: float) -> Array
     return np.array(points)
 
 
-def cross_validated(fitted: Fit, problem: Problem) -> tuple[Array, Array]:
+def cross_validated(
+    fitted: Fit, problem: Problem, *, straight: bool = False
+) -> tuple[Array, Array]:
     """Residual (n,) predicted without each block, and mean squared error per block (blocks,).
 
     One Gauss-Newton step from the full fit leaves a block out: (H - H_b) d = g - g_b. Where the straight line
     of that step would rather be a jump (a gap that closes, a void that collapses), the model itself predicts
-    the block, from as much of the step as lowers the error of the other blocks.
+    the block, from as much of the step as lowers the error of the other blocks; straight: the line is believed.
     """
     steps = _leaving_out(fitted, problem)
     r = fitted.residual.copy()
@@ -184,7 +186,7 @@ def cross_validated(fitted: Fit, problem: Problem) -> tuple[Array, Array]:
         rows = problem.fold == b
         r[rows] = fitted.residual[rows] - fitted.jacobian[rows] @ steps[b]
     train = problem.train
-    if np.mean(r[train] ** 2) > DOUBTFUL * fitted.mse(train):
+    if not straight and np.mean(r[train] ** 2) > DOUBTFUL * fitted.mse(train):
         r = _truly_left_out(fitted, problem, steps)
     losses = [float(np.mean(r[problem.fold == b] ** 2)) for b in blocks]
     return r, np.array(losses)

@@ -215,9 +215,11 @@ def cross_judged(
     problem: Problem,
     kept: float = 1.0,
     reach: float = np.inf,
+    *,
+    straight: bool = False,
 ) -> Candidate:
-    """A fitted model with its cross-validation."""
-    residual, losses = cross_validated(fitted, problem)
+    """A fitted model with its cross-validation, where `straight` in a straight line whatever that is worth."""
+    residual, losses = cross_validated(fitted, problem, straight=straight)
     mse = float(np.mean(residual[problem.train] ** 2))
     seen = fitted.mse(problem.train)
     return Candidate(effects, fitted, residual, losses, mse, seen, kept, reach)
@@ -256,9 +258,10 @@ def _refit_many(
     begun.sort(key=lambda b: b[1].mse(few.problem.train))
     found = []
     for k, (effect, fitted, seen) in enumerate(begun):
-        on_all = _on_all(base, fitted, problem, FIRST_ITERATIONS if k < FINALISTS else 0)
-        names = (*base.effects, effect.name)
-        found.append(cross_judged(names, on_all, problem, seen.kept, seen.reach))
+        ahead, names = k < FINALISTS, (*base.effects, effect.name)
+        on_all = _on_all(base, fitted, problem, FIRST_ITERATIONS if ahead else 0)
+        judged = cross_judged(names, on_all, problem, seen.kept, seen.reach, straight=not ahead)
+        found.append(judged)
     found.sort(key=lambda c: max(c.mse, c.seen))
     near = WORTH_AN_END * found[0].mse
     ended = [finished(c, problem) if c.mse < near else c for c in found[:FINALISTS]]
