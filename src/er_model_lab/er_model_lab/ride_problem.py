@@ -108,8 +108,9 @@ def measured(records: list[Record]) -> Measured:
             r.need(channel, why)
     names = tuple(c for c in CHANNELS if all(r.has(c) and c not in r.derived for r in records))
     if not names:
-        r = records[0]
-        raise MissingChannel(r.source or r.name, "damper_force", why, tuple(r.channels))
+        r, (first, *others) = records[0], CHANNELS
+        needed = f"(or {', '.join(others)}, one that all records have) to hold the simulated car against"
+        raise MissingChannel(r.source or r.name, first, needed, tuple(r.channels))
     outputs = [np.stack([resampled(r, c, dt) for c in names], axis=1) for r in records]
     return Measured(
         dt, names, tuple(resampled(r, "road", dt) for r in records),

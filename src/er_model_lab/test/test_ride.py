@@ -218,3 +218,11 @@ def test_a_wheel_that_leaves_the_road_is_found_in_its_narrow_valley():
     assert fitted.mse(problem.train) > 1e3 * NOISE["damper_force"] ** 2
     assert found.seen < 9.0 * NOISE["damper_force"] ** 2
     assert found.fit.model.effects["tyre_lift_off"]["r"] == pytest.approx(0.6, rel=0.003)
+
+
+def test_a_car_without_any_output_is_told_which_would_do(tmp_path):
+    moved = ("deflection", "deflection_velocity", "sprung_acceleration", "unsprung_acceleration")
+    data = write(tmp_path / "a.csv", ride(seconds=6.0, without=("damper_force", *moved)))
+    result = lab("compare", data, "--model", CAR, "--level", "vehicle")
+    assert result.exit_code == 4
+    assert "'damper_force' is needed (or sprung_acceleration, unsprung_" in result.output
