@@ -19,6 +19,8 @@ class ObserverParameters(NodeParameters):
     timeout: float = param(
         0.05, unit="s", low=0.005, high=1.0, text="silence after which the estimate is not valid"
     )
-    payload: bool = param(True, text="whether the sprung mass is estimated online and used")
+    payload: bool = param(
+        True, text="whether sprung mass and asymmetry of the damping are estimated and used"
+    )
     max_age: float = oldest_sample()
     listeners: int = awaited_listeners()

@@ -70,6 +70,7 @@ class ObserverNode(CoreNode):
             values |= {"test ratio": f"{estimate.test_ratio:.2f}", "resets": s.mind.resets}
             payload = payload_of(self.core.gains, s.mind)
             values |= {"payload": payload.text, "sprung mass ratio": f"{payload.ratio:.3f}"}
+            values["damping asymmetry"] = f"{payload.asymmetry:.3f}"
         if s.silent:
             mode, status = "silent", NodeStatus.STATUS_LOST
             reason = f"no sample for {self.p.timeout:g} s"

@@ -42,7 +42,7 @@ def substeps(dt: float) -> int:
 @compiled
 def _march(
     step: Array, gamma: Array, feed: Array, y_0: Array, y_1: Array, bend: Array, rho: float,
-    n_sub: int, w: Array, x: Array,
+    n_sub: int, w: Array, x: Array, extra: float,
 ) -> float:  # fmt: skip
     """Take n_sub substeps from x (N,), in place; returns the gate's input at the end.
 
@@ -58,11 +58,12 @@ def _march(
     for j in range(m):
         s += feed[j] * y_0[j]
         w[n + j] = y_0[j]
+    shift = gain * extra
     gain *= rho
     t, area = gate_of(s)
     for k in range(1, n_sub + 1):
         share = k / n_sub
-        free = 0.0
+        free = shift
         for j in range(m):
             y = y_0[j] + share * (y_1[j] - y_0[j]) + (share * share - share) * bend[j]
             w[n + m + j] = y - w[n + j]
@@ -74,7 +75,7 @@ def _march(
             x[i] = total
             free += gamma[i] * total
         s, t, area, gate = solve_gate(s, t, area, free, gain)
-        gate *= rho
+        gate = gate * rho + extra
         for i in range(n):
             x[i] += gate * step[i, last]
             w[i] = x[i]
@@ -86,11 +87,12 @@ def _march(
 @compiled
 def advance(
     values: Array, scratch: Array, z: Array, y_0: Array, y_1: Array, bend: Array, rho: float,
-    dt: float, n_sub: int, out: Array,
+    dt: float, n_sub: int, out: Array, extra: float = 0.0,
 ) -> float:  # fmt: skip
     """State out (N,) after dt [s] from z (N,), y (m,) going from y_0 to y_1 with a bend (m,), rho held.
 
-    values, scratch: a `matrices.Plan`. Returns the gate's input at the end. Asks for no memory.
+    extra: what acts beside rho times the gate, as it does. values, scratch: a `matrices.Plan`.
+    Returns the gate's input at the end. Asks for no memory.
     """
     n, m = z.shape[0], y_0.shape[0]
     width, law, table = n + 2 * m + 1, int(values[2]), int(values[3])
@@ -105,7 +107,7 @@ def advance(
     for i in range(n):
         out[i] = z[i] / size[i]
     gamma, feed, step = values[HEAD:head], values[head + n : at], row.reshape((n, width))
-    s = _march(step, gamma, feed, y_0, y_1, bend, rho, n_sub, w, out)
+    s = _march(step, gamma, feed, y_0, y_1, bend, rho, n_sub, w, out, extra)
     for i in range(n):
         out[i] *= size[i]
     return s

@@ -1,4 +1,4 @@
-r"""The sprung mass online: how much heavier the body is than the model believes, while the car is driven, compiled.
+r"""Load and asymmetry online: the sprung mass, and damping that differs by direction, found while driving, compiled.
 
 With a body of theta times the believed mass, theta times the sprung acceleration is what the model's own row says,
 
@@ -8,21 +8,27 @@ so an observer that is given theta y_1 for y_1 follows the true car: M(rho) is w
 function of the certificate; theta acts on measured signals only, whatever it does. What the wrong mass also does to
 the relative velocity is the input (1/theta - 1) C_1 x, small beside the unsprung acceleration, and left to the gains.
 
-theta shows in the relative velocity. That of the observer obeys the model, that of the accelerometers (the integral of
-their difference) knows no mass. What the two disagree about, nu, is regressed on what a mass would make of it,
+A damping of c_0 (1 + a) in extension and c_0 (1 - a) in compression adds a c_0 |v| to the force. The state f_y takes
+it in, exactly so with a drive beside that of the gate,
+
+.. math::  f = f_y + a c_0 |v|: \quad \tau f' = -f + f_c \rho \tanh(\Gamma x) + a c_0 (|v| + \tau |v|')
+
+Both show in the relative velocity. That of the observer obeys the model, that of the accelerometers (the integral of
+their difference) knows neither. What the two disagree about, nu, is regressed on what they would make of it,
 
 .. math::  S = \partial \hat v / \partial \theta : \quad C_{1x} S_x + C_{1v} S + C_{1f} S_f = y_1, \quad
-           \tau S_f' = -S_f + \rho f_c s\, (k_1 S_x + c_1 S), \quad \theta - 1 = -\sum S \nu / \sum S^2
+           \tau S_f' = -S_f + \rho f_c s\, (k_1 S_x + c_1 S), \quad \nu = -(\theta - 1) S - a S_a
 
-s the mean slope of the gate. Both pass a band around the body's resonance. Of what happens between two samples the
-integral takes the bend that the model gives; it leaves out passages of the gate under field, which it cannot follow.
+s the mean slope of the gate, and -C_{1v} |v| in place of y_1 for S_a. All pass a band around the body's resonance. Of
+what happens between two samples the integral takes the bend that the model gives; it leaves out passages of the gate
+under field, which it cannot follow.
 
-Damping, friction or hysteresis off the model make something of nu as well. So theta is only used as far as the mass
-alone explains nearly all of nu, and more of it than wrong damping would. The mass counts as known after ten times
-the time constant of the band, in motion. A car that stands keeps its theta, and learns anew when it moves again: loads
-change at rest.
+Friction or hysteresis or damping off the model make something of nu as well. So theta is only used as far as the mass
+alone explains nearly all of nu, but for a, and more of it than wrong damping would; a is even in the motion, which the
+rest is not, and needs less. They count as known after ten times the time constant of the band, in motion. A car that
+stands keeps them, and learns anew when it moves again: loads change at rest.
 
-Source: ours. Payload from accelerations: Rozyn and Zhang 2010; the share is the coefficient of determination.
+Source: ours. Payload from accelerations: Rozyn and Zhang 2010; the shares are partial coefficients of determination.
 """
 
 from __future__ import annotations
@@ -51,6 +57,10 @@ ENOUGH, FULL = 0.8, 0.9
 Hidden effects of the catalogue reach 0.81 (field viscosity, where damping explains 0.95), 0.71 (duty dead band) and
 0.70 (hysteresis); a tenth more mass reaches 0.92, a fifth 0.97.
 """
+EVEN_ENOUGH, EVEN_FULL = 0.4, 0.6
+"""The same for the asymmetry, of what the mass leaves: a fifth reaches 0.74, all else 0.06, or 0.35 for a moment."""
+WIDEST = 0.4
+"""Largest asymmetry that is believed."""
 MEMORY = 20.0
 """Time in motion after which a lesson counts a third [s]."""
 REST = 2.0
@@ -62,10 +72,11 @@ FAR = 3.0
 FAINT = 0.1
 """Ratio off by so much must be seen above the noise of the accelerometers; else the car counts as standing."""
 
-(RATIO, SPEED, GATE, MX, MF, MV, DX, DF, DV, NU, MASS, DAMPING) = (*range(9), 9, 12, 15)
-POWER, MM, MN, NN, DD, DN, TIME, STILL = range(18, 26)
-SIZE = 26
-"""Numbers in the memory; NU, MASS and DAMPING are the places of three passes of the band, three numbers each."""
+(RATIO, EVEN, SPEED, GATE, MX, MF, MV, DX, DF, DV, EX, EF, EV) = range(13)
+NU, MASS, DAMPING, BOTH = range(13, 25, 3)
+POWER, MM, MN, NN, DD, DN, EE, EN, EM, TIME, STILL = range(25, 36)
+SIZE = 36
+"""Numbers in the memory; NU, MASS, DAMPING and BOTH are the places of passes of the band, three numbers each."""
 
 
 class Verdict(IntEnum):
@@ -78,10 +89,11 @@ class Verdict(IntEnum):
 
 
 class Payload(NamedTuple):
-    """Sprung mass over the believed one.
+    """Sprung mass over the believed one, and half the difference of damping by direction over its mean.
 
     ratio: in use; found: what the regression says; deviation: its standard deviation; share: how much of the
-    disagreement a wrong mass explains. OTHER: nothing to explain, or something else does.
+    disagreement a wrong mass explains. OTHER: nothing to explain, or something else does. asymmetry: in use,
+    positive where extension is damped more; asymmetry_found, asymmetry_deviation: what the regression says.
     """
 
     ratio: float
@@ -89,6 +101,9 @@ class Payload(NamedTuple):
     deviation: float
     share: float
     verdict: Verdict
+    asymmetry: float = 0.0
+    asymmetry_found: float = 0.0
+    asymmetry_deviation: float = math.inf
 
     @property
     def text(self) -> str:
@@ -119,14 +134,14 @@ def numbers_of(form: LinearForm, noise: float, *, on: bool = True) -> Array:
 
 
 def begin() -> Array:
-    """Memory (26,) before anything is known."""
+    """Memory (36,) before anything is known."""
     memory = np.zeros(SIZE)
     memory[RATIO], memory[SPEED] = 1.0, math.nan
     return memory
 
 
 def interrupted(memory: Array) -> Array:
-    """Memory (26,) where the next sample does not follow this one: what was learnt stays."""
+    """Memory (36,) where the next sample does not follow this one: what was learnt stays."""
     kept = memory.copy()
     kept[SPEED] = math.nan
     return kept
@@ -143,30 +158,48 @@ def told(memory: Array, y: Array) -> Array:
 
 
 def said(numbers: Array, memory: Array) -> Payload:
-    """What a memory (26,) says."""
+    """What a memory (36,) says."""
+    ratio, even = float(memory[RATIO]), float(memory[EVEN])
     if not numbers[0] or not memory[TIME] > 0.0:
         idle = Verdict.NOT_EXCITED if numbers[0] else Verdict.OFF
-        return Payload(float(memory[RATIO]), 1.0, math.inf, 0.0, idle)
-    error, share, weight = judged(memory)
-    left = max(memory[NN] - error * error * memory[MM], 0.0) / memory[TIME]
-    deviation = math.sqrt(left / (numbers[11] * memory[MM]))
+        return Payload(ratio, 1.0, math.inf, 0.0, idle, even)
+    error, share, weight, asymmetry, _, left = judged(memory)
+    deviations = [
+        math.sqrt(left / (memory[TIME] * numbers[11] * memory[at]))
+        if memory[at] > 0.0
+        else math.inf
+        for at in (MM, EE)
+    ]
     verdict = Verdict.ESTIMATED if weight else Verdict.OTHER
     if memory[TIME] * numbers[11] < LEARNT:
         verdict = Verdict.NOT_EXCITED
-    return Payload(float(memory[RATIO]), 1.0 + error, deviation, share, verdict)
+    return Payload(
+        ratio, 1.0 + error, deviations[0], share, verdict, even, asymmetry, deviations[1]
+    )
 
 
 @compiled
-def judged(memory: Array) -> tuple[float, float, float]:
-    """Relative error of the mass, share of the disagreement it explains, and how far it is used (0 to 1)."""
-    mm, mn, nn = memory[MM], memory[MN], memory[NN]
-    if not (mm > 0.0 and nn > 0.0):
-        return 0.0, 0.0, 0.0
-    share, damping = mn * mn / (mm * nn), 0.0
-    if memory[DD] > 0.0:
-        damping = memory[DN] * memory[DN] / (memory[DD] * nn)
-    weight = min(max((share - ENOUGH) / (FULL - ENOUGH), 0.0), 1.0)
-    return -mn / mm, share, weight if share > damping else 0.0
+def judged(memory: Array) -> tuple[float, float, float, float, float, float]:
+    """Relative error of the mass, share of the disagreement it explains and how far it is used (0 to 1).
+
+    And the asymmetry, how far it is used, and the sum of squares that both leave.
+    """
+    mm, mn, nn, ee, en, em = memory[MM], memory[MN], memory[NN], memory[EE], memory[EN], memory[EM]
+    whole = mm * ee - em * em
+    if not (whole > 1e-6 * mm * ee and nn > 0.0):
+        return 0.0, 0.0, 0.0, 0.0, 0.0, max(nn, 0.0)
+    error, even = -(mn * ee - en * em) / whole, -(en * mm - mn * em) / whole
+    left = max(nn + error * mn + even * en, 0.0)
+    but_mass, but_even = nn - en * en / ee, nn - mn * mn / mm
+    share, damping, of_even = 0.0, 0.0, 0.0
+    if but_mass > 0.0:
+        share = 1.0 - left / but_mass
+        damping = memory[DN] * memory[DN] / (max(memory[DD], 1e-300) * but_mass)
+    if but_even > 0.0:
+        of_even = 1.0 - left / but_even
+    used = min(max((share - ENOUGH) / (FULL - ENOUGH), 0.0), 1.0)
+    even_used = min(max((of_even - EVEN_ENOUGH) / (EVEN_FULL - EVEN_ENOUGH), 0.0), 1.0)
+    return error, share, used if share > damping else 0.0, even, even_used, left
 
 
 @compiled
@@ -197,11 +230,28 @@ def _pass(memory: Array, at: int, change: float, low: float, high: float) -> flo
 
 
 @compiled
+def even_drive(p: Array, memory: Array, v: float, now: float, before: float, dt: float) -> float:
+    """What the asymmetry adds to rho times the gate, on the average of a sample.
+
+    v: relative velocity at its beginning [m/s]; before, now: relative acceleration at its beginning and end [m/s2].
+    """
+    if p[0] == 0.0 or memory[EVEN] == 0.0:
+        return 0.0
+    end = v + 0.5 * dt * (now + before)
+    size, later = abs(v), abs(end)
+    mean = 0.5 * (size + later)
+    if v * end < 0.0:
+        mean = 0.5 * (v * v + end * end) / (size + later)
+    grown = (later - size) / (dt * p[5])
+    return float(memory[EVEN] * p[2] / (p[3] * p[4]) * (mean + grown))
+
+
+@compiled
 def learn(
     p: Array, memory: Array, a_0: float, b_0: float, a_1: float, b_1: float, v: float, s: float,
     rho: float, dt: float,
 ) -> None:  # fmt: skip
-    """Take a sample into the memory (26,), in place, and move the ratio in use.
+    """Take a sample into the memory (36,), in place, and move the ratio in use.
 
     p: of `numbers_of`; a, b: sprung and unsprung acceleration at its beginning and end [m/s2]; v: the observer's
     relative velocity [m/s] and s: its gate's input at the end; rho: duty in force during it.
@@ -214,15 +264,16 @@ def learn(
     drive = (1.0 - keep) * p[4] * rho * slope
     mass = _respond(p, memory, MX, a_1, drive, keep, dt)
     damping = _respond(p, memory, DX, -p[2] * v, drive, keep, dt)
-    speed = v - (memory[RATIO] - 1.0) * memory[MV]
+    even = _respond(p, memory, EX, -p[2] * abs(v), drive, keep, dt)
+    speed = v - (memory[RATIO] - 1.0) * memory[MV] - memory[EVEN] * memory[EV]
     change, rise = 0.5 * (a_0 - b_0 + a_1 - b_1), (a_1 - b_1 - a_0 + b_0) / dt
     bend = p[8] * change + p[9] * rise + p[10] * 0.5 * (b_0 + b_1)
     nu = speed - memory[SPEED] - dt * (change - dt * dt / 12.0 * bend)
     memory[SPEED], memory[GATE] = speed, s
     passes = s * s_0 < 0.0 or min(abs(s), abs(s_0)) < OPEN
     if (rho > p[14] and passes) or not math.isfinite(nu):
-        nu = mass = damping = 0.0
-    _weigh(p, memory, nu, mass, damping, dt)
+        nu = mass = damping = even = 0.0
+    _weigh(p, memory, nu, mass, damping, even, dt)
 
 
 @compiled
@@ -232,11 +283,13 @@ def _trust(square: float, usual: float) -> float:
 
 
 @compiled
-def _weigh(p: Array, memory: Array, nu: float, mass: float, damping: float, dt: float) -> None:
+def _weigh(
+    p: Array, memory: Array, nu: float, mass: float, damping: float, even: float, dt: float
+) -> None:
     """Band, sums and the ratio in use, from the changes over a sample."""
     low, high = 1.0 / (1.0 + dt * p[11]), dt * p[12] / (1.0 + dt * p[12])
     n, m = _pass(memory, NU, nu, low, high), _pass(memory, MASS, mass, low, high)
-    d = _pass(memory, DAMPING, damping, low, high)
+    d, b = _pass(memory, DAMPING, damping, low, high), _pass(memory, BOTH, even, low, high)
     memory[POWER] += (1.0 - low) * (m * m - memory[POWER])
     if memory[POWER] > p[13] * dt:
         if memory[STILL] > REST:
@@ -244,8 +297,8 @@ def _weigh(p: Array, memory: Array, nu: float, mass: float, damping: float, dt: 
         memory[STILL] = 0.0
         forget, counts = 1.0 - dt / MEMORY, dt
         if memory[TIME] * p[11] > 0.5 * LEARNT:
-            error = -memory[MN] / memory[MM]
-            left, usual = n + error * m, memory[NN] + error * memory[MN]
+            error, _, _, asymmetry, _, usual = judged(memory)
+            left = n + error * m + asymmetry * b
             counts *= _trust(left * left * memory[TIME], usual)
             counts *= _trust(m * m * memory[TIME], memory[MM])
         memory[MM] = forget * memory[MM] + counts * m * m
@@ -253,11 +306,17 @@ def _weigh(p: Array, memory: Array, nu: float, mass: float, damping: float, dt: 
         memory[NN] = forget * memory[NN] + counts * n * n
         memory[DD] = forget * memory[DD] + counts * d * d
         memory[DN] = forget * memory[DN] + counts * d * n
+        memory[EE] = forget * memory[EE] + counts * b * b
+        memory[EN] = forget * memory[EN] + counts * b * n
+        memory[EM] = forget * memory[EM] + counts * b * m
         memory[TIME] = forget * memory[TIME] + counts
     else:
         memory[STILL] += dt
     if memory[TIME] * p[11] < LEARNT:
         return
-    error, _, weight = judged(memory)
-    aim = min(max(1.0 + weight * error, LOW), HIGH)
-    memory[RATIO] += 0.5 * (1.0 - low) * (aim - memory[RATIO])
+    error, _, used, asymmetry, even_used, _ = judged(memory)
+    follows = 0.5 * (1.0 - low)
+    aim = min(max(1.0 + used * error, LOW), HIGH)
+    memory[RATIO] += follows * (aim - memory[RATIO])
+    aim = min(max(even_used * asymmetry, -WIDEST), WIDEST)
+    memory[EVEN] += follows * (aim - memory[EVEN])

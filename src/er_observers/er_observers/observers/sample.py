@@ -1,6 +1,6 @@
 """One sample of an observer in one compiled call: the state, what it says, and its health.
 
-The memory between samples is one array: health (8,), change (1,), y (m,), pace (m,), x (n,), z (N,), payload (26,).
+The memory between samples is one array: health (8,), change (1,), y (m,), pace (m,), x (n,), z (N,), payload (36,).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from er_observers.observers import payload
 from er_observers.observers.compiled import compiled
 from er_observers.observers.kernel import HEAD, SUBSTEP, advance
 from er_observers.observers.matrices import Plan
-from er_observers.observers.payload import RATIO, learn
+from er_observers.observers.payload import RATIO, even_drive, learn
 from er_observers.observers.watch import (
     FLOOR,
     LOST,
@@ -137,7 +137,9 @@ def run_sample(
     bend_of(y_0, y, before[9 + m : 9 + 2 * m], dt, bend)
     n_sub = max(1, math.ceil(dt / SUBSTEP - 1e-6))
     z, next_z = before[at:last_of_z], memory[at:last_of_z]
-    end = advance(values, scratch, z, y_0, y, bend, last, dt, n_sub, next_z)
+    v, past = before[10 + 2 * m], sprung_before - before[10]
+    extra = even_drive(mass, known, v, sprung - unsprung, past, dt)
+    end = advance(values, scratch, z, y_0, y, bend, last, dt, n_sub, next_z, extra)
     for i in range(n):
         total = 0.0
         for k in range(order):
