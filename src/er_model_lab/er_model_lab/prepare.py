@@ -47,8 +47,8 @@ GUARD = 0.25
 """Time between what is fitted and what is held out [s]."""
 STRETCHES, SHORTEST = 10, 0.5
 """How many stretches a record is cut into, of which a third is held out; fewer where they were shorter [s]."""
-REACHED, ALIKE = 0.95, 0.8
-"""How far the other stretches reach at least, and how much those held out move, as shares of the whole."""
+ALIKE = 0.8
+"""How much the stretches held out move at least, as a share of the whole."""
 TO_FIT, TO_HOLD_OUT = 100, 30
 """Samples without which nothing can be fitted or scored."""
 JUMP, SELDOM = 0.05, 0.05
@@ -270,9 +270,9 @@ def every_third(stretches: int) -> tuple[int, ...]:
 def spared_stretches(motion: Motion, parts: Sequence[tuple[int, int]]) -> tuple[int, ...]:
     """Which third of some stretches (from, to) to hold out.
 
-    What only they exercise could never be learnt, as in `spared`, and a standstill tells nothing: the rest
-    reaches `REACHED` of everything the damper feels, and they move by `ALIKE` of the whole at least. Of the
-    choices that do, the one that is spread most evenly over the record.
+    What only they exercise could never be learnt, as in `spared` (a cut-off may act in the last hundredths of
+    the reach alone), and a standstill tells nothing: without them the least reach is lost, and they move by
+    `ALIKE` of the whole. Of the choices that do, the one that is spread most evenly over the record.
     """
     reach, even = reaches(motion, parts), every_third(len(parts))
     power = np.array([float(np.mean(motion.v[i:j] ** 2)) for i, j in parts])
@@ -282,7 +282,7 @@ def spared_stretches(motion: Motion, parts: Sequence[tuple[int, int]]) -> tuple[
         rest = np.delete(reach, chosen, axis=0).max(axis=0)
         lost = float(np.max((reach.max(axis=0) - rest) / whole))
         moves = float(np.sqrt(power[list(chosen)].mean() / max(float(power.mean()), 1e-300)))
-        wrong = max(lost - (1.0 - REACHED), 0.0) + max(ALIKE - moves, 0.0)
+        wrong = lost + max(ALIKE - moves, 0.0)
         return round(wrong, 2), sum(abs(b - e) for b, e in zip(chosen, even, strict=True))
 
     return min(itertools.combinations(range(len(parts)), len(even)), key=price)
