@@ -75,7 +75,16 @@ def _read_folder(folder: Path) -> list[Record]:
         )
         expected = f"files ending in {', '.join(READERS)}, or a rosbag2 folder"
         raise InputError(folder, "", expected, inside or "an empty folder")
-    return [record for item in wanted for record in read(item)]
+    return [record for item in wanted for record in _read_in(folder, item)]
+
+
+def _read_in(folder: Path, item: Path) -> list[Record]:
+    """Records of an item that nobody named, but the folder it lies in."""
+    try:
+        return read(item)
+    except InputError as error:
+        found = f"{error.found} (no measurement? then name the files of {folder} that are)"
+        raise InputError(error.path, error.key, error.expected, found) from None
 
 
 def _data_in(folder: Path) -> Iterator[Path]:

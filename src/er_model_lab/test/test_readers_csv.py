@@ -129,6 +129,10 @@ def test_bad_files_give_one_clear_line_each(tmp_path: Path) -> None:
     message(path, "time,deflection,duty\n" + rows, "did you mean 't'?")
     message(path, "t,deflektion,duty\n" + rows, "'deflektion' (did you mean 'deflection'?)")
     message(path, "t,force,duty\n" + rows, "did you mean 'damper_force'?")
+    message(
+        path, "t,deflection_mm,duty\n" + rows, "'deflection_mm' (did you mean 'deflection [mm]'?)"
+    )
+    message(path, "time_ms,deflection,duty\n" + rows, "'time_ms' (did you mean 't [ms]'?)")
     message(path, "t,foo,bar\n" + rows, "columns", "deflection")
     message(path, "t,deflection,deflection\n" + rows, "'deflection'", "found 2")
     message(path, "t,deflection [furlong],duty\n" + rows, "furlong", "mm")
@@ -235,6 +239,14 @@ def test_a_folder_gives_its_files_sorted_and_equal_names_are_told_apart(
     assert [r.name for r in records] == [f"{tmp_path.name}/a", "other/a"]
     records = load([other / "a.csv", other / "a.csv"])
     assert len({r.name for r in records}) == 2
+
+
+def test_a_table_of_something_else_in_a_folder_is_named_with_the_way_out(tmp_path: Path) -> None:
+    table(tmp_path / "run.csv", columns())
+    text = "key,value\nrig,7\n"
+    (tmp_path / "settings.csv").write_text(text)
+    with pytest.raises(InputError, match=r"settings.csv: columns: .* name the files of"):
+        load([tmp_path])
 
 
 def test_a_needed_channel_that_is_absent_has_exit_status_4(tmp_path: Path) -> None:

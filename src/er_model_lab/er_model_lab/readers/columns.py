@@ -116,11 +116,23 @@ def _ignored(path: Path, cells: list[tuple[str, str]], read: set[str]) -> list[s
     """Names of columns that are left out; `InputError` for one that a channel is missing from."""
     others = [name for name, _ in cells if name and name not in read]
     for name in others:
-        meant = nearest(name)
+        stated = with_unit(name)
+        meant = stated[0] if stated else nearest(name)
         if meant is not None and meant not in read:
-            found = f"'{name}' (did you mean '{meant}'?)"
+            written = f"{meant} [{stated[1]}]" if stated else meant
+            found = f"'{name}' (did you mean '{written}'?)"
             raise InputError(path, "columns", f"'{meant}'", found)
     return others
+
+
+def with_unit(name: str) -> tuple[str, str] | None:
+    """Channel and unit that a name such as `deflection_mm` or `time_ms` means; None for any other."""
+    head, mark, tail = name.replace("-", "_").rpartition("_")
+    channel = head.lower() if head.lower() in (TIME, *CHANNELS) else SYNONYMS.get(head.lower())
+    if not mark or channel is None:
+        return None
+    units = {unit.lower(): unit for unit in UNITS["s" if channel == TIME else CHANNELS[channel]]}
+    return (channel, units[tail.lower()]) if tail.lower() in units else None
 
 
 def to_si(column: Column, samples: Array) -> tuple[Array, list[str]]:
