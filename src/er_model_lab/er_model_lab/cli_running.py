@@ -127,7 +127,7 @@ def _print(outcome: Outcome, page: Path | None, out: Path | None) -> None:
     """One screen of summary."""
     from er_model_lab.terminal import summary
 
-    console().print(summary(outcome.view))
+    console().print(summary(outcome.view), crop=False)
     if out:
         typer.echo(f"new model: {out}")
     if page:

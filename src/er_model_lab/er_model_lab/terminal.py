@@ -272,7 +272,7 @@ def _regions(view: View, pen: Pen) -> Iterator[RenderableType]:
 def _next(view: View, pen: Pen) -> Iterator[RenderableType]:
     """What would plan the experiment that these data lack, ready to be pasted."""
     for command in view.result.get("next") or ():
-        yield from map(pen.line, pasteable(command, pen.width))
+        yield from map(pen.whole, pasteable(command, pen.width))
 
 
 def pasteable(command: str, width: int) -> list[str]:

@@ -31,6 +31,10 @@ class Pen:
         """Text that wraps at the width."""
         return Text(self.safe(text), style="" if self.plain else style)
 
+    def whole(self, text: str) -> Text:
+        """A line that is left as long as it is: the terminal wraps it, and still copies it as one."""
+        return Text(self.safe(text), no_wrap=True, overflow="ignore")
+
     def cut(self, text: str, most: int) -> str:
         """The text in at most this many characters."""
         text = self.safe(text)
