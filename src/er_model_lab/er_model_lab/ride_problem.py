@@ -13,7 +13,8 @@ from er_models.scales import Scales
 
 from er_model_lab.fit import Fit, fit
 from er_model_lab.fuse import Noise
-from er_model_lab.prepare import Problem, resampled, split, white_noise
+from er_model_lab.held_out import split
+from er_model_lab.prepare import Problem, resampled, white_noise
 from er_model_lab.record import Record
 from er_model_lab.ride import CHANNELS, SETTLE, Course, course, drive
 from er_model_lab.ride_forward import RideForward, with_starts

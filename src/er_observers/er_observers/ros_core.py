@@ -75,7 +75,8 @@ class ObserverCore:
         self.p, self.topic = p, OUTPUTS[name]
         self.outputs = (self.topic,)
         model = load_model(p.model_file)
-        self.gains = replace(ready(p.gains_file, model, name), payload=p.payload)
+        gains = ready(p.gains_file, model, name)
+        self.gains = gains if p.payload else replace(gains, payload=False)
         seen = (topics.DEFLECTION,) if self.gains.sees_deflection else ()
         self.inputs = (*self.usual, *seen)
         self.limits = StampLimits(stale=p.max_age, gap=p.timeout)

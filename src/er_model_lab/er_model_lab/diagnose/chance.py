@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from er_model_lab.diagnose.candidates import Candidate, additions
 from er_model_lab.diagnose.starts import starts
-from er_model_lab.prepare import FOLDS, Problem
+from er_model_lab.held_out import FOLDS
+from er_model_lab.prepare import Problem
 
 Mask = NDArray[np.bool_]
 

@@ -11,13 +11,14 @@ from er_models.model import Array, Model
 
 from er_model_lab.fit import with_deviations
 from er_model_lab.forward import Free
+from er_model_lab.held_out import WARM_UP
 from er_model_lab.identify.law import Quadratic, quadratic
 from er_model_lab.identify.levels import Table
 from er_model_lab.identify.refine import Refined, refine
 from er_model_lab.identify.roles import roles
 from er_model_lab.identify.stages import FOLLOWED, Stage, linear, response, yield_force
 from er_model_lab.identify.stretches import Level, levels, stretches
-from er_model_lab.prepare import WARM_UP, Problem
+from er_model_lab.prepare import Problem
 from er_model_lab.record import Record
 from er_model_lab.study import as_given, on_fused, open_problem
 
