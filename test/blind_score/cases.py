@@ -17,7 +17,12 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 PAIRS_A_SEED = 10
 COMPLETE_A_SEED = 20
 POOR_A_SEED = 2
-_PAIRS, _POOR, _LAYOUT = range(3)
+FEW_SINGLES, FEW_COMPLETE = 6, 2
+OF_THE_DAMPER = tuple(
+    f"outside:{kind}" for kind in ("position_periodic", "x_v_coupling", "stroke_memory", "stick_events")
+)  # fmt: skip
+"""Outside effects that act whatever the sampling: the others are made of samples at 200 Hz."""
+_PAIRS, _POOR, _LAYOUT, _FEW = range(4)
 
 
 @dataclass(frozen=True)
@@ -30,17 +35,19 @@ class Layout:
 
 @dataclass(frozen=True)
 class Asked:
-    """One case: its kind, what is hidden (empty: nothing), its seed, and the program of its inputs."""
+    """One case: its kind, what is hidden (empty: nothing), its seed, the program of its inputs, and the bench."""
 
     kind: Kind
     hidden: tuple[str, ...]
     seed: int
     program: Program = "rich"
+    condition: str = ""
 
     @property
     def key(self) -> str:
         """What tells this case from any other."""
-        return f"{self.kind}/{'+'.join(self.hidden) or 'nothing'}/{self.program}/{self.seed}"
+        key = f"{self.kind}/{'+'.join(self.hidden) or 'nothing'}/{self.program}/{self.seed}"
+        return f"{self.condition}/{key}" if self.condition else key
 
 
 def layout(seed: int) -> Layout:
@@ -85,6 +92,17 @@ def plan(
     if effects is None:
         return list(cases.values())
     return [a for a in cases.values() if set(a.hidden or ("none",)) & set(effects)]
+
+
+def few(seed: int) -> list[Asked]:
+    """Six singles, two complete models and one of outside: the cases of a seed that every condition is asked."""
+    rng = np.random.default_rng([seed, _FEW])
+    singles = rng.choice(len(INSIDE), FEW_SINGLES, replace=False)
+    return [
+        *(Asked("singles", (INSIDE[int(i)].name,), seed) for i in singles),
+        *(Asked("complete", (), 100 * seed + i) for i in range(FEW_COMPLETE)),
+        Asked("outside", (str(rng.choice(OF_THE_DAMPER)),), seed),
+    ]
 
 
 def known(name: str) -> bool:

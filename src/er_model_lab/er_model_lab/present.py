@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from er_models.model import Array, Model
 
-from er_model_lab.compare import errors, regions_json, worst
+from er_model_lab.compare import errors, regions_json, size_notes, worst
 from er_model_lab.diagnose.candidates import Candidate, effect_size
 from er_model_lab.diagnose.search import Round
 from er_model_lab.diagnose.verdict import VISIBLE, Diagnosis
@@ -120,6 +120,13 @@ def unseen(study: Study) -> tuple[str, ...]:
     )
 
 
+def notes(study: Study) -> tuple[str, ...]:
+    """What to know of the data and of the model as it was given: a force in kN fits a model as well as one in N."""
+    problem = study.problem
+    size = size_notes(problem, study.given) if problem.fused else ()
+    return (*size, *unseen(study), *problem.notes)
+
+
 def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
     """The contract's JSON of `diagnose`, `add` and `improve`."""
     found, problem = study.diagnosis, study.problem
@@ -182,7 +189,7 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
             "duty": list(found.coverage.duty), "tones": found.coverage.tones,
         },
         "model": model_after.name,
-        "notes": [*unseen(study), *problem.notes],
+        "notes": list(notes(study)),
         "complete": problem.complete,
         **ride_json(study),
     }  # fmt: skip
@@ -346,12 +353,12 @@ def study_view(
     command: str, study: Study, result: Mapping[str, Any], provenance: Mapping[str, Any]
 ) -> View:
     """Everything a report of `diagnose`, `add` or `improve` shows."""
-    found, problem = study.diagnosis, study.problem
+    found = study.diagnosis
     line = headline(result["rmse"]["held_out"], result["noise_floor"])
     return View(
         command=command, model=study.model.name, headline=line, result=result, records=record_views(study),
         candidates=candidate_views(study, result),
-        notes=(*unseen(study), *problem.notes, *found.coverage.hints), provenance=provenance,
+        notes=(*notes(study), *found.coverage.hints), provenance=provenance,
     )  # fmt: skip
 
 

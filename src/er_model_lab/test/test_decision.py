@@ -14,8 +14,10 @@ from er_model_lab.diagnose.search import Round, block_t, passes, promising, swap
 from er_model_lab.diagnose.verdict import _alternatives, judge
 from er_model_lab.motion_error import drawn
 from er_model_lab.prepare import prepare
+from er_model_lab.present import diagnosis_json
 from er_model_lab.record import Record
 from er_model_lab.rule import Rule
+from er_model_lab.study import Study, as_given, diagnose_one
 from er_models.errors import InputError
 from lab_help import FORCE_NOISE, imposed, problem_of
 from scipy.signal import lfilter
@@ -121,6 +123,14 @@ def test_a_force_of_another_size_is_said_and_one_that_a_term_is_missing_from_is_
         other = replace(problem, force=factor * problem.force)
         (note,) = size_notes(other, other.force - problem.predict(model))
         assert float(note.split("is ")[1].split()[0]) == pytest.approx(factor, rel=0.3)
+
+
+def test_a_diagnosis_says_so_too_although_its_refit_takes_any_unit():
+    model, problem = problem_of(None, {}, seconds=6.0)
+    other = replace(problem, force=1e-3 * problem.force)
+    found = diagnose_one(model, other, None, seed=0)
+    study = Study(found, other, model, None, None, as_given(model, other))
+    assert any("another unit" in note for note in diagnosis_json(study, found.model)["notes"])
 
 
 def test_a_small_difference_that_is_sure_is_no_tie(friction):
