@@ -5,13 +5,29 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_model_lab.compare import size_notes
-from er_model_lab.diagnose.candidates import baseline, effect_size, finished, refit
+from er_model_lab.diagnose.candidates import (
+    baseline,
+    cross_judged,
+    effect_size,
+    finished,
+    refit,
+)
 from er_model_lab.diagnose.coverage import coverage
 from er_model_lab.diagnose.floor import Floor, noise_floor
 from er_model_lab.diagnose.left import burst_shares, bursts, filtered
 from er_model_lab.diagnose.null import Null, simulate_null
-from er_model_lab.diagnose.search import Round, block_t, passes, promising, swapped, tied
+from er_model_lab.diagnose.search import (
+    Round,
+    block_t,
+    nested,
+    passes,
+    promising,
+    rivals,
+    swapped,
+    tied,
+)
 from er_model_lab.diagnose.verdict import _alternatives, judge
+from er_model_lab.fit import fit
 from er_model_lab.motion_error import drawn
 from er_model_lab.prepare import prepare
 from er_model_lab.present import diagnosis_json
@@ -76,6 +92,18 @@ def test_whether_the_force_was_read_before_or_after_a_jump_of_the_duty_is_no_lag
     assert not problem.used[jumps].any()
 
 
+def test_a_parameter_that_one_block_alone_shows_is_no_chance_of_a_huge_effect():
+    model, problem = problem_of(None, {}, seed=6)
+    base = baseline(model, problem)
+    found = [refit(base, model.catalogue[n], problem) for n in ("coulomb_friction", "preload")]
+    limit = simulate_null(base, found, problem, seed=1).threshold(0.01)
+    once = 1e-6 * np.random.default_rng(0).standard_normal((problem.motion.n, 1))
+    once[np.flatnonzero(problem.train & (problem.fold == 4))[:3]] = 1.0
+    fitted = replace(base.fit, jacobian=np.hstack([base.fit.jacobian, once]))
+    spiked = simulate_null(replace(base, fit=fitted), found, problem, seed=1)
+    assert spiked.threshold(0.01) == pytest.approx(limit, rel=0.2)
+
+
 @pytest.mark.parametrize("rule", [(0.0,), (1.0,), (0.01, -0.1), (0.01, 0.1, 1.5)])
 def test_a_rule_that_cannot_be_is_refused(rule):
     with pytest.raises(InputError):
@@ -137,6 +165,22 @@ def test_a_small_difference_that_is_sure_is_no_tie(friction):
     base, found, problem = friction
     near = tied(base, found, problem, limit=0.01)
     assert [c.name for c in near] == ["stribeck_friction"]
+
+
+def test_stribeck_friction_without_a_breakaway_is_coulomb_friction():
+    model, problem = problem_of("coulomb_friction", {"F_c": 0.5, "v_0": 0.003}, seed=3)
+    base = baseline(model, problem)
+    plain = refit(base, model.catalogue["coulomb_friction"], problem, max_iter=30)
+    values = {**plain.fit.model.effects["coulomb_friction"], "F_s": 0.0, "v_s": 0.4}
+    same = plain.fit.model.without_effect("coulomb_friction").with_effect(
+        "stribeck_friction", values
+    )
+    rich = cross_judged(("stribeck_friction",), fit(same, problem, max_iter=0), problem)
+    rich = replace(rich, mse=0.9999 * plain.mse)
+    near = tied(base, [rich, plain], problem, limit=0.01)
+    assert [c.name for c in near] == ["coulomb_friction", "stribeck_friction"]
+    assert nested(plain, rich, problem)
+    assert not rivals(plain, rich, problem)
 
 
 def test_what_noise_does_not_leave_is_seen_and_noise_is_not():

@@ -22,13 +22,15 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Block:
-    """One block left out of a linear fit of many errors.
+    """A linear fit of many errors to some samples, judged on a block.
 
-    size: its samples; inside (p, p), seen (p, s): J^T J and J^T e there; normal (p, p), moment (p, s): the same
-    without it; theta (p, s): fit to the rest; square (s,): mean square that it leaves in the block.
+    size: samples of the block; fitted: samples of the fit; inside (p, p), seen (p, s): J^T J and J^T e of the block;
+    normal (p, p), moment (p, s): the same of the fit; theta (p, s): what it finds; square (s,): mean square that it
+    leaves in the block.
     """
 
     size: int
+    fitted: int
     inside: Array
     seen: Array
     normal: Array
@@ -49,18 +51,21 @@ def largest(base: Candidate, rivals: list[Candidate], problem: Problem, errors: 
     best = np.zeros(errors.shape[1])
     for rival in rivals:
         tangent = _blocks(_scaled(rival.fit.jacobian, train), e, edges)
-        falls = [_mean([b.square - t.square for b, t in zip(blocks, tangent, strict=True)])]
+        falls = [_counted([b.square - t.square for b, t in zip(blocks, tangent, strict=True)])]
         effect = base.fit.model.catalogue[rival.name]
         d = _scaled(additions(base, effect, starts(effect, problem), problem), train)
         if d.shape[1]:
-            falls += list(_mean(_falls(blocks, j, d, e, edges)))
+            falls += list(_counted(_falls(blocks, j, d, e, edges)))
         best = np.maximum(best, np.sqrt(np.maximum(falls, 0.0)).max(axis=0))
     return best
 
 
-def _mean(falls: list[Array]) -> Array:
-    """Mean over the blocks."""
-    return np.asarray(np.mean(falls, axis=0))
+def _counted(falls: list[Array]) -> Array:
+    """The fall that counts, as in `effect_size`: mean of the blocks left out, no more than the whole fit (first) gains.
+
+    Where one block alone shows a parameter (a gap that is crossed once), nothing else says what it is there.
+    """
+    return np.minimum(np.mean(falls[1:], axis=0), falls[0])
 
 
 def _scaled(columns: Array, train: Mask) -> Array:
@@ -72,23 +77,39 @@ def _scaled(columns: Array, train: Mask) -> Array:
 
 
 def _products(a: Array, b: Array, edges: NDArray[np.intp]) -> Array:
-    """A^T B over the rows of each block (FOLDS, p, q)."""
-    return np.array([a[i:j].T @ b[i:j] for i, j in itertools.pairwise(edges)])
+    """A^T B over the rows of all blocks, then of each (1 + FOLDS, p, q)."""
+    each = np.array([a[i:j].T @ b[i:j] for i, j in itertools.pairwise(edges)])
+    return np.concatenate([each.sum(axis=0)[None], each])
+
+
+def _powers(columns: Array, edges: NDArray[np.intp]) -> Array:
+    """Sums of squares over the rows of all blocks, then of each (1 + FOLDS, k)."""
+    each = np.array([np.sum(columns[i:j] ** 2, axis=0) for i, j in itertools.pairwise(edges)])
+    return np.concatenate([each.sum(axis=0)[None], each])
+
+
+def _fitted(sums: Array) -> Array:
+    """Sums over what is fitted: all samples first, then all but each block; sums (1 + FOLDS, ...) as above."""
+    return np.concatenate([sums[:1], sums[0] - sums[1:]])
 
 
 def _blocks(j: Array, errors: Array, edges: NDArray[np.intp]) -> list[Block]:
-    """Every block left out once."""
-    inside, seen = _products(j, j, edges), _products(j, errors, edges)
-    normal, moment = inside.sum(axis=0), seen.sum(axis=0)
-    ridge = 1e-10 * np.trace(normal) / max(normal.shape[0], 1) * np.eye(normal.shape[0])
+    """The fit to all samples, judged there, then every block left out once."""
+    inside, seen, squares = (
+        _products(j, j, edges),
+        _products(j, errors, edges),
+        _powers(errors, edges),
+    )
+    sizes = np.concatenate([edges[-1:], np.diff(edges)])
+    ridge = 1e-10 * np.trace(inside[0]) / max(j.shape[1], 1) * np.eye(j.shape[1])
     blocks = []
-    for b, (i, k) in enumerate(itertools.pairwise(edges)):
-        a, g = normal - inside[b] + ridge, moment - seen[b]
+    for b, (a, g) in enumerate(zip(_fitted(inside) + ridge, _fitted(seen), strict=True)):
         theta = np.linalg.solve(a, g)
-        left = np.sum(errors[i:k] ** 2, axis=0) - np.sum(
-            theta * (2.0 * seen[b] - inside[b] @ theta), axis=0
+        left = squares[b] - np.sum(theta * (2.0 * seen[b] - inside[b] @ theta), axis=0)
+        fitted = int(_fitted(sizes)[b])
+        blocks.append(
+            Block(int(sizes[b]), fitted, inside[b], seen[b], a, g, theta, left / sizes[b])
         )
-        blocks.append(Block(int(k - i), inside[b], seen[b], a, g, theta, left / (k - i)))
     return blocks
 
 
@@ -96,15 +117,19 @@ def _falls(
     blocks: list[Block], j: Array, d: Array, errors: Array, edges: NDArray[np.intp]
 ) -> list[Array]:
     """Fall of the mean square (k, s) in each block when each of the columns d (n, k) is added by itself."""
-    crosses, alongs = _products(j, d, edges), _products(d, errors, edges)
-    powers = np.array([np.sum(d[i:k] ** 2, axis=0) for i, k in itertools.pairwise(edges)])
+    crosses, alongs, powers = (
+        _products(j, d, edges),
+        _products(d, errors, edges),
+        _powers(d, edges),
+    )
+    here = zip(crosses, alongs, powers, strict=True)
+    fit = zip(_fitted(crosses), _fitted(alongs), _fitted(powers), strict=True)
     falls = []
-    for block, cross, along, power in zip(blocks, crosses, alongs, powers, strict=True):
-        rest = crosses.sum(axis=0) - cross
+    for block, (cross, along, power), (rest, moment, total) in zip(blocks, here, fit, strict=True):
         absorbed = np.linalg.solve(block.normal, rest)
-        left = powers.sum(axis=0) - power - np.sum(rest * absorbed, axis=0)
-        size = alongs.sum(axis=0) - along - absorbed.T @ block.moment
-        amplitude = size / np.maximum(left, 1e-9 * (edges[-1] - block.size))[:, None]
+        left = total - np.sum(rest * absorbed, axis=0)
+        size = moment - absorbed.T @ block.moment
+        amplitude = size / np.maximum(left, 1e-9 * block.fitted)[:, None]
         agreement = along - cross.T @ block.theta
         agreement -= absorbed.T @ (block.seen - block.inside @ block.theta)
         own = power - np.sum(absorbed * (2.0 * cross - block.inside @ absorbed), axis=0)

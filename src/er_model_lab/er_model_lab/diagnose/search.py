@@ -92,15 +92,19 @@ def block_t(better: Candidate, worse: Candidate, problem: Problem) -> float:
     return float(means.mean() / max(spread, 1e-300))
 
 
-def complexity(candidate: Candidate) -> tuple[int, int]:
-    """Parameters in use, and whether it is physics (1) or a sensor (0): fewer and sensor first."""
+def complexity(candidate: Candidate) -> tuple[int, int, int]:
+    """Parameters in use, whether it is physics (1) or a sensor (0), and all its parameters: the simplest first.
+
+    A parameter at its bound is not in use, but a form that needs it there to be another one is not that one.
+    """
     model = candidate.fit.model
-    inner = sum(
-        1
+    inner = [
+        bool(bound)
         for (effect, _), bound in zip(candidate.fit.free, candidate.fit.at_bound, strict=True)
-        if effect in candidate.effects and not bound
-    )
-    return inner, 0 if model.catalogue[candidate.name].stage == "sensing" else 1
+        if effect in candidate.effects
+    ]
+    physics = model.catalogue[candidate.name].stage != "sensing"
+    return inner.count(False), int(physics), len(inner)
 
 
 def tied(
@@ -128,7 +132,8 @@ def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
     """Whether two candidates make nearly the same force, so that one contains the other.
 
     What acts in the car and what acts in the damper are no forms of one another, however alike; nor are two
-    effects of the same number of parameters: neither is the simpler.
+    effects of the same number of parameters: neither is the simpler. A richer form that its bounds make into the
+    simpler one is nested in this sense: Stribeck friction without a breakaway is Coulomb friction.
     """
     if complexity(simple) == complexity(rich):
         return False
