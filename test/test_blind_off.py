@@ -4,6 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from er_model_lab.diagnose.candidates import baseline, refit
+from er_model_lab.diagnose.null import simulate_null
+from er_model_lab.diagnose.search import passes, threshold
+from er_model_lab.load import load
+from er_model_lab.study import open_problem
+from er_models.files import load_model
 
 from test.blind.calibrate import clean_records
 from test.blind.errors import BlindError
@@ -14,6 +20,7 @@ from test.blind_score.cases import Asked, few
 from test.blind_score.conditions import CONDITIONS, changed_case, measured, resampled
 from test.blind_score.off import off_page, worth
 from test.blind_score.rows import read
+from test.blind_score.run import MODEL
 
 
 @pytest.fixture(scope="module")
@@ -75,6 +82,24 @@ def test_benches_change_what_they_say(case, tmp_path):
     assert power[slow].sum() > 0.95 * power.sum()
 
 
+@pytest.mark.parametrize("bench", ["deflection_only", "no_accelerations"])
+def test_bends_that_no_accelerometer_shows_name_nothing(bench, tmp_path):
+    """Fusion rounds them off the same way each time, so that its errors look like effects beyond chance."""
+    complete = make_case(None, 4, out=tmp_path / "made", n_records=1, seconds=24.0)
+    data = measured(
+        changed_case(complete, CONDITIONS[bench], 1), CONDITIONS[bench], 1, tmp_path / "seen"
+    )
+    model = load_model(MODEL)
+    problem, _ = open_problem(load([data]), model)
+    base = baseline(model, problem)
+    rivals = [
+        refit(base, model.catalogue[e], problem)
+        for e in ("force_delay", "field_viscosity", "velocity_lag")
+    ]
+    null = simulate_null(base, rivals, problem, 0)
+    assert not any(passes(base, c, threshold(null, np.sqrt(base.mse))) for c in rivals)
+
+
 def off_row(condition, kind, hidden, names, verdict="missing_effect", **more):
     return {
         "key": "k", "condition": condition, "kind": kind, "hidden": hidden, "names": names, "verdict": verdict,
@@ -93,6 +118,9 @@ def off_row(condition, kind, hidden, names, verdict="missing_effect", **more):
         (off_row("nominal", "complete", [], [], "adequate"), "right"),
         (off_row("nominal", "outside", ["outside:x"], ["b"]), "wrong"),
         (off_row("nominal", "outside", ["outside:x"], [], "unknown_effect"), "right"),
+        (off_row("nominal", "complete", [], [], "unknown_effect"), "modest"),
+        (off_row("base_bingham", "complete", [], ["b"], "partial"), "modest"),
+        (off_row("base_bingham", "complete", [], ["b"]), "wrong"),
         (off_row("force_late", "complete", ["force_delay"], ["force_delay"]), "right"),
         (off_row("force_late", "singles", ["a", "force_delay"], ["force_delay", "a"]), "right"),
         (off_row("force_late", "singles", ["a", "force_delay"], ["force_delay"], "partial"), "modest"),

@@ -80,6 +80,7 @@ class Condition:
         model: changes the model that is given.
         model_file: its file in config/dampers.
         adds: what the bench itself hides besides.
+        another_form: whether the model that is given has another law than the truth: something is missing then.
         told: words that the lab's refusal or a note of its result must hold.
     """
 
@@ -92,6 +93,7 @@ class Condition:
     model: Callable[[Model, Random], Model] = same_model
     model_file: str = "inove_guo.yaml"
     adds: tuple[str, ...] = ()
+    another_form: bool = False
     told: str = ""
 
 
@@ -229,6 +231,9 @@ CONDITIONS: dict[str, Condition] = {
     "force_loud": Condition("force noise 4 times", noise=Noise(force=0.6)),
     "motion_quiet": Condition("motion noise 0.2 times", noise=Noise(0.15, 2e-4, 4e-6, 5e-3)),
     "motion_loud": Condition("motion noise 3 times", noise=Noise(0.15, 3e-3, 6e-5, 0.075)),
+    "no_accelerations": Condition(
+        "deflection, velocity, force and duty only", file=without("road", *_ACCELERATIONS)
+    ),
     "deflection_only": Condition(
         "deflection, force and duty only",
         file=without("road", "deflection_velocity", *_ACCELERATIONS),
@@ -244,8 +249,12 @@ CONDITIONS: dict[str, Condition] = {
     "slow_sine": Condition("duty along a slow sine", inputs=slow_sine),
     "narrow_band": Condition("motion of 1 to 3 Hz only", inputs=narrow_band),
     "base_25": Condition("model values 25 % further off", model=off(0.25)),
-    "base_bingham": Condition("a Bingham model", model_file="inove_bingham_dynamic.yaml"),
-    "base_static": Condition("a model without response time", model_file="inove_guo_static.yaml"),
+    "base_bingham": Condition(
+        "a Bingham model", model_file="inove_bingham_dynamic.yaml", another_form=True
+    ),
+    "base_static": Condition(
+        "a model without response time", model_file="inove_guo_static.yaml", adds=("response",)
+    ),
     "large": Condition("force 30 times, stroke 3 times", file=_LARGE),
     "force_late": Condition("force 5 ms late", file=force_later(0.005), adds=("force_delay",)),
     "force_early": Condition("force 5 ms early", file=force_later(-0.005), adds=("force_delay",)),

@@ -1,7 +1,8 @@
 """Cases off the nominal condition: which are asked, one row of each, and the tables.
 
 A wrong certain name is the worst: a name that is not hidden in a verdict that is sure, or any name for a complete
-model. What the data cannot decide may stay open: that is no more than modest.
+model. What the data cannot decide may stay open: that is no more than modest, and so is the claim that something
+unknown remains where nothing is hidden.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from er_models.files import load_model
 from test.blind.case import excess_after_refit
 from test.blind_score.cases import Asked, Layout, few, plan
 from test.blind_score.conditions import CONDITIONS, changed_case, given, measured
-from test.blind_score.judge import CERTAIN, HONEST, Row, judged
+from test.blind_score.judge import CERTAIN, HONEST, Row, false_names, judged
 from test.blind_score.run import MODEL, drawn, guarded, said
 from test.blind_score.summary import BEST, table
 
@@ -73,14 +74,15 @@ def worth(row: Row) -> str:
         return "right" if said_so else "wrong"
     if row.get("failed"):
         return "failed"
-    false = set(row["names"]) - set(row["hidden"])
+    sure, false = row["verdict"] == CERTAIN, false_names(row)
     if row["kind"] == "complete":
-        return (
-            "wrong" if false else "right" if set(row["names"]) == set(row["hidden"]) else "modest"
-        )
+        if false and (sure or not CONDITIONS[row["condition"]].another_form):
+            return "wrong"
+        known = set(row["names"]) == set(row["hidden"]) and row["verdict"] not in HONEST
+        return "right" if known else "modest"
     if row["kind"] == "outside":
         return "right" if row["verdict"] in HONEST else "wrong" if false else "modest"
-    if row["verdict"] == CERTAIN and false:
+    if sure and false:
         return "wrong"
     best = judged({**row, "kind": "pairs" if len(row["hidden"]) > 1 else "singles"})
     return "right" if best in (BEST["singles"], BEST["pairs"]) and not false else "modest"

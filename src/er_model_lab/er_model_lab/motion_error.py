@@ -61,7 +61,17 @@ def missed(channels: Channels, fused: Fused, rng: np.random.Generator) -> Array:
     sd = np.array([noise.x, noise.v, noise.a])
     again = replace(channels, z=clean + rng.standard_normal(clean.shape) * sd)
     seen = fuse(again, noise, initial_spread(channels))
-    return np.asarray(true - np.stack([seen.x, seen.v, seen.a], axis=1))
+    wrong = np.asarray(true - np.stack([seen.x, seen.v, seen.a], axis=1))
+    return wrong if channels.has[0] else _about_its_middle(wrong, channels.dt)
+
+
+def _about_its_middle(wrong: Array, dt: float) -> Array:
+    """The same without a straight line: where no deflection was measured the motion is taken about its middle."""
+    t = np.arange(wrong.shape[0]) * dt
+    slope, _ = line = np.polyfit(t, wrong[:, 0], 1)
+    return np.asarray(
+        wrong - np.stack([np.polyval(line, t), np.full(t.size, slope), np.zeros(t.size)], axis=1)
+    )
 
 
 def drawn(problem: Problem, rng: np.random.Generator) -> Motion:

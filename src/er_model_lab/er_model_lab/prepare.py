@@ -98,6 +98,11 @@ class Problem:
         m = self.motion
         return cycles(m.v, m.dt, m.starts) if self.forward.outputs == 1 else ()
 
+    @property
+    def rounded(self) -> bool:
+        """Whether a record's motion was made without accelerations, which alone show where it bends."""
+        return any(not c.has[2] for c in self.raw)
+
     @cached_property
     def practice(self) -> Practice | None:
         """Stretches on which fits begin where there are many runs, else None."""

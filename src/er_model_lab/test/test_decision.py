@@ -55,6 +55,21 @@ def test_drawn_motions_miss_the_fused_one_as_it_misses_the_true_one(acceleromete
         )
 
 
+def test_without_a_deflection_drawn_motions_miss_the_true_one_about_its_middle():
+    _, whole = problem_of(None, {}, seed=4, seconds=60.0, accelerometers=False)
+    n, rng = whole.motion.n, np.random.default_rng(0)
+    x, v, _, u = imposed(np.random.default_rng(4), n)
+    channels = {
+        "deflection_velocity": v + 1e-3 * rng.standard_normal(n),
+        "duty": u,
+        "damper_force": whole.force,
+    }
+    problem = prepare([Record("velocity", np.arange(n) * 0.005, channels)])
+    missed = np.std(x - problem.motion.x)
+    shown = np.std([drawn(problem, rng).x - problem.motion.x for _ in range(4)])
+    assert shown == pytest.approx(missed, rel=0.5)
+
+
 def test_chance_passes_its_threshold_as_often_as_it_is_allowed_to():
     sizes = np.sqrt(np.random.default_rng(3).exponential(2.0, 4096))
     for alarm in (0.3, 0.05, 0.01):
@@ -142,6 +157,14 @@ def test_a_damper_that_stands_still_is_said_to_stand_still():
     assert "stands still" in coverage(still).blocking[0]
     _, moving = problem_of(None, {}, seconds=6.0)
     assert not any("still" in text for text in coverage(moving).blocking)
+
+
+def test_a_duty_that_changes_slowly_is_not_called_constant():
+    _, problem = problem_of(None, {}, seconds=6.0)
+    slow = 0.15 * (1.0 - np.cos(0.3 * problem.motion.t))
+    for u, said in ((slow, "without steps"), (0.0 * slow, "never changes")):
+        (hint,) = coverage(replace(problem, motion=replace(problem.motion, u=u))).hints
+        assert said in hint
 
 
 def test_a_force_of_another_size_is_said_and_one_that_a_term_is_missing_from_is_not():

@@ -10,6 +10,8 @@ import numpy as np
 from er_model_lab.cycle import FEW_CURVES, REMEDY, curves, one_curve
 from er_model_lab.prepare import Problem, white_noise
 
+STEP = 0.01
+"""Change of the duty from one sample to the next that is a step."""
 MOVED = 1.2
 """Ratio of a channel's deviation to its white noise above which something moved."""
 
@@ -37,7 +39,7 @@ def coverage(problem: Problem) -> Coverage:
     """Measure what the records exercise."""
     m = problem.motion
     u = m.u
-    steps = int(np.sum(np.abs(np.diff(u)) > 0.01))
+    steps = int(np.sum(np.abs(np.diff(u)) > STEP))
     tones = _tones(problem)
     seconds = float(problem.used.sum() / problem.forward.outputs * m.dt)
     blocking, hints = [], []
@@ -55,9 +57,13 @@ def coverage(problem: Problem) -> Coverage:
             "the motion is a single tone: effects of velocity, deflection and acceleration cannot be told apart; "
             f"{REMEDY}"
         )
-    if steps == 0:
+    if np.ptp(u) <= STEP:
         hints.append(
             "the duty never changes: effects of the actuation cannot be seen; record steps of the duty"
+        )
+    elif steps == 0:
+        hints.append(
+            "the duty changes without steps: delay and lag of the actuation are hardly seen; record steps of the duty"
         )
     if np.max(np.abs(m.v)) > 0 and np.std(u) > 0:
         correlation = abs(float(np.corrcoef(u, np.abs(m.v))[0, 1]))

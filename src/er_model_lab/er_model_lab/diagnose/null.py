@@ -32,9 +32,10 @@ class Null:
 
     input_error: force error [N] that the motion sensors cause on the training samples; force_noise [N] with its
     lag-one correlation `colour`; input_square (n,): mean square [N2] over the draws of the motion, of `outputs` rows
-    a sample; least: size [N] below which nothing is believed, however rare: where the motion repeats itself, all that
-    the motion sensors cause, since it comes back in every cycle; bursts: the largest share of the power that lay in
-    bursts, of each output.
+    a sample; bursts: the largest share of the power that lay in bursts, of each output; least: size [N] below which
+    nothing is believed, however rare. It is all that the motion sensors cause where the motion repeats itself, since
+    that comes back in every cycle, and where it was made without accelerations: the force of the field bends the motion
+    at each reversal, fusion rounds the bend off, and by the same law each time, which no draw of noise does.
     """
 
     maxima: Array
@@ -92,7 +93,7 @@ def simulate_null(
     leader = rivals[0] if rivals else base
     noise, colour = _force_noise(leader, problem, input_error)
     square, outputs = np.mean(wobble**2, axis=0), problem.forward.outputs
-    least = input_error if problem.cycles else 0.0
+    least = input_error if problem.cycles or problem.rounded else 0.0
     many = -(-replicates // MOTIONS)
     errors = np.repeat(wobble, many, axis=0) + problem.forward.output_errors(
         leader.fit.residual, noise, colour, rng, many * MOTIONS

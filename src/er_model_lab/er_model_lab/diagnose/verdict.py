@@ -234,11 +234,14 @@ def _without(
     """The verdict where no effect was taken, and why."""
     if cover.blocking:
         return "insufficient_data", list(cover.blocking)
-    bursts = floor.bursts > 0.0
-    visible = floor.explained > VISIBLE or floor.line[2] > VISIBLE or bursts
-    if not visible and explainable <= 2 * VISIBLE:
+    least = step.null.least
+    bursts = floor.bursts * step.base.mse > least**2
+    predicted = floor.explained > VISIBLE and floor.explained * step.base.mse > least**2
+    unexplained = explainable > 2 * VISIBLE and explainable * step.base.mse > least**2
+    if not (bursts or predicted or unexplained or floor.line[2] > VISIBLE):
+        cause = "chance gives" if step.threshold > least else "the errors of the motion may cause"
         return "adequate", [
-            f"no effect exceeds what chance gives in a complete model ({step.threshold:.3g} N)"
+            f"no effect exceeds what {cause} in a complete model ({step.threshold:.3g} N)"
         ]
     what = (
         "comes in bursts that noise does not make"
