@@ -42,11 +42,14 @@ class Aligner(Generic[A, B]):
         """What still waits once a pair was found: anything older never meets its partner."""
         left = {k: v for k, v in self.left.items() if k > stamp}
         right = {k: v for k, v in self.right.items() if k > stamp}
-        old = sum(k < stamp for k in (*self.left, *self.right))
+        # but its partner
+        old = len(self.left) - len(left) + len(self.right) - len(right) - 1
         return Aligner(left, right, self.unmatched + old)
 
 
 def _kept(waiting: dict[int, A]) -> tuple[dict[int, A], int]:
     """The newest `DEPTH` values, and how many were dropped."""
+    if len(waiting) <= DEPTH:
+        return waiting, 0
     extra = sorted(waiting)[:-DEPTH]
     return {k: v for k, v in waiting.items() if k not in extra}, len(extra)

@@ -14,7 +14,7 @@ Source: thesis (6.14)-(6.17), (6.27). The duty for the force: `er_ftc_controller
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -48,11 +48,6 @@ class Lpv:
         return np.stack(
             [np.vstack(each) for each in zip(self.A, self.B, self.C, self.E, strict=True)]
         )
-
-
-def _parts(M: Array) -> tuple[Array, Array, Array, Array]:
-    """A (n, n), B, C, E (n,) of a vertex or what lies between two (n + 3, n)."""
-    return M[:-3], M[-3], M[-2], M[-1]
 
 
 class State(NamedTuple):
@@ -97,6 +92,14 @@ def start(p: Lpv) -> State:
     return State(np.zeros(p.A.shape[1]), p.schedule.high)
 
 
+@lru_cache(maxsize=4)
+def _between(p: Lpv, rho: float) -> tuple[Array, Array, Array, Array]:
+    """A (n, n), B, C, E (n,) at a rho: nearly always that of the sample before, since it rests at either end."""
+    share = (rho - p.schedule.low) / (p.schedule.high - p.schedule.low)
+    M = (1.0 - share) * p.vertices[0] + share * p.vertices[1]
+    return M[:-3], M[-3], M[-2], M[-1]
+
+
 def step(
     p: Lpv, state: State, x: float, then: tuple[float, float], left: Factors, restore: float = 0.0
 ) -> tuple[State, Asked]:
@@ -105,8 +108,7 @@ def step(
     then: deflection and velocity [m, m/s] at which the force will be made.
     restore: share of the passive force lost to the faults that the field is to give back.
     """
-    share = (state.rho - p.schedule.low) / (p.schedule.high - p.schedule.low)
-    A, B, C, E = _parts((1.0 - share) * p.vertices[0] + share * p.vertices[1])
+    A, B, C, E = _between(p, state.rho)
     passive = float(p.damper.passive(*then, left))
     lost = float(p.damper.passive(*then)) - passive
     wanted = passive + float(C @ state.x) + restore * lost

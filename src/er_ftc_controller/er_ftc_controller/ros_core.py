@@ -7,6 +7,7 @@ A sample is deflection and acceleration of one tick, whichever comes first. A fa
 from __future__ import annotations
 
 import math
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 from er_models.files import load_model
@@ -42,28 +43,33 @@ _USABLE = (FaultEstimate.STATUS_OK, FaultEstimate.STATUS_DEGRADED)
 class State(NamedTuple):
     """What the controller knows; halves of samples; estimates that wait, by stamp [ns]; checks of stamps.
 
-    last: the last sample; heard: when the last usable one came [ns, steady]; base: stamp of the first one; counts;
-    body, strut: whether a sensor is stuck; silent: how `mind` goes on while samples stay away. The next sample finds
+    body, strut: whether a sensor is stuck; last: the last sample; heard: when the last usable one came [ns, steady];
+    base: stamp of the first one; counts; silent: how `mind` goes on while samples stay away. The next sample finds
     `mind` as the last one left it, so that answers to samples do not depend on when somebody looked.
     """
 
     mind: control.State
     pairs: Aligner[tuple[float, float], tuple[float, float]]
-    waiting: tuple[tuple[int, Faults], ...]
-    stamps: StampState
-    last: Tick
-    heard: int
-    base: int
-    unusable: int
-    told: int
     body: Watched = Watched()
     strut: Watched = Watched()
+    waiting: tuple[tuple[int, Faults], ...] = ()
+    stamps: StampState = StampState()
+    last: Tick = Tick(0, 0)
+    heard: int = 0
+    base: int = 0
+    unusable: int = 0
+    told: int = 0
     silent: control.State | None = None
 
     @property
     def command(self) -> Command:
         """What was said last."""
         return (self.silent or self.mind).command
+
+    @property
+    def word(self) -> tuple[Mode, str]:
+        """Mode and why."""
+        return self.command[1:3]
 
 
 class FtcCore:
@@ -84,8 +90,7 @@ class FtcCore:
 
     def start(self) -> State:
         """Before any message."""
-        mind, last = control.start(self.controller), Tick(0, 0)
-        return State(mind, Aligner(), (), StampState(), last, 0, 0, 0, 0)
+        return State(control.start(self.controller), Aligner())
 
     def on_message(
         self, state: State, topic: topics.Topic, message: Any, when: When
@@ -100,14 +105,14 @@ class FtcCore:
             # one that is not to be used leaves the sample without a force, not without a duty
             value = (math.nan, math.nan) if stuck else value
             pairs, pair = state.pairs.with_left(stamp, value)
-            state = state._replace(body=body, pairs=pairs)
+            state = State(state.mind, pairs, body, *state[3:])
         else:
             motion = (message.deflection, message.velocity)
             strut, stuck = check(state.strut, motion, DEFLECTION, stamp)
             if stuck or not (message.valid and message.velocity_valid):
                 return state._replace(strut=strut, unusable=state.unusable + 1), []
             pairs, pair = state.pairs.with_right(stamp, motion)
-            state = state._replace(strut=strut, pairs=pairs)
+            state = State(state.mind, pairs, state.body, strut, *state[4:])
         if pair is None:
             return state, []
         return self._sample(state, Tick(stamp, message.seq), Sample(*pair[1], *pair[0]), when)
@@ -144,10 +149,9 @@ class FtcCore:
         mind, waiting = self._heard(state, base, tick.stamp)
         mind, command = control.step(self.controller, mind, t, sample)
         good = mind.heard == t
-        state = state._replace(
-            mind=mind, silent=None, last=tick, heard=when.steady if good else state.heard, stamps=stamps, base=base,
-            unusable=state.unusable + (not good), waiting=waiting, told=state.told + (waiting is not state.waiting),
-        )  # fmt: skip
+        heard, unusable = when.steady if good else state.heard, state.unusable + (not good)
+        told = state.told + (waiting is not state.waiting)
+        state = State(mind, *state[1:4], waiting, stamps, tick, heard, base, unusable, told)
         return state, [_command(tick, command)]
 
     def _heard(
@@ -158,8 +162,8 @@ class FtcCore:
         due = [each for each in state.waiting if each[0] <= limit]
         if not due:
             return state.mind, state.waiting
-        newest, faults = max(due, key=lambda each: each[0])
-        faults = faults._replace(t=1e-9 * (newest - base))
+        newest, faults = max(due, key=itemgetter(0))
+        faults = Faults(1e-9 * (newest - base), *faults[1:])
         rest = tuple(each for each in state.waiting if each[0] > limit)
         return control.hear(self.controller, state.mind, faults), rest
 

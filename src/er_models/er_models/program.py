@@ -68,8 +68,16 @@ class Program:
     moves: str = "wheel"
 
     def signals(self, t: Array) -> tuple[Array, Array]:
-        """Road [m] and duty [1] at the times t, each (n,); the duty has a seed of its own."""
-        return profile(self.road, t, self.seed), duty(self.duty, t, self.seed + 1)
+        """Road [m] and duty [1] at the times t, each (n,)."""
+        return self.heights(t), self.duties(t)
+
+    def heights(self, t: Array) -> Array:
+        """Road [m] at the times t (n,)."""
+        return profile(self.road, t, self.seed)
+
+    def duties(self, t: Array) -> Array:
+        """Duty [1] at the times t (n,); it has a seed of its own."""
+        return duty(self.duty, t, self.seed + 1)
 
 
 def times(duration: float, dt: float) -> Array:
@@ -82,13 +90,18 @@ def resolve(program: Program, model: Model, dt: float) -> Program:
 
     Raises `InputError` when the model is no vehicle or the road does not move it.
     """
+    return resolved(program, model, dt)[0]
+
+
+def resolved(program: Program, model: Model, dt: float) -> tuple[Program, Array]:
+    """The same, and its road [m] at `times`, (n,), which had to be known for that; (0,) where it had not."""
     road = dict(program.road)
     if "peak_velocity" not in road:
-        return program
+        return program, np.empty(0)
     peak = float(road.pop("peak_velocity"))  # type: ignore[arg-type]
-    t = times(program.duration or 60.0, dt)
-    road["factor"] = factor_for_peak_velocity(model, profile(road, t, program.seed), dt, peak)
-    return replace(program, road=road)
+    heights = profile(road, times(program.duration or 60.0, dt), program.seed)
+    factor = factor_for_peak_velocity(model, heights, dt, peak)
+    return replace(program, road={**road, "factor": factor}), factor * heights
 
 
 def load_program(path: str | Path) -> Program:

@@ -94,9 +94,10 @@ def step(plant: Plant, state: State, inputs: tuple[float, float]) -> tuple[State
     """Advance by one sample: inputs are the road height at its end [m] and the duty held during it."""
     road, duty = inputs
     heights = np.array([state.road, road], float)
-    rates = np.diff(heights) / plant.dt
-    end, _, o = _run(plant, state, heights, np.array([duty], float), rates, False)
-    return end, Output(o[0, 0], o[0, 1], o[0, 4], o[0, 5], o[0, 2], o[0, 3])
+    rates = np.array([(road - state.road) / plant.dt])
+    end, _, outputs = _run(plant, state, heights, np.array([duty], float), rates, False)
+    sprung, unsprung, true, measured, deflection, velocity = outputs[0].tolist()
+    return end, Output(sprung, unsprung, deflection, velocity, true, measured)
 
 
 def simulate(

@@ -44,22 +44,22 @@ OUTPUTS = {
 class State(NamedTuple):
     """What waits for its other half, checks of stamps, the observer's state (None before a sample).
 
-    base: stamp of the first sample [ns]; last: the one estimated last, heard: when [ns, steady]; unusable:
-    samples that were not valid; silent, held: whether it was said that samples stay away, or that the last
-    estimate is held; watched, strut: whether an accelerometer or the deflection sensor is stuck.
+    watched, strut: whether an accelerometer or the deflection sensor is stuck; unusable: samples that were not valid;
+    base: stamp of the first sample [ns]; last: the one estimated last, heard: when [ns, steady]; silent, held: whether
+    it was said that samples stay away, or that the last estimate is held.
     """
 
     feed: Feed = Feed()
     stamps: StampState = StampState()
+    watched: Watched = Watched()
+    strut: Watched = Watched()
+    unusable: int = 0
     mind: observer.State | None = None
     base: int = 0
     last: Tick = Tick(0, 0)
     heard: int = 0
-    unusable: int = 0
     silent: bool = False
     held: bool = False
-    watched: Watched = Watched()
-    strut: Watched = Watched()
 
 
 class ObserverCore:
@@ -94,7 +94,7 @@ class ObserverCore:
         if topic is topics.PWM_APPLIED:
             duty = message.duty if message.valid else math.nan
             feed, joined = on_duty(state.feed, stamp, duty)
-            return self._estimated(State(feed, *state[1:]), joined, when)
+            return self._estimated(state, feed, joined, when)
         if topic is topics.DEFLECTION:
             return self._on_deflection(state, stamp, message, when)
         seq, arrival = int(message.seq), when.system if self.p.max_age else None
@@ -108,8 +108,8 @@ class ObserverCore:
         values = read if good else (math.nan, math.nan)
         feed, joined = on_motion(state.feed, Motion(stamp, seq, *values))
         unusable = state.unusable + (not good)
-        state = state._replace(feed=feed, stamps=stamps, watched=watched, unusable=unusable)
-        return self._estimated(state, joined, when)
+        state = State(feed, stamps, watched, state.strut, unusable, *state[5:])
+        return self._estimated(state, feed, joined, when)
 
     def _on_deflection(
         self, state: State, stamp: int, message: Any, when: When
@@ -120,8 +120,8 @@ class ObserverCore:
         good = message.valid and math.isfinite(message.deflection) and not stuck
         value = message.deflection if good else math.nan
         feed, joined = on_deflection(state.feed, stamp, value)
-        state = state._replace(feed=feed, strut=strut, unusable=state.unusable + (not good))
-        return self._estimated(state, joined, when)
+        state = state._replace(strut=strut, unusable=state.unusable + (not good))
+        return self._estimated(state, feed, joined, when)
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Say once that the last estimate is held, and once that it is no longer valid, when the samples stay away."""
@@ -142,25 +142,23 @@ class ObserverCore:
         return [(self.topic, _message(state.last, e))]
 
     def _estimated(
-        self, state: State, joined: list[Joined], when: When
+        self, state: State, feed: Feed, joined: list[Joined], when: When
     ) -> tuple[State, list[Said]]:
-        """Step for each sample that is complete."""
+        """Step for each sample that is complete; feed: what waits now."""
         said: list[Said] = []
-        for motion, duty, deflection in joined:
-            base = state.base or motion.stamp
-            t = 1e-9 * (motion.stamp - base)
-            sample = observer.Sample(t, motion.sprung, motion.unsprung, duty, deflection)
-            if state.mind is None:
+        if not joined:
+            return State(feed, *state[1:]), said
+        mind, base = state.mind, state.base or joined[0].motion.stamp
+        for (stamp, seq, sprung, unsprung), duty, deflection in joined:
+            sample = observer.Sample(1e-9 * (stamp - base), sprung, unsprung, duty, deflection)
+            if mind is None:
                 mind = observer.start(self.gains, sample)
                 estimate = mind.estimate
             else:
-                mind, estimate = observer.step(self.gains, state.mind, sample)
-            last = Tick(*motion[:2])
-            state = state._replace(
-                mind=mind, base=base, last=last, heard=when.steady, silent=False, held=False
-            )
+                mind, estimate = observer.step(self.gains, mind, sample)
+            last = Tick(stamp, seq)
             said.append((self.topic, _message(last, estimate)))
-        return state, said
+        return State(feed, *state[1:5], mind, base, last, when.steady), said
 
 
 def _message(tick: Tick, e: observer.Estimate) -> DamperForce:

@@ -46,21 +46,21 @@ _PARTS = {
 class State(NamedTuple):
     """Ticks that wait for a part, checks of stamps, the estimator's state (None before a sample).
 
-    base: stamp of the first sample [ns]; last: the one estimated last, heard: when [ns, steady]; unusable: messages
-    that were not valid or stuck; silent: whether it was said that samples stay away; body, strut: whether a sensor is
-    stuck.
+    body, strut: whether a sensor is stuck; unusable: messages that were not valid or stuck; base: stamp of the first
+    sample [ns]; last: the one estimated last, heard: when [ns, steady]; silent: whether it was said that samples stay
+    away.
     """
 
     gathered: Gathered = Gathered()
     stamps: StampState = StampState()
+    body: Watched = Watched()
+    strut: Watched = Watched()
+    unusable: int = 0
     mind: estimator.State | None = None
     base: int = 0
     last: Tick = Tick(0, 0)
     heard: int = 0
-    unusable: int = 0
     silent: bool = False
-    body: Watched = Watched()
-    strut: Watched = Watched()
 
 
 class FaultCore:
@@ -107,10 +107,8 @@ class FaultCore:
         unusable = state.unusable + (stuck or not message.valid)
         which = _PARTS.get(topic.name, gather.FORCE)
         gathered, ticks = gather.add(state.gathered, self.needed, which, stamp, seq, part)
-        state = state._replace(
-            gathered=gathered, stamps=stamps, unusable=unusable, body=body, strut=strut
-        )
-        return self._estimated(state, ticks, when)
+        state = State(gathered, stamps, body, strut, unusable, *state[5:])
+        return self._estimated(state, ticks, when) if ticks else (state, [])
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Say once that the estimate is no longer valid when the samples stay away."""
@@ -126,20 +124,17 @@ class FaultCore:
     ) -> tuple[State, list[Said]]:
         """Step for each tick that can go on."""
         said: list[Said] = []
+        mind, base = state.mind, state.base or ticks[0].stamp
         for tick in ticks:
-            base = state.base or tick.stamp
             sample = gather.sample_of(tick, base)
-            if state.mind is None:
+            if mind is None:
                 mind = estimator.start(self.estimator, sample)
                 estimate = mind.estimate
             else:
-                mind, estimate = estimator.step(self.estimator, state.mind, sample)
+                mind, estimate = estimator.step(self.estimator, mind, sample)
             last = Tick(tick.stamp, tick.seq)
-            state = state._replace(
-                mind=mind, base=base, last=last, heard=when.steady, silent=False
-            )
             said.append((topics.FAULT, _message(last, estimate)))
-        return state, said
+        return State(*state[:5], mind, base, last, when.steady), said
 
 
 def force_noise(p: FaultParameters, model: Model) -> float | None:

@@ -30,8 +30,9 @@ def build(p: PlantParameters) -> Rig:
     noise = Noise(_errors(p, "noise"), _errors(p, "bias"), program.seed)
     # a road scaled to a peak velocity means the vehicle as it is known, not what is hidden in it
     known = load_model(p.model_file, catalogue_with(p.effects_from))
-    program = scaled(program, known, dt)
-    return Rig(simulator(model, dt, noise), gate(p, model), program, p.duty_source == "program")
+    program, heights = scaled(program, known, dt)
+    programmed = p.duty_source == "program"
+    return Rig(simulator(model, dt, noise), gate(p, model), program, programmed, heights)
 
 
 def load_plant_model(p: PlantParameters) -> Model:

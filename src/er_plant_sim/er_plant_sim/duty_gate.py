@@ -118,6 +118,7 @@ def _limited(
     duty = min(max(wanted, state.duty - room), state.duty + room)
     duty = min(max(duty, p.duty_min), p.duty_max)
     saturated = duty != wanted
-    state = state._replace(duty=duty, t=t, limited=state.limited + saturated)
+    _, _, last, refused, limited, repeated = state
+    state = GateState(duty, t, last, refused, limited + saturated, repeated)
     seq, source = (command.seq, command.source) if command else (0, 0)
     return state, Applied(duty, seq, source, saturated, reason)

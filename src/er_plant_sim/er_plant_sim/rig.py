@@ -9,7 +9,7 @@ Time is the tick times the sample time; nothing here knows a clock.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -31,13 +31,15 @@ BLOCK = 16
 class Rig:
     """Simulator, limits of the duty, and the program of road and duty (peak velocity resolved).
 
-    programmed: the duty is that of the program; otherwise commands are waited for.
+    programmed: the duty is that of the program; otherwise commands are waited for. known: road [m] at the first
+    ticks, (n,), where it was computed beforehand.
     """
 
     sim: Simulator
     gate: Gate
     program: Program
     programmed: bool
+    known: Array = field(default_factory=lambda: np.empty(0))
 
     @property
     def dt(self) -> float:
@@ -74,7 +76,7 @@ def receive(rig: Rig, state: RigState, command: Command, *, valid: bool) -> RigS
         return state
     if command.seq > state.sim.tick:
         command = command._replace(seq=0)
-    return state._replace(gate=duty_gate.receive(state.gate, command, valid=valid))
+    return RigState(state.sim, duty_gate.receive(state.gate, command, valid=valid))
 
 
 def decide(rig: Rig, state: RigState, *, conflict: bool = False) -> tuple[RigState, Applied]:
@@ -85,13 +87,13 @@ def decide(rig: Rig, state: RigState, *, conflict: bool = False) -> tuple[RigSta
         gate, applied = duty_gate.program(rig.gate, state.gate, t, wanted)
     else:
         gate, applied = duty_gate.step(rig.gate, state.gate, t, conflict=conflict)
-    return state._replace(gate=gate), applied
+    return RigState(state.sim, gate), applied
 
 
 def advance(rig: Rig, state: RigState) -> RigState:
     """The state at the next tick, with the duty that was decided."""
     height = road(rig, state.sim.tick + 1)
-    return state._replace(sim=simulator.advance(rig.sim, state.sim, height, state.gate.duty))
+    return RigState(simulator.advance(rig.sim, state.sim, height, state.gate.duty), state.gate)
 
 
 def time(rig: Rig, state: RigState) -> float:
@@ -106,16 +108,29 @@ def finished(rig: Rig, state: RigState) -> bool:
 
 def road(rig: Rig, tick: int) -> float:
     """Height of the road at a tick [m]."""
-    return float(_signals(rig, tick // BLOCK)[0][tick % BLOCK])
+    if tick < rig.known.size:
+        return rig.known.item(tick)
+    return float(_heights(rig, tick // BLOCK)[tick % BLOCK])
 
 
 def wanted_duty(rig: Rig, tick: int) -> float:
     """Duty the program asks for from a tick on [1]."""
-    return float(_signals(rig, tick // BLOCK)[1][tick % BLOCK])
+    return float(_duties(rig, tick // BLOCK)[tick % BLOCK])
 
 
 @lru_cache(maxsize=4)
-def _signals(rig: Rig, block: int) -> tuple[Array, Array]:
-    """Road and duty of one block of ticks, each (BLOCK,)."""
+def _heights(rig: Rig, block: int) -> Array:
+    """Road of one block of ticks (BLOCK,)."""
+    return rig.program.heights(_times(rig, block))
+
+
+@lru_cache(maxsize=4)
+def _duties(rig: Rig, block: int) -> Array:
+    """Duty of one block of ticks (BLOCK,)."""
+    return rig.program.duties(_times(rig, block))
+
+
+def _times(rig: Rig, block: int) -> Array:
+    """Times of one block of ticks (BLOCK,) [s]."""
     ticks = np.arange(block * BLOCK, (block + 1) * BLOCK, dtype=np.float64)
-    return rig.program.signals(np.asarray(rig.dt * ticks, np.float64))
+    return np.asarray(rig.dt * ticks, np.float64)

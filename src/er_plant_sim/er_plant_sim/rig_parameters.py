@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, replace
 
 from er_models.errors import InputError
-from er_models.model import Model
-from er_models.program import Program, resolve
+from er_models.model import Array, Model
+from er_models.program import Program, resolved
 from er_ros_common.common_parameters import NodeParameters, injection_allowed
 from er_ros_common.parameter_table import REQUIRED, param
 
@@ -93,7 +93,11 @@ def of_a_wheel(p: RigParameters, program: Program) -> Program:
     raise InputError(p.program_file, "moves", expected, program.moves)
 
 
-def scaled(program: Program, model: Model, dt: float) -> Program:
-    """The program with its road scaled to the peak velocity it names, for this car at this step [s]."""
+def scaled(program: Program, model: Model, dt: float) -> tuple[Program, Array]:
+    """The program with its road scaled to the peak velocity it names, for this car at this step [s].
+
+    And the road's heights [m] at the first ticks, (n,), as many as are known by then.
+    """
     bounded = replace(program, duration=min(program.duration or LONGEST, LONGEST))
-    return replace(program, road=resolve(bounded, model, dt).road)
+    found, heights = resolved(bounded, model, dt)
+    return replace(program, road=found.road), heights

@@ -1,5 +1,6 @@
 """Parameters of the plant node: which there are, and the rig they make."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -103,6 +104,17 @@ def test_the_limits_of_the_duty_come_from_the_model() -> None:
     assert made.gate.duty_max == 0.3
     _, applied = decide(made, start(made))
     assert (applied.duty, applied.saturated) == (0.3, True)
+
+
+def test_a_road_that_was_scaled_is_known_beforehand() -> None:
+    path = str(CONFIG / "experiments/identification.yaml")
+    made = rig(program_file=path, duration=2.0, rate=1000.0)
+    later = replace(made, known=np.empty(0))
+    assert made.known.size == 2001
+    expected = [road(later, k) for k in range(2100)]
+    assert max(map(abs, expected)) > 1e-3
+    # but for the order in which sums of many rows are taken
+    assert [road(made, k) for k in range(2100)] == pytest.approx(expected, abs=1e-15)
 
 
 def test_a_peak_velocity_means_the_known_vehicle_not_what_is_hidden_in_it() -> None:

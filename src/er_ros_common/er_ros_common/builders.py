@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from numbers import Real
-from typing import Any, TypeVar
+from typing import Any, NamedTuple
 
 from er_damper_msgs.msg import (
     DamperForce,
@@ -23,19 +23,48 @@ from er_damper_msgs.msg import (
     SuspensionAcceleration,
     SuspensionDeflection,
 )
-from er_ros_common.blank import blank
-from er_ros_common.clock import set_stamp
+from er_ros_common.clock import split
+from er_ros_common.makers import maker
 from er_ros_common.stamps import StampState
 
 OK, FAULT = SuspensionDeflection.STATUS_OK, SuspensionDeflection.STATUS_FAULT
 NO_STAMPS = StampState()
-M = TypeVar("M")
+
+
+class _Form(NamedTuple):
+    """How messages of a type are made, and the names of their numbers."""
+
+    make: Callable[..., Any]
+    numbers: tuple[str, ...]
+
+
+def _form(kind: type[Any], numbers: tuple[str, ...], more: tuple[str, ...] = ()) -> _Form:
+    """Messages with these numbers, and other fields as they are given."""
+    return _Form(maker(kind, ("seq", "status", "valid", *numbers, *more)), numbers)
+
+
 _FACTORS = ("f1", "f2", "f3", "f1_sd", "f2_sd", "f3_sd")
 _FACTOR_STATES = ("f1_status", "f2_status", "f3_status")
+_RATES = ("output_rate", "step_time_mean", "step_time_max")
+_WORDS = ("node", "mode", "reason", "model_id", "gains_id")
+_STAMP_COUNTS = (
+    "received", "used", "lost", "duplicate", "out_of_order", "stale", "future", "zero_stamp", "resets",
+)  # fmt: skip
+_COUNTS = (*_STAMP_COUNTS, "non_finite", "invalid", "published", "deadline_misses")
+_ACCELERATION = _form(SuspensionAcceleration, ("sprung", "unsprung"))
+_DEFLECTION = _form(SuspensionDeflection, ("deflection", "velocity"))
+_FORCE = _form(DamperForce, ("force", "force_sd", "test_ratio"))
+_ROAD = _form(RoadDisplacement, ("displacement",))
+_DUTY = _form(PwmDuty, ("duty",), ("command_seq", "source", "saturated"))
+_FAULT = _form(
+    FaultEstimate,
+    (*_FACTORS, "certainty", "residual", "test_ratio"),
+    (*_FACTOR_STATES, "kind", "unexplained"),
+)
+_STATUS = _form(NodeStatus, _RATES, (*_WORDS, *_COUNTS))
 
 
-@dataclass(frozen=True, slots=True)
-class Tick:
+class Tick(NamedTuple):
     """Time of the measurement [ns] and its sequence number, copied from input to output."""
 
     stamp: int
@@ -70,7 +99,9 @@ def _index(name: str, value: Any) -> int:
 
 def truth(name: str, value: Any) -> bool:
     """The value as bool; TypeError for anything but a (NumPy) truth value."""
-    if isinstance(value, bool) or type(value).__name__ in ("bool_", "bool"):
+    if type(value) is bool:
+        return value
+    if type(value).__name__ in ("bool_", "bool"):
         return bool(value)
     raise TypeError(f"{name} must be true or false, not {type(value).__name__}")
 
@@ -86,8 +117,7 @@ def suspension_acceleration(
     tick: Tick, sprung: float, unsprung: float, *, status: int = OK, valid: bool = True
 ) -> SuspensionAcceleration:
     """Accelerations [m/s2], positive upwards, gravity removed."""
-    numbers = {"sprung": sprung, "unsprung": unsprung}
-    return _filled(blank(SuspensionAcceleration), tick, numbers, status, valid=valid)
+    return _made(_ACCELERATION, tick, (sprung, unsprung), status, valid=valid)
 
 
 def suspension_deflection(
@@ -99,9 +129,9 @@ def suspension_deflection(
     valid: bool = True,
 ) -> SuspensionDeflection:
     """Deflection [m], positive in extension, and its velocity [m/s], None where not measured."""
-    numbers = {"deflection": deflection, "velocity": 0.0 if velocity is None else velocity}
-    message = _filled(blank(SuspensionDeflection), tick, numbers, status, valid=valid)
-    message.velocity_valid = bool(message.valid and velocity is not None)
+    numbers = (deflection, 0.0 if velocity is None else velocity)
+    message = _made(_DEFLECTION, tick, numbers, status, valid=valid)
+    message.velocity_valid = message.valid and velocity is not None
     return message
 
 
@@ -115,17 +145,14 @@ def damper_force(
     valid: bool = True,
 ) -> DamperForce:
     """Force [N], positive resists extension, its deviation [N], the residual over its gate [1]."""
-    numbers = {"force": force, "force_sd": force_sd, "test_ratio": test_ratio}
-    return _filled(blank(DamperForce), tick, numbers, status, valid=valid)
+    return _made(_FORCE, tick, (force, force_sd, test_ratio), status, valid=valid)
 
 
 def road_displacement(
     tick: Tick, displacement: float, *, status: int = OK, valid: bool = True
 ) -> RoadDisplacement:
     """Road displacement [m], positive upwards."""
-    return _filled(
-        blank(RoadDisplacement), tick, {"displacement": displacement}, status, valid=valid
-    )
+    return _made(_ROAD, tick, (displacement,), status, valid=valid)
 
 
 def pwm_duty(
@@ -139,14 +166,11 @@ def pwm_duty(
     valid: bool = True,
 ) -> PwmDuty:
     """Duty [1], clamped to 0..1 and then marked saturated; command_seq None: it is the command."""
-    message = _filled(blank(PwmDuty), tick, {"duty": duty}, status, valid=valid)
-    wanted = message.duty
-    message.duty = min(max(wanted, 0.0), 1.0)
-    message.saturated = truth("saturated", saturated) or message.duty != wanted
-    message.command_seq = (
-        tick.seq if command_seq is None else integer("command_seq", command_seq, 64)
-    )
-    message.source = integer("source", source, 8)
+    answered = tick.seq if command_seq is None else integer("command_seq", command_seq, 64)
+    more = (answered, integer("source", source, 8), truth("saturated", saturated))
+    message = _made(_DUTY, tick, (duty,), status, more, valid=valid)
+    if not 0.0 <= message.duty <= 1.0:
+        message.duty, message.saturated = min(max(message.duty, 0.0), 1.0), True
     return message
 
 
@@ -167,14 +191,10 @@ def fault_estimate(
     """Effectiveness f1, f2, f3 [1], their standard deviations [1], a FAULT_* each; which fault, what is left [N]."""
     if not len(factors) == len(deviations) == len(states) == 3:
         raise ValueError("three factors, three standard deviations and three states are needed")
-    numbers = dict(zip(_FACTORS, (*factors, *deviations), strict=True))
-    numbers |= {"certainty": certainty, "residual": residual, "test_ratio": test_ratio}
-    message = _filled(blank(FaultEstimate), tick, numbers, status, valid=valid)
-    message.kind = integer("kind", kind, 8)
-    message.unexplained = truth("unexplained", unexplained)
-    for name, state in zip(_FACTOR_STATES, states, strict=True):
-        setattr(message, name, integer(name, state, 8))
-    return message
+    numbers = (*factors, *deviations, certainty, residual, test_ratio)
+    codes = [integer(name, state, 8) for name, state in zip(_FACTOR_STATES, states, strict=True)]
+    more = (*codes, integer("kind", kind, 8), truth("unexplained", unexplained))
+    return _made(_FAULT, tick, numbers, status, more, valid=valid)
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,42 +227,41 @@ def node_status(
     valid: bool = True,
 ) -> NodeStatus:
     """Health of a node; the tick counts the status messages."""
-    rates = ("output_rate", "step_time_mean", "step_time_max")
-    numbers = {name: getattr(timing, name) for name in rates}
-    message = _filled(blank(NodeStatus), tick, numbers, status, valid=True)
+    numbers = tuple(getattr(timing, name) for name in _RATES)
+    words = (node, mode, reason, model_id, gains_id)
+    counts = [getattr(stamps, name) for name in _STAMP_COUNTS]
+    counts += [non_finite, invalid, timing.published, timing.deadline_misses]
+    more: list[Any] = [text(name, each) for name, each in zip(_WORDS, words, strict=True)]
+    more += [integer(name, each, 64) for name, each in zip(_COUNTS, counts, strict=True)]
+    message = _made(_STATUS, tick, numbers, status, more, valid=True)
     message.valid = truth("valid", valid) and message.valid
-    texts = {
-        "node": node,
-        "mode": mode,
-        "reason": reason,
-        "model_id": model_id,
-        "gains_id": gains_id,
-    }
-    for name, words in texts.items():
-        setattr(message, name, text(name, words))
-    for name in ("received", "used", "lost", "duplicate", "out_of_order", "stale", "future"):
-        setattr(message, name, integer(name, getattr(stamps, name), 64))
-    message.zero_stamp, message.resets = int(stamps.zero_stamp), int(stamps.resets)
-    counts = {"non_finite": non_finite, "invalid": invalid, "published": timing.published}
-    for name, value in (counts | {"deadline_misses": timing.deadline_misses}).items():
-        setattr(message, name, integer(name, value, 64))
     return message
 
 
-def _filled(message: M, tick: Tick, numbers: dict[str, Any], status: int, *, valid: bool) -> M:
-    """Message with header, sequence number, numbers, status and validity; zeros when invalid."""
-    target: Any = message
-    good, finite = truth("valid", valid), True
-    for name, value in numbers.items():
-        each = number(name, value)
-        finite = finite and math.isfinite(each)
-        setattr(target, name, each)
+def _made(
+    form: _Form,
+    tick: Tick,
+    numbers: Sequence[float],
+    status: int,
+    more: Sequence[Any] = (),
+    *,
+    valid: bool,
+) -> Any:
+    """Message with header, sequence number, numbers, status and validity; zeros when invalid.
+
+    more: its other fields, as they are.
+    """
+    finite = True
+    for value in numbers:
+        if type(value) is not float or not math.isfinite(value):  # nearly never
+            numbers = [number(*each) for each in zip(form.numbers, numbers, strict=True)]
+            finite = all(map(math.isfinite, numbers))
+            break
+    good = truth("valid", valid) and finite
+    if not good:
+        numbers = (0.0,) * len(numbers)
     code = integer("status", status, 8)
-    set_stamp(target.header.stamp, tick.stamp)
-    target.seq = integer("seq", tick.seq, 64)
-    if not (good and finite):
-        for name in numbers:
-            setattr(target, name, 0.0)
-    target.status = FAULT if not finite and code == OK else code
-    target.valid = good and finite
-    return message
+    if code == OK and not finite:
+        code = FAULT
+    seq = integer("seq", tick.seq, 64)
+    return form.make(*split(tick.stamp), seq, code, good, *numbers, *more)

@@ -47,11 +47,12 @@ def to_stamp(nanoseconds: int) -> Time:
     Raises:
         ValueError: before the start or beyond what a stamp can hold.
     """
-    return set_stamp(Time(), nanoseconds)
+    sec, nanosec = split(nanoseconds)
+    return Time(sec=sec, nanosec=nanosec)
 
 
-def set_stamp(stamp: Time, nanoseconds: int) -> Time:
-    """The stamp, set to a time [ns] since the clock's start.
+def split(nanoseconds: int) -> tuple[int, int]:
+    """Seconds and nanoseconds of a stamp for a time [ns] since the clock's start.
 
     Raises:
         ValueError: before the start or beyond what a stamp can hold.
@@ -59,13 +60,13 @@ def set_stamp(stamp: Time, nanoseconds: int) -> Time:
     second, rest = divmod(int(nanoseconds), SECOND)
     if not 0 <= second <= LAST_SECOND:
         raise ValueError(f"a stamp holds 0 to {LAST_SECOND} s, not {second} s")
-    stamp.sec, stamp.nanosec = second, rest
-    return stamp
+    return second, rest
 
 
 def from_stamp(stamp: Time) -> int:
     """Time of a stamp [ns]."""
-    return int(stamp.sec * SECOND + stamp.nanosec)
+    nanoseconds: int = stamp.sec * SECOND + stamp.nanosec
+    return nanoseconds
 
 
 def to_seconds(stamp: Time) -> float:

@@ -7,7 +7,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from er_ros_common.stamps import SECOND, StampLimits, StampState, Verdict, check_stamp
+from er_ros_common.stamps import (
+    SECOND,
+    StampLimits,
+    StampState,
+    Verdict,
+    check_stamp,
+    in_order,
+    judge,
+)
 
 MISSING, LOST = 1.0, 5.0
 """Silence of an input after which it is worth a warning, and after which it is an error [s]."""
@@ -58,7 +66,6 @@ class Input:
     since: float
     needed: bool = True
     steady: bool = True
-    state: StampState = NO_STAMPS
     age: float = 0.0
     arrived: float | None = None
     _bad: dict[Verdict, float] = field(default_factory=dict)
@@ -67,17 +74,26 @@ class Input:
     _counted: int = 0
     _looked: float = 0.0
     _measured: float | None = None
+    _state: StampState = NO_STAMPS
+    _last: int = 0
+    _seq: int = 0
+    _row: int = 0
     _period: float = 0.0
 
     def note(self, stamp: int, seq: int, arrival: float, now: int | None) -> Verdict:
         """Take one message; now: time of arrival on the clock of the stamps [ns], None where ages mean nothing."""
-        before, self.arrived = self.state, arrival
-        self.state, verdict = check_stamp(self.limits, before, stamp, seq, now)
-        if verdict is Verdict.FRESH:
-            if seq > before.seq > 0:
-                self._period = 1e-9 * (stamp - before.stamp) / (seq - before.seq)
-            return verdict
-        if verdict in _WORDS:
+        self.arrived = arrival
+        if seq == self._seq + 1 and judge(self.limits, self._last, stamp, now) is Verdict.FRESH:
+            # nearly always: only counted, until somebody asks
+            self._row, self._period = self._row + 1, stamp - self._last
+            self._last, self._seq = stamp, seq
+            return Verdict.FRESH
+        before = self.state
+        self._state, verdict = check_stamp(self.limits, before, stamp, seq, now)
+        self._last, self._seq = self._state[:2]
+        if verdict is Verdict.FRESH and seq > before.seq > 0:
+            self._period = (stamp - before.stamp) / (seq - before.seq)
+        elif verdict in _WORDS:
             self._bad[verdict] = arrival
             self.age = 1e-9 * (now - stamp) if now is not None and stamp else 0.0
         elif verdict in (Verdict.JUMPED_BACK, Verdict.GAP):
@@ -86,6 +102,14 @@ class Input:
             way = "back" if step < 0.0 else "forward"
             self._jump = f"time jumped {way} by {abs(step):.3g} s: started afresh"
         return verdict
+
+    @property
+    def state(self) -> StampState:
+        """Last stamp that was good, and the counts."""
+        if self._row:
+            self._state = in_order(self._state, self._last, self._seq, self._row)
+            self._row = 0
+        return self._state
 
     def measure(self, now: float) -> None:
         """Measure the rate since the last time; once a second or so."""
@@ -107,9 +131,9 @@ class Input:
             level = ERROR if silent >= LOST else WARN
             return Finding(level, self.name, f"{never} for {silent:.1f} s: {cure}")
         if silent < MISSING and self.steady and self._measured is not None and self._period > 0.0:
-            expected = 1.0 / self._period
-            if self._measured < SLOW * expected:
-                text = f"{self._measured:.0f} Hz of {expected:.0f} Hz arrive: is a CPU or the network overloaded?"
+            measured, expected = self._measured, SECOND / self._period
+            if measured < SLOW * expected:
+                text = f"{measured:.0f} Hz of {expected:.0f} Hz arrive: is a CPU or the network overloaded?"
                 return Finding(WARN, self.name, text)
         return Finding(OK, self.name, "comes" if silent < MISSING else "not needed, does not come")
 

@@ -29,7 +29,7 @@ from rclpy.subscription import Subscription
 from er_ros_common import clock
 
 LOOK_PERIOD = 0.1
-"""How often it is looked whether publishers outside have come or gone [s]."""
+"""How often it is looked whether somebody outside has come or gone [s]."""
 MOST = 200
 """Messages in one go; then timers and signals get their turn."""
 
@@ -37,20 +37,30 @@ MOST = 200
 class LocalPublisher(Publisher):
     """Hands messages to the subscriptions of its process, and sends them only where somebody else listens.
 
-    local: the way through its process; subscriptions: those that are served directly.
+    local: the way through its process; subscriptions: those that are served directly; others: whether there were more
+    when they were last counted.
     """
 
     local: IntraProcess | None = None
     subscriptions: tuple[LocalSubscription, ...] = ()
+    others: bool = True
+
+    def get_subscription_count(self) -> int:
+        """Subscriptions of the topic, here and elsewhere."""
+        count = super().get_subscription_count()
+        self.others = count > len(self.subscriptions)
+        return count
 
     def publish(self, message: Any) -> None:
         """Publish a message; TypeError where it is of another type."""
         if not isinstance(message, self.msg_type):
             raise TypeError(f"expected {self.msg_type.__name__}, found {type(message).__name__}")
-        if self.subscriptions and self.local:
+        if self.local is None:
+            self.get_subscription_count()
+        elif self.subscriptions:
             self.local.hand(self.subscriptions, message)
         # what is not latched and has no reader is lost anyway
-        if self.get_subscription_count() > len(self.subscriptions):
+        if self.others:
             super().publish(message)
 
 
@@ -116,7 +126,7 @@ class IntraProcess:
         self.look()
 
     def look(self) -> None:
-        """Serve directly, or by the middleware, as publishers outside come and go."""
+        """Serve directly, or by the middleware, as publishers and listeners outside come and go."""
         changed = [each for each in self.subscriptions if each.alone != each.direct]
         for each in changed:
             self._turn_over(each)
@@ -126,6 +136,8 @@ class IntraProcess:
                     e for e in self.subscriptions if e.direct and publisher in e.publishers
                 )
             self._wake()
+        for publisher in self.publishers:
+            publisher.get_subscription_count()
 
     def _turn_over(self, each: LocalSubscription) -> None:
         """From direct to the middleware, or back."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import NamedTuple
 
@@ -44,12 +44,18 @@ class StampLimits:
         gap: longest step that a state may be carried over [s]; 10 periods at 200 Hz.
         back: a stamp older than the last one by more than this [s] is a restart of time (a bag
             that loops, a simulation that was reset), by less it is a straggler.
+        whole: the same four in nanoseconds.
     """
 
     stale: float = 0.020
     future: float = 0.005
     gap: float = 0.050
     back: float = 0.5
+    whole: tuple[int, int, int, int] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        each = (self.stale, self.future, self.gap, self.back)
+        object.__setattr__(self, "whole", tuple(round(seconds * SECOND) for seconds in each))
 
 
 class StampState(NamedTuple):
@@ -93,33 +99,43 @@ def check_stamp(
     Returns:
         The next state and the verdict. A refused sample changes nothing but the counts.
     """
-    verdict = _verdict(limits, state, stamp, now)
-    before, received, lost, resets = state.seq, state.received, state.lost, state.resets
+    verdict = judge(limits, state.stamp, stamp, now)
     if not verdict.use:
         name = _COUNTER[verdict]
-        counts = {"received": received + 1, name: getattr(state, name) + 1}
+        counts = {"received": state.received + 1, name: getattr(state, name) + 1}
         return state._replace(**counts), verdict
-    if verdict is not Verdict.FRESH:
-        resets += verdict is not Verdict.FIRST
-    if seq and before and verdict.carries and 0 < seq - before - 1 < RENUMBERED:
+    _, before, received, used, lost, duplicate, late, stale, future, zero, resets = state
+    if verdict is not Verdict.FRESH and verdict is not Verdict.FIRST:
+        resets += 1
+    if before and verdict.carries and 1 < seq - before <= RENUMBERED:
         lost += seq - before - 1
-    refused = state.duplicate, state.out_of_order, state.stale, state.future, state.zero_stamp
-    following = (stamp, seq, received + 1, state.used + 1, lost, *refused, resets)
+    refused = duplicate, late, stale, future, zero
+    following = (stamp, seq, received + 1, used + 1, lost, *refused, resets)
     return _NEW(StampState, following), verdict
 
 
-def _verdict(limits: StampLimits, state: StampState, stamp: int, now: int | None) -> Verdict:
+def in_order(state: StampState, stamp: int, seq: int, number: int) -> StampState:
+    """The state after so many fresh messages without a loss, the last one with this stamp [ns] and sequence number."""
+    received, used = state.received + number, state.used + number
+    return state._replace(stamp=stamp, seq=seq, received=received, used=used)
+
+
+def judge(limits: StampLimits, last: int, stamp: int, now: int | None) -> Verdict:
+    """What a stamp means; all in ns. last: the one that was used before, 0 where none was; now: see `check_stamp`."""
+    stale, future, gap, back = limits.whole
     if stamp <= 0:
         return Verdict.ZERO
-    if now is not None and stamp - now > limits.future * SECOND:
-        return Verdict.FUTURE
-    if now is not None and now - stamp > limits.stale * SECOND:
-        return Verdict.STALE
-    if state.used == 0:
+    if now is not None:
+        age = now - stamp
+        if -age > future:
+            return Verdict.FUTURE
+        if age > stale:
+            return Verdict.STALE
+    if not last:
         return Verdict.FIRST
-    step = stamp - state.stamp
+    step = stamp - last
+    if step > 0:
+        return Verdict.GAP if step > gap else Verdict.FRESH
     if step == 0:
         return Verdict.DUPLICATE
-    if step < 0:
-        return Verdict.JUMPED_BACK if -step > limits.back * SECOND else Verdict.OUT_OF_ORDER
-    return Verdict.GAP if step > limits.gap * SECOND else Verdict.FRESH
+    return Verdict.JUMPED_BACK if -step > back else Verdict.OUT_OF_ORDER

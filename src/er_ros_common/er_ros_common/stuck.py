@@ -24,16 +24,20 @@ DEFLECTION = (math.inf, 0.01)
 
 
 class Watched(NamedTuple):
-    """Last values; for each: stamp of its last change [ns], samples since, those in which another one changed."""
+    """Last values, and the stamp of the last change of any [ns].
+
+    Where one has stayed, for each: stamp of its last change [ns], samples since, those in which another one changed.
+    """
 
     values: tuple[float, ...] = ()
+    changed: int = 0
     since: tuple[int, ...] = ()
     same: tuple[int, ...] = ()
     others: tuple[int, ...] = ()
 
 
 def check(
-    state: Watched, values: Sequence[float], resting: Sequence[float], stamp: int
+    state: Watched, values: tuple[float, ...], resting: Sequence[float], stamp: int
 ) -> tuple[Watched, bool]:
     """Whether any field is stuck at this stamp [ns].
 
@@ -43,22 +47,35 @@ def check(
         resting: magnitude of each up to which standing still explains it (n,); inf where any constant does.
         stamp: of the message [ns].
     """
-    now, n = tuple(values), len(values)
-    if len(state.values) != n or stamp <= max(state.since):
-        return Watched(now, (stamp,) * n, (0,) * n, (0,) * n), False
+    before, last = state.values, state.changed
+    if len(before) != len(values) or stamp <= last:
+        return Watched(values, stamp), False
+    for a, b in zip(values, before, strict=True):
+        if a == b or a != a:
+            return _stayed(state, values, resting, stamp)
+    return Watched(values, stamp), False
+
+
+def _stayed(
+    state: Watched, values: tuple[float, ...], resting: Sequence[float], stamp: int
+) -> tuple[Watched, bool]:
+    """The same where a field may not have changed; NaN after NaN is no change."""
+    n, zeros = len(values), (0,) * len(values)
     changed = [
         a != b and not (math.isnan(a) and math.isnan(b))
-        for a, b in zip(now, state.values, strict=True)
+        for a, b in zip(values, state.values, strict=True)
     ]
-    if False not in changed:
-        return Watched(now, (stamp,) * n, (0,) * n, (0,) * n), False
-    moved = sum(changed)
-    since, same, others = list(state.since), list(state.same), list(state.others)
+    moved = any(changed)
+    since = list(state.since or (state.changed,) * n)
+    same, others = list(state.same or zeros), list(state.others or zeros)
     for i, each in enumerate(changed):
         since[i] = stamp if each else since[i]
         same[i] = 0 if each else same[i] + 1
-        others[i] = 0 if each else others[i] + (moved > 0)
+        others[i] = 0 if each else others[i] + moved
     long = [stamp - since[i] >= AFTER for i in range(n)]
     one = any(long[i] and others[i] >= SHARE * same[i] for i in range(n))
-    everything = all(long) and any(abs(v) > r for v, r in zip(now, resting, strict=True))
-    return Watched(now, tuple(since), tuple(same), tuple(others)), one or everything
+    everything = all(long) and any(abs(v) > r for v, r in zip(values, resting, strict=True))
+    return (
+        Watched(values, max(since), tuple(since), tuple(same), tuple(others)),
+        one or everything,
+    )

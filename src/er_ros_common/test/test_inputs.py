@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from er_ros_common.inputs import ERROR, OK, WARN, Input
-from er_ros_common.stamps import StampLimits
+from er_ros_common.stamps import StampLimits, StampState, check_stamp
 
 MS = 1_000_000
 T0 = 1_000_000 * MS
@@ -43,6 +43,18 @@ def test_silence_is_a_warning_after_one_second_and_an_error_after_five() -> None
     end = feed(each, range(1, 10), 105.1)
     assert each.flow(end).level == OK
     assert "nothing came any more for 1.5 s" in each.flow(end + 1.5).text
+
+
+def test_counts_are_those_of_a_check_of_each_message() -> None:
+    each, state = watched(), StampState()
+    for seq in (1, 2, 3, 5, 6, 6, 4, 7, 8, 900, 901, 2, 3, 4):
+        stamp = T0 + 5 * MS * seq
+        each.note(stamp, seq, 100.0, stamp + MS)
+        state, _ = check_stamp(each.limits, state, stamp, seq, stamp + MS)
+        if seq % 4 == 0:
+            assert each.state == state
+    assert each.state == state
+    assert (state.duplicate, state.out_of_order, state.resets) == (1, 1, 2)
 
 
 def test_an_input_that_may_be_missing_is_not_missed() -> None:

@@ -36,10 +36,9 @@ class FtcController(CoreNode):
 
     def take(self, state: Any, said: list[Said]) -> bool:
         """Tell a change of mode or reason at once."""
-        before = self.state.command
+        before = self.state
         done = super().take(state, said)
-        after = self.state.command
-        if (before.mode, before.reason) != (after.mode, after.reason):
+        if done and state.word != before.word:
             self.health.publish_status()
         return done
 

@@ -48,9 +48,9 @@ def add(
         return gathered, []
     if stamp <= gathered.last:  # time has jumped back: what waits is of another past
         gathered = Gathered(missing=gathered.missing)
-    tick = gathered.waiting.get(stamp, Tick(stamp, seq))
-    parts = (*tick.parts[:which], part, *tick.parts[which + 1 :])
-    waiting = {**gathered.waiting, stamp: Tick(stamp, tick.seq, parts)}  # type: ignore[arg-type]
+    _, seq, before = gathered.waiting.get(stamp) or Tick(stamp, seq)
+    parts = (*before[:which], part, *before[which + 1 :])
+    waiting = {**gathered.waiting, stamp: Tick(stamp, seq, parts)}  # type: ignore[arg-type]
     complete = None not in [parts[i] for i in needed]
     if not complete and len(waiting) <= DEPTH:
         return Gathered(waiting, gathered.last, gathered.missing), []
@@ -65,5 +65,8 @@ def add(
 
 def sample_of(tick: Tick, base: int) -> Sample:
     """The sample of a tick, its time from the stamp `base` on; NaN for what is missing."""
-    a, x, u, f = (_MISSING[i] if part is None else part for i, part in enumerate(tick.parts))
-    return Sample(1e-9 * (tick.stamp - base), a[0], a[1], x[0], x[1], u[0], f[0])
+    each = zip(tick.parts, _MISSING, strict=True)
+    (body, wheel), (x, v), (u,), (f,) = [
+        missing if part is None else part for part, missing in each
+    ]
+    return Sample(1e-9 * (tick.stamp - base), body, wheel, x, v, u, f)

@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 from er_models.errors import InputError
 from er_models.files import load_model
+from er_models.model import Array
 from er_models.own import catalogue_with
 from er_models.program import Program, load_program
 from er_ros_common.parameter_table import REQUIRED, param
@@ -63,9 +64,9 @@ def build(p: BridgeParameters, sources: Sources) -> Built:
     duty = road = None
     if program is not None:
         if p.road_source == "program":
-            program = scaled(program, model, 1.0 / p.rate)
-            road = _signal(program, p.rate, 0)
-        duty = _signal(program, p.rate, 1) if p.duty_source == "program" else None
+            program, _ = scaled(program, model, 1.0 / p.rate)
+            road = _signal(program, p.rate, Program.heights)
+        duty = _signal(program, p.rate, Program.duties) if p.duty_source == "program" else None
     bridge = Bridge(
         calibration=load_calibration(p.calibration_file),
         gate=gate(p, model),
@@ -83,15 +84,17 @@ def _program(p: BridgeParameters) -> Program:
     return for_this_run(p, of_a_wheel(p, load_program(p.program_file)))
 
 
-def _signal(program: Program, rate: float, which: int) -> Callable[[int], float]:
-    """Road (0) or duty (1) of a program from a tick on."""
+def _signal(
+    program: Program, rate: float, which: Callable[[Program, Array], Array]
+) -> Callable[[int], float]:
+    """Road or duty of a program from a tick on."""
     unscaled = {k: v for k, v in program.road.items() if k != "peak_velocity"}
     program = replace(program, road=unscaled)
 
     @lru_cache(maxsize=4)
     def block(number: int) -> tuple[float, ...]:
         ticks = np.arange(number * BLOCK, (number + 1) * BLOCK, dtype=np.float64)
-        signal = program.signals(np.asarray(ticks / rate, np.float64))[which]
+        signal = which(program, np.asarray(ticks / rate, np.float64))
         return tuple(signal.tolist())
 
     block(0)  # what is compiled or read at first use must not hold up the first sample
