@@ -323,3 +323,17 @@ def test_a_tie_or_a_lead_counts_beside_everything_else_that_is_missing(ties):
     assert best.effects == ("coulomb_friction", "field_stiffness")
     assert best.mse < both.mse
     assert ties == ()
+
+
+def test_errors_of_the_motion_that_are_larger_than_claimed_are_no_bursts():
+    _, problem = problem_of(None, {}, seed=6)
+    n, rng = problem.motion.n, np.random.default_rng(3)
+
+    def seldom():
+        return np.repeat(rng.random(n // 20 + 1) < 0.15, 20)[:n]
+
+    claimed = np.where(seldom(), 0.04, 0.001)
+    errors = np.sqrt(0.05**2 + 3.0 * claimed) * rng.standard_normal(n)
+    assert bursts(problem, errors, claimed) == 0.0
+    elsewhere = errors + 0.4 * seldom() * rng.standard_normal(n)
+    assert bursts(problem, elsewhere, claimed) > 0.1
