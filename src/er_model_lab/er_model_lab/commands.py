@@ -243,7 +243,10 @@ def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
             stopped = True
             break
         studies.append(study)
-        refitted = current is model and study.diagnosis.verdict != "insufficient_data"
+        found = study.diagnosis
+        refitted = current is model and (
+            found.verdict != "insufficient_data" or not found.coverage.blocking
+        )
         if study.diagnosis.effects or refitted:
             current = _with_history(best, current, study, records, ask.seed, out)
             current = marked(current, begun.digest, steps(study))

@@ -24,6 +24,7 @@ from er_model_lab.diagnose.search import (
     promising,
     rivals,
     swapped,
+    threshold,
     tied,
 )
 from er_model_lab.diagnose.verdict import _alternatives, judge
@@ -204,6 +205,22 @@ def test_stribeck_friction_without_a_breakaway_is_coulomb_friction():
     assert [c.name for c in near] == ["coulomb_friction", "stribeck_friction"]
     assert nested(plain, rich, problem)
     assert not rivals(plain, rich, problem)
+
+
+def test_what_the_motions_errors_hide_is_said_to_be_hidden():
+    """More than noise does, but no more than the motion sensors may cause: neither an effect nor a complete model."""
+    said = {}
+    for effect, values in ((None, {}), ("coulomb_friction", {"F_c": 0.07, "v_0": 0.003})):
+        model, problem = problem_of(effect, values, seed=5, accelerometers=False)
+        base = baseline(model, problem)
+        found = [refit(base, model.catalogue["coulomb_friction"], problem)]
+        null = simulate_null(base, found, problem, seed=1)
+        step = Round(base, found, null, threshold(null, null.force_noise), None, [])
+        floor = Floor(float(np.sqrt(found[0].mse)), 0.0, 0.0, 0.0, 0.0, {}, (0.0, 0.0, 0.0))
+        said[effect] = judge(base, base, [step], floor, problem)
+    assert said[None].verdict == "adequate"
+    assert said["coulomb_friction"].verdict == "insufficient_data"
+    assert "record both accelerations" in said["coulomb_friction"].reasons[-1]
 
 
 def test_what_noise_does_not_leave_is_seen_and_noise_is_not():

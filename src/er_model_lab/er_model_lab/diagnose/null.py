@@ -59,13 +59,13 @@ class Null:
         return begin, excess, k / max(order.size, 1)
 
     def threshold(self, false_alarm: float) -> float:
-        """Effect size that chance passes with this probability [N]."""
-        if not self.maxima.size:
-            return self.least
-        return max(self.least, self._exceeded(false_alarm))
+        """Effect size from which on an effect is believed [N]."""
+        return max(self.least, self.chance(false_alarm))
 
-    def _exceeded(self, false_alarm: float) -> float:
-        """The size that this share of complete models would exceed."""
+    def chance(self, false_alarm: float) -> float:
+        """Effect size that noise passes with this probability in a complete model [N]."""
+        if not self.maxima.size:
+            return 0.0
         begin, mean, share = self._tail()
         if false_alarm >= share:
             return float(np.quantile(self.maxima, 1.0 - false_alarm))

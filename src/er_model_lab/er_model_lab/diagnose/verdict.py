@@ -17,6 +17,7 @@ from er_model_lab.diagnose.search import (
     MOST_EFFECTS,
     Round,
     one_round,
+    passes,
     promising,
     prune,
     swapped,
@@ -198,7 +199,7 @@ def _decide(
         f"root mean square error {np.sqrt(base.mse):.3g} N after refitting, noise floor {floor.floor:.3g} N"
     ]
     if not best.effects:
-        name, why = _without(rounds[0], floor, explainable, cover)
+        name, why = _without(rounds[0], floor, explainable, cover, rule)
         return name, reasons + why
     line_share = floor.line[2]
     explained_all = explained * (1.0 - line_share)
@@ -229,7 +230,7 @@ def _decide(
 
 
 def _without(
-    step: Round, floor: Floor, explainable: float, cover: Coverage
+    step: Round, floor: Floor, explainable: float, cover: Coverage, rule: Rule
 ) -> tuple[Name, list[str]]:
     """The verdict where no effect was taken, and why."""
     if cover.blocking:
@@ -239,9 +240,10 @@ def _without(
     predicted = floor.explained > VISIBLE and floor.explained * step.base.mse > least**2
     unexplained = explainable > 2 * VISIBLE and explainable * step.base.mse > least**2
     if not (bursts or predicted or unexplained or floor.line[2] > VISIBLE):
-        cause = "chance gives" if step.threshold > least else "the errors of the motion may cause"
+        if why := _within_errors(step, rule):
+            return "insufficient_data", [why]
         return "adequate", [
-            f"no effect exceeds what {cause} in a complete model ({step.threshold:.3g} N)"
+            f"no effect exceeds what chance gives in a complete model ({step.threshold:.3g} N)"
         ]
     what = (
         "comes in bursts that noise does not make"
@@ -249,6 +251,20 @@ def _without(
         else "can be predicted from the inputs"
     )
     return "unknown_effect", [f"no known effect passes, yet the residual {what}"]
+
+
+def _within_errors(step: Round, rule: Rule) -> str | None:
+    """What is said where an effect gains more than noise does, but no more than the errors of the motion may cause."""
+    limit = max(step.null.chance(rule.false_alarm), rule.smallest * np.sqrt(step.base.mse))
+    able = [c for c in step.candidates if passes(step.base, c, limit)]
+    if not able:
+        return None
+    best = max(able, key=lambda c: effect_size(step.base, c))
+    title = best.fit.model.catalogue[best.name].title
+    return (
+        f"{title} gains {effect_size(step.base, best):.3g} N, more than noise does ({limit:.3g} N), but the errors of "
+        f"the motion may cause {step.threshold:.3g} N: record both accelerations and motion that does not repeat itself"
+    )
 
 
 def _below(share: float) -> float:

@@ -208,11 +208,10 @@ def _unknown(view: View) -> str:
 
 def _insufficient(view: View) -> str:
     blocking = (view.result.get("coverage") or {}).get("blocking") or ()
-    return (
-        f"What is missing: {'; '.join(blocking)}."
-        if blocking
-        else "Too little of the damper's range is in them."
-    )
+    if blocking:
+        return f"What is missing: {'; '.join(blocking)}."
+    why = [*(view.result.get("reasons") or ())][-1:]
+    return f"{why[0]}." if why else "Too little of the damper's range is in them."
 
 
 def _identified(view: View) -> str:
