@@ -85,16 +85,16 @@ def test_a_program_runs_over_a_serial_port(tmp_path: Path) -> None:
     def late(m: Any) -> int:
         """How many samples after it was due the height was reached; a busy machine is late."""
         (same,) = np.nonzero(np.abs(road[m.seq :: -1] - m.displacement) < 1.1e-6)
-        if len(same) == 0:
-            print("NO", m.seq, m.displacement, road[max(m.seq - 4, 0) : m.seq + 3])
-            return 99
         return int(same[0]) if same.size else 1000
 
-    lateness = np.array([late(m) for m in followed])
-    assert np.mean(lateness < 40) > 0.9
-    assert np.median(lateness) <= 1
-    answered = [m for m in found["/pwm/applied"] if m.command_seq and m.valid]
-    assert np.median([m.seq - m.command_seq for m in answered]) in (1, 2)
+    lateness = {m.seq: late(m) for m in followed}
+    assert np.mean(np.array(list(lateness.values())) < 40) > 0.9
+    answered = {m.seq: m.seq - m.command_seq for m in found["/pwm/applied"] if m.command_seq}
+    assert min(answered.values()) == 1
+    # a height travels with a duty: where the answer to the sample before came in time, so did the height
+    timely = [seq for seq in lateness if answered.get(seq) == 1]
+    assert len(timely) >= 5
+    assert {lateness[seq] for seq in timely} == {0}
 
 
 def test_a_device_over_udp_may_die_and_come_back(tmp_path: Path) -> None:

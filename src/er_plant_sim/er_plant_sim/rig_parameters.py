@@ -50,7 +50,11 @@ class RigParameters(NodeParameters):
         (), text="nodes of the own namespace to wait for until they say that they are ready"
     )
     start_timeout: float = param(
-        60.0, unit="s", low=0.0, high=600.0, text="how long to wait for them at most"
+        60.0,
+        unit="s",
+        low=0.0,
+        high=600.0,
+        text="how long to wait for them at most; three times as long for one that still compiles",
     )
     enable_fault_injection: bool = injection_allowed()
     noise_force: float = param(

@@ -7,8 +7,9 @@ its input.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -65,7 +66,11 @@ def check_topic(
     return [problem for problem in found if problem is not None]
 
 
-def endpoints(node: Node, name: str) -> tuple[list[Endpoint], list[Endpoint]]:
+Ends: TypeAlias = tuple[list[Endpoint], list[Endpoint]]
+"""Publishers and subscriptions of a topic."""
+
+
+def endpoints(node: Node, name: str) -> Ends:
     """Publishers and subscriptions of a topic that this node knows of."""
     publishers = [_endpoint(info) for info in node.get_publishers_info_by_topic(name)]
     subscribers = [_endpoint(info) for info in node.get_subscriptions_info_by_topic(name)]
@@ -93,12 +98,14 @@ def connected(
     return heard and all(end.get_subscription_count() >= count for end, count in outputs)
 
 
-def watch(node: Node, topics: Sequence[Topic], *, single: bool = True) -> list[Problem]:
+def watch(
+    node: Node, topics: Sequence[Topic], look: Callable[[Node, str], Ends] = endpoints
+) -> list[Problem]:
     """Problems of the topics a node takes part in, by relative name: for its diagnostics."""
     found: list[Problem] = []
     for topic in topics:
         name = node.resolve_topic_name(topic.name)
-        found += check_topic(topic, name, *endpoints(node, name), single=single)
+        found += check_topic(topic, name, *look(node, name))
     return found
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable
 from threading import get_ident
+from time import monotonic
 from typing import Any
 
 from rclpy.node import Node
@@ -27,9 +28,12 @@ from rclpy.qos import (
 from rclpy.subscription import Subscription
 
 from er_ros_common import clock
+from er_ros_common.graph_check import Ends, endpoints
 
 LOOK_PERIOD = 0.1
 """How often it is looked whether somebody outside has come or gone [s]."""
+SEEN = 0.5
+"""How long what one node has seen of a topic in the graph serves the others [s]."""
 MOST = 200
 """Messages in one go; then timers and signals get their turn."""
 
@@ -107,6 +111,7 @@ class IntraProcess:
         self.order: deque[LocalSubscription] = deque()
         self.silent: set[Subscription] = set()
         self.turns, self.asked, self.thread = 0, False, get_ident()
+        self.seen: dict[str, tuple[float, Ends]] = {}
         clock.wall_timer(self.nodes[0], LOOK_PERIOD, self.look)
 
     def add_publisher(self, publisher: LocalPublisher) -> None:
@@ -124,6 +129,15 @@ class IntraProcess:
         each.publishers = [publisher for publisher in self.publishers if each.served_by(publisher)]
         self.subscriptions.append(each)
         self.look()
+
+    def endpoints(self, node: Node, name: str) -> Ends:
+        """Ends of a topic as `graph_check.endpoints` finds them, which is slow: once for all nodes that ask in turn."""
+        now = monotonic()
+        when, ends = self.seen.get(name, (-SEEN, ([], [])))
+        if now - when >= SEEN:
+            ends = endpoints(node, name)
+            self.seen[name] = now, ends
+        return ends
 
     def look(self) -> None:
         """Serve directly, or by the middleware, as publishers and listeners outside come and go."""

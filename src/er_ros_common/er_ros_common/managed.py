@@ -26,7 +26,7 @@ from er_damper_msgs.msg import NodeStatus
 from er_ros_common import clock, log
 from er_ros_common.common_parameters import NodeParameters
 from er_ros_common.core import When
-from er_ros_common.graph_check import Problem, watch
+from er_ros_common.graph_check import Problem, endpoints, watch
 from er_ros_common.health import Health, Report
 from er_ros_common.inputs import Input
 from er_ros_common.intra_process import IntraProcess, LocalPublisher, passable
@@ -210,7 +210,8 @@ class ManagedNode(LifecycleNode):
         self.simulated = bool(self.get_parameter("use_sim_time").value)
 
     def _look(self) -> None:
-        self.problems = watch(self, tuple(self.watched.values()))
+        look = self.local.endpoints if self.local else endpoints
+        self.problems = watch(self, tuple(self.watched.values()), look)
 
     def _said(self) -> Report:
         if self.active:

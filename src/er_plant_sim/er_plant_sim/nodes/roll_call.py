@@ -16,12 +16,17 @@ from er_damper_msgs.msg import NodeStatus
 from er_plant_sim.nodes.outlet import Outlet
 from er_ros_common import log, topics
 
+COMPILING = 3.0
+"""So many times longer a node is waited for that is there and has not said anything yet: it compiles what is new or has
+changed, which takes a minute and more on a busy machine."""
+
 
 class RollCall:
     """Listens to the status of these nodes of the own namespace."""
 
     def __init__(self, node: ManagedNode, names: Sequence[str]) -> None:
-        self._ready = dict.fromkeys(names, False)
+        self._node = node
+        self._ready: dict[str, bool | None] = dict.fromkeys(names)
         for name in names:
             heard = partial(self._on_status, name)
             node.listen(f"{name}/status", NodeStatus, heard, topics.STATUS.subscriber)
@@ -32,6 +37,11 @@ class RollCall:
     def missing(self) -> list[str]:
         """Nodes that are not ready, or not there."""
         return [name for name, ready in self._ready.items() if not ready]
+
+    def coming(self) -> list[str]:
+        """Nodes that are there and have not said anything yet."""
+        silent = [name for name, ready in self._ready.items() if ready is None]
+        return [name for name in silent if self._node.count_publishers(f"{name}/status")]
 
 
 class Gathering:
@@ -57,15 +67,18 @@ class Gathering:
         self.made_at = monotonic()
 
     def complete(self) -> bool:
-        """Whether everybody is there, or waiting took longer than the patience [s]."""
-        here, missing = self.out.subscribers(), self.missing()
+        """Whether everybody is there, or waiting took longer than the patience [s]; who compiles is waited for."""
+        here, missing = self.out.subscribers(), self.roll_call.missing()
         if (
             not missing
             and self.known()
             and all(n >= m for n, m in zip(here, self.wanted, strict=True))
         ):
             return True
-        if monotonic() - self.made_at < self.patience:
+        waited = monotonic() - self.made_at
+        if waited < self.patience or (
+            waited < COMPILING * self.patience and self.roll_call.coming()
+        ):
             return False
         who = ", ".join(missing) or "everybody"
         log.warning(
@@ -74,5 +87,6 @@ class Gathering:
         return True
 
     def missing(self) -> list[str]:
-        """Nodes that are not ready, or not there."""
-        return self.roll_call.missing()
+        """Nodes that are not ready, or not there, in words."""
+        coming = self.roll_call.coming()
+        return [f"{n} (still compiling)" if n in coming else n for n in self.roll_call.missing()]
