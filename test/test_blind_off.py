@@ -119,6 +119,7 @@ def off_row(condition, kind, hidden, names, verdict="missing_effect", **more):
         (off_row("nominal", "outside", ["outside:x"], ["b"]), "wrong"),
         (off_row("nominal", "outside", ["outside:x"], [], "unknown_effect"), "right"),
         (off_row("nominal", "complete", [], [], "unknown_effect"), "modest"),
+        (off_row("nominal", "complete", [], [], "insufficient_data"), "modest"),
         (off_row("base_bingham", "complete", [], ["b"], "partial"), "modest"),
         (off_row("base_bingham", "complete", [], ["b"]), "wrong"),
         (off_row("force_late", "complete", ["force_delay"], ["force_delay"]), "right"),

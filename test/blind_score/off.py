@@ -1,8 +1,8 @@
 """Cases off the nominal condition: which are asked, one row of each, and the tables.
 
 A wrong certain name is the worst: a name that is not hidden in a verdict that is sure, or any name for a complete
-model. What the data cannot decide may stay open: that is no more than modest, and so is the claim that something
-unknown remains where nothing is hidden.
+model. What the data cannot decide may stay open: that is no more than modest, and so are the claim that something
+unknown remains where nothing is hidden, and data called insufficient.
 """
 
 from __future__ import annotations
@@ -78,7 +78,8 @@ def worth(row: Row) -> str:
     if row["kind"] == "complete":
         if false and (sure or not CONDITIONS[row["condition"]].another_form):
             return "wrong"
-        known = set(row["names"]) == set(row["hidden"]) and row["verdict"] not in HONEST
+        open_ = (*HONEST, "insufficient_data")
+        known = set(row["names"]) == set(row["hidden"]) and row["verdict"] not in open_
         return "right" if known else "modest"
     if row["kind"] == "outside":
         return "right" if row["verdict"] in HONEST else "wrong" if false else "modest"
