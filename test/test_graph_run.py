@@ -118,10 +118,11 @@ def test_no_answer_is_lost_after_the_first_second(
 ) -> None:
     answered = {m.seq for m in run.after_warm_up(topic) if m.status != m.STATUS_LOST}
     samples = {m.seq for m in run.after_warm_up("/sensors/acceleration")}
-    refused = run.messages[f"{node}/status"][-1].stale
+    last = run.messages[f"{node}/status"][-1]
     missing = len(samples - answered)
-    # a machine too busy for 200 Hz delivers late, and late samples are dropped for newer ones
-    assert missing <= refused or late(run) > 0.015
+    # on a machine too busy for 200 Hz samples are refused as too old, or overtaken in the queue of the newest few: the
+    # node counts both as lost once it has used a later one
+    assert missing <= max(last.stale, last.lost) or late(run) > 0.015
     assert len(answered) > share * len(samples)
 
 
