@@ -25,7 +25,8 @@ def jitter(record: Record) -> float:
 def even(record: Record, limit: float = JITTER) -> Record:
     """Resample onto equal steps of the median sample time when the jitter exceeds `limit`.
 
-    Linear between samples; duty takes the value in force.
+    Linear between samples; duty is that of the nearest one. A row says what was in force when it was taken: by its
+    stamp, half of the steps would come a sample late.
     """
     measured = jitter(record)
     if measured <= limit:
@@ -35,7 +36,8 @@ def even(record: Record, limit: float = JITTER) -> Record:
         int(np.floor((record.t[-1] - record.t[0]) / dt + 1e-6)) + 1
     )
     channels = {
-        name: at(record.t, samples, grid, name) for name, samples in record.channels.items()
+        name: at(record.t, samples, grid, name, 0.5 * dt)
+        for name, samples in record.channels.items()
     }
     note = (
         f"sampling is uneven (jitter {100 * measured:.0f} % of {1e3 * dt:.4g} ms): "
@@ -44,12 +46,15 @@ def even(record: Record, limit: float = JITTER) -> Record:
     return replace(record, t=grid, channels=channels).noted(note)
 
 
-def at(t: Array, samples: Array, grid: Array, name: str) -> Array:
-    """Samples of a channel at other times (M,): the value in force for duty, linear otherwise."""
+def at(t: Array, samples: Array, grid: Array, name: str, early: float = 0.0) -> Array:
+    """Samples of a channel at other times (M,): the value in force for duty, linear otherwise.
+
+    early: time [s] before its stamp from which on a value of the duty is in force.
+    """
     if name in HELD:
         # a hair of tolerance, so that a grid point on a sample takes that sample
-        tolerance = 1e-6 * float(np.median(np.diff(t))) if t.size > 1 else 0.0
-        k = np.searchsorted(t, grid + tolerance, side="right") - 1
+        hair = 1e-6 * float(np.median(np.diff(t))) if t.size > 1 else 0.0
+        k = np.searchsorted(t, grid + max(early, hair), side="right") - 1
         return np.asarray(samples[np.clip(k, 0, None)])
     return np.asarray(np.interp(grid, t, samples))
 

@@ -160,6 +160,19 @@ def test_small_jitter_is_left_and_large_jitter_resampled() -> None:
     assert any("uneven" in note for note in even.notes)
 
 
+def test_steps_of_the_duty_come_in_time_where_stamps_are_off() -> None:
+    """Rows taken evenly, stamped up to 1.5 ms early or late: the steps are neither early nor late on average."""
+    random = np.random.default_rng(4)
+    duty = np.repeat(np.arange(N // 10), 10) / N
+    shaken = DT * np.arange(N) + random.uniform(-0.3, 0.3, N) * DT
+    (even,) = clean(Record("run", shaken, {**record().channels, "duty": duty}))
+    assert any("uneven" in note for note in even.notes)
+    seen = even.t[np.flatnonzero(np.diff(even.channels["duty"])) + 1]
+    late = seen - DT * np.arange(10, N, 10)[: seen.size]
+    assert abs(np.mean(late)) < 0.05 * DT
+    assert np.max(np.abs(late)) < DT
+
+
 def test_short_pieces_are_dropped_and_named() -> None:
     force = record().channels["damper_force"]
     pieces = clean(record(damper_force=holed(force, (150, 160))))

@@ -33,6 +33,8 @@ DOUBT, SURE = 2.0, 4.5
 """Paired t below which two candidates are tied in any case, and from which on they never are."""
 NEARLY = 0.85
 """Share of the best one's effect size from which on a candidate comes near it."""
+NESTED, SAME = 1e-2, 1e-4
+"""Mean square of the difference of two forces, over what is left, below which they are nearly, and wholly, the same."""
 
 
 @dataclass(frozen=True)
@@ -92,19 +94,15 @@ def block_t(better: Candidate, worse: Candidate, problem: Problem) -> float:
     return float(means.mean() / max(spread, 1e-300))
 
 
-def complexity(candidate: Candidate) -> tuple[int, int, int]:
-    """Parameters in use, whether it is physics (1) or a sensor (0), and all its parameters: the simplest first.
-
-    A parameter at its bound is not in use, but a form that needs it there to be another one is not that one.
-    """
+def complexity(candidate: Candidate) -> tuple[int, int]:
+    """Parameters in use, and whether it is physics (1) or a sensor (0): fewer and sensor first."""
     model = candidate.fit.model
-    inner = [
-        bool(bound)
+    inner = sum(
+        1
         for (effect, _), bound in zip(candidate.fit.free, candidate.fit.at_bound, strict=True)
-        if effect in candidate.effects
-    ]
-    physics = model.catalogue[candidate.name].stage != "sensing"
-    return inner.count(False), int(physics), len(inner)
+        if effect in candidate.effects and not bound
+    )
+    return inner, 0 if model.catalogue[candidate.name].stage == "sensing" else 1
 
 
 def tied(
@@ -125,25 +123,34 @@ def tied(
         gap, t = np.sqrt(max(other.mse - best.mse, 0.0)), block_t(best, other, problem)
         if t < (SURE if gap < limit else DOUBT) or (problem.cycles and gap < limit):
             near.append(other)
-    return sorted(near, key=complexity)
+    return sorted(near, key=lambda c: (*complexity(c), disguised(c, near, problem)))
 
 
 def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
     """Whether two candidates make nearly the same force, so that one contains the other.
 
     What acts in the car and what acts in the damper are no forms of one another, however alike; nor are two
-    effects of the same number of parameters: neither is the simpler. A richer form that its bounds make into the
-    simpler one is nested in this sense: Stribeck friction without a breakaway is Coulomb friction.
+    effects of as many parameters in use: neither is the simpler, unless bounds make the one the very same as the other.
     """
+    alike = NESTED
     if complexity(simple) == complexity(rich):
-        return False
+        alike = SAME
+        if len(simple.fit.free) >= len(rich.fit.free):
+            return False
     stages = [c.fit.model.catalogue[c.name].stage == "vehicle" for c in (simple, rich)]
     if stages[0] != stages[1]:
         return False
     rows = problem.train
     change = simple.fit.residual[rows] - rich.fit.residual[rows]
     return bool(
-        np.mean(change**2) < 0.01 * max(float(np.mean(simple.residual[rows] ** 2)), 1e-300)
+        np.mean(change**2) < alike * max(float(np.mean(simple.residual[rows] ** 2)), 1e-300)
+    )
+
+
+def disguised(rich: Candidate, others: list[Candidate], problem: Problem) -> bool:
+    """Whether bounds make a form into a simpler one of these: Stribeck friction without a breakaway is Coulomb friction."""
+    return any(
+        complexity(other) == complexity(rich) and nested(other, rich, problem) for other in others
     )
 
 
