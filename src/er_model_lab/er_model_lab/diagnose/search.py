@@ -148,7 +148,7 @@ def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
 
 
 def disguised(rich: Candidate, others: list[Candidate], problem: Problem) -> bool:
-    """Whether bounds make a form into a simpler one of these: Stribeck friction without a breakaway is Coulomb friction."""
+    """Whether bounds make a form into a simpler one of these: Stribeck without breakaway is Coulomb friction."""
     return any(
         complexity(other) == complexity(rich) and nested(other, rich, problem) for other in others
     )
