@@ -10,6 +10,7 @@ import pytest
 from er_models.files import load_model
 
 from test.conftest import ROOT
+from test.graph_help import own_domain
 from test.test_documentation import BLOCK
 
 pytestmark = pytest.mark.slow
@@ -28,12 +29,14 @@ def place(tmp_path_factory):
     folder = tmp_path_factory.mktemp("stranger")
     for name in ("config", "docs"):
         (folder / name).symlink_to(ROOT / name)
-    for command in COMMANDS:
-        done = subprocess.run(
-            [str(ROOT / "er"), *shlex.split(command)[1:]], cwd=folder, capture_output=True, text=True,
-            timeout=200, env={**os.environ, "ROS_DOMAIN_ID": "87"},
-        )  # fmt: skip
-        assert done.returncode == 0, f"{command}\n{done.stdout[-2000:]}{done.stderr[-2000:]}"
+    with own_domain() as own:
+        env = {**os.environ, "ROS_DOMAIN_ID": own["ROS_DOMAIN_ID"]}
+        for command in COMMANDS:
+            done = subprocess.run(
+                [str(ROOT / "er"), *shlex.split(command)[1:]], cwd=folder, capture_output=True, text=True,
+                timeout=200, env=env,
+            )  # fmt: skip
+            assert done.returncode == 0, f"{command}\n{done.stdout[-2000:]}{done.stderr[-2000:]}"
     return folder
 
 
