@@ -14,7 +14,7 @@ from er_models.files import load_model
 from test.blind.calibrate import clean_records
 from test.blind.errors import BlindError
 from test.blind.generator import make_case
-from test.blind.slots import OUT_HUM
+from test.blind.slots import BIAS, OUT_HUM
 from test.blind_score import __main__ as program
 from test.blind_score.cases import Asked, few
 from test.blind_score.conditions import CONDITIONS, changed_case, measured, resampled
@@ -50,6 +50,20 @@ def test_another_rate_shows_the_same_motion(case):
     assert fine["t"].size == 2000
     for name, samples in coarse.items():
         np.testing.assert_allclose(fine[name][::5], samples, rtol=1e-9, atol=1e-9)
+
+
+def test_a_bias_is_there_at_any_rate(case):
+    table = np.zeros_like(case.table)
+    table[BIAS, :2] = 0.5, -2.0
+    hidden = replace(
+        case.hidden[0], effect=replace(case.hidden[0].effect, slot=BIAS), row=table[BIAS]
+    )
+    with_bias, without = replace(case, hidden=(hidden,)), replace(case, hidden=())
+    (motion,) = case.motions
+    for rate in (100.0, 500.0):
+        found, clean = (resampled(motion, c, rate) for c in (with_bias, without))
+        for name, bias in (("sprung_acceleration", 0.5), ("unsprung_acceleration", -1.0)):
+            np.testing.assert_allclose(found[name] - clean[name], bias, rtol=0.0, atol=1e-12)
 
 
 def test_an_effect_that_is_made_of_samples_has_no_other_rate(case):

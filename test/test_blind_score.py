@@ -89,14 +89,22 @@ def test_targets_count_refusals_against_the_lab():
 
 
 def test_the_falling_error_is_judged_by_median_and_worst():
-    def with_ratio(value, names):
-        return row("singles", ["a"], names, fresh={"model": value, "truth": 1.0, "noise": 0.8})
+    def with_ratio(value, names, beyond=False):
+        fresh = {"model": value, "truth": 1.0, "noise": 0.8, "beyond": beyond}
+        return row("singles", ["a"], names, fresh=fresh)
 
     good = [with_ratio(1.02, ["a"]), with_ratio(1.04, ["a"]), with_ratio(2.0, ["b"])]
     text = targets(good)
     assert "| 3 | 1.040 |" in text
     assert "| 2 | 1.040 |" in text
-    assert "| no |" in targets([*good, with_ratio(1.31, ["a"])]).splitlines()[-1]
+    missed = targets([*good, with_ratio(1.31, ["a"])]).splitlines()
+    assert "| no |" in missed[-2]
+    assert "| no |" in missed[-1]
+    further = targets([*good, with_ratio(1.31, ["a"], beyond=True)]).splitlines()
+    assert "| 3 | 1.310 |" in further[-2]
+    assert "| no |" in further[-2]
+    assert "| 2 | 1.040 |" in further[-1]
+    assert "| yes |" in further[-1]
 
 
 def test_the_page_lists_every_miss_and_nothing_else():

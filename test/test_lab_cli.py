@@ -3,6 +3,7 @@
 import json
 import shutil
 
+import numpy as np
 import pytest
 from er_model_lab.cli import app
 from er_models.files import load_model
@@ -132,6 +133,25 @@ def test_compare_writes_its_json(data, root, tmp_path):
     r = json.loads((tmp_path / "r.json").read_text())
     assert {"rmse", "nrmse", "noise_floor", "explainable", "worst"} <= set(r)
     assert r["rmse"] > 2.0 * r["noise_floor"]
+
+
+def test_compare_says_what_lies_beyond_what_a_model_was_fitted_to(data, root, tmp_path):
+    fitted, further = tmp_path / "fitted.yaml", tmp_path / "further.csv"
+    made = lab("add", "coulomb_friction", data, "--model", root / MODEL, "--out", fitted)
+    assert made.exit_code == 0, made.output
+    within = lab("compare", data, "--model", fitted, "--json", tmp_path / "within.json")
+    assert within.exit_code == 0, within.output
+    assert json.loads((tmp_path / "within.json").read_text())["beyond"] is None
+    head, *rows = data.read_text().splitlines()
+    same = [name in ("t", "duty", "damper_force") for name in head.split(",")]
+    table = np.loadtxt(rows, delimiter=",") * np.where(same, 1.0, 3.0)
+    np.savetxt(further, table, "%.9g", delimiter=",", header=head, comments="")
+    result = lab("compare", further, "--model", fitted, "--json", tmp_path / "further.json")
+    assert result.exit_code == 0, result.output
+    r = json.loads((tmp_path / "further.json").read_text())
+    assert r["beyond"]["share"] > 0.1
+    assert r["beyond"]["rms_beyond"] > r["beyond"]["rms_inside"]
+    assert "beyond what 'fitted' was fitted to (deflection" in " ".join(r["notes"])
 
 
 def test_effects_lists_the_catalogue_and_shows_a_card():

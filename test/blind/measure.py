@@ -59,17 +59,29 @@ class Noise:
     memory: float = 0.5
 
 
-def _force_channel(fine: Array, motion: Motion, table: Array) -> Array:
-    """Force [N] at every sample of the simulation, instruments' effects included."""
-    force = fine[:, OF]
+def instruments(fine: Array, table: Array) -> Array:
+    """The fine trajectory as the instruments show it: resonance, lags, zero and bias; (m, outputs) both."""
+    shown = fine.copy()
     if table[OUT_RESONANCE, 0] != 0.0:
         row = table[OUT_RESONANCE]
-        force = force + row[0] * (outside_signal.frame(force, STEP, row[1], row[2]) - force)
+        shown[:, OF] += row[0] * (
+            outside_signal.frame(fine[:, OF], STEP, row[1], row[2]) - fine[:, OF]
+        )
     if table[FORCE_LAG, 0] != 0.0:
-        force = sensing.lagged(force, STEP, table[FORCE_LAG, 0])
-    fine_t = np.arange(force.size) * STEP
+        shown[:, OF] = sensing.lagged(shown[:, OF], STEP, table[FORCE_LAG, 0])
+    if (lag := table[VELOCITY_LAG, 0]) != 0.0:
+        shown[:, OV] = sensing.lagged(sensing.lagged(fine[:, OV], STEP, lag), STEP, 0.2 * lag)
+    shown[:, OX] += table[DEFLECTION_ZERO, 0]
+    shown[:, OAS] += table[BIAS, 0]
+    shown[:, OAU] += table[BIAS, 0] * table[BIAS, 1]
+    return shown
+
+
+def _sampled_force(shown: Array, motion: Motion, table: Array) -> Array:
+    """Force [N] at 200 Hz: late by its delay, with what is made of samples."""
+    fine_t = np.arange(shown.shape[0]) * STEP
     at = np.asarray(np.arange(motion.duty.size) * SAMPLE, dtype=np.float64)
-    sampled = np.interp(at - table[FORCE_DELAY, 0], fine_t, force)
+    sampled = np.interp(at - table[FORCE_DELAY, 0], fine_t, shown[:, OF])
     if table[OUT_HUM, 0] != 0.0:
         sampled = sampled + outside_signal.hum(at, table[OUT_HUM])
     if table[OUT_CROSSTALK, 0] != 0.0:
@@ -80,30 +92,23 @@ def _force_channel(fine: Array, motion: Motion, table: Array) -> Array:
     return np.asarray(sampled)
 
 
-def _velocity_channel(fine: Array, table: Array) -> Array:
-    velocity = fine[:, OV]
-    lag = table[VELOCITY_LAG, 0]
-    if lag != 0.0:
-        velocity = sensing.lagged(sensing.lagged(velocity, STEP, lag), STEP, 0.2 * lag)
-    return velocity[:-1:SUBSTEPS]
-
-
 def noiseless(fine: Array, motion: Motion, table: Array, seconds: float) -> dict[str, Array]:
     """Contract columns without noise, each (round(seconds / SAMPLE),)."""
     n = round(seconds / SAMPLE)
     keep = slice(LEAD_SAMPLES, LEAD_SAMPLES + n)
     half = motion.drive[: -1 : 2 * SUBSTEPS, 0]
     road = half if motion.rig == "car" else np.zeros(half.size)
-    every = fine[:-1:SUBSTEPS]
+    shown = instruments(fine, table)
+    every = shown[:-1:SUBSTEPS]
     return {
         "t": np.arange(n) * SAMPLE,
         "road": road[keep],
-        "deflection": every[keep, OX] + table[DEFLECTION_ZERO, 0],
-        "deflection_velocity": _velocity_channel(fine, table)[keep],
+        "deflection": every[keep, OX],
+        "deflection_velocity": every[keep, OV],
         "duty": motion.duty[keep],
-        "damper_force": _force_channel(fine, motion, table)[keep],
-        "sprung_acceleration": every[keep, OAS] + table[BIAS, 0],
-        "unsprung_acceleration": every[keep, OAU] + table[BIAS, 0] * table[BIAS, 1],
+        "damper_force": _sampled_force(shown, motion, table)[keep],
+        "sprung_acceleration": every[keep, OAS],
+        "unsprung_acceleration": every[keep, OAU],
     }
 
 

@@ -19,13 +19,11 @@ from test.blind.case import Case
 from test.blind.errors import BlindError
 from test.blind.integrate import LEAD_SAMPLES, SAMPLE, STEP, SUBSTEPS
 from test.blind.jit import Array
-from test.blind.measure import COLUMNS, Noise, with_noise
+from test.blind.measure import COLUMNS, Noise, instruments, with_noise
 from test.blind.plant import NO_EFFECT, Motion, trajectory
 from test.blind.roads import half_grid
 from test.blind.slots import (
-    DEFLECTION_ZERO,
     FORCE_DELAY,
-    FORCE_LAG,
     OAS,
     OAU,
     OF,
@@ -35,9 +33,7 @@ from test.blind.slots import (
     OUT_RESONANCE,
     OV,
     OX,
-    VELOCITY_LAG,
-)  # fmt: skip
-from test.blind.truth import sensing
+)
 from test.blind_score.cases import Layout
 
 Columns = dict[str, Array]
@@ -145,12 +141,7 @@ def resampled(motion: Motion, case: Case, rate: float) -> Columns:
     if any(table[k, 0] != 0.0 for k in (OUT_HUM, OUT_DRIFT, OUT_RESONANCE, OUT_CROSSTALK)):
         raise BlindError("condition: expected an effect that acts between samples, too")
     duty = np.repeat(motion.duty[::_HELD], _HELD)[: motion.duty.size]
-    fine = trajectory(replace(motion, duty=duty), table, case.base)
-    force, velocity, lag = fine[:, OF], fine[:, OV], table[VELOCITY_LAG, 0]
-    if table[FORCE_LAG, 0] != 0.0:
-        force = sensing.lagged(force, STEP, table[FORCE_LAG, 0])
-    if lag != 0.0:
-        velocity = sensing.lagged(sensing.lagged(velocity, STEP, lag), STEP, 0.2 * lag)
+    fine = instruments(trajectory(replace(motion, duty=duty), table, case.base), table)
     t = np.arange(round(case.seconds * rate)) / rate
     at, grid = t + LEAD_SAMPLES * SAMPLE, np.arange(fine.shape[0]) * STEP
 
@@ -158,8 +149,8 @@ def resampled(motion: Motion, case: Case, rate: float) -> Columns:
         return np.asarray(np.interp(at - late, grid, signal))
 
     columns = (
-        t, seen(motion.drive[::2, 0]), seen(fine[:, OX]) + table[DEFLECTION_ZERO, 0], seen(velocity),
-        duty[np.floor(at / SAMPLE + 1e-6).astype(np.intp)], seen(force, table[FORCE_DELAY, 0]),
+        t, seen(motion.drive[::2, 0]), seen(fine[:, OX]), seen(fine[:, OV]),
+        duty[np.floor(at / SAMPLE + 1e-6).astype(np.intp)], seen(fine[:, OF], table[FORCE_DELAY, 0]),
         seen(fine[:, OAS]), seen(fine[:, OAU]),
     )  # fmt: skip
     return dict(zip(COLUMNS, columns, strict=True))

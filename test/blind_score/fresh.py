@@ -6,6 +6,7 @@ import itertools
 from pathlib import Path
 
 import numpy as np
+from er_model_lab.learnt import beyond
 from er_model_lab.load import load
 from er_model_lab.study import as_given, open_problem
 from er_models.model import Model
@@ -19,11 +20,12 @@ def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def fresh_errors(case: Case, model: Model) -> dict[str, float]:
+def fresh_errors(case: Case, model: Model) -> dict[str, float | bool]:
     """Root mean square errors [N] on a case that nobody has learnt from.
 
     model: the model as it is, nothing refitted; truth: the true damper driven by the same fused motion, so
-    it suffers the same sensors; noise: of the force channel alone, the measured force less the noiseless one.
+    it suffers the same sensors; noise: of the force channel alone, the measured force less the noiseless one;
+    beyond: whether the lab would say that they go beyond what the model was fitted to.
     """
     records = load([Path(case.directory)])
     problem, _ = open_problem(records, model)
@@ -36,8 +38,11 @@ def fresh_errors(case: Case, model: Model) -> dict[str, float]:
     ]
     clean = [case.clean[record]["damper_force"] for record in order]
     used = problem.used
+    left = as_given(model, problem)
+    further = beyond(model, problem, left)
     return {
-        "model": rms(as_given(model, problem)[used]),
+        "model": rms(left[used]),
         "truth": rms((problem.force - np.concatenate(parts))[used]),
         "noise": rms((problem.force - np.concatenate(clean))[used]),
+        "beyond": further is not None and further.matters,
     }

@@ -8,7 +8,6 @@ unknown remains where nothing is hidden, and data called insufficient.
 from __future__ import annotations
 
 import tempfile
-import time
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
@@ -22,7 +21,7 @@ from test.blind.case import excess_after_refit
 from test.blind_score.cases import Asked, Layout, few, plan
 from test.blind_score.conditions import CONDITIONS, changed_case, given, measured
 from test.blind_score.judge import CERTAIN, HONEST, Row, false_names, judged
-from test.blind_score.run import MODEL, drawn, guarded, said
+from test.blind_score.run import MODEL, begun, drawn, said, timed
 from test.blind_score.summary import BEST, table
 
 WORDS = ("right", "modest", "wrong", "failed")
@@ -43,10 +42,7 @@ def score_off(asked: Asked, size: Layout | None = None) -> dict[str, Any]:
     condition = CONDITIONS[asked.condition]
     size = size or condition.size
     hidden = [*asked.hidden, *(e for e in condition.adds if e not in asked.hidden)]
-    row: dict[str, Any] = {
-        "key": asked.key, "kind": asked.kind, "hidden": hidden, "program": asked.program, "seed": asked.seed,
-        "condition": asked.condition, "records": size.records, "seconds": size.seconds,
-    }  # fmt: skip
+    row = {**begun(asked, size), "hidden": hidden, "condition": asked.condition}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         case, row["redrawn"] = drawn(asked, size, folder)
@@ -54,9 +50,7 @@ def score_off(asked: Asked, size: Layout | None = None) -> dict[str, Any]:
         row["rise_together"] = excess_after_refit(case)
         data = measured(case, condition, asked.seed, folder / "seen")
         model = given(condition, asked.seed, MODEL, folder)
-        began = time.monotonic()
-        row |= guarded(lambda: _answer(data, model, asked.seed, folder / "better.yaml"))
-        row["time"] = round(time.monotonic() - began, 2)
+        row |= timed(lambda: _answer(data, model, asked.seed, folder / "better.yaml"))
     return row
 
 

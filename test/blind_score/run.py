@@ -97,23 +97,27 @@ def truth_of(case: Case) -> dict[str, Any]:
 def score(asked: Asked, size: Layout | None = None) -> dict[str, Any]:
     """One row: what was hidden, what was said, and how far the error fell."""
     size = size or layout(asked.seed)
-    row: dict[str, Any] = {
-        "key": asked.key,
-        "kind": asked.kind,
-        "hidden": list(asked.hidden),
-        "program": asked.program,
-        "seed": asked.seed,
-        "records": size.records,
-        "seconds": size.seconds,
-    }
+    row = begun(asked, size)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         case, row["redrawn"] = drawn(asked, size, folder)
         row |= truth_of(case)
-        began = time.monotonic()
-        row |= guarded(lambda: _answer(asked, case, folder))
-        row["time"] = round(time.monotonic() - began, 2)
+        row |= timed(lambda: _answer(asked, case, folder))
     return row
+
+
+def begun(asked: Asked, size: Layout) -> dict[str, Any]:
+    """What is known of a row before the lab is asked."""
+    return {
+        "key": asked.key, "kind": asked.kind, "hidden": list(asked.hidden), "program": asked.program,
+        "seed": asked.seed, "records": size.records, "seconds": size.seconds,
+    }  # fmt: skip
+
+
+def timed(work: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """What the lab answers, and how long it took [s]."""
+    began = time.monotonic()
+    return {**guarded(work), "time": round(time.monotonic() - began, 2)}
 
 
 def guarded(work: Callable[[], dict[str, Any]]) -> dict[str, Any]:

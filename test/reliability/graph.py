@@ -18,6 +18,8 @@ from er_ros_common import dds, topics
 from test.graph_help import CONFIG, VEHICLE, Graph, Running, own_domain, plant_arguments
 
 NODES = ("plant", "unified_observer", "skyhook_controller")
+COMPILED = 300.0
+"""Time [s] in which a graph runs that must compile first, all its nodes on one busy core."""
 NUMBERS = {
     topics.PWM_APPLIED.name: ("duty",),
     topics.PWM_COMMAND.name: ("duty",),
@@ -127,7 +129,7 @@ def running(folder: Path) -> Iterator[tuple[Graph, dict[str, Running], Listener]
         listener = Listener(int(env["ROS_DOMAIN_ID"]))
         try:
             nodes = {name: graph.start(name, *arguments(name)) for name in NODES}
-            assert math.isfinite(listener.until(lambda: well(listener), 60.0)), "it never ran"
+            assert math.isfinite(listener.until(lambda: well(listener), COMPILED)), "it never ran"
             yield graph, nodes, listener
         finally:
             listener.close()

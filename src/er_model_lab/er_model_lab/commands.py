@@ -25,6 +25,7 @@ from er_model_lab.diagnose.verdict import Name
 from er_model_lab.excess import noise_at, region_tables
 from er_model_lab.floors import floors
 from er_model_lab.fusion import fusion_json
+from er_model_lab.learnt import REACH, Beyond, beyond, reach
 from er_model_lab.load import fingerprint, load
 from er_model_lab.long.choose import shortened
 from er_model_lab.long.verify import checked, long_json, long_note
@@ -150,8 +151,10 @@ def compare(ask: Request) -> Outcome:
     noise = noise_at(problem, floor.floor, null.input_square)
     tables = region_tables(problem, given, ask.seed, noise)
     result = compare_json(problem, given, floor.floor, explainable, tables)
-    notes = (*size_notes(problem, given), *problem.notes)
+    further = beyond(model, problem, given)
+    notes = (*size_notes(problem, given), *_further(model, further), *problem.notes)
     result["notes"] = list(notes)
+    result["beyond"] = further.as_json() if further else None
     on_all = checked(problem, given, given=on_fused(model))
     if on_all is not None:
         result["long"] = long_json(on_all, again=False)
@@ -179,11 +182,18 @@ def compare(ask: Request) -> Outcome:
     for path, other in ask.others():
         own, _ = open_problem(records, other, sealed)
         left = as_given(other, own)
+        notes = (*_further(other, beyond(other, own, left)), *notes)
         regions = region_tables(own, left, ask.seed, noise)
         seen = views(own, own.force - left, None)
         rivals.append(Rival(other, str(path), seen, fitted_to(other, data), regions))
+    view = replace(view, notes=notes, result={**view.result, "notes": list(notes)})
     view = beside(view, rivals, floor.floor, ask.seed)
     return Outcome(dict(view.result), view, None, problem.complete)
+
+
+def _further(model: Model, found: Beyond | None) -> tuple[str, ...]:
+    """What is said of data that go beyond what a model was fitted to."""
+    return (found.note(model.name),) if found and found.matters else ()
 
 
 def beside(view: View, rivals: list[Rival], floor: float, seed: int) -> View:
@@ -369,7 +379,7 @@ def _with_history(
     """The grown model under its new name, with one entry of history more."""
     found = study.diagnosis
     held = study.problem.held_out
-    entry = {
+    entry: dict[str, Any] = {
         "added": [e for e in grown.effects if e not in before.effects],
         "verdict": found.verdict,
         "command_line": command_line(),
@@ -383,6 +393,8 @@ def _with_history(
         "noise_floor": (*found.floor.parts, found.floor)[0].held_out,
         "from": before.name,
     }
+    if study.problem.fused:
+        entry[REACH] = reach(study.problem)
     source = f"fitted to {len(originals(records))} records, beginning from '{before.name}' ({before.source})"
     return replace(
         grown,

@@ -21,6 +21,7 @@ from er_model_lab.diagnose.search import (
     promising,
     prune,
     swapped,
+    threshold,
     try_pairs,
 )
 from er_model_lab.prepare import Problem
@@ -255,7 +256,7 @@ def _without(
 
 def _within_errors(step: Round, rule: Rule) -> str | None:
     """What is said where an effect gains more than noise does, but no more than the errors of the motion may cause."""
-    limit = max(step.null.chance(rule.false_alarm), rule.smallest * np.sqrt(step.base.mse))
+    limit = threshold(replace(step.null, least=0.0), float(np.sqrt(step.base.mse)), rule)
     able = [c for c in step.candidates if passes(step.base, c, limit)]
     if not able:
         return None

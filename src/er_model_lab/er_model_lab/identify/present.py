@@ -17,6 +17,7 @@ from er_model_lab.identify.findings import findings, missing, verdict
 from er_model_lab.identify.law import response_time
 from er_model_lab.identify.procedure import Identified
 from er_model_lab.identify.stages import Stage
+from er_model_lab.learnt import REACH, reach
 from er_model_lab.present import clean, headline, views
 from er_model_lab.view import View
 
@@ -91,6 +92,7 @@ def new_model(found: Identified, name: str, entry: Mapping[str, Any]) -> Model:
         "after": _errors(found, found.residual)["train"][0],
     }
     whole["from"] = found.before.name
+    whole[REACH] = reach(found.problem)
     source = (
         f"identified from {len(found.problem.names)} records, beginning from '{found.before.name}'"
     )

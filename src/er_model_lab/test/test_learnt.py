@@ -1,0 +1,85 @@
+"""A fitted model knows what it was fitted to, and data beyond that are told apart, with the error there."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from er_model_lab.learnt import REACH, beyond, reach
+from lab_help import problem_of
+
+
+@pytest.fixture(scope="module")
+def known():
+    """A model whose history names the reach of a measurement, and the problem of it."""
+    model, problem = problem_of(None, {}, seconds=12.0)
+    return replace(model, history=({"added": []}, {REACH: reach(problem)})), problem
+
+
+def larger(problem, **factors):
+    """The same measurement, a channel of the motion (or `power`: the force) times a factor."""
+    force = problem.force * factors.pop("power", 1.0)
+    moved = {k: getattr(problem.motion, k) * f for k, f in factors.items()}
+    return replace(problem, force=force, motion=replace(problem.motion, **moved))
+
+
+def test_the_reach_is_that_of_the_training_samples(known):
+    _, problem = known
+    found, train = reach(problem), problem.train
+    assert found["deflection"] == [problem.motion.x[train].min(), problem.motion.x[train].max()]
+    assert found["duty"] == [0.0, 0.3]
+    power = np.mean(np.abs(problem.force * problem.motion.v))
+    assert found["power"] == pytest.approx([power, power])
+
+
+def test_what_it_was_fitted_to_is_not_beyond(known):
+    model, problem = known
+    assert beyond(model, problem, problem.force) is None
+    assert beyond(replace(model, history=()), larger(problem, x=9.0), problem.force) is None
+
+
+@pytest.mark.parametrize(
+    ("channel", "name"), [("x", "deflection"), ("v", "velocity"), ("u", "duty")]
+)
+def test_larger_motion_is_beyond_where_it_is_larger(known, channel, name):
+    model, problem = known
+    factor = {"x": 2.0, "v": 1.3, "u": 2.0}[channel]
+    larger_problem = larger(problem, **{channel: factor})
+    low, high = reach(problem)[name]
+    y, margin = getattr(larger_problem.motion, channel), 0.1 * (high - low)
+    outside = problem.used & ((y < low - margin) | (y > high + margin))
+    residual = np.where(outside, 3.0, 0.5)
+    found = beyond(model, larger_problem, residual)
+    assert found is not None
+    assert found.matters
+    assert found.share == pytest.approx(outside.sum() / problem.used.sum())
+    assert name in found.reach
+    assert found.reach[name][1] == (low, high)
+    assert (found.rms_beyond, found.rms_inside) == pytest.approx((3.0, 0.5))
+    assert "3 N there and 0.5 N elsewhere" in found.note("better")
+    assert f"({name} " in found.note("better")
+
+
+def test_more_power_is_named_and_less_is_not(known):
+    model, problem = known
+    found = beyond(model, larger(problem, power=2.0), problem.force)
+    assert found is not None
+    assert found.share == 0.0
+    assert found.matters
+    assert list(found.reach) == ["power"]
+    assert "(power up to " in found.note("better")
+    assert "%" not in found.note("better")
+    assert beyond(model, larger(problem, power=1.4), problem.force) is None
+    assert beyond(model, larger(problem, power=0.1), problem.force) is None
+
+
+def test_a_few_samples_count_where_they_carry_the_error(known):
+    model, problem = known
+    x = problem.motion.x.copy()
+    at = np.flatnonzero(problem.used)[:3]
+    x[at] = 1.0
+    beside = replace(problem, motion=replace(problem.motion, x=x))
+    quiet = np.ones(x.size)
+    loud = quiet.copy()
+    loud[at] = 100.0
+    assert not beyond(model, beside, quiet).matters
+    assert beyond(model, beside, loud).matters
