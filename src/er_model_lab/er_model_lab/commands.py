@@ -12,7 +12,7 @@ import numpy as np
 from er_models.catalogue import Catalogue
 from er_models.errors import ErError, InputError
 from er_models.files import load_model, save_model
-from er_models.model import Model
+from er_models.model import Array, Model
 from er_models.own import catalogue_with
 
 from er_model_lab.compare import errors, regions_json, size_notes, worst
@@ -146,22 +146,13 @@ def compare(ask: Request) -> Outcome:
     base = baseline(on_fused(model), problem)
     null = simulate_null(base, [], problem, ask.seed)
     floor = noise_floor(problem, base, null, ask.seed)
-    mse = float(np.mean(given[problem.used] ** 2))
-    explainable = max(1.0 - floor.floor**2 / mse, 0.0)
     noise = noise_at(problem, floor.floor, null.input_square)
     tables = region_tables(problem, given, ask.seed, noise)
-    result = compare_json(problem, given, floor.floor, explainable, tables)
     further = beyond(model, problem, given)
-    notes = (*size_notes(problem, given), *_further(model, further), *problem.notes)
-    result["notes"] = list(notes)
-    result["beyond"] = further.as_json() if further else None
-    on_all = checked(problem, given, given=on_fused(model))
-    if on_all is not None:
-        result["long"] = long_json(on_all, again=False)
-        result["rmse"] = result["long"]["rmse"]["given"]["all"]
-        notes = (long_note(result["long"]), *notes)
-        result["notes"] = list(notes)
-    result |= {
+    mse = float(np.mean(given[problem.used] ** 2))
+    result = compare_json(
+        problem, given, floor.floor, max(1.0 - floor.floor**2 / mse, 0.0), tables
+    ) | {
         "preflight": preflight(originals(records), model, model.catalogue).as_json(),
         "command": "compare",
         "model": model.name,
@@ -171,24 +162,40 @@ def compare(ask: Request) -> Outcome:
         },
         "fusion": fusion_json(originals(records), problem),
         "rmse_refitted": float(np.sqrt(base.mse)),
+        "beyond": further.as_json() if further else None,
     }
+    notes = (*size_notes(problem, given), *_further(model, further), *problem.notes)
+    on_all = checked(problem, given, given=on_fused(model))
+    if on_all is not None:
+        result["long"] = long_json(on_all, again=False)
+        result["rmse"] = result["long"]["rmse"]["given"]["all"]
+        notes = (long_note(result["long"]), *notes)
+    others, theirs = _rivals(ask, records, sealed, noise)
+    result["notes"] = [*theirs, *notes]
     view = View(
         command="compare", model=model.name, headline=headline(result["rmse"], floor.floor), result=clean(result),
-        records=views(problem, problem.force - given, None), regions=tables, notes=notes,
+        records=views(problem, problem.force - given, None), regions=tables, notes=(*theirs, *notes),
         provenance=provenance(records, model, ask),
     )  # fmt: skip
     data = fingerprint(originals(records))
-    rivals = [Rival(model, str(ask.model_file), view.records, fitted_to(model, data), tables)]
-    for path, other in ask.others():
-        own, _ = open_problem(records, other, sealed)
-        left = as_given(other, own)
-        notes = (*_further(other, beyond(other, own, left)), *notes)
-        regions = region_tables(own, left, ask.seed, noise)
-        seen = views(own, own.force - left, None)
-        rivals.append(Rival(other, str(path), seen, fitted_to(other, data), regions))
-    view = replace(view, notes=notes, result={**view.result, "notes": list(notes)})
-    view = beside(view, rivals, floor.floor, ask.seed)
+    first = Rival(model, str(ask.model_file), view.records, fitted_to(model, data), tables)
+    view = beside(view, [first, *others], floor.floor, ask.seed)
     return Outcome(dict(view.result), view, None, problem.complete)
+
+
+def _rivals(
+    ask: Request, records: list[Record], sealed: int, noise: Array
+) -> tuple[list[Rival], tuple[str, ...]]:
+    """Further models on the same data, and what is to be said of them."""
+    data, found, notes = fingerprint(originals(records)), [], tuple[str, ...]()
+    for path, model in ask.others():
+        problem, _ = open_problem(records, model, sealed)
+        left = as_given(model, problem)
+        notes = (*_further(model, beyond(model, problem, left)), *notes)
+        regions = region_tables(problem, left, ask.seed, noise)
+        seen = views(problem, problem.force - left, None)
+        found.append(Rival(model, str(path), seen, fitted_to(model, data), regions))
+    return found, notes
 
 
 def _further(model: Model, found: Beyond | None) -> tuple[str, ...]:
