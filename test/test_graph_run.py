@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import threading
+from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -221,13 +222,22 @@ OF_LOAD = {"rate", "stale stamps", "lost messages", "status", "timing", "stamps"
 """What a machine too busy for 200 Hz does to a graph, and the doctor rightly reports."""
 
 
-def longest_stall(ended: threading.Event) -> float:
-    """How late this process woke from sleeps of 5 ms, at worst, until the event [s]."""
+HELD_UP = 0.015
+"""Time [s] lost in a tenth of a second from which on a mean step of 1 ms (of 20) is the machine's."""
+
+
+def longest_hold(ended: threading.Event) -> float:
+    """How late this process woke from sleeps of 5 ms, summed over the worst tenth of a second, until the event [s]."""
+    late: deque[tuple[float, float]] = deque()
     worst = 0.0
     while not ended.is_set():
         before = monotonic()
         sleep(0.005)
-        worst = max(worst, monotonic() - before - 0.005)
+        now = monotonic()
+        late.append((now, now - before - 0.005))
+        while late[0][0] < now - 0.1:
+            late.popleft()
+        worst = max(worst, sum(each for _, each in late))
     return worst
 
 
@@ -237,9 +247,9 @@ def test_the_doctor_finds_the_graph_healthy(tmp_path: Path) -> None:
             "up", f"record:={tmp_path / 'bag'}", "duration:=0", "observers:=nlpv_polytopic"
         )
         up.wait_for("[plant]: running")
-        for attempt in range(4):
+        for attempt in range(6):
             ended = threading.Event()
-            stall = pool.submit(longest_stall, ended)
+            hold = pool.submit(longest_hold, ended)
             report = tmp_path / f"doctor_{attempt}.json"
             graph.run("doctor", "--seconds", "2", "--json", str(report))
             ended.set()
@@ -247,7 +257,7 @@ def test_the_doctor_finds_the_graph_healthy(tmp_path: Path) -> None:
             problems = doctor["problems"]
             # wiring is right in every look; the load of the machine may spoil one
             assert [p for p in problems if p["kind"] not in OF_LOAD] == []
-            if not problems or stall.result() > 0.02:
+            if not problems or hold.result() > HELD_UP:
                 break
         else:
             pytest.fail(f"never healthy: {problems}")

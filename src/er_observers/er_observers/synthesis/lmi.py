@@ -60,7 +60,7 @@ class Problem:
     family: structure, made of scaled A, C and D1. nodes (K,): duties at which the inequalities are
     asked for. degree: of Y = P Z in the duty, 0: one gain for all, None: free at each node. rate:
     fastest change of the duty [1/s] that a Lyapunov function of the duty must bear; None: one
-    function for all duties.
+    function for all duties. calm: whether the variance of the output counts beside gamma.
     """
 
     theorem: str
@@ -73,6 +73,7 @@ class Problem:
     degree: int | None = None
     rate: float | None = None
     solver: str = SOLVER
+    calm: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,8 +131,8 @@ def widest(problem: Problem, gamma: float) -> Solution:
     p, posed = problem, _pose(problem)
     v = posed.v
     held = [*posed.constraints, v.gamma_2 == gamma**2, v.t <= 1.0]
-    status = run(cp.Problem(cp.Maximize(v.t), held), p.solver)
-    if v.t.value is None or not float(v.t.value) > 0.0:
+    status = run(cp.Problem(cp.Maximize(v.t), held), p.solver, lambda: _positive(v.t))
+    if not _positive(v.t):
         raise SynthesisFailed(p.theorem, f"no margin at gamma {gamma:.4g}", status)
     return _gains(p, posed, (gamma, status))
 
@@ -164,7 +165,8 @@ def _pose(p: Problem) -> _Posed:
         S = P @ family.A11 - Y[k] @ family.A12
         noise = P @ (family.T @ s.W) - (P @ family.B11 - Y[k] @ family.B12) @ s.N
         constraints += _node(p, s, family, v, k, S, noise)
-        _bound_variance(v, P, noise)
+        if p.calm:
+            _bound_variance(v, P, noise)
     return _Posed(s, family, v, Y, constraints)
 
 
@@ -226,8 +228,9 @@ def optimise(
     elsewhere; then, with gamma held `spec.slack` above it, the smallest variance of the output for
     white inputs (`_bound_variance`); at last, with that held as well, the widest margins.
     """
-    status = run(cp.Problem(cp.Minimize(v.gamma_2), [*constraints, v.t == 0.0]), solver)
-    if "infeasible" in status or v.gamma_2.value is None or not float(v.gamma_2.value) > 0.0:
+    least = cp.Problem(cp.Minimize(v.gamma_2), [*constraints, v.t == 0.0])
+    status = run(least, solver, lambda: _positive(v.gamma_2))
+    if "infeasible" in status or not _positive(v.gamma_2):
         raise SynthesisFailed(theorem, NO_SOLUTION, status)
     optimum = float(np.sqrt(np.asarray(v.gamma_2.value)))
     gamma = optimum * spec.slack
@@ -235,17 +238,32 @@ def optimise(
         reason = f"gamma {gamma:.4g} is above the {spec.gamma_max:.4g} asked for"
         raise SynthesisFailed(theorem, reason, status)
     held = [*constraints, v.gamma_2 == gamma**2]
-    if v.variances:
-        total = cast(cp.Expression, sum(trace(Q) for Q, _ in v.variances))  # type: ignore[no-untyped-call]
-        bounds = [c for _, c in v.variances]
-        run(cp.Problem(cp.Minimize(total), [*held, *bounds, v.t == 0.0]), solver)
-        if total.value is not None:
-            held += [*bounds, total <= spec.slack * float(total.value)]
-    status = run(cp.Problem(cp.Maximize(v.t), held), solver)
-    if v.t.value is None or not float(v.t.value) > 0.0:
-        reason = f"the inequalities leave no margin at gamma {gamma:.4g}"
-        raise SynthesisFailed(theorem, reason, status)
-    return optimum, status
+    for more in (_calmest(spec, v, held, solver), []):
+        widest = cp.Problem(cp.Maximize(v.t), [*held, *more])
+        status = run(widest, solver, lambda: _positive(v.t))
+        if _positive(v.t):
+            return optimum, status
+    reason = f"the inequalities leave no margin at gamma {gamma:.4g}"
+    raise SynthesisFailed(theorem, reason, status)
+
+
+def _calmest(
+    spec: Spec, v: Unknowns, held: list[cp.Constraint], solver: str
+) -> list[cp.Constraint]:
+    """Bounds of the output's variance for white inputs, at its smallest with some slack; none where none is found."""
+    if not v.variances:
+        return []
+    total = cast(cp.Expression, sum(trace(Q) for Q, _ in v.variances))  # type: ignore[no-untyped-call]
+    bounds = [c for _, c in v.variances]
+    status = run(cp.Problem(cp.Minimize(total), [*held, *bounds, v.t == 0.0]), solver)
+    if "optimal" not in status or total.value is None:
+        return []
+    return [*bounds, cast(cp.Constraint, total <= spec.slack * float(total.value))]
+
+
+def _positive(unknown: cp.Variable) -> bool:
+    """Whether a solver has left a value above zero."""
+    return unknown.value is not None and float(unknown.value) > 0.0
 
 
 def _unknowns(p: Problem, order: int) -> Unknowns:

@@ -38,21 +38,29 @@ RATE = 200.0
 
 
 def claim(
-    form: LinearForm, output: Output, spec: Spec, scaling: Scaling, points: int = POINTS
+    form: LinearForm,
+    output: Output,
+    spec: Spec,
+    scaling: Scaling,
+    points: int = POINTS,
+    *,
+    calm: bool = False,
 ) -> Claim:
     """Gains with both Lyapunov functions: of the duty, and common to all duties; raises as `solve`.
 
     Where the inequalities hold at two grid points and not between them, Y becomes the quadratic
-    (4.39), so that gains of neighbours are alike, and the middle joins the grid.
+    (4.39), so that gains of neighbours are alike, and the middle joins the grid; the least variance
+    (`calm`) is no longer asked for then.
     """
-    asked = problem(form, output, spec, scaling, points=points)
+    asked = problem(form, output, spec, scaling, points=points, calm=calm)
     for _ in range(_ROUNDS):
         found = lmi.solve(asked)
         claimed = Claim(form, output, spec, scaling, found)
         between = gaps(claimed)
         if not between:
             break
-        asked = replace(asked, nodes=np.unique([*asked.nodes, *between]), degree=2)
+        nodes = np.unique([*asked.nodes, *between])
+        asked = replace(asked, nodes=nodes, degree=2, calm=False)
     return replace(claimed, common=common(asked, found))
 
 
@@ -63,9 +71,11 @@ def solve(
     scaling: Scaling,
     rate: float = RATE,
     points: int = POINTS,
+    *,
+    calm: bool = False,
 ) -> Solution:
     """Gains on the grid and P(rho); raises `SynthesisFailed` naming what makes it impossible."""
-    return lmi.solve(problem(form, output, spec, scaling, rate, points))
+    return lmi.solve(problem(form, output, spec, scaling, rate, points, calm=calm))
 
 
 def problem(
@@ -75,10 +85,18 @@ def problem(
     scaling: Scaling,
     rate: float = RATE,
     points: int = POINTS,
+    *,
+    calm: bool = False,
 ) -> lmi.Problem:
-    """The theorem's inequalities on a grid."""
+    """The theorem's inequalities on a grid.
+
+    calm: whether the variance of the output counts beside gamma. Gains that are free at each node then
+    change the faster with the duty the finer the grid is, and have no function common to all duties.
+    """
     nodes = np.linspace(*spec.rho, points)
-    return lmi.Problem(THEOREM, form, output, spec, scaling, luenberger_family, nodes, rate=rate)
+    return lmi.Problem(
+        THEOREM, form, output, spec, scaling, luenberger_family, nodes, rate=rate, calm=calm
+    )
 
 
 def common(claimed: lmi.Problem, solution: Solution) -> Solution:
