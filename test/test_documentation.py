@@ -28,7 +28,7 @@ ELSEWHERE = {
 }
 MEASURED = ("mts", "shaking", "piston")
 """Folders that a documented command makes from measured data."""
-EVERY = 4
+EVERY = 8
 """One measured run in so many is kept: what all of them give is for test_measured."""
 ENDLESS = ("run", "record", "up")
 """Commands that may go on until Ctrl-C: they get one after a while and must then end well."""
@@ -60,7 +60,7 @@ def place(tmp_path_factory):
         (folder / name).mkdir()
         write_sample(folder / name / "run.csv", seed=seed)
     (folder / "RIDE").mkdir()
-    write_ride(folder / "RIDE" / "run.csv", seed=1)
+    write_ride(folder / "RIDE" / "run.csv", seed=1, seconds=5.0)
     (folder.parent / "shared").symlink_to(ROOT.parent / "shared")
     for name in ("my_damper.yaml", "better.yaml"):
         (folder / name).write_text((ROOT / "config/dampers/inove_guo.yaml").read_text())

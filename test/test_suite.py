@@ -12,7 +12,7 @@ from test.conftest import ROOT
 
 sys.path.insert(0, str(ROOT / "tools"))
 
-from er_workspace.suite import runs, whole
+from er_workspace.suite import ONE_THREAD, runs, whole
 
 
 def test_the_suite_is_run_beside_and_alone() -> None:
@@ -55,3 +55,16 @@ def test_the_suite_fails_where_any_test_fails(
         f"@pytest.mark.alone\ndef test_second():\n    {second}\n"
     )
     assert whole(Path(sys.executable), args, [str(tmp_path)], os.environ) == status
+
+
+def test_what_has_others_beside_it_uses_one_thread(tmp_path: Path) -> None:
+    (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers = alone: by itself\n")
+    (tmp_path / "test_it.py").write_text(
+        "import os\nimport pytest\n\nTHREADS = [os.environ.get(k) for k in "
+        + repr(tuple(ONE_THREAD))
+        + "]\n\n\n"
+        "def test_beside():\n    assert THREADS == ['1'] * 3\n\n\n"
+        "@pytest.mark.alone\ndef test_alone():\n    assert THREADS == [None] * 3\n"
+    )
+    free = {k: v for k, v in os.environ.items() if k not in ONE_THREAD}
+    assert whole(Path(sys.executable), [], [str(tmp_path)], free) == 0

@@ -47,7 +47,7 @@ def _decided(seed: int, seconds: float) -> dict[str, Any]:
     model = load_model(MODEL)
     with tempfile.TemporaryDirectory() as place:
         case = make_case(
-            None, APART + seed, out=Path(place) / "data", n_records=1, seconds=SECONDS
+            None, APART + seed, out=Path(place) / "data", n_records=1, seconds=seconds
         )
         problem, _ = open_problem(load([Path(case.directory)]), model)
     base = baseline(on_fused(model), problem)

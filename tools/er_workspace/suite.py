@@ -12,6 +12,8 @@ NOTHING_SELECTED = 5
 """Exit status of pytest where no test was left."""
 ALONE = "alone"
 """Marker of tests that run with nothing beside them."""
+ONE_THREAD = dict.fromkeys(("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
+"""Environment of tests that have others beside them: every core has its process, threads would only wait."""
 
 
 def runs(args: Sequence[str], cores: int) -> list[list[str]]:
@@ -40,8 +42,9 @@ def whole(
     """
     worst = NOTHING_SELECTED
     for run in runs(args, os.cpu_count() or 1):
+        threads = ONE_THREAD if "--dist" in run else {}
         status = subprocess.run(
-            [str(python), "-m", "pytest", *run, *folders], env=dict(env), check=False
+            [str(python), "-m", "pytest", *run, *folders], env={**env, **threads}, check=False
         ).returncode
         if worst in (0, NOTHING_SELECTED) and status != NOTHING_SELECTED:
             worst = status
