@@ -6,6 +6,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from er_ros_common import dds
+from test.graph_help import own_domain
 
 
 def test_the_users_own_settings_win(tmp_path: Path) -> None:
@@ -22,6 +23,8 @@ def test_the_users_own_settings_win(tmp_path: Path) -> None:
     assert [(part.tag.rpartition("}")[2], part.text) for part in period] == [
         ("nanosec", "100000000")
     ]
+    (deaf,) = ElementTree.parse(file).findall(".//{*}nackSupressionDuration")
+    assert [part.text for part in deaf] == ["20000000"]
 
 
 LISTENING = """
@@ -44,3 +47,57 @@ def test_nobody_listens_at_shared_memory() -> None:
     transports = {name.split(".")[1] for name in done.stdout.split() if name[-1:].isdigit()}
     assert "udp" in transports
     assert "shm" not in transports
+
+
+TALK = """
+from er_ros_common import dds
+dds.settle()
+import sys, time
+import rclpy
+from pathlib import Path
+from rclpy.qos import QoSProfile
+from std_msgs.msg import String
+
+def waits():
+    threads = [p for p in Path("/proc/self/task").iterdir() if p.joinpath("comm").read_text().startswith("dds.ev")]
+    words = [line for p in threads for line in p.joinpath("status").read_text().splitlines()]
+    return sum(int(line.split()[1]) for line in words if line.startswith("voluntary"))
+
+rclpy.init()
+node = rclpy.create_node(sys.argv[1])
+topics = [f"talk_{i}" for i in range(4)]
+if sys.argv[1] == "listener":
+    ends = [node.create_subscription(String, t, lambda m: None, QoSProfile(depth=10)) for t in topics]
+    rclpy.spin(node)
+ends = [node.create_publisher(String, t, QoSProfile(depth=10)) for t in topics]
+while not all(end.get_subscription_count() for end in ends):
+    time.sleep(0.05)
+time.sleep(1.0)  # greetings are over
+before, begin = waits(), time.monotonic()
+for _ in range(200):
+    for end in ends:
+        end.publish(String(data="a"))
+    time.sleep(0.005)
+print((waits() - before) / (time.monotonic() - begin))
+"""
+"""A talker (200 messages at four topics) says how often a second its thread of timers fell asleep; a listener."""
+
+
+def test_a_message_wakes_no_timer() -> None:
+    """With Fast DDS's own settings the thread of the timers wakes for nearly every one of 800 messages."""
+    with own_domain() as env:
+        command = [sys.executable, "-c", TALK]
+        listener = subprocess.Popen([*command, "listener"], env=env)
+        try:
+            done = subprocess.run(
+                [*command, "talker"],
+                capture_output=True,
+                text=True,
+                check=True,
+                env=env,
+                timeout=60,
+            )
+        finally:
+            listener.kill()
+            listener.wait()
+    assert float(done.stdout) < 400.0
