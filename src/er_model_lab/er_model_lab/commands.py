@@ -20,8 +20,6 @@ from er_model_lab.diagnose.by_record import by_record
 from er_model_lab.diagnose.candidates import baseline
 from er_model_lab.diagnose.floor import noise_floor
 from er_model_lab.diagnose.null import simulate_null
-from er_model_lab.diagnose.search import MOST_EFFECTS
-from er_model_lab.diagnose.verdict import Name
 from er_model_lab.excess import noise_at, region_tables
 from er_model_lab.floors import floors
 from er_model_lab.fusion import fusion_json
@@ -29,9 +27,11 @@ from er_model_lab.learnt import REACH, Beyond, beyond, reach
 from er_model_lab.load import fingerprint, load
 from er_model_lab.long.choose import shortened
 from er_model_lab.long.verify import checked, long_json, long_note
+from er_model_lab.passes import taken_last, told_together
 from er_model_lab.plan.suggest import suggestions
 from er_model_lab.preflight.check import gate, preflight
 from er_model_lab.present import (
+    candidate_views,
     clean,
     compare_json,
     diagnosis_json,
@@ -280,41 +280,16 @@ def _improved(studies: list[Study], model: Model, records: list[Record], ask: Re
     """The outcome of several passes as one fall of the error."""
     first, last = studies[0], studies[-1]
     outcome = _outcome("improve", first, model, records, ask)
-    result = outcome.result
-    for study in studies[1:]:
-        more = clean(diagnosis_json(study, model))
-        result["steps"] += more["steps"][1:]
-        result["effects"] += [e for e in more["effects"] if e not in result["effects"]]
-        result["alternatives"] += [
-            g for g in more["alternatives"] if g not in result["alternatives"]
-        ]
-        for key in ("rmse_after", "noise_floor", "floors", "unexplained"):
-            result[key] = more[key]
-    final = last.diagnosis
-    adequate = final.verdict in ("adequate", "missing_effect", "ambiguous")
-    result["final_verdict"] = "adequate" if adequate else final.verdict
-    if len(studies) > 1 and result["verdict"] == "partial":
-        many = len(result["effects"]) > MOST_EFFECTS
-        result["verdict"] = overall(final.verdict, tied=bool(result["alternatives"]), many=many)
-        result["reasons"] += [r for r in final.reasons if r not in result["reasons"]]
-    view = replace(outcome.view, result=result)
+    results = [outcome.result, *(clean(diagnosis_json(s, model)) for s in studies[1:])]
+    cards = [outcome.view.candidates]
+    cards += [candidate_views(s, r) for s, r in zip(studies[1:], results[1:], strict=True)]
+    result = told_together(results)
+    view = replace(outcome.view, result=result, candidates=taken_last(cards, results))
     if len(studies) > 1:
         after = last.problem.force - last.diagnosis.best.fit.residual
         before = first.problem.force - first.diagnosis.base.fit.residual
         view = replace(view, records=views(last.problem, before, after))
     return Outcome(result, view, model, outcome.complete)
-
-
-def overall(last: Name, *, tied: bool, many: bool = False) -> Name:
-    """Verdict on all that several passes added, from that of the last: a tie of any of them leaves the whole unsure.
-
-    many: more effects than a search names; together they describe the data, and are no cause.
-    """
-    if many:
-        return "partial"
-    if last in ("adequate", "missing_effect"):
-        return "ambiguous" if tied else "missing_effect"
-    return "ambiguous" if last == "ambiguous" else "partial"
 
 
 def gone_on(outcome: Outcome, begun: Begun, out: Path) -> Outcome:

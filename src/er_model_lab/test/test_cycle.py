@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.commands import overall
 from er_model_lab.cycle import cycle
 from er_model_lab.diagnose.candidates import baseline, refit
 from er_model_lab.diagnose.null import simulate_null
@@ -91,20 +90,6 @@ def test_what_fusion_misses_in_every_cycle_is_no_effect():
     null, averaged = (simulate_null(base, rivals, p, 0) for p in (problem, averaging))
     assert averaged.threshold(0.05) < null.input_error == null.threshold(0.05)
     assert null.p_value(0.9 * null.input_error) == 1.0 > averaged.p_value(0.9 * null.input_error)
-
-
-@pytest.mark.parametrize(
-    ("last", "tied", "said"),
-    [
-        ("missing_effect", False, "missing_effect"),
-        ("adequate", True, "ambiguous"),
-        ("ambiguous", False, "ambiguous"),
-        ("unknown_effect", True, "partial"),
-    ],
-)
-def test_several_passes_are_no_surer_than_each(last, tied, said):
-    assert overall(last, tied=tied) == said
-    assert overall(last, tied=tied, many=True) == "partial"
 
 
 def test_a_name_that_is_unsure_asks_for_the_experiment():

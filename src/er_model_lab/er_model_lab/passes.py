@@ -1,0 +1,72 @@
+"""What the passes of `improve` found, told as one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from er_model_lab.diagnose.search import MOST_EFFECTS
+from er_model_lab.diagnose.verdict import Name
+from er_model_lab.view import CandidateView
+
+Result = dict[str, Any]
+OF_THE_LAST = ("rmse_after", "noise_floor", "floors", "unexplained")
+"""What holds of the model that the last pass made."""
+
+
+def told_together(results: Sequence[Result]) -> Result:
+    """The contract's JSON of all passes: candidates as the first saw them, those that a later one took as it did."""
+    whole = dict(results[0])
+    for more in results[1:]:
+        whole["steps"] = whole["steps"] + more["steps"][1:]
+        whole["effects"] = _with(whole["effects"], more["effects"])
+        whole["alternatives"] = _with(whole["alternatives"], more["alternatives"])
+        whole["candidates"] = _candidates(whole["candidates"], more, whole["effects"])
+        whole |= {key: more[key] for key in OF_THE_LAST}
+    last = results[-1]
+    adequate = last["verdict"] in ("adequate", "missing_effect", "ambiguous")
+    whole["final_verdict"] = "adequate" if adequate else last["verdict"]
+    if len(results) > 1 and results[0]["verdict"] == "partial":
+        many = len(whole["effects"]) > MOST_EFFECTS
+        whole["verdict"] = overall(last["verdict"], tied=bool(whole["alternatives"]), many=many)
+        whole["reasons"] = _with(whole["reasons"], last["reasons"])
+    return whole
+
+
+def _with(before: list[Any], more: list[Any]) -> list[Any]:
+    return before + [each for each in more if each not in before]
+
+
+def _candidates(before: list[Result], more: Result, order: list[str]) -> list[Result]:
+    """Those taken first, in the order in which they were."""
+    taken = {e["effect"]: e for e in more["candidates"] if e["effect"] in more["effects"]}
+    others = [e for e in before if e["effect"] not in taken]
+    place = {name: i for i, name in enumerate(order)}
+    return sorted([*others, *taken.values()], key=lambda e: place.get(e["effect"], len(place)))
+
+
+def taken_last(
+    cards: Sequence[tuple[CandidateView, ...]], results: Sequence[Result]
+) -> tuple[CandidateView, ...]:
+    """Evidence cards of the first pass, with those of what a later one took as it saw them."""
+    later = {
+        card.effect: card
+        for more, result in zip(cards[1:], results[1:], strict=True)
+        for card in more
+        if card.effect in result["effects"]
+    }
+    kept = [card for card in cards[0] if card.effect not in later]
+    lead = sum(card.effect in results[0]["effects"] for card in kept)
+    return (*kept[:lead], *later.values(), *kept[lead:])
+
+
+def overall(last: Name, *, tied: bool, many: bool = False) -> Name:
+    """Verdict on all that several passes added, from that of the last: a tie of any of them leaves the whole unsure.
+
+    many: more effects than a search names; together they describe the data, and are no cause.
+    """
+    if many:
+        return "partial"
+    if last in ("adequate", "missing_effect"):
+        return "ambiguous" if tied else "missing_effect"
+    return "ambiguous" if last == "ambiguous" else "partial"

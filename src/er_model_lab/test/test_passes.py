@@ -1,0 +1,84 @@
+"""Passes of `improve` are told as one, each effect as the pass saw it that took it."""
+
+import pytest
+from er_model_lab.passes import overall, taken_last, told_together
+from report_views import card, record
+
+
+def found(effects, verdict="partial", candidates=(), rmse=1.0, alternatives=()):
+    """The result of one pass; candidates: {effect: (status, value)}."""
+    return {
+        "verdict": verdict,
+        "effects": list(effects),
+        "alternatives": [list(g) for g in alternatives],
+        "candidates": [
+            {"effect": name, "status": status, "parameters": {"p": [value, 0.1, "N"]}}
+            for name, (status, value) in dict(candidates).items()
+        ],
+        "steps": [{"added": None, "rmse_held_out": 9.0}, *({"added": e} for e in effects)],
+        "reasons": [f"reason of {verdict}"],
+        "rmse_after": {"held_out": rmse},
+        "noise_floor": rmse / 2.0,
+        "floors": {},
+        "unexplained": {},
+    }
+
+
+FIRST = found(
+    ["preload"], candidates={"preload": ("present", 5.0), "cavitation": ("absent", 0.0), "freeplay": ("absent", 1.0)}
+)  # fmt: skip
+
+
+def test_what_a_later_pass_took_is_told_as_that_pass_saw_it():
+    later = found(
+        ["cavitation"], "missing_effect", {"cavitation": ("present", 8.8), "freeplay": ("absent", 3.0)}, rmse=0.5
+    )  # fmt: skip
+    whole = told_together([FIRST, later])
+    assert whole["effects"] == ["preload", "cavitation"]
+    assert [c["effect"] for c in whole["candidates"]] == ["preload", "cavitation", "freeplay"]
+    assert [c["status"] for c in whole["candidates"]] == ["present", "present", "absent"]
+    assert [c["parameters"]["p"][0] for c in whole["candidates"]] == [5.0, 8.8, 1.0]
+    assert [s["added"] for s in whole["steps"]] == [None, "preload", "cavitation"]
+    assert (whole["rmse_after"], whole["noise_floor"]) == ({"held_out": 0.5}, 0.25)
+    assert (whole["verdict"], whole["final_verdict"]) == ("missing_effect", "adequate")
+    assert whole["reasons"] == ["reason of partial", "reason of missing_effect"]
+    assert FIRST["effects"] == ["preload"]
+
+
+def test_one_pass_is_told_as_it_is():
+    whole = told_together([FIRST])
+    assert whole == FIRST | {"final_verdict": "partial"}
+
+
+def test_a_tie_of_a_later_pass_stays():
+    later = found(["cavitation"], "ambiguous", alternatives=[("cavitation", "freeplay")])
+    whole = told_together([FIRST, later])
+    assert whole["alternatives"] == [["cavitation", "freeplay"]]
+    assert whole["verdict"] == "ambiguous"
+
+
+def test_cards_of_what_a_later_pass_took_come_after_those_of_the_first():
+    r = record("run", 4.0, 0)
+    first = tuple(
+        card(name, size, r)
+        for name, size in (("preload", 2.0), ("freeplay", 1.0), ("cavitation", 0.1))
+    )
+    later = (card("cavitation", 0.7, r), card("freeplay", 0.2, r))
+    kept = taken_last([first, later], [FIRST, found(["cavitation"])])
+    assert [c.effect for c in kept] == ["preload", "cavitation", "freeplay"]
+    assert kept[1] is later[0]
+    assert kept[2] is first[1]
+
+
+@pytest.mark.parametrize(
+    ("last", "tied", "said"),
+    [
+        ("missing_effect", False, "missing_effect"),
+        ("adequate", True, "ambiguous"),
+        ("ambiguous", False, "ambiguous"),
+        ("unknown_effect", True, "partial"),
+    ],
+)
+def test_several_passes_are_no_surer_than_each(last, tied, said):
+    assert overall(last, tied=tied) == said
+    assert overall(last, tied=tied, many=True) == "partial"
