@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from er_model_lab.cli import app
 from er_model_lab.identify.law import response_time
-from er_model_lab.report.page import write_report
-from er_model_lab.report.thesis import sections, view
+from er_model_lab.thesis import cases
 from er_model_lab.thesis.bench import DT, measure
 from er_model_lab.thesis.cases import LAWS, PUBLISHED, ROADS, Case, Chapter1, case, chapter_1
-from er_model_lab.thesis.present import columns, lines, result, table_1_5
+from er_model_lab.thesis.present import columns, result, table_1_5
 from er_models.files import load_model
 from er_models.model import Model
 from er_models.program import Program, load_program, resolve, times
@@ -133,14 +133,38 @@ def test_bad_usage_is_said_and_ends_with_2(words: list[str], said: str) -> None:
     assert "Traceback" not in found.output
 
 
+@dataclass(frozen=True)
+class Made:
+    """What `./er lab thesis chapter1 --report FOLDER` computed, printed and wrote."""
+
+    chapter: Chapter1
+    printed: str
+    folder: Path
+    data: dict[str, Any]
+
+
 @pytest.fixture(scope="module")
-def chapter() -> Chapter1:
-    return chapter_1(CONFIG, seed=0)
+def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    """The documented command, once; the chapter itself is taken along on its way."""
+    folder, kept = tmp_path_factory.mktemp("chapter"), list[Chapter1]()
+
+    def keeping(*given: Any) -> Chapter1:
+        kept.append(chapter_1(*given))
+        return kept[-1]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cases, "chapter_1", keeping)
+        words = ["thesis", "chapter1", "--config", str(CONFIG), "--report", str(folder / "page")]
+        found = CliRunner().invoke(app, [*words, "--json", str(folder / "chapter.json")])
+    assert found.exit_code == 0, found.output
+    data = json.loads((folder / "chapter.json").read_text(encoding="utf-8"))
+    return Made(kept[0], found.output, folder / "page", data)
 
 
 @pytest.mark.slow
-def test_the_whole_chapter(chapter: Chapter1, tmp_path: Path) -> None:
+def test_the_whole_chapter(made: Made) -> None:
     """What the thesis concludes, found again; and the page and JSON that show it."""
+    chapter = made.chapter
     for name, found in chapter.validation.items():
         for law in LAWS:
             assert found.nrmse("truth") < found.nrmse(law) < 0.5 * PUBLISHED[name][law]
@@ -157,14 +181,14 @@ def test_the_whole_chapter(chapter: Chapter1, tmp_path: Path) -> None:
     true = response_time(chapter.truth, table.duty)
     assert np.abs(table.tau / true - 1.0).max() < 0.25
     assert len({row[0] for row in table_1_5(chapter)}) == 2
-    data = json.loads(json.dumps(result(chapter, 0), allow_nan=False))
+    data = made.data
+    assert json.loads(json.dumps(result(chapter, 0), allow_nan=False)) == data
     ours = data["table_1_5"]["ISO road"]["guo"]["ours"]
     assert ours == pytest.approx(chapter.validation["iso"].nrmse("guo"))
     assert data["parameters"]["guo"]["guo_yield_by_direction"]["f_c_c"][2] == "N/duty"
-    assert f"{ours:.4f}" in "\n".join(lines(chapter))
-    page = write_report(view(chapter, data), tmp_path, sections(chapter, data))
-    text = page.read_text(encoding="utf-8")
-    assert f"{ours:.4f}" in text
+    assert f"{ours:.4f}" in made.printed
+    (page,) = made.folder.glob("*.html")
+    assert f"{ours:.4f}" in page.read_text(encoding="utf-8")
     for figure in ("case_1", "case_2", "case_3", "case_4", "response_time"):
-        assert (tmp_path / "figures" / f"{figure}.png").stat().st_size > 10_000
-        assert (tmp_path / "figures" / f"{figure}.svg").is_file()
+        assert (made.folder / "figures" / f"{figure}.png").stat().st_size > 10_000
+        assert (made.folder / "figures" / f"{figure}.svg").is_file()

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from er_models.kernel.load import kernel
+from er_models.kernel.load import kernel, plain
 from er_models.model import Array, Model
 from er_models.parallel import over_cores
 
@@ -102,11 +102,12 @@ def predict_many(model: Model, vectors: Array, inputs: Motion) -> Array:
 def _rows(model: Model, vectors: Array, inputs: Motion) -> Callable[[Array, int, int], None]:
     """What predicts rows i to j of the vectors into those of an array (m, n); it holds no lock of Python."""
     c, run, n_sub = model.compiled(), kernel(model.catalogue).predict_rows, substeps(inputs.dt)
+    x, v, a, u, theta = map(plain, (inputs.x, inputs.v, inputs.a, inputs.u, inputs.theta))
+    vectors, starts = plain(vectors), inputs.starts
 
     def rows(forces: Array, i: int, j: int) -> None:
         run(
-            c.on, c.slots, c.links, c.at_rest, vectors[i:j], inputs.dt, inputs.starts, inputs.x, inputs.v,
-            inputs.a, inputs.u, inputs.theta, n_sub, forces[i:j],
+            c.on, c.slots, c.links, c.at_rest, vectors[i:j], inputs.dt, starts, x, v, a, u, theta, n_sub, forces[i:j],
         )  # fmt: skip
 
     return rows

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from er_models.errors import InputError
-from er_models.kernel.load import kernel
+from er_models.kernel.load import kernel, plain
 from er_models.model import Array, Compiled, Model
 from er_models.reading import delay, reading
 
@@ -149,9 +149,8 @@ def _run(
     q, w, memory = state.q.copy(), state.w.copy(), state.memory.copy()
     states, outputs = np.empty((n, 4)), np.empty((n, 6))
     kernel(plant.model.catalogue).run_vehicle(
-        c.on, c.slots, c.links, c.p, q, w, state.duties, np.ascontiguousarray(duty), state.t, plant.dt,
-        np.ascontiguousarray(road), np.ascontiguousarray(rates), plant.n_sub, plant.tolerance, ahead, plant.reading,
-        memory, states, outputs,
+        c.on, c.slots, c.links, c.p, q, w, state.duties, plain(duty), state.t, plant.dt, plain(road), plain(rates),
+        plant.n_sub, plant.tolerance, ahead, plant.reading, memory, states, outputs,
     )  # fmt: skip
     duties = np.concatenate([state.duties, duty[:n]])[-plant.depth :]
     end = State(state.t + n * plant.dt, float(road[-1]), q, w, duties, memory)

@@ -13,14 +13,17 @@ import numpy as np
 import pytest
 from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.effect import Effect, Param, Signature
+from er_models.files import load_model
 from er_models.kernel import load
 from er_models.kernel.compose import fingerprint, source
 from er_models.kernel.inline import inlined
 from er_models.model import Model
 from er_models.predict import predict
+from er_models.simulate import simulate
 from models_help import SMALL, guo, imposed
 
 SCALE = 2.0
+CAR = Path(__file__).resolve().parents[3] / "config" / "vehicles" / "inove_quarter_car.yaml"
 
 
 def scaled(F_k: float, v: float) -> float:
@@ -152,6 +155,7 @@ import sys
 sys.path.insert(0, {test!r})
 from models_help import guo, imposed, SMALL
 from er_models.predict import predict
+from er_models.simulate import simulate
 print(repr(float(predict(guo(), imposed(SMALL, 0.5)).sum())))
 """
 
@@ -186,3 +190,19 @@ def test_kernels_of_two_catalogues_live_side_by_side() -> None:
 def scaled_friction(F_c: float, v_0: float, v: float) -> float:
     """Twice the friction force [N]."""
     return 2.0 * F_c * tanh(v / v_0)
+
+
+def test_samples_that_may_not_be_written_need_no_compilation_of_their_own() -> None:
+    module, inputs = load.kernel(CATALOGUE), imposed(SMALL, 2.0)
+    frozen = dataclasses.replace(inputs, x=inputs.x.copy(), u=inputs.u.copy())
+    for samples in (frozen.x, frozen.u):
+        samples.flags.writeable = False
+    assert np.array_equal(predict(guo(), inputs), predict(guo(), frozen))
+    assert len(module.predict_rows.signatures) == 1
+    car, road = load_model(CAR), 1e-3 * np.sin(np.arange(200) / 10.0)
+    free = simulate(car, 0.005, road.copy(), np.full(200, 0.1))
+    road.flags.writeable = False
+    assert np.array_equal(
+        simulate(car, 0.005, road, np.full(200, 0.1))["damper_force"], free["damper_force"]
+    )
+    assert len(module.run_vehicle.signatures) == 1

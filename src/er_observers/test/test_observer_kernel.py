@@ -86,7 +86,7 @@ def test_one_sample_is_the_differential_equation(gains: Gains, rho: float) -> No
     errors = []
     for n in (substeps(0.005), 4 * substeps(0.005), 16 * substeps(0.005)):
         out = np.empty(4)
-        end = advance(*gains.plan, x, y[0], y[1], np.zeros(2), rho, 0.005, n, out)
+        end = advance(*gains.plan, x, y[0], y[1], np.zeros(2), rho, 0.005, n, out, 0.0)
         assert end == pytest.approx(gains.form.Gamma @ out, rel=1e-9, abs=1e-9)
         errors.append(np.abs((out - exact) / gains.plan.part("size")).max())
         force = abs(gains.form.F @ (out - exact))
@@ -114,8 +114,10 @@ def test_the_table_is_as_near_to_the_law_as_it_says(
             random.normal(size=(3, 2)) * claim.scaling.output,
         )
         looked, fresh = np.empty_like(z), np.empty_like(z)
-        advance(*gains.plan, state, *y, rho, 0.005, 4, looked)
-        advance(*gains.plan, state, *y, rho, 0.005 * (1.0 + 1e-8), 4, fresh)  # no usual length
+        advance(*gains.plan, state, *y, rho, 0.005, 4, looked, 0.0)
+        advance(
+            *gains.plan, state, *y, rho, 0.005 * (1.0 + 1e-8), 4, fresh, 0.0
+        )  # no usual length
         assert np.abs((looked - fresh) / z).max() < 20.0 * NEARLY
 
 
@@ -143,7 +145,7 @@ def test_a_bend_is_a_parabola(gains: Gains) -> None:
     errors = []
     for one in (bend, np.zeros(2)):
         out = np.empty(4)
-        advance(*gains.plan, z, y_0, y_1, one, 0.0, dt, 4, out)
+        advance(*gains.plan, z, y_0, y_1, one, 0.0, dt, 4, out, 0.0)
         errors.append(np.abs((out - exact) / gains.plan.part("size"))[:3].max())
     assert errors[0] < 0.08 * errors[1]
 
@@ -151,7 +153,7 @@ def test_a_bend_is_a_parabola(gains: Gains) -> None:
 def test_bridge_is_the_model_with_a_fading_tyre(gains: Gains) -> None:
     """Without measurement the state follows the model; the tyre deflection decays with 20 ms."""
     x, nothing, out = np.array([1e-3, 0.01, 3e-4, 1.0]), np.zeros(2), np.empty(4)
-    advance(*gains.bridge, x, nothing, nothing, nothing, 0.0, 0.02, substeps(0.02), out)
+    advance(*gains.bridge, x, nothing, nothing, nothing, 0.0, 0.02, substeps(0.02), out, 0.0)
     assert out[2] == pytest.approx(3e-4 * np.exp(-1.0), rel=1e-9)
     assert out[3] == pytest.approx(np.exp(0.02 * gains.form.A[3, 3]), rel=1e-9)
 

@@ -10,6 +10,9 @@ from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
+from numpy.typing import NDArray
+
 from er_models.catalogue import Catalogue
 from er_models.kernel import hooks
 from er_models.kernel.compose import fingerprint, source
@@ -59,6 +62,15 @@ def kernel(catalogue: Catalogue) -> ModuleType:
     hooks.use(catalogue)
     spec.loader.exec_module(module)
     return module
+
+
+def plain(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Samples as the kernels are compiled for: contiguous and writable; a copy where they are not.
+
+    Read-only samples are another type to Numba, and a type of its own is a compilation of its own, seconds long.
+    """
+    flags = samples.flags
+    return samples if flags.c_contiguous and flags.writeable else np.array(samples)
 
 
 def _write(path: Path, text: str) -> None:

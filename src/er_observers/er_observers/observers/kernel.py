@@ -87,7 +87,7 @@ def _march(
 @compiled
 def advance(
     values: Array, scratch: Array, z: Array, y_0: Array, y_1: Array, bend: Array, rho: float,
-    dt: float, n_sub: int, out: Array, extra: float = 0.0,
+    dt: float, n_sub: int, out: Array, extra: float,
 ) -> float:  # fmt: skip
     """State out (N,) after dt [s] from z (N,), y (m,) going from y_0 to y_1 with a bend (m,), rho held.
 

@@ -211,7 +211,7 @@ def _bridge(gains: Gains, state: State, sample: Sample, dt: float) -> State:
     x, nothing = np.empty(lay.n), np.zeros(lay.m)
     if P is None or gains.opening is None:
         n_sub = substeps(dt)
-        advance(*gains.bridge, state.x, nothing, nothing, nothing, state.duty, dt, n_sub, x)
+        advance(*gains.bridge, state.x, nothing, nothing, nothing, state.duty, dt, n_sub, x, 0.0)
     else:
         x, P = start_phase.follow(gains.opening, state.x, P, state.duty, dt, nothing + math.nan)
     seen = gains.form.C @ x

@@ -34,7 +34,7 @@ def wandering(
         rho = random.choice([*rhos, random.uniform(*rhos)])
         after = np.empty_like(x)
         for run, out in zip(x, after, strict=True):
-            advance(*plan, run, y[0], y[1], straight, rho, period, substeps(period), out)
+            advance(*plan, run, y[0], y[1], straight, rho, period, substeps(period), out, 0.0)
         x = after
         worst = max(worst, float(np.linalg.norm(root @ (x[1] - x[0]))) / before)
     return worst
