@@ -10,7 +10,12 @@ fused motion \hat x would move,
 and the mean of a few draws is taken off (regression calibration: Carroll et al. 2006, ch. 4).
 Derivatives are secants over a few hundredths of each value: where a gap closes or a void collapses, the tangent
 sees every event by itself and not what many of them do together. There the sum of squares is rough, too: what
-two lengths of the secant make of it differs, and that difference is part of the uncertainty.
+two lengths of the secant make of it differs, and that difference is part of the uncertainty. Of a bias beyond what
+one step can be trusted with the rest is not taken off: it is part of the uncertainty, too.
+
+Values that switch (a play of the piston) have many narrow valleys, and several of one effect share a long one: a play
+that is narrower and less damped is crossed in nearly the same time. They are looked for about the fit, each by itself
+and together, while all else follows in a straight line.
 """
 
 from __future__ import annotations
@@ -18,6 +23,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from er_models.effect import SWITCH
 from er_models.model import Array, Model
 from er_models.predict import Motion, predict, predict_many
 from er_models.sensitivity import quotients, steps
@@ -35,6 +41,13 @@ MOST_BIAS = 4.0
 """Bias that one step can be trusted with, in standard deviations."""
 POLISH = 6
 """Most Gauss-Newton steps along secants."""
+ABOUT = (0.75, 0.85, 0.92, 0.96, 0.98, 0.99, 1.01, 1.02, 1.04, 1.08, 1.18, 1.33)
+"""Shares of values that switch, looked at about a fit."""
+LOOKS, TRIED, LIKELIER = 8, 3, 4.0
+"""How often that is done at most, how many are polished, and the gain of twice the logarithm of the likelihood that is
+worth a move."""
+NEAR = 3.0
+"""Standard deviations within which the likelihood about a fit is looked at."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +101,73 @@ def polished(fitted: Fit, problem: Problem, share: float) -> Fit:
     )  # fmt: skip
 
 
+def moved(fitted: Fit, problem: Problem, share: float) -> Fit:
+    """A polished fit moved to likelier valleys of the values that switch, as long as there is one."""
+    box, train = Box(fitted.model, fitted.free, problem.scales), problem.train
+    least = 1.0 - LIKELIER / max(int(train.sum()), 1)
+    for _ in range(LOOKS):
+        points, costs = _looked(fitted, problem)
+        begun = [
+            replace(fitted, model=box.model_at(x), theta=x)
+            for x in points[np.argsort(costs)[:TRIED]]
+        ]
+        tried = [polished(f, problem, share) for f in begun]
+        best = min(tried, key=lambda f: f.mse(train), default=fitted)
+        if not best.mse(train) < least * fitted.mse(train):
+            break
+        fitted = best
+    return fitted
+
+
+def breadth(fitted: Fit, problem: Problem) -> Array:
+    """Standard deviations (p,) as the likelihood falls off about the values that switch; scaled, zero for others.
+
+    Where valleys are many the curvature in one of them says too little: each point that was looked at is as many
+    standard deviations away as the root of what it lacks in twice the logarithm of the likelihood.
+    """
+    points, costs = _looked(fitted, problem)
+    lacks = int(problem.train.sum()) * (costs / fitted.mse(problem.train) - 1.0)
+    near = lacks < NEAR**2
+    away = np.abs(points - fitted.theta)[near] / np.sqrt(np.maximum(lacks[near], 1.0))[:, None]
+    wide = away.max(axis=0, initial=0.0)
+    return np.where(_switching(fitted, problem), wide, 0.0)
+
+
+def _switching(fitted: Fit, problem: Problem) -> NDArray[np.bool_]:
+    """Which free values (p,) switch events on and off, and are not at a bound."""
+    box = Box(fitted.model, fitted.free, problem.scales)
+    return np.array([q.step == SWITCH for q in box.parameters], bool) & ~fitted.at_bound
+
+
+def _looked(fitted: Fit, problem: Problem) -> tuple[Array, Array]:
+    """Points (m, p) about a fit along the values that switch, all else following, and mean squares (m,) there."""
+    box, train = Box(fitted.model, fitted.free, problem.scales), problem.train
+    switching = _switching(fitted, problem)
+    if not switching.any():
+        return np.empty((0, fitted.theta.size)), np.empty(0)
+    points = fitted.theta * _about(box, switching)
+    points = points[((points >= box.low) & (points <= box.high)).all(axis=1)]
+    left = (problem.force - predict_many(box.model, box.vectors(points), problem.motion)).T[train]
+    others = ~switching & ~fitted.at_bound
+    left, j = np.nan_to_num(left), fitted.jacobian[train][:, others]
+    follow = np.linalg.lstsq(j, left, rcond=1e-10)[0]
+    points[:, others] += follow.T
+    return np.clip(points, box.low, box.high), np.mean((left - j @ follow) ** 2, axis=0)
+
+
+def _about(box: Box, switching: NDArray[np.bool_]) -> Array:
+    """Factors (m, p) of the values: of each one that switches, of all of an effect, and of them against each other."""
+    rows = []
+    for effect in dict.fromkeys(e for (e, _), s in zip(box.free, switching, strict=True) if s):
+        own = switching & np.array([e == effect for e, _ in box.free])
+        places = np.flatnonzero(own)
+        ways = [*np.eye(own.size)[places], own.astype(float)]
+        if places.size == 2:
+            ways += [ways[0] - ways[1]]
+        rows += [np.power(about, way) for way in ways for about in ABOUT]
+    return np.array(rows)
+
+
 def estimate(fitted: Fit, problem: Problem, seed: int) -> Estimate:
     """Values without bias and their covariance, of a polished fit."""
     box, rng, train = (
@@ -103,15 +183,16 @@ def estimate(fitted: Fit, problem: Problem, seed: int) -> Estimate:
     bias, spread = np.mean(moves, axis=0), np.std(moves, axis=0, ddof=1)
     found = covariance(fitted, problem)
     most = MOST_BIAS * np.nan_to_num(np.sqrt(np.maximum(np.diag(found), 0.0)) / fitted.scale)
-    bias = np.clip(bias, -most, most)
-    theta = np.clip(fitted.theta - bias, box.low, box.high)
-    return Estimate(theta, bias, found + np.diag((spread * fitted.scale) ** 2 / DRAWS))
+    taken = np.clip(bias, -most, most)
+    theta = np.clip(fitted.theta - taken, box.low, box.high)
+    doubt = spread**2 / DRAWS + (bias - taken) ** 2
+    return Estimate(theta, taken, found + np.diag(doubt * fitted.scale**2))
 
 
 def estimated(fitted: Fit, problem: Problem, seed: int) -> Model:
     """The model with its estimates; a deviation is infinite where the data say nothing."""
     tried = sorted(
-        (polished(fitted, problem, share) for share in SECANTS),
+        (moved(polished(fitted, problem, share), problem, share) for share in SECANTS),
         key=lambda f: f.mse(problem.train),
     )
     better = tried[0]
@@ -119,7 +200,8 @@ def estimated(fitted: Fit, problem: Problem, seed: int) -> Model:
     found = estimate(better, problem, seed)
     model = Box(better.model, better.free, problem.scales).model_at(found.theta)
     deviations = {k: dict(v) for k, v in model.deviations.items()}
-    variances = np.diag(found.covariance) + rough**2
+    wide = breadth(better, problem) * better.scale
+    variances = np.maximum(np.diag(found.covariance), wide**2) + rough**2
     for (effect, name), value in zip(better.free, variances, strict=True):
         sd = float(np.sqrt(value)) if value >= 0 else float("inf")
         deviations.setdefault(effect, {})[name] = sd

@@ -59,3 +59,21 @@ def test_the_same_seed_gives_the_same_values():
     fitted = fit(model.with_effect("coulomb_friction"), problem)
     assert estimated(fitted, problem, 5).effects == estimated(fitted, problem, 5).effects
     assert estimated(fitted, problem, 5).effects != estimated(fitted, problem, 6).effects
+
+
+PLAY = {"b": 4e-5, "c_p": 120.0}
+
+
+def test_a_play_is_found_in_its_own_valley_and_its_deviations_hold():
+    model, problem = problem_of("piston_play", PLAY, seed=1)
+    begun = {q: 1.25 * value for q, value in PLAY.items()}
+    fitted = fit(model.with_effect("piston_play", begun), problem)
+    better = estimated(fitted, problem, 0)
+    sds = better.deviations["piston_play"]
+
+    def off(found):
+        return [abs(found.value("piston_play", q) - PLAY[q]) / sds[q] for q in PLAY]
+
+    assert all(sds[q] < 0.2 * PLAY[q] for q in PLAY)
+    assert max(off(fitted.model)) > 2.0
+    assert max(off(better)) < 3.0
