@@ -126,7 +126,7 @@ def breadth(fitted: Fit, problem: Problem) -> Array:
     standard deviations away as the root of what it lacks in twice the logarithm of the likelihood.
     """
     points, costs = _looked(fitted, problem)
-    lacks = int(problem.train.sum()) * (costs / fitted.mse(problem.train) - 1.0)
+    lacks = int(problem.train.sum()) * (costs / max(fitted.mse(problem.train), 1e-300) - 1.0)
     near = lacks < NEAR**2
     away = np.abs(points - fitted.theta)[near] / np.sqrt(np.maximum(lacks[near], 1.0))[:, None]
     wide = away.max(axis=0, initial=0.0)
@@ -140,7 +140,10 @@ def _switching(fitted: Fit, problem: Problem) -> NDArray[np.bool_]:
 
 
 def _looked(fitted: Fit, problem: Problem) -> tuple[Array, Array]:
-    """Points (m, p) about a fit along the values that switch, all else following, and mean squares (m,) there."""
+    """Points (m, p) about a fit along the values that switch, all else following, and mean squares (m,) there.
+
+    Where the model has no finite force there is no point.
+    """
     box, train = Box(fitted.model, fitted.free, problem.scales), problem.train
     switching = _switching(fitted, problem)
     if not switching.any():
@@ -148,8 +151,10 @@ def _looked(fitted: Fit, problem: Problem) -> tuple[Array, Array]:
     points = fitted.theta * _about(box, switching)
     points = points[((points >= box.low) & (points <= box.high)).all(axis=1)]
     left = (problem.force - predict_many(box.model, box.vectors(points), problem.motion)).T[train]
+    finite = np.isfinite(left).all(axis=0)
+    points, left = points[finite], left[:, finite]
     others = ~switching & ~fitted.at_bound
-    left, j = np.nan_to_num(left), fitted.jacobian[train][:, others]
+    j = fitted.jacobian[train][:, others]
     follow = np.linalg.lstsq(j, left, rcond=1e-10)[0]
     points[:, others] += follow.T
     return np.clip(points, box.low, box.high), np.mean((left - j @ follow) ** 2, axis=0)
