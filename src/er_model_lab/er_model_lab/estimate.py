@@ -104,7 +104,7 @@ def polished(fitted: Fit, problem: Problem, share: float) -> Fit:
 def moved(fitted: Fit, problem: Problem, share: float) -> Fit:
     """A polished fit moved to likelier valleys of the values that switch, as long as there is one."""
     box, train = Box(fitted.model, fitted.free, problem.scales), problem.train
-    least = 1.0 - LIKELIER / max(int(train.sum()), 1)
+    least = 1.0 - LIKELIER / _independent(fitted, problem)
     for _ in range(LOOKS):
         points, costs = _looked(fitted, problem)
         begun = [
@@ -126,11 +126,19 @@ def breadth(fitted: Fit, problem: Problem) -> Array:
     standard deviations away as the root of what it lacks in twice the logarithm of the likelihood.
     """
     points, costs = _looked(fitted, problem)
-    lacks = int(problem.train.sum()) * (costs / max(fitted.mse(problem.train), 1e-300) - 1.0)
+    lacks = _independent(fitted, problem) * (costs / max(fitted.mse(problem.train), 1e-300) - 1.0)
     near = lacks < NEAR**2
     away = np.abs(points - fitted.theta)[near] / np.sqrt(np.maximum(lacks[near], 1.0))[:, None]
     wide = away.max(axis=0, initial=0.0)
     return np.where(_switching(fitted, problem), wide, 0.0)
+
+
+def _independent(fitted: Fit, problem: Problem) -> float:
+    """Samples of noise that tell as much as those that are fitted: what one leaves goes on in the next (AR(1))."""
+    e = fitted.residual[problem.train]
+    colour = float(np.mean(e[1:] * e[:-1]) / max(float(np.mean(e**2)), 1e-300))
+    colour = min(max(colour, 0.0), 0.99)
+    return max(e.size * (1.0 - colour) / (1.0 + colour), 1.0)
 
 
 def _switching(fitted: Fit, problem: Problem) -> NDArray[np.bool_]:
