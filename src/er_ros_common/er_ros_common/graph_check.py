@@ -19,6 +19,10 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from er_ros_common.topics import Topic
 
+UNNAMED = "a node not named yet"
+"""Who an end belongs to until its name comes, a little later than the end itself; ROS 2 says what follows."""
+NOT_KNOWN = ("_NODE_NAMESPACE_UNKNOWN_", "_NODE_NAME_UNKNOWN_")
+
 
 @dataclass(frozen=True, slots=True)
 class Endpoint:
@@ -111,8 +115,9 @@ def watch(
 
 def _endpoint(info: TopicEndpointInfo) -> Endpoint:
     profile = info.qos_profile
+    named = (info.node_namespace, info.node_name) != NOT_KNOWN
     return Endpoint(
-        node=f"{info.node_namespace.rstrip('/')}/{info.node_name}",
+        node=f"{info.node_namespace.rstrip('/')}/{info.node_name}" if named else UNNAMED,
         type_name=info.topic_type,
         reliable=profile.reliability == ReliabilityPolicy.RELIABLE,
         latched=profile.durability == DurabilityPolicy.TRANSIENT_LOCAL,

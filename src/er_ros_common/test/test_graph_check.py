@@ -6,7 +6,8 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from er_ros_common.graph_check import Endpoint, check_topic, endpoints, watch
+from er_ros_common.graph_check import UNNAMED, Endpoint, check_topic, endpoints, watch
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from er_ros_common import topics
 
@@ -47,6 +48,29 @@ def test_other_types_are_found_on_both_ends() -> None:
 @pytest.mark.parametrize(("single", "count"), [(True, 1), (False, 0)])
 def test_two_publishers_count_where_there_must_be_one(*, single: bool, count: int) -> None:
     assert len(check_topic(topics.FORCE, NAME, [end(), end()], [], single=single)) == count
+
+
+def test_an_end_whose_node_is_not_known_yet_is_told_in_words() -> None:
+    """An end may be found before its node's name; also that of another DDS program, which has none."""
+
+    class Found:
+        def get_publishers_info_by_topic(self, _: str) -> list[TopicEndpointInfo]:
+            names = {
+                "node_name": "_NODE_NAME_UNKNOWN_",
+                "node_namespace": "_NODE_NAMESPACE_UNKNOWN_",
+            }
+            profile = topics.FORCE.publisher
+            return [
+                TopicEndpointInfo(**names, topic_type="std_msgs/msg/Float64", qos_profile=profile)
+            ]
+
+        def get_subscriptions_info_by_topic(self, _: str) -> list[TopicEndpointInfo]:
+            return []
+
+    senders, takers = endpoints(Found(), NAME)
+    assert ([end.node for end in senders], takers) == ([UNNAMED], [])
+    (problem,) = check_topic(topics.FORCE, NAME, senders, takers)
+    assert problem.text == f"{UNNAMED} uses std_msgs/msg/Float64, expected {TYPE}"
 
 
 def test_a_running_graph_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
