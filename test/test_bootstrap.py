@@ -234,6 +234,15 @@ def test_changed_packaging_is_built_without_touching_the_environment(
     assert healthy.builds() == before + 1
 
 
+@pytest.mark.parametrize("given", ["", "-j1"])
+def test_the_build_uses_every_core_whatever_the_load(healthy: Checkout, given: str) -> None:
+    """Without a bound on the load, which what ran before would have reached; who says otherwise is obeyed."""
+    healthy.write("src/er_one/package.xml", f"{MANIFEST}<!-- built with '{given}' -->\n")
+    assert healthy.er("setup", MAKEFLAGS=given)[0] == 0
+    last = (healthy.root / "builds").read_text(encoding="utf-8").splitlines()[-1]
+    assert last == (given or f"-j{os.cpu_count()}")
+
+
 def test_removed_package_is_forgotten(healthy: Checkout) -> None:
     healthy.write("src/er_gone/package.xml", MANIFEST.replace("er_one", "er_gone"))
     healthy.er("setup")

@@ -19,7 +19,7 @@ import os, pathlib, sys, time
 def main():
     root = pathlib.Path(sys.argv[sys.argv.index("--base-paths") + 1]).parent
     with (root / "builds").open("a") as count:
-        count.write("built\\n")
+        count.write(os.environ.get("MAKEFLAGS", "") + "\\n")
     time.sleep(float(os.environ.get("FAKE_SLEEP", "0")))
     if "FAKE_ERROR" in os.environ:
         print("all is well so far")

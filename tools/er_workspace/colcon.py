@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import shutil
 from pathlib import Path
 
@@ -47,7 +48,7 @@ def build(layout: Layout, lock: int) -> None:
     mark.unlink(missing_ok=True)
     (layout.install / STAMP).unlink(missing_ok=True)
     with step(f"building {len(layout.packages())} packages"):
-        env = environment.base_environment(layout) | {"CMAKE_GENERATOR": "Ninja"}
+        env = _tools(environment.base_environment(layout))
         try:
             run_logged(_command(layout), layout.log, env, lock, "the build failed")
         except Stop:
@@ -57,6 +58,16 @@ def build(layout: Layout, lock: int) -> None:
         environment.record(layout)
     mark.write_text(foundation, encoding="utf-8")
     (layout.install / STAMP).write_text(foundation + content, encoding="utf-8")
+
+
+def _tools(env: dict[str, str]) -> dict[str, str]:
+    """Environment with Ninja on every core.
+
+    Left to itself colcon also bounds the machine's load by the number of cores: what the set-up ran until now counts,
+    and Ninja then goes on with one job at a time.
+    """
+    jobs = env.get("MAKEFLAGS") or f"-j{os.cpu_count() or 1}"
+    return env | {"CMAKE_GENERATOR": "Ninja", "MAKEFLAGS": jobs}
 
 
 def _command(layout: Layout) -> list[str | Path]:
