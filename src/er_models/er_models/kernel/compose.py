@@ -82,7 +82,7 @@ def _relax(
     slot = catalogue.slots[effect.name] if slot < 0 else slot
     return [
         *_call(catalogue, effect, "relax", f"s[R, {slot}], s[G, {slot}] = {{call}}", signals),
-        f"s[W, {slot}] = follow(s, {slot}, h, how)",
+        f"s[W, {slot}] = follow(s, first + {slot}, h, how)",
         *_bound(catalogue, effect, slot),
     ]
 
@@ -124,6 +124,9 @@ def _damper(catalogue: Catalogue) -> list[str]:
     slot = catalogue.slots["response"]
     passive = catalogue.offsets["passive"]
     body = ["def damper(on, p, s, h, how, x, v, a, u, t, theta):"]
+    body += [
+        "    first = 0 * s.shape[0]  # a bare number is a type to Numba: each would be a compilation"
+    ]
     body += _lines(catalogue, "duty", "u = {call}")
     body += [f"    k_0 = p[{passive}]", f"    c_0 = p[{passive + 1}]", f"    f_y = s[W, {slot}]"]
     body += [f"    f_r = s[W, {catalogue.rest}]"]
@@ -228,7 +231,7 @@ def source(catalogue: Catalogue) -> str:
         "import math",
         "import numpy as np",
         "from er_models.kernel.elementary import exp, tanh",
-        "from er_models.kernel.fast import entry, inline, inner, record",
+        "from er_models.kernel.fast import entry, inline, inner",
         "from er_models.kernel.hooks import compiled as _compiled",
     ]
     composed = [_damper(catalogue), _chassis(catalogue), _accelerometers(catalogue)]

@@ -23,7 +23,5 @@ inner = njit(**_INNER)
 counting the references to their arrays a call costs 16 ns instead of 124."""
 inline = njit(forceinline=True, **_INNER)
 """For small functions on the way of every step."""
-record = njit(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
-"""As `inner`, for functions that make arrays or cut them."""
 entry = njit(cache=True, nogil=True, error_model="numpy")
 """For what Python calls; kept on disk."""

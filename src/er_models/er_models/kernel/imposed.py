@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from er_models.kernel.fast import entry, inline, inner, record
+from er_models.kernel.fast import entry, inline, inner
 from er_models.kernel.inputs import at, cubic, delayed, split
 from er_models.kernel.states import HOLD, ROWS, keep, settle, solve, visit
 
@@ -85,29 +85,25 @@ def predict(on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, s, force
             force[m] = f_m
 
 
-@record
-def predict_one(on, slots, links, at_rest, p, dt, starts, x, v, a, u, theta, n_sub, force):
-    """Measured force of several records laid end to end; `starts` holds their first rows and the end."""
-    shift = output_delay(on, p) / dt
-    s = np.empty((ROWS, at_rest.shape[0]))
-    for r in range(starts.shape[0] - 1):
-        i, j = starts[r], starts[r + 1]
-        predict(
-            on, slots, links, at_rest, p, dt,
-            x[i:j], v[i:j], a[i:j], u[i:j], theta[i:j], n_sub, s, force[i:j],
-        )  # fmt: skip
-        if shift != 0.0 and j - i > 1:
-            raw = force[i:j].copy()
-            delayed(raw, shift, force[i:j])
-
-
 @entry
 def predict_rows(on, slots, links, at_rest, ps, dt, starts, x, v, a, u, theta, n_sub, forces):
-    """One prediction per row of `ps` (m, n_parameters) into `forces` (m, n)."""
-    for i in range(ps.shape[0]):
-        predict_one(
-            on, slots, links, at_rest, ps[i], dt, starts, x, v, a, u, theta, n_sub, forces[i]
-        )
+    """One prediction per row of `ps` (m, n_parameters) into `forces` (m, n).
+
+    Several records are laid end to end; `starts` holds their first rows and the end.
+    """
+    s = np.empty((ROWS, at_rest.shape[0]))
+    for k in range(ps.shape[0]):
+        p, force = ps[k], forces[k]
+        shift = output_delay(on, p) / dt
+        for r in range(starts.shape[0] - 1):
+            i, j = starts[r], starts[r + 1]
+            predict(
+                on, slots, links, at_rest, p, dt,
+                x[i:j], v[i:j], a[i:j], u[i:j], theta[i:j], n_sub, s, force[i:j],
+            )  # fmt: skip
+            if shift != 0.0 and j - i > 1:
+                raw = force[i:j].copy()
+                delayed(raw, shift, force[i:j])
 
 
 @entry

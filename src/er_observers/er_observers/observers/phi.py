@@ -14,6 +14,14 @@ _TERMS = 13
 
 
 @compiled
+def copy(source: Array, target: Array) -> None:
+    """Copy one matrix into another of its shape; the assignment `target[:]` compiles seconds of error texts."""
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            target[i, j] = source[i, j]
+
+
+@compiled
 def _multiply(a: Array, b: Array, out: Array) -> None:
     """Product a b of square matrices (n, n) into out."""
     n = a.shape[0]
@@ -53,7 +61,7 @@ def _double_phi(phi: Array, square: Array, product: Array) -> None:
             phi[2, i, j] = 0.25 * (square[i, j] + 2.0 * phi[2, i, j])
             phi[1, i, j] = 0.5 * (product[i, j] + phi[1, i, j])
     _multiply(phi[0], phi[0], square)
-    phi[0, :, :] = square
+    copy(square, phi[0])
 
 
 @compiled
@@ -83,6 +91,6 @@ def phi_functions(m: Array) -> Array:
     """The three matrices (3, n, n) phi_0 = exp(m), phi_1 and phi_2 of m (n, n), in memory of their own."""
     n = m.shape[0]
     phi, room = np.empty((3, n, n)), np.empty((3, n, n))
-    room[2] = m
+    copy(m, room[2])
     fill_phi(room[2], phi, room[0], room[1])
     return phi

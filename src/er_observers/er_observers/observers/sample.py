@@ -167,7 +167,8 @@ def keep(
     correction = after[x + 1] - before[x + 1] - dt * (relative + 0.5 * change)
     for j in range(m):
         after[9 + m + j] = (after[9 + j] - before[9 + j]) / dt
-    after[:8] = before[:8]
+    for j in range(8):
+        after[j] = before[j]
     after[CHANGE] = change
     slope = 1.0 - math.tanh(end) ** 2
     rate = decay_rate(rules, duty, slope)

@@ -18,6 +18,7 @@ import numpy as np
 from er_models.model import Array
 
 from er_observers.observers.compiled import compiled
+from er_observers.observers.phi import copy
 from er_observers.peers.correct import correct
 from er_observers.peers.flow import flow
 from er_observers.peers.unscented import points_about
@@ -36,10 +37,11 @@ def predict(
     n = x.shape[0]
     points = np.empty((2 * n + 1, n))
     points_about(x, P, math.sqrt(H_2), points)
-    points[2 * n] = x
+    for i in range(n):
+        points[2 * n, i] = x[i]
     for k in range(2 * n + 1):
         flow(linear, kick, gamma, duty, points[k])
-    P[:, :] = noise
+    copy(noise, P)
     straight, bent = 0.25 / H_2, 0.25 * (H_2 - 1.0) / H_2**2
     middle = points[2 * n]
     for i in range(n):
@@ -67,5 +69,8 @@ def start_sample(
         predicted, spread = x.copy(), P.copy()
         far = correct(C, variance, y, x, P) / FAR
         if steps > 0 and far > 1.0:
-            x[:], P[:] = predicted, spread + far * steps * noise
+            for i in range(x.shape[0]):
+                x[i] = predicted[i]
+                for j in range(x.shape[0]):
+                    P[i, j] = spread[i, j] + far * steps * noise[i, j]
             correct(C, variance, y, x, P)

@@ -12,7 +12,7 @@ from __future__ import annotations
 from er_models.model import Array
 
 from er_observers.observers.compiled import compiled
-from er_observers.observers.phi import fill_phi
+from er_observers.observers.phi import copy, fill_phi
 
 _SLOTS = 2
 """Substeps of unusual length that are remembered: of a duty that stays, or two that alternate."""
@@ -90,8 +90,7 @@ def made(law: Array, k: int, n: int, m: int, rho: float, h: float, room: Array) 
         if kept[slot, 0] == rho and kept[slot, 1] == h:
             last = kept[slot]
             return last[2:]
-    for slot in range(_SLOTS - 1):
-        kept[slot] = kept[slot + 1]
+    copy(kept[1:], kept[:-1])
     last[0], last[1] = rho, h
     M, J = room[6 * square : J_at], room[J_at:slots]
     look_up(rho, law[:k], law[k:at], M)
