@@ -257,7 +257,7 @@ def test_changed_requirements_update_the_environment_in_place(healthy: Checkout)
     status, _, err = healthy.er("setup")
     assert status == 0
     assert "making .venv" not in err
-    assert "installing 2 Python packages" in err
+    assert "installing 1 ROS 2 Jazzy wheels and 2 Python packages" in err
 
 
 def test_failed_build_is_one_line_and_the_next_one_goes_on(healthy: Checkout) -> None:

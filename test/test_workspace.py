@@ -271,6 +271,9 @@ def test_everything_asked_for_is_pinned() -> None:
         return {name.replace("_", "-") for name in found}
 
     assert not names(ROOT / "requirements" / "base.txt") - names(LOCK)
+    assert not names(LOCK) & names(ROOT / "requirements" / "jazzy.txt"), (
+        "both are installed at once"
+    )
     for path in (LOCK, ROOT / "requirements" / "jazzy.txt"):
         lines = path.read_text(encoding="utf-8").splitlines()
         loose = [line for line in lines if line and line[0] != "#" and "==" not in line]

@@ -50,7 +50,7 @@ class Layout:
         return self.root / "log" / "setup.log"
 
     def requirements(self) -> list[Path]:
-        """Requirement files that make up the environment, in order of installation."""
+        """Requirement files that make up the environment; each pin is in one of them."""
         folder = self.root / "requirements"
         wheels = [] if self.ros else [folder / "jazzy.txt"]
         return [*wheels, folder / "lock.txt"]

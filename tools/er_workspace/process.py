@@ -57,30 +57,45 @@ def locked(root: Path) -> Iterator[int]:
         os.close(descriptor)
 
 
+Command = Sequence[str | Path]
+
+
 def run_logged(
-    command: Sequence[str | Path], log: Path, env: Mapping[str, str], lock: int, failure: str
+    command: Command, log: Path, env: Mapping[str, str], lock: int, failure: str
 ) -> None:
     """Run a command with its output appended to log.
 
     Raises:
         Stop: the command failed; says what, the output's most telling line, and the log's path.
     """
+    run_together([(command, failure)], log, env, lock)
+
+
+def run_together(
+    jobs: Sequence[tuple[Command, str]], log: Path, env: Mapping[str, str], lock: int
+) -> None:
+    """Run commands side by side as `run_logged` does one; each comes with what is said when it fails."""
     log.parent.mkdir(parents=True, exist_ok=True)
+    children: list[subprocess.Popen[bytes]] = []
     with log.open("a", encoding="utf-8") as sink:
-        sink.write(f"$ {' '.join(map(str, command))}\n")
-        sink.flush()
-        begin = sink.tell()
-        child = subprocess.Popen(
-            list(map(str, command)), stdin=subprocess.DEVNULL, stdout=sink, stderr=sink,
-            env=dict(env), pass_fds=(lock,), start_new_session=True,
-        )  # fmt: skip
+        begin = sink.seek(0, os.SEEK_END)
         try:
-            status = child.wait()
+            for command, _ in jobs:
+                sink.write(f"$ {' '.join(map(str, command))}\n")
+                sink.flush()
+                child = subprocess.Popen(
+                    list(map(str, command)), stdin=subprocess.DEVNULL, stdout=sink, stderr=sink,
+                    env=dict(env), pass_fds=(lock,), start_new_session=True,
+                )  # fmt: skip
+                children.append(child)
+            statuses = [child.wait() for child in children]
         except BaseException:
-            _end(child)
+            for child in children:
+                _end(child)
             raise
-    if status != 0:
-        raise Stop(f"{failure}: {_telling_line(log, begin)} (log: {log})", 2)
+    for status, (_, failure) in zip(statuses, jobs):
+        if status != 0:
+            raise Stop(f"{failure}: {_telling_line(log, begin)} (log: {log})", 2)
 
 
 def _end(child: subprocess.Popen[bytes]) -> None:
@@ -101,7 +116,7 @@ def _telling_line(log: Path, begin: int) -> str:
     with log.open("rb") as source:
         source.seek(begin)
         text = source.read().decode(errors="replace")
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    lines = [line.strip() for line in text.splitlines() if line.strip() and line[:2] != "$ "]
     if any(
         "Failed to establish a new connection" in line or "Name or service not known" in line
         for line in lines

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from er_workspace.layout import Layout
-from er_workspace.process import run_logged, step
+from er_workspace.process import run_logged, run_together, step
 from er_workspace.wheels import repair_exports
 
 STATE = "er-state.json"
@@ -70,10 +70,10 @@ def make(layout: Layout, lock: int, *, clean: bool) -> None:
         str(uuid.uuid4()) if reason else read_state(layout).get("identity", str(uuid.uuid4()))
     )
     (layout.venv / STATE).unlink(missing_ok=True)
-    for path in layout.requirements():
-        kind = "ROS 2 Jazzy wheels" if path.name == "jazzy.txt" else "Python packages"
-        with step(f"installing {_count(path)} {kind}"):
-            _install(layout, path, lock)
+    kinds = {"jazzy.txt": "ROS 2 Jazzy wheels", "lock.txt": "Python packages"}
+    counts = [f"{_count(path)} {kinds[path.name]}" for path in layout.requirements()]
+    with step(f"installing {' and '.join(counts)}"):
+        _install(layout, lock)
     if layout.ros is None:
         repair_exports(layout)
     _write_state(layout, identity)
@@ -98,7 +98,8 @@ def _create(layout: Layout, lock: int) -> None:
     (layout.venv / "COLCON_IGNORE").touch()
 
 
-def _install(layout: Layout, requirements: Path, lock: int) -> None:
+def _install(layout: Layout, lock: int) -> None:
+    """Install every file of requirements, side by side: each pin is in one of them, and pip mostly waits."""
     pip: list[str | Path] = [
         layout.python,
         "-m",
@@ -106,11 +107,15 @@ def _install(layout: Layout, requirements: Path, lock: int) -> None:
         "--disable-pip-version-check",
         "--no-input",
         "install",
+        "--no-deps",
+        "--no-compile",
     ]
     env = setup_environment()
     env["PIP_CONSTRAINT"] = _build_pins(layout).as_uri()
-    command: list[str | Path] = [*pip, "--no-deps", "--no-compile", "-r", requirements]
-    run_logged(command, layout.log, env, lock, f"installing {requirements.name} failed")
+    jobs = [
+        ([*pip, "-r", path], f"installing {path.name} failed") for path in layout.requirements()
+    ]
+    run_together(jobs, layout.log, env, lock)
 
 
 def _build_pins(layout: Layout) -> Path:
