@@ -94,10 +94,20 @@ LOOP = ("er_plant_sim", "er_observers", "er_ftc_controller")
 """Packages whose nodes the control loop waits for."""
 
 
-def test_a_node_of_the_loop_is_there_soon():
-    nodes = [f"{p}.nodes.{f.stem}" for p, f in modules() if p in LOOP and "nodes" in f.parts]
-    script = f"import sys, {', '.join(nodes)}; print(*sys.modules)"
+def imported_with(*names):
+    """What else is loaded with these modules."""
+    script = f"import sys, {', '.join(names)}; print(*sys.modules)"
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=True
     )
-    assert set(done.stdout.split()) & HEAVY == set()
+    return set(done.stdout.split())
+
+
+def test_a_node_of_the_loop_is_there_soon():
+    nodes = [f"{p}.nodes.{f.stem}" for p, f in modules() if p in LOOP and "nodes" in f.parts]
+    assert imported_with(*nodes) & HEAVY == set()
+
+
+def test_the_lab_says_what_it_can_do_at_once():
+    """Its help, a list of effects and a wrong usage wait for nothing that only a command needs."""
+    assert imported_with("er_model_lab.cli") & HEAVY == {"typer", "rich"}

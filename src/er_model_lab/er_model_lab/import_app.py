@@ -13,7 +13,6 @@ from er_models.errors import ErError
 from rich.console import Console
 from rich.progress import track
 
-from er_model_lab.importers import IMPORTERS, import_data, part_of
 from er_model_lab.record import Record
 from er_model_lab.write import finished_only, write_csv, write_parquet
 
@@ -21,6 +20,8 @@ T = TypeVar("T")
 
 app = typer.Typer(add_completion=False, help="Bring measured data sets into the lab's columns.")
 
+KINDS = ("mts", "shaking_table", "piston_seal")
+"""Data sets of `importers`, which are loaded with what they need once one is asked for."""
 KEPT_BESIDE = ("LICENSE", "SOURCE.txt")
 """Files that go with any copy of a data set."""
 
@@ -32,7 +33,7 @@ def register(parent: typer.Typer) -> None:
 
 @app.command("import")
 def import_command(
-    kind: Annotated[str, typer.Argument(help=f"Data set: {', '.join(IMPORTERS)}.")],
+    kind: Annotated[str, typer.Argument(help=f"Data set: {', '.join(KINDS)}.")],
     source: Annotated[Path, typer.Argument(help="Folder of the data set, or one of its files.")],
     out: Annotated[Path, typer.Option("--out", help="Folder for the result.")],
     form: Annotated[
@@ -40,6 +41,8 @@ def import_command(
     ] = "parquet",
 ) -> None:
     """Convert a measured data set; its parts (train, held out) go to folders of their own."""
+    from er_model_lab.importers import import_data
+
     try:
         records = import_data(kind, source, lambda files: _shown("reading", files))
         written = _write(kind, records, out, form)
@@ -59,6 +62,8 @@ def import_command(
 
 def _write(kind: str, records: Sequence[Record], out: Path, form: str) -> dict[Path, int]:
     """Write all records; returns the number in each folder."""
+    from er_model_lab.importers import part_of
+
     writer = write_csv if form == "csv" else write_parquet
     written: dict[Path, int] = {}
     for record in _shown("writing", records):

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.import_app import app
-from er_model_lab.importers import import_data, part_of
+from er_model_lab.import_app import KINDS, app
+from er_model_lab.importers import IMPORTERS, import_data, part_of
 from er_model_lab.load import fingerprint, load
 from er_model_lab.readers import mts, shaking_table
 from er_model_lab.readers.imported import dissipated
@@ -320,3 +320,7 @@ def test_the_measured_seal_runs() -> None:
     rings = {name.split("#")[0]: value for name, value in friction.items() if "O-ring" in name}
     for name, value in {"1bar": 6.5, "3bar": 8.0, "5bar": 9.4, "7bar": 11.5}.items():
         assert rings[f"O-ring257_{name}"] == pytest.approx(value, rel=0.12)
+
+
+def test_every_importer_can_be_asked_for() -> None:
+    assert tuple(IMPORTERS) == KINDS
