@@ -246,6 +246,7 @@ OTHER = {
     "observers": ("observers:=unified",),
     "gains": ("observers:=unified", "gains:=unified"),
     "fault_estimator": ("fault_estimator:=true",),
+    "priority": ("priority:=40",),
     "record": ("record:=/tmp/x",),
     "storage": ("record:=/tmp/x", "storage:=sqlite3"),
     "composed": ("composed:=true",),

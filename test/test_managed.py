@@ -117,6 +117,33 @@ def test_a_manager_leads_a_controller_and_hears_no_for_what_cannot_be(
     )
 
 
+def test_real_time_priority_is_held_while_a_node_acts_where_the_system_lets_it(
+    ros: SingleThreadedExecutor,
+) -> None:
+    node = SkyhookController(skyhook_arguments("-p", "autostart:=false", "-p", "priority:=7"))
+    ros.add_node(node)
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+        acting = (os.SCHED_FIFO, 7)
+    except PermissionError:
+        acting = (os.SCHED_OTHER, 0)
+
+    def now() -> tuple[int, int]:
+        return os.sched_getscheduler(0), os.sched_getparam(0).sched_priority
+
+    for transition, expected in (
+        (Transition.TRANSITION_CONFIGURE, (os.SCHED_OTHER, 0)),
+        (Transition.TRANSITION_ACTIVATE, acting),
+        (Transition.TRANSITION_DEACTIVATE, (os.SCHED_OTHER, 0)),
+        (Transition.TRANSITION_ACTIVATE, acting),
+    ):
+        assert change(ros, node, transition)
+        assert now() == expected, transition
+    node.on_stop()
+    assert now() == (os.SCHED_OTHER, 0)
+
+
 def test_gains_are_read_again_when_a_node_is_configured_again(
     ros: SingleThreadedExecutor, tmp_path: Path
 ) -> None:

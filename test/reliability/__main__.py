@@ -4,9 +4,11 @@ python -m test.reliability faults                 delay of detection of each fau
 python -m test.reliability fuzz [COUNT]           messages of any content at every input
 python -m test.reliability kill [TIMES]           kill -9 of each node of a running graph, and how soon it is back
 python -m test.reliability silence [DRIVES]       how soon observers are sure again after a silent sensor
-python -m test.reliability hog [SECONDS]          two busy loops beside the running graph
+python -m test.reliability hog [SECONDS [PRIORITY]]   two busy loops beside the running graph
 python -m test.reliability hold [TIMES]           a recorder that is held up: what its recording lacks
-python -m test.reliability soak [SECONDS]         a running graph with a fault injected each minute
+python -m test.reliability soak [SECONDS [PRIORITY]]  a running graph with a fault injected each minute
+
+PRIORITY: real-time priority of the nodes.
 
 Exit status 1 where something is not as docs/reliability.md says.
 """
@@ -34,9 +36,9 @@ def main() -> int:
     if name not in DEFAULTS:
         sys.stdout.write(__doc__ or "")
         return 0 if name in ("", "-h", "--help") else 2
-    amount = int(sys.argv[2]) if len(sys.argv) > 2 else DEFAULTS[name]
-    run: Callable[[int], int] = import_module(f"test.reliability.{name}").run
-    return run(amount)
+    amounts = [int(word) for word in sys.argv[2:]] or [DEFAULTS[name]]
+    run: Callable[..., int] = import_module(f"test.reliability.{name}").run
+    return run(*amounts)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from er_ros_common.clock import from_stamp
 from er_ros_common.spin import make_executor
 
 from er_damper_msgs.msg import PwmDuty
-from er_ros_common import dds, topics
+from er_ros_common import dds, realtime, topics
 from test.graph_help import CONFIG, VEHICLE, Graph, Running, own_domain, plant_arguments
 
 NODES = ("plant", "unified_observer", "skyhook_controller")
@@ -109,29 +109,33 @@ class Listener:
         rclpy.try_shutdown()
 
 
-def arguments(name: str) -> list[str]:
+def arguments(name: str, priority: int = 0) -> list[str]:
     """Command line of a node of the closed loop."""
-    if name == "plant":
-        more = ("duration:=0.0", "duty_source:='topic'", "enable_fault_injection:=true")
-        return plant_arguments(*(word for each in more for word in ("-p", each)))
-    file = str(CONFIG / f"nodes/{name}.yaml")
-    if name == "skyhook_controller":
-        return ["--ros-args", "--params-file", file]
-    gains = str(CONFIG / "gains/unified.yaml")
-    own = ["--ros-args", "--params-file", file]
-    return [*own, "-p", f"model_file:={VEHICLE}", "-p", f"gains_file:={gains}"]
+    own = [] if name == "plant" else ["--params-file", str(CONFIG / f"nodes/{name}.yaml")]
+    more = {
+        "plant": ("duration:=0.0", "duty_source:='topic'", "enable_fault_injection:=true"),
+        "unified_observer": (f"model_file:={VEHICLE}", f"gains_file:={CONFIG / 'gains/unified.yaml'}"),
+    }  # fmt: skip
+    given = (*more.get(name, ()), f"priority:={priority}")
+    words = [word for each in given for word in ("-p", each)]
+    return plant_arguments(*words) if name == "plant" else ["--ros-args", *own, *words]
 
 
 @contextmanager
-def running(folder: Path) -> Iterator[tuple[Graph, dict[str, Running], Listener]]:
+def running(
+    folder: Path, priority: int = 0
+) -> Iterator[tuple[Graph, dict[str, Running], Listener]]:
     """The closed loop as processes, in a domain of its own, once it runs."""
     with own_domain() as env, Graph(env, folder) as graph:
         listener = Listener(int(env["ROS_DOMAIN_ID"]))
         try:
-            nodes = {name: graph.start(name, *arguments(name)) for name in NODES}
+            nodes = {name: graph.start(name, *arguments(name, priority)) for name in NODES}
             assert math.isfinite(listener.until(lambda: well(listener), COMPILED)), "it never ran"
+            if priority:  # who measures must not be held up either
+                assert realtime.ask("listener", priority) == "", "no real-time priority here"
             yield graph, nodes, listener
         finally:
+            realtime.give_back("listener")
             listener.close()
 
 

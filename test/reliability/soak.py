@@ -49,11 +49,14 @@ class Port:
         return "no answer"
 
 
-def run(seconds: int) -> int:
+def run(seconds: int, priority: int = 0) -> int:
     """Print growth, losses outside the faults and what was impossible; 1 where anything was."""
     period = MINUTE if seconds > 10 * MINUTE else SHORT
     random, lost, count, unwell = Random(1), dict.fromkeys(NUMBERS, 0), 0, 0
-    with tempfile.TemporaryDirectory() as folder, running(Path(folder)) as (_, nodes, listener):
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        running(Path(folder), priority) as (_, nodes, listener),
+    ):
         port, pids = Port(listener), {name: node.process.pid for name, node in nodes.items()}
         # what starts afresh is loaded when it is first needed: that is no growth
         for kind in FAULTS:

@@ -71,6 +71,9 @@ ARGUMENTS = (
     Argument(
         "composed", "false", "all but the recorder in one process", choices=("false", "true")
     ),
+    Argument(
+        "priority", "0", "real-time priority (SCHED_FIFO) of all but the recorder, to 99", kind=int
+    ),
     Argument("plant_params", "", "parameter file for plant or bridge, over that in config/nodes"),
 )
 

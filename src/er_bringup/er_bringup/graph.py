@@ -378,7 +378,9 @@ def _commanded(given: Mapping[str, str]) -> bool:
 def _spec(
     role: Role, given: Mapping[str, str], files: tuple[str, ...], parameters: Mapping[str, Value]
 ) -> NodeSpec:
-    remaps = _remaps(given)
+    remaps, priority = _remaps(given), int(given["priority"])
+    if priority and role is not RECORDER:
+        parameters = {**parameters, "priority": priority}
     return NodeSpec(
         role.package, role.executable, given["namespace"], files, parameters, remaps=remaps
     )

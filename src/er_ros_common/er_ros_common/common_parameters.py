@@ -54,3 +54,9 @@ class NodeParameters:
     executor: str = param(
         "events", choices=("events", "single"), text="what runs callbacks; single costs more"
     )
+    priority: int = param(
+        0,
+        low=0,
+        high=99,
+        text="real-time priority (SCHED_FIFO) while it acts; 0: none is asked for",
+    )

@@ -23,7 +23,7 @@ from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
 from er_damper_msgs.msg import NodeStatus
-from er_ros_common import clock, log
+from er_ros_common import clock, log, realtime
 from er_ros_common.common_parameters import NodeParameters
 from er_ros_common.core import When
 from er_ros_common.graph_check import Problem, endpoints, watch
@@ -240,6 +240,7 @@ class ManagedNode(LifecycleNode):
     def on_stop(self) -> None:
         """Called before the node is destroyed, whatever its state."""
         if self.active:
+            realtime.give_back(self.get_fully_qualified_name())
             self.end()
         if self.configured:
             self.close()
@@ -257,11 +258,16 @@ class ManagedNode(LifecycleNode):
             each.since, each.arrived = monotonic(), None
         done = self._tried(self.begin)
         self.active = done == TransitionCallbackReturn.SUCCESS
+        if self.active and self.common.priority:
+            refused = realtime.ask(self.get_fully_qualified_name(), self.common.priority)
+            if refused:
+                log.warning(self, f"priority {self.common.priority}: {refused}")
         return done
 
     def on_deactivate(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Transition of ROS."""
         self.active = False
+        realtime.give_back(self.get_fully_qualified_name())
         return self._tried(self.end)
 
     def on_cleanup(self, _: LifecycleState) -> TransitionCallbackReturn:
