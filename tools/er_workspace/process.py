@@ -16,6 +16,7 @@ from pathlib import Path
 from er_workspace.layout import Stop
 
 INTERRUPTED = 130
+Command = Sequence[str | Path]
 
 
 def say(line: str, end: str = "\n") -> None:
@@ -55,9 +56,6 @@ def locked(root: Path) -> Iterator[int]:
         yield descriptor
     finally:
         os.close(descriptor)
-
-
-Command = Sequence[str | Path]
 
 
 def run_logged(

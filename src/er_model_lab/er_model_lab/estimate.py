@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from er_model_lab.fit import Box, Fit, covariance
 from er_model_lab.motion_error import drawn
-from er_model_lab.prepare import Problem
+from er_model_lab.prepare import Problem, colour_of
 
 SECANTS = (0.01, 0.03)
 """Steps of a derivative, as shares of the value."""
@@ -136,8 +136,7 @@ def breadth(fitted: Fit, problem: Problem) -> Array:
 def _independent(fitted: Fit, problem: Problem) -> float:
     """Samples of noise that tell as much as those that are fitted: what one leaves goes on in the next (AR(1))."""
     e = fitted.residual[problem.train]
-    colour = float(np.mean(e[1:] * e[:-1]) / max(float(np.mean(e**2)), 1e-300))
-    colour = min(max(colour, 0.0), 0.99)
+    colour = min(max(colour_of(e), 0.0), 0.99)
     return max(e.size * (1.0 - colour) / (1.0 + colour), 1.0)
 
 

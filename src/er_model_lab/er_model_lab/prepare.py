@@ -185,6 +185,11 @@ def white_noise(forces: list[Array]) -> float:
     return float(np.quantile(np.abs(d), 0.25) / 0.3186 / np.sqrt(20.0)) if calm.any() else 0.0
 
 
+def colour_of(r: Array) -> float:
+    """Lag-one correlation of what a model leaves (n,)."""
+    return float(np.mean(r[1:] * r[:-1]) / max(float(np.mean(r**2)), 1e-300))
+
+
 def measured_channels(record: Record, dt: float) -> Channels:
     """The motion channels a record has, on the common grid."""
     both = record.has("sprung_acceleration") and record.has("unsprung_acceleration")

@@ -20,8 +20,9 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from er_ros_common.topics import Topic
 
 UNNAMED = "a node not named yet"
-"""Who an end belongs to until its name comes, a little later than the end itself; ROS 2 says what follows."""
+"""Who an end belongs to until its name comes, a little later than the end itself."""
 NOT_KNOWN = ("_NODE_NAMESPACE_UNKNOWN_", "_NODE_NAME_UNKNOWN_")
+"""What ROS 2 says until then of namespace and node."""
 
 
 @dataclass(frozen=True, slots=True)

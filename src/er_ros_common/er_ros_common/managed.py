@@ -248,7 +248,8 @@ class ManagedNode(LifecycleNode):
 
     def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Transition of ROS."""
-        done = self._tried(self.configure)
+        with realtime.suspended():
+            done = self._tried(self.configure)
         self.configured = done == TransitionCallbackReturn.SUCCESS
         return done
 

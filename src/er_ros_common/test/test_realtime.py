@@ -55,6 +55,17 @@ def test_all_threads_get_the_highest_priority_of_those_that_act(
     assert system[own] == system[second] == (os.SCHED_OTHER, 0)
 
 
+def test_something_long_is_done_without(system: dict[int, tuple[int, int]]) -> None:
+    """Of several nodes in a process one may compile while another acts already."""
+    own = threading.get_native_id()
+    with realtime.suspended():
+        assert system == {}, "nobody had asked"
+    realtime.ask("/plant", 40)
+    with realtime.suspended():
+        assert system[own] == (os.SCHED_OTHER, 0)
+    assert system[own] == (os.SCHED_FIFO, 40)
+
+
 def test_who_asked_for_nothing_changes_nothing(system: dict[int, tuple[int, int]]) -> None:
     realtime.give_back("/plant")
     assert system == {}

@@ -18,7 +18,7 @@ from er_models.model import Array
 from er_model_lab.diagnose.candidates import Candidate
 from er_model_lab.diagnose.chance import largest
 from er_model_lab.diagnose.left import burst_shares
-from er_model_lab.prepare import Problem, white_noise
+from er_model_lab.prepare import Problem, colour_of, white_noise
 
 MOTIONS = 6
 """Draws of the motion; each serves many draws of the force noise."""
@@ -111,5 +111,4 @@ def _force_noise(best: Candidate, problem: Problem, input_error: float) -> tuple
     r = best.fit.residual[problem.train]
     left = float(np.mean(r**2)) - input_error**2
     size = float(np.sqrt(max(left, white_noise([r]) ** 2, 1e-24)))
-    colour = float(np.clip(np.mean(r[1:] * r[:-1]) / max(float(np.mean(r**2)), 1e-300), 0.0, 0.9))
-    return size, min(colour, 0.5)
+    return size, float(np.clip(colour_of(r), 0.0, 0.5))

@@ -213,7 +213,8 @@ def vehicle_point(on, slots, links, p, q, w, u, t, road_rate, rate, drive, out):
     s = np.zeros((ROWS, w.shape[0]))
     for j in range(w.shape[0]):
         s[W, j] = w[j]
-    observe(on, slots, links, p, q, s, u, t, road_rate, out, out.shape[0] - 1)
+    first = 0 * out.shape[0]  # a bare number is a type to Numba: `observe` would be compiled twice
+    observe(on, slots, links, p, q, s, u, t, road_rate, out, first)
     out[0, 4], out[0, 5] = accelerometers(on, p, out[0, 0], out[0, 1])
     for j in range(w.shape[0]):
         rate[j], drive[j] = s[R, j], s[G, j]

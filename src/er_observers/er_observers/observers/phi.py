@@ -9,16 +9,9 @@ import numpy as np
 from er_models.model import Array
 
 from er_observers.observers.compiled import compiled
+from er_observers.observers.copies import copy
 
 _TERMS = 13
-
-
-@compiled
-def copy(source: Array, target: Array) -> None:
-    """Copy one matrix into another of its shape; the assignment `target[:]` compiles seconds of error texts."""
-    for i in range(source.shape[0]):
-        for j in range(source.shape[1]):
-            target[i, j] = source[i, j]
 
 
 @compiled

@@ -18,7 +18,7 @@ import numpy as np
 from er_models.model import Array
 
 from er_observers.observers.compiled import compiled
-from er_observers.observers.phi import copy
+from er_observers.observers.copies import copy
 from er_observers.peers.correct import correct
 from er_observers.peers.flow import flow
 from er_observers.peers.unscented import points_about

@@ -12,7 +12,8 @@ from __future__ import annotations
 from er_models.model import Array
 
 from er_observers.observers.compiled import compiled
-from er_observers.observers.phi import copy, fill_phi
+from er_observers.observers.copies import copy
+from er_observers.observers.phi import fill_phi
 
 _SLOTS = 2
 """Substeps of unusual length that are remembered: of a duty that stays, or two that alternate."""
