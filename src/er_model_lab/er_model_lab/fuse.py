@@ -22,10 +22,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
+from er_models.parallel import over_cores
 from numpy.typing import NDArray
 from scipy.optimize import minimize, minimize_scalar
 from scipy.signal import lfilter
+
+from er_model_lab.chain import LAGGING, STATES, filtered, ramps, smoothed
 
 Array = NDArray[np.float64]
 
@@ -33,6 +35,8 @@ SHORTEST_LAG = 0.1
 """Lag of the velocity channel that deserves a state of its own, in samples; a straight line serves below."""
 STANDSTILL = 0.02
 """Power of the velocity, as a share of its most, below which a part of a record tells nothing of its motion."""
+PASSES = 40
+"""Passes of the filter that a search takes at least."""
 
 
 @dataclass(frozen=True)
@@ -70,137 +74,6 @@ class Fused:
     channels: tuple[str, ...]
 
 
-@njit(cache=True)
-def _solve_gain(p, h, r, m, gain):
-    """Innovation variance and gain (4,) of one scalar measurement with row h (4,)."""
-    s = r
-    for i in range(m):
-        ph = 0.0
-        for j in range(m):
-            ph += p[i, j] * h[j]
-        gain[i] = ph
-        s += h[i] * ph
-    for i in range(m):
-        gain[i] /= s
-    return s
-
-
-@njit(cache=True)
-def _ramps(s, lag, out):
-    """Answer of T u' + u = v at time s to v = 1, s and s^2 / 2, in out (3,); and what is left of u."""
-    left = np.exp(-s / lag)
-    out[0] = 1.0 - left
-    out[1] = s - lag * out[0]
-    out[2] = s**2 / 2.0 - lag * out[1]
-    return left
-
-
-@njit(cache=True)
-def transition(dt: float, order: int, lag: float, m: int) -> Array:
-    """Transition matrix (m, m) over one sample of a chain of that order, with the lagging state where m is 6."""
-    f = np.eye(m)
-    f[0, 1] = f[1, 2] = dt
-    f[0, 2] = dt**2 / 2.0
-    if order == 4:
-        f[2, 3] = dt
-        f[1, 3] = dt**2 / 2.0
-        f[0, 3] = dt**3 / 6.0
-    if m == 6:
-        ramps = np.zeros(3)
-        f[5, 5] = _ramps(dt, lag, ramps)
-        for i in range(order - 1):
-            f[5, 1 + i] = ramps[i]
-    return f
-
-
-@njit(cache=True)
-def diffusion(dt: float, order: int, lag: float, m: int) -> Array:
-    """Covariance (m, m) that white noise of unit intensity at the end of the chain adds over one sample.
-
-    Gauss-Legendre with five points: exact for the chain, and to 3e-5 for a lag of a tenth of a sample.
-    """
-    nodes = (-0.906179845938664, -0.538469310105683, 0.0, 0.538469310105683, 0.906179845938664)
-    weights = (
-        0.236926885056189,
-        0.478628670499366,
-        0.568888888888889,
-        0.478628670499366,
-        0.236926885056189,
-    )
-    q, g, ramps = np.zeros((m, m)), np.zeros(m), np.zeros(3)
-    for k in range(5):
-        s = 0.5 * dt * (1.0 + nodes[k])
-        power = 1.0
-        for i in range(order):
-            g[order - 1 - i] = power
-            power *= s / (i + 1.0)
-        if m == 6:
-            _ramps(s, lag, ramps)
-            g[5] = ramps[order - 2]
-        for i in range(m):
-            for j in range(m):
-                q[i, j] += 0.5 * dt * weights[k] * g[i] * g[j]
-    return q
-
-
-@njit(cache=True)
-def _filter(
-    dt, order, lag, zs, has, rows, variances, q, bias_var, activity, spread, xs, ps, xp, pp
-):
-    """Kalman filter over (n, 3) measurements, scalar updates; returns the log likelihood."""
-    n = zs.shape[0]
-    m = rows.shape[1]
-    x = np.zeros(m)
-    f, d = transition(dt, order, lag, m), diffusion(dt, order, lag, m)
-    p = np.zeros((m, m))
-    for i in range(order):
-        p[i, i] = spread[i]
-    p[4, 4] = bias_var
-    if m == 6:
-        p[5, 5] = spread[1]
-    gain = np.zeros(m)
-    ll = 0.0
-    for k in range(n):
-        if k > 0:
-            x = f @ x
-            p = f @ p @ f.T + q * activity[k] * d
-        xp[k] = x
-        pp[k] = p
-        for c in range(3):
-            if not has[c]:
-                continue
-            h = rows[c]
-            s = _solve_gain(p, h, variances[c], m, gain)
-            e = zs[k, c]
-            for i in range(m):
-                e -= h[i] * x[i]
-            if k > 7:
-                ll -= 0.5 * (np.log(s) + e * e / s)
-            for i in range(m):
-                x[i] += gain[i] * e
-            for i in range(m):
-                for j in range(i, m):
-                    value = p[i, j] - gain[i] * gain[j] * s
-                    p[i, j] = value
-                    p[j, i] = value
-        xs[k] = x
-        ps[k] = p
-    return ll
-
-
-@njit(cache=True)
-def _smooth(dt, order, lag, xs, ps, xp, pp):
-    """Rauch-Tung-Striebel backward pass, in place in xs and ps."""
-    f = transition(dt, order, lag, xs.shape[1])
-    for k in range(xs.shape[0] - 2, -1, -1):
-        full = pp[k + 1].copy()
-        if order == 3:
-            full[3, 3] = 1.0
-        c = np.linalg.solve(full, f @ ps[k]).T
-        xs[k] = xs[k] + c @ (xs[k + 1] - xp[k + 1])
-        ps[k] = ps[k] + c @ (ps[k + 1] - pp[k + 1]) @ c.T
-
-
 @dataclass(frozen=True)
 class Channels:
     """Measurements (n, 3) with the channels there are, on a uniform grid."""
@@ -225,39 +98,34 @@ class Channels:
 
 
 def _run(
-    ch: Channels, noise: Noise, spread: Array | None = None
+    ch: Channels, noise: Noise, spread: Array | None = None, *, keep: bool = True
 ) -> tuple[float, Array, Array, Array, Array]:
-    """Filter pass: log likelihood and the arrays the smoother needs."""
-    n, m = ch.z.shape[0], 6 if noise.lag > SHORTEST_LAG * ch.dt else 5
+    """Filter pass: log likelihood and the arrays the smoother needs, which hold nothing unless they are kept."""
+    n, m = ch.z.shape[0], LAGGING if noise.lag > SHORTEST_LAG * ch.dt else STATES
     rows = np.zeros((3, m))
     rows[0, 0] = rows[2, 2] = rows[2, 4] = 1.0
-    if m == 6:
+    if m == LAGGING:
         rows[1, 5] = 1.0
     else:
         rows[1, 1], rows[1, 2] = 1.0, -noise.lag
-    xs, xp = np.empty((n, m)), np.empty((n, m))
-    ps, pp = np.empty((n, m, m)), np.empty((n, m, m))
-    variances = np.array([noise.x, noise.v, noise.a]) ** 2
-    bias_var = (10.0 * noise.a) ** 2 if ch.has[2] else 1e-18
-    activity = ch.activity if noise.local else np.ones(n)
-    scores = _filter(
-        ch.dt,
-        noise.order,
-        noise.lag,
-        ch.z,
-        ch.has,
-        rows,
-        variances,
-        noise.drive,
-        bias_var,
-        activity,
-        initial_spread(ch) if spread is None else spread,
-        xs,
-        ps,
-        xp,
-        pp,
-    )
-    return float(scores), xs, ps, xp, pp
+    kept = n if keep else 0
+    xs, xp = np.empty((kept, m)), np.empty((kept, m))
+    ps, pp = np.empty((kept, m, m)), np.empty((kept, m, m))
+    chain = initial_spread(ch) if spread is None else spread
+    first = np.zeros(m)
+    first[: noise.order] = chain[: noise.order]
+    first[4] = (10.0 * noise.a) ** 2 if ch.has[2] else 1e-18
+    first[5:] = chain[1]
+    likelihood = filtered(
+        ch.dt, noise.order, noise.lag, ch.z, ch.has, rows, np.array([noise.x, noise.v, noise.a]) ** 2, noise.drive,
+        ch.activity if noise.local else np.ones(n), first, xs, ps, xp, pp,
+    )  # fmt: skip
+    return float(likelihood), xs, ps, xp, pp
+
+
+def likelihood(ch: Channels, noise: Noise) -> float:
+    """Logarithm of the likelihood of the measurements."""
+    return _run(ch, noise, keep=False)[0]
 
 
 def initial_spread(ch: Channels) -> Array:
@@ -281,16 +149,34 @@ def _start(ch: Channels, order: int) -> Noise:
     return Noise(rough[0], rough[1], rough[2], max(drive, 1e-9), order=order)
 
 
+def _kinds(ch: Channels) -> list[tuple[int, bool]]:
+    """Orders of the chain, each with whether its intensity follows the data, that the motion may have."""
+    if ch.has[2]:
+        return [(4, True), (3, False), (4, False), (3, True)]
+    return [(4, False), (3, False)]
+
+
+def _likeliest(ch: Channels, under: Callable[[int, bool], Noise]) -> Noise:
+    """The likeliest of what is found under each model of the motion; the searches share the cores."""
+    kinds = _kinds(ch)
+    found: dict[int, Noise] = {}
+
+    def search(first: int, end: int) -> None:
+        for k in range(first, end):
+            found[k] = under(*kinds[k])
+
+    over_cores(search, len(kinds), len(kinds) * PASSES * ch.z.shape[0])
+    return max((found[k] for k in range(len(kinds))), key=lambda noise: likelihood(ch, noise))
+
+
 def estimate_noise(ch: Channels, lag: float = 0.0) -> Noise:
     """Maximum likelihood noise levels under the likeliest of the four motion models, at a known lag."""
-    kinds = (
-        [(4, True), (3, False), (4, False), (3, True)] if ch.has[2] else [(4, False), (3, False)]
+    return _likeliest(
+        ch,
+        lambda order, local: _estimate(
+            ch, replace(_start(ch, order), local=local, lag=lag), free_lag=False
+        ),
     )
-    found = [
-        _estimate(ch, replace(_start(ch, order), local=local, lag=lag), free_lag=False)
-        for order, local in kinds
-    ]
-    return max(found, key=lambda noise: _run(ch, noise)[0])
 
 
 def estimate_lag(ch: Channels, noise: Noise) -> Noise:
@@ -314,8 +200,8 @@ def _estimate(ch: Channels, start: Noise, *, free_lag: bool) -> Noise:
         return found
 
     def cost(theta: Array) -> float:
-        ll = _run(ch, noise_at(theta))[0]
-        return -ll if np.isfinite(ll) else 1e30
+        found = likelihood(ch, noise_at(theta))
+        return -found if np.isfinite(found) else 1e30
 
     simplex = np.vstack([point, point + 0.7 * np.eye(point.size)])
     best = minimize(cost, point, method="Nelder-Mead", options={
@@ -330,12 +216,8 @@ def adapt(ch: Channels, noise: Noise) -> Noise:
 
     Sensors keep their noise from record to record; a fast sine is driven a hundred times harder than a slow one.
     """
-    kinds = (
-        [(4, True), (3, False), (4, False), (3, True)] if ch.has[2] else [(4, False), (3, False)]
-    )
-    return max(
-        (_intensity(ch, replace(noise, order=order, local=local)) for order, local in kinds),
-        key=lambda found: _run(ch, found)[0],
+    return _likeliest(
+        ch, lambda order, local: _intensity(ch, replace(noise, order=order, local=local))
     )
 
 
@@ -344,8 +226,8 @@ def _intensity(ch: Channels, noise: Noise) -> Noise:
     start = float(np.log(_start(ch, noise.order).drive))
 
     def cost(log_drive: float) -> float:
-        ll = _run(ch, replace(noise, drive=float(np.exp(log_drive))))[0]
-        return -ll if np.isfinite(ll) else 1e30
+        found = likelihood(ch, replace(noise, drive=float(np.exp(log_drive))))
+        return -found if np.isfinite(found) else 1e30
 
     found = minimize_scalar(
         cost, bounds=(start - 25.0, start + 10.0), method="bounded", options={"xatol": 0.1}
@@ -388,7 +270,7 @@ def _activity(a: Array) -> Array:
 def fuse(ch: Channels, noise: Noise, spread: Array | None = None) -> Fused:
     """Smoothed motion of one record; spread: variance (4,) of the state at the first sample, else from the data."""
     _, xs, ps, xp, pp = _run(ch, noise, spread)
-    _smooth(ch.dt, noise.order, noise.lag, xs, ps, xp, pp)
+    smoothed(ch.dt, noise.order, noise.lag, xs, ps, xp, pp)
     names = tuple(
         n
         for n, h in zip(("deflection", "deflection_velocity", "acceleration"), ch.has, strict=True)
@@ -407,10 +289,10 @@ def as_measured(fused: Fused, dt: float) -> Array:
     lag = fused.noise.lag
     if lag <= SHORTEST_LAG * dt:
         return np.stack([fused.x, fused.v - lag * fused.a, fused.a], axis=1)
-    ramps = np.zeros(3)
-    left = _ramps(dt, lag, ramps)
+    to = np.zeros(3)
+    left = ramps(dt, lag, to)
     jerk = np.diff(fused.a) / dt
-    steps = ramps[0] * fused.v[:-1] + ramps[1] * fused.a[:-1] + ramps[2] * jerk
+    steps = to[0] * fused.v[:-1] + to[1] * fused.a[:-1] + to[2] * jerk
     start = fused.v[0] - lag * fused.a[0]
     behind = lfilter([1.0], [1.0, -left], np.concatenate([[start], steps]))
     return np.stack([fused.x, behind, fused.a], axis=1)

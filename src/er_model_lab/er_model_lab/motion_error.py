@@ -12,18 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from er_models.predict import Motion, join
-from numba import njit
 from numpy.typing import NDArray
 
-from er_model_lab.fuse import (
-    Channels,
-    Fused,
-    as_measured,
-    diffusion,
-    fuse,
-    initial_spread,
-    transition,
-)
+from er_model_lab.chain import compiled, diffusion, transition
+from er_model_lab.fuse import Channels, Fused, as_measured, fuse, initial_spread
 
 if TYPE_CHECKING:
     from er_model_lab.prepare import Problem
@@ -31,12 +23,15 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-@njit(cache=True)
+@compiled
 def _driven(transition: Array, pushes: Array) -> Array:
     """States (n, order) of a chain from rest, pushed once a sample."""
-    out = np.zeros_like(pushes)
+    out = np.zeros(pushes.shape)
     for k in range(1, pushes.shape[0]):
-        out[k] = transition @ out[k - 1] + pushes[k]
+        for i in range(pushes.shape[1]):
+            out[k, i] = pushes[k, i]
+            for j in range(pushes.shape[1]):
+                out[k, i] += transition[i, j] * out[k - 1, j]
     return out
 
 
