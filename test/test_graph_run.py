@@ -21,7 +21,7 @@ from rosbags.highlevel import AnyReader
 
 from test.graph_help import VEHICLE, Graph, own_domain
 
-pytestmark = pytest.mark.alone
+pytestmark = pytest.mark.paced
 
 SECONDS = 6.0
 RATE = 200.0

@@ -39,7 +39,7 @@ from er_plant_sim import rig as plant
 from er_plant_sim import ros_msgs
 from test.graph_help import CONFIG, VEHICLE, Graph, own_domain
 
-pytestmark = pytest.mark.alone
+pytestmark = pytest.mark.paced
 
 CORNER = "vehicle/suspension/front_left"
 NAMES = {
