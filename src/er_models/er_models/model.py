@@ -14,13 +14,7 @@ from numpy.typing import NDArray
 from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.errors import InputError
 from er_models.kernel.compose import fingerprint
-from er_models.kernel.mask import mask
-from er_models.kernel.order import (
-    feeds_back,
-    reads,
-    reads_yield_early,
-    turns_with_the_yield,
-)
+from er_models.kernel.layout import layout, responds
 from er_models.scales import Scales
 
 Array = NDArray[np.float64]
@@ -70,7 +64,7 @@ class Model:
     @property
     def has_response(self) -> bool:
         """Whether the yield force lags: a model without any response time is static."""
-        return any("response_time" in self.catalogue[name].hooks for name in self.effects)
+        return responds(self.catalogue, self.effects)
 
     @property
     def is_vehicle(self) -> bool:
@@ -112,38 +106,15 @@ class Model:
         """
         c = self.catalogue
         p = np.zeros(c.size)
-        used = [e for e in c.effects if e.name in self.effects and not (plant and e.maps_motion)]
-        slots, links, rest = set(), set(), np.zeros(c.n_states, np.uint8)
-        if self.has_response:
-            slots.add(c.slots["response"])
-        if reads_yield_early(used):
-            slots.add(c.slots["response"])
-            links.add(c.slots["response"])
-        if self.has_response and reads(used, "u_f"):
-            slots.add(c.formed)
-            if turns_with_the_yield(used):
-                links.add(c.formed)
-        if reads(
-            used, "f_r"
-        ):  # in series: f_r follows only from the motion that is left to the damper
-            links.add(c.rest)
-        for effect in used:
-            for j, name in enumerate(effect.names):
-                p[c.offsets[effect.name] + j] = self.effects[effect.name][name]
-            if effect.has_state:
-                slots.add(c.slots[effect.name])
-                rest[c.slots[effect.name]] = effect.initial == "zero"
-            if feeds_back(effect):
-                links.add(c.slots[effect.name])
-        return Compiled(mask(c, used), p, _sorted(slots), _sorted(links), rest)
+        for effect in (c[name] for name in self.effects):
+            if not (plant and effect.maps_motion):
+                for j, name in enumerate(effect.names):
+                    p[c.offsets[effect.name] + j] = self.effects[effect.name][name]
+        on, slots, links, rest = layout(c, frozenset(self.effects), plant)
+        return Compiled(on.copy(), p, slots.copy(), links.copy(), rest.copy())
 
     def digest(self) -> str:
         """Hash of what determines the behaviour: effects, values and equations."""
         values = {k: dict(sorted(v.items())) for k, v in sorted(self.effects.items())}
         text = json.dumps([values, fingerprint(self.catalogue)], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def _sorted(slots: set[int]) -> NDArray[np.int64]:
-    """Slots in order."""
-    return np.array(sorted(slots), np.int64)

@@ -1,0 +1,69 @@
+"""What the kernel must know of a model besides its values: masks, and the states in use."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from er_models.catalogue import Catalogue
+from er_models.kernel.mask import mask
+from er_models.kernel.order import (
+    feeds_back,
+    reads,
+    reads_yield_early,
+    turns_with_the_yield,
+)
+
+
+class Layout(NamedTuple):
+    """on: mask (`kernel.mask`); slots: states in use; links: those of them that feed back; at_rest (n_states,)."""
+
+    on: NDArray[np.uint8]
+    slots: NDArray[np.int64]
+    links: NDArray[np.int64]
+    at_rest: NDArray[np.uint8]
+
+
+def responds(c: Catalogue, names: Iterable[str]) -> bool:
+    """Whether the yield force of a model of these effects lags."""
+    return any("response_time" in c[name].hooks for name in names)
+
+
+@lru_cache(maxsize=256)
+def layout(c: Catalogue, names: frozenset[str], plant: bool) -> Layout:
+    """Layout of a model of these effects; plant: without the maps from measured to true motion.
+
+    The arrays are shared: whoever writes takes copies.
+    """
+    used = [e for e in c.effects if e.name in names and not (plant and e.maps_motion)]
+    lags = responds(c, names)
+    slots, links, rest = set(), set(), np.zeros(c.n_states, np.uint8)
+    if lags:
+        slots.add(c.slots["response"])
+    if reads_yield_early(used):
+        slots.add(c.slots["response"])
+        links.add(c.slots["response"])
+    if lags and reads(used, "u_f"):
+        slots.add(c.formed)
+        if turns_with_the_yield(used):
+            links.add(c.formed)
+    if reads(
+        used, "f_r"
+    ):  # in series: f_r follows only from the motion that is left to the damper
+        links.add(c.rest)
+    for effect in used:
+        if effect.has_state:
+            slots.add(c.slots[effect.name])
+            rest[c.slots[effect.name]] = effect.initial == "zero"
+        if feeds_back(effect):
+            links.add(c.slots[effect.name])
+    return Layout(mask(c, used), _sorted(slots), _sorted(links), rest)
+
+
+def _sorted(slots: set[int]) -> NDArray[np.int64]:
+    """Slots in order."""
+    return np.array(sorted(slots), np.int64)
