@@ -27,6 +27,7 @@ from er_observers.faults.evidence import (
 )
 from er_observers.faults.sums import ROWS, N, misfit
 from er_observers.observers.compiled import compiled
+from er_observers.observers.copies import copy_row
 
 UNKNOWN, HEALTHY, SUSPECTED, CONFIRMED, NOT_EXCITED, CONFOUNDED = range(6)
 """Statuses of a factor, as FAULT_* of the message."""
@@ -84,15 +85,25 @@ def decide(
     _begin_with(total, prior, temper, verdict[SHARES], shares, room)
     log_z[COMBINED] = math.log(rules[COMBINED_ODDS])
     log_z[COMBINED] += combined(total, prior, temper, shares, room, factors, spread)
-    verdict[SHARES] = shares
-    verdict[PROBABILITY] = np.exp(log_z - np.max(log_z))
-    verdict[PROBABILITY] /= np.sum(verdict[PROBABILITY])
+    copy_row(shares, verdict[SHARES])
+    _normalise(log_z, verdict[PROBABILITY])
     _mix(rules, alone, factors, spread, verdict)
     likely = int(np.argmax(verdict[PROBABILITY]))
     _judge(rules, total, prior, first, temper, likely, factors, verdict, room)
     _doubt(rules, verdict)
     _name(rules, likely, verdict)
     _states(rules, verdict)
+
+
+@compiled
+def _normalise(log_z: Array, p: Array) -> None:
+    """Probabilities p (KINDS,) of the kinds from the logarithms of their evidence."""
+    most, total = np.max(log_z), 0.0
+    for i in range(KINDS):
+        p[i] = math.exp(log_z[i] - most)
+        total += p[i]
+    for i in range(KINDS):
+        p[i] /= total
 
 
 @compiled
@@ -103,7 +114,7 @@ def _begin_with(
     if log_evidence(total, prior, temper, before, room) > log_evidence(
         total, prior, temper, shares, room
     ):
-        shares[:] = before
+        copy_row(before, shares)
 
 
 @compiled

@@ -21,6 +21,7 @@ from er_models.model import Array
 
 from er_observers.faults.sums import SIZE, TRIANGLE, N, backward, factorise, forward
 from er_observers.observers.compiled import compiled
+from er_observers.observers.copies import copy_row, scale_row
 
 NONE, ELECTRICAL, LEAKAGE, DEFORMATION, COMBINED = range(5)
 KINDS = 5
@@ -137,9 +138,10 @@ def combined(
                 trial[i] = min(max(a[i] + move[i], SMALLEST), 1.3)
             there = log_evidence(total, prior, temper, trial, room)
             if there >= here:
-                a[:], here = trial, there
+                copy_row(trial, a)
+                here = there
                 break
-            move *= 0.5
+            scale_row(0.5, move)
     factors[0], factors[1], factors[2] = a[2] / a[1], a[0], a[1] / a[0]
     spread[1] = math.sqrt(max(P[0, 0], 1e-12))
     third = P[1, 1] - 2.0 * factors[2] * P[0, 1] + factors[2] ** 2 * P[0, 0]
@@ -174,7 +176,7 @@ def _quadratic(
 ) -> None:  # fmt: skip
     """Gradient g (3,) and negative Hessian H (3, 3) of ln Z at the shares a (3,), made safely definite."""
     for i in range(3):
-        trial[:] = a
+        copy_row(a, trial)
         trial[i] = a[i] + step[i]
         above = log_evidence(total, prior, temper, trial, room)
         trial[i] = a[i] - step[i]
@@ -184,7 +186,7 @@ def _quadratic(
     for i in range(3):
         for j in range(i):
             h, k = step[i], step[j]
-            trial[:] = a
+            copy_row(a, trial)
             trial[i], trial[j] = a[i] + h, a[j] + k
             both = log_evidence(total, prior, temper, trial, room)
             cross = (here - both + g[i] * h + g[j] * k) / (h * k)
@@ -202,7 +204,9 @@ def _inverse(H: Array, P: Array) -> float:
         P[j, k] = P[k, j] = H[i, j] * H[i, k] - H[i, i] * H[j, k]
     det = H[0, 0] * P[0, 0] + H[0, 1] * P[0, 1] + H[0, 2] * P[0, 2]
     if det > 1e-9 * H[0, 0] * H[1, 1] * H[2, 2] and P[0, 0] > 0.0 and P[1, 1] > 0.0:
-        P /= det
+        for i in range(3):
+            for j in range(3):
+                P[i, j] /= det
         return float(det)
     P[:] = 0.0
     for i in range(3):

@@ -38,6 +38,7 @@ from er_observers.faults.passage import (
 from er_observers.faults.regression import C1, K_S, M_S, M_US, SIGMA
 from er_observers.faults.sums import N
 from er_observers.observers.compiled import compiled
+from er_observers.observers.copies import add_row, copy, copy_row
 
 BODY_SEEN, WHEEL_SEEN, X_SEEN, V_SEEN, FORCE_SEEN = range(5)
 """Places in what is seen (5,): accelerations [m/s2], deflection, velocity, and a given force; NaN where it is not."""
@@ -97,37 +98,49 @@ def advance(
     r = np.empty(4)
     r[0], r[1], r[2], r[3] = noise[0], noise[1], noise[2], force_noise if given else noise[0]
     r[3] = math.hypot(r[3], loose if given else loose / p[M_S])
-    at, end, T = z.copy(), np.empty(STATES), np.empty((STATES, STATES + N))
+    at, end, rest = z.copy(), np.empty(STATES), np.empty(STATES)
+    T = np.empty((STATES, STATES + N))
     H, shown = np.zeros((4, STATES)), np.empty(4)
     H[1, X] = H[2, V] = 1.0
     measured = np.empty(4)
     measured[0], measured[1], measured[2] = seen[WHEEL_SEEN], seen[X_SEEN], seen[V_SEEN]
     measured[3] = seen[FORCE_SEEN] if given else seen[BODY_SEEN]
+    whole = T.shape[1]  # a bare number is a type to Numba: it would be a compilation of its own
     for _ in range(_ITERATIONS):
-        _pass(law, turn, at, end, T, STATES)
+        _pass(law, turn, at, end, T, whole - N)
         _show(p, law, known, end, given, H, shown)
-        move = _improved(P, T, H, shown, measured, r, z - at)
-        at += move
+        _less(z, at, rest)
+        move = _improved(P, T, H, shown, measured, r, rest)
+        add_row(move, at)
         if abs(p[C1] * (T[V, :STATES] @ move)) < _CLOSE:
             break
-    T[:, STATES:] = S
-    _pass(law, turn, at, end, T, STATES + N)
+    copy(S, T[:, STATES:])
+    _pass(law, turn, at, end, T, whole)
     _show(p, law, known, end, given, H, shown)
     A = np.ascontiguousarray(T[:, :STATES])
-    P[:] = A @ P @ A.T
+    copy(A @ P @ A.T, P)
     between = bent * law[TYRE] * dt * abs(at[R] - before)
     P[W, W] += between**2
     P[V, V] += (0.25 * dt * between) ** 2
     P[V, V] += (0.5 * dt * law[PER_MASS] * loose) ** 2
     P[F_ER, F_ER] += (_ALSO * loose) ** 2
-    S[:] = T[:, STATES:]
-    rest = A @ (z - at)
+    copy(T[:, STATES:], S)
+    _less(z, at, rest)
+    rest = A @ rest
     for q in range(4):
         _correct(p, q, turn, given, end, H[q], measured[q] - shown[q], r[q], P, S, rest, rows)
-    z[:] = end + rest
+    copy_row(end, z)
+    add_row(rest, z)
     for i in range(STATES):
         for j in range(i):
             P[i, j] = P[j, i] = 0.5 * (P[i, j] + P[j, i])
+
+
+@compiled
+def _less(a: Array, b: Array, out: Array) -> None:
+    """Difference a - b of vectors into out."""
+    for i in range(a.shape[0]):
+        out[i] = a[i] - b[i]
 
 
 @compiled
@@ -136,7 +149,7 @@ def _pass(law: Array, turn: Array, at: Array, end: Array, T: Array, columns: int
     T[:, :STATES] = 0.0
     for i in range(STATES):
         T[i, i] = 1.0
-    end[:] = at
+    copy_row(at, end)
     sample(law, turn, end, T, columns)
 
 
@@ -211,7 +224,8 @@ def _correct(
             else:
                 phi[i] -= f / p[M_S]
     if q > 0:
-        rows[q - 1, :N], rows[q - 1, N], rows[q - 1, N + 1] = phi, error, spread
+        copy_row(phi, rows[q - 1])
+        rows[q - 1, N], rows[q - 1, N + 1] = error, spread
     for i in range(STATES):
         share = g[i] / spread
         rest[i] += share * error

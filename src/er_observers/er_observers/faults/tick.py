@@ -32,6 +32,7 @@ from er_observers.faults.passage import STATES, V
 from er_observers.faults.regression import SIGMA
 from er_observers.faults.sums import ROWS, SIZE, N, add, misfit
 from er_observers.observers.compiled import compiled
+from er_observers.observers.copies import add_row, copy_row, scale_row
 
 _REAL, _FADING = 25.0, 0.05
 """Mean square of the velocity over its variance, and share of a sample in that mean: below, the gate sees noise, which
@@ -96,7 +97,9 @@ def run(
     told[follow.X_SEEN], told[follow.V_SEEN] = seen
     told[follow.FORCE_SEEN], told[HELD], told[LASTED] = force, counted[DUTY], dt
     rows = np.empty((3, follow.ROW))
-    _take(p, noise, setup, told, memory[EXPECTED], 0.0, counted[BENT], mind, rows)
+    follow.advance(
+        p, noise, setup[FORCE], memory[EXPECTED], told[: follow.SEEN], counted[DUTY], dt, 0.0, counted[BENT], mind, rows
+    )  # fmt: skip
     _compare(counted, rows)
     v, variance = mind[V], mind[follow.COVARIANCE][V * STATES + V]
     counted[SHAKEN] += _FADING * (v * v - counted[SHAKEN])
@@ -107,16 +110,6 @@ def run(
     counted[DUTY] = duty
     counted[FILLED] += 1.0
     return bool(counted[FILLED] >= WITHIN)
-
-
-@compiled
-def _take(
-    p: Array, noise: Array, setup: Array, told: Array, known: Array, loose: float, bent: float,
-    mind: Array, rows: Array,
-) -> None:  # fmt: skip
-    """Follow one sample."""
-    seen, duty, dt = told[: follow.SEEN], told[HELD], told[LASTED]
-    follow.advance(p, noise, setup[FORCE], known, seen, duty, dt, loose, bent, mind, rows)
 
 
 @compiled
@@ -160,7 +153,11 @@ def _anew(
         stored[:SIZE] = 0.0
         for k in range(WITHIN):
             if begun:
-                _take(p, noise, setup, raw[k], memory[EXPECTED], loose, counted[BENT], mind, rows)
+                duty, dt = raw[k, HELD], raw[k, LASTED]
+                follow.advance(
+                    p, noise, setup[FORCE], memory[EXPECTED], raw[k, : follow.SEEN], duty, dt, loose, counted[BENT],
+                    mind, rows,
+                )  # fmt: skip
                 if raw[k, COUNTS] > 0.0:
                     _add(stored[:SIZE], rows, memory[EXPECTED])
             elif math.isfinite(raw[k, follow.X_SEEN]):
@@ -175,10 +172,9 @@ def _sum_up(window: Array, memory: Array, total: Array) -> None:
     counted = memory[COUNTED]
     total[:] = 0.0
     for i in range(int(counted[COUNT])):
-        total += window[(int(counted[HEAD]) - i) % BLOCKS, :SIZE]
+        add_row(window[(int(counted[HEAD]) - i) % BLOCKS, :SIZE], total)
 
 
-@compiled
 def _begin_again(
     p: Array, noise: Array, setup: Array, first: Array, room: Array, window: Array, memory: Array
 ) -> None:
@@ -209,12 +205,14 @@ def _single(levels: Array) -> float:
     return 1.0 if levels[2] / levels[0] < (1.0 + _SAME**2) * mean * mean else 0.0
 
 
-@compiled
 def close(
     p: Array, noise: Array, setup: Array, rules: Array, prior: Array, first: Array, room: Array,
     window: Array, memory: Array,
 ) -> None:  # fmt: skip
-    """Put the full block into the window (BLOCKS, STORED), what leaves it into the lessons, and judge, in place."""
+    """Put the full block into the window (BLOCKS, STORED), what leaves it into the lessons, and judge, in place.
+
+    Not compiled as one, for every copy of the motion in compiled code takes seconds to compile.
+    """
     counted, verdict, block = memory[COUNTED], memory[VERDICT], memory[BLOCK]
     ones, total = room[N : 2 * N], room[2 * N : 2 * N + SIZE]
     ones[:] = 1.0
@@ -260,9 +258,10 @@ def _conclude(
 ) -> None:
     """The verdict on the total that lies in the room."""
     total, belief = room[2 * N : 2 * N + SIZE], room[2 * N + SIZE : 2 * N + 2 * SIZE]
-    belief[:] = prior + memory[TAUGHT]
+    copy_row(prior, belief)
+    add_row(memory[TAUGHT], belief)
     rest, verdict = room[2 * N + 2 * SIZE :], memory[VERDICT]
-    memory[LEVELS] *= setup[KEPT]
+    scale_row(setup[KEPT], memory[LEVELS])
     verdict[SINGLE] = _single(memory[LEVELS])
     decide(rules, total, belief, first, verdict, rest)
     for i in range(N):
@@ -297,8 +296,7 @@ def _shorten(setup: Array, rules: Array, keep: int, window: Array, memory: Array
     head, count = int(counted[HEAD]), int(counted[COUNT])
     for i in range(keep, count):
         if _well(verdict):
-            taught *= setup[KEPT]
-            taught += window[(head - i) % BLOCKS, :SIZE] / (
-                rules[COLOUR] * max(verdict[MISFIT], LEAST_MISFIT)
-            )
+            divisor = rules[COLOUR] * max(verdict[MISFIT], LEAST_MISFIT)
+            for j in range(SIZE):
+                taught[j] = setup[KEPT] * taught[j] + window[(head - i) % BLOCKS, j] / divisor
     counted[COUNT] = min(count, keep)
