@@ -12,7 +12,7 @@ from er_model_lab.load import load
 
 from test.graph_help import Graph, own_domain
 
-pytestmark = pytest.mark.paced
+pytestmark = pytest.mark.alone
 
 CORNERS = ("front_left", "rear_right")
 TICKS = 400

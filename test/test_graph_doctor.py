@@ -13,7 +13,7 @@ pytest.importorskip("rclpy")
 
 from test.graph_help import Graph, own_domain, plant_arguments
 
-pytestmark = pytest.mark.paced
+pytestmark = pytest.mark.alone
 
 INTRUDER = """
 import rclpy

@@ -24,7 +24,7 @@ from test.graph_help import (
     skyhook_arguments,
 )
 
-pytestmark = pytest.mark.paced
+pytestmark = pytest.mark.alone
 
 
 @pytest.fixture

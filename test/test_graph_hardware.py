@@ -18,7 +18,7 @@ from rosbags.highlevel import AnyReader
 from er_ros_common import topics
 from test.graph_help import CONFIG, Graph, emulator_arguments, own_domain
 
-pytestmark = pytest.mark.paced
+pytestmark = pytest.mark.alone
 
 PUBLISHED = (
     topics.ACCELERATION, topics.DEFLECTION, topics.FORCE, topics.ROAD, topics.PWM_APPLIED

@@ -15,7 +15,7 @@ from rosbags.highlevel import AnyReader
 from test.graph_help import Graph, own_domain
 from test.reliability.hold import MOVING, child, hold
 
-pytestmark = pytest.mark.paced
+pytestmark = pytest.mark.alone
 
 TICKS = 600
 TOPICS = (

@@ -21,7 +21,7 @@ from rosbags.highlevel import AnyReader
 
 from test.graph_help import VEHICLE, Graph, own_domain
 
-pytestmark = pytest.mark.paced
+pytestmark = pytest.mark.alone
 
 SECONDS = 6.0
 RATE = 200.0

@@ -22,7 +22,7 @@ from test.graph_help import (
     skyhook_arguments,
 )
 
-pytestmark = pytest.mark.paced
+pytestmark = pytest.mark.alone
 
 NODES = {
     "plant": plant_arguments("-p", "duration:=0.0"),

@@ -184,7 +184,7 @@ def test_a_node_that_is_none_is_one_line(group: list[str]) -> None:
         part(group)
 
 
-@pytest.mark.paced
+@pytest.mark.alone
 def test_the_whole_graph_runs_in_one_process(tmp_path: Path) -> None:
     with own_domain() as env:
         ended = subprocess.run(
@@ -201,7 +201,7 @@ def test_the_whole_graph_runs_in_one_process(tmp_path: Path) -> None:
     assert "Traceback" not in ended.stdout
 
 
-@pytest.mark.paced
+@pytest.mark.alone
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_program_that_is_still_being_imported_ends_quietly(number: int) -> None:
     """As its console script starts it, once Python itself has begun."""

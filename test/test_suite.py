@@ -15,16 +15,23 @@ sys.path.insert(0, str(ROOT / "tools"))
 from er_workspace.suite import ONE_THREAD, runs, whole
 
 
-def test_what_computes_and_what_keeps_a_pace_are_run_apart() -> None:
-    """No more than two at a time keep a pace; choices hold in both runs."""
-    by_file = ["--dist", "loadfile", "--no-loadscope-reorder", "-m"]
-    (beside, threads), (paced, free) = runs(["-q", "-m", "not slow"], cores=4)
-    assert beside == ["-q", "-n", "4", *by_file, "(not slow) and not paced"]
-    assert paced == ["-q", "-n", "2", *by_file, "(not slow) and paced"]
-    assert (threads, free) == (ONE_THREAD, {})
-    assert runs(["-x"], cores=4)[1][0] == ["-x", "-n", "2", *by_file, "paced"]
-    assert runs(["-n", "3"], cores=2) == [(["-n", "3"], {})]
-    assert runs(["-q"], cores=1) == [(["-q"], {})]
+def test_the_suite_is_run_beside_and_alone() -> None:
+    """Tests that time themselves get the machine to themselves; choices hold in both runs."""
+    beside, alone = runs(["-q", "-m", "not slow"], cores=2)
+    assert beside == [
+        "-q",
+        "-n",
+        "2",
+        "--dist",
+        "loadfile",
+        "--no-loadscope-reorder",
+        "-m",
+        "(not slow) and not alone",
+    ]
+    assert alone == ["-q", "-m", "(not slow) and alone"]
+    assert runs(["-x"], cores=4)[1] == ["-x", "-m", "alone"]
+    assert runs(["-n", "3"], cores=2) == [["-n", "3"]]
+    assert runs(["-q"], cores=1) == [["-q"]]
 
 
 @pytest.mark.parametrize(
@@ -42,22 +49,22 @@ def test_the_suite_fails_where_any_test_fails(
     tmp_path: Path, bodies: tuple[str, str], args: list[str], status: int
 ) -> None:
     first, second = (body or "pass" for body in bodies)
-    (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers = paced: keeps a pace\n")
+    (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers = alone: by itself\n")
     (tmp_path / "test_it.py").write_text(
         f"import pytest\n\n\ndef test_first():\n    {first}\n\n\n"
-        f"@pytest.mark.paced\ndef test_second():\n    {second}\n"
+        f"@pytest.mark.alone\ndef test_second():\n    {second}\n"
     )
     assert whole(Path(sys.executable), args, [str(tmp_path)], os.environ) == status
 
 
 def test_what_has_others_beside_it_uses_one_thread(tmp_path: Path) -> None:
-    (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers = paced: keeps a pace\n")
+    (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers = alone: by itself\n")
     (tmp_path / "test_it.py").write_text(
         "import os\nimport pytest\n\nTHREADS = [os.environ.get(k) for k in "
         + repr(tuple(ONE_THREAD))
         + "]\n\n\n"
         "def test_beside():\n    assert THREADS == ['1'] * 3\n\n\n"
-        "@pytest.mark.paced\ndef test_paced():\n    assert THREADS == [None] * 3\n"
+        "@pytest.mark.alone\ndef test_alone():\n    assert THREADS == [None] * 3\n"
     )
     free = {k: v for k, v in os.environ.items() if k not in ONE_THREAD}
     assert whole(Path(sys.executable), [], [str(tmp_path)], free) == 0

@@ -39,7 +39,7 @@ from er_plant_sim import rig as plant
 from er_plant_sim import ros_msgs
 from test.graph_help import CONFIG, VEHICLE, Graph, own_domain
 
-pytestmark = pytest.mark.paced
+pytestmark = pytest.mark.alone
 
 CORNER = "vehicle/suspension/front_left"
 NAMES = {

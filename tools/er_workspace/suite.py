@@ -1,4 +1,4 @@
-"""The whole test suite: what computes on all cores first, then what keeps a pace, two at a time."""
+"""The whole test suite: what computes on all cores first, then what times itself, with nothing beside it."""
 
 from __future__ import annotations
 
@@ -10,16 +10,14 @@ from pathlib import Path
 
 NOTHING_SELECTED = 5
 """Exit status of pytest where no test was left."""
-PACED = "paced"
-"""Marker of tests that keep a pace of real time: what computes must not be beside them."""
-AT_ONCE = 2
-"""Tests that keep a pace and may do so side by side: each waits most of its time."""
+ALONE = "alone"
+"""Marker of tests that run with nothing beside them."""
 ONE_THREAD = dict.fromkeys(("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
 """Environment of tests that have others beside them: every core has its process, threads would only wait."""
 
 
-def runs(args: Sequence[str], cores: int) -> list[tuple[list[str], Mapping[str, str]]]:
-    """Arguments and environment of the runs that make up the suite.
+def runs(args: Sequence[str], cores: int) -> list[list[str]]:
+    """Arguments of the runs that make up the suite.
 
     Whoever says how many processes there shall be gets one run. Files go out in their order, not those with most
     tests first: the few long ones, which start processes, are in `test` and must not be left for the end.
@@ -29,13 +27,10 @@ def runs(args: Sequence[str], cores: int) -> list[tuple[list[str], Mapping[str, 
     parser.add_argument("-n", "--numprocesses")
     given, others = parser.parse_known_args(list(args))
     if given.numprocesses is not None or cores < 2:
-        return [(list(args), {})]
+        return [list(args)]
     chosen = f"({given.marked}) and " if given.marked else ""
-    by_file = ["--dist", "loadfile", "--no-loadscope-reorder"]
-    return [
-        ([*others, "-n", str(cores), *by_file, "-m", f"{chosen}not {PACED}"], ONE_THREAD),
-        ([*others, "-n", str(AT_ONCE), *by_file, "-m", chosen + PACED], {}),
-    ]
+    beside = ["-n", str(cores), "--dist", "loadfile", "--no-loadscope-reorder"]
+    return [[*others, *beside, "-m", f"{chosen}not {ALONE}"], [*others, "-m", chosen + ALONE]]
 
 
 def whole(
@@ -46,7 +41,8 @@ def whole(
     A stop on request (Ctrl-C, a failure under `-x`) ends it at once.
     """
     worst = NOTHING_SELECTED
-    for run, threads in runs(args, os.cpu_count() or 1):
+    for run in runs(args, os.cpu_count() or 1):
+        threads = ONE_THREAD if "--dist" in run else {}
         status = subprocess.run(
             [str(python), "-m", "pytest", *run, *folders], env={**env, **threads}, check=False
         ).returncode

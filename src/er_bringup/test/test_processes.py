@@ -12,7 +12,7 @@ import pytest
 from er_bringup.processes import Child, stop, worst
 from er_bringup.up import over
 
-pytestmark = pytest.mark.paced
+pytestmark = pytest.mark.alone
 
 
 def child(code: str, out: io.StringIO | None = None, label: str = "node") -> Child:

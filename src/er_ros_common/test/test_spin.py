@@ -20,7 +20,7 @@ from rclpy.task import Future
 
 from er_ros_common import spin as spin_module
 
-pytestmark = pytest.mark.paced
+pytestmark = pytest.mark.alone
 
 NODE = Path(__file__).with_name("demo_node.py")
 DOMAIN = str(150 + os.getpid() % 50)
