@@ -30,7 +30,8 @@ NUMBERS = {
 class Listener:
     """Hears what a graph puts out: when, what is impossible in it, and what the duty was.
 
-    lost: numbers missing, by topic; refused: samples that were too old when a node had them, by node.
+    lost: numbers missing, by topic; gaps: when they were missed [s]; refused: samples that were too old when a node
+    had them, by node.
     """
 
     def __init__(self, domain: int) -> None:
@@ -43,6 +44,7 @@ class Listener:
         self.count = dict.fromkeys(NUMBERS, 0)
         self.seq = dict.fromkeys(NUMBERS, 0)
         self.lost = dict.fromkeys(NUMBERS, 0)
+        self.gaps: list[float] = []
         self.impossible: list[str] = []
         self.ages: list[float] = []
         self.nominal, self.good = -math.inf, -math.inf
@@ -65,7 +67,9 @@ class Listener:
             self.last[topic.name] = now
             self.count[topic.name] += 1
             if message.seq > self.seq[topic.name] > 0:
-                self.lost[topic.name] += message.seq - self.seq[topic.name] - 1
+                missing = message.seq - self.seq[topic.name] - 1
+                self.lost[topic.name] += missing
+                self.gaps += [now] * missing
             self.seq[topic.name] = message.seq
             for field in NUMBERS[topic.name]:
                 if not math.isfinite(getattr(message, field)):

@@ -16,6 +16,7 @@ from er_ros_common.injection import Kind
 from er_damper_msgs.srv import InjectFault
 from er_ros_common import topics
 from test.reliability.graph import NUMBERS, Listener, running, well
+from test.reliability.witness import Witness
 
 MINUTE, LASTS, SETTLE = 60.0, 5.0, 0.5
 """A fault each so often, for so long, and the time after it until losses count [s]."""
@@ -53,9 +54,11 @@ def run(seconds: int, priority: int = 0) -> int:
     """Print growth, losses outside the faults and what was impossible; 1 where anything was."""
     period = MINUTE if seconds > 10 * MINUTE else SHORT
     random, lost, count, unwell = Random(1), dict.fromkeys(NUMBERS, 0), 0, 0
+    losses: list[float] = []
     with (
         tempfile.TemporaryDirectory() as folder,
         running(Path(folder), priority) as (_, nodes, listener),
+        Witness() as witness,
     ):
         port, pids = Port(listener), {name: node.process.pid for name, node in nodes.items()}
         # what starts afresh is loaded when it is first needed: that is no growth
@@ -73,9 +76,12 @@ def run(seconds: int, priority: int = 0) -> int:
             unwell += not math.isfinite(listener.until(lambda: well(listener), 3.0))
             listener.listen(SETTLE)
             before, refused = dict(listener.lost), sum(listener.refused.values())
+            missed = len(listener.gaps)
             listener.listen(max(period - (monotonic() - begun), 0.0))
             gone = {name: listener.lost[name] - before[name] for name in lost}
             lost = {name: lost[name] + gone[name] for name in lost}
+            losses += listener.gaps[missed:]
+            witness.look()
             words = ", ".join(f"{name} {n}" for name, n in gone.items())
             old = sum(listener.refused.values()) - refused
             late = f"; too old when a node had them: {old}" if old else ""
@@ -84,6 +90,7 @@ def run(seconds: int, priority: int = 0) -> int:
         last = {name: memory(pid) for name, pid in pids.items()}
         alive = all(node.process.poll() is None for node in nodes.values())
         heard, impossible = sum(listener.count.values()), listener.impossible
+        seen = witness.words(losses, began, monotonic())
     sys.stdout.write(
         f"{seconds} s, {count} faults, {heard} messages heard; load average {os.getloadavg()[1]:.1f}\n"
     )
@@ -92,6 +99,7 @@ def run(seconds: int, priority: int = 0) -> int:
     words = ", ".join(f"{name} {n}" for name, n in lost.items())
     sys.stdout.write(f"lost outside the faults: {words}; not well 3 s after a fault: {unwell}; ")
     sys.stdout.write(f"impossible: {len(impossible)}; all alive: {alive}\n")
+    sys.stdout.write(f"{seen}\n")
     grown = any(size - first[name] > GROWTH for name, size in last.items())
     return int(grown or any(lost.values()) or bool(unwell) or bool(impossible) or not alive)
 
