@@ -116,11 +116,11 @@ def _run(
     first[: noise.order] = chain[: noise.order]
     first[4] = (10.0 * noise.a) ** 2 if ch.has[2] else 1e-18
     first[5:] = chain[1]
-    likelihood = filtered(
+    value = filtered(
         ch.dt, noise.order, noise.lag, ch.z, ch.has, rows, np.array([noise.x, noise.v, noise.a]) ** 2, noise.drive,
         ch.activity if noise.local else np.ones(n), first, xs, ps, xp, pp,
     )  # fmt: skip
-    return float(likelihood), xs, ps, xp, pp
+    return float(value), xs, ps, xp, pp
 
 
 def likelihood(ch: Channels, noise: Noise) -> float:
