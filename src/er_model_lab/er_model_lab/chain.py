@@ -11,10 +11,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from er_models.model import Array
 from numba import njit
 from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 STATES, LAGGING = 5, 6
 """States of the motion, and with that of a velocity channel that lags."""
@@ -39,7 +38,7 @@ def ramps(s: float, lag: float, out: Array) -> float:
 
 @compiled
 def transition(dt: float, order: int, lag: float, m: int) -> Array:
-    """Transition matrix (m, m) over one sample of a chain of that order, with the lagging state where m is 6."""
+    """Transition matrix (m, m) over one sample of a chain of that order, lagging where m is `LAGGING`."""
     f = np.eye(m)
     f[0, 1] = f[1, 2] = dt
     f[0, 2] = dt**2 / 2.0
@@ -47,7 +46,7 @@ def transition(dt: float, order: int, lag: float, m: int) -> Array:
         f[2, 3] = dt
         f[1, 3] = dt**2 / 2.0
         f[0, 3] = dt**3 / 6.0
-    if m == 6:
+    if m == LAGGING:
         to = np.zeros(3)
         f[5, 5] = ramps(dt, lag, to)
         for i in range(order - 1):
@@ -76,7 +75,7 @@ def diffusion(dt: float, order: int, lag: float, m: int) -> Array:
         for i in range(order):
             g[order - 1 - i] = power
             power *= s / (i + 1.0)
-        if m == 6:
+        if m == LAGGING:
             ramps(s, lag, to)
             g[5] = to[order - 2]
         for i in range(m):

@@ -22,14 +22,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from er_models.model import Array
 from er_models.parallel import over_cores
 from numpy.typing import NDArray
 from scipy.optimize import minimize, minimize_scalar
 from scipy.signal import lfilter
 
 from er_model_lab.chain import LAGGING, STATES, filtered, ramps, smoothed
-
-Array = NDArray[np.float64]
 
 SHORTEST_LAG = 0.1
 """Lag of the velocity channel that deserves a state of its own, in samples; a straight line serves below."""
@@ -128,6 +127,12 @@ def likelihood(ch: Channels, noise: Noise) -> float:
     return _run(ch, noise, keep=False)[0]
 
 
+def _cost(ch: Channels, noise: Noise) -> float:
+    """What a search for noise levels lowers: finite for whatever is tried."""
+    value = likelihood(ch, noise)
+    return -value if np.isfinite(value) else 1e30
+
+
 def initial_spread(ch: Channels) -> Array:
     """Variance (4,) of the unknown state at the first sample: the size of what was measured."""
     size = np.mean(ch.z**2, axis=0) + 1e-12
@@ -200,8 +205,7 @@ def _estimate(ch: Channels, start: Noise, *, free_lag: bool) -> Noise:
         return found
 
     def cost(theta: Array) -> float:
-        found = likelihood(ch, noise_at(theta))
-        return -found if np.isfinite(found) else 1e30
+        return _cost(ch, noise_at(theta))
 
     simplex = np.vstack([point, point + 0.7 * np.eye(point.size)])
     best = minimize(cost, point, method="Nelder-Mead", options={
@@ -226,8 +230,7 @@ def _intensity(ch: Channels, noise: Noise) -> Noise:
     start = float(np.log(_start(ch, noise.order).drive))
 
     def cost(log_drive: float) -> float:
-        found = likelihood(ch, replace(noise, drive=float(np.exp(log_drive))))
-        return -found if np.isfinite(found) else 1e30
+        return _cost(ch, replace(noise, drive=float(np.exp(log_drive))))
 
     found = minimize_scalar(
         cost, bounds=(start - 25.0, start + 10.0), method="bounded", options={"xatol": 0.1}

@@ -11,16 +11,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from er_models.model import Array
 from er_models.predict import Motion, join
-from numpy.typing import NDArray
 
 from er_model_lab.chain import compiled, diffusion, transition
 from er_model_lab.fuse import Channels, Fused, as_measured, fuse, initial_spread
 
 if TYPE_CHECKING:
     from er_model_lab.prepare import Problem
-
-Array = NDArray[np.float64]
 
 
 @compiled

@@ -24,7 +24,7 @@ def posterior(order, lag, has, drive, samples=N):
     """Mean (n, m), covariances (n, m, m) and log density of what was measured, constants left out."""
     m, rows, activity, spread, zs = case(order, lag)
     f, d = transition(DT, order, lag, m), diffusion(DT, order, lag, m)
-    prior, step = np.zeros((N * m, N * m)), np.eye(m)
+    prior = np.zeros((N * m, N * m))
     blocks = [np.diag(spread)]
     for k in range(1, N):
         blocks.append(f @ blocks[-1] @ f.T + drive * activity[k] * d)

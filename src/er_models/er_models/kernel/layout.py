@@ -51,10 +51,8 @@ def layout(c: Catalogue, names: frozenset[str], plant: bool) -> Layout:
         slots.add(c.formed)
         if turns_with_the_yield(used):
             links.add(c.formed)
-    if reads(
-        used, "f_r"
-    ):  # in series: f_r follows only from the motion that is left to the damper
-        links.add(c.rest)
+    if reads(used, "f_r"):
+        links.add(c.rest)  # in series: f_r follows only from the motion that is left to the damper
     for effect in used:
         if effect.has_state:
             slots.add(c.slots[effect.name])

@@ -38,7 +38,7 @@ from er_observers.faults.passage import (
 from er_observers.faults.regression import C1, K_S, M_S, M_US, SIGMA
 from er_observers.faults.sums import N
 from er_observers.observers.compiled import compiled
-from er_observers.observers.copies import add_row, copy, copy_row
+from er_observers.observers.copies import add_row, copy, copy_row, difference
 
 BODY_SEEN, WHEEL_SEEN, X_SEEN, V_SEEN, FORCE_SEEN = range(5)
 """Places in what is seen (5,): accelerations [m/s2], deflection, velocity, and a given force; NaN where it is not."""
@@ -109,7 +109,7 @@ def advance(
     for _ in range(_ITERATIONS):
         _pass(law, turn, at, end, T, whole - N)
         _show(p, law, known, end, given, H, shown)
-        _less(z, at, rest)
+        difference(z, at, rest)
         move = _improved(P, T, H, shown, measured, r, rest)
         add_row(move, at)
         if abs(p[C1] * (T[V, :STATES] @ move)) < _CLOSE:
@@ -125,7 +125,7 @@ def advance(
     P[V, V] += (0.5 * dt * law[PER_MASS] * loose) ** 2
     P[F_ER, F_ER] += (_ALSO * loose) ** 2
     copy(T[:, STATES:], S)
-    _less(z, at, rest)
+    difference(z, at, rest)
     rest = A @ rest
     for q in range(4):
         _correct(p, q, turn, given, end, H[q], measured[q] - shown[q], r[q], P, S, rest, rows)
@@ -134,13 +134,6 @@ def advance(
     for i in range(STATES):
         for j in range(i):
             P[i, j] = P[j, i] = 0.5 * (P[i, j] + P[j, i])
-
-
-@compiled
-def _less(a: Array, b: Array, out: Array) -> None:
-    """Difference a - b of vectors into out."""
-    for i in range(a.shape[0]):
-        out[i] = a[i] - b[i]
 
 
 @compiled

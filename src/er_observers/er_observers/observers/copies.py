@@ -34,3 +34,10 @@ def scale_row(factor: float, target: Array) -> None:
     """Multiply a vector, in place."""
     for i in range(target.shape[0]):
         target[i] *= factor
+
+
+@compiled
+def difference(a: Array, b: Array, out: Array) -> None:
+    """Difference a - b of vectors into out."""
+    for i in range(a.shape[0]):
+        out[i] = a[i] - b[i]
