@@ -30,7 +30,7 @@ ELSEWHERE = {
 """Beginnings of commands that another test runs."""
 MEASURED = ("mts", "shaking", "piston")
 """Folders that a documented command makes from measured data."""
-EVERY = 8
+EVERY = 16
 """One measured run in so many is kept: what all of them give is for test_measured."""
 ENDLESS = ("run", "record", "up")
 """Commands that may go on until Ctrl-C: they get one after a while and must then end well."""

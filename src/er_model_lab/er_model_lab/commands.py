@@ -15,6 +15,7 @@ from er_models.files import load_model, save_model
 from er_models.model import Array, Model
 from er_models.own import catalogue_with
 
+from er_model_lab.blas import on_one_thread
 from er_model_lab.compare import errors, regions_json, size_notes, worst
 from er_model_lab.diagnose.by_record import by_record
 from er_model_lab.diagnose.candidates import baseline
@@ -138,6 +139,7 @@ def provenance(records: list[Record], model: Model, ask: Request) -> dict[str, A
     }  # fmt: skip
 
 
+@on_one_thread
 def compare(ask: Request) -> Outcome:
     """Predict with the model as it is, and say where it fails."""
     model, (records, sealed) = ask.model(), read(ask)
@@ -216,6 +218,7 @@ def beside(view: View, rivals: list[Rival], floor: float, seed: int) -> View:
     )  # fmt: skip
 
 
+@on_one_thread
 def diagnose(ask: Request, tick: Tick | None = None) -> Outcome:
     """Refit, then say which effect is missing."""
     model, (records, sealed) = ask.model(), read(ask)
@@ -225,6 +228,7 @@ def diagnose(ask: Request, tick: Tick | None = None) -> Outcome:
     return _outcome("diagnose", study, final_model(study, ask.seed), records, ask)
 
 
+@on_one_thread
 def add(ask: Request, effect: str, out: Path, tick: Tick | None = None) -> Outcome:
     """Add one effect, refit everything, and write the new model."""
     model, (records, sealed) = ask.model(), read(ask)
@@ -239,6 +243,7 @@ def add(ask: Request, effect: str, out: Path, tick: Tick | None = None) -> Outco
     return outcome
 
 
+@on_one_thread
 def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
     """Diagnose and add until the model is adequate or nothing known helps; the new model is refitted in any case.
 

@@ -7,7 +7,7 @@ import threading
 
 import numpy as np
 import pytest
-from er_models.parallel import WORTH, over_cores
+from er_models.parallel import WORTH, in_turn, over_cores
 from er_models.predict import predict, predict_many
 from models_help import SMALL, guo, imposed
 
@@ -47,6 +47,58 @@ def test_an_error_comes_back(cores):
 
     with pytest.raises(ZeroDivisionError):
         over_cores(run, 8, 10 * WORTH)
+
+
+@pytest.mark.parametrize("n", [0, 1, 2, 7, 100])
+def test_results_come_in_the_order_of_their_jobs(cores, n):
+    told = []
+    assert in_turn(lambda k: -k, range(n), told.append) == [-k for k in range(n)]
+    assert told == list(range(n))
+    assert in_turn(str, "ab") == ["a", "b"]
+
+
+def test_unequal_jobs_do_not_wait_for_one_another(cores):
+    """A core that is done takes the next job, and is told of in this thread, in order."""
+    begun, last = threading.Event(), threading.Event()
+
+    def run(k):
+        if k == 0:
+            begun.set()
+            assert cores == 1 or last.wait(10.0)  # the last is done while the first still works
+        elif k == 5:
+            last.set()
+        return threading.current_thread()
+
+    told = []
+    in_turn(run, range(6), lambda k: told.append((k, threading.current_thread())))
+    assert told == [(k, threading.current_thread()) for k in range(6)]
+
+
+def test_what_a_job_spreads_is_taken_by_cores_with_nothing_to_do(cores):
+    """The last job, all alone, is helped with; nobody waits for pieces that nobody has begun."""
+    meeting = threading.Barrier(min(cores, 2))
+
+    def run(k):
+        over_cores(lambda i, j: meeting.wait(10.0), 2 if cores > 1 else 1, 10 * WORTH)
+
+    in_turn(run, range(1))
+    deep = in_turn(
+        lambda a: in_turn(lambda b: in_turn(lambda c: a + b + c, range(3)), range(4)), range(5)
+    )
+    assert deep == [[[a + b + c for c in range(3)] for b in range(4)] for a in range(5)]
+
+
+def test_after_an_error_no_job_is_begun(cores):
+    done, lock = [], threading.Lock()
+
+    def run(k):
+        with lock:
+            done.append(k)
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        in_turn(run, range(100))
+    assert len(done) <= cores
 
 
 def rows():

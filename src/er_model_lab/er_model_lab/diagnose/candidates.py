@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
+from er_models.parallel import in_turn
 
 from er_model_lab.diagnose.starts import amplitudes, gaps, is_gap, is_limit, scaled, starts
 from er_model_lab.diagnose.valleys import profiled, scanned
@@ -62,7 +63,7 @@ def baseline(model: Model, problem: Problem) -> Candidate:
     fitted = fit(model, where)
     size = float(np.std(where.force[where.train]))
     if np.sqrt(fitted.mse(where.train)) > FOREIGN * size:
-        others = [fit(other, where) for other in restarts(model, problem)]
+        others = in_turn(lambda other: fit(other, where), restarts(model, problem))
         fitted = min([fitted, *others], key=lambda f: f.mse(where.train))
     return cross_judged((), fit(fitted.model, problem) if few else fitted, problem)
 
@@ -236,25 +237,21 @@ def refit_all(
     few = problem.practice
     if few:
         return _refit_many(base, problem, few, tried, tick)
-    found = []
-    for effect in tried:
-        found.append(refit(base, effect, problem))
-        if tick:
-            tick(effect.name)
+    found = in_turn(lambda effect: refit(base, effect, problem), tried, _named(tick))
     found.sort(key=lambda c: c.mse)
-    ahead = [finished(c, problem) for c in found[:FINALISTS]]
+    ahead = in_turn(lambda c: finished(c, problem), found[:FINALISTS])
     return sorted([*ahead, *found[FINALISTS:]], key=lambda c: c.mse)
 
 
 def _refit_many(
-    base: Candidate, problem: Problem, few: Practice, effects: Iterable[Effect], tick: Callable[[str], None] | None
+    base: Candidate, problem: Problem, few: Practice, effects: list[Effect], tick: Callable[[str], None] | None
 ) -> list[Candidate]:  # fmt: skip
     """Of many runs: every effect fitted to stretches, the best few to all; the others are judged as they are there."""
-    part, begun = part_of(base, few), []
-    for effect in effects:
-        begun.append((effect, *_fitted_with(part, effect, few.problem, FIRST_ITERATIONS)))
-        if tick:
-            tick(effect.name)
+    part = part_of(base, few)
+    fits = in_turn(
+        lambda effect: _fitted_with(part, effect, few.problem, FIRST_ITERATIONS), effects, _named(tick)
+    )  # fmt: skip
+    begun = [(effect, *found) for effect, found in zip(effects, fits, strict=True)]
     begun.sort(key=lambda b: b[1].mse(few.problem.train))
     found = []
     for k, (effect, fitted, seen) in enumerate(begun):
@@ -266,6 +263,11 @@ def _refit_many(
     near = WORTH_AN_END * found[0].mse
     ended = [finished(c, problem) if c.mse < near else c for c in found[:FINALISTS]]
     return sorted([*ended, *found[FINALISTS:]], key=lambda c: c.mse)
+
+
+def _named(tick: Callable[[str], None] | None) -> Callable[[Effect], None] | None:
+    """What is told of an effect that was tried: its name."""
+    return (lambda effect: tick(effect.name)) if tick else None
 
 
 def effect_size(base: Candidate, candidate: Candidate) -> float:

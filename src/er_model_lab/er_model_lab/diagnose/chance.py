@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from er_models.model import Array
+from er_models.parallel import in_turn
 from numpy.typing import NDArray
 
 from er_model_lab.diagnose.candidates import Candidate, additions
@@ -48,16 +49,17 @@ def largest(base: Candidate, rivals: list[Candidate], problem: Problem, errors: 
     edges = np.searchsorted(problem.fold[train], np.arange(FOLDS + 1))
     j = _scaled(base.fit.jacobian, train)
     blocks = _blocks(j, e, edges)
-    best = np.zeros(errors.shape[1])
-    for rival in rivals:
+
+    def gained(rival: Candidate) -> Array:
         tangent = _blocks(_scaled(rival.fit.jacobian, train), e, edges)
         falls = [_counted([b.square - t.square for b, t in zip(blocks, tangent, strict=True)])]
         effect = base.fit.model.catalogue[rival.name]
         d = _scaled(additions(base, effect, starts(effect, problem), problem), train)
         if d.shape[1]:
             falls += list(_counted(_falls(blocks, j, d, e, edges)))
-        best = np.maximum(best, np.sqrt(np.maximum(falls, 0.0)).max(axis=0))
-    return best
+        return np.asarray(np.sqrt(np.maximum(falls, 0.0)).max(axis=0))
+
+    return np.asarray(np.max(in_turn(gained, rivals), axis=0, initial=0.0))
 
 
 def _counted(falls: list[Array]) -> Array:

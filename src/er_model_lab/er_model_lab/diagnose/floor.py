@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from er_models.model import Array
-from er_models.parallel import WORTH, over_cores
+from er_models.parallel import in_turn
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 from sklearn.ensemble import HistGradientBoostingRegressor
@@ -164,16 +164,12 @@ def spectral_line(problem: Problem, residual: Array) -> tuple[float, float, floa
 def noise_floor(problem: Problem, best: Candidate, null: Null, seed: int) -> Floor:
     """Floor under the best model found so far; of several outputs, that of their mean square."""
     n = problem.forward.outputs
-    parts, found = problem.parts, dict[int, Floor]()
 
-    def run(i: int, j: int) -> None:
-        for c in range(i, j):
-            left, in_fit = best.residual[c::n], best.fit.residual[c::n]
-            found[c] = _floor(parts[c], left, in_fit, null, c, seed)
+    def run(c: int) -> Floor:
+        left, in_fit = best.residual[c::n], best.fit.residual[c::n]
+        return _floor(problem.parts[c], left, in_fit, null, c, seed)
 
-    with threadpool_limits(1):
-        over_cores(run, n, WORTH * n)
-    floors = tuple(found[c] for c in range(n))
+    floors = tuple(in_turn(run, range(n)))
     return floors[0] if n == 1 else _together(floors, best.mse)
 
 

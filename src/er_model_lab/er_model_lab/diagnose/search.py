@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from er_models.model import Array
+from er_models.parallel import in_turn
 
 from er_model_lab.diagnose.candidates import (
     Candidate,
@@ -208,11 +209,11 @@ def try_pairs(step: Round, problem: Problem, target: float) -> Candidate | None:
     model = step.base.fit.model
     names = [c.name for c in step.candidates if effect_size(step.base, c) > 0][:PAIRS_OF]
     singles = {c.name: c for c in step.candidates}
-    best: Candidate | None = None
-    for first, second in itertools.combinations(names, 2):
-        pair = refit(singles[first], model.catalogue[second], problem)
-        if best is None or pair.mse < best.mse:
-            best = pair
+    pairs = in_turn(
+        lambda two: refit(singles[two[0]], model.catalogue[two[1]], problem),
+        list(itertools.combinations(names, 2)),
+    )
+    best = min(pairs, key=lambda c: c.mse, default=None)
     top = step.taken or step.candidates[0]
     if best is None or best.mse > target or effect_size(top, best) < step.threshold:
         return None
@@ -239,7 +240,7 @@ def swapped(
             best.effects.index(step.taken.name),
             without(best, step.taken.name, problem),
         )
-        trials = [exchanged(rest, place, n, problem) for n in others]
+        trials = in_turn(lambda n: exchanged(rest, place, n, problem), others)  # noqa: B023
         alike = tied(rest, sorted([best, *trials], key=lambda c: c.mse), problem, step.threshold)
         best = alike[0]
         groups.append(
@@ -267,7 +268,7 @@ def prune(candidate: Candidate, problem: Problem, limit: float) -> Candidate:
     """Take out every added effect that is no longer needed, weakest first."""
     current = candidate
     while len(current.effects) > 1:
-        trials = [without(current, name, problem) for name in current.effects]
+        trials = in_turn(lambda name: without(current, name, problem), current.effects)  # noqa: B023
         easiest = min(trials, key=lambda c: c.mse)
         if effect_size(easiest, current) > limit:
             return current
