@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from time import time_ns
 from typing import Final
 
@@ -16,17 +17,21 @@ SECOND: Final = 1_000_000_000
 LAST_SECOND: Final = 2**31 - 1
 
 
+@lru_cache(maxsize=1)
+def steady() -> Clock:
+    """The steady clock of this process: an executor that waits for events has a thread for every clock."""
+    return Clock(clock_type=ClockType.STEADY_TIME)
+
+
 def steady_timer(node: Node, period: float, callback: Callable[[], None]) -> Timer:
     """Timer [s] that keeps its period when the system's clock is set; on /clock when simulated."""
     simulated = bool(node.get_parameter("use_sim_time").value)
-    clock = node.get_clock() if simulated else Clock(clock_type=ClockType.STEADY_TIME)
-    return node.create_timer(period, callback, clock=clock)
+    return node.create_timer(period, callback, clock=node.get_clock() if simulated else steady())
 
 
 def wall_timer(node: Node, period: float, callback: Callable[[], None]) -> Timer:
     """Timer [s] on the steady clock, also in simulated time: for watching and reporting."""
-    clock = Clock(clock_type=ClockType.STEADY_TIME)
-    return node.create_timer(period, callback, clock=clock)
+    return node.create_timer(period, callback, clock=steady())
 
 
 def until_next(timer: Timer) -> int:
