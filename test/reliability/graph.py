@@ -108,7 +108,8 @@ class Listener:
         self.until(lambda: False, seconds)
 
     def close(self) -> None:
-        """Leave the graph."""
+        """Leave the graph; what an executor still knows of would stay in it as long as this process."""
+        self.executor.shutdown()
         self.node.destroy_node()
         rclpy.try_shutdown()
 
