@@ -163,11 +163,11 @@ def spectral_line(problem: Problem, residual: Array) -> tuple[float, float, floa
 
 def noise_floor(problem: Problem, best: Candidate, null: Null, seed: int) -> Floor:
     """Floor under the best model found so far; of several outputs, that of their mean square."""
-    n = problem.forward.outputs
+    n, parts = problem.forward.outputs, problem.parts
 
     def run(c: int) -> Floor:
         left, in_fit = best.residual[c::n], best.fit.residual[c::n]
-        return _floor(problem.parts[c], left, in_fit, null, c, seed)
+        return _floor(parts[c], left, in_fit, null, c, seed)
 
     floors = tuple(in_turn(run, range(n)))
     return floors[0] if n == 1 else _together(floors, best.mse)
