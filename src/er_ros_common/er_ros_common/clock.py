@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 from time import time_ns
 from typing import Final
 
@@ -17,21 +16,17 @@ SECOND: Final = 1_000_000_000
 LAST_SECOND: Final = 2**31 - 1
 
 
-@lru_cache(maxsize=1)
-def steady() -> Clock:
-    """The steady clock of this process: an executor that waits for events has a thread for every clock."""
-    return Clock(clock_type=ClockType.STEADY_TIME)
-
-
 def steady_timer(node: Node, period: float, callback: Callable[[], None]) -> Timer:
     """Timer [s] that keeps its period when the system's clock is set; on /clock when simulated."""
     simulated = bool(node.get_parameter("use_sim_time").value)
-    return node.create_timer(period, callback, clock=node.get_clock() if simulated else steady())
+    clock = node.get_clock() if simulated else Clock(clock_type=ClockType.STEADY_TIME)
+    return node.create_timer(period, callback, clock=clock)
 
 
 def wall_timer(node: Node, period: float, callback: Callable[[], None]) -> Timer:
     """Timer [s] on the steady clock, also in simulated time: for watching and reporting."""
-    return node.create_timer(period, callback, clock=steady())
+    clock = Clock(clock_type=ClockType.STEADY_TIME)
+    return node.create_timer(period, callback, clock=clock)
 
 
 def until_next(timer: Timer) -> int:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 import rclpy
-from er_ros_common.clock import steady_timer, wall_timer
+from er_ros_common.clock import steady_timer
 from rcl_interfaces.srv import DescribeParameters, SetParameters
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -190,23 +190,6 @@ def test_both_executors_run_callbacks_and_return_when_the_context_ends(
     spin_module.spin(here, kind=kind)
     assert len(ticks) >= 20
     assert 0.05 < ticks[19] - ticks[0] < 2.0
-
-
-def test_timers_share_one_thread(here: Node) -> None:
-    """The events executor has a thread for every clock: each wakes, and holds up the thread that runs callbacks."""
-    before = len(os.listdir("/proc/self/task"))
-    threads: list[int] = []
-
-    def tick() -> None:
-        threads.append(len(os.listdir("/proc/self/task")))
-        rclpy.try_shutdown()
-
-    wall_timer(here, 0.1, tick)
-    for _ in range(5):
-        steady_timer(here, 10.0, tick)
-        wall_timer(here, 10.0, tick)
-    spin_module.spin(here)
-    assert threads == [before + 1]
 
 
 def test_missing_events_executor_falls_back_and_says_so(
