@@ -261,7 +261,8 @@ def main() -> None:
     seed = given.seed if given.seed is not None else secrets.randbelow(2**31)
     out = given.out or Path("log") / "demo" / f"{time.strftime('%Y%m%d-%H%M%S')}-{seed}"
     demo = Demo(given.effect, seed, given.learn, given.check, out.absolute(), given.mode)
-    console = Console()
+    # a file or pipe is 120 columns wide
+    console = Console() if sys.stdout.isatty() else Console(width=120)
     try:
         if given.repeat > 1:
             sys.exit(1 if repeat(demo, given.repeat, console) > given.repeat // 20 else 0)
