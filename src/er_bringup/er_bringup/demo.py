@@ -24,6 +24,7 @@ from rich.console import Console
 from rich.table import Table
 
 from er_bringup.hidden import RANGES, choose, hide
+from er_bringup.terminal import console
 from er_bringup.up import configuration, run
 
 CONTROLLER = "ftc_controller"
@@ -261,12 +262,10 @@ def main() -> None:
     seed = given.seed if given.seed is not None else secrets.randbelow(2**31)
     out = given.out or Path("log") / "demo" / f"{time.strftime('%Y%m%d-%H%M%S')}-{seed}"
     demo = Demo(given.effect, seed, given.learn, given.check, out.absolute(), given.mode)
-    # a file or pipe is 120 columns wide
-    console = Console() if sys.stdout.isatty() else Console(width=120)
     try:
         if given.repeat > 1:
-            sys.exit(1 if repeat(demo, given.repeat, console) > given.repeat // 20 else 0)
-        sys.exit(0 if play(demo, console).success else 1)
+            sys.exit(1 if repeat(demo, given.repeat, console()) > given.repeat // 20 else 0)
+        sys.exit(0 if play(demo, console()).success else 1)
     except ErError as error:
         sys.stderr.write(f"er demo: {error}\n")
         sys.exit(error.exit_status)

@@ -21,6 +21,7 @@ from rich.table import Table
 
 from er_bringup.arguments import NAMESPACE, is_namespace
 from er_bringup.checks import Heard, Observation, plant_of, problems, real_time
+from er_bringup.terminal import console
 
 HEALTHY, UNHEALTHY, BAD_USAGE = 0, 1, 2
 
@@ -159,11 +160,6 @@ def together(documents: Sequence[dict[str, object]]) -> dict[str, object]:
     if len(documents) == 1:
         return documents[0]
     return {"healthy": all(d["healthy"] for d in documents), "graphs": list(documents)}
-
-
-def console() -> Console:
-    """The terminal; a file or pipe is 120 columns wide."""
-    return Console() if sys.stdout.isatty() else Console(width=120)
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from er_models.model import Array
-from er_models.parallel import over_cores
+from er_models.parallel import in_turn
 from numpy.typing import NDArray
 from scipy.optimize import minimize, minimize_scalar
 from scipy.signal import lfilter
@@ -34,8 +34,6 @@ SHORTEST_LAG = 0.1
 """Lag of the velocity channel that deserves a state of its own, in samples; a straight line serves below."""
 STANDSTILL = 0.02
 """Power of the velocity, as a share of its most, below which a part of a record tells nothing of its motion."""
-PASSES = 40
-"""Passes of the filter that a search takes at least."""
 
 
 @dataclass(frozen=True)
@@ -163,15 +161,8 @@ def _kinds(ch: Channels) -> list[tuple[int, bool]]:
 
 def _likeliest(ch: Channels, under: Callable[[int, bool], Noise]) -> Noise:
     """The likeliest of what is found under each model of the motion; the searches share the cores."""
-    kinds = _kinds(ch)
-    found: dict[int, Noise] = {}
-
-    def search(first: int, end: int) -> None:
-        for k in range(first, end):
-            found[k] = under(*kinds[k])
-
-    over_cores(search, len(kinds), len(kinds) * PASSES * ch.z.shape[0])
-    return max((found[k] for k in range(len(kinds))), key=lambda noise: likelihood(ch, noise))
+    found = in_turn(lambda kind: under(*kind), _kinds(ch))
+    return max(found, key=lambda noise: likelihood(ch, noise))
 
 
 def estimate_noise(ch: Channels, lag: float = 0.0) -> Noise:

@@ -52,14 +52,11 @@ def in_turn(
     told: called in this thread for every job that is done, in their order. After an error or Ctrl-C no job is begun.
     """
     found: dict[int, Result] = {}
-    telling = iter(range(len(jobs)) if told else ())
-    waiting = next(telling, None)
+    untold = deque(range(len(jobs) if told else 0))
 
     def tell() -> None:
-        nonlocal waiting
-        while told and waiting is not None and waiting in found:
-            told(jobs[waiting])
-            waiting = next(telling, None)
+        while told and untold and untold[0] in found:
+            told(jobs[untold.popleft()])
 
     def one(k: int) -> None:
         found[k] = run(jobs[k])

@@ -9,8 +9,8 @@ from typing import Any
 from er_models.errors import InputError
 from er_models.model import Model
 from er_models.program import save_program
-from threadpoolctl import threadpool_limits
 
+from er_model_lab.blas import on_one_thread
 from er_model_lab.commands import Outcome, Request, command_line, read
 from er_model_lab.load import fingerprint
 from er_model_lab.plan.limits import Asked, Limits, limits_of, sensors_of
@@ -38,6 +38,7 @@ class Wanted:
     out: Path | None
 
 
+@on_one_thread
 def run(request: Request, wanted: Wanted, tick: Tick | None = None) -> Outcome:
     """Plan the experiment; request.data may be empty."""
     model = on_fused(_on_vehicle(request, wanted.vehicle))
@@ -50,8 +51,7 @@ def run(request: Request, wanted: Wanted, tick: Tick | None = None) -> Outcome:
     ):  # finer than the rig's own rate is not planned: it would only take longer
         limits = replace(limits, dt=max(problem.motion.dt, Limits.dt))
     sensors, noise_source = sensors_of(model, problem)
-    with threadpool_limits(1):  # small matrices: threads would only wait for one another
-        found = plan(question, limits, sensors, problem=problem, seed=request.seed, tick=tick)
+    found = plan(question, limits, sensors, problem=problem, seed=request.seed, tick=tick)
     result = plan_json(found, noise_source)
     result["program_file"] = None
     if wanted.out is not None and found.finalists:
