@@ -51,6 +51,7 @@ def save_gains(
         },
         "vertices": vertices,
         "P": flat(solution.P),
+        "P_sampled": flat(solution.P_sampled),
         "optimum": solution.optimum,
         "status": solution.status,
         **notes,
@@ -61,7 +62,7 @@ def save_gains(
 
 
 def load_gains(path: str | Path, model: Model) -> Loaded:
-    """Read a gain file for this model and prove its inequalities again, exactly.
+    """Read a gain file for this model and prove its inequalities again, exactly, those of the sampled loop too.
 
     Raises `InputError` in one line: no file, another kind, edited by hand, another model, or no proof.
     """
@@ -82,8 +83,8 @@ def load_gains(path: str | Path, model: Model) -> Loaded:
     weights = Weights(**known)
     plant = generalised_plant(model, weights)
     vertices = tuple(_vertex(Document(path, entry), plant) for entry in file.at("vertices"))
-    P = file.matrix("P", (None, None))
-    solution = Solution(vertices, P, file.number("optimum"), str(file.at("status")))
+    P, sampled = (file.matrix(key, (None, None)) for key in ("P", "P_sampled"))
+    solution = Solution(vertices, P, sampled, file.number("optimum"), str(file.at("status")))
     _, failed = proved(plant, solution)
     if failed:
         raise InputError(path, "vertices", f"inequalities that hold ({again})", failed)

@@ -24,7 +24,7 @@ def common(loops: list[Array]) -> Array | None:
         problem.solve(solver=cp.CLARABEL)  # type: ignore[no-untyped-call]
     except cp.SolverError:
         return None
-    if P.value is None:
+    if P.value is None or t.value is None or not t.value.item() > 0.0:
         return None
     whole = own.T @ np.asarray(P.value) @ own
     return np.asarray(0.5 * (whole + whole.T))

@@ -27,19 +27,23 @@ from typing import cast
 import cvxpy as cp
 import numpy as np
 from cvxpy.atoms.affine.bmat import bmat
-from er_models.errors import ErError
+from er_models.model import Array
 
-from er_ftc_controller.synthesis.solution import Solution, Vertex
+from er_ftc_controller.synthesis.certificate import growth_between, peak_gain, sampled_loop
+from er_ftc_controller.synthesis.jumps import common
+from er_ftc_controller.synthesis.solution import NoController, Solution, Vertex
 from er_ftc_controller.synthesis.weights import Plant
 
 STRICT = 1e-7
 """Margin of every inequality, scaled: far above the solver's accuracy, far below what it costs."""
 APART = 1.0005
 """Least t in [X, t I; t I, Y] > 0: I - X Y stays away from singular."""
-
-
-class NoController(ErError):
-    """No controller was found, or what was found is none."""
+ATTEMPTS: tuple[dict[str, object], ...] = (
+    {},
+    {"max_step_fraction": 0.9},
+    {"equilibrate_enable": False},
+)
+"""Settings of the solver, tried in turn where it fails: which gets through may hang on the last digits."""
 
 
 @dataclass(frozen=True)
@@ -97,14 +101,14 @@ def solve(plant: Plant, wish: Wish) -> Solution:
     Then, with that gamma given `slack` more, X and Y as far apart as can be, which makes the reconstruction sound;
     at last, half as far apart, the widest margins, which survive rounding.
 
-    Raises `NoController` where the solver finds none.
+    Raises `NoController` where the solver finds none, or none that bears the sample time and jumps of rho.
     """
     rhos = plant.weights.rho
     limit = wish.held_back * passive_gamma(plant)
     v, held = _posed(plant, rhos, wish.radius, limit, None)
     status = _run(cp.Problem(cp.Minimize(v.gamma[0]), [*held, v.t == APART, v.margin == STRICT]))
-    if v.gamma[0].value is None or "infeasible" in status:
-        raise NoController(f"LPV controller: the solver found none ({status})")
+    if v.gamma[0].value is None or "optimal" not in status:
+        raise NoController(f"LPV controller: {_obstacle(plant, wish, status)}")
     optimum = float(v.gamma[0].value)
     held.append(v.gamma[0] == wish.slack * optimum)
     _run(cp.Problem(cp.Maximize(v.t), [*held, v.margin == STRICT]))
@@ -114,14 +118,45 @@ def solve(plant: Plant, wish: Wish) -> Solution:
         raise NoController(
             f"LPV controller: no margin at gamma {wish.slack * optimum:.4g} ({status})"
         )
-    gammas = (wish.slack * optimum, limit)
-    return _reconstructed(plant, v, gammas, optimum, status)
+    vertices, P = _reconstructed(plant, v, (wish.slack * optimum, limit))
+    return Solution(vertices, P, _sampled(plant, vertices, wish), optimum, status)
+
+
+def _obstacle(plant: Plant, wish: Wish, status: str) -> str:
+    """Why there is no controller: what one end of rho, alone, can have at best."""
+    first, last = plant.weights.rho
+    least = smallest(plant, (last,), wish.radius) / passive_gamma(plant)
+    asked = f"poles within --radius {wish.radius:g} 1/s"
+    if not np.isfinite(least):
+        return f"the solver finds none with {asked}, not even for rho = {last:g} alone ({status})"
+    if least > wish.held_back:
+        allowed = f"--held-back allows {wish.held_back:g}"
+        return f"at rho = {last:g}, with {asked}, gamma is {least:.4g} of the passive car's at least; {allowed}"
+    return (
+        f"the solver finds none for rho from {first:g} to {last:g} with {asked} and --held-back {wish.held_back:g} "
+        f"({least:.4g} is possible at rho = {last:g} alone): allow more of one of them ({status})"
+    )
+
+
+def _sampled(plant: Plant, vertices: tuple[Vertex, ...], wish: Wish) -> Array:
+    """One quadratic function that falls along the sampled loops of all vertices (4 + n, 4 + n)."""
+    loops = [sampled_loop(plant, k) for k in vertices]
+    grows = growth_between(loops)
+    help_ = f"a smaller --radius than {wish.radius:g} 1/s or a narrower --rho may help"
+    if not grows < 1.0:
+        raise NoController(
+            f"LPV controller: the sampled loop grows by {grows:.6f} per sample; {help_}"
+        )
+    P = common(loops)
+    if P is None:
+        raise NoController(
+            f"LPV controller: no function found that bears jumps of rho between samples; {help_}"
+        )
+    return P
 
 
 def passive_gamma(plant: Plant) -> float:
     """Gamma of the car without control: the largest singular value over frequency, by its weights."""
-    from er_ftc_controller.synthesis.certificate import peak_gain
-
     return peak_gain(plant.A, plant.B1, plant.outputs(0.0)[0], plant.rate)
 
 
@@ -184,9 +219,9 @@ def _disc(plant: Plant, v: _Unknowns, i: int, radius: float) -> cp.Expression:
 
 
 def _reconstructed(
-    plant: Plant, v: _Unknowns, gammas: tuple[float, ...], optimum: float, status: str
-) -> Solution:
-    """Controllers by (6.26) with N = -Y, M = X - Y^-1, and P = [Y, -Y; -Y, Y + (X - Y^-1)^-1].
+    plant: Plant, v: _Unknowns, gammas: tuple[float, ...]
+) -> tuple[tuple[Vertex, ...], Array]:
+    """Controllers and P by (6.26) with N = -Y, M = X - Y^-1, and P = [Y, -Y; -Y, Y + (X - Y^-1)^-1].
 
     No factor of I - X Y is taken: M is symmetric and positive definite, and solved with.
     """
@@ -203,15 +238,25 @@ def _reconstructed(
         vertices.append(Vertex(rho, A, B, C, gammas[i]))
     corner = Y + np.linalg.inv(M)
     P = np.block([[Y, -Y], [-Y, 0.5 * (corner + corner.T)]])
-    return Solution(tuple(vertices), 0.5 * (P + P.T), optimum, status)
+    return tuple(vertices), 0.5 * (P + P.T)
 
 
 def _run(problem: cp.Problem) -> str:
-    """Solve and return the solver's word, which is not taken for a proof."""
+    """Solve and return the solver's word, which is no proof: the first that is an answer, else the first."""
+    said = []
+    for options in ATTEMPTS:
+        said.append(_once(problem, options))
+        if "failed" not in said[-1]:
+            return said[-1]
+    return said[0]
+
+
+def _once(problem: cp.Problem, options: dict[str, object]) -> str:
+    """Solve with these settings; the matrices are small and full, and not taken apart."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Solution may be inaccurate")
         try:
-            problem.solve(solver=cp.CLARABEL, chordal_decomposition_enable=False)  # type: ignore[no-untyped-call]
+            problem.solve(solver=cp.CLARABEL, chordal_decomposition_enable=False, **options)  # type: ignore[no-untyped-call]
         except cp.SolverError as error:
             return f"failed: {str(error).split('.')[0]}"
     return str(problem.status)
