@@ -67,8 +67,7 @@ def passes(base: Candidate, candidate: Candidate, limit: float) -> bool:
         return False
     gains = base.losses - candidate.losses
     positive = float(np.mean(gains > 0))
-    t = float(gains.mean() / max(float(gains.std(ddof=1)) / np.sqrt(gains.size), 1e-300))
-    steady = t > 3.0 or positive >= 0.8 or seldom(gains, limit)
+    steady = paired_t(gains) > 3.0 or positive >= 0.8 or seldom(gains, limit)
     return positive >= 0.5 and (size > 3.0 * limit or steady)
 
 
@@ -82,8 +81,8 @@ def seldom(gains: Array, limit: float) -> bool:
     return rest > limit**2 and lost < HARMLESS * float(gains[gains > 0.0].sum())
 
 
-def block_t(better: Candidate, worse: Candidate, problem: Problem) -> float:
-    """Paired t of the squared errors of two candidates over one-second blocks; positive: `better` is.
+def block_gains(better: Candidate, worse: Candidate, problem: Problem) -> Array:
+    """Differences of the mean squared errors of two candidates in blocks of a second; positive: `better` is.
 
     Of less than four seconds the blocks are quarters.
     """
@@ -91,8 +90,12 @@ def block_t(better: Candidate, worse: Candidate, problem: Problem) -> float:
     d = worse.residual[rows] ** 2 - better.residual[rows] ** 2
     length = min(problem.second, max(d.size // 4, 1))
     means: Array = d[: d.size // length * length].reshape(-1, length).mean(axis=1)
-    spread = float(means.std(ddof=1)) / np.sqrt(means.size)
-    return float(means.mean() / max(spread, 1e-300))
+    return means
+
+
+def paired_t(gains: Array) -> float:
+    """Mean of differences over its standard error."""
+    return float(gains.mean() / max(float(gains.std(ddof=1)) / np.sqrt(gains.size), 1e-300))
 
 
 def complexity(candidate: Candidate) -> tuple[int, int]:
@@ -112,8 +115,9 @@ def tied(
     """Candidates the data cannot tell from the best one, simplest first.
 
     A tie needs nearly the same effect size, and a paired difference within `DOUBT` standard errors, or within
-    `SURE` and too small to count as an effect of its own. Where the motion repeats itself a difference comes back in
-    every cycle, so that only its size counts.
+    `SURE` and too small to count as an effect of its own. A difference that would count, in several blocks and
+    nowhere the other way, is not chance, however unevenly it is spread: a stop acts seldom. Where the motion
+    repeats itself a difference comes back in every cycle, so that only its size counts.
     """
     best = candidates[0]
     size = effect_size(base, best)
@@ -121,8 +125,9 @@ def tied(
     for other in candidates[1:]:
         if not passes(base, other, limit) or effect_size(base, other) < NEARLY * size:
             continue
-        gap, t = np.sqrt(max(other.mse - best.mse, 0.0)), block_t(best, other, problem)
-        if t < (SURE if gap < limit else DOUBT) or (problem.cycles and gap < limit):
+        gap, gains = np.sqrt(max(other.mse - best.mse, 0.0)), block_gains(best, other, problem)
+        doubtful = paired_t(gains) < (SURE if gap < limit else DOUBT) and not seldom(gains, limit)
+        if doubtful or (problem.cycles and gap < limit):
             near.append(other)
     return sorted(near, key=lambda c: (*complexity(c), disguised(c, near, problem)))
 
@@ -157,7 +162,9 @@ def disguised(rich: Candidate, others: list[Candidate], problem: Problem) -> boo
 
 def rivals(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
     """Whether a tie is worth telling: of nested forms the simpler stands for both, unless the data ask for more."""
-    return not nested(simple, rich, problem) or block_t(rich, simple, problem) >= DOUBT
+    return (
+        not nested(simple, rich, problem) or paired_t(block_gains(rich, simple, problem)) >= DOUBT
+    )
 
 
 def one_round(
