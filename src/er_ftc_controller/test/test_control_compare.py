@@ -11,7 +11,7 @@ import pytest
 import yaml
 from er_ftc_controller.closed_loop import known
 from er_ftc_controller.compare import tradeoff
-from er_ftc_controller.compare.measures import Measures, violations, w_k, weighted
+from er_ftc_controller.compare.measures import Measures, outside, w_k, weighted
 from er_ftc_controller.compare.run import Outcome, Setup, compare, judged, run, setup
 from er_ftc_controller.compare.scenarios import load_scenario, load_scenarios
 from er_ftc_controller.compare.table import markdown, means, paired
@@ -48,15 +48,18 @@ def test_a_force_outside_the_true_domain_is_a_violation(of: Setup) -> None:
         "t": np.arange(4.0), "meant_deflection": x, "meant_velocity": v,
         "left": np.array([[1.0, 1.0, 1.0], [1.0, 0.5, 1.0], [1.0, 0.5, 1.0], [1.0, 0.5, 1.0]]),
         "given": np.array([top + 1.0, top + 1.0, top + 0.1, top]),
+        "wanted": np.array([top, top, top, top + 2.0]),
     }  # fmt: skip
     assert top + 1.0 < float(damper.domain(x, v, (0.0, 1.0), healthy).high[0])
-    found = violations(record, damper, (0.0, 1.0), 0.5)
+    found = outside(record, "given", damper, (0.0, 1.0), 0.5)
     assert found.tolist() == [False, True, False, False]
+    asked = outside(record, "wanted", damper, (0.0, 1.0), 0.5)
+    assert asked.tolist() == [False, False, False, True]
 
 
 def test_differences_are_paired_by_road() -> None:
     def row(law: str, k: int, rms: float) -> Outcome:
-        return Outcome("s", "f", law, k, Measures(rms, 1.0, 1.0, 1.0, 0.0, 0.0))
+        return Outcome("s", "f", law, k, Measures(rms, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0))
 
     rows = [row("a", k, 1.0 + k + 0.1) for k in range(4)] + [
         row("b", k, 1.0 + k) for k in range(4)
@@ -76,6 +79,7 @@ def test_with_a_leak_it_lowers_the_deflection_and_respects_the_domain(of: Setup)
     assert gap.mean + gap.half < 0.0
     ours, passive = means(rows, "fault_tolerant"), means(rows, "passive")
     assert ours.violations == ours.safe == 0.0
+    assert 0.0 < ours.wishes < 0.5  # the law asks for more than the leaking damper has
     assert ours.rms < 0.9 * passive.rms
     assert ours.tyre < passive.tyre
     assert ours.comfort < 1.03 * passive.comfort
@@ -89,10 +93,14 @@ def test_a_dead_zone_gives_deflection_for_comfort_and_an_electrical_fault_costs_
 ) -> None:
     (s,) = load_scenarios(FOLDER, ["thesis_6_4_2"])
     changes = [{"horizon": 0.02, "dead_zone": zone} for zone in (0.0, of.parameters.dead_zone)]
-    bold, shipped = tradeoff.points(of, s, ("electrical",), 1, changes)
+    changes.append({"horizon": 0.02, "dead_zone": of.parameters.dead_zone, "mu": math.inf})
+    bold, shipped, frozen = tradeoff.points(of, s, ("electrical",), 1, changes)
     assert bold.deflection["electrical"] < shipped.deflection["electrical"] < 0.0
     assert bold.comfort["electrical"] > 0.01
     assert abs(shipped.comfort["electrical"]) < 0.01
+    assert (
+        shipped.moved["electrical"] > 0.0 == frozen.moved["electrical"]
+    )  # an infinite mu keeps rho where it is
     assert tradeoff.markdown([bold, shipped]).count("\n") == 3
 
 

@@ -21,10 +21,11 @@ _F1, _F2, _F3, _Q4, _F5, _Q5, _F6, _Q6 = 0.4, 100.0, 12.5, 0.63, 2.37, 0.91, 3.3
 
 
 class Measures(NamedTuple):
-    """Deflection, rms and peak [m]; weighted acceleration, rms [m/s2]; tyre load, rms [N]; violations [1].
+    """Deflection, rms and peak [m]; weighted acceleration, rms [m/s2]; tyre load, rms [N]; violations, wishes [1].
 
-    violations: share of the samples at which the force asked for lies outside the domain that the true faults leave,
-    by more than `tolerance`; NaN for a controller that asks for no force. safe: share of samples in safe mode.
+    Shares of the samples, NaN for a controller that asks for no force: violations, at which the force given, the
+    projection on the domain of the faults in use, lies outside the domain of the true ones by more than a tolerance;
+    wishes, at which the force that the law asks for does. safe: share of samples in safe mode.
     """
 
     rms: float
@@ -32,6 +33,7 @@ class Measures(NamedTuple):
     comfort: float
     tyre: float
     violations: float
+    wishes: float
     safe: float
 
 
@@ -57,21 +59,23 @@ def weighted(acceleration: Array, dt: float) -> Array:
     return np.fft.irfft(spectrum, n)
 
 
-def violations(
-    record: dict[str, Array], damper: StaticDamper, duties: tuple[float, float], tolerance: float
-) -> Array:
-    """At each sample (n,), whether the force given lies outside (6.14) of the true faults by more than a tolerance [N].
+def outside(
+    record: dict[str, Array], which: str, damper: StaticDamper, duties: tuple[float, float], tolerance: float
+) -> Array:  # fmt: skip
+    """At each sample (n,), whether a force lies outside (6.14) of the true faults by more than a tolerance [N].
+
+    which: the force `given`, or the force `wanted` by the law before its projection.
 
     The motion is the one that the controller meant the force for, since that is where it could know the domain.
     """
-    outside = np.zeros(record["t"].size, dtype=bool)
-    x, v, given = (record[name] for name in ("meant_deflection", "meant_velocity", "given"))
+    found = np.zeros(record["t"].size, dtype=bool)
+    x, v, force = (record[name] for name in ("meant_deflection", "meant_velocity", which))
     for left in np.unique(record["left"], axis=0):
         rows = (record["left"] == left).all(axis=1)
         domain = damper.domain(x[rows], v[rows], duties, Factors(*left.tolist()))
-        beyond = np.maximum(domain.low - given[rows], given[rows] - domain.high)
-        outside[rows] = beyond > tolerance
-    return outside
+        beyond = np.maximum(domain.low - force[rows], force[rows] - domain.high)
+        found[rows] = beyond > tolerance
+    return found
 
 
 def measure(
@@ -83,10 +87,14 @@ def measure(
     rows = (t >= window[0] - 1e-9) & (t <= window[1] + 1e-9)
     x, felt = record["deflection"][rows], weighted(record["sprung_acceleration"], t[1] - t[0])
     asks = bool(np.isfinite(record["given"]).all())
-    outside = violations(record, damper, duties, tolerance)[rows] if asks else np.array([math.nan])
+
+    def share(which: str) -> float:
+        beyond = outside(record, which, damper, duties, tolerance)
+        return float(beyond[rows].mean()) if asks else math.nan
+
     return Measures(
         _rms(x), float(np.abs(x).max()), _rms(felt[rows]), k_t * _rms(record["tyre_deflection"][rows]),
-        float(outside.mean()), float(record["safe"][rows].mean()),
+        share("given"), share("wanted"), float(record["safe"][rows].mean()),
     )  # fmt: skip
 
 

@@ -21,6 +21,7 @@ _HEADS = (
     "comfort [m/s2]",
     "tyre load [N]",
     "violations",
+    "wishes",
     "safe",
 )
 _FACTORS = (1e3, 1e3, 1.0, 1.0)
@@ -87,7 +88,7 @@ def _scenario(s: Scenario, outcomes: Sequence[Outcome], source: str) -> list[str
         for law in dict.fromkeys(o.law for o in these):
             m = means(these, law)
             cells = [f"{getattr(m, n) * k:.3f}" for n, k in zip(NAMES, _FACTORS, strict=True)]
-            cells += ["-" if math.isnan(m.violations) else _share(m.violations), _share(m.safe)]
+            cells += [_share(m.violations), _share(m.wishes), _share(m.safe)]
             lines.append(f"| {fault} | {law} | {' | '.join(cells)} |")
     return [*lines, "", *_differences(s, mine), ""]
 
@@ -107,5 +108,7 @@ def _differences(s: Scenario, mine: Sequence[Outcome]) -> list[str]:
 
 
 def _share(value: float) -> str:
-    """A share in per cent; 0 is exactly none."""
+    """A share in per cent; 0 is exactly none, - says that there is nothing to count."""
+    if math.isnan(value):
+        return "-"
     return "0" if value == 0.0 else f"{100 * value:.2g} %"
