@@ -185,6 +185,60 @@ def test_places_that_cannot_be_written_are_named_before_anything_is_computed(dat
     one_line(lab("improve", nothing, *model, "--out", file / "new.yaml"), 2, "--out", "file")
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "compare DATA --model M --json DATA",
+        "compare FOLDER --model M --json DATA",
+        "compare FOLDER --model M --json NAMES",
+        "compare FOLDER --model M --json LINK",
+        "compare ../FOLDER --model M --hold-out DATA --json DATA",
+        "compare FOLDER --model M --model N --json N",
+        "compare BAG --model M --json BAG/metadata.yaml",
+        "compare BAG --model M --report BAG",
+        "check DATA --json DATA",
+        "diagnose FOLDER --model M --effects-from OWN --json OWN",
+        "identify DATA --model M --out DATA",
+        "improve FOLDER --model M --out DATA",
+        "add preload FOLDER --model M --out NEW --json NEW",
+        "add preload FOLDER --model M --out REPORT/index.html --report REPORT",
+        "plan --model M --reveal preload --out M",
+        "plan --model M --vehicle N --reveal preload --out N",
+        "plan --model M --data FOLDER --reveal preload --json DATA",
+        "effects --effects-from OWN --json OWN",
+    ],
+)
+def test_no_result_goes_where_something_is_read_or_another_result(words, root, tmp_path):
+    folder = tmp_path / "FOLDER"
+    bag = tmp_path / "BAG"
+    folder.mkdir()
+    bag.mkdir()
+    of = {
+        "DATA": folder / "run.csv", "NAMES": folder / "run.csv.names.yaml", "M": tmp_path / "m.yaml",
+        "N": tmp_path / "n.yaml", "OWN": tmp_path / "own.py", "BAG/metadata.yaml": bag / "metadata.yaml",
+    }  # fmt: skip
+    for path in of.values():
+        path.write_text("as it was")
+    of |= {"FOLDER": folder, "../FOLDER": folder / ".." / "FOLDER", "BAG": bag}
+    of |= {"REPORT": tmp_path / "report", "REPORT/index.html": tmp_path / "report" / "index.html"}
+    of |= {"NEW": tmp_path / "new.yaml", "LINK": tmp_path / "link.json"}
+    of["LINK"].symlink_to(of["DATA"])
+    one_line(lab(*(of.get(w, w) for w in words.split())), 2, "expected another place than")
+    kept = [p for p in tmp_path.rglob("*") if p.is_file()]
+    assert {p.read_text() for p in kept} == {"as it was"}
+    assert not of["NEW"].exists()
+
+
+def test_results_may_lie_beside_the_data(data, root, tmp_path):
+    folder = tmp_path / "runs"
+    folder.mkdir()
+    shutil.copy(data, folder / "run.csv")
+    words = ["compare", folder, "--model", root / MODEL, "--json", folder / "r.json"]
+    for _ in range(2):  # also where it has been written before
+        result = lab(*words)
+        assert result.exit_code == 0, result.output
+
+
 def one_line(result, status, *words):
     assert result.exit_code == status, result.output
     lines = [line for line in result.output.strip().splitlines() if line]

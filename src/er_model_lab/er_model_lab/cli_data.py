@@ -21,7 +21,7 @@ from er_model_lab.cli_options import (
     Report,
     Seed,
 )
-from er_model_lab.cli_running import asked, damper_only, run, stages
+from er_model_lab.cli_running import asked, damper_only, read_by, run, stages
 
 if TYPE_CHECKING:
     from er_model_lab.commands import Outcome
@@ -44,6 +44,7 @@ def check(
         lambda: command.run(data, model, tuple(effects_from or ())),
         json_file,
         report,
+        read=read_by(data, [model] if model else (), effects_from),
         strict=False,
     )
     if outcome.result["verdict"] != "usable":
@@ -69,7 +70,7 @@ def compare(
         ask = replace(ask, rivals=tuple(model[1:]))
         return vehicle.compare(ask) if level == "vehicle" else commands.compare(ask)
 
-    run(work, json_file, report)
+    run(work, json_file, report, read=read_by(data, model, effects_from, hold_out))
 
 
 def identify(
@@ -94,4 +95,4 @@ def identify(
                 asked(data, model, seed, hold_out, effects_from, anyway=anyway), out, tick
             )
 
-    run(work, json_file, report, out)
+    run(work, json_file, report, out, read=read_by(data, [model], effects_from, hold_out))

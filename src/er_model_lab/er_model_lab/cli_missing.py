@@ -22,7 +22,7 @@ from er_model_lab.cli_options import (
     Seed,
     Smallest,
 )
-from er_model_lab.cli_running import asked, progress, run
+from er_model_lab.cli_running import asked, progress, read_by, run
 from er_model_lab.rule import RULE, Rule
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def diagnose(
             ask = asked(data, model, seed, hold_out, effects_from, level, anyway)
             return commands.diagnose(replace(ask, rule=Rule(false_alarm, smallest, helps)), tick)
 
-    run(work, json_file, report)
+    run(work, json_file, report, read=read_by(data, [model], effects_from, hold_out))
 
 
 def add(
@@ -78,7 +78,7 @@ def add(
                 asked(data, model, seed, hold_out, effects_from, level, anyway), effect, out, tick
             )
 
-    run(work, json_file, report, out)
+    run(work, json_file, report, out, read=read_by(data, [model], effects_from, hold_out))
 
 
 def improve(
@@ -106,4 +106,4 @@ def improve(
                 replace(ask, rule=Rule(false_alarm, smallest, helps)), out, tick
             )
 
-    run(work, json_file, report, out)
+    run(work, json_file, report, out, read=read_by(data, [model], effects_from, hold_out))

@@ -15,11 +15,12 @@ from er_model_lab.cli_running import (
     damper_only,
     fail,
     known_level,
+    read_by,
     run,
     stages,
-    writable,
     write_json,
 )
+from er_model_lab.places import writable
 
 if TYPE_CHECKING:
     from er_model_lab.commands import Outcome
@@ -75,7 +76,9 @@ def plan(
         with stages("planning", command.STEPS) as tick:
             return command.run(asked(data or [], model, seed, None, effects_from), wanted, tick)
 
-    run(work, json_file, report, program=out)
+    read = read_by(None, [model], effects_from)
+    read |= {"--data": data or (), "--vehicle": [vehicle] if vehicle else ()}
+    run(work, json_file, report, read=read, program=out)
 
 
 def effects(
@@ -97,7 +100,7 @@ def effects(
 
     try:
         known_level(level)
-        writable({"--json": json_file}, report)
+        writable({"--json": json_file}, report, read_by(None, (), effects_from))
         catalogue = catalogue_with(effects_from or ())
         wanted = shown(catalogue, level)
         result, text = card(effect, catalogue) if effect else table(wanted)

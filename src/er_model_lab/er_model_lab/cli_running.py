@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 import typer
 from er_models.errors import ErError, InputError
 from rich.console import Console
+
+from er_model_lab.places import writable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -45,6 +46,21 @@ def asked(
     )
 
 
+def read_by(
+    data: list[Path] | None,
+    models: Sequence[Path],
+    effects_from: list[Path] | None,
+    hold_out: list[Path] | None = None,
+) -> dict[str, Sequence[Path]]:
+    """What most commands read: argument or option to its paths."""
+    return {
+        "DATA": data or (),
+        "--model": models,
+        "--effects-from": effects_from or (),
+        "--hold-out": hold_out or (),
+    }
+
+
 def known_level(level: str) -> None:
     """A level that there is."""
     if level not in ("damper", "vehicle"):
@@ -66,15 +82,17 @@ def run(
     report: Path | None,
     out: Path | None = None,
     *,
+    read: Mapping[str, Sequence[Path]],
     strict: bool = True,
     program: Path | None = None,
 ) -> Outcome:
     """Do the work, write what was asked for, print one screen, and exit with the contract's status.
 
-    out: new model, announced; program: another file that the work itself writes and tells of.
+    out: new model, announced; read: what the work reads, see `read_by`; program: another file that the work itself
+    writes and tells of.
     """
     try:
-        writable({"--json": json_file, "--out": out or program}, report)
+        writable({"--out": out or program, "--json": json_file}, report, read)
         outcome = work()
         write_json(json_file, outcome.result)
         page = _write_report(report, outcome)
@@ -93,34 +111,6 @@ def run(
         typer.echo("the data were incomplete: see the notes", err=True)
         raise typer.Exit(3)
     return outcome
-
-
-def writable(files: Mapping[str, Path | None], report: Path | None = None) -> None:
-    """Refuse places that cannot be written before minutes are spent on what would go there.
-
-    files: option to its file. Nothing is left behind, also no folder.
-    """
-    for option, path in files.items():
-        if path is not None:
-            if path.is_dir():
-                raise InputError(path, option, "a file name", "a folder")
-            _may_write(path, option, path.parent)
-    if report is not None:
-        _may_write(report, "--report", report)
-
-
-def _may_write(path: Path, option: str, folder: Path) -> None:
-    """Whether the nearest folder that exists takes a file."""
-    while not folder.exists() and folder != folder.parent:
-        folder = folder.parent
-    try:
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        found = error.strerror or str(error)
-        raise InputError(
-            path, option, "a folder that can be written", f"{found} ({folder})"
-        ) from None
 
 
 def _print(outcome: Outcome, page: Path | None, out: Path | None) -> None:

@@ -233,7 +233,6 @@ def add(ask: Request, effect: str, out: Path, tick: Tick | None = None) -> Outco
     """Add one effect, refit everything, and write the new model."""
     model, (records, sealed) = ask.model(), read(ask)
     _may_add(model, effect, ask.level)
-    may_write(out, ask.model_file)
     study = add_effect(
         records, model, effect, seed=ask.seed, sealed=sealed, tick=tick, level=ask.level
     )
@@ -250,7 +249,6 @@ def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
     Ctrl-C ends it with what was done until then, from which the same command goes on later.
     """
     model, (records, sealed) = ask.model(), read(ask)
-    may_write(out, ask.model_file)
     begun = resume(out, model, records, ask.catalogue)
     current, studies, stopped = begun.model, list[Study](), False
     for n in range(begun.passes, max(MOST_PASSES, begun.passes + 1)):
@@ -350,14 +348,6 @@ def _may_add(model: Model, effect: str, level: str) -> None:
         raise ErError(f"{effect} is already part of the model '{model.name}'")
     if known.stage == "vehicle" and level != "vehicle":
         raise ErError(f"{effect} acts in the vehicle, not in the damper: --level vehicle adds it")
-
-
-def may_write(out: Path, model_file: Path) -> None:
-    """The new model must not overwrite the one it comes from."""
-    if out.exists() and out.resolve() == model_file.resolve():
-        raise InputError(out, "--out", "another file than --model", "the same file")
-    if out.is_dir():
-        raise InputError(out, "--out", "a file name", "a folder")
 
 
 def _with_history(

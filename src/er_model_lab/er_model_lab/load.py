@@ -13,6 +13,7 @@ from er_models.errors import InputError
 from er_model_lab.clean import clean
 from er_model_lab.provenance import fingerprint as fingerprint
 from er_model_lab.readers import columns, csv, mf4, parquet, rosbag
+from er_model_lab.readers.bag_files import METADATA, is_data
 from er_model_lab.record import Record
 
 Reader = Callable[[Path, Mapping[str, str] | None], list[Record]]
@@ -61,14 +62,14 @@ def read(path: Path) -> list[Record]:
 
 def is_bag(folder: Path) -> bool:
     """Whether a folder is a rosbag2 recording."""
-    if (folder / "metadata.yaml").exists():
+    if (folder / METADATA).exists():
         return True
     return any(item.suffix in BAG_SUFFIXES for item in folder.iterdir())
 
 
 def _read_folder(folder: Path) -> list[Record]:
     """Records of all readable files and recordings in a folder and its folders, sorted by name."""
-    wanted = list(_data_in(folder))
+    wanted = recordings(folder)
     if not wanted:
         inside = ", ".join(
             item.name + "/" * item.is_dir() for item in sorted(folder.iterdir())[:8]
@@ -76,6 +77,21 @@ def _read_folder(folder: Path) -> list[Record]:
         expected = f"files ending in {', '.join(READERS)}, or a rosbag2 folder"
         raise InputError(folder, "", expected, inside or "an empty folder")
     return [record for item in wanted for record in _read_in(folder, item)]
+
+
+def recordings(path: Path) -> list[Path]:
+    """Files and rosbag2 folders that `read` takes measurements from: the path itself, or what a folder holds."""
+    return list(_data_in(path)) if path.is_dir() and not is_bag(path) else [path]
+
+
+def files_of(recording: Path) -> list[Path]:
+    """Every file that reading a recording opens."""
+    if recording.is_dir():
+        return [f for f in recording.iterdir() if is_data(f) or f.name == METADATA]
+    files = [recording, _names_file(recording)]
+    if recording.suffix in BAG_SUFFIXES:
+        files.append(recording.with_name(METADATA))
+    return [f for f in files if f.exists()]
 
 
 def _read_in(folder: Path, item: Path) -> list[Record]:
@@ -100,7 +116,7 @@ def _data_in(folder: Path) -> Iterator[Path]:
 
 def _names(path: Path) -> Mapping[str, str] | None:
     """Contract name to name in the file, from the YAML file beside it; None when there is none."""
-    beside = path.with_name(path.name + columns.NAMES_SUFFIX)
+    beside = _names_file(path)
     if not beside.exists():
         return None
     try:
@@ -112,6 +128,11 @@ def _names(path: Path) -> Mapping[str, str] | None:
     ):
         raise InputError(beside, "", "lines 'deflection: name in the file'", type(names).__name__)
     return names
+
+
+def _names_file(path: Path) -> Path:
+    """Where the names of a data file's columns are looked for."""
+    return path.with_name(path.name + columns.NAMES_SUFFIX)
 
 
 def _unique(records: list[Record]) -> list[Record]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from er_models.files import save_model
 
-from er_model_lab.commands import Outcome, Request, command_line, may_write, provenance, read
+from er_model_lab.commands import Outcome, Request, command_line, provenance, read
 from er_model_lab.identify.present import identified_json, new_model, view
 from er_model_lab.identify.procedure import identify
 from er_model_lab.load import fingerprint
@@ -19,7 +19,6 @@ STEPS = 4
 def run(ask: Request, out: Path, tick: Callable[[str], None] | None = None) -> Outcome:
     """Identify the parameters of a model, and write the new model."""
     model, (records, sealed) = ask.model(), read(ask)
-    may_write(out, ask.model_file)
     found = identify(records, model, sealed=sealed, tick=tick)
     result = identified_json(found)
     entry = {

@@ -44,7 +44,6 @@ def run(request: Request, wanted: Wanted, tick: Tick | None = None) -> Outcome:
     model = on_fused(_on_vehicle(request, wanted.vehicle))
     question = ask(model, wanted.between, wanted.reveal)
     limits = limits_of(model, wanted.limits, Limits.dt)
-    _may_write(wanted.out)
     problem, origin = _measured(request, question)
     if (
         problem is not None
@@ -77,12 +76,6 @@ def _on_vehicle(request: Request, vehicle: Path | None) -> Model:
         )
     parts = {k: v for k, v in car.effects.items() if car.catalogue[k].stage == "vehicle"}
     return replace(model, effects={**model.effects, **parts}, rig=model.rig or car.rig)
-
-
-def _may_write(out: Path | None) -> None:
-    """The program goes into a file, not a folder."""
-    if out is not None and out.is_dir():
-        raise InputError(out, "--out", "a file name", "a folder")
 
 
 def _measured(request: Request, question: Question) -> tuple[Problem | None, dict[str, Any]]:

@@ -9,18 +9,21 @@ from typing import Any
 import yaml
 from er_models.errors import InputError
 
+METADATA = "metadata.yaml"
+"""Name of the file beside the data files that says what they hold."""
+
 
 def data_files(path: Path) -> list[Path]:
     """Data files in the order of recording: their names are numbered without leading zeros."""
     if path.is_file():
         return [path]
-    files = [item for item in path.iterdir() if item.is_file() and _is_data(item)]
+    files = [item for item in path.iterdir() if item.is_file() and is_data(item)]
     if not files:
         raise InputError(path, "", "a .mcap or .db3 file beside metadata.yaml", "none")
     return sorted(files, key=lambda item: (len(item.name), item.name))
 
 
-def _is_data(path: Path) -> bool:
+def is_data(path: Path) -> bool:
     """Whether a file holds messages, compressed as a whole or not."""
     return path.suffix in (".mcap", ".db3") or path.name.endswith((".mcap.zstd", ".db3.zstd"))
 
@@ -54,7 +57,7 @@ def _topics(info: dict[str, Any]) -> list[dict[str, Any]]:
 def _metadata(folder: Path) -> dict[str, Any]:
     """Contents of metadata.yaml; empty when it is absent or damaged."""
     try:
-        content = yaml.safe_load((folder / "metadata.yaml").read_text(encoding="utf-8"))
+        content = yaml.safe_load((folder / METADATA).read_text(encoding="utf-8"))
         return dict(content["rosbag2_bagfile_information"])
     except (OSError, yaml.YAMLError, KeyError, TypeError, ValueError):
         return {}

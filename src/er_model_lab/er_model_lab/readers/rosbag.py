@@ -25,7 +25,7 @@ from rosbags.typesys import (
 
 from er_model_lab.provenance import digest_files
 from er_model_lab.readers.bag_align import align
-from er_model_lab.readers.bag_files import data_files, missing_files, promised_count
+from er_model_lab.readers.bag_files import METADATA, data_files, missing_files, promised_count
 from er_model_lab.readers.bag_streams import Collector
 from er_model_lab.readers.mcap_salvage import salvage
 from er_model_lab.record import Record
@@ -91,7 +91,7 @@ def _marked(record: Record, notes: tuple[str, ...], *, whole: bool) -> Record:
 
 def _read_folder(bag: Bag, files: list[Path]) -> None:
     """Read through metadata.yaml; where that fails, each data file for itself."""
-    if (bag.path / "metadata.yaml").exists():
+    if (bag.path / METADATA).exists():
         before = bag.collector.copy()
         failure = _read_ordinary(bag, bag.path)
         if not failure:
