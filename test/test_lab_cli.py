@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from er_model_lab.cli import app
 from er_models.files import load_model
+from typer import TyperException
 from typer.testing import CliRunner
 
 from test.sample import write_sample
@@ -183,6 +184,37 @@ def test_places_that_cannot_be_written_are_named_before_anything_is_computed(dat
     for option, place in (("--json", file / "r.json"), ("--report", file), ("--json", tmp_path)):
         one_line(lab("diagnose", nothing, *model, option, place), 2, option, str(place))
     one_line(lab("improve", nothing, *model, "--out", file / "new.yaml"), 2, "--out", "file")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("compare x.csv --model m.yaml --seed abc", "lab compare: invalid value for '--seed': "),
+        ("compare x.csv", "lab compare: missing option '--model' (lab compare --help)"),
+        ("compare --model m.yaml", "lab compare: missing argument 'DATA' (lab compare --help)"),
+        ("compare x.csv --frob", "lab compare: no such option: --frob (lab compare --help)"),
+        ("compare x.csv --model", "lab compare: option '--model' requires an argument (lab c"),
+        ("plan --between preload", "lab plan: option '--between' requires 2 arguments (lab plan "),
+        ("comprae", "lab: no such command 'comprae'. Did you mean 'compare'? (lab --help)"),
+        ("thesis chapter9", "lab thesis: invalid value for 'chapter': "),
+    ],
+)
+def test_wrong_usage_is_one_line_with_the_way_to_help(words, said):
+    result = CliRunner().invoke(app, words.split(), prog_name="lab")
+    one_line(result, 2, said)
+    assert result.stdout == ""
+
+
+def test_a_caller_who_is_no_program_goes_on():
+    app(["effects", "preload"], standalone_mode=False)
+    with pytest.raises(TyperException, match="No such option"):
+        app(["effects", "--frob"], standalone_mode=False)
+
+
+def test_nothing_asked_shows_the_help():
+    result = lab()
+    assert result.exit_code == 2
+    assert len(result.output.splitlines()) > 10
 
 
 @pytest.mark.parametrize(

@@ -16,13 +16,18 @@ from er_ftc_controller.compare.table import markdown
 from er_models.errors import ErError, UnknownName
 from er_models.files import write_whole
 from er_observers.compare.progress import roads_done
+from er_ros_common.usage import OneLineGroup
 from rich.console import Console
 
 from er_bringup.estimated import estimated
 from er_bringup.up import configuration
 
 app = typer.Typer(
-    add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True, help=__doc__
+    cls=OneLineGroup,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    no_args_is_help=True,
+    help=__doc__,
 )
 WATCHES: dict[str, WatchOf] = {"estimated": estimated, "known": known}
 """Where controllers have the faults from."""

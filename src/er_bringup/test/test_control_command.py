@@ -6,7 +6,10 @@ from pathlib import Path
 
 import pytest
 from er_bringup.control import app
+from er_ftc_controller.synth import app as controller
 from er_models.errors import ErError
+from er_observers.synth import app as observers
+from typer import Typer
 from typer.testing import CliRunner
 
 
@@ -66,3 +69,18 @@ def test_bad_names_are_one_line(words: tuple[str, ...], complaint: str) -> None:
     with pytest.raises(ErError, match=complaint) as caught:
         done(*words)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("program", "words", "line"),
+    [
+        (app, ["compare", "--seeds", "0"], "er x compare: invalid value for '--seeds': "),
+        (controller, [], "er x: missing option '--model' (er x --help)"),
+        (observers, ["unified"], "er x unified: missing option '--model' (er x unified --help)"),
+    ],
+)
+def test_wrong_usage_is_one_line(program: Typer, words: list[str], line: str) -> None:
+    result = CliRunner().invoke(program, words, prog_name="er x")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr.startswith(line)
+    assert result.stderr.count("\n") == 1

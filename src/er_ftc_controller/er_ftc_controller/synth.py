@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import typer
 from er_models.errors import ErError
 from er_models.files import load_model
+from er_ros_common.usage import OneLineCommand
 from rich.console import Console
 from rich.table import Table
 
@@ -25,7 +26,7 @@ from er_ftc_controller.synthesis.weights import generalised_plant, weights_for
 app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
 
 
-@app.command()
+@app.command(cls=OneLineCommand)
 def lpv_ftc(
     model: Annotated[Path, typer.Option(help="Vehicle model file.")],
     out: Annotated[Path, typer.Option(help="Gain file to write.")],

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import typer
+from er_ros_common.usage import OneLineGroup
 
 from er_model_lab.cli_data import check, compare, identify
 from er_model_lab.cli_missing import add, diagnose, improve
@@ -27,6 +28,7 @@ COMMANDS: dict[Callable[..., None], str] = {
 """In the order in which they are used, with one line each that fits a terminal."""
 
 app = typer.Typer(
+    cls=OneLineGroup,
     add_completion=False,
     no_args_is_help=True,
     rich_markup_mode=None,

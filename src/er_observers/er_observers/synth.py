@@ -17,6 +17,7 @@ import typer
 from er_models.errors import ErError
 from er_models.files import load_model
 from er_models.model import Model
+from er_ros_common.usage import OneLineGroup
 from rich.console import Console
 
 from er_observers.compare.command import register as register_compare
@@ -39,7 +40,9 @@ from er_observers.synthesis.make import (
 )
 from er_observers.synthesis.spec import SECTORS, SLOPE, Spec
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+app = typer.Typer(
+    cls=OneLineGroup, add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False
+)
 register_compare(app)
 register_variants(app)
 register_figures(app)
@@ -149,7 +152,7 @@ def evaluate_command(
 def main() -> None:
     """Run the command line; an error of the user is one line."""
     try:
-        app()
+        app(prog_name="er synth")
     except ErError as error:
         print(f"er synth: {error}", file=sys.stderr)  # noqa: T201
         sys.exit(error.exit_status)

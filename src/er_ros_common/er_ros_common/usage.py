@@ -1,0 +1,62 @@
+"""Command lines that say in one line how they were called wrongly."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+
+
+class OneLineGroup(TyperGroup):
+    """Several commands; a wrong usage of any is one line and the exit status of bad usage."""
+
+    def main(self, *args: Any, **more: Any) -> Any:
+        """Run a command and end the program; as `TyperGroup.main`."""
+        words = (args[0] if args else more.get("args")) or sys.argv[1:]
+        return _ended(super().main, args, more, *(w for w in words[:1] if w in self.commands))
+
+
+class OneLineCommand(TyperCommand):
+    """A program that is one command; a wrong usage is one line and the exit status of bad usage."""
+
+    def main(self, *args: Any, **more: Any) -> Any:
+        """Run the command and end the program; as `TyperCommand.main`."""
+        return _ended(super().main, args, more)
+
+
+def _ended(
+    run: Callable[..., Any], args: tuple[Any, ...], more: dict[str, Any], *command: str
+) -> Any:
+    """Run what parses and acts, and end the program with its status, unless the caller says that it is none.
+
+    command: the one that was asked for.
+    """
+    if not more.get("standalone_mode", True):
+        return run(*args, **more)
+    program = more.get("prog_name") or Path(sys.argv[0]).name
+    try:
+        status = run(*args, **{**more, "standalone_mode": False})
+    except typer.TyperException as error:
+        said = _said(error, " ".join((program, *command)))
+        if said:
+            typer.echo(said, err=True)
+        sys.exit(error.exit_code)
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+def _said(error: typer.TyperException, command: str) -> str:
+    """The command, what is wrong, and where help is; the help itself where nothing at all was asked.
+
+    command: stands in where the error does not know it.
+    """
+    message = error.format_message()
+    if type(error).__name__ == "NoArgsIsHelpError":
+        return message
+    context = getattr(error, "ctx", None)
+    command = context.command_path if context else command
+    message = " ".join(message.split()).removesuffix(".")
+    return f"{command}: {message[:1].lower()}{message[1:]} ({command} --help)"
