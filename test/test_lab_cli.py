@@ -6,7 +6,9 @@ import shutil
 import numpy as np
 import pytest
 from er_model_lab.cli import app
+from er_model_lab.commands import MOST_PASSES, Request, diagnose
 from er_models.files import load_model
+from er_models.seed import LARGEST
 from typer import TyperException
 from typer.testing import CliRunner
 
@@ -203,6 +205,20 @@ def test_wrong_usage_is_one_line_with_the_way_to_help(words, said):
     result = CliRunner().invoke(app, words.split(), prog_name="lab")
     one_line(result, 2, said)
     assert result.stdout == ""
+
+
+@pytest.mark.parametrize("found", ["-1", "4294967296", "123456789012345678901234", "abc", "1.5"])
+@pytest.mark.parametrize(
+    "command", ["compare x.csv", "plan --reveal preload", "effects", "thesis chapter1"]
+)
+def test_a_seed_that_is_none_is_named(command, found):
+    allowed = "expected a whole number from 0 to 4294967295, found "
+    one_line(lab(*command.split(), "--seed", found), 2, "--seed", allowed + found)
+
+
+def test_the_largest_seed_lasts_to_the_last_pass_of_improve(data, root):
+    found = diagnose(Request([data], root / MODEL, seed=LARGEST + 1000 * MOST_PASSES))
+    assert found.result["effects"] == ["coulomb_friction"]
 
 
 def test_a_caller_who_is_no_program_goes_on():

@@ -20,9 +20,11 @@ import numpy as np
 from er_models.errors import ErError
 from er_models.files import load_model, save_model
 from er_models.model import Model
+from er_models.seed import seed_reader
 from rich.console import Console
 from rich.table import Table
 
+from er_bringup.doctor import OneLine
 from er_bringup.hidden import RANGES, choose, hide
 from er_bringup.terminal import console
 from er_bringup.up import configuration, run
@@ -232,16 +234,18 @@ def repeat(demo: Demo, times: int, console: Console) -> int:
     return failures
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> OneLine:
     """The command line."""
-    p = argparse.ArgumentParser(
+    p = OneLine(
         prog="er demo", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     p.add_argument(
         "--effect", default="random", help=f"effect to hide: random, none, {', '.join(RANGES)}"
     )
     p.add_argument(
-        "--seed", type=int, help="seed of everything random; by default one nobody has seen"
+        "--seed",
+        type=seed_reader(2**31 - 1),
+        help="seed of everything random; by default one nobody has seen",
     )
     p.add_argument("--learn", type=float, default=24.0, help="length of the run to learn from [s]")
     p.add_argument("--check", type=float, default=10.0, help="length of the run that checks [s]")

@@ -2,10 +2,25 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentTypeError
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from er_models.seed import seed_reader
+
+
+def seed_option(text: str) -> Any:
+    """The option `--seed` with its help."""
+
+    def read(value: str) -> int:
+        try:
+            return seed_reader()(value)
+        except ArgumentTypeError as error:
+            raise typer.BadParameter(str(error)) from None
+
+    return typer.Option(parser=read, metavar="INTEGER", help=text)
+
 
 Data = Annotated[
     list[Path],
@@ -37,7 +52,7 @@ Level = Annotated[
         help="damper: force from measured motion and duty; vehicle: force and motion from road and duty."
     ),
 ]
-Seed = Annotated[int, typer.Option(help="Seed of everything random.")]
+Seed = Annotated[int, seed_option("Seed of everything random.")]
 HoldOut = Annotated[
     list[Path] | None,
     typer.Option(

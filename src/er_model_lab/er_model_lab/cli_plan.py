@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from er_models.errors import ErError
 
-from er_model_lab.cli_options import EffectsFrom, Json, Level, ModelFile, Report, Seed
+from er_model_lab.cli_options import EffectsFrom, Json, Level, ModelFile, Report, Seed, seed_option
 from er_model_lab.cli_running import (
     asked,
     console,
@@ -89,9 +89,7 @@ def effects(
     level: Annotated[
         str, typer.Option(help="damper: without the effects of the car; vehicle: all.")
     ] = "vehicle",
-    seed: Annotated[
-        int, typer.Option(help="As of the other commands; nothing here is random.")
-    ] = 0,
+    seed: Annotated[int, seed_option("As of the other commands; nothing here is random.")] = 0,
 ) -> None:
     """The catalogue of effects, or the card of one."""
     from er_models.own import catalogue_with

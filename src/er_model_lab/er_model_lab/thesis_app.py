@@ -14,6 +14,8 @@ from er_models.errors import ErError
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
+from er_model_lab.cli_options import seed_option
+
 if TYPE_CHECKING:
     from er_model_lab.report.section import Section
     from er_model_lab.view import View
@@ -43,7 +45,7 @@ def thesis_command(
     report: Annotated[
         Path | None, typer.Option("--report", help="Write an HTML report into this folder.")
     ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the sensors' noise.")] = 0,
+    seed: Annotated[int, seed_option("Seed of the sensors' noise.")] = 0,
 ) -> None:
     """Make again what a chapter of the thesis shows, with its figures beside ours."""
     try:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from er_models.model import Array
 from er_models.parallel import in_turn
+from er_models.seed import LARGEST
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 from sklearn.ensemble import HistGradientBoostingRegressor
@@ -87,7 +88,7 @@ def _trees(seed: int) -> HistGradientBoostingRegressor:
         max_leaf_nodes=12,
         min_samples_leaf=30,
         l2_regularization=1.0,
-        random_state=seed,
+        random_state=seed % (LARGEST + 1),
     )
 
 

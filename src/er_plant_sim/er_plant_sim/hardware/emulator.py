@@ -17,6 +17,7 @@ from types import FrameType
 from typing import Any, NoReturn
 
 from er_models.errors import ErError, InputError
+from er_models.seed import seed_reader
 from er_models.yaml_file import read_yaml
 from er_ros_common.parameter_table import build as checked
 
@@ -57,7 +58,7 @@ def parser() -> argparse.ArgumentParser:
         "--params", metavar="FILE", help="parameter file of the plant: noise, safe duty"
     )
     p.add_argument("--rate", type=float, default=200.0, help="samples per second (200)")
-    p.add_argument("--seed", type=int, default=0, help="of noise and wire (0)")
+    p.add_argument("--seed", type=seed_reader(), default=0, help="of noise and wire (0)")
     p.add_argument("--loss", type=_share, default=0.0, help="share of pieces lost, each way")
     p.add_argument(
         "--corruption", type=_share, default=0.0, help="share of pieces damaged, each way"

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from time import perf_counter
 
 import numpy as np
+from er_models.seed import seed_reader
 
 from er_plant_sim.duty_gate import Gate
 from er_plant_sim.hardware import bridge, frame, parser
@@ -227,7 +228,7 @@ def main() -> None:
         prog="fuzz", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     p.add_argument("--frames", type=int, default=100_000, help="how many (100000)")
-    p.add_argument("--seed", type=int, default=1, help="of contents and damage (1)")
+    p.add_argument("--seed", type=seed_reader(), default=1, help="of contents and damage (1)")
     options = p.parse_args()
     began = perf_counter()
     tally = run(options.frames, options.seed, progress=sys.stderr.isatty())
