@@ -14,6 +14,7 @@ from er_models.model import Array, Model
 from er_model_lab.compare import errors, regions_json, size_notes, worst
 from er_model_lab.diagnose.candidates import Candidate, effect_size
 from er_model_lab.diagnose.search import Round
+from er_model_lab.diagnose.told import told
 from er_model_lab.diagnose.verdict import VISIBLE, Diagnosis
 from er_model_lab.excess import noise_at, region_tables
 from er_model_lab.fit import with_deviations
@@ -130,15 +131,8 @@ def notes(study: Study) -> tuple[str, ...]:
 def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
     """The contract's JSON of `diagnose`, `add` and `improve`."""
     found, problem = study.diagnosis, study.problem
-    first, floor = found.rounds[0], (*found.floor.parts, found.floor)[0]
-    entries = [entry(c, first, found, problem, model_after) for c in first.candidates]
-    for step in found.rounds[1:]:
-        known = {e["effect"] for e in entries}
-        entries += [
-            entry(c, step, found, problem, model_after)
-            for c in step.candidates
-            if c.name not in known
-        ]
+    floor = (*found.floor.parts, found.floor)[0]
+    entries = [entry(c, step, found, problem, model_after) for c, step in told(found)]
     if study.lag:
         entries = [e for e in entries if e["effect"] != "velocity_lag"]
         entries.insert(0, _lag_entry(study))
@@ -307,15 +301,9 @@ def views(problem: Problem, before: Array, after: Array | None) -> tuple[RecordV
 def candidate_views(study: Study, result: Mapping[str, Any]) -> tuple[CandidateView, ...]:
     """Evidence cards of the leading candidates."""
     found, problem = study.diagnosis, study.problem
-    shown: list[CandidateView] = []
-    by_name = {e["effect"]: e for e in result["candidates"]}
-    for step in found.rounds:
-        for candidate in step.candidates[:SHOWN]:
-            if candidate.name in {v.effect for v in shown}:
-                continue
-            shown.append(_card(candidate, step, found, problem, by_name[candidate.name]))
-    order = {e["effect"]: i for i, e in enumerate(result["candidates"])}
-    return tuple(sorted(shown, key=lambda v: order[v.effect])[:SHOWN])
+    seen = {c.name: (c, step) for c, step in told(found)}
+    shown = [e for e in result["candidates"] if e["effect"] in seen][:SHOWN]
+    return tuple(_card(*seen[e["effect"]], found, problem, e) for e in shown)
 
 
 def _card(

@@ -46,6 +46,6 @@ def ranked(view: View) -> list[Entry]:
 
 
 def limit(view: View) -> float | None:
-    """Effect size that chance reaches in the first round [N], when the result states it."""
+    """Effect size that chance reaches in the first round [N], when the result states it: what none took is of that."""
     stated = [e["threshold"] for e in ranked(view) if e.get("threshold") is not None]
-    return float(stated[0]) if stated else None
+    return float(stated[-1]) if stated else None

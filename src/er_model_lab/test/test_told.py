@@ -1,0 +1,125 @@
+"""Each effect is told by the round that decided on it, in the result and on its card."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from er_model_lab.diagnose.candidates import baseline, effect_size, refit
+from er_model_lab.diagnose.floor import Floor
+from er_model_lab.diagnose.null import Null
+from er_model_lab.diagnose.search import Round
+from er_model_lab.diagnose.verdict import judge
+from er_model_lab.present import candidate_views, diagnosis_json
+from er_model_lab.report.ranking import limit
+from er_model_lab.study import Study, as_given
+from lab_help import problem_of
+
+NAMES = ("field_exponent", "coulomb_friction", "preload")
+FIRST, LATER = 0.3, 0.1
+"""Sizes [N] that chance reaches in the first and in the second round."""
+
+
+@pytest.fixture(scope="module")
+def search():
+    """The model, each effect alone, the two hidden ones together, and their problem."""
+    model, problem = problem_of("coulomb_friction", {"F_c": 0.9, "v_0": 0.003}, seed=2)
+    hidden = model.with_effect("field_exponent", {"b": 1.4, "u_r": 0.3})
+    problem = replace(
+        problem, force=problem.force + problem.predict(hidden) - problem.predict(model)
+    )
+    base = baseline(model, problem)
+    alone = [refit(base, model.catalogue[name], problem) for name in NAMES]
+    both = refit(alone[0], model.catalogue[NAMES[1]], problem)
+    return model, problem, base, alone, both
+
+
+def round_of(base, candidates, taken, limit, ties=()):
+    sizes = np.full(64, limit / 4.0) + np.linspace(0.0, 0.01, 64)
+    return Round(
+        base, candidates, Null(sizes, 0.0, 1.0, 0.0, np.zeros(0)), limit, taken, list(ties)
+    )
+
+
+def result_of(search, best, rounds, ties=()):
+    """Entries of the result by name, and the cards."""
+    model, problem, base, *_ = search
+    floor = Floor(0.99 * np.sqrt(best.mse), 0.0, 0.0, 0.0, 0.0, {}, (0.0, 0.0, 0.0))
+    found = judge(base, best, rounds, floor, problem, ties)
+    study = Study(found, problem, model, None, None, as_given(model, problem))
+    result = diagnosis_json(study, found.model)
+    cards = {card.effect: card for card in candidate_views(study, result)}
+    return {e["effect"]: e for e in result["candidates"]}, cards, result
+
+
+def second(search, ties=()):
+    """Both rounds of a search that took the two effects one after the other."""
+    model, problem, base, alone, both = search
+    rest = refit(alone[0], model.catalogue["preload"], problem)
+    return [
+        round_of(base, alone, alone[0], FIRST),
+        round_of(alone[0], [both, rest], both, LATER, ties),
+    ]
+
+
+def test_an_effect_that_a_later_round_took_has_the_numbers_of_that_round(search):
+    *_, alone, both = search
+    entries, cards, result = result_of(search, both, second(search))
+    friction, step = entries["coulomb_friction"], result["steps"][2]
+    assert step["added"] == "coulomb_friction"
+    for key in ("evidence", "threshold", "rmse_held_out"):
+        assert friction[key] == step[key]
+    assert friction["evidence"] == effect_size(alone[0], both) > 3.0 * LATER
+    assert friction["p_value"] < 1e-3
+    assert friction["rmse_before"] == entries["field_exponent"]["rmse_held_out"]
+    assert friction["parameters"]["F_c"][0] == both.fit.model.value("coulomb_friction", "F_c")
+    assert (entries["field_exponent"]["threshold"], entries["preload"]["threshold"]) == (
+        FIRST,
+        FIRST,
+    )
+    assert cards["coulomb_friction"].entry is friction
+    assert f"chance reaches {LATER} N" in cards["coulomb_friction"].reason
+    np.testing.assert_array_equal(
+        np.unique(cards["coulomb_friction"].residual_y),
+        np.unique(cards["field_exponent"].residual_y - cards["field_exponent"].signature_y),
+    )
+
+
+def test_what_a_later_round_ties_has_the_numbers_of_that_round(search):
+    ties = ("coulomb_friction", "preload")
+    entries, _, _ = result_of(search, search[-1], second(search, ties), (ties,))
+    assert [entries[name]["threshold"] for name in NAMES] == [FIRST, LATER, LATER]
+    assert [entries[name]["status"] for name in NAMES] == ["present", "confounded", "confounded"]
+
+
+def test_what_took_the_place_of_another_has_the_numbers_of_that_round(search):
+    model, problem, base, alone, both = search
+    other = refit(alone[0], model.catalogue["stribeck_friction"], problem)
+    rounds = [round_of(base, alone, alone[0], FIRST),
+              round_of(alone[0], [other, both], other, LATER, ("stribeck_friction", "coulomb_friction"))]  # fmt: skip
+    entries, _, _ = result_of(search, both, rounds)
+    assert entries["coulomb_friction"]["threshold"] == LATER
+    assert entries["coulomb_friction"]["evidence"] == effect_size(alone[0], both)
+
+
+def test_an_effect_of_a_pair_has_what_it_adds_to_the_other_one(search):
+    """No round took either: alone they may gain nothing at all."""
+    _, _, base, alone, both = search
+    entries, cards, _ = result_of(search, both, [round_of(base, alone, None, FIRST)])
+    for name, other in ((NAMES[0], alone[1]), (NAMES[1], alone[0])):
+        assert entries[name]["evidence"] == effect_size(other, both) > FIRST
+        assert entries[name]["p_value"] < 1e-3
+        assert entries[name]["status"] == "present"
+        assert entries[name]["kept_fraction"] < 1.0
+        assert cards[name].reason.startswith("taken: lowers")
+    entries, _, _ = result_of(search, both, [round_of(base, alone, alone[0], FIRST)])
+    assert entries[NAMES[0]]["evidence"] == effect_size(base, alone[0])
+    assert entries[NAMES[1]]["evidence"] == effect_size(alone[0], both)
+
+
+def test_what_chance_reaches_in_the_first_round_is_told_by_an_effect_that_was_not_taken():
+    candidates = [{"effect": name, "evidence": 0.4} for name in NAMES[:2]]
+    for entry, chance in zip(candidates, (LATER, FIRST), strict=True):
+        entry["threshold"] = chance
+    view = SimpleNamespace(result={"effects": [NAMES[0]], "candidates": candidates})
+    assert limit(view) == FIRST
