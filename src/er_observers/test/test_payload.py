@@ -167,6 +167,21 @@ def test_what_is_no_mass_is_not_taken_for_one(gains: Gains, hidden, effects) -> 
     assert told == run(replace(gains, payload=False), samples_of(record))[1]
 
 
+@pytest.mark.parametrize("observer", [nlpv_polytopic, nlpv_gridding, unified])
+def test_a_wrong_start_teaches_nothing(car, hidden, observer) -> None:
+    """The proved gain alone, 10 mm wrong: no load is made of what it still forgets, and a true one is found after."""
+    gains = replace(
+        observer.load_gains(CONFIG / "gains" / f"{observer.NAME}.yaml", car), opening=None
+    )
+    x = np.array([0.01, 0.0, 0.001, 5.0])
+    right = samples_of(hidden({}))
+    assert run(gains, right, x)[1] == run(replace(gains, payload=False), right, x)[1]
+    record = hidden(HEAVY)
+    state, told = run(gains, samples_of(record), x)
+    assert abs(payload_of(gains, state).ratio - 1.2) < 0.03
+    assert error(record, told) < 0.01
+
+
 def test_a_share_that_damping_explains_better_is_not_used() -> None:
     """Twice the same disagreement, once seen along the mass, once along the damping."""
     memory = payload.begin()

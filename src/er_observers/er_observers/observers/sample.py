@@ -15,8 +15,9 @@ from er_observers.observers import payload
 from er_observers.observers.compiled import compiled
 from er_observers.observers.kernel import HEAD, SUBSTEP, advance
 from er_observers.observers.matrices import Plan
-from er_observers.observers.payload import RATIO, even_drive, learn
+from er_observers.observers.payload import RATIO, SPEED, even_drive, learn
 from er_observers.observers.watch import (
+    DOUBT,
     FLOOR,
     LOST,
     POWER,
@@ -148,6 +149,8 @@ def run_sample(
             total += reading[n * order + i * m + j] * y[j]
         memory[9 + 2 * m + i] = total
     y[0], before[9] = sprung, sprung_before
+    if memory[DOUBT] > rules[10]:
+        known[SPEED] = math.nan  # the error of a start without start phase teaches nothing
     learn(mass, known, y_0[0], y_0[1], sprung, unsprung, memory[10 + 2 * m], end, last, dt)
     force, x, v, ratio, verdict = keep(
         reading, rules, before, last, dt, repaired, end, m, n, memory
