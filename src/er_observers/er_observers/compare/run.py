@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import multiprocessing
-import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
@@ -26,19 +25,18 @@ _TOLD = ("t", "told_sprung_acceleration", "told_unsprung_acceleration", "told_du
 
 
 class Trace(NamedTuple):
-    """An estimator along a record: force (n,) [N], status (n,), and its time per step [s]."""
+    """An estimator along a record: force (n,) [N], status (n,)."""
 
     force: Array
     status: Array
-    seconds: float
 
 
 class Outcome(NamedTuple):
     """One estimator on one road.
 
     errors: NRMSE of each window of the scenario; settled: `settling_time` [s]; unnoticed: share
-    of the samples that are wrong by more than 2 % of the range and called OK; seconds: per step;
-    floors: `floor.floor_of` of each window, where plant or sensors are not what is believed.
+    of the samples that are wrong by more than 2 % of the range and called OK; floors: `floor.floor_of`
+    of each window, where plant or sensors are not what is believed.
     """
 
     scenario: str
@@ -47,7 +45,6 @@ class Outcome(NamedTuple):
     errors: tuple[float, ...]
     settled: float
     unnoticed: float
-    seconds: float
     floors: tuple[float, ...] = ()
 
 
@@ -58,13 +55,11 @@ def follow(estimator: Estimator, record: dict[str, Array], x: Array | None) -> T
     p, step = estimator.parameters, estimator.step
     state = estimator.start(p, samples[0], x)
     estimates: list[Estimate] = [state.estimate]
-    begun = time.perf_counter()
     for sample in samples[1:]:
         state, estimate = step(p, state, sample)
         estimates.append(estimate)
-    seconds = (time.perf_counter() - begun) / max(1, len(samples) - 1)
     force = np.array([e.force for e in estimates])
-    return Trace(force, np.array([int(e.status) for e in estimates]), seconds)
+    return Trace(force, np.array([int(e.status) for e in estimates]))
 
 
 def road_outcomes(
@@ -97,7 +92,6 @@ def _outcome(
         scenario.name, number, name, tuple(errors),
         settled=settling_time(t, true, trace.force),
         unnoticed=float(np.mean(wrong & (trace.status == int(Status.OK)))),
-        seconds=trace.seconds,
     )  # fmt: skip
 
 

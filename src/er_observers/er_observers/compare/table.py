@@ -31,11 +31,10 @@ class Row(NamedTuple):
 
 
 class Summary(NamedTuple):
-    """An estimator over all roads of a scenario: medians of settling time [s], share unnoticed, time per step [s]."""
+    """An estimator over all roads of a scenario: medians of settling time [s] and share unnoticed."""
 
     settled: float
     unnoticed: float
-    seconds: float
 
 
 def rows_of(scenarios: Iterable[Scenario], outcomes: Sequence[Outcome]) -> list[Row]:
@@ -65,12 +64,6 @@ def summaries(outcomes: Sequence[Outcome]) -> dict[tuple[str, str], Summary]:
         ))
         for key in keys
     }  # fmt: skip
-
-
-def step_times(outcomes: Sequence[Outcome]) -> dict[str, float]:
-    """Median time of a step of each estimator [s]."""
-    names = dict.fromkeys(o.estimator for o in outcomes)
-    return {n: float(np.median([o.seconds for o in outcomes if o.estimator == n])) for n in names}
 
 
 def ratio_to_peers(row: Row, name: str, peers: Sequence[str]) -> float:
@@ -105,7 +98,6 @@ def document(
     by = summaries(outcomes)
     return {
         "estimators": titles,
-        "seconds_per_step": step_times(outcomes),
         "windows": [
             {
                 "scenario": r.scenario.name, "title": r.scenario.title, "start": r.scenario.start,

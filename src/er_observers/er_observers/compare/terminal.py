@@ -13,7 +13,6 @@ from er_observers.compare.table import (
     Row,
     ratio_to_peers,
     rows_of,
-    step_times,
     summaries,
 )
 from er_observers.scenarios.scenario import Scenario
@@ -36,7 +35,6 @@ def tables(
         *shown,
         _errors(rows, titles, ours),
         _settling(scenarios, outcomes, titles),
-        _times(outcomes, titles),
     ]
 
 
@@ -94,16 +92,6 @@ def _settling(
             settled = "never" if math.isinf(one.settled) else f"{one.settled:.2f}"
             cells.append(f"{settled} | {100 * one.unnoticed:.1f}")
         table.add_row(s.name, *cells)
-    return table
-
-
-def _times(outcomes: Sequence[Outcome], titles: dict[str, str]) -> Table:
-    """What a step costs, all of Python included."""
-    table = _table(
-        "median time of a step in microseconds, all of Python included", (), tuple(titles.values())
-    )
-    times = step_times(outcomes)
-    table.add_row(*(f"{1e6 * times[n]:.1f}" for n in titles))
     return table
 
 
