@@ -112,6 +112,15 @@ def test_what_is_hidden_costs_everyone(outcomes):
     assert all(friction.errors[n] > 1.3 * plain.errors[n] for n in plain.errors)
 
 
+def test_the_proved_gains_alone_stand_beside_what_the_start_phase_makes_of_them(outcomes):
+    """From the start on the filter all observers share does most of it; later the gains are on their own."""
+    whole = next(r for r in outcomes if (r.window.begin, r.window.end) == (0.0, 2.0))
+    late = next(r for r in outcomes if (r.window.begin, r.window.end) == (13.0, 15.0))
+    assert set(whole.alone) == set(whole.errors) - {"ekf", "ukf"}
+    assert all(whole.alone[n] > 4.0 * whole.errors[n] for n in whole.alone)
+    assert all(late.alone[n] == pytest.approx(late.errors[n], rel=0.1) for n in late.alone)
+
+
 def test_the_command_prints_and_writes(tmp_path, monkeypatch, car):
     monkeypatch.chdir(CONFIG.parent)
     csv, table, pictures = tmp_path / "a.csv", tmp_path / "a.json", tmp_path / "pictures"

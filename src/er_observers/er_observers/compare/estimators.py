@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -60,3 +60,10 @@ def estimators_of(model: Model, gains: str | Path) -> tuple[Estimator, ...]:
             Estimator(name, kind.title, False, made, kalman.start, kalman.step, made.form)
         )
     return tuple(found)
+
+
+def gains_alone(estimator: Estimator) -> Estimator | None:
+    """An observer without its start phase: its proved gain from the first sample on; None for all else."""
+    if not estimator.ours or estimator.parameters.opening is None:
+        return None
+    return replace(estimator, parameters=replace(estimator.parameters, opening=None))

@@ -12,7 +12,7 @@ import numpy as np
 from er_models.model import Array, Model
 from er_models.parallel import cores
 
-from er_observers.compare.estimators import Estimator, estimators_of
+from er_observers.compare.estimators import Estimator, estimators_of, gains_alone
 from er_observers.compare.floor import floor_of
 from er_observers.compare.nrmse import SETTLED, nrmse, settling_time
 from er_observers.observers.runtime import Estimate, Sample
@@ -36,7 +36,8 @@ class Outcome(NamedTuple):
 
     errors: NRMSE of each window of the scenario; settled: `settling_time` [s]; unnoticed: share
     of the samples that are wrong by more than 2 % of the range and called OK; floors: `floor.floor_of`
-    of each window, where plant or sensors are not what is believed.
+    of each window, where plant or sensors are not what is believed; alone: as errors, of the proved gain
+    without start phase, where there is one.
     """
 
     scenario: str
@@ -46,6 +47,7 @@ class Outcome(NamedTuple):
     settled: float
     unnoticed: float
     floors: tuple[float, ...] = ()
+    alone: tuple[float, ...] = ()
 
 
 def follow(estimator: Estimator, record: dict[str, Array], x: Array | None) -> Trace:
@@ -72,10 +74,20 @@ def road_outcomes(
     floors = tuple(floor_of(scenario, w, record, model) for w in windows)
     outcomes = []
     for e in estimators:
-        trace = follow(e, record, first_state(scenario, e.form, e.name, record, number))
-        found = _outcome(scenario, number, e.name, record, trace)
-        outcomes.append(found._replace(floors=floors))
+        x, bare = first_state(scenario, e.form, e.name, record, number), gains_alone(e)
+        found = _outcome(scenario, number, e.name, record, follow(e, record, x))
+        alone = () if bare is None else _errors(scenario, record, follow(bare, record, x))
+        outcomes.append(found._replace(floors=floors, alone=alone))
     return outcomes
+
+
+def _errors(scenario: Scenario, record: dict[str, Array], trace: Trace) -> tuple[float, ...]:
+    """NRMSE of each window."""
+    t, true, errors = record["t"], record["damper_force"], []
+    for window in scenario.windows:
+        rows = (t >= window.begin - 1e-9) & (t <= window.end + 1e-9)
+        errors.append(nrmse(true[rows], trace.force[rows]))
+    return tuple(errors)
 
 
 def _outcome(
@@ -83,13 +95,9 @@ def _outcome(
 ) -> Outcome:
     """The figures of one run."""
     t, true = record["t"], record["damper_force"]
-    errors = []
-    for window in scenario.windows:
-        rows = (t >= window.begin - 1e-9) & (t <= window.end + 1e-9)
-        errors.append(nrmse(true[rows], trace.force[rows]))
     wrong = np.abs(trace.force - true) > SETTLED * float(np.ptp(true))
     return Outcome(
-        scenario.name, number, name, tuple(errors),
+        scenario.name, number, name, _errors(scenario, record, trace),
         settled=settling_time(t, true, trace.force),
         unnoticed=float(np.mean(wrong & (trace.status == int(Status.OK)))),
     )  # fmt: skip

@@ -18,7 +18,8 @@ NEAR = 1.1
 class Row(NamedTuple):
     """A window of a scenario: its thesis figures and the median NRMSE of each estimator; roads in it.
 
-    each: NRMSE of every estimator road by road; floor: median of `Outcome.floors`, NaN where nothing is wrong.
+    each: NRMSE of every estimator road by road; floor: median of `Outcome.floors`, NaN where nothing is wrong;
+    alone: as errors, of the proved gains without start phase.
     """
 
     scenario: Scenario
@@ -28,6 +29,7 @@ class Row(NamedTuple):
     roads: int
     each: dict[str, list[float]]
     floor: float
+    alone: dict[str, float]
 
 
 class Summary(NamedTuple):
@@ -49,8 +51,10 @@ def rows_of(scenarios: Iterable[Scenario], outcomes: Sequence[Outcome]) -> list[
             worst = {n: float(np.max(v)) for n, v in each.items()}
             floors = [o.floors[k] for o in mine if o.floors]
             floor = float(np.median(floors)) if floors else float("nan")
+            alone = {n: [o.alone[k] for o in mine if o.estimator == n and o.alone] for n in names}
+            bare = {n: float(np.median(v)) for n, v in alone.items() if v}
             roads = len(mine) // max(1, len(names))
-            rows.append(Row(s, window, medians, worst, roads, each, floor))
+            rows.append(Row(s, window, medians, worst, roads, each, floor, bare))
     return rows
 
 
@@ -103,7 +107,8 @@ def document(
                 "scenario": r.scenario.name, "title": r.scenario.title, "start": r.scenario.start,
                 "begin": r.window.begin, "end": r.window.end, "table": r.window.table,
                 "roads": r.roads, "published": dict(r.window.published),
-                "nrmse": r.errors, "nrmse_worst": r.worst, "floor": _plain(r.floor),
+                "nrmse": r.errors, "nrmse_worst": r.worst,
+                "nrmse_without_start_phase": r.alone, "floor": _plain(r.floor),
                 "best_of_ours_less_best_peer": paired(r, ours),
                 "settled": {n: _plain(by[r.scenario.name, n].settled) for n in r.errors},
                 "unnoticed": {n: by[r.scenario.name, n].unnoticed for n in r.errors},

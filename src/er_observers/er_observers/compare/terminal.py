@@ -31,8 +31,10 @@ def tables(
     """All tables, in the order they are read."""
     rows = rows_of(scenarios, outcomes)
     shown = [_thesis(rows, titles)] if any(r.window.table for r in rows) else []
+    early = [r for r in rows if r.alone and (r.window.table or r.window.begin == 0.0)]
     return [
         *shown,
+        *([_alone(early, titles)] if early else []),
         _errors(rows, titles, ours),
         _settling(scenarios, outcomes, titles),
     ]
@@ -48,12 +50,29 @@ def _thesis(rows: Sequence[Row], titles: dict[str, str]) -> Table:
     for r in rows:
         if r.window.table:
             published = [_percent(r.window.published.get(n)) for n in THESIS]
-            found = [
-                _percent(r.errors[n]) + ("*" if r.errors[n] < r.window.published.get(n, 0.0) else "")
-                for n in titles
-            ]  # fmt: skip
+            found = [_beside(r, n, r.errors) for n in titles]
             table.add_row(r.window.table, r.scenario.name, r.window.name, str(r.roads), *published, *found)  # fmt: skip
     return table
+
+
+def _alone(rows: Sequence[Row], titles: dict[str, str]) -> Table:
+    """The proved gains without the filter that all observers begin with."""
+    names = [n for n in titles if any(n in r.alone for r in rows)]
+    table = _table(
+        "NRMSE [%] without start phase: the proved gains alone, median over the roads; * below its own thesis figure",
+        ("thesis", "scenario", "start", "time", "roads"),
+        (*(f"thesis: {t}" for t in THESIS.values()), *(titles[n] for n in names)),
+    )
+    for r in rows:
+        words = (r.window.table, r.scenario.name, r.scenario.start, r.window.name, str(r.roads))
+        published = (_percent(r.window.published.get(n)) for n in THESIS)
+        table.add_row(*words, *published, *(_beside(r, n, r.alone) for n in names))
+    return table
+
+
+def _beside(row: Row, name: str, errors: dict[str, float]) -> str:
+    """An error, marked where it is below the thesis's own figure."""
+    return _percent(errors[name]) + ("*" if errors[name] < row.window.published.get(name, 0.0) else "")  # fmt: skip
 
 
 def _errors(rows: Sequence[Row], titles: dict[str, str], ours: Sequence[str]) -> Table:
