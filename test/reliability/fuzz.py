@@ -8,8 +8,10 @@ from collections.abc import Iterator, Sequence
 from random import Random
 from typing import Any
 
-from er_ros_common.clock import to_stamp
+from builtin_interfaces.msg import Time
+from er_ros_common.clock import LAST_SECOND, from_stamp, to_stamp
 from er_ros_common.core import When
+from er_ros_common.stamps import StampLimits
 
 from er_ros_common import builders, topics
 from test.reliability.bus import NAMES, SECOND, STEADY, SYSTEM, Bus, core
@@ -29,6 +31,10 @@ NUMBERS = (
     1e-30,
     1e6,
 )
+SECONDS = (-(2**31), -5, -1, 0, 1, LAST_SECOND)
+NANOSECONDS = (0, 1, SECOND - 1, SECOND, 2**32 - 1)
+"""What a stamp can hold, whether it is a time or not."""
+AHEAD = round(StampLimits().future * SECOND)
 LARGEST_FORCE = 1e5
 """No damper of a car makes more [N]."""
 
@@ -37,21 +43,28 @@ STRETCH = 200
 """Ticks of mostly believable messages, then as many of mostly unbelievable ones, and so on."""
 
 
-def fuzz(name: str, count: int, seed: int) -> list[str]:
-    """What was impossible in the answers of a core to this many messages; it stops at ten."""
+def fuzz(name: str, count: int, seed: int, *, aged: bool = True) -> list[str]:
+    """What was impossible in the answers of a core to this many messages; it stops at ten.
+
+    aged: whether a clock tells the age of stamps. Then nothing may be said with a stamp that it never had.
+    """
     each, random = core(name), Random(seed)
     state, wrong = each.start(), []
     for k, topic, message, now in messages(each.inputs, count, random):
         try:
-            state, said = each.on_message(state, topic, message, _when(now))
+            when = When(STEADY + now, SYSTEM + now if aged else None)
+            state, said = each.on_message(state, topic, message, when)
             if random.random() < 0.3:
-                state, more = each.on_time(state, _when(now))
+                state, more = each.on_time(state, when)
                 said = [*said, *more]
             builders.node_status(builders.Tick(1, 1), name, "running", stamps=state.stamps)
         except Exception as error:
             wrong.append(f"{name} message {k}: {type(error).__name__}: {error}")
             state, said = each.start(), []
-        wrong += [f"{name} message {k}: {bad}" for _, answer in said for bad in impossible(answer)]
+        for _, answer in said:
+            wrong += [f"{name} message {k}: {bad}" for bad in impossible(answer)]
+            if aged and not 0 < from_stamp(answer.header.stamp) - SYSTEM <= now + AHEAD:
+                wrong.append(f"{name} message {k}: stamp is {answer.header.stamp}")
         if len(wrong) >= 10:
             break
     return wrong
@@ -109,10 +122,6 @@ def impossible(answer: Any) -> list[str]:
     return found
 
 
-def _when(now: int) -> When:
-    return When(STEADY + now, SYSTEM + now)
-
-
 def _message(topic: topics.Topic, random: Random, now: int, seq: int, wild: float) -> Any:
     """A message with any numbers where it is wild, with this probability; others move as a car does."""
     message = topic.type()
@@ -132,8 +141,9 @@ def _message(topic: topics.Topic, random: Random, now: int, seq: int, wild: floa
         elif kind == "uint64":
             setattr(message, field, random.choice((seq, 0, 2**64 - 1)) if spoilt else seq)
     wrong = random.choice((0, 0, 0, SECOND, -SECOND, 3600 * SECOND)) if spoilt else 0
-    unset = spoilt and random.random() < 0.1
-    message.header.stamp = to_stamp(0 if unset else SYSTEM + now + wrong)
+    message.header.stamp = to_stamp(SYSTEM + now + wrong)
+    if spoilt and random.random() < 0.2:
+        message.header.stamp = Time(sec=random.choice(SECONDS), nanosec=random.choice(NANOSECONDS))
     return message
 
 
@@ -145,12 +155,16 @@ def _usual(field: str, random: Random) -> float:
 
 
 def run(count: int) -> int:
-    """Fuzz every core with its share of the messages; 1 where anything impossible came out."""
+    """Fuzz every core with its share of the messages, a fifth without ages; 1 where anything impossible came out."""
     names = (*NAMES, "fault_estimator", "skyhook_controller", "ftc_controller", "plant")
     wrong = []
     for seed, name in enumerate(names):
         share = count // len(names)
-        found = fuzz_plant(share, seed) if name == "plant" else fuzz(name, share, seed)
+        if name == "plant":
+            found = fuzz_plant(share, seed)
+        else:
+            old = share // 5
+            found = fuzz(name, share - old, seed) + fuzz(name, old, seed, aged=False)
         sys.stdout.write(
             f"{name}: {count // len(names)} messages, {len(found)} impossible answers\n"
         )

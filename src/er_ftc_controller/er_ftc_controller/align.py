@@ -16,26 +16,33 @@ DEPTH = 20
 
 @dataclass(frozen=True)
 class Aligner(Generic[A, B]):
-    """Values that wait for their partner, by stamp [ns]; and how many never met it."""
+    """Values that wait for their partner, by stamp [ns]; and how many never met it.
+
+    Where the time of a side has jumped back, what waits there is of another past and forgotten.
+    """
 
     left: Mapping[int, A] = field(default_factory=lambda: MappingProxyType({}))
     right: Mapping[int, B] = field(default_factory=lambda: MappingProxyType({}))
     unmatched: int = 0
 
-    def with_left(self, stamp: int, value: A) -> tuple[Aligner[A, B], tuple[A, B] | None]:
+    def with_left(
+        self, stamp: int, value: A, *, back: bool = False
+    ) -> tuple[Aligner[A, B], tuple[A, B] | None]:
         """Take a left value; the pair if its partner is there already."""
         if stamp in self.right:
             partner = self.right[stamp]
             return self._after(stamp), (value, partner)
-        left, lost = _kept({**self.left, stamp: value})
+        left, lost = _kept(self.left, stamp, value, back=back)
         return Aligner(left, self.right, self.unmatched + lost), None
 
-    def with_right(self, stamp: int, value: B) -> tuple[Aligner[A, B], tuple[A, B] | None]:
+    def with_right(
+        self, stamp: int, value: B, *, back: bool = False
+    ) -> tuple[Aligner[A, B], tuple[A, B] | None]:
         """Take a right value; the pair if its partner is there already."""
         if stamp in self.left:
             partner = self.left[stamp]
             return self._after(stamp), (partner, value)
-        right, lost = _kept({**self.right, stamp: value})
+        right, lost = _kept(self.right, stamp, value, back=back)
         return Aligner(self.left, right, self.unmatched + lost), None
 
     def _after(self, stamp: int) -> Aligner[A, B]:
@@ -47,8 +54,13 @@ class Aligner(Generic[A, B]):
         return Aligner(left, right, self.unmatched + old)
 
 
-def _kept(waiting: dict[int, A]) -> tuple[dict[int, A], int]:
-    """The newest `DEPTH` values, and how many were dropped."""
+def _kept(
+    before: Mapping[int, A], stamp: int, value: A, *, back: bool
+) -> tuple[dict[int, A], int]:
+    """The newest `DEPTH` values with one more, and how many were dropped."""
+    if back:
+        return {stamp: value}, len(before)
+    waiting = {**before, stamp: value}
     if len(waiting) <= DEPTH:
         return waiting, 0
     extra = sorted(waiting)[:-DEPTH]

@@ -15,7 +15,7 @@ from er_ros_common.builders import Tick
 from er_ros_common.clock import from_stamp
 from er_ros_common.common_parameters import silence
 from er_ros_common.core import Said, When
-from er_ros_common.stamps import StampLimits, StampState, check_stamp
+from er_ros_common.stamps import Checks, StampLimits, StampState, Verdict, check_input, counted
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import FaultEstimate, PwmDuty
@@ -41,7 +41,7 @@ _USABLE = (FaultEstimate.STATUS_OK, FaultEstimate.STATUS_DEGRADED)
 
 
 class State(NamedTuple):
-    """What the controller knows; halves of samples; estimates that wait, by stamp [ns]; checks of stamps.
+    """What the controller knows; halves of samples; estimates that wait, by stamp [ns]; checks of each input's stamps.
 
     body, strut: whether a sensor is stuck; last: the last sample; heard: when the last usable one came [ns, steady];
     base: stamp of the first one; counts; silent: how `mind` goes on while samples stay away. The next sample finds
@@ -53,13 +53,18 @@ class State(NamedTuple):
     body: Watched = Watched()
     strut: Watched = Watched()
     waiting: tuple[tuple[int, Faults], ...] = ()
-    stamps: StampState = StampState()
+    checks: Checks = (StampState(),) * 3
     last: Tick = Tick(0, 0)
     heard: int = 0
     base: int = 0
     unusable: int = 0
     told: int = 0
     silent: control.State | None = None
+
+    @property
+    def stamps(self) -> StampState:
+        """Counts of all inputs."""
+        return counted(self.checks)
 
     @property
     def command(self) -> Command:
@@ -83,7 +88,9 @@ class FtcCore:
         model = load_model(p.model_file)
         loaded = load_gains(p.gains_file, model)
         self.controller = controller_of(p, model, loaded)
-        self.limits = StampLimits(stale=p.max_age, gap=self.controller.rules.gap)
+        sample = StampLimits(stale=p.max_age, gap=self.controller.rules.gap)
+        # an estimate comes later than its tick where a part of that is waited for, and acts until it is old
+        self.limits = (sample, sample, StampLimits(stale=p.fault_age))
         self.model_id, self.gains_id = model.digest(), loaded.digest
         warm = control.start(self.controller)
         control.step(self.controller, warm, 0.0, Sample(0.0, 0.0, 0.0, 0.0))
@@ -95,27 +102,33 @@ class FtcCore:
     def on_message(
         self, state: State, topic: topics.Topic, message: Any, when: When
     ) -> tuple[State, list[Said]]:
-        """Take a message of one of the inputs; what is to be published for it."""
+        """Take a message of one of the inputs, if its stamp is good; what is to be published for it."""
+        stamp, seq = from_stamp(message.header.stamp), int(message.seq)
+        arrival, which = when.system if self.p.max_age else None, self.inputs.index(topic)
+        checks, verdict = check_input(self.limits, state.checks, which, stamp, seq, arrival)
+        state = state._replace(checks=checks)
         if topic is topics.FAULT:
-            return _waiting(state, message), []
-        stamp = from_stamp(message.header.stamp)
+            return _waiting(state, stamp, message, verdict), []
+        if not verdict.use:
+            return state, []
+        back = verdict is Verdict.JUMPED_BACK
         if topic is topics.ACCELERATION:
             value = (message.sprung, message.unsprung) if message.valid else (math.nan, math.nan)
             body, stuck = check(state.body, value, ACCELERATION, stamp)
             # one that is not to be used leaves the sample without a force, not without a duty
             value = (math.nan, math.nan) if stuck else value
-            pairs, pair = state.pairs.with_left(stamp, value)
+            pairs, pair = state.pairs.with_left(stamp, value, back=back)
             state = State(state.mind, pairs, body, *state[3:])
         else:
             motion = (message.deflection, message.velocity)
             strut, stuck = check(state.strut, motion, DEFLECTION, stamp)
             if stuck or not (message.valid and message.velocity_valid):
                 return state._replace(strut=strut, unusable=state.unusable + 1), []
-            pairs, pair = state.pairs.with_right(stamp, motion)
+            pairs, pair = state.pairs.with_right(stamp, motion, back=back)
             state = State(state.mind, pairs, state.body, strut, *state[4:])
         if pair is None:
             return state, []
-        return self._sample(state, Tick(stamp, message.seq), Sample(*pair[1], *pair[0]), when)
+        return self._sample(state, Tick(stamp, seq), Sample(*pair[1], *pair[0]), when)
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Go on without samples where they stay away, towards the safe duty."""
@@ -140,10 +153,6 @@ class FtcCore:
         self, state: State, tick: Tick, sample: Sample, when: When
     ) -> tuple[State, list[Said]]:
         """Answer a whole sample."""
-        arrival = when.system if self.p.max_age else None
-        stamps, verdict = check_stamp(self.limits, state.stamps, tick.stamp, tick.seq, arrival)
-        if not verdict.use:
-            return state._replace(stamps=stamps), []
         base = state.base or tick.stamp
         t = 1e-9 * (tick.stamp - base)
         mind, waiting = self._heard(state, base, tick.stamp)
@@ -151,7 +160,7 @@ class FtcCore:
         good = mind.heard == t
         heard, unusable = when.steady if good else state.heard, state.unusable + (not good)
         told = state.told + (waiting is not state.waiting)
-        state = State(mind, *state[1:4], waiting, stamps, tick, heard, base, unusable, told)
+        state = State(mind, *state[1:4], waiting, state.checks, tick, heard, base, unusable, told)
         return state, [_command(tick, command)]
 
     def _heard(
@@ -168,10 +177,12 @@ class FtcCore:
         return control.hear(self.controller, state.mind, faults), rest
 
 
-def _waiting(state: State, message: FaultEstimate) -> State:
-    """The state with one more estimate that waits."""
-    one = (from_stamp(message.header.stamp), faults_of(message))
-    return state._replace(waiting=(*state.waiting, one)[-WAITING:])
+def _waiting(state: State, stamp: int, message: FaultEstimate, verdict: Verdict) -> State:
+    """The state with one more estimate that waits; one of the same tick may take back what was said."""
+    if not (verdict.use or verdict is Verdict.DUPLICATE):
+        return state
+    before = () if verdict is Verdict.JUMPED_BACK else state.waiting
+    return state._replace(waiting=(*before, (stamp, faults_of(message)))[-WAITING:])
 
 
 def faults_of(message: FaultEstimate) -> Faults:

@@ -18,7 +18,7 @@ from er_ros_common.common_parameters import (
 )
 from er_ros_common.core import Said, When
 from er_ros_common.parameter_table import REQUIRED, param
-from er_ros_common.stamps import StampLimits, StampState, check_stamp
+from er_ros_common.stamps import Checks, StampLimits, StampState, Verdict, check_input, counted
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import PwmDuty
@@ -50,7 +50,7 @@ class SkyhookParameters(NodeParameters):
 
 
 class State(NamedTuple):
-    """State of the law, halves of samples, checks of stamps.
+    """State of the law, halves of samples, checks of each input's stamps.
 
     last: the last sample, heard: when [ns, steady], 0 before the first; safe: whether the safe duty is asked
     for, safe_at: when it was last [ns, steady]; unusable: samples that were not valid; body, strut: whether a sensor is
@@ -59,7 +59,7 @@ class State(NamedTuple):
 
     mind: skyhook.State = skyhook.START
     pairs: Aligner[float, float] = Aligner()
-    stamps: StampState = StampState()
+    checks: Checks = (StampState(),) * 2
     last: Tick = Tick(0, 0)
     heard: int = 0
     safe: bool = False
@@ -67,6 +67,11 @@ class State(NamedTuple):
     unusable: int = 0
     body: Watched = Watched()
     strut: Watched = Watched()
+
+    @property
+    def stamps(self) -> StampState:
+        """Counts of both inputs."""
+        return counted(self.checks)
 
 
 class SkyhookCore:
@@ -79,7 +84,7 @@ class SkyhookCore:
     def __init__(self, p: SkyhookParameters) -> None:
         self.p = p
         self.law = skyhook.Skyhook(p.u_min, p.u_max, p.corner_frequency, gap=GAP)
-        self.limits = StampLimits(stale=p.max_age, gap=GAP)
+        self.limits = (StampLimits(stale=p.max_age, gap=GAP),) * len(self.inputs)
 
     def start(self) -> State:
         """Before any message."""
@@ -88,11 +93,16 @@ class SkyhookCore:
     def on_message(
         self, state: State, topic: topics.Topic, message: Any, when: When
     ) -> tuple[State, list[Said]]:
-        """Take half of a sample."""
-        acceleration = topic is topics.ACCELERATION
+        """Take half of a sample, if its stamp is good."""
+        acceleration, seq = topic is topics.ACCELERATION, int(message.seq)
+        stamp, arrival = from_stamp(message.header.stamp), when.system if self.p.max_age else None
+        which = self.inputs.index(topic)
+        checks, verdict = check_input(self.limits, state.checks, which, stamp, seq, arrival)
+        state, back = state._replace(checks=checks), verdict is Verdict.JUMPED_BACK
+        if not verdict.use:
+            return state, []
         if not (message.valid and (acceleration or message.velocity_valid)):
             return state._replace(unusable=state.unusable + 1), []
-        stamp = from_stamp(message.header.stamp)
         if acceleration:
             body, stuck = check(
                 state.body, (message.sprung, message.unsprung), ACCELERATION, stamp
@@ -106,13 +116,13 @@ class SkyhookCore:
         if stuck:
             return state._replace(unusable=state.unusable + 1), []
         if acceleration:
-            pairs, pair = state.pairs.with_left(stamp, message.sprung)
+            pairs, pair = state.pairs.with_left(stamp, message.sprung, back=back)
         else:
-            pairs, pair = state.pairs.with_right(stamp, message.velocity)
+            pairs, pair = state.pairs.with_right(stamp, message.velocity, back=back)
         state = state._replace(pairs=pairs)
         if pair is None:
             return state, []
-        return self._answered(state, Tick(stamp, int(message.seq)), pair, when)
+        return self._answered(state, Tick(stamp, seq), pair, when)
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Ask for the safe duty while the inputs are silent."""
@@ -135,13 +145,10 @@ class SkyhookCore:
     def _answered(
         self, state: State, tick: Tick, pair: tuple[float, float], when: When
     ) -> tuple[State, list[Said]]:
-        """Answer one sample, if its stamp is good."""
-        arrival = when.system if self.p.max_age else None
-        stamps, verdict = check_stamp(self.limits, state.stamps, tick.stamp, tick.seq, arrival)
-        state = state._replace(stamps=stamps)
+        """Answer one sample."""
         sample = skyhook.Sample(1e-9 * tick.stamp, *pair)
-        if not verdict.use or not skyhook.usable(sample):
-            return state._replace(unusable=state.unusable + verdict.use), []
+        if not skyhook.usable(sample):
+            return state._replace(unusable=state.unusable + 1), []
         mind, command = skyhook.step(self.law, state.mind, sample)
         state = state._replace(mind=mind, last=tick, safe=False, heard=when.steady)
         message = builders.pwm_duty(tick, command.duty, source=PwmDuty.SOURCE_NOMINAL)

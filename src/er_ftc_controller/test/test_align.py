@@ -32,3 +32,13 @@ def test_what_waits_is_bounded() -> None:
         pairs, _ = pairs.with_left(k, k)
     assert sorted(pairs.left) == list(range(7, DEPTH + 7))
     assert pairs.unmatched == 7
+
+
+def test_time_that_jumps_back_forgets_what_waits() -> None:
+    pairs: Aligner[int, int] = Aligner()
+    for k in range(DEPTH):
+        pairs, _ = pairs.with_left(1000 + k, k)
+    pairs, _ = pairs.with_left(5, 7, back=True)
+    assert dict(pairs.left) == {5: 7}
+    assert pairs.unmatched == DEPTH
+    assert pairs.with_right(5, 8)[1] == (7, 8)

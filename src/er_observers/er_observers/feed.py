@@ -66,14 +66,19 @@ def on_motion(feed: Feed, motion: Motion) -> tuple[Feed, list[Joined]]:
     return _given_on(Feed(motion, *feed[1:]), ready)
 
 
-def on_duty(feed: Feed, stamp: int, duty: float) -> tuple[Feed, list[Joined]]:
-    """Take a duty; the accelerations it completes."""
-    return _given_on(Feed(feed.waiting, _with(feed.duties, stamp, duty), *feed[2:]), [])
+def on_duty(
+    feed: Feed, stamp: int, duty: float, *, back: bool = False
+) -> tuple[Feed, list[Joined]]:
+    """Take a duty; the accelerations it completes. back: time has jumped back, those kept are of another past."""
+    kept = _with(_NONE if back else feed.duties, stamp, duty)
+    return _given_on(Feed(feed.waiting, kept, *feed[2:]), [])
 
 
-def on_deflection(feed: Feed, stamp: int, deflection: float) -> tuple[Feed, list[Joined]]:
-    """Take a deflection [m]; the accelerations it completes."""
-    seen = _with(feed.deflections or _NONE, stamp, deflection)
+def on_deflection(
+    feed: Feed, stamp: int, deflection: float, *, back: bool = False
+) -> tuple[Feed, list[Joined]]:
+    """Take a deflection [m]; the accelerations it completes. back: as in `on_duty`."""
+    seen = _with((not back and feed.deflections) or _NONE, stamp, deflection)
     return _given_on(feed._replace(deflections=seen), [])
 
 

@@ -15,7 +15,7 @@ from er_ros_common.builders import Tick
 from er_ros_common.clock import from_stamp
 from er_ros_common.common_parameters import silence
 from er_ros_common.core import Said, When
-from er_ros_common.stamps import StampLimits, StampState, check_stamp
+from er_ros_common.stamps import Checks, StampLimits, StampState, Verdict, check_input, counted
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import DamperForce
@@ -42,7 +42,7 @@ OUTPUTS = {
 
 
 class State(NamedTuple):
-    """What waits for its other half, checks of stamps, the observer's state (None before a sample).
+    """What waits for its other half, checks of each input's stamps, the observer's state (None before a sample).
 
     watched, strut: whether an accelerometer or the deflection sensor is stuck; unusable: samples that were not valid;
     base: stamp of the first sample [ns]; last: the one estimated last, heard: when [ns, steady]; silent, held: whether
@@ -50,7 +50,7 @@ class State(NamedTuple):
     """
 
     feed: Feed = Feed()
-    stamps: StampState = StampState()
+    checks: Checks = ()
     watched: Watched = Watched()
     strut: Watched = Watched()
     unusable: int = 0
@@ -60,6 +60,11 @@ class State(NamedTuple):
     heard: int = 0
     silent: bool = False
     held: bool = False
+
+    @property
+    def stamps(self) -> StampState:
+        """Counts of all inputs."""
+        return counted(self.checks)
 
 
 class ObserverCore:
@@ -79,28 +84,30 @@ class ObserverCore:
         self.gains = gains if p.payload else replace(gains, payload=False)
         seen = (topics.DEFLECTION,) if self.gains.sees_deflection else ()
         self.inputs = (*self.usual, *seen)
-        self.limits = StampLimits(stale=p.max_age, gap=p.timeout)
+        self.limits = (StampLimits(stale=p.max_age, gap=p.timeout),) * len(self.inputs)
         self.model_id, self.gains_id = model.digest(), self.gains.digest
 
     def start(self) -> State:
         """Before any message."""
-        return State(feed_of(deflection=self.gains.sees_deflection))
+        checks = (StampState(),) * len(self.inputs)
+        return State(feed_of(deflection=self.gains.sees_deflection), checks)
 
     def on_message(
         self, state: State, topic: topics.Topic, message: Any, when: When
     ) -> tuple[State, list[Said]]:
-        """Take accelerations, if their stamp is good, the duty from then on, or the deflection."""
-        stamp = from_stamp(message.header.stamp)
+        """Take accelerations, the duty from then on, or the deflection, if the stamp is good."""
+        stamp, seq = from_stamp(message.header.stamp), int(message.seq)
+        arrival, which = when.system if self.p.max_age else None, self.inputs.index(topic)
+        checks, verdict = check_input(self.limits, state.checks, which, stamp, seq, arrival)
+        state, back = State(state.feed, checks, *state[2:]), verdict is Verdict.JUMPED_BACK
+        if not verdict.use:
+            return state, []
         if topic is topics.PWM_APPLIED:
             duty = message.duty if message.valid else math.nan
-            feed, joined = on_duty(state.feed, stamp, duty)
+            feed, joined = on_duty(state.feed, stamp, duty, back=back)
             return self._estimated(state, feed, joined, when)
         if topic is topics.DEFLECTION:
-            return self._on_deflection(state, stamp, message, when)
-        seq, arrival = int(message.seq), when.system if self.p.max_age else None
-        stamps, verdict = check_stamp(self.limits, state.stamps, stamp, seq, arrival)
-        if not verdict.use:
-            return state._replace(stamps=stamps), []
+            return self._on_deflection(state, stamp, message, when, back=back)
         # values that are not valid are bridged
         read = (message.sprung, message.unsprung)
         watched, stuck = check(state.watched, read, ACCELERATION, stamp)
@@ -108,18 +115,18 @@ class ObserverCore:
         values = read if good else (math.nan, math.nan)
         feed, joined = on_motion(state.feed, Motion(stamp, seq, *values))
         unusable = state.unusable + (not good)
-        state = State(feed, stamps, watched, state.strut, unusable, *state[5:])
+        state = State(feed, checks, watched, state.strut, unusable, *state[5:])
         return self._estimated(state, feed, joined, when)
 
     def _on_deflection(
-        self, state: State, stamp: int, message: Any, when: When
+        self, state: State, stamp: int, message: Any, when: When, *, back: bool
     ) -> tuple[State, list[Said]]:
-        """Take a deflection; NaN where it is not valid or the sensor is stuck."""
+        """Take a deflection; NaN where it is not valid or the sensor is stuck. back: time has jumped back."""
         velocity = message.velocity if message.velocity_valid else math.nan
         strut, stuck = check(state.strut, (message.deflection, velocity), DEFLECTION, stamp)
         good = message.valid and math.isfinite(message.deflection) and not stuck
         value = message.deflection if good else math.nan
-        feed, joined = on_deflection(state.feed, stamp, value)
+        feed, joined = on_deflection(state.feed, stamp, value, back=back)
         state = state._replace(strut=strut, unusable=state.unusable + (not good))
         return self._estimated(state, feed, joined, when)
 

@@ -16,7 +16,7 @@ from er_ros_common.builders import Tick
 from er_ros_common.clock import from_stamp
 from er_ros_common.common_parameters import silence
 from er_ros_common.core import Said, When
-from er_ros_common.stamps import StampLimits, StampState, check_stamp
+from er_ros_common.stamps import Checks, StampLimits, StampState, check_input, counted
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import FaultEstimate
@@ -44,7 +44,7 @@ _PARTS = {
 
 
 class State(NamedTuple):
-    """Ticks that wait for a part, checks of stamps, the estimator's state (None before a sample).
+    """Ticks that wait for a part, checks of each input's stamps, the estimator's state (None before a sample).
 
     body, strut: whether a sensor is stuck; unusable: messages that were not valid or stuck; base: stamp of the first
     sample [ns]; last: the one estimated last, heard: when [ns, steady]; silent: whether it was said that samples stay
@@ -52,7 +52,7 @@ class State(NamedTuple):
     """
 
     gathered: Gathered = Gathered()
-    stamps: StampState = StampState()
+    checks: Checks = ()
     body: Watched = Watched()
     strut: Watched = Watched()
     unusable: int = 0
@@ -61,6 +61,11 @@ class State(NamedTuple):
     last: Tick = Tick(0, 0)
     heard: int = 0
     silent: bool = False
+
+    @property
+    def stamps(self) -> StampState:
+        """Counts of all inputs."""
+        return counted(self.checks)
 
 
 class FaultCore:
@@ -82,24 +87,22 @@ class FaultCore:
         given = () if self.force is None else (self.force,)
         self.inputs = (topics.ACCELERATION, topics.DEFLECTION, topics.PWM_APPLIED, *given)
         self.needed = tuple(range(len(self.inputs)))
-        self.limits = StampLimits(stale=p.max_age, gap=p.timeout)
+        self.limits = (StampLimits(stale=p.max_age, gap=p.timeout),) * len(self.inputs)
         self.model_id = model.digest()
 
     def start(self) -> State:
         """Before any message."""
-        return State()
+        return State(checks=(StampState(),) * len(self.inputs))
 
     def on_message(
         self, state: State, topic: topics.Topic, message: Any, when: When
     ) -> tuple[State, list[Said]]:
-        """Take a part of a tick; stamps are those of the accelerations."""
+        """Take a part of a tick, if its stamp is good."""
         stamp, seq = from_stamp(message.header.stamp), int(message.seq)
-        stamps = state.stamps
-        if topic is topics.ACCELERATION:
-            arrival = when.system if self.p.max_age else None
-            stamps, verdict = check_stamp(self.limits, stamps, stamp, seq, arrival)
-            if not verdict.use:
-                return state._replace(stamps=stamps), []
+        arrival, place = when.system if self.p.max_age else None, self.inputs.index(topic)
+        checks, verdict = check_input(self.limits, state.checks, place, stamp, seq, arrival)
+        if not verdict.use:
+            return State(state.gathered, checks, *state[2:]), []
         part = _part(topic, message)
         body, strut, stuck = _watched(state, topic, part, stamp)
         if stuck:
@@ -107,7 +110,7 @@ class FaultCore:
         unusable = state.unusable + (stuck or not message.valid)
         which = _PARTS.get(topic.name, gather.FORCE)
         gathered, ticks = gather.add(state.gathered, self.needed, which, stamp, seq, part)
-        state = State(gathered, stamps, body, strut, unusable, *state[5:])
+        state = State(gathered, checks, body, strut, unusable, *state[5:])
         return self._estimated(state, ticks, when) if ticks else (state, [])
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:

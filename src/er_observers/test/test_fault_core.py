@@ -52,6 +52,12 @@ def test_time_that_jumps_back_begins_anew() -> None:
     assert [tick.seq for tick in ready] == [1]
 
 
+def test_an_old_part_is_no_jump_of_time() -> None:
+    g = gather.Gathered(last=100_000 * MS)
+    for which in (gather.DEFLECTION, gather.DUTY):
+        assert gather.add(g, NEEDED, which, 5 * MS, 1, (0.1, 0.1)) == (g, [])
+
+
 def played(
     core: FaultCore, model: Model, seconds: float, held: str = "", since: float = 1.0
 ) -> tuple[State, list[Said]]:

@@ -67,3 +67,13 @@ def test_a_lost_deflection_holds_nothing_up() -> None:
     assert (feed.lost, feed.blind) == (0, 1)
     feed, ready = on_duty(feed, 10, 0.3)
     assert ready == [(motion(10), 0.3, 2e-3)]
+
+
+def test_time_that_jumps_back_forgets_what_is_kept() -> None:
+    feed = feed_of(deflection=True)
+    for k in range(DEPTH):
+        feed, _ = on_duty(feed, 1000 + k, 0.3)
+        feed, _ = on_deflection(feed, 1000 + k, 1e-3)
+    feed, _ = on_duty(feed, 5, 0.2, back=True)
+    feed, _ = on_deflection(feed, 5, 2e-3, back=True)
+    assert on_motion(feed, motion(5))[1] == [(motion(5), 0.2, 2e-3)]

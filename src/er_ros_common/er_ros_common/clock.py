@@ -64,9 +64,10 @@ def split(nanoseconds: int) -> tuple[int, int]:
 
 
 def from_stamp(stamp: Time) -> int:
-    """Time of a stamp [ns]."""
-    nanoseconds: int = stamp.sec * SECOND + stamp.nanosec
-    return nanoseconds
+    """Time of a stamp [ns]; 0, as where it is not set, where its seconds are negative or its nanoseconds a second."""
+    sec: int = stamp.sec
+    nanosec: int = stamp.nanosec
+    return sec * SECOND + nanosec if sec >= 0 and nanosec < SECOND else 0
 
 
 def to_seconds(stamp: Time) -> float:

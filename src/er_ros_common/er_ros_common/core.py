@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple, Protocol
 
+from er_ros_common.stamps import StampLimits
 from er_ros_common.topics import Topic
 
 Said = tuple[Topic, Any]
@@ -27,6 +28,10 @@ class Core(Protocol):
     @property
     def inputs(self) -> tuple[Topic, ...]:
         """What it listens to."""
+
+    @property
+    def limits(self) -> tuple[StampLimits, ...]:
+        """When the stamp of each input is refused."""
 
     @property
     def outputs(self) -> tuple[Topic, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import NamedTuple
@@ -112,6 +113,30 @@ def check_stamp(
     refused = duplicate, late, stale, future, zero
     following = (stamp, seq, received + 1, used + 1, lost, *refused, resets)
     return _NEW(StampState, following), verdict
+
+
+Checks = tuple[StampState, ...]
+"""What is known of the stamps of several inputs, one for each."""
+
+
+def check_input(
+    limits: Sequence[StampLimits],
+    states: Checks,
+    which: int,
+    stamp: int,
+    seq: int = 0,
+    now: int | None = None,
+) -> tuple[Checks, Verdict]:
+    """Judge a stamp of one of several inputs, each by its own limits and its own past; see `check_stamp`."""
+    state, verdict = check_stamp(limits[which], states[which], stamp, seq, now)
+    return (*states[:which], state, *states[which + 1 :]), verdict
+
+
+def counted(states: Checks) -> StampState:
+    """The counts of all inputs together; stamp, sequence number and resets are those of the first."""
+    sums = [sum(each) for each in zip(*(state[2:-1] for state in states), strict=True)]
+    first = states[0]
+    return StampState._make((first.stamp, first.seq, *sums, first.resets))
 
 
 def in_order(state: StampState, stamp: int, seq: int, number: int) -> StampState:

@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 import pytest
-from er_ros_common.stamps import StampLimits, StampState, Verdict, check_stamp
+from er_ros_common.stamps import (
+    StampLimits,
+    StampState,
+    Verdict,
+    check_input,
+    check_stamp,
+    counted,
+)
 
 MS = 1_000_000
 START = 100_000 * MS
@@ -100,3 +107,21 @@ def test_a_number_from_nowhere_is_no_loss() -> None:
     state, verdict = check_stamp(LIMITS, state, START + 5 * MS, seq=2**64 - 1)
     assert verdict is Verdict.FRESH
     assert state.lost == 0
+
+
+def test_each_of_several_inputs_has_its_own_limits_and_its_own_past() -> None:
+    patient = StampLimits(stale=0.5)
+    states, verdicts = (StampState(),) * 2, []
+    for which, stamp, seq in ((0, START, 1), (1, START, 1), (0, START, 1), (1, START + 9 * MS, 3)):
+        states, verdict = check_input((LIMITS, patient), states, which, stamp, seq, START + 9 * MS)
+        verdicts.append(verdict)
+    old = [
+        check_input((LIMITS, patient), states, which, START + 11 * MS, 4, START + 50 * MS)[1]
+        for which in (0, 1)
+    ]
+    assert verdicts == [Verdict.FIRST, Verdict.FIRST, Verdict.DUPLICATE, Verdict.FRESH]
+    assert old == [Verdict.STALE, Verdict.FRESH]
+    all_of_them = counted(states)
+    assert (all_of_them.stamp, all_of_them.seq) == (START, 1)
+    assert (all_of_them.received, all_of_them.used, all_of_them.lost) == (4, 3, 1)
+    assert (all_of_them.duplicate, all_of_them.resets) == (1, 0)

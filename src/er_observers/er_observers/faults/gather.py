@@ -10,12 +10,16 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
+from er_ros_common.stamps import SECOND, StampLimits
+
 from er_observers.faults.sample import Sample
 
 DEPTH = 4
 """Ticks that may wait for a part."""
 ACCELERATION, DEFLECTION, DUTY, FORCE = range(4)
 """Parts of a tick."""
+BACK = round(StampLimits().back * SECOND)
+"""Step back of the accelerations' stamps that is a jump of time, not a straggler [ns]."""
 _MISSING = ((math.nan, math.nan), (math.nan, math.nan), (math.nan,), (math.nan,))
 
 Part = tuple[float, ...]
@@ -42,11 +46,12 @@ def add(
 ) -> tuple[Gathered, list[Tick]]:
     """Take a part (two accelerations, deflection and velocity, a duty, a force); the ticks that can go on, in order.
 
-    needed: parts that a complete tick has. A part of a tick that was given on changes nothing.
+    needed: parts that a complete tick has. A part of a tick that was given on changes nothing. Time is that of the
+    accelerations: where they jump back, what waits is of another past; another part that is old is only old.
     """
-    if stamp <= gathered.last and gathered.last - stamp < 1_000_000_000:
-        return gathered, []
-    if stamp <= gathered.last:  # time has jumped back: what waits is of another past
+    if stamp <= gathered.last:
+        if which != ACCELERATION or gathered.last - stamp <= BACK:
+            return gathered, []
         gathered = Gathered(missing=gathered.missing)
     _, seq, before = gathered.waiting.get(stamp) or Tick(stamp, seq)
     parts = (*before[:which], part, *before[which + 1 :])
