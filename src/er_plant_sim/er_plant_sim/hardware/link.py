@@ -7,6 +7,7 @@ baud), `udp:HOST:PORT`. A device listens at `udp:HOST:PORT`, or makes a pseudo t
 
 from __future__ import annotations
 
+import errno
 import os
 import select
 import socket
@@ -79,9 +80,14 @@ class SerialLink:
         self._port.reset_input_buffer()
 
     def read(self, timeout: float) -> bytes:
-        """Bytes that came within this time [s]."""
+        """Bytes that came within this time [s]; OSError once the other end has hung up."""
         ready, _, _ = select.select([self._port.fileno()], [], [], timeout)
-        return os.read(self._port.fileno(), CHUNK) if ready else b""
+        if not ready:
+            return b""
+        data = os.read(self._port.fileno(), CHUNK)
+        if not data:  # from then on it would be ready, with nothing, for ever
+            raise OSError(errno.ENODEV, "the port is gone")
+        return data
 
     def write(self, data: bytes) -> None:
         """Send bytes."""

@@ -169,6 +169,7 @@ class BridgeNode(ManagedNode):
             "samples missed": s.missed,
             "samples untimely": s.untimely,
             "wire opened": self.wire.opens,
+            "writes failed": self.wire.failed,
             "device restarts": s.boots,
             "clock drift [ppm]": f"{1e6 * s.clock.drift:.2f}",
             "clock deviation [us]": f"{1e6 * clocks.deviation(s.clock):.1f}",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from time import monotonic_ns
+from time import monotonic, monotonic_ns
 
 from er_plant_sim.hardware.link import Address, Link, connect
 
@@ -15,7 +15,11 @@ AGAIN = 0.2
 
 
 class Wire:
-    """Calls `heard(data, now, datagram)` for bytes and `idle(now)` often; both return bytes to send."""
+    """Calls `heard(data, now, datagram)` for bytes and `idle(now)` often; both return bytes to send.
+
+    trouble: what is wrong with the wire now, "" while it is open and takes what is written; opens, failed: times it
+    was opened, writes that failed.
+    """
 
     def __init__(
         self,
@@ -25,7 +29,7 @@ class Wire:
         opened: Callable[[], None],
     ) -> None:
         self.address, self.heard, self.idle, self.opened = address, heard, idle, opened
-        self.trouble, self.opens = "", 0
+        self.trouble, self.opens, self.failed = "", 0, 0
         self._link: Link | None = None
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run, name="wire", daemon=True)
@@ -40,12 +44,11 @@ class Wire:
         if link is not None and data:
             try:
                 link.write(data)
-            except (
-                OSError,
-                ValueError,
-                TypeError,
-            ) as error:  # closed by the other thread meanwhile
+            except (OSError, ValueError, TypeError) as error:  # or closed by the other thread
                 self.trouble = str(error)
+                self.failed += 1
+            else:
+                self.trouble = ""
 
     def stop(self) -> None:
         """End the thread and close the wire."""
@@ -65,8 +68,13 @@ class Wire:
             link, self._link = self._link, None
             if link is not None:
                 link.close()
+            self._wait()
+
+    def _wait(self) -> None:
+        """Do nothing but what has to be done now and then until it is time to open the wire again."""
+        until = monotonic() + AGAIN
+        while monotonic() < until and not self._ending.wait(ATTENTION):
             self.idle(monotonic_ns())
-            self._ending.wait(AGAIN)
 
     def _serve(self, link: Link) -> None:
         while not self._ending.is_set():

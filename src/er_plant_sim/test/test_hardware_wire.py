@@ -1,0 +1,100 @@
+"""The thread that holds the wire, with a pseudo terminal and with a link that is told to fail."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from time import monotonic, process_time, sleep
+
+import pytest
+from er_plant_sim.hardware.link import Address, PtyLink
+from er_plant_sim.nodes import wire as module
+from er_plant_sim.nodes.wire import AGAIN, Wire
+
+
+def until(holds: Callable[[], bool], seconds: float = 5.0) -> None:
+    """Wait for something."""
+    end = monotonic() + seconds
+    while not holds():
+        assert monotonic() < end
+        sleep(0.002)
+
+
+def killed(device: PtyLink) -> None:
+    """Take the terminal away as the kernel does with that of a killed program: the link stays."""
+    os.close(device._master)
+    os.close(device._slave)
+
+
+def test_a_port_whose_device_died_is_opened_again_and_costs_nothing_meanwhile(
+    tmp_path: Path,
+) -> None:
+    port = tmp_path / "port"
+    device, calls = PtyLink(str(port)), [0]
+
+    def idle(_: int) -> bytes:
+        calls[0] += 1
+        return b"?"
+
+    wire = Wire(Address(f"serial:{port}", ("serial",)), lambda *_: b"", idle, lambda: None)
+    wire.start()
+    try:
+        until(lambda: device.read(0.0) == b"?")
+        assert (wire.opens, wire.trouble) == (1, "")
+        killed(device)
+        until(lambda: wire.trouble != "")
+        before, began = calls[0], process_time()
+        sleep(2.0 * AGAIN)
+        assert wire.trouble
+        # silence is noticed in time, and nothing spins
+        assert 10 < calls[0] - before < 200
+        assert process_time() - began < 0.5 * AGAIN
+        device = PtyLink(str(port))
+        until(lambda: device.read(0.0) == b"?")
+        assert (wire.opens, wire.trouble) == (2, "")
+    finally:
+        wire.stop()
+        device.close()
+
+
+class Failing:
+    """A link that takes nothing while it is told so."""
+
+    datagram = True
+
+    def __init__(self) -> None:
+        self.fails, self.written = False, 0
+
+    def read(self, timeout: float) -> bytes:
+        """Nothing, soon."""
+        sleep(0.2 * timeout)
+        return b""
+
+    def write(self, data: bytes) -> None:
+        """Count, or fail as a network does that is away for a moment."""
+        if self.fails:
+            raise OSError(101, "Network is unreachable")
+        self.written += 1
+
+    def close(self) -> None:
+        """Nothing."""
+
+
+def test_a_write_that_failed_is_forgiven_by_the_next_that_does_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    link = Failing()
+    monkeypatch.setattr(module, "connect", lambda _: link)
+    wire = Wire(Address("udp:h:1", ("udp",)), lambda *_: b"", lambda _: b"?", lambda: None)
+    wire.start()
+    try:
+        until(lambda: link.written > 3)
+        link.fails = True
+        until(lambda: "unreachable" in wire.trouble)
+        link.fails = False
+        until(lambda: not wire.trouble)
+        assert wire.failed > 0
+        assert wire.opens == 1
+    finally:
+        wire.stop()
