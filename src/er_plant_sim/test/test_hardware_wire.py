@@ -54,7 +54,7 @@ def test_a_port_whose_device_died_is_opened_again_and_costs_nothing_meanwhile(
         until(lambda: device.read(0.0) == b"?")
         assert (wire.opens, wire.trouble) == (2, "")
     finally:
-        wire.stop()
+        wire.stop(bytes)
         device.close()
 
 
@@ -64,21 +64,23 @@ class Failing:
     datagram = True
 
     def __init__(self) -> None:
-        self.fails, self.written = False, 0
+        self.fails, self.written, self.last, self.closed = False, 0, b"", False
 
     def read(self, timeout: float) -> bytes:
-        """Nothing, soon."""
+        """The same again, soon."""
         sleep(0.2 * timeout)
-        return b""
+        return b"sample"
 
     def write(self, data: bytes) -> None:
         """Count, or fail as a network does that is away for a moment."""
         if self.fails:
             raise OSError(101, "Network is unreachable")
         self.written += 1
+        self.last = data
 
     def close(self) -> None:
-        """Nothing."""
+        """Nothing is written from then on."""
+        self.closed = True
 
 
 def test_a_write_that_failed_is_forgiven_by_the_next_that_does_not(
@@ -97,4 +99,31 @@ def test_a_write_that_failed_is_forgiven_by_the_next_that_does_not(
         assert wire.failed > 0
         assert wire.opens == 1
     finally:
-        wire.stop()
+        wire.stop(bytes)
+
+
+def test_nothing_follows_the_farewell(monkeypatch: pytest.MonkeyPatch) -> None:
+    link, answers = Failing(), [0]
+    monkeypatch.setattr(module, "connect", lambda _: link)
+
+    def heard(*_: object) -> bytes:
+        """The duty that a sample is answered with, which takes its time."""
+        sleep(0.01)
+        answers[0] += 1
+        return b"duty"
+
+    wire = Wire(Address("udp:h:1", ("udp",)), heard, lambda _: b"", lambda: None)
+    wire.start()
+    until(lambda: link.written > 3)
+
+    def farewell() -> bytes:
+        assert not link.closed
+        return b"safe %d" % answers[0]
+
+    wire.stop(farewell)
+    sleep(0.05)
+    # the answer that was being made came before it, and it was numbered after that
+    assert link.last == b"safe %d" % answers[0]
+    assert link.closed
+    wire.write(b"duty of a command that came late")
+    assert link.last == b"safe %d" % answers[0]

@@ -181,12 +181,15 @@ class BridgeNode(ManagedNode):
         }
 
     def end(self) -> None:
-        """Leave the safe duty behind, and let subscribers take the last messages."""
+        """Leave the safe duty behind as the last command, and let subscribers take the last messages."""
+        self.wire.stop(self.on_farewell)
+        self.out.flush()
+
+    def on_farewell(self) -> bytes:
+        """The last words to the device; nobody else speaks any more."""
         with self.lock:
             self.state, data = bridge.farewell(self.bridge, self.state)
-        self.wire.write(data)
-        self.wire.stop()
-        self.out.flush()
+        return data
 
 
 CARD = Card(

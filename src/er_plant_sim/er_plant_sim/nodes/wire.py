@@ -50,11 +50,13 @@ class Wire:
             else:
                 self.trouble = ""
 
-    def stop(self) -> None:
-        """End the thread and close the wire."""
+    def stop(self, farewell: Callable[[], bytes]) -> None:
+        """End the thread, send what is asked for only then, so that nothing follows it, and close the wire."""
         self._ending.set()
         if self._thread.is_alive():
             self._thread.join(timeout=1.0)
+        self.write(farewell())
+        self._close()
 
     def _run(self) -> None:
         while not self._ending.is_set():
@@ -65,10 +67,14 @@ class Wire:
                 self._serve(self._link)
             except OSError as error:
                 self.trouble = error.strerror or str(error)
-            link, self._link = self._link, None
-            if link is not None:
-                link.close()
-            self._wait()
+            if not self._ending.is_set():
+                self._close()
+                self._wait()
+
+    def _close(self) -> None:
+        link, self._link = self._link, None
+        if link is not None:
+            link.close()
 
     def _wait(self) -> None:
         """Do nothing but what has to be done now and then until it is time to open the wire again."""
