@@ -10,7 +10,7 @@ import signal
 import sys
 import threading
 from collections.abc import Sequence
-from time import monotonic_ns, perf_counter, time_ns
+from time import monotonic_ns, perf_counter
 
 from er_ros_common.builders import Tick
 from er_ros_common.fault_port import FaultPort
@@ -28,13 +28,12 @@ from er_plant_sim.hardware.bridge import Reading
 from er_plant_sim.hardware.settings import BridgeParameters, build
 from er_plant_sim.nodes.outlet import Outlet
 from er_plant_sim.nodes.roll_call import Gathering
+from er_plant_sim.nodes.system_time import SystemTime
 from er_plant_sim.nodes.wire import Wire
 from er_ros_common import log, topics
 
 CONFLICT = 0.1
 """Share of samples answered more than once that shows two controllers at work."""
-CLOCK_STEP = 10_000_000
-"""Jump of the system clock against the steady one that the stamps follow [ns]."""
 WATCH_PERIOD = 0.02
 
 
@@ -64,7 +63,7 @@ class BridgeNode(ManagedNode):
         """Open the wire, and wait for everybody."""
         self.state = bridge.start(self.bridge, monotonic_ns())
         self.reading: Reading | None = None
-        self.anchor, self.clock_steps = time_ns() - monotonic_ns(), 0
+        self.time = SystemTime()
         self.repeated, self.over = 0, False
         self.gathering.begin()
         self.wire = Wire(self.address, self.on_wire, self.on_idle, self.on_open)
@@ -79,7 +78,7 @@ class BridgeNode(ManagedNode):
             )
         for reading in said.readings:
             self.reading = reading
-            tick = Tick(reading.stamp + self.anchor, reading.seq)
+            tick = Tick(self.time.stamp(reading.stamp), reading.seq)
             self.out.publish(ros_hardware.messages(tick, reading, force_sd=self.p.noise_force))
             self.health.meter.step(perf_counter() - began)
         return said.data
@@ -90,7 +89,7 @@ class BridgeNode(ManagedNode):
             self.state, said = bridge.on_time(self.bridge, self.state, now)
             last, seq = self.state.stamp, self.state.seq
         if said.silence:
-            tick = Tick(last + self.anchor, seq)
+            tick = Tick(self.time.stamp(last), seq)
             self.out.publish(ros_hardware.lost(tick, self.p.safe_duty))
         return said.data
 
@@ -114,7 +113,8 @@ class BridgeNode(ManagedNode):
         self.wire.write(data)
 
     def on_watch(self) -> None:
-        """Begin once everybody and the device are there; end with the program."""
+        """Follow a clock that was set; begin once everybody and the device are there; end with the program."""
+        self.time.follow()
         if not self.state.begun:
             if not bridge.refusal(self.bridge, self.state) and self.gathering.complete():
                 with self.lock:
@@ -125,7 +125,7 @@ class BridgeNode(ManagedNode):
             signal.raise_signal(signal.SIGINT)
 
     def on_second(self) -> None:
-        """Look at who commands, and whether the system clock was set."""
+        """Look at who commands."""
         repeated, self.repeated = (
             self.state.gate.repeated - self.repeated,
             self.state.gate.repeated,
@@ -135,9 +135,6 @@ class BridgeNode(ManagedNode):
         conflict = several and repeated > CONFLICT * self.p.rate
         with self.lock:
             self.state = self.state._replace(conflict=conflict)
-        anchor = time_ns() - monotonic_ns()
-        if abs(anchor - self.anchor) > CLOCK_STEP:
-            self.anchor, self.clock_steps = anchor, self.clock_steps + 1
 
     def report(self) -> Report:
         """Health of bridge, wire and device."""
@@ -174,7 +171,7 @@ class BridgeNode(ManagedNode):
             "clock drift [ppm]": f"{1e6 * s.clock.drift:.2f}",
             "clock deviation [us]": f"{1e6 * clocks.deviation(s.clock):.1f}",
             "way there and back [us]": f"{1e6 * s.clock.width:.0f}",
-            "clock steps": self.clock_steps,
+            "clock steps": self.time.steps,
             "injected": self.port.in_force,
             "commands refused": s.gate.refused,
             "duties limited": s.gate.limited,
