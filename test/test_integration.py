@@ -15,14 +15,14 @@ pytest.importorskip("rclpy")
 from er_bringup.graph import CAR
 from er_bringup.integration import foxglove, names, plotjuggler
 from er_bringup.integration.write import files
-from er_bringup.ros_joint import COMMANDS, STATES, JointCore, JointParameters
+from er_bringup.ros_joint import COMMANDS, STATES, JointCore, JointParameters, State
 from er_ros_common.builders import Tick
 from er_ros_common.core import When
 from er_ros_common.parameter_table import build
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 
-from er_ros_common import builders, topics
+from er_ros_common import builders, clock, topics
 from test.conftest import ROOT
 
 CONFIG = ROOT / "config"
@@ -143,3 +143,95 @@ def test_a_joint_command_becomes_the_duty_that_answers_the_last_sample() -> None
         assert said == []
     lost = builders.suspension_deflection(Tick(10_000_000, 2), 0.0, valid=False)
     assert core.on_message(state, topics.DEFLECTION, lost, now)[1] == []
+
+
+MS = 1_000_000
+NOW = 1_700_000_000_000_000_000
+"""Time on the system clock of the tests below [ns]."""
+
+
+def joint_core(**given: Any) -> JointCore:
+    """A core with the measured force."""
+    return JointCore(build(JointParameters, given, {}))
+
+
+def sample(k: int) -> Tick:
+    """The k-th sample at 200 Hz."""
+    return Tick(NOW + 5 * k * MS, k)
+
+
+def at(tick: Tick) -> When:
+    """It comes a millisecond after it was measured."""
+    return When(tick.stamp - NOW + MS, tick.stamp + MS)
+
+
+def joint_state(core: JointCore, state: State, message: Any) -> tuple[State, list[list[float]]]:
+    """Position, velocity and effort of what a deflection leads to; empty where it leads to nothing."""
+    came = at(Tick(max(clock.from_stamp(message.header.stamp), NOW), 0))
+    state, said = core.on_message(state, topics.DEFLECTION, message, came)
+    return state, [list(p) for _, j in said for p in (j.position, j.velocity, j.effort)]
+
+
+def test_a_joint_state_holds_no_force_that_is_old_or_no_number() -> None:
+    core = joint_core()
+    state = core.start()
+    for k in (1, 2):
+        force = builders.damper_force(sample(k), 12.5)
+        if k == 2:
+            force.force = math.nan  # as a foreign publisher may send it, and calls it valid
+        state, _ = core.on_message(state, topics.FORCE, force, at(sample(k)))
+    for k in range(1, 20):
+        deflection = builders.suspension_deflection(sample(k), 0.01, -0.2)
+        state, found = joint_state(core, state, deflection)
+        fresh = k <= 11  # 50 ms after its own sample
+        assert found == [[0.01], [-0.2], [12.5] if fresh else []]
+        assert state.lacks == (() if fresh else ("sensors/force",))
+
+
+def test_a_joint_state_holds_what_is_valid_and_finite_and_nothing_else() -> None:
+    core = joint_core()
+    state = core.start()
+    for k, (x, v, velocity_valid, expected) in enumerate(
+        [
+            (0.01, 0.3, True, [[0.01], [0.3], []]),
+            (math.nan, math.inf, True, []),
+            (0.01, math.inf, True, [[0.01], [], []]),
+            (0.01, 0.0, False, [[0.01], [], []]),
+        ],
+        start=1,
+    ):
+        message = builders.suspension_deflection(sample(k), 0.0, 0.0)
+        message.deflection, message.velocity, message.velocity_valid = x, v, velocity_valid
+        state, found = joint_state(core, state, message)
+        assert found == expected
+    assert state.unusable == 1
+    assert state.lacks == ("velocity", "sensors/force")
+
+
+@pytest.mark.parametrize("seconds", [-5, 0, 1_600_000_000, 1_800_000_000, 2**31 - 1])
+@pytest.mark.parametrize("max_age", [0.02, 0.0])
+def test_a_bad_stamp_is_no_sample_and_a_command_after_it_no_crash(
+    seconds: int, max_age: float
+) -> None:
+    core = joint_core(max_age=max_age)
+    message = builders.suspension_deflection(sample(1), 0.01, -0.2)
+    message.header.stamp.sec, message.header.stamp.nanosec = (
+        seconds,
+        0 if seconds < 1 else 2**32 - 1,
+    )
+    state, found = core.on_message(core.start(), topics.DEFLECTION, message, at(sample(1)))
+    aged = max_age > 0.0
+    assert bool(found) == (0 < seconds < 2**31 - 1 and not aged)
+    command = JointState(name=["damper"], effort=[0.25])
+    state, said = core.on_message(state, COMMANDS, command, When(MS, NOW))
+    assert bool(said) == bool(found)
+
+
+def test_a_joint_command_after_50_ms_without_samples_is_refused() -> None:
+    core, command = joint_core(), JointState(name=["damper"], effort=[0.25])
+    state, _ = joint_state(core, core.start(), builders.suspension_deflection(sample(1), 0.01))
+    for late, refused in ((10 * MS, False), (60 * MS, True)):
+        when = When(at(sample(1)).steady + late, None)
+        assert core.silent(state, when.steady) == refused
+        _, said = core.on_message(state, COMMANDS, command, when)
+        assert bool(said) != refused

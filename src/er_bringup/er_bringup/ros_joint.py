@@ -13,14 +13,15 @@ from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 from er_ros_common.builders import Tick
-from er_ros_common.clock import from_stamp
-from er_ros_common.common_parameters import NodeParameters
+from er_ros_common.clock import LAST_SECOND, SECOND, from_stamp
+from er_ros_common.common_parameters import NodeParameters, oldest_sample, silence
 from er_ros_common.core import Said, When
 from er_ros_common.parameter_table import param
+from er_ros_common.stamps import StampLimits, StampState, check_stamp
 from er_ros_common.topics import Topic
 from sensor_msgs.msg import JointState
 
-from er_damper_msgs.msg import PwmDuty
+from er_damper_msgs.msg import DamperForce, PwmDuty, SuspensionDeflection
 from er_ros_common import builders, qos, topics
 
 STATES: Final = Topic(
@@ -40,6 +41,8 @@ COMMANDS: Final = Topic(
     qos.SENSOR_SUBSCRIBER,
     every_tick=False,
 )
+LAST_STAMP: Final = LAST_SECOND * SECOND
+"""What an answer can be stamped with [ns]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,18 +55,37 @@ class JointParameters(NodeParameters):
         choices=("measured", "unified", "nlpv_polytopic", "nlpv_gridding"),
         text="force that is the effort: measured on a rig, estimated in a car",
     )
+    timeout: float = param(
+        0.05, unit="s", low=0.005, high=1.0,
+        text="silence of the samples after which commands are refused; oldest force beside a sample",
+    )  # fmt: skip
+    max_age: float = oldest_sample()
 
 
 class State(NamedTuple):
-    """The last force [N] and the last sample; commands that were refused."""
+    """What is known, and what was refused.
+
+    force: the last [N], with its stamp [ns]; stamps: checks of those of the samples; last: the last sample, with
+    stamp 0 before the first, heard: when it came [ns, steady]; lacks: what its joint state did not hold;
+    unusable: samples, refused: commands.
+    """
 
     force: float = 0.0
+    force_stamp: int = 0
+    stamps: StampState = StampState()
     last: Tick = Tick(0, 0)
+    heard: int = 0
+    lacks: tuple[str, ...] = ()
+    unusable: int = 0
     refused: int = 0
 
 
 class JointCore:
-    """Deflection and force in, joint state out; joint command in, duty out."""
+    """Deflection and force in, joint state out; joint command in, duty out.
+
+    A joint state holds what is known and nothing else: without a usable deflection there is none, and `velocity` or
+    `effort` are empty where theirs is not valid, not finite or not of the same time.
+    """
 
     outputs = (STATES, topics.PWM_COMMAND)
 
@@ -72,37 +94,68 @@ class JointCore:
         estimates = {topic.name.rpartition("/")[2]: topic for topic in topics.ESTIMATES}
         self.force = estimates.get(p.force_topic, topics.FORCE)
         self.inputs = (topics.DEFLECTION, self.force, COMMANDS)
+        self.limits = StampLimits(stale=p.max_age)
 
     def start(self) -> State:
         """Before any message."""
         return State()
 
     def on_message(
-        self, state: State, topic: Topic, message: Any, _: When
+        self, state: State, topic: Topic, message: Any, when: When
     ) -> tuple[State, list[Said]]:
-        """Take a message; what is not valid is not passed on."""
+        """Take a message; what is not usable is not passed on."""
         if topic is COMMANDS:
-            return self._commanded(state, message)
-        if not message.valid:
-            return state, []
+            return self._commanded(state, message, when)
         if topic is self.force:
-            return state._replace(force=message.force), []
-        last = Tick(from_stamp(message.header.stamp), int(message.seq))
-        joint = JointState(header=message.header, name=[self.p.joint])
-        joint.position = [float(message.deflection)]
-        joint.velocity = [float(message.velocity)]
-        joint.effort = [float(state.force)]
-        return state._replace(last=last), [(STATES, joint)]
+            return self._forced(state, message), []
+        return self._sampled(state, message, when)
 
     def on_time(self, state: State, _: When) -> tuple[State, list[Said]]:
         """Nothing: without commands nothing is commanded, and the plant goes to its safe duty."""
         return state, []
 
-    def _commanded(self, state: State, message: JointState) -> tuple[State, list[Said]]:
+    def silent(self, state: State, steady: int) -> bool:
+        """Whether usable samples stay away, at a time on the steady clock [ns]."""
+        return silence(self.p, steady - state.heard) > self.p.timeout
+
+    def _forced(self, state: State, message: DamperForce) -> State:
+        """The force, until a sample comes that is too far away."""
+        if not (message.valid and math.isfinite(message.force)):
+            return state
+        return state._replace(force=message.force, force_stamp=from_stamp(message.header.stamp))
+
+    def _sampled(
+        self, state: State, message: SuspensionDeflection, when: When
+    ) -> tuple[State, list[Said]]:
+        """The joint state of a deflection, as far as it is known."""
+        stamp = from_stamp(message.header.stamp)
+        sound = message.valid and math.isfinite(message.deflection) and stamp < LAST_STAMP
+        if not sound:
+            return state._replace(unusable=state.unusable + 1), []
+        arrival = when.system if self.p.max_age else None
+        stamps, verdict = check_stamp(self.limits, state.stamps, stamp, int(message.seq), arrival)
+        state = state._replace(stamps=stamps)
+        if not verdict.use:
+            return state, []
+        velocity = [message.velocity] if message.velocity_valid else []
+        apart = 1e-9 * abs(stamp - state.force_stamp)
+        effort = [state.force] if state.force_stamp > 0 and apart <= self.p.timeout else []
+        joint = JointState(header=message.header, name=[self.p.joint])
+        joint.position = [float(message.deflection)]
+        joint.velocity = [float(each) for each in velocity if math.isfinite(each)]
+        joint.effort = [float(each) for each in effort]
+        parts = {"velocity": joint.velocity, self.force.name: joint.effort}
+        lacks = tuple(name for name, part in parts.items() if not part)
+        last = Tick(stamp, int(message.seq))
+        return state._replace(last=last, heard=when.steady, lacks=lacks), [(STATES, joint)]
+
+    def _commanded(
+        self, state: State, message: JointState, when: When
+    ) -> tuple[State, list[Said]]:
         """The duty of a joint command, as answer to the last sample."""
         efforts = dict(zip(message.name, message.effort, strict=False))
         duty = efforts.get(self.p.joint, math.nan)
-        if not math.isfinite(duty) or not state.last.seq:
+        if not (math.isfinite(duty) and state.last.stamp) or self.silent(state, when.steady):
             return state._replace(refused=state.refused + 1), []
         command = builders.pwm_duty(state.last, duty, source=PwmDuty.SOURCE_NOMINAL)
         return state, [(topics.PWM_COMMAND, command)]

@@ -20,9 +20,6 @@ from er_bringup.ros_joint import COMMANDS, STATES, JointCore, JointParameters
 from er_damper_msgs.msg import NodeStatus
 from er_ros_common import topics
 
-NOW = When(0, None)
-"""The core judges no ages: the plant does."""
-
 
 class JointNode(ManagedNode):
     """Gives messages to the core and publishes what it says."""
@@ -36,19 +33,27 @@ class JointNode(ManagedNode):
         self.core = JointCore(self.p)
         self.out = {topic.name: self.advertise(topic) for topic in self.core.outputs}
         sensors = [topic for topic in self.core.inputs if topic is not COMMANDS]
-        self.ends = [self.subscribe(topic, partial(self.on_message, topic)) for topic in sensors]
+        self.ends = [self.subscribe(topic, partial(self.on_sensor, topic)) for topic in sensors]
         # no message of ours: it has no sequence number to watch
-        commanded = self.while_active(partial(self.on_message, COMMANDS))
+        commanded = self.while_active(self.on_command)
         self.listen(COMMANDS.name, COMMANDS.type, commanded, COMMANDS.subscriber)
 
     def begin(self) -> None:
         """Know nothing yet."""
         self.state = self.core.start()
 
-    def on_message(self, topic: topics.Topic, message: Any) -> None:
-        """Take a message of an input."""
+    def on_sensor(self, topic: topics.Topic, message: Any) -> None:
+        """Take a deflection or a force."""
+        self.take(topic, message, self.came)
+
+    def on_command(self, message: Any) -> None:
+        """Take a joint command."""
+        self.take(COMMANDS, message, self.when())
+
+    def take(self, topic: topics.Topic, message: Any, when: When) -> None:
+        """Give a message to the core and publish what it says."""
         began = perf_counter()
-        self.state, said = self.core.on_message(self.state, topic, message, NOW)
+        self.state, said = self.core.on_message(self.state, topic, message, when)
         for to, answer in said:
             self.out[to.name].publish(answer)
         if said:
@@ -56,13 +61,24 @@ class JointNode(ManagedNode):
 
     def report(self) -> Report:
         """Health of the node."""
-        if not self.state.last.seq:
+        state = self.state
+        mode, status, reason = "running", NodeStatus.STATUS_OK, ""
+        if not state.last.stamp:
             ready = connected(self.ends[:1])
             mode, reason = (
                 ("ready", "no sample yet") if ready else ("waiting", "not connected yet")
             )
-            return Report(mode, NodeStatus.STATUS_INITIALIZING, reason)
-        return Report("running", invalid=self.state.refused)
+            status = NodeStatus.STATUS_INITIALIZING
+        elif self.core.silent(state, self.when().steady):
+            mode, status = "silent", NodeStatus.STATUS_LOST
+            reason = (
+                f"no usable sample for {self.p.timeout:g} s: no joint states, commands refused"
+            )
+        elif state.lacks:
+            status = NodeStatus.STATUS_DEGRADED
+            reason = f"joint states without what is not usable: {', '.join(state.lacks)}"
+        values = {"commands refused": state.refused, "samples unusable": state.unusable}
+        return Report(mode, status, reason, state.stamps, invalid=state.unusable, values=values)
 
 
 CARD = Card(
