@@ -1,8 +1,8 @@
 """``er up``: starts the graph without ros2 launch, with the same arguments and command lines.
 
-It ends with the plant, or with the first node that fails, or on Ctrl-C; the recorder is stopped
-last, so that a recording holds how everything ended. Why it ended is its last line but those of the nodes. The exit
-status is the worst of all nodes.
+It ends with the plant, or with the first node that fails, or on Ctrl-C; a node that a signal ended is said at once,
+and the others go on, as a supervisor may start it again. The recorder is stopped last, so that a recording holds how
+everything ended. Why it ended is its last line but those of the nodes. The exit status is the worst of all nodes.
 """
 
 from __future__ import annotations
@@ -87,7 +87,9 @@ def run(
     try:
         children += (Child(label, command, out or sys.stdout) for label, command in commands)
         last = {spec.label for spec in specs if ends_all(spec)}
-        while not (reason := stopping() or over(_statuses(children), last)):
+        known: frozenset[str] = frozenset()
+        while not (reason := stopping() or over(now := _statuses(children), last)):
+            known = _tell_killed(now, known, out or sys.stdout)
             sleep(POLL)
         say(f"[er up] {reason}: everything is stopped", out or sys.stdout)
     finally:
@@ -98,6 +100,16 @@ def run(
 
 def _statuses(children: Sequence[Child]) -> dict[str, int | None]:
     return {child.label: child.status for child in children}
+
+
+def _tell_killed(
+    statuses: Mapping[str, int | None], known: frozenset[str], out: IO[str]
+) -> frozenset[str]:
+    """Say which processes a signal has ended since the last look; all that it ended so far."""
+    now = frozenset(label for label, status in statuses.items() if status and status >= KILLED)
+    for label in sorted(now - known):
+        say(f"[er up] {label} {_how(statuses[label] or 0)}: the others go on without it", out)
+    return now
 
 
 def over(statuses: Mapping[str, int | None], last: Set[str]) -> str:
@@ -118,11 +130,16 @@ def over(statuses: Mapping[str, int | None], last: Set[str]) -> str:
 
 def _words(ended: Mapping[str, int]) -> str:
     """Which processes ended, and how where that was not well."""
-    each = []
-    for label, status in sorted(ended.items()):
-        how = f"signal {status - KILLED}" if status >= KILLED else f"exit status {status}"
-        each.append(f"{label} ended with {how}" if status else f"{label} ended")
-    return ", ".join(each)
+    return ", ".join(f"{label} {_how(status)}" for label, status in sorted(ended.items()))
+
+
+def _how(status: int) -> str:
+    """How a process ended, from its exit status."""
+    if status < KILLED:
+        return f"ended with exit status {status}" if status else "ended"
+    number = status - KILLED
+    known = {each.value: each.name for each in signal.Signals}
+    return f"was ended by {known.get(number, f'signal {number}')}"
 
 
 def main() -> None:
@@ -145,7 +162,7 @@ def main() -> None:
         sys.exit(error.exit_status)
     for label, status in statuses.items():
         if status:
-            sys.stderr.write(f"er up: {label} ended with exit status {status}\n")
+            sys.stderr.write(f"er up: {label} {_how(status)}\n")
     sys.exit(worst(statuses))
 
 

@@ -9,8 +9,11 @@ import sys
 from time import monotonic, sleep
 
 import pytest
+from er_bringup.graph import NodeSpec
 from er_bringup.processes import Child, stop, worst
 from er_bringup.up import over
+
+from er_bringup import up
 
 pytestmark = pytest.mark.alone
 
@@ -60,7 +63,7 @@ def test_a_child_that_nobody_reads_does_not_wait() -> None:
         ({"plant": None, "recorder": 137}, ""),
         ({"plant": None, "recorder": 2}, "recorder ended with exit status 2"),
         ({"plant": 0, "recorder": None}, "plant ended"),
-        ({"plant": 139, "recorder": None}, "plant ended with signal 11"),
+        ({"plant": 139, "recorder": None}, "plant was ended by SIGSEGV"),
         ({"plant": 0, "recorder": 1}, "recorder ended with exit status 1"),
     ],
 )
@@ -73,6 +76,24 @@ def test_a_graph_of_several_plants_ends_with_the_last() -> None:
     assert over({"a/plant": 0, "b/plant": None}, plants) == ""
     assert over({"a/plant": 0, "b/plant": 0}, plants) == "a/plant ended, b/plant ended"
     assert over({"observer": 0}, set()) == "everybody has ended"
+
+
+def test_a_killed_node_is_said_at_once_and_once_and_the_others_go_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    programs = {
+        "observer": "import os; os.kill(os.getpid(), 9)",
+        "plant": "import time; time.sleep(1.5)",
+    }
+    specs = [NodeSpec("er_plant_sim", name, "") for name in programs]
+    monkeypatch.setattr(up, "nodes", lambda *_: specs)
+    monkeypatch.setattr(up, "argv", lambda spec: [sys.executable, "-c", programs[spec.executable]])
+    out = io.StringIO()
+    assert up.run({}, out) == {"observer": 137, "plant": 0}
+    assert out.getvalue().splitlines() == [
+        "[er up] observer was ended by SIGKILL: the others go on without it",
+        "[er up] plant ended: everything is stopped",
+    ]
 
 
 @pytest.mark.parametrize(
