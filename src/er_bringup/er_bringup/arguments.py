@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from er_observers.names import OBSERVERS
+
 
 @dataclass(frozen=True)
 class Argument:
@@ -52,11 +54,7 @@ ARGUMENTS = (
     Argument("road", "device", "who moves the road of a real rig", choices=("device", "program")),
     Argument("controller", "skyhook", "controller to run", choices=("skyhook", "ftc", "none")),
     Argument("duty", "command", "who says the duty of the plant", choices=("command", "program")),
-    Argument(
-        "observers",
-        "unified,nlpv_polytopic,nlpv_gridding",
-        "observers with commas between, or none",
-    ),
+    Argument("observers", ",".join(OBSERVERS), "observers with commas between, or none"),
     Argument("gains", "", "gains: a file, or a name in config/gains; by default the observer's"),
     Argument(
         "fault_estimator", "false", "whether faults are estimated", choices=("false", "true")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from er_observers.names import OBSERVERS as NAMES
+
 PUBLISHED = {
     "acceleration": "sensors/acceleration",
     "deflection": "sensors/deflection",
@@ -41,7 +43,7 @@ CONTROLLERS = {
 }
 OBSERVERS = {
     name: Role("er_observers", f"{name}_observer", ("acceleration", "applied"), f"force/{name}")
-    for name in ("unified", "nlpv_polytopic", "nlpv_gridding")
+    for name in NAMES
 }
 FAULTS = Role(
     "er_observers", "fault_estimator", ("acceleration", "deflection", "applied"), "fault/estimate"

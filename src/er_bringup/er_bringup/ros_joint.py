@@ -12,6 +12,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
+from er_observers.names import OBSERVERS
 from er_ros_common.builders import Tick
 from er_ros_common.clock import LAST_SECOND, SECOND, from_stamp
 from er_ros_common.common_parameters import NodeParameters, oldest_sample, silence
@@ -52,7 +53,7 @@ class JointParameters(NodeParameters):
     joint: str = param("damper", text="name of the joint in the URDF")
     force_topic: str = param(
         "measured",
-        choices=("measured", "unified", "nlpv_polytopic", "nlpv_gridding"),
+        choices=("measured", *OBSERVERS),
         text="force that is the effort: measured on a rig, estimated in a car",
     )
     timeout: float = param(

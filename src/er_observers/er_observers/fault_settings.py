@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from er_ros_common.common_parameters import NodeParameters, awaited_listeners, oldest_sample
 from er_ros_common.parameter_table import REQUIRED, param
 
+from er_observers.names import OBSERVERS
+
 NONE, MEASURED = "none", "measured"
-SOURCES = (NONE, MEASURED, "force/unified", "force/nlpv_polytopic", "force/nlpv_gridding")
+SOURCES = (NONE, MEASURED, *(f"force/{name}" for name in OBSERVERS))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -92,7 +92,7 @@ def _command(observer: str) -> None:
         wish = Wish(spec, output, coordinates, force, deflection, structure)
         write_gains(observer, load_model(model), wish, out)
 
-    app.command(observer, help=f"Gains of {THEOREMS[observer]}.")(command)
+    app.command(observer, help=f"Gains of {THEOREMS[observer].THEOREM}.")(command)
 
 
 for _name in THEOREMS:
@@ -124,7 +124,7 @@ def write_gains(observer: str, car: Model, wish: Wish, out: Path) -> None:
     loadable = wish.coordinates == "relative"
     if loadable:
         save_gains(out, observer, car, claim, notes)
-    title = f"{THEOREMS[observer]}, {time.perf_counter() - begun:.1f} s"
+    title = f"{THEOREMS[observer].THEOREM}, {time.perf_counter() - begun:.1f} s"
     Console().print(certificate_table(title, claim, certificate))
     pairs = ", ".join(f"{r:g}: {g:.4g}" for r, g in curve)
     Console().print(f"gamma over the bound of the poles [1/s]: {pairs}")

@@ -26,8 +26,7 @@ from er_observers.synthesis.spec import (
 def solve(model: Model, spec: Spec) -> Claim:
     """Solution in relative coordinates for the force."""
     form = relative_form(model)
-    output, scaling = force_output(form), scaling_of(model, form)
-    return Claim(form, output, spec, scaling, nlpv_polytopic.solve(form, output, spec, scaling))
+    return nlpv_polytopic.claim(form, force_output(form), spec, scaling_of(model, form))
 
 
 def test_solution_for_the_whole_range_of_duty(synthesis: tuple[Claim, Certificate]) -> None:
@@ -64,7 +63,7 @@ def test_thesis_claim_of_gamma_1_0001_is_refused(car: Model) -> None:
     output = state_output(form, ("z_def", "v_s", "v_us", "f_y"))
     spec = Spec(gamma_max=1.0001)
     with pytest.raises(SynthesisFailed, match=r"below 1\.4142"):
-        nlpv_polytopic.solve(form, output, spec, scaling_of(car, form))
+        nlpv_polytopic.claim(form, output, spec, scaling_of(car, form))
 
 
 def test_what_is_too_tight_fails_with_the_solvers_word(car: Model) -> None:

@@ -91,4 +91,4 @@ def test_rank_condition(car: Model) -> None:
     blind = replace(form, C=form.C[:1])
     spec = Spec(noise=(0.05,))
     with pytest.raises(SynthesisFailed, match=r"rank\(C D1\) = 0, rank\(D1\) = 1"):
-        unified.solve(blind, force_output(blind), spec, scaling_of(car, blind))
+        unified.claim(blind, force_output(blind), spec, scaling_of(car, blind))

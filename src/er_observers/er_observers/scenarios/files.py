@@ -33,10 +33,10 @@ from er_models.program import Program, parse_program
 from er_models.spec import REQUIRED, Number, Setting, Text, settings
 from er_models.yaml_file import read_yaml
 
+from er_observers.names import OBSERVERS
 from er_observers.scenarios.scenario import Plant, Scenario, Sensors, Skyhook, Window
 
 SCHEMA = "er_scenario 1"
-OBSERVERS = ("nlpv_polytopic", "nlpv_gridding", "unified")
 _DUTY = "duty, 0 to 1"
 _TABLE: tuple[Setting, ...] = (
     Text("schema", REQUIRED, f"'{SCHEMA}'", (SCHEMA,)),

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
-from er_models.errors import ErError
+from er_models.errors import ErError, UnknownName
 from er_models.linear import LinearForm
 from er_models.model import Model
 
@@ -29,14 +31,33 @@ from er_observers.synthesis.spec import (
     state_output,
 )
 
-THEOREMS = {each.NAME: each.THEOREM for each in (unified, nlpv_polytopic, nlpv_gridding)}
-"""Title of the theorem behind each observer."""
-STRUCTURES = {
-    "full": unified.solve,
+
+class Theorem(Protocol):
+    """What the file of a theorem holds: the name of its observer, its title, and two functions."""
+
+    NAME: str
+    THEOREM: str
+
+    def problem(
+        self, form: LinearForm, output: Output, spec: Spec, scaling: Scaling
+    ) -> lmi.Problem:
+        """The inequalities, for the trade-off and the lower bound."""
+        ...
+
+    def claim(self, form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Claim:
+        """Gains and what they promise; raises `SynthesisFailed` where there are none."""
+        ...
+
+
+_ALL: tuple[Theorem, ...] = (unified, nlpv_polytopic, nlpv_gridding)
+THEOREMS: Mapping[str, Theorem] = {each.NAME: each for each in _ALL}
+"""The theorem behind each observer."""
+SPECIAL_CASES = {
     "proportional": unified.solve_proportional,
     "integral": proportional_integral.solve,
 }
-"""The unified observer (3.4) and its special cases (3.5), (3.6)."""
+"""Of the unified observer (3.4): (3.5), (3.6)."""
+STRUCTURES = ("full", *SPECIAL_CASES)
 OUTPUTS = ("force", "states", "thesis")
 """Performance outputs: the damper force, all states of the form, z_e of (4.3)."""
 
@@ -85,16 +106,17 @@ def make(observer: str, model: Model, wish: Wish) -> tuple[Claim, Certificate]:
     Raises `SynthesisFailed`, or what the form raises for a model it cannot hold.
     """
     claim = solve(observer, model, wish)
-    return claim, certify(claim, THEOREMS[observer])
+    return claim, certify(claim, THEOREMS[observer].THEOREM)
 
 
 def solve(observer: str, model: Model, wish: Wish) -> Claim:
     """Gains and what they promise, not yet proved; raises as `make`."""
-    asked = _asked(model, wish)
-    if observer == nlpv_gridding.NAME:
-        return nlpv_gridding.claim(*asked)
-    theorem = STRUCTURES[wish.structure] if observer == unified.NAME else nlpv_polytopic.solve
-    return Claim(*asked, theorem(*asked))
+    theorem, asked = _theorem(observer), _asked(model, wish)
+    if wish.structure == "full":
+        return theorem.claim(*asked)
+    if theorem is not unified:
+        raise ErError(f"structure: expected full for {observer}, found '{wish.structure}'")
+    return Claim(*asked, SPECIAL_CASES[wish.structure](*asked))
 
 
 def trade_off(
@@ -114,11 +136,16 @@ def least_gamma(observer: str, model: Model, wish: Wish) -> float | None:
         return None
 
 
+def _theorem(observer: str) -> Theorem:
+    """The theorem of an observer; raises `UnknownName`."""
+    if observer not in THEOREMS:
+        raise UnknownName("observer", observer, tuple(THEOREMS))
+    return THEOREMS[observer]
+
+
 def _problem(observer: str, model: Model, wish: Wish) -> lmi.Problem:
     """The inequalities of an observer's theorem."""
-    theorem = {"unified": unified, "nlpv_polytopic": nlpv_polytopic}.get(observer, nlpv_gridding)
-    problem: lmi.Problem = theorem.problem(*_asked(model, wish))
-    return problem
+    return _theorem(observer).problem(*_asked(model, wish))
 
 
 def _asked(model: Model, wish: Wish) -> tuple[LinearForm, Output, Spec, Scaling]:

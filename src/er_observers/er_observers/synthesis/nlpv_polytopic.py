@@ -22,8 +22,9 @@ from er_models.linear import LinearForm
 
 from er_observers.synthesis import lmi
 from er_observers.synthesis.family import luenberger_family
+from er_observers.synthesis.proof import Claim
 from er_observers.synthesis.scaling import Scaling
-from er_observers.synthesis.spec import Output, Solution, Spec
+from er_observers.synthesis.spec import Output, Spec
 
 NAME = "nlpv_polytopic"
 THEOREM = "nlpv_polytopic (Theorem 4.3.1)"
@@ -35,6 +36,7 @@ def problem(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> l
     return lmi.Problem(THEOREM, form, output, spec, scaling, luenberger_family, nodes)
 
 
-def solve(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Solution:
+def claim(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Claim:
     """Gains at both ends and P; raises `SynthesisFailed` naming what makes it impossible."""
-    return lmi.solve(problem(form, output, spec, scaling))
+    found = lmi.solve(problem(form, output, spec, scaling))
+    return Claim(form, output, spec, scaling, found)

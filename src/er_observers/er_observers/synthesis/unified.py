@@ -34,6 +34,7 @@ from scipy.linalg import null_space, qr
 from er_observers.synthesis import lmi
 from er_observers.synthesis.family import Family
 from er_observers.synthesis.necessary import decoupling_ranks
+from er_observers.synthesis.proof import Claim
 from er_observers.synthesis.scaling import Scaling
 from er_observers.synthesis.spec import Output, Solution, Spec, SynthesisFailed
 
@@ -57,13 +58,14 @@ def problem(
     return lmi.Problem(theorem, form, output, spec, scaling, made, np.array(spec.rho), degree=0)
 
 
-def solve(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Solution:
+def claim(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Claim:
     """Matrices of (3.4) and X; raises `SynthesisFailed` naming what makes it impossible."""
-    return lmi.solve(problem(form, output, spec, scaling))
+    found = lmi.solve(problem(form, output, spec, scaling))
+    return Claim(form, output, spec, scaling, found)
 
 
 def solve_proportional(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Solution:
-    """The special case (3.5), without v, Remark 3.3.1; raises as `solve`."""
+    """The special case (3.5), without v, Remark 3.3.1; raises as `claim`."""
     return lmi.solve(problem(form, output, spec, scaling, PROPORTIONAL, proportional_family))
 
 
