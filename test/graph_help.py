@@ -18,18 +18,14 @@ ROOT = Path(__file__).resolve().parents[1]
 CONFIG = ROOT / "config"
 VEHICLE = str(CONFIG / "vehicles/inove_quarter_car.yaml")
 GAINS = str(CONFIG / "gains/nlpv_polytopic.yaml")
-MODULES = {
-    "plant": "er_plant_sim.nodes.plant",
-    "hardware_bridge": "er_plant_sim.nodes.hardware_bridge",
+NODES = {
+    path.stem: ".".join(path.with_suffix("").parts[-3:])
+    for path in sorted((ROOT / "src").glob("*/*/nodes/*.py"))
+    if "\ndef main(" in path.read_text(encoding="utf-8")
+}
+"""Every node, and its module."""
+MODULES = NODES | {
     "device_emulator": "er_plant_sim.hardware.emulator",
-    "ftc_controller": "er_ftc_controller.nodes.ftc_controller",
-    "skyhook_controller": "er_ftc_controller.nodes.skyhook_controller",
-    "fault_estimator": "er_observers.nodes.fault_estimator",
-    "unified_observer": "er_observers.nodes.unified_observer",
-    "nlpv_polytopic_observer": "er_observers.nodes.nlpv_polytopic_observer",
-    "nlpv_gridding_observer": "er_observers.nodes.nlpv_gridding_observer",
-    "recorder": "er_model_lab.nodes.recorder",
-    "ros2_control_joint": "er_bringup.nodes.ros2_control_joint",
     "inject": "er_bringup.inject",
     "up": "er_bringup.up",
     "doctor": "er_bringup.doctor",

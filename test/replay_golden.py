@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from er_bringup.cores import entry
+from er_bringup.cores import cores, entry
 from er_bringup.played import core_of, opened, play
 from er_model_lab.bag_writer import BagWriter
 from er_models.files import load_model
@@ -26,6 +26,7 @@ from er_plant_sim.settings import PlantParameters
 from er_ros_common.builders import Tick
 from er_ros_common.core import When
 from er_ros_common.parameter_table import build as parameters_of
+from er_ros_common.parameter_table import specs
 from rclpy.serialization import serialize_message
 
 from er_plant_sim import rig as plant
@@ -42,19 +43,17 @@ EVERY = 40
 IN_THE_LOOP = (
     "unified_observer", "nlpv_polytopic_observer", "nlpv_gridding_observer", "skyhook_controller"
 )  # fmt: skip
-NODES = (*IN_THE_LOOP, "ftc_controller", "fault_estimator")
+NODES = (*IN_THE_LOOP, *sorted(cores().keys() - set(IN_THE_LOOP)))
 
 
 def node_parameters(name: str) -> dict[str, Any]:
     """Parameters of a node as its file in config/nodes has them."""
     file = yaml.safe_load((CONFIG / f"nodes/{name}.yaml").read_text())
-    given = dict(file["/**"]["ros__parameters"])
     gains = {"ftc_controller": "lpv_ftc"}.get(name, name.removesuffix("_observer"))
-    if name == "fault_estimator":
-        given |= {"model_file": VEHICLE}
-    elif name != "skyhook_controller":
-        given |= {"model_file": VEHICLE, "gains_file": str(CONFIG / f"gains/{gains}.yaml")}
-    return given | {"max_age": 0.0}
+    files = {"model_file": VEHICLE, "gains_file": str(CONFIG / f"gains/{gains}.yaml")}
+    known = {spec.name for spec in specs(entry(name)[0])}
+    asked = {key: value for key, value in files.items() if key in known}
+    return dict(file["/**"]["ros__parameters"]) | asked | {"max_age": 0.0}
 
 
 def ride(out: Path, ticks: int = TICKS) -> Path:
