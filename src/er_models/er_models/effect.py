@@ -109,7 +109,11 @@ class Param:
 
 @dataclass(frozen=True, slots=True)
 class Signature:
-    """How an effect shows itself and what would show it best."""
+    """How an effect shows itself and what would show it best.
+
+    rivals: effects that may be named in its place where it is the true one, for people to read. They point one way:
+    a fault or an effect of the car can look like one of the damper without the damper's own page naming it.
+    """
 
     mark: str
     plane: str
@@ -122,8 +126,9 @@ class Effect:
     """A physical effect: equation hooks, parameters, signature and source.
 
     `hooks` maps a key of `HOOKS` to a scalar function. `initial` tells where its state begins: at rest
-    (zero) or in equilibrium with the first sample. `fluid`: its force is carried by the pressure of the fluid (f_h),
-    so that it ends where the fluid cavitates.
+    (zero), for one that integrates or is slower than a second, or in equilibrium with the first sample.
+    `dissipative`: without a state of its own, and its force takes energy whatever its parameters. `fluid`: its force is
+    carried by the pressure of the fluid (f_h), so that it ends where the fluid cavitates.
     """
 
     name: str

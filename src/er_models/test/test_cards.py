@@ -163,11 +163,11 @@ def test_committed_cards_are_current() -> None:
     """Text to the letter, pictures to a fifth of a pixel; make them again with the command in their first line."""
     files = pages()
     committed = {p.name for p in FOLDER.glob("*.md")} | {p.name for p in FOLDER.glob("*.svg")}
-    assert committed == set(files), "run: python -m er_models.card docs/effects"
+    assert committed == set(files), "run: ./er exec python -m er_models.card"
     for name, text in files.items():
         found = (FOLDER / name).read_text(encoding="utf-8")
         if name.endswith(".md"):
-            assert found == text, f"{name}: run: python -m er_models.card docs/effects"
+            assert found == text, f"{name}: run: ./er exec python -m er_models.card"
             continue
         assert NUMBER.sub("#", found) == NUMBER.sub("#", text), name
         values = [np.array(NUMBER.findall(t), float) for t in (found, text)]
