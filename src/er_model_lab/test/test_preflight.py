@@ -74,6 +74,45 @@ def test_a_derivative_is_recognised_with_factor_sign_and_delay():
     assert relate(rng.standard_normal(n), rng.standard_normal(n), 1, dt) is None
 
 
+def slow(rate, seconds, frequencies, noise=1.0):
+    """A record without accelerations; noise: of 20 um and 1 mm/s."""
+    rng = np.random.default_rng(11)
+    t = np.arange(rate * seconds) / rate
+    w, phase = (
+        2.0 * np.pi * np.asarray(frequencies)[:, None],
+        rng.uniform(0.0, 6.0, (len(frequencies), 1)),
+    )
+    x = np.sum(8e-3 / w * np.sin(w * t + phase), axis=0)
+    v = np.sum(8e-3 * np.cos(w * t + phase), axis=0)
+    channels = {
+        "deflection": 0.02 + x + 2e-5 * noise * rng.standard_normal(t.size),
+        "deflection_velocity": v + 1e-3 * noise * rng.standard_normal(t.size),
+    }
+    return Record("run", t, channels, source="run.csv", timing=timing_of(t))
+
+
+@pytest.mark.parametrize("rate", [100, 200, 1000, 2000])
+@pytest.mark.parametrize(
+    ("seconds", "frequencies"), [(16, (0.3, 0.7, 1.1, 2.3, 4.1)), (8, (0.4, 0.9)), (16, (0.25,))]
+)
+def test_slow_motion_is_checked_at_every_rate(rate, seconds, frequencies):
+    good = slow(rate, seconds, frequencies)
+    assert not [b for b in bad(good) if b[1] != "motion"]
+    x, v = good.channels.values()
+    for wrong in ({"deflection": -x}, {"deflection_velocity": 100.0 * v}):
+        fails = [b[:2] for b in bad(with_(good, **wrong)) if b[0] == "fail"]
+        assert fails == [("fail", "units")]
+
+
+def test_channels_that_cannot_be_compared_are_said_to_be_unchecked(sound):
+    still = slow(1000, 8, ())
+    assert bad(still) == [("warning", "units", "")]
+    lone = with_(sound, deflection=np.random.default_rng(3).standard_normal(len(sound)))
+    assert ("warning", "units", "deflection") in bad(lone)
+    found = [f for f in findings(with_(still, ("deflection",))) if f.check == "units"]
+    assert [f.level for f in found] == ["note"]
+
+
 @pytest.mark.parametrize("order", [1, 2])
 def test_fast_tones_are_not_taken_for_a_gain(order):
     w, t = 2.0 * np.pi * 30.0, np.arange(4000) * 0.005

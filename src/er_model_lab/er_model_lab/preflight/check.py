@@ -83,6 +83,7 @@ def findings(record: Record) -> list[Finding]:
         *samples.held_findings(record),
         *samples.clipping_findings(record),
         *kinematics.unit_findings(record, known),
+        *kinematics.unchecked_findings(record, known),
         *kinematics.clock_findings(record, known),
         *kinematics.gravity_findings(record),
         *kinematics.power_findings(record),

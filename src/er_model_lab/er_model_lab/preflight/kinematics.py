@@ -95,6 +95,18 @@ def unit_findings(record: Record, known: list[Pair]) -> Iterator[Finding]:
             )  # fmt: skip
 
 
+def unchecked_findings(record: Record, known: list[Pair]) -> Iterator[Finding]:
+    """Channels of the motion that have nothing in common with another one, though there is one."""
+    have = measured(record)
+    alone = [n for n in have if not any(n in (p.of, p.is_) for p in known)]
+    if len(have) > 1 and alone:
+        yield _finding(
+            record, "units", "warning", alone[0] if len(alone) == 1 else "", "channels that show the same motion",
+            f"{' and '.join(alone)}: nothing in common with another one, so that unit and sign stay unchecked",
+            "check unit and sign by hand, or record a motion well above the noise",
+        )  # fmt: skip
+
+
 def blamed(off: list[Pair], size: Callable[[Pair], float]) -> list[tuple[Pair, str]]:
     """Pairs that do not fit, each with the channel to blame; small misfits beside large ones are left aside.
 
@@ -169,7 +181,7 @@ def clock_findings(record: Record, known: list[Pair]) -> Iterator[Finding]:
     late = [
         p
         for p in known
-        if abs(p.relation.delay) > max(LATE * record.dt, 4.0 * p.relation.delay_sd)
+        if abs(p.relation.delay) > max(LATE * p.relation.dt, 4.0 * p.relation.delay_sd)
     ]
     for p, channel in blamed(late, lambda p: abs(p.relation.delay)):
         delay, sd = p.relation.delay, p.relation.delay_sd
@@ -253,8 +265,8 @@ def road_findings(record: Record) -> Iterator[Finding]:
 def fine(record: Record, known: list[Pair]) -> Iterator[Finding]:
     """Pairs of channels that agree, with factor and delay."""
     if not known:
-        names = ", ".join(measured(record)) or "none"
-        words = f"motion measured by {names}: nothing to compare it with"
+        name = next(iter(measured(record)), "none")
+        words = f"motion measured by {name}: nothing to compare it with"
         yield Finding("units", "note", record.name, "", "two channels of the motion", words)
     for p in known:
         g, late = p.relation, 1e3 * p.relation.delay
