@@ -79,6 +79,22 @@ def test_decimal_commas_are_understood_with_semicolons(tmp_path: Path) -> None:
     assert any("decimal comma" in note for note in record.notes)
 
 
+def test_the_decimal_sign_is_that_of_the_columns_that_are_read(tmp_path: Path) -> None:
+    path = table(tmp_path / "run.csv", columns(), ";")
+    head, *rows = path.read_text().splitlines()
+    text = [f"{head};remark", *(f"{row};" for row in rows)]
+    text[40] += "bump, left"
+    path.write_text("\n".join(text) + "\n")
+    (record,) = load([path])
+    np.testing.assert_array_equal(record.channels["damper_force"], columns()["damper_force"])
+    assert not any("decimal comma" in note for note in record.notes)
+    wrong = "\n".join([*text[:50], text[50].replace(".", ",", 1), *text[51:]])
+    message(path, wrong, "data row 50, column 't'", "a number with decimal point", "'0,245'")
+    wrong = "\n".join([*text[:50], text[50].replace(".", "x", 1), *text[51:]]).replace(".", ",")
+    message(path, wrong, "data row 50, column 't'", "a number with decimal comma", "'0x245'")
+    message(path, wrong.replace("0x245", "0.245"), "column 't'", "decimal comma", "'0.245'")
+
+
 def test_stated_units_are_converted_and_noted(tmp_path: Path) -> None:
     data = columns()
     own = {

@@ -1,8 +1,8 @@
 """CSV: a header with the contract's names, then numbers; delimiter comma, semicolon or tab.
 
 An empty cell or NaN is a missing sample. Lines starting with `#` above the header are comments;
-one of them may carry the provenance that `er_model_lab.write` stores. With semicolons, a comma
-inside a number is a decimal comma.
+one of them may carry the provenance that `er_model_lab.write` stores. With semicolons, numbers may
+have decimal commas; the columns that are read say whether they do.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from er_model_lab.provenance import METADATA_KEY, digest_bytes, restore
 from er_model_lab.readers.columns import TIME, Column, resolve, to_si
 from er_model_lab.record import Array, Record
 
+SIGNS = {".": "decimal point", ",": "decimal comma"}
 DELIMITERS = (",", ";", "\t")
 MISSING = ("", "nan", "NaN", "NAN", "NA", "null")
 
@@ -42,10 +43,10 @@ def read(path: Path, names: Mapping[str, str] | None = None) -> list[Record]:
             path, "row 1", "a header with column names such as t, deflection", lines[0][:60]
         )
     columns, notes = resolve(path, header, names)
-    decimal = "," if delimiter == ";" and any("," in line for line in lines[1:]) else "."
+    rows, complete = _without_cut_line(lines, delimiter, data)
+    decimal = _decimal(rows, delimiter, columns)
     if decimal == ",":
         notes.append("numbers are written with a decimal comma")
-    rows, complete = _without_cut_line(lines, delimiter, data)
     if not complete:
         notes.append("the last line is cut off and was dropped")
     samples = {TIME: np.empty(0)}
@@ -89,6 +90,19 @@ def _without_cut_line(lines: list[str], delimiter: str, data: bytes) -> tuple[li
     return rows, True
 
 
+def _decimal(rows: list[str], delimiter: str, columns: list[Column]) -> str:
+    """The decimal sign: with semicolons, that of most cells in the columns that are read."""
+    if delimiter != ";" or not any("," in row for row in rows):
+        return "."
+    count = dict.fromkeys(SIGNS, 0)
+    for row in rows:
+        cells = row.split(delimiter)
+        read = delimiter.join(cells[c.index] for c in columns if c.index < len(cells))
+        for sign in count:
+            count[sign] += read.count(sign)
+    return "," if count[","] > count["."] else "."
+
+
 def _numbers(
     path: Path, rows: list[str], delimiter: str, decimal: str, columns: list[Column]
 ) -> list[Array]:
@@ -130,14 +144,15 @@ def _explain(
         for column in columns:
             cell = cells[column.index].strip()
             if cell not in MISSING and not _is_number(cell, decimal):
-                return InputError(
-                    path, f"data row {number}, column '{column.name}'", "a number", f"'{cell}'"
-                )
+                key = f"data row {number}, column '{column.name}'"
+                return InputError(path, key, f"a number with {SIGNS[decimal]}", f"'{cell}'")
     return InputError(path, "", "a CSV table", reason.splitlines()[0])
 
 
 def _is_number(cell: str, decimal: str) -> bool:
     """Whether a cell reads as a number."""
+    if decimal == "," and "." in cell:
+        return False
     try:
         float(cell.strip().strip('"').replace(decimal, "."))
     except ValueError:
