@@ -11,9 +11,12 @@ import pytest
 pytest.importorskip("rclpy")
 
 from er_bringup.arguments import ARGUMENTS, table
-from er_bringup.graph import CAR, NodeSpec, complete, nodes, parse
+from er_bringup.given import CAR, complete, parse
+from er_bringup.graph import NodeSpec, nodes
 from er_bringup.roles import PUBLISHED
 from er_models.errors import InputError
+from er_plant_sim.settings import PlantParameters
+from er_ros_common.parameter_table import specs as bounds_of
 
 from er_bringup import up
 from test.graph_help import CONFIG, ROOT
@@ -31,10 +34,14 @@ def specs(*pairs: str) -> dict[str, NodeSpec]:
     [
         ("contrller:=none", r"contrller: expected a known key \(did you mean controller\?\)"),
         ("controller:=pid", "controller: expected one of skyhook, ftc, none, found 'pid'"),
-        ("duration:=long", "duration: expected a number, found 'long'"),
-        ("seed:=1.5", "seed: expected an integer, found '1.5'"),
+        ("duration:=long", r"duration: expected a number in -1\.\.1000000, found 'long'"),
+        ("seed:=1.5", r"seed: expected an integer in -1\.\.2147483648, found '1.5'"),
         ("controller", "controller: expected KEY:=VALUE"),
-        ("duration:=nan", "duration: expected a finite number, found 'nan'"),
+        ("duration:=nan", r"duration: expected a number in .*, found 'nan'"),
+        ("priority:=500", r"priority: expected an integer in 0\.\.99, found '500'"),
+        ("seed:=-7", "seed: expected an integer in .*, found '-7'"),
+        ("duration:=-5", "duration: expected a number in .*, found '-5'"),
+        ("rate_factor:=inf", r"rate_factor: expected a number in 0\.\.50, found 'inf'"),
         ("namespace:=/front//left", "namespace: expected names of letters.* found '/front//left'"),
         ("namespace:=front left", "namespace: expected names of letters"),
         ("record:=/", "record: expected a path that does not exist yet"),
@@ -56,8 +63,19 @@ def test_a_bad_argument_is_one_line(pair: str, words: str) -> None:
             "observers:=nlpv_polytopic,nix",
             "observers: expected none, or some of unified, nlpv_polytopic",
         ),
+        ("observers:=unified, unified", "observers: expected .*, found 'unified' twice"),
         ("gains:=unified", "gains: expected one observer beside it .*found unified,nlpv"),
         ("hardware:=udp:rig:5005", "calibration: expected the calibration .*found nothing"),
+        ("hardware:=udp:127.0.0.1:99999", "hardware: expected a port of at most 65535"),
+        ("hardware:=can:0", "hardware: expected serial:PORT or serial:PORT@BAUD, udp:HOST:PORT"),
+        ("remap:=x", "remap: expected OLD=NEW with commas between, found 'x'"),
+        (
+            "remap:=sensor/acceleration=/x/a",
+            r"remap: expected a topic of the graph \(did you mean sensors/acceleration\?\), found",
+        ),
+        ("remap:=sensors/force=/x//a", "remap: expected a topic, names .*, found '/x//a' for"),
+        ("remap:=sensors/force=/a,/sensors/force=/b", "remap: expected each topic once"),
+        ("remap:=sensors/force=/a,sensors/road=/a", "remap: expected each topic once"),
     ],
 )
 def test_a_name_that_does_not_exist_is_one_line(pair: str, words: str) -> None:
@@ -344,8 +362,46 @@ def test_a_stack_has_sensors_of_its_own_under_its_own_names() -> None:
     assert isinstance(sources, list)
     assert "rear_right/sensors/road" not in sources
     assert "/chassis/rear_left/duty" in sources
-    with pytest.raises(InputError, match="remap: expected OLD=NEW with commas between, found 'x'"):
-        nodes(parse(("remap:=x",)), CONFIG)
+
+
+@pytest.mark.parametrize(
+    "pair",
+    [
+        "mode:=lockstep",
+        "rate_factor:=2",
+        "damper:=nonexistent",
+        "program:=nonexistent",
+        "duration:=2",
+        "seed:=3",
+        "calibration:=rig",
+        "road:=program",
+        "duty:=program",
+        "effects_from:=own.py",
+        "plant_params:=own.yaml",
+    ],
+)
+def test_what_a_stack_has_itself_is_refused_beside_it(pair: str) -> None:
+    with pytest.raises(InputError, match=f"{pair.partition(':=')[0]}: expected .* beside"):
+        specs("hardware:=stack", pair)
+
+
+def test_a_stack_may_have_simulated_time_and_no_end() -> None:
+    pairs = ("hardware:=stack", "mode:=sim_time", "duration:=0", "rate_factor:=1")
+    assert "skyhook_controller" in specs(*pairs)
+    assert "hardware_bridge" in specs(*RIG, "rate_factor:=1")
+
+
+def test_a_topic_may_be_named_in_full() -> None:
+    pairs = ("namespace:=car/left", "remap:=/car/left/sensors/force=/x, /diagnostics=/y")
+    assert specs(*pairs)["plant"].remaps == {"sensors/force": "/x", "/diagnostics": "/y"}
+
+
+def test_numbers_have_the_bounds_of_the_nodes() -> None:
+    known = {spec.name: spec for spec in bounds_of(PlantParameters)}
+    for argument in ARGUMENTS:
+        if argument.kind is not str:
+            spec = known[argument.name]
+            assert (argument.kind, argument.low, argument.high) == (spec.kind, spec.low, spec.high)
 
 
 def test_a_wire_for_each_corner() -> None:

@@ -12,7 +12,7 @@ import yaml
 
 pytest.importorskip("rclpy")
 
-from er_bringup.graph import CAR
+from er_bringup.given import CAR
 from er_bringup.integration import foxglove, names, plotjuggler
 from er_bringup.integration.write import files
 from er_bringup.ros_joint import COMMANDS, STATES, JointCore, JointParameters, State

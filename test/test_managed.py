@@ -16,7 +16,8 @@ pytest.importorskip("rclpy")
 
 import rclpy
 from er_bringup.composed import part, split
-from er_bringup.graph import nodes, parse
+from er_bringup.given import parse
+from er_bringup.graph import nodes
 from er_ftc_controller.nodes.skyhook_controller import SkyhookController
 from er_models.errors import ErError, InputError
 from er_observers.nodes.unified_observer import NODE as UNIFIED

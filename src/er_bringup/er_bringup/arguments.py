@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 
@@ -10,20 +11,25 @@ from er_observers.names import OBSERVERS
 
 @dataclass(frozen=True)
 class Argument:
-    """One argument; kind is what its text must mean."""
+    """One argument; kind is what its text must mean, low and high the bounds of a number, those of the nodes."""
 
     name: str
     default: str
     meaning: str
     choices: tuple[str, ...] = ()
     kind: type[str] | type[int] | type[float] = str
+    low: float = -math.inf
+    high: float = math.inf
 
     @property
     def expected(self) -> str:
         """What a value must be, in words."""
         if self.choices:
             return f"one of {', '.join(self.choices)}"
-        return {int: "an integer", float: "a number", str: "a text"}[self.kind]
+        if self.kind is str:
+            return "a text"
+        word = "an integer" if self.kind is int else "a number"
+        return f"{word} in {self.low:.12g}..{self.high:.12g}"
 
 
 ARGUMENTS = (
@@ -37,13 +43,23 @@ ARGUMENTS = (
     Argument("damper", "", "model whose damper is put into the plant: an effect can hide there"),
     Argument("effects_from", "", "Python files with own effects of these models, commas between"),
     Argument("program", "iso_steps", "road and duty: a file, or a name in config/experiments"),
-    Argument("duration", "-1", "s; -1: as the program says, 0: until Ctrl-C", kind=float),
-    Argument("seed", "-1", "of road, duty and sensor noise; -1: the program's", kind=int),
+    Argument(
+        "duration", "-1", "s; -1: as the program says, 0: until Ctrl-C", (), float, -1.0, 1e6
+    ),
+    Argument(
+        "seed", "-1", "of road, duty and sensor noise; -1: the program's", (), int, -1, 2**31
+    ),
     Argument(
         "mode", "realtime", "who sets the pace", choices=("realtime", "sim_time", "lockstep")
     ),
     Argument(
-        "rate_factor", "1.0", "speed of simulated time; 0 in lockstep: no waiting", kind=float
+        "rate_factor",
+        "1.0",
+        "speed of simulated time; 0 in lockstep: no waiting",
+        (),
+        float,
+        0.0,
+        50.0,
     ),
     Argument(
         "hardware",
@@ -70,7 +86,7 @@ ARGUMENTS = (
         "composed", "false", "all but the recorder in one process", choices=("false", "true")
     ),
     Argument(
-        "priority", "0", "real-time priority (SCHED_FIFO) of all but the recorder, to 99", kind=int
+        "priority", "0", "real-time priority (SCHED_FIFO) of all but the recorder", (), int, 0, 99
     ),
     Argument("plant_params", "", "parameter file for plant or bridge, over that in config/nodes"),
 )

@@ -25,7 +25,8 @@ from er_models.errors import ErError
 from numpy.typing import NDArray
 from rosbags.highlevel import AnyReader
 
-from er_bringup.graph import complete, nodes
+from er_bringup.given import complete
+from er_bringup.graph import nodes
 from er_bringup.processes import Child, stop
 from er_bringup.roles import PLANT, RECORDER
 from er_bringup.up import argv, configuration

@@ -27,7 +27,8 @@ import numpy as np
 from er_models.errors import ErError
 
 from er_bringup.bench_graph import Load, Usage, usage
-from er_bringup.graph import ComposedSpec, NodeSpec, complete, nodes
+from er_bringup.given import complete
+from er_bringup.graph import ComposedSpec, NodeSpec, nodes
 from er_bringup.processes import Child, stop
 from er_bringup.roles import CONTROLLERS
 from er_bringup.up import argv, configuration

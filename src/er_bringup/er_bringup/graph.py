@@ -1,23 +1,27 @@
 """The graph as data: its nodes and their parameters. Launch file and `up` are made from it.
 
-given = parse(["controller:=skyhook", "record:=/tmp/run1"])
-for node in nodes(given, config):
+for node in nodes(parse(["controller:=skyhook", "record:=/tmp/run1"]), config):
     node.arguments()        # what follows the executable on its command line
 """
 
 from __future__ import annotations
 
-import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
 from pathlib import Path
 
 from er_models.errors import InputError
 from er_ros_common.arguments import Value, ros_arguments
 
-from er_bringup.arguments import ARGUMENTS, NAMESPACE, Argument, is_namespace
+from er_bringup.given import (
+    DIAGNOSTICS,
+    STACK,
+    check_source,
+    corners,
+    observers,
+    of_corner,
+    remaps,
+)
 from er_bringup.roles import (
     BRIDGE,
     COMPOSED,
@@ -31,11 +35,7 @@ from er_bringup.roles import (
     Role,
 )
 
-STACK = "stack"
-"""Stands for hardware that is not ours: a vehicle stack publishes the sensors."""
 STACK_PUBLISHES = ("acceleration", "deflection", "applied")
-CAR = ("front_left", "front_right", "rear_left", "rear_right")
-"""The corners of a car."""
 
 
 @dataclass(frozen=True)
@@ -77,107 +77,30 @@ class ComposedSpec(NodeSpec):
         return [word for words in each for word in ["--", *words]][1:]
 
 
-def parse(pairs: Sequence[str]) -> dict[str, str]:
-    """Arguments of the form KEY:=VALUE over the defaults.
-
-    Raises:
-        InputError: A pair of another form, an unknown key, a value that is not allowed.
-    """
-    given: dict[str, str] = {}
-    for pair in pairs:
-        key, separator, value = pair.partition(":=")
-        if not separator:
-            raise InputError("arguments", pair, "KEY:=VALUE", "no :=")
-        given[key] = value
-    return complete(given)
-
-
-def complete(given: Mapping[str, str]) -> dict[str, str]:
-    """Checked arguments with the defaults of those not given; raises as `parse` does."""
-    known = {argument.name: argument for argument in ARGUMENTS}
-    for key in given:
-        if key not in known:
-            near = get_close_matches(key, known, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(known)}"
-            raise InputError("arguments", key, f"a known key ({hint})", "an unknown key")
-    return {key: _checked(a, given.get(key, a.default)) for key, a in known.items()}
-
-
-def _checked(argument: Argument, value: str) -> str:
-    if argument.choices and value not in argument.choices:
-        raise InputError("arguments", argument.name, argument.expected, f"'{value}'")
-    if argument.kind in (int, float):
-        try:
-            argument.kind(value)
-        except ValueError:
-            raise InputError("arguments", argument.name, argument.expected, f"'{value}'") from None
-        if not math.isfinite(float(value)):
-            raise InputError("arguments", argument.name, "a finite number", f"'{value}'")
-    if argument.name == "namespace" and not is_namespace(value):
-        raise InputError("arguments", argument.name, NAMESPACE, f"'{value}'")
-    if argument.name == "record" and value and Path(value).exists():
-        expected = "a path that does not exist yet"
-        raise InputError("arguments", argument.name, expected, f"'{value}', which does")
-    return value
-
-
 def nodes(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
     """The processes of complete arguments, listeners first; config: folder of models, programs, gains.
 
     Raises:
-        InputError: A file does not exist, or an observer is not known.
+        InputError: A file does not exist, or arguments do not go together.
     """
     names = corners(given)
     if not names:
         recorder = (_recorder(given, _answering(given)),) if given["record"] else ()
         return (*recorder, *_corner(given, config))
-    each = [_of_corner(given, names, i) for i in range(len(names))]
+    each = [of_corner(given, names, i) for i in range(len(names))]
     recorder = (_recorder_of_all(given, names, each),) if given["record"] else ()
     parts = zip(names, (_corner(one, config) for one in each), strict=True)
     return (*recorder, *(replace(spec, corner=name) for name, specs in parts for spec in specs))
 
 
-def corners(given: Mapping[str, str]) -> tuple[str, ...]:
-    """Names of the corners; none where the graph has but one, without a name.
-
-    Raises:
-        InputError: A name that cannot be a namespace, or twice the same.
-    """
-    text = given["corners"].strip()
-    names = CAR if text == "4" else tuple(name.strip() for name in text.split(",") if name.strip())
-    expected = "4, or different names of letters, digits and underscores with commas between"
-    if len(set(names)) < len(names) or not all(re.fullmatch(r"[A-Za-z_]\w*", n) for n in names):
-        raise InputError("arguments", "corners", expected, f"'{text}'")
-    return names
-
-
-def _of_corner(given: Mapping[str, str], names: Sequence[str], place: int) -> dict[str, str]:
-    """The arguments of one corner: its namespace, its wire, its own draw of what is random."""
-    base, seed = given["namespace"].strip("/"), int(given["seed"])
-    own = {"namespace": "/".join(part for part in (base, names[place]) if part)}
-    if seed >= 0:
-        own["seed"] = str(seed + place)
-    for key in ("hardware", "calibration"):
-        if given[key] == STACK:
-            continue
-        texts = [text.strip() for text in given[key].split(",")]
-        shared = len(texts) == 1 and (key == "calibration" or not texts[0])
-        if not shared and len(texts) != len(names):
-            expected = f"{len(names)} with commas between, in the order {', '.join(names)}"
-            raise InputError("arguments", key, expected, f"{len(texts)}")
-        own[key] = texts[0] if shared else texts[place]
-    # one recorder for all, in the namespace above
-    return {**given, **own}
-
-
 def _corner(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
     """The processes of one corner but the recorder, listeners first; a stack has sensors of its own."""
-    observers, controllers = _observers(given), _controllers(given)
+    check_source(given)
     recorded = [RECORDER] if given["record"] else []
     rest = (
-        *(_observer(given, config, role) for role in observers),
+        *(_observer(given, config, role) for role in _observers(given)),
         *(_estimator(given, config) for _ in _faults(given)),
-        *(_controller(given, config, role) for role in controllers),
+        *(_controller(given, config, role) for role in _controllers(given)),
         *(_source(given, config, [*recorded, *_answering(given)]) for _ in _sources(given)),
     )
     if given["composed"] == "true":
@@ -265,18 +188,7 @@ def _plant(given: Mapping[str, str], config: Path) -> dict[str, Value]:
 
 
 def _bridge(given: Mapping[str, str], config: Path) -> dict[str, Value]:
-    """What only the bridge is told.
-
-    Raises:
-        InputError: There is no calibration, or something that only a simulated plant can do.
-    """
-    for key, only in (("mode", "realtime"), ("rate_factor", "1.0"), ("damper", "")):
-        if given[key] != only:
-            expected = f"'{only}' beside hardware: a real rig has its own"
-            raise InputError("arguments", key, expected, f"'{given[key]}'")
-    if not given["calibration"]:
-        expected = "the calibration of the rig beside hardware"
-        raise InputError("arguments", "calibration", expected, "nothing")
+    """What only the bridge is told."""
     return {
         "link": given["hardware"],
         "calibration_file": find(given["calibration"], config, "hardware"),
@@ -303,15 +215,7 @@ def _controller(given: Mapping[str, str], config: Path, role: Role) -> NodeSpec:
 
 
 def _observers(given: Mapping[str, str]) -> list[Role]:
-    names = [name for name in given["observers"].split(",") if name not in ("", "none")]
-    for name in names:
-        if name not in OBSERVERS:
-            expected = f"none, or some of {', '.join(OBSERVERS)}, with commas between"
-            raise InputError("arguments", "observers", expected, f"'{name}'")
-    if given["gains"] and len(names) > 1:
-        expected = "one observer beside it (observers:=NAME), as gains belong to one"
-        raise InputError("arguments", "gains", expected, given["observers"])
-    return [OBSERVERS[name] for name in names]
+    return [OBSERVERS[name] for name in observers(given)]
 
 
 def _observer(given: Mapping[str, str], config: Path, role: Role) -> NodeSpec:
@@ -353,7 +257,7 @@ def _recorder_of_all(
     said = [*_measured(given), *(role.says for role in answering)]
     nodes = [role.executable for role in (*answering, *_sources(given))]
     own = [f"{node}/{end}" for node in nodes for end in ("status", "gain_info")]
-    renamed = {name: _remaps(one) for name, one in zip(names, each, strict=True)}
+    renamed = {name: remaps(one) for name, one in zip(names, each, strict=True)}
 
     def full(name: str, topic: str) -> str:
         return renamed[name].get(topic, f"{name}/{topic}")
@@ -363,7 +267,7 @@ def _recorder_of_all(
         "storage": given["storage"],
         "topics": [
             *(full(name, topic) for name in names for topic in (*said, *own)),
-            "/diagnostics",
+            *dict.fromkeys(each.get(DIAGNOSTICS, DIAGNOSTICS) for each in renamed.values()),
         ],
         "sources": [full(name, topic) for name in names for topic in said],
     }
@@ -378,25 +282,11 @@ def _commanded(given: Mapping[str, str]) -> bool:
 def _spec(
     role: Role, given: Mapping[str, str], files: tuple[str, ...], parameters: Mapping[str, Value]
 ) -> NodeSpec:
-    remaps, priority = _remaps(given), int(given["priority"])
+    priority = int(given["priority"])
     if priority and role is not RECORDER:
         parameters = {**parameters, "priority": priority}
-    return NodeSpec(
-        role.package, role.executable, given["namespace"], files, parameters, remaps=remaps
-    )
-
-
-def _remaps(given: Mapping[str, str]) -> dict[str, str]:
-    """New names of topics by their old ones."""
-    corner = given["namespace"].strip("/").rpartition("/")[2]
-    pairs = [pair.strip() for pair in given["remap"].split(",") if pair.strip()]
-    found = {}
-    for pair in pairs:
-        old, separator, new = pair.partition("=")
-        if not (separator and old and new):
-            raise InputError("arguments", "remap", "OLD=NEW with commas between", f"'{pair}'")
-        found[old] = new.replace("{corner}", corner)
-    return found
+    place = (role.package, role.executable, given["namespace"])
+    return NodeSpec(*place, files, parameters, remaps=remaps(given))
 
 
 def _own(role: Role, config: Path) -> str:

@@ -25,7 +25,8 @@ from er_models.errors import ErError, InputError
 from er_ros_common.spin import show
 
 from er_bringup.arguments import table
-from er_bringup.graph import NodeSpec, complete, ends_all, nodes, parse
+from er_bringup.given import complete, parse
+from er_bringup.graph import NodeSpec, ends_all, nodes
 from er_bringup.processes import KILLED, POLL, Child, say, stop, worst
 from er_bringup.roles import RECORDER
 

@@ -4,7 +4,8 @@ from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
 from er_bringup.arguments import ARGUMENTS
-from er_bringup.graph import complete, ends_all, nodes
+from er_bringup.given import complete
+from er_bringup.graph import ends_all, nodes
 from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration

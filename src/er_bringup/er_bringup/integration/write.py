@@ -11,7 +11,7 @@ from pathlib import Path
 
 from er_models.files import write_whole
 
-from er_bringup.graph import CAR
+from er_bringup.given import CAR
 from er_bringup.integration import foxglove, plotjuggler, recording
 from er_bringup.integration.names import BASE
 

@@ -19,6 +19,8 @@ from typing import Any, Protocol
 from er_models.errors import InputError
 
 BAUD = 921600
+HOST_WIRES = ("serial", "udp")
+"""Kinds of wires that the host can open."""
 CHUNK = 65536
 WRITE_TIMEOUT = 0.02
 """Longest time a write may hold up the loop [s]; what does not fit by then is lost."""

@@ -16,10 +16,9 @@ from er_ros_common.parameter_table import REQUIRED, param
 
 from er_plant_sim.hardware.bridge import Bridge, Sources
 from er_plant_sim.hardware.calibration import load_calibration
-from er_plant_sim.hardware.link import Address
+from er_plant_sim.hardware.link import HOST_WIRES, Address
 from er_plant_sim.rig_parameters import RigParameters, for_this_run, gate, of_a_wheel, scaled
 
-WIRES = ("serial", "udp")
 BLOCK = 64
 """Ticks of a program that are computed at once."""
 
@@ -56,7 +55,7 @@ def build(p: BridgeParameters, sources: Sources) -> Built:
     Raises:
         InputError: A file cannot be used, or a parameter it needs was not given.
     """
-    address = Address(p.link, WIRES, "parameters: link")
+    address = Address(p.link, HOST_WIRES, "parameters: link")
     model = load_model(p.model_file, catalogue_with(p.effects_from))
     program = _program(p) if p.program_file else None
     if program is None and "program" in (p.duty_source, p.road_source):

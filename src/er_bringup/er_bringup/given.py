@@ -1,0 +1,195 @@
+"""The arguments of the graph as they were given: complete, each checked, and checked against one another.
+
+given = parse(["controller:=skyhook", "record:=/tmp/run1"])
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+
+from er_models.errors import InputError
+from er_plant_sim.hardware.link import HOST_WIRES, Address
+
+from er_bringup.arguments import ARGUMENTS, NAMESPACE, Argument, is_namespace
+from er_bringup.roles import CONTROLLERS, FAULTS, OBSERVERS, PUBLISHED
+
+STACK = "stack"
+"""Stands for hardware that is not ours: a vehicle stack publishes the sensors."""
+CAR = ("front_left", "front_right", "rear_left", "rear_right")
+"""The corners of a car."""
+DIAGNOSTICS = "/diagnostics"
+TOPICS = (
+    *PUBLISHED.values(),
+    *dict.fromkeys(role.says for role in (*OBSERVERS.values(), FAULTS, *CONTROLLERS.values())),
+    DIAGNOSTICS,
+    "/clock",
+)
+"""What can have another name."""
+SIMULATED = ("mode", "rate_factor", "damper")
+"""What only a simulated plant can be told."""
+STACK_HAS = (
+    "rate_factor", "damper", "program", "seed", "effects_from", "calibration", "road", "duty",
+    "plant_params",
+)  # fmt: skip
+"""What nobody is told where the sensors are a vehicle stack's."""
+
+
+def parse(pairs: Sequence[str]) -> dict[str, str]:
+    """Arguments of the form KEY:=VALUE over the defaults.
+
+    Raises:
+        InputError: A pair of another form, an unknown key, a value that is not allowed.
+    """
+    given: dict[str, str] = {}
+    for pair in pairs:
+        key, separator, value = pair.partition(":=")
+        if not separator:
+            raise InputError("arguments", pair, "KEY:=VALUE", "no :=")
+        given[key] = value
+    return complete(given)
+
+
+def complete(given: Mapping[str, str]) -> dict[str, str]:
+    """Checked arguments with the defaults of those not given; raises as `parse` does."""
+    known = {argument.name: argument for argument in ARGUMENTS}
+    for key in given:
+        if key not in known:
+            near = get_close_matches(key, known, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(known)}"
+            raise InputError("arguments", key, f"a known key ({hint})", "an unknown key")
+    return {key: _checked(a, given.get(key, a.default)) for key, a in known.items()}
+
+
+def _checked(argument: Argument, value: str) -> str:
+    if argument.choices and value not in argument.choices:
+        raise InputError("arguments", argument.name, argument.expected, f"'{value}'")
+    if argument.kind in (int, float):
+        try:
+            number = argument.kind(value)
+        except ValueError:
+            number = math.nan
+        if not argument.low <= number <= argument.high:
+            raise InputError("arguments", argument.name, argument.expected, f"'{value}'")
+    if argument.name == "namespace" and not is_namespace(value):
+        raise InputError("arguments", argument.name, NAMESPACE, f"'{value}'")
+    if argument.name == "record" and value and Path(value).exists():
+        expected = "a path that does not exist yet"
+        raise InputError("arguments", argument.name, expected, f"'{value}', which does")
+    return value
+
+
+def corners(given: Mapping[str, str]) -> tuple[str, ...]:
+    """Names of the corners; none where the graph has but one, without a name.
+
+    Raises:
+        InputError: A name that cannot be a namespace, or twice the same.
+    """
+    text = given["corners"].strip()
+    names = CAR if text == "4" else tuple(name.strip() for name in text.split(",") if name.strip())
+    expected = "4, or different names of letters, digits and underscores with commas between"
+    if len(set(names)) < len(names) or not all(re.fullmatch(r"[A-Za-z_]\w*", n) for n in names):
+        raise InputError("arguments", "corners", expected, f"'{text}'")
+    return names
+
+
+def of_corner(given: Mapping[str, str], names: Sequence[str], place: int) -> dict[str, str]:
+    """The arguments of one corner: its namespace, its wire, its own draw of what is random."""
+    base, seed = given["namespace"].strip("/"), int(given["seed"])
+    own = {"namespace": "/".join(part for part in (base, names[place]) if part)}
+    if seed >= 0:
+        own["seed"] = str(seed + place)
+    for key in ("hardware", "calibration"):
+        if given[key] == STACK:
+            continue
+        texts = [text.strip() for text in given[key].split(",")]
+        shared = len(texts) == 1 and (key == "calibration" or not texts[0])
+        if not shared and len(texts) != len(names):
+            expected = f"{len(names)} with commas between, in the order {', '.join(names)}"
+            raise InputError("arguments", key, expected, f"{len(texts)}")
+        own[key] = texts[0] if shared else texts[place]
+    # one recorder for all, in the namespace above
+    return {**given, **own}
+
+
+def observers(given: Mapping[str, str]) -> tuple[str, ...]:
+    """Names of the observers.
+
+    Raises:
+        InputError: One that is not known, or twice the same; gains beside several.
+    """
+    each = (name.strip() for name in given["observers"].split(","))
+    names = tuple(name for name in each if name not in ("", "none"))
+    expected = f"none, or some of {', '.join(OBSERVERS)}, with commas between"
+    for name in names:
+        if name not in OBSERVERS:
+            raise InputError("arguments", "observers", expected, f"'{name}'")
+        if names.count(name) > 1:
+            raise InputError("arguments", "observers", expected, f"'{name}' twice")
+    if given["gains"] and len(names) > 1:
+        expected = "one observer beside it (observers:=NAME), as gains belong to one"
+        raise InputError("arguments", "gains", expected, given["observers"])
+    return names
+
+
+def check_source(given: Mapping[str, str]) -> None:
+    """Check what is given beside hardware, of one corner.
+
+    Raises:
+        InputError: A wire that there cannot be, no calibration, or something that only a simulated plant can do.
+    """
+    if given["hardware"] == STACK:
+        _nothing_else(given, STACK_HAS, "hardware:=stack: a vehicle has its own")
+        if given["mode"] == "lockstep":
+            expected = "'realtime' or 'sim_time' beside hardware:=stack, which waits for nobody"
+            raise InputError("arguments", "mode", expected, "'lockstep'")
+        if float(given["duration"]) > 0.0:
+            expected = "0 or -1 beside hardware:=stack, which ends with Ctrl-C"
+            raise InputError("arguments", "duration", expected, f"'{given['duration']}'")
+    elif given["hardware"]:
+        Address(given["hardware"], HOST_WIRES, "arguments: hardware")
+        _nothing_else(given, SIMULATED, "hardware: a real rig has its own")
+        if not given["calibration"]:
+            expected = "the calibration of the rig beside hardware"
+            raise InputError("arguments", "calibration", expected, "nothing")
+
+
+def _nothing_else(given: Mapping[str, str], keys: Sequence[str], why: str) -> None:
+    """Refuse arguments that would do nothing."""
+    for argument in ARGUMENTS:
+        value, kind = given[argument.name], argument.kind
+        if argument.name in keys and kind(value) != kind(argument.default):
+            expected = f"'{argument.default}' beside {why}"
+            raise InputError("arguments", argument.name, expected, f"'{value}'")
+
+
+def remaps(given: Mapping[str, str]) -> dict[str, str]:
+    """New names of topics by their old ones, which are without the namespace.
+
+    Raises:
+        InputError: No pair, a topic that there is not or that is there twice, a name that ROS does not take.
+    """
+    namespace = given["namespace"].strip("/")
+    corner, within = namespace.rpartition("/")[2], f"/{namespace}/" if namespace else "/"
+    found: dict[str, str] = {}
+    for pair in (pair.strip() for pair in given["remap"].split(",")):
+        if not pair:
+            continue
+        old, separator, new = (part.strip() for part in pair.partition("="))
+        if not (separator and old and new):
+            raise InputError("arguments", "remap", "OLD=NEW with commas between", f"'{pair}'")
+        old = old if old in TOPICS else old.removeprefix(within)
+        new = new.replace("{corner}", corner)
+        if old not in TOPICS:
+            near = get_close_matches(old, TOPICS, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(TOPICS)}"
+            raise InputError("arguments", "remap", f"a topic of the graph ({hint})", f"'{old}'")
+        if not is_namespace(new) or new.endswith("/"):
+            raise InputError("arguments", "remap", f"a topic, {NAMESPACE}", f"'{new}' for {old}")
+        if old in found or new in found.values():
+            raise InputError("arguments", "remap", "each topic once", f"'{pair}'")
+        found[old] = new
+    return found
