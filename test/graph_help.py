@@ -26,7 +26,7 @@ NODES = {
 """Every node, and its module."""
 MODULES = NODES | {
     "device_emulator": "er_plant_sim.hardware.emulator",
-    "inject": "er_bringup.inject",
+    "inject": "er_bringup.ros_inject",
     "up": "er_bringup.up",
     "doctor": "er_bringup.doctor",
     "record": "er_model_lab.record_command",

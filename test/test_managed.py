@@ -15,9 +15,9 @@ import pytest
 pytest.importorskip("rclpy")
 
 import rclpy
-from er_bringup.composed import part, split
 from er_bringup.given import parse
 from er_bringup.graph import nodes
+from er_bringup.ros_composed import part, split
 from er_ftc_controller.nodes.skyhook_controller import SkyhookController
 from er_models.errors import ErError, InputError
 from er_observers.nodes.unified_observer import NODE as UNIFIED

@@ -13,9 +13,9 @@ import yaml
 pytest.importorskip("rclpy")
 
 from er_bringup.arguments import ARGUMENTS
-from er_bringup.checks import CONTRACT
 from er_bringup.cores import cores
 from er_bringup.roles import Role
+from er_bringup.ros_checks import CONTRACT
 from er_ros_common.core_node import CoreNode
 from er_ros_common.parameter_table import specs
 from er_ros_common.spin import Executable
@@ -26,7 +26,7 @@ from test.conftest import ROOT
 from test.graph_help import NODES
 
 PROGRAMS = {
-    "composed": "holds other nodes",
+    "composed": "holds nodes",
     "device_emulator": "behaves like a rig: no part of the ROS graph",
 }
 """Console scripts made as nodes are that are none."""

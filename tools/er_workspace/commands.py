@@ -51,7 +51,7 @@ COMMANDS: dict[str, tuple[str, str, str | None]] = {
     "inject": (
         "UNIT KIND [VALUE]",
         "spoil a sensor or the command of a running plant",
-        "er_bringup.inject",
+        "er_bringup.ros_inject",
     ),
     "replay": (
         "BAG [--node NODE ...]",

@@ -20,7 +20,7 @@ from rich.console import Console
 from rich.table import Table
 
 from er_bringup.arguments import NAMESPACE, is_namespace
-from er_bringup.checks import Heard, Observation, plant_of, problems, real_time
+from er_bringup.ros_checks import Heard, Observation, plant_of, problems, real_time
 from er_bringup.terminal import console
 
 HEALTHY, UNHEALTHY, BAD_USAGE = 0, 1, 2

@@ -2,5 +2,5 @@
 
 from er_ros_common.entry import program
 
-composed = program("er_bringup.composed")
+composed = program("er_bringup.ros_composed")
 ros2_control_joint = program("er_bringup.nodes.ros2_control_joint")

@@ -1,4 +1,4 @@
-"""Listens to a running graph for `er doctor`: the only place of it where ROS is spelled."""
+"""Listens to a running graph for `er doctor`; what is heard is judged in `ros_checks`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.utilities import try_shutdown
 
-from er_bringup.checks import CONTRACT, Heard, Observation, SeenNode, namespaces
+from er_bringup.ros_checks import CONTRACT, Heard, Observation, SeenNode, namespaces
 from er_damper_msgs.msg import NodeStatus
 from er_ros_common import dds, topics
 

@@ -10,8 +10,8 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from er_bringup.checks import NEEDED, Heard, Observation, SeenNode, namespaces, problems
 from er_bringup.doctor import document, rows, show
+from er_bringup.ros_checks import NEEDED, Heard, Observation, SeenNode, namespaces, problems
 from er_ros_common.graph_check import Endpoint
 from er_ros_common.topics import Topic
 from rich.console import Console

@@ -12,7 +12,7 @@ from pathlib import Path
 from er_models.files import write_whole
 
 from er_bringup.given import CAR
-from er_bringup.integration import foxglove, plotjuggler, recording
+from er_bringup.integration import foxglove, plotjuggler, ros_recording
 from er_bringup.integration.names import BASE
 
 
@@ -20,9 +20,9 @@ def files(namespace: str = "") -> Mapping[str, str]:
     """Name of each file below the folder, and its text."""
     car = [f"{BASE}/{corner}" for corner in CAR]
     return {
-        "recording/qos_overrides.yaml": recording.overrides([namespace]),
-        "recording/qos_overrides_car.yaml": recording.overrides(car),
-        "recording/mcap_writer.yaml": recording.writer(),
+        "recording/qos_overrides.yaml": ros_recording.overrides([namespace]),
+        "recording/qos_overrides_car.yaml": ros_recording.overrides(car),
+        "recording/mcap_writer.yaml": ros_recording.writer(),
         "layouts/plotjuggler.xml": plotjuggler.layout(namespace),
         "layouts/foxglove.json": foxglove.layout(namespace),
     }

@@ -1,4 +1,4 @@
-"""What `er doctor` makes of what it saw: problems, each with a cure. Pure."""
+"""What `er doctor` makes of what it saw: problems, each with a cure. Messages and topics, no node and no clock."""
 
 from __future__ import annotations
 
