@@ -6,13 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from er_models.model import Model
 from er_observers.law import luenberger
 from er_observers.observers.gate import mean_gate
 from er_observers.observers.kernel import SUBSTEP
 from er_observers.synthesis.certify import Certificate, certify
 from er_observers.synthesis.discrete import error_map, lens, step_storage, substep
+from er_observers.synthesis.make import Wish, make
 from er_observers.synthesis.proof import Claim, prove
-from er_observers.synthesis.spec import Solution, SynthesisFailed
+from er_observers.synthesis.spec import Solution, Spec, SynthesisFailed
 
 Made = tuple[Claim, Certificate]
 
@@ -124,3 +126,39 @@ def test_every_grid_point_is_stable_by_itself(synthesis: Made) -> None:
         for gate in lens(9):
             poles = np.linalg.eigvals(error_map(linear, kick, e.G[0], gate))
             assert np.abs(poles).max() < 1.0
+
+
+@pytest.mark.parametrize(("region", "asked"), [("decay", 1.0), ("damping", 0.3)])
+def test_poles_lie_where_they_were_asked_to(car: Model, region: str, asked: float) -> None:
+    """The half-plane and the cone hold for the poles that are found, and no proof says more of them than is true."""
+    spec = Spec(radius=1000.0, **{region: asked})  # type: ignore[arg-type]
+    claim, _ = make("nlpv_polytopic", car, Wish(spec=spec))
+    poles = np.concatenate([np.linalg.eigvals(M) for M in claim.solution.law.M])
+    found = {"decay": -poles.real.max(), "damping": (-poles.real / np.abs(poles)).min()}[region]
+    assert found >= asked
+    assert np.abs(poles).max() <= 1000.0
+    boast = replace(claim, spec=replace(spec, **{region: 1.02 * float(found)}))
+    assert prove(boast)[1]
+
+
+def test_the_cone_is_as_wide_as_the_damping_asked_for(car: Model) -> None:
+    """At the edge of the numerical range of the error dynamics in the norm of P, found by another way."""
+    claim, _ = make("nlpv_polytopic", car, Wish(spec=Spec(radius=1000.0, damping=0.3)))
+    s = claim.solution
+    root = np.linalg.cholesky(s.P + s.P_1 * s.law.rho[0]).T
+    G = root @ s.law.M[0] @ np.linalg.inv(root)
+    edge = []
+    for angle in np.linspace(0.0, 2.0 * np.pi, 2000):
+        turned = np.exp(1j * angle) * G
+        x = np.linalg.eigh(turned + turned.conj().T)[1][:, -1]
+        edge.append(x.conj() @ G @ x)
+    least = float((-np.real(edge) / np.abs(edge)).min())
+    assert 0.3 < least < 0.99
+
+    def holds(damping: float) -> bool:
+        asked = replace(claim, spec=replace(claim.spec, damping=damping))
+        cone = asked.region(s, "cone", (0, 0), np.asarray)
+        return bool(np.linalg.eigvalsh(0.5 * (cone + cone.T))[0] > 0.0)
+
+    assert holds(0.98 * least)
+    assert not holds(1.02 * least)
