@@ -7,12 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from er_model_lab.commands import Request, compare
 from er_model_lab.diagnose.by_record import by_record
 from er_model_lab.diagnose.candidates import baseline
 from er_model_lab.fit import fit
+from er_model_lab.identify import command as identify
+from er_model_lab.load import fingerprint, load
 from er_model_lab.long import choose
 from er_model_lab.long.verify import checked, long_json
 from er_model_lab.long.whole import on_whole
+from er_model_lab.plan import command as plan
+from er_model_lab.plan import question
 from er_model_lab.prepare import prepare
 from er_model_lab.record import Record
 from er_model_lab.write import write_parquet
@@ -95,6 +100,35 @@ def test_a_stretch_that_was_not_searched_and_fails_is_searched_next(short):
     more, sealed = choose.with_more(pieces, found.missed)
     assert sealed == 0
     assert {p.part_of.first for p in more} == {p.part_of.first for p in pieces} | {unseen.i}
+
+
+@pytest.fixture
+def file(tmp_path):
+    """A hundred seconds in a file."""
+    write_parquet(made(100.0), tmp_path / "run.parquet")
+    return tmp_path / "run.parquet"
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_identify_says_what_it_used_and_names_all_data(short, file, tmp_path):
+    out = tmp_path / "new.yaml"
+    outcome = identify.run(Request([file], GUO), out)
+    assert outcome.result["long"]["seconds"] == pytest.approx(100.0)
+    assert outcome.result["notes"][0].startswith("30 of 100 s searched")
+    assert outcome.result["notes"][0] in outcome.view.notes
+    found = load_model(out)
+    assert found.history[-1]["records"] == ["run"]
+    assert found.source.startswith("identified from 1 records")
+    first, second = compare(Request([file], out, rivals=(GUO,))).result["models"]
+    assert (first["fitted_to_these_data"], second["fitted_to_these_data"]) == (True, False)
+
+
+def test_plan_says_what_it_used_and_names_all_data(short, file):
+    ask = question.ask(load_model(GUO), (), "preload")
+    problem, origin, long = plan.measurements(Request([file], GUO), ask)
+    assert problem.notes[0].startswith("30 of 100 s searched")
+    assert long["long"]["seconds"] == pytest.approx(100.0)
+    assert origin == {"data": fingerprint(load([file])), "records": ["run"]}
 
 
 def test_standstill_at_the_beginning_does_not_spoil_the_motion():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from er_models.files import save_model
@@ -11,6 +12,9 @@ from er_model_lab.commands import Outcome, Request, command_line, provenance, re
 from er_model_lab.identify.present import identified_json, new_model, view
 from er_model_lab.identify.procedure import identify
 from er_model_lab.load import fingerprint
+from er_model_lab.long.verify import told
+from er_model_lab.record import originals
+from er_model_lab.study import on_fused
 
 STEPS = 4
 """Ticks of the progress in most cases: three stages and the joint refinement."""
@@ -20,10 +24,12 @@ def run(ask: Request, out: Path, tick: Callable[[str], None] | None = None) -> O
     """Identify the parameters of a model, and write the new model."""
     model, (records, sealed) = ask.model(), read(ask)
     found = identify(records, model, sealed=sealed, tick=tick)
-    result = identified_json(found)
+    before, after = on_fused(found.before), on_fused(found.model)
+    problem, long = told(found.problem, found.residual, before=before, after=after)
+    found = replace(found, problem=problem)
+    result, data = identified_json(found) | long, originals(records)
     entry = {
-        "command_line": command_line(), "data": fingerprint(records), "records": [r.name for r in records],
-        "seed": ask.seed,
+        "command_line": command_line(), "data": fingerprint(data), "records": [r.name for r in data], "seed": ask.seed,
     }  # fmt: skip
     grown = new_model(found, out.stem, entry)
     result["model"] = grown.name

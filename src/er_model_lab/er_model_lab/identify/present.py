@@ -94,7 +94,7 @@ def new_model(found: Identified, name: str, entry: Mapping[str, Any]) -> Model:
     whole["from"] = found.before.name
     whole[REACH] = reach(found.problem)
     source = (
-        f"identified from {len(found.problem.names)} records, beginning from '{found.before.name}'"
+        f"identified from {len(entry['records'])} records, beginning from '{found.before.name}'"
     )
     model = replace(found.model, name=name, source=f"{source} ({found.before.source})",
                     history=(*found.before.history, whole))  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -29,7 +29,8 @@ class Checked:
 
     left: per model ("before", "after") the residual (N,) [N]; places: all stretches; searched: which of them were
     searched; square: mean square (stretches,) [N2] that the last model leaves in each; held_out: that on the
-    held-out samples of the search; learn: how many records may be learnt from.
+    held-out samples of the search, or where none are on those it learnt from; learn: how many records may be
+    learnt from.
     """
 
     whole: Whole
@@ -95,7 +96,8 @@ def checked(problem: Problem, residual: Array, **models: Model) -> Checked | Non
         i += round(WARM_UP / whole.motion.dt) if p.i == 0 else 0
         searched.append(bool(inside[i:j].mean() > 0.5))
         square.append(float(np.mean(last[i:j] ** 2)))
-    held = float(np.mean(residual[problem.held_out] ** 2))
+    score = problem.held_out if problem.held_out.any() else problem.train
+    held = float(np.mean(residual[score] ** 2))
     return Checked(whole, left, places, np.array(searched), np.array(square), held, whole.learn)
 
 
@@ -149,3 +151,15 @@ def long_note(found: dict[str, Any]) -> str:
         f"{found['searched_seconds']:.0f} of {found['seconds']:.0f} s searched; on all {error['all']:.3g} N{rest} "
         f"({len(found['searched'])} stretches that cover what the data hold{worst})"
     )
+
+
+def told(problem: Problem, residual: Array, **models: Model) -> tuple[Problem, dict[str, Any]]:
+    """A problem with a note of what was used of long data, and `long` for the JSON; as it is where all was.
+
+    residual, models: see `checked`.
+    """
+    found = checked(problem, residual, **models)
+    if found is None:
+        return problem, {}
+    long = long_json(found, again=False)
+    return replace(problem, notes=(long_note(long), *problem.notes)), {"long": long}

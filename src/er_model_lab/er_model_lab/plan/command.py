@@ -13,6 +13,7 @@ from er_models.program import save_program
 from er_model_lab.blas import on_one_thread
 from er_model_lab.commands import Outcome, Request, command_line, read
 from er_model_lab.load import fingerprint
+from er_model_lab.long.verify import told
 from er_model_lab.plan.limits import Asked, Limits, limits_of, sensors_of
 from er_model_lab.plan.planner import plan
 from er_model_lab.plan.present import plan_json, plan_view, proposed
@@ -20,7 +21,8 @@ from er_model_lab.plan.question import Question, ask
 from er_model_lab.plan.search import Tick
 from er_model_lab.prepare import Problem
 from er_model_lab.present import clean
-from er_model_lab.study import on_fused, open_problem
+from er_model_lab.record import originals
+from er_model_lab.study import as_given, on_fused, open_problem
 from er_model_lab.versions import versions
 
 STEPS = 150
@@ -44,14 +46,14 @@ def run(request: Request, wanted: Wanted, tick: Tick | None = None) -> Outcome:
     model = on_fused(_on_vehicle(request, wanted.vehicle))
     question = ask(model, wanted.between, wanted.reveal)
     limits = limits_of(model, wanted.limits, Limits.dt)
-    problem, origin = _measured(request, question)
+    problem, origin, long = measurements(request, question)
     if (
         problem is not None
     ):  # finer than the rig's own rate is not planned: it would only take longer
         limits = replace(limits, dt=max(problem.motion.dt, Limits.dt))
     sensors, noise_source = sensors_of(model, problem)
     found = plan(question, limits, sensors, problem=problem, seed=request.seed, tick=tick)
-    result = plan_json(found, noise_source)
+    result = plan_json(found, noise_source) | long
     result["program_file"] = None
     if wanted.out is not None and found.finalists:
         save_program(proposed(found, wanted.out.stem, _source(question, request)), wanted.out)
@@ -78,13 +80,17 @@ def _on_vehicle(request: Request, vehicle: Path | None) -> Model:
     return replace(model, effects={**model.effects, **parts}, rig=model.rig or car.rig)
 
 
-def _measured(request: Request, question: Question) -> tuple[Problem | None, dict[str, Any]]:
-    """What is already measured, if anything is."""
+def measurements(
+    request: Request, question: Question
+) -> tuple[Problem | None, dict[str, Any], dict[str, Any]]:
+    """What is already measured, if anything is; where it comes from; and for the JSON what was used of long data."""
     if not request.data:
-        return None, {}
+        return None, {}, {}
     records, _ = read(request)
     problem, _ = open_problem(records, question.base)
-    return problem, {"data": fingerprint(records), "records": [r.name for r in records]}
+    problem, long = told(problem, as_given(question.base, problem), given=question.base)
+    data = originals(records)
+    return problem, {"data": fingerprint(data), "records": [r.name for r in data]}, long
 
 
 def _source(question: Question, request: Request) -> str:
