@@ -26,7 +26,7 @@ from er_observers.observers.kernel import SUBSTEP
 from er_observers.observers.matrices import Plan, bridge_plan, plan_of
 from er_observers.observers.payload import numbers_of
 from er_observers.observers.sample import Layout, book_of
-from er_observers.observers.start_phase import Opening, opening_of
+from er_observers.observers.start_phase import Opening, opening_of, spread_of
 from er_observers.observers.status import LIMITS, Limits
 from er_observers.observers.watch import Watch, rules_of, watch_of
 from er_observers.synthesis.proof import Claim, prove
@@ -44,8 +44,8 @@ class Gains:
 
     plan: the observer; bridge: the model alone; watch: constants of its health; opening: of its
     start phase, None where it needs none or its states are not the relative ones; payload: whether the
-    sprung mass is estimated, where it can be; layout, reading, rules, mass: parts of the book that the
-    loop takes, see `sample.book_of`; sees_deflection: whether the gains were made for a deflection
+    sprung mass is estimated, where it can be; spread (n,): of a start within
+    the envelope; layout, reading, rules, mass: parts of the book that the loop takes, see `sample.book_of`; sees_deflection: whether the gains were made for a deflection
     sensor beside the accelerometers.
     """
 
@@ -57,6 +57,7 @@ class Gains:
     limits: Limits = LIMITS
     opening: Opening | None = None
     payload: bool = True
+    spread: Array | None = None
     plan: Plan = field(init=False)
     bridge: Plan = field(init=False)
     watch: Watch = field(init=False)
@@ -139,7 +140,8 @@ def load_gains(path: str | Path, model: Model, observer: str, limits: Limits = L
         raise InputError(path, "certificate.discrete.substep", expected, found)
     figures, name = file.at("certificate"), str(file.at("digest"))
     opening = _opening(model, claim, limits)
-    gains = Gains(observer, model.name, claim, figures, name, limits, opening)
+    spread = spread_of(model, claim.form)
+    gains = Gains(observer, model.name, claim, figures, name, limits, opening, spread=spread)
     key, rows = "certificate.discrete.duties", len(gains.plan.part("duties"))
     if file.number(key) != rows:
         raise InputError(path, key, f"{rows}, the substeps that run ({again})", file.at(key))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from er_models.errors import InputError
 from er_observers.compare.estimators import estimators_of
 from er_observers.compare.nrmse import nrmse, settling_time
 from er_observers.compare.run import follow as follow_record
@@ -69,6 +71,23 @@ def test_the_doubt_grows_over_a_gap_and_the_prior_is_the_envelope(gains):
     assert np.all(np.linalg.eigvalsh(blind - seen) > -1e-12)
     assert start_phase.finished(o, 1e-6 * P)
     assert not start_phase.finished(o, P)
+
+
+def test_a_start_beyond_the_envelope_is_refused_in_one_line(gains):
+    """30 mm, 0.3 m/s and what belongs to them; the filter would call OK what it has not found. No number is none."""
+    rest, far = Sample(0.0, 0.0, 0.0, 0.2), start_phase.FARTHEST * gains.spread
+    assert runtime.start(gains, rest, far).P is not None
+    assert runtime.start(gains, rest, -far).P is not None
+    for i, name in enumerate(gains.form.states):
+        for wrong in (1.001 * far[i], -1.001 * far[i], math.nan):
+            x = np.zeros(4)
+            x[i] = wrong
+            with pytest.raises(InputError, match=r"start: x: .*: expected -.*, found ") as refused:
+                runtime.start(replace(gains, opening=None), rest, x)
+            assert name in str(refused.value)
+            assert f"{wrong:.6g}" in str(refused.value)
+    with pytest.raises(InputError, match="shape"):
+        runtime.start(gains, rest, np.zeros(3))
 
 
 def test_samples_that_are_missing_do_not_end_it(gains):

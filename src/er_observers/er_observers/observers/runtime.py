@@ -109,8 +109,10 @@ def start(
     """State at the first sample: the likeliest for its accelerations, or x (n,) where known.
 
     known: what was learnt of the sprung mass before (`payload`). A sample that is not valid leaves the
-    observer waiting for one that is.
+    observer waiting for one that is. `InputError` for an x beyond what the model's envelope allows.
     """
+    if x is not None and gains.spread is not None:
+        start_phase.check_start(gains.form.states, gains.spread, x)
     duty, _ = _duty(gains, sample.duty, 0.0)
     law, running = gains.claim.solution.law, _valid(gains, sample)
     known = payload.begin() if known is None else payload.interrupted(known)

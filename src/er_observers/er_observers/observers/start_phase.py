@@ -13,6 +13,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from er_models.errors import InputError
 from er_models.linear import LinearForm
 from er_models.model import Array, Model
 
@@ -30,6 +31,11 @@ WRONG = 2.0 / 3.0
 """Share of the envelope that all but the deflection may be wrong by at the start."""
 ENOUGH = 0.015
 """Share of the force envelope that the doubt about the deflection may cost when the gain takes over."""
+
+
+FARTHEST = 3.0
+"""Farthest start that is taken, in standard deviations of what the envelope leaves in doubt: from there on the phase
+ends before the start is found, and what is wrong by more than 2 % is called OK."""
 
 
 class Opening(NamedTuple):
@@ -52,8 +58,8 @@ class Opening(NamedTuple):
     limit: float
 
 
-def opening_of(model: Model, form: LinearForm, noise: float) -> Opening:
-    """Start phase of a vehicle model in the coordinates of `form`; noise of the accelerometers [m/s2].
+def spread_of(model: Model, form: LinearForm) -> Array:
+    """Standard deviations (n,) of a start in the coordinates of `form` [SI].
 
     The start may be wrong by the model's envelope: its deflection, and two thirds of its velocity,
     of the tyre deflection that carries its force and of the yield force at its duty.
@@ -61,7 +67,24 @@ def opening_of(model: Model, form: LinearForm, noise: float) -> Opening:
     s, at = model.scales, int(np.argmax(np.abs(form.B)))
     tyre = s.force / abs(float(form.C[1, 2] * form.F[at] / form.C[1, at]))
     yielding = s.duty * abs(float(form.B[at] / form.A[at, at]))
-    spread = np.array([s.deflection, *(WRONG * np.array([s.velocity, tyre, yielding]))])
+    return np.array([s.deflection, *(WRONG * np.array([s.velocity, tyre, yielding]))])
+
+
+def check_start(states: tuple[str, ...], spread: Array, x: Array) -> None:
+    """`InputError` where a given start x (n,) [SI] is none that the envelope's `spread` (n,) allows."""
+    if np.shape(x) != spread.shape:
+        raise InputError("start", "x", f"{', '.join(states)}", f"shape {np.shape(x)}")
+    for name, most, found in zip(states, FARTHEST * spread, x, strict=True):
+        if not abs(found) <= most:
+            expected = (
+                f"-{most:.3g} to {most:.3g} [SI], {FARTHEST:g} deviations of the model's envelope"
+            )
+            raise InputError("start", f"x: {name}", expected, f"{found:.6g}")
+
+
+def opening_of(model: Model, form: LinearForm, noise: float) -> Opening:
+    """Start phase of a vehicle model in the coordinates of `form`; noise of the accelerometers [m/s2]."""
+    s, at = model.scales, int(np.argmax(np.abs(form.B)))
     cost = form.F - form.C[0] * (form.F[at] / form.C[0, at])
     noise_of_road = noise_covariance(
         form, ROAD * road_density(model) * form.D1**2, PERIOD / SUBSTEPS
@@ -71,7 +94,7 @@ def opening_of(model: Model, form: LinearForm, noise: float) -> Opening:
         A, B, gamma, C,
         variance=np.full(C.shape[0], noise**2),
         noise=noise_of_road,
-        prior=np.diag(spread**2),
+        prior=np.diag(spread_of(model, form) ** 2),
         cost=cost,
         limit=ENOUGH * s.force,
     )  # fmt: skip

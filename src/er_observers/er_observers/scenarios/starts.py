@@ -11,6 +11,7 @@ import numpy as np
 from er_models.linear import LinearForm
 from er_models.model import Array
 
+from er_observers.observers.start_phase import FARTHEST
 from er_observers.scenarios.scenario import Scenario
 
 NLPV = np.array([0.01, -0.1, 0.001, -0.1, 5.0])
@@ -42,7 +43,7 @@ def first_state(
         return None
     if scenario.start == "drawn":
         random = np.random.default_rng([scenario.program.seed + number, _START])
-        x = np.array(SPREAD) * random.normal(size=len(SPREAD))
+        x = np.array(SPREAD) * random.normal(size=len(SPREAD)).clip(-FARTHEST, FARTHEST)
     else:
         unified = scenario.start == "thesis" and observer == "unified"
         x = np.asarray(form.chart @ (UNIFIED if unified else NLPV))
