@@ -35,6 +35,12 @@ def first(messages: list[Heard], status: int) -> float:
     return next((each.t for each in messages if each.message.status == status), math.inf)
 
 
+def stamped(message: Any, sec: int, nanosec: int = 0) -> Any:
+    """The message with another stamp."""
+    message.header.stamp.sec, message.header.stamp.nanosec = sec, nanosec
+    return message
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_a_sensor_that_is_silent_r1(name: str) -> None:
     bus, topic = Bus((name, "skyhook_controller")), f"force/{name.removesuffix('_observer')}"
@@ -68,6 +74,46 @@ def test_samples_that_say_they_are_not_valid_r1(name: str) -> None:
     assert first(answers, DamperForce.STATUS_DEGRADED) - 2.0 <= 0.030
     assert first(answers, DamperForce.STATUS_LOST) - 2.0 <= 0.060
     assert len(answers) >= 40, "it still speaks"
+
+
+@pytest.mark.parametrize("spoilt", ["missing", "not a number", "not valid", "from the future"])
+@pytest.mark.parametrize("name", [*NAMES, "fault_estimator"])
+def test_without_the_applied_duty_nothing_is_valid_after_50_ms_r1(name: str, spoilt: str) -> None:
+    bus = Bus((name,), duty_source="program")
+    bus.run(2.0)
+
+    def broken(kind: topics.Topic, message: Any) -> list[Any]:
+        if kind.name != topics.PWM_APPLIED.name:
+            return [message]
+        message.duty = math.nan if spoilt == "not a number" else message.duty
+        message.valid = spoilt != "not valid"
+        if spoilt == "from the future":
+            stamped(message, message.header.stamp.sec + 25, message.header.stamp.nanosec)
+        return [] if spoilt == "missing" else [message]
+
+    bus.between = broken
+    bus.run(0.5)
+    topic = bus.cores[name].outputs[0].name
+    answers = after(bus, topic, 2.0)
+    lost = [a for a in answers if not a.message.valid]
+    assert 0.045 <= lost[0].t - 2.0 <= 0.080
+    assert {a.message.status for a in lost} == {DamperForce.STATUS_LOST}
+    assert all(not a.message.valid for a in answers if a.t >= lost[0].t)
+    bus.between, back = lambda _, message: [message], bus.rig_state.sim.tick
+    bus.run(0.7)
+    (again,) = (a.message for a in bus.log[topic] if a.message.seq == back)
+    assert again.valid
+    assert bus.log[topic][-1].message.status == DamperForce.STATUS_OK
+
+
+def test_a_duty_that_never_came_is_no_duty_r1() -> None:
+    bus = Bus((*NAMES, "fault_estimator"), duty_source="program")
+    bus.between = lambda kind, message: [] if kind.name == topics.PWM_APPLIED.name else [message]
+    bus.run(1.0)
+    for topic in topics.ESTIMATES:
+        answers = bus.log[topic.name]
+        assert len(answers) > 190
+        assert not any(a.message.valid for a in answers if a.t > 0.1)
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
@@ -212,12 +258,6 @@ def test_messages_without_a_stamp_are_not_used_r8() -> None:
 
 
 SEEN = (topics.ACCELERATION.name, topics.DEFLECTION.name, topics.PWM_APPLIED.name)
-
-
-def stamped(message: Any, sec: int, nanosec: int = 0) -> Any:
-    """The message with another stamp."""
-    message.header.stamp.sec, message.header.stamp.nanosec = sec, nanosec
-    return message
 
 
 @pytest.mark.parametrize("unit", SEEN)

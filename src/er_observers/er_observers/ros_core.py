@@ -46,7 +46,8 @@ class State(NamedTuple):
 
     watched, strut: whether an accelerometer or the deflection sensor is stuck; unusable: samples that were not valid;
     base: stamp of the first sample [ns]; last: the one estimated last, heard: when [ns, steady]; silent, held: whether
-    it was said that samples stay away, or that the last estimate is held.
+    it was said that samples stay away, or that the last estimate is held; driven: stamp of the last sample whose duty
+    is known, of the first one before that [ns].
     """
 
     feed: Feed = Feed()
@@ -60,6 +61,7 @@ class State(NamedTuple):
     heard: int = 0
     silent: bool = False
     held: bool = False
+    driven: int = 0
 
     @property
     def stamps(self) -> StampState:
@@ -85,6 +87,7 @@ class ObserverCore:
         seen = (topics.DEFLECTION,) if self.gains.sees_deflection else ()
         self.inputs = (*self.usual, *seen)
         self.limits = (StampLimits(stale=p.max_age, gap=p.timeout),) * len(self.inputs)
+        self.longest = round(1e9 * p.timeout)
         self.model_id, self.gains_id = model.digest(), self.gains.digest
 
     def start(self) -> State:
@@ -155,17 +158,26 @@ class ObserverCore:
         said: list[Said] = []
         if not joined:
             return State(feed, *state[1:]), said
-        mind, base = state.mind, state.base or joined[0].motion.stamp
+        first = joined[0].motion.stamp
+        mind, base, driven = state.mind, state.base or first, state.driven or first
         for (stamp, seq, sprung, unsprung), duty, deflection in joined:
+            driven = stamp if math.isfinite(duty) else driven
             sample = observer.Sample(1e-9 * (stamp - base), sprung, unsprung, duty, deflection)
             if mind is None:
                 mind = observer.start(self.gains, sample)
+                estimate = mind.estimate
+            elif self.undriven(stamp, driven):
+                mind = observer.lose(self.gains, mind, sample.t)
                 estimate = mind.estimate
             else:
                 mind, estimate = observer.step(self.gains, mind, sample)
             last = Tick(stamp, seq)
             said.append((self.topic, _message(last, estimate)))
-        return State(feed, *state[1:5], mind, base, last, when.steady), said
+        return State(feed, *state[1:5], mind, base, last, when.steady, driven=driven), said
+
+    def undriven(self, stamp: int, driven: int) -> bool:
+        """Whether a duty known last at the stamp `driven` says too little at a later one [ns]."""
+        return not 0 <= stamp - driven <= self.longest
 
 
 def _message(tick: Tick, e: observer.Estimate) -> DamperForce:

@@ -111,9 +111,9 @@ def _duty(duty: float, before: float) -> float:
 
 
 def _valid(p: Estimator, sample: Sample) -> bool:
-    """Whether a sample holds numbers within belief; comparisons with NaN are false."""
+    """Whether a sample holds a duty and numbers within belief; comparisons with NaN are false."""
     acceleration, deflection, velocity = p.limits
-    return (
+    return math.isfinite(sample.duty) and (
         abs(sample.sprung_acceleration) <= acceleration
         and abs(sample.unsprung_acceleration) <= 10.0 * acceleration
         and abs(sample.deflection) <= deflection

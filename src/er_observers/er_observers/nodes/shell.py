@@ -71,6 +71,8 @@ class ObserverNode(CoreNode):
             payload = payload_of(self.core.gains, s.mind)
             values |= {"payload": payload.text, "sprung mass ratio": f"{payload.ratio:.3f}"}
             values["damping asymmetry"] = f"{payload.asymmetry:.3f}"
+            if self.core.undriven(s.last.stamp, s.driven):
+                reason = f"{topics.PWM_APPLIED.name}: no usable duty for {self.p.timeout:g} s"
         if s.silent:
             mode, status = "silent", NodeStatus.STATUS_LOST
             reason = f"no sample for {self.p.timeout:g} s"

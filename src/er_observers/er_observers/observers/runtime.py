@@ -151,6 +151,14 @@ def step(gains: Gains, state: State, sample: Sample) -> tuple[State, Estimate]:
     return state, state.estimate
 
 
+def lose(gains: Gains, state: State, t: float) -> State:
+    """The state where nothing is known of the motion any more at time t [s]: not valid; the next sample starts afresh.
+
+    What was learnt of the sprung mass stays.
+    """
+    return _restart(gains, state, Sample(t, math.nan, math.nan, math.nan))
+
+
 def payload_of(gains: Gains, state: State) -> Payload:
     """What is known of the sprung mass."""
     return payload.said(gains.mass, state.memory[state.layout.payload])
