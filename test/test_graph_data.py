@@ -14,11 +14,16 @@ from er_bringup.arguments import ARGUMENTS, table
 from er_bringup.given import CAR, complete, parse
 from er_bringup.graph import NodeSpec, nodes
 from er_bringup.roles import PUBLISHED
+from er_ftc_controller.ros_skyhook import SkyhookCore, SkyhookParameters
 from er_models.errors import InputError
 from er_plant_sim.settings import PlantParameters
+from er_ros_common.builders import Tick
+from er_ros_common.core import When
+from er_ros_common.parameter_table import build as parameters_of
 from er_ros_common.parameter_table import specs as bounds_of
 
 from er_bringup import up
+from er_ros_common import builders, topics
 from test.graph_help import CONFIG, ROOT
 
 LAUNCH = ROOT / "src/er_bringup/launch/system.launch.py"
@@ -168,7 +173,7 @@ def test_the_program_can_say_the_duty_beside_a_controller() -> None:
     ("mode", "times"),
     [
         ("realtime", {}),
-        ("sim_time", {"use_sim_time": True, "max_age": 0.0}),
+        ("sim_time", {"use_sim_time": True, "max_age": 0.0, "pace": 1.0}),
         ("lockstep", {"max_age": 0.0}),
     ],
 )
@@ -178,9 +183,42 @@ def test_simulated_time_is_not_compared_with_the_system_clock(
     found = specs(f"mode:={mode}")
     for name in ("skyhook_controller", "nlpv_polytopic_observer"):
         given = {
-            k: v for k, v in found[name].parameters.items() if k in ("use_sim_time", "max_age")
+            k: v
+            for k, v in found[name].parameters.items()
+            if k in ("use_sim_time", "max_age", "pace")
         }
         assert given == times
+
+
+@pytest.mark.parametrize(
+    ("mode", "rate_factor", "seconds"),
+    [
+        ("realtime", 1.0, 0.025),
+        ("sim_time", 1.0, 0.025),
+        ("sim_time", 0.1, 0.25),
+        ("sim_time", 10.0, 0.025),
+        ("lockstep", 0.0, 10.0),
+    ],
+)
+def test_a_dead_sensor_counts_in_simulated_time_and_only_lockstep_waits_for_it(
+    mode: str, rate_factor: float, seconds: float
+) -> None:
+    found = specs(f"mode:={mode}", f"rate_factor:={rate_factor}")["skyhook_controller"]
+    given = {k: v for k, v in found.parameters.items() if k in ("max_age", "pace")}
+    rest = {"u_min": 0.0, "u_max": 0.3, "safe_duty": 0.1, "corner_frequency": 0.1}
+    core = SkyhookCore(parameters_of(SkyhookParameters, rest | given, {}))
+    state = core.start()
+    tick, came = Tick(5_000_000, 1), When(1_000_000_000, 5_000_000)
+    for topic, message in (
+        (topics.ACCELERATION, builders.suspension_acceleration(tick, 0.1, 0.2)),
+        (topics.DEFLECTION, builders.suspension_deflection(tick, 0.01, -0.2)),
+    ):
+        state, answers = core.on_message(state, topic, message, came)
+    assert answers
+    for share, safe in ((0.95, False), (1.05, True)):
+        steady = came.steady + round(1e9 * share * seconds)
+        _, said = core.on_time(state, When(steady, 5_000_000))
+        assert [m.source == m.SOURCE_SAFE for _, m in said] == [True] * safe
 
 
 def test_the_namespace_reaches_every_node() -> None:
@@ -386,8 +424,8 @@ def test_what_a_stack_has_itself_is_refused_beside_it(pair: str) -> None:
 
 
 def test_a_stack_may_have_simulated_time_and_no_end() -> None:
-    pairs = ("hardware:=stack", "mode:=sim_time", "duration:=0", "rate_factor:=1")
-    assert "skyhook_controller" in specs(*pairs)
+    pairs = ("hardware:=stack", "mode:=sim_time", "duration:=0", "rate_factor:=0.5")
+    assert specs(*pairs)["skyhook_controller"].parameters["pace"] == 0.5
     assert "hardware_bridge" in specs(*RIG, "rate_factor:=1")
 
 

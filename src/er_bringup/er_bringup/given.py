@@ -32,7 +32,7 @@ TOPICS = (
 SIMULATED = ("mode", "rate_factor", "damper")
 """What only a simulated plant can be told."""
 STACK_HAS = (
-    "rate_factor", "damper", "program", "seed", "effects_from", "calibration", "road", "duty",
+    "damper", "program", "seed", "effects_from", "calibration", "road", "duty",
     "plant_params",
 )  # fmt: skip
 """What nobody is told where the sensors are a vehicle stack's."""
@@ -142,7 +142,9 @@ def check_source(given: Mapping[str, str]) -> None:
         InputError: A wire that there cannot be, no calibration, or something that only a simulated plant can do.
     """
     if given["hardware"] == STACK:
-        _nothing_else(given, STACK_HAS, "hardware:=stack: a vehicle has its own")
+        # the pace of a simulated vehicle is told, for the silence of its sensors
+        keys = STACK_HAS if given["mode"] == "sim_time" else ("rate_factor", *STACK_HAS)
+        _nothing_else(given, keys, "hardware:=stack: a vehicle has its own")
         if given["mode"] == "lockstep":
             expected = "'realtime' or 'sim_time' beside hardware:=stack, which waits for nobody"
             raise InputError("arguments", "mode", expected, "'lockstep'")

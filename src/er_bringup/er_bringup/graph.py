@@ -207,9 +207,7 @@ def _controller(given: Mapping[str, str], config: Path, role: Role) -> NodeSpec:
     if role is CONTROLLERS["ftc"]:
         parameters["model_file"] = find(given["model"], config, "vehicles")
         parameters["gains_file"] = find("lpv_ftc", config, "gains")
-        if (
-            given["mode"] != "realtime"
-        ):  # the pace is not that of the clock that silence is measured by
+        if given["mode"] == "lockstep":  # silence is measured by a clock that has no part in it
             parameters["timeout"] = 1.0
     return _spec(role, given, (_own(role, config),), parameters | _time(given))
 
@@ -298,5 +296,8 @@ def _time(given: Mapping[str, str]) -> dict[str, Value]:
     """Simulated time has its own pace: the age of a sample on the system clock means nothing."""
     if given["mode"] == "realtime":
         return {}
-    simulated: dict[str, Value] = {"use_sim_time": True} if given["mode"] == "sim_time" else {}
-    return simulated | {"max_age": 0.0}
+    if given["mode"] == "lockstep":
+        return {"max_age": 0.0}
+    # faster than real time a hold-up of the machine is no longer a silence than it is in real time
+    pace = min(float(given["rate_factor"]), 1.0)
+    return {"use_sim_time": True, "max_age": 0.0, "pace": pace}

@@ -29,11 +29,15 @@ class Listening(Protocol):
     def max_age(self) -> float:
         """Oldest sample that is used [s]; 0: any, as the samples keep a pace of their own."""
 
+    @property
+    def pace(self) -> float:
+        """That pace against the steady clock; 0: not known."""
+
 
 def silence(p: Listening, nanoseconds: int) -> float:
     """How long inputs have been silent, as it counts against the timeout [s]; nanoseconds: on the steady clock."""
     seconds = 1e-9 * nanoseconds
-    return seconds if p.max_age else seconds * p.timeout / STANDSTILL
+    return seconds if p.max_age else seconds * (p.pace or p.timeout / STANDSTILL)
 
 
 def awaited_listeners() -> Any:
@@ -59,4 +63,10 @@ class NodeParameters:
         low=0,
         high=99,
         text="real-time priority (SCHED_FIFO) while it acts; 0: none is asked for",
+    )
+    pace: float = param(
+        0.0,
+        low=0.0,
+        high=1.0,
+        text="pace of simulated time that silence is measured in; 0: none, as in lockstep",
     )
