@@ -128,11 +128,17 @@ def test_a_names_file_beside_the_data_gives_other_headers_their_meaning(tmp_path
 
 
 def test_columns_that_are_no_channel_are_left_out_with_a_note(tmp_path: Path) -> None:
-    data = {**columns(), "operator_id": np.zeros(N), "force_unified": np.ones(N)}
+    data = {
+        **columns(),
+        "operator_id": np.zeros(N),
+        "force_unified": np.ones(N),
+        "force_own": np.ones(N),
+    }
     (record,) = load([table(tmp_path / "run.csv", data)])
     assert "column 'operator_id' is not a channel and was left out" in record.notes
     assert not record.has("operator_id")
     assert record.has("force_unified")
+    assert record.has("force_own")
 
 
 def test_bad_files_give_one_clear_line_each(tmp_path: Path) -> None:
@@ -148,6 +154,9 @@ def test_bad_files_give_one_clear_line_each(tmp_path: Path) -> None:
     message(
         path, "t,deflection_mm,duty\n" + rows, "'deflection_mm' (did you mean 'deflection [mm]'?)"
     )
+    for unit in ("N", "kN"):
+        hint = f"'force_{unit}' (did you mean 'damper_force [{unit}]'?)"
+        message(path, f"t,deflection,force_{unit}\n" + rows, "'damper_force'", hint)
     message(path, "time_ms,deflection,duty\n" + rows, "'time_ms' (did you mean 't [ms]'?)")
     message(path, "t,foo,bar\n" + rows, "columns", "deflection")
     message(path, "t,deflection,deflection\n" + rows, "'deflection'", "found 2")

@@ -105,7 +105,7 @@ def resolve(
     columns = [
         Column(index, name, factor_to_si(path, name, unit), unit)
         for index, (name, unit) in enumerate(cells)
-        if name == TIME or unit_of(name) is not None
+        if name == TIME or (unit_of(name) is not None and with_unit(name) is None)
     ]
     ignored = _ignored(path, cells, {column.name for column in columns})
     _check(path, columns, cells, needs_time=needs_time)
@@ -126,7 +126,7 @@ def _ignored(path: Path, cells: list[tuple[str, str]], read: set[str]) -> list[s
 
 
 def with_unit(name: str) -> tuple[str, str] | None:
-    """Channel and unit that a name such as `deflection_mm` or `time_ms` means; None for any other."""
+    """Channel and unit that a name such as `deflection_mm` or `force_kN` means; None for any other."""
     head, mark, tail = name.replace("-", "_").rpartition("_")
     channel = head.lower() if head.lower() in (TIME, *CHANNELS) else SYNONYMS.get(head.lower())
     if not mark or channel is None:
