@@ -1,8 +1,10 @@
-"""How `./er test` runs the whole suite."""
+"""How `./er test` runs the whole suite, and what `./er` builds again."""
 
 from __future__ import annotations
 
 import os
+import re
+import shutil
 import sys
 from pathlib import Path
 
@@ -12,6 +14,8 @@ from test.conftest import ROOT
 
 sys.path.insert(0, str(ROOT / "tools"))
 
+from er_workspace import colcon
+from er_workspace.layout import Layout
 from er_workspace.suite import ONE_THREAD, runs, whole
 
 
@@ -68,3 +72,18 @@ def test_what_has_others_beside_it_uses_one_thread(tmp_path: Path) -> None:
     )
     free = {k: v for k, v in os.environ.items() if k not in ONE_THREAD}
     assert whole(Path(sys.executable), [], [str(tmp_path)], free) == 0
+
+
+def test_a_change_of_any_message_or_service_is_a_change_of_what_is_built(tmp_path: Path) -> None:
+    package = tmp_path / "src/er_damper_msgs"
+    shutil.copytree(ROOT / "src/er_damper_msgs", package)
+    layout = Layout(tmp_path, None)
+    listed = re.findall(
+        r'"((?:msg|srv|action)/\w+\.\w+)"', (package / "CMakeLists.txt").read_text()
+    )
+    assert {name.partition("/")[0] for name in listed} == {"msg", "srv"}
+    for name in listed:
+        before = colcon._content(layout)
+        with (package / name).open("a") as file:
+            file.write("# changed\n")
+        assert colcon._content(layout) != before, name

@@ -20,6 +20,7 @@ PACKAGING = (
     "pyproject.toml",
     "CMakeLists.txt",
     "msg/*.msg",
+    "srv/*.srv",
 )
 INSTALLED = ("resource/*", "launch/*", "config/**/*")
 
