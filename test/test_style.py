@@ -13,6 +13,8 @@ TYPED = (
     "src/er_observers/er_observers",
     "src/er_plant_sim/er_plant_sim",
     "src/er_ftc_controller/er_ftc_controller",
+    "src/er_ros_common/er_ros_common",
+    "src/er_bringup/er_bringup",
 )
 
 

@@ -13,7 +13,7 @@ SHOWN = 10.0
 def layout(namespace: str) -> str:
     """The layout's XML for one corner."""
     root = ET.Element("root")
-    tabs = ET.SubElement(root, "tabbed_widget", parent="main_window", name="Main Window")
+    tabs = ET.SubElement(root, "tabbed_widget", {"parent": "main_window", "name": "Main Window"})
     for page in PAGES:
         _tab(tabs, page, namespace)
     ET.SubElement(tabs, "currentTabIndex", index="0")
