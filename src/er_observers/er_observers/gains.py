@@ -44,9 +44,9 @@ class Gains:
 
     plan: the observer; bridge: the model alone; watch: constants of its health; opening: of its
     start phase, None where it needs none or its states are not the relative ones; payload: whether the
-    sprung mass is estimated, where it can be; spread (n,): of a start within
-    the envelope; layout, reading, rules, mass: parts of the book that the loop takes, see `sample.book_of`; sees_deflection: whether the gains were made for a deflection
-    sensor beside the accelerometers.
+    sprung mass is estimated, where it can be; spread (n,): of a start within the envelope; layout,
+    reading, rules, mass: parts of the book that the loop takes, see `sample.book_of`;
+    sees_deflection: whether the gains were made for a deflection sensor beside the accelerometers.
     """
 
     observer: str

@@ -43,10 +43,10 @@ def first_state(
         return None
     if scenario.start == "drawn":
         random = np.random.default_rng([scenario.program.seed + number, _START])
-        x = np.array(SPREAD) * random.normal(size=len(SPREAD)).clip(-FARTHEST, FARTHEST)
+        x: Array = np.array(SPREAD) * random.normal(size=len(SPREAD)).clip(-FARTHEST, FARTHEST)
     else:
         unified = scenario.start == "thesis" and observer == "unified"
-        x = np.asarray(form.chart @ (UNIFIED if unified else NLPV))
+        x = np.asarray(form.chart @ (UNIFIED if unified else NLPV), float)
     true = ("deflection", "deflection_velocity", "tyre_deflection")
     x[:3] += [record[name][0] for name in true]
     return x
