@@ -2,14 +2,21 @@
 
 import json
 from contextlib import contextmanager
+from dataclasses import replace
 
+import numpy as np
 import pytest
+from er_model_lab.diagnose import verdict
+from er_model_lab.diagnose.candidates import baseline, refit
+from er_model_lab.forward import DamperForward
 from er_model_lab.load import load
+from er_model_lab.noted import packed, unpacked
 from er_model_lab.resume import resume
+from er_model_lab.study import open_problem
 from er_models.files import load_model
 from typer.testing import CliRunner
 
-from er_model_lab import cli, cli_missing
+from er_model_lab import cli, cli_missing, fit
 from test.conftest import ROOT
 from test.sample import with_friction, write_sample
 
@@ -23,13 +30,16 @@ def data(tmp_path_factory):
     return write_sample(tmp_path_factory.mktemp("data") / "run.csv", seed=4, truth=truth)
 
 
+FEW = ("preload", "gas_spring", "coulomb_friction", "shear_thinning", "end_stop")
+
+
 def improve(data, folder, stop_in_round, monkeypatch):
     """Run the command; Ctrl-C comes in that round of trying effects (0: never)."""
     seen = []
 
     def tick(effect):
         seen.append(effect)
-        if seen.count(effect) == stop_in_round and len(set(seen)) > 5:
+        if seen.count(effect) == stop_in_round and len(seen) > 5:
             raise KeyboardInterrupt
 
     @contextmanager
@@ -67,11 +77,11 @@ def test_what_was_done_is_kept_and_gone_on_from(data, tmp_path, monkeypatch):
     other = load([write_sample(tmp_path / "other.csv", seed=5)])
     changed = model.with_effect("preload", {"F_0": 1.0})
     here = load([data])
-    passes = [
-        resume(tmp_path / "m.yaml", m, d, model.catalogue).passes
+    added = [
+        resume(tmp_path / "m.yaml", m, d, model.catalogue).added
         for m, d in ((model, here), (model, other), (changed, here))
     ]
-    assert passes == [1, 0, 0]  # another model, or other data, begin anew
+    assert added == [(kept,), None, None]  # another model, or other data, begin anew
 
     done = improve(data, tmp_path, 0, monkeypatch)
     assert done.exit_code == 0, done.output
@@ -92,3 +102,63 @@ def test_before_anything_is_done_nothing_is_written(data, tmp_path, monkeypatch)
     assert result.exit_code == 130
     assert "nothing was written" in result.output
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def stop_and_friction(tmp_path_factory):
+    """Measurements with two effects that are found one after the other."""
+    truth = with_friction("inove_guo").with_effect("end_stop", {"k_b": 6000.0, "x_b": 0.01})
+    folder = tmp_path_factory.mktemp("stop")
+    return write_sample(folder / "run.csv", seed=4, seconds=6.0, truth=truth)
+
+
+@pytest.mark.parametrize("most", [3, 1])
+def test_an_interruption_changes_nothing_in_the_end(
+    stop_and_friction, tmp_path, monkeypatch, most
+):
+    """It comes in the second round of one search, or where a search ends with one effect in the second pass."""
+    monkeypatch.setattr(verdict, "MOST_EFFECTS", most)
+    monkeypatch.setattr(
+        DamperForward, "candidates", lambda _, model: tuple(model.catalogue[n] for n in FEW)
+    )
+    fitted, made, counts, results, models = fit._fitted, [], [], [], []
+    monkeypatch.setattr(fit, "_fitted", lambda *words: made.append(1) or fitted(*words))
+    for name, stops in (("at_once", (0,)), ("later", (2, 0))):
+        folder = tmp_path / name
+        for k in stops:
+            made.clear()
+            stopped = improve(stop_and_friction, folder, k, monkeypatch)
+            assert stopped.exit_code == (130 if k else 0)
+        counts.append(len(made))
+        results.append(json.loads((folder / "r.json").read_text()))
+        models.append((folder / "m.yaml").read_text())
+    at_once, later = results
+    assert len(at_once["effects"]) > 1
+    assert later["notes"].pop(0).startswith("went on")
+    assert later == at_once
+    assert models[0] == models[1]
+    assert counts[1] < counts[0] - len(FEW)  # what was fitted before is not fitted again
+
+
+def test_a_fit_is_made_once_and_is_the_same_again(stop_and_friction):
+    model, noted = load_model(MODEL), {}
+    problem = replace(open_problem(load([stop_and_friction]), model)[0], noted=noted)
+    base = baseline(model, problem)
+    stop = refit(base, model.catalogue["end_stop"], problem)
+    made = dict(noted)
+    assert len(made) > 1
+    kept = replace(problem, noted=unpacked(packed(made)))
+    again = refit(baseline(model, kept), model.catalogue["end_stop"], kept)
+    assert kept.noted == made
+    for name in ("theta", "residual", "jacobian", "at_bound"):
+        np.testing.assert_array_equal(getattr(again.fit, name), getattr(stop.fit, name))
+    assert (again.mse, again.fit.iterations) == (stop.mse, stop.fit.iterations)
+    other = replace(kept, force=kept.force + 1e-9)
+    baseline(model, other)
+    assert len(kept.noted) > len(made)
+
+
+@pytest.mark.parametrize("word", ["", "None", "eJw=", "AAAA", "\u00e9", packed({})[:-4]])
+def test_what_holds_no_notes_is_refused(word):
+    with pytest.raises(ValueError):
+        unpacked(word)

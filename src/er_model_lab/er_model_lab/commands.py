@@ -37,13 +37,12 @@ from er_model_lab.present import (
     compare_json,
     diagnosis_json,
     headline,
-    steps,
     study_regions,
     study_view,
     views,
 )
 from er_model_lab.record import Record, originals
-from er_model_lab.resume import Begun, finished, marked, resume
+from er_model_lab.resume import Begun, finished, marked, resume, with_fits
 from er_model_lab.rule import RULE, Rule
 from er_model_lab.side_by_side import Rival, fitted_to, names, overlaid, table
 from er_model_lab.study import (
@@ -246,15 +245,16 @@ def add(ask: Request, effect: str, out: Path, tick: Tick | None = None) -> Outco
 def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
     """Diagnose and add until the model is adequate or nothing known helps; the new model is refitted in any case.
 
-    Ctrl-C ends it with what was done until then, from which the same command goes on later.
+    Ctrl-C ends it with what was done until then, from which the same command goes on later to the same end.
     """
     model, (records, sealed) = ask.model(), read(ask)
     begun = resume(out, model, records, ask.catalogue)
-    current, studies, stopped = begun.model, list[Study](), False
-    for n in range(begun.passes, max(MOST_PASSES, begun.passes + 1)):
+    current, studies, stopped = model, list[Study](), False
+    for n in range(MOST_PASSES):
         try:
             study = investigate(
-                records, current, seed=ask.seed + 1000 * n, sealed=sealed, rule=ask.rule, tick=tick, level=ask.level
+                records, current, seed=ask.seed + 1000 * n, sealed=sealed, rule=ask.rule, tick=tick, level=ask.level,
+                noted=begun.noted,
             )  # fmt: skip
             best = final_model(study, ask.seed)
         except KeyboardInterrupt:
@@ -269,13 +269,13 @@ def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
         )
         if study.diagnosis.effects or refitted:
             current = _with_history(best, current, study, records, ask.seed, out)
-            current = marked(current, begun.digest, steps(study))
+            current = marked(current, begun.digest)
         stopped = study.diagnosis.interrupted
         if stopped or study.diagnosis.verdict != "partial":
             break
     current = finished(current, interrupted=stopped)
     outcome = gone_on(_improved(studies, current, records, ask), begun, out)
-    save_model(current, out)
+    save_model(with_fits(current, begun.noted) if stopped else current, out)
     return replace(outcome, interrupted=stopped, result=outcome.result | {"interrupted": stopped})
 
 
@@ -296,18 +296,12 @@ def _improved(studies: list[Study], model: Model, records: list[Record], ask: Re
 
 
 def gone_on(outcome: Outcome, begun: Begun, out: Path) -> Outcome:
-    """The outcome with the steps and effects of what an interruption had left."""
-    if not begun.passes:
+    """The outcome with a note where an interruption had left something to go on from."""
+    if begun.added is None:
         return outcome
-    note = f"went on from {out}, which an interruption had left with {len(begun.steps) - 1} done"
-    result = outcome.result
-    result["steps"] = [*begun.steps, *result["steps"][1:]]
-    result["effects"] = [*begun.effects, *(e for e in result["effects"] if e not in begun.effects)]
-    result["notes"] = [note, *result["notes"]]
-    if result["verdict"] == "adequate":
-        result["verdict"] = "missing_effect"
-    view = replace(outcome.view, result=result, notes=(note, *outcome.view.notes))
-    return replace(outcome, result=result, view=view)
+    note = f"went on from {out}, which an interruption had left with {len(begun.added)} done"
+    outcome.result["notes"] = [note, *outcome.result["notes"]]
+    return replace(outcome, view=replace(outcome.view, notes=(note, *outcome.view.notes)))
 
 
 def _outcome(

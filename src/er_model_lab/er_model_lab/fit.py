@@ -15,6 +15,7 @@ from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
 
 from er_model_lab.forward import Free, Limits
+from er_model_lab.noted import Noted, key
 from er_model_lab.prepare import Problem
 
 FIRST_ITERATIONS = 10
@@ -99,16 +100,33 @@ def fit(
 
     known (n, k): derivatives by the first k free parameters near the start, from the model before it
     grew; they serve the first step, and the last too where an effect turns out to change nothing. target: mean
-    square [N2] that this first step must reach, or no more is done.
+    square [N2] that this first step must reach, or no more is done. What the problem has noted is not fitted again.
     """
     forward = problem.forward
     box = Box(
         model, free if free is not None else forward.free(model), problem.scales, forward.limits
     )
-    theta, train, y = box.start(), problem.train, problem.force
-    f = problem.predict(box.model_at(theta))
+    start = box.start()
+    f = problem.predict(box.model_at(start))
+    if problem.noted is None:
+        return _fitted(box, start, f, problem, known, target, max_iter, tol)[0]
+    begun = key(
+        (start, box.scale, box.low, box.high, f, problem.force, problem.fold, known),
+        (box.free, target, max_iter, tol),
+    )
+    if begun in problem.noted:
+        return _again(problem.noted[begun], box, problem, known)
+    found, problem.noted[begun] = _fitted(box, start, f, problem, known, target, max_iter, tol)
+    return found
+
+
+def _fitted(
+    box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, target: float, max_iter: int, tol: float
+) -> tuple[Fit, Noted]:  # fmt: skip
+    """A fit from scaled values theta (p,), where the prediction is f (n,), and what makes it again."""
+    train, y = problem.train, problem.force
     cost = float(np.mean((y - f)[train] ** 2))
-    damping, exact = 1e-3, known is None
+    damping, exact, at = 1e-3, known is None, theta
     jacobian = _jacobian(box, theta, f, problem, known)
     rounds = 0
     while rounds < max_iter and np.isfinite(cost):
@@ -125,16 +143,31 @@ def fit(
             elif cost > target:
                 break
             else:
-                jacobian, exact = _jacobian(box, theta, f, problem, None), True
+                jacobian, exact, at = _jacobian(box, theta, f, problem, None), True, theta
             continue
         gain = 1.0 - costs[best] / cost
         theta, f, cost = trials[best], forces[best], float(costs[best])
         damping = max(damping * (0.1, 1.0, 10.0)[best], 1e-7)
         if gain < tol or (cost > target and not exact):
             break
-        jacobian, exact = _jacobian(box, theta, f, problem, None), True
+        jacobian, exact, at = _jacobian(box, theta, f, problem, None), True, theta
+    note = Noted(theta.tolist(), at.tolist(), exact, rounds)
+    return _made(box, theta, f, jacobian, rounds, problem), note
+
+
+def _again(note: Noted, box: Box, problem: Problem, known: Array | None) -> Fit:
+    """A fit that was made before."""
+    theta, at = np.array(note.theta), np.array(note.at)
+    here, there = problem.predict_many(box.model, box.vectors(np.array([theta, at])))
+    jacobian = _jacobian(box, at, there, problem, None if note.exact else known)
+    return _made(box, theta, here, jacobian, note.iterations, problem)
+
+
+def _made(box: Box, theta: Array, f: Array, jacobian: Array, rounds: int, problem: Problem) -> Fit:
+    """The fit that ended at theta (p,) with the prediction f (n,)."""
     edge = (theta <= box.low + 1e-9 * box.size) | (theta >= box.high - 1e-9 * np.abs(box.high))
-    return Fit(box.model_at(theta), box.free, theta, box.scale, y - f, jacobian, edge, rounds)
+    residual = problem.force - f
+    return Fit(box.model_at(theta), box.free, theta, box.scale, residual, jacobian, edge, rounds)
 
 
 def practised(model: Model, problem: Problem) -> Model:

@@ -29,6 +29,7 @@ from er_model_lab.fuse import (
 )
 from er_model_lab.held_out import WARM_UP, split
 from er_model_lab.losses import losses
+from er_model_lab.noted import Notes
 from er_model_lab.practice import Practice, practice
 from er_model_lab.record import Record
 
@@ -48,7 +49,8 @@ class Problem:
     weighted to newtons, and motion and extra (what else moves, by name) have fewer rows; fold: block of each
     training sample, -1 elsewhere; held_out: mask of samples that only score; raw: measured channels before
     fusion; fused: per record, each with the noise model of its own motion; noise: that of the longest record
-    with most channels; sd_force: white noise of the force.
+    with most channels; sd_force: white noise of the force; noted: fits
+    that were made before, to which new ones are added.
     """
 
     motion: Motion
@@ -65,6 +67,7 @@ class Problem:
     velocity_lag: tuple[float, float]
     forward: Forward = DAMPER
     extra: tuple[tuple[str, Array], ...] = ()
+    noted: Notes | None = None
 
     def predict(self, model: Model) -> Array:
         """What a model predicts (n,) [N]."""

@@ -1,9 +1,12 @@
-"""An `improve` that was interrupted: what its model file says, and how the same command goes on from it."""
+"""An `improve` that was interrupted: what its model file says, and how the same command goes on from it.
+
+It goes the same way again and finds every fit that was made, so that it ends where it would have ended at once.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,30 +16,29 @@ from er_models.files import load_model
 from er_models.model import Model
 
 from er_model_lab.load import fingerprint
+from er_model_lab.noted import Notes, packed, unpacked
 from er_model_lab.record import Record, originals
 
-BEGUN, STEPS, STOPPED = "begun_from", "steps", "interrupted"
+BEGUN, STOPPED, FITS = "begun_from", "interrupted", "fits"
 """Keys in the history of a model file."""
 
 
 @dataclass(frozen=True)
 class Begun:
-    """Where `improve` begins: the model, the digest of the one it was asked for, and what was done before.
+    """What was done before: digest of the model `improve` was asked for, effects added to it, and fits made.
 
-    passes: diagnoses already made; steps: the errors they led to; effects: what they added.
+    added: None where nothing was left.
     """
 
-    model: Model
     digest: str
-    passes: int = 0
-    steps: tuple[Mapping[str, Any], ...] = ()
-    effects: tuple[str, ...] = ()
+    added: tuple[str, ...] | None = None
+    noted: Notes = field(default_factory=dict)
 
 
 def resume(out: Path, model: Model, records: Sequence[Record], catalogue: Catalogue) -> Begun:
-    """The model itself, or the one in `out` where that was left by an interruption of the same work."""
+    """What is in `out` where that was left by an interruption of the same work, or nothing done."""
     digest = model.digest()
-    fresh = Begun(model, digest)
+    fresh = Begun(digest)
     if not out.is_file():
         return fresh
     try:
@@ -47,15 +49,16 @@ def resume(out: Path, model: Model, records: Sequence[Record], catalogue: Catalo
     same = entries and entries[-1].get("data") == fingerprint(originals(records))
     if not same or not entries[-1].get(STOPPED):
         return fresh
-    steps = [*entries[0][STEPS], *(s for e in entries[1:] for s in e[STEPS][1:])]
-    return Begun(
-        left, digest, len(entries), tuple(steps), tuple(e for h in entries for e in h["added"])
-    )
+    try:
+        noted = unpacked(str(entries[-1].get(FITS)))
+    except ValueError:
+        return fresh
+    return Begun(digest, tuple(e for h in entries for e in h["added"]), noted)
 
 
-def marked(model: Model, digest: str, steps: Sequence[Mapping[str, Any]]) -> Model:
-    """The model with what a later call needs to go on, in the last entry of its history."""
-    return _last(model, {BEGUN: digest, STEPS: [dict(s) for s in steps]})
+def marked(model: Model, digest: str) -> Model:
+    """The model with what it was begun from in the last entry of its history."""
+    return _last(model, {BEGUN: digest})
 
 
 def finished(model: Model, *, interrupted: bool) -> Model:
@@ -63,6 +66,11 @@ def finished(model: Model, *, interrupted: bool) -> Model:
     if not model.history or BEGUN not in model.history[-1]:
         return model
     return _last(model, {STOPPED: interrupted})
+
+
+def with_fits(model: Model, noted: Notes) -> Model:
+    """An interrupted model with the fits that a later call need not make again."""
+    return _last(model, {FITS: packed(noted)}) if model.history else model
 
 
 def _last(model: Model, more: Mapping[str, Any]) -> Model:

@@ -20,6 +20,7 @@ from er_model_lab.fit import fit, with_deviations
 from er_model_lab.long.choose import with_more
 from er_model_lab.long.verify import Checked, checked, long_json, long_note
 from er_model_lab.long.whole import LongForward, on_whole, remembers
+from er_model_lab.noted import Notes
 from er_model_lab.prepare import Problem, prepare
 from er_model_lab.record import Record, originals
 from er_model_lab.ride_forward import RideForward
@@ -113,15 +114,16 @@ def investigate(
     rule: Rule = RULE,
     tick: Tick | None = None,
     level: str = "damper",
+    noted: Notes | None = None,
 ) -> Study:
     """Diagnose a model on records; a lagging velocity channel is undone first and named.
 
     What was found on stretches of long data is checked on all of them. Where the models do worse there, the worst
-    stretches join the others and the search is repeated, once.
+    stretches join the others and the search is repeated, once. noted: fits made before, to which new ones are added.
     """
 
     def once(records: list[Record], sealed: int) -> Study:
-        study = _investigated(records, model, seed, sealed, rule, tick, level)
+        study = _investigated(records, model, seed, sealed, rule, tick, level, noted)
         return replace(study, records=tuple(records), checked=_checked(study))
 
     study = once(records, sealed)
@@ -148,15 +150,17 @@ def _checked(study: Study) -> Checked | None:
 
 
 def _investigated(
-    records: list[Record], model: Model, seed: int, sealed: int, rule: Rule, tick: Tick | None, level: str
+    records: list[Record], model: Model, seed: int, sealed: int, rule: Rule, tick: Tick | None, level: str,
+    noted: Notes | None,
 ) -> Study:  # fmt: skip
     """One diagnosis of records or stretches."""
     if level == "vehicle":
         problem, fitted = open_ride(records, model, sealed)
+        problem = replace(problem, noted=noted)
         found = diagnose(fitted.model, problem, seed=seed, rule=rule, tick=tick)
         return _ridden(found, problem, model)
     problem, lag = open_problem(records, model, sealed)
-    bare = on_fused(model)
+    problem, bare = replace(problem, noted=noted), on_fused(model)
     lag_base = _as_measured(bare, problem) if lag else None
     found = diagnose(bare, problem, seed=seed, rule=rule, tick=tick)
     found = _restored(found, model)
