@@ -380,6 +380,17 @@ def test_a_system_clock_that_is_set_r12(step: int) -> None:
     assert back - 1.5 <= 1.2
 
 
+@pytest.mark.parametrize("milliseconds", [-12, -9, -6, -4, -2, 8, 19])
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_a_system_clock_that_is_set_by_a_little_r12(name: str, milliseconds: int) -> None:
+    bus = Bus((NAMES[0], name))
+    bus.run(1.5)
+    bus.jump = milliseconds * 1_000_000
+    bus.run(1.5)
+    duties = after(bus, topics.PWM_APPLIED.name, 1.5 + 1.2)
+    assert {d.message.source for d in duties} == {PwmDuty.SOURCE_NOMINAL}
+
+
 def test_two_controllers_are_no_controller_r17() -> None:
     bus = Bus()
     bus.run(1.0)

@@ -19,6 +19,7 @@ from er_plant_sim.settings import PlantParameters
 from er_ros_common.builders import Tick
 from er_ros_common.core import Core, When
 from er_ros_common.injection import Channel, asked, through
+from er_ros_common.stamps import CLOCK_STEP
 
 from er_ftc_controller import ros_core as controllers
 from er_observers import ros_core as observers
@@ -131,7 +132,7 @@ class Bus:
         number = self.rig_state.sim.tick
         if number % 200 == 0:
             # the plant looks at the system clock once a second
-            self.anchor = self.jump
+            self.anchor = self.jump if abs(self.jump - self.anchor) > CLOCK_STEP else self.anchor
         stamp = SYSTEM + self.steady - STEADY + self.anchor + self.skew
         tick, measured = Tick(stamp, number), plant.sense(self.rig, self.rig_state)
         self.send(topics.ACCELERATION, ros_msgs.acceleration(tick, measured))

@@ -59,6 +59,13 @@ class StampLimits:
         object.__setattr__(self, "whole", tuple(round(seconds * SECOND) for seconds in each))
 
 
+CLOCK_STEP = round(0.5 * StampLimits().future * SECOND)
+"""Difference between the system clock and stamps made with a steady one beyond which the stamps follow [ns].
+
+Half of the lead at which they are refused: no step is so small that the stamps stay and are refused for it.
+"""
+
+
 class StampState(NamedTuple):
     """Last accepted stamp [ns] and sequence number, and the counts since the start."""
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from time import monotonic_ns, time_ns
 
-from er_plant_sim.schedule import Progress, Schedule, due
+from er_ros_common.stamps import CLOCK_STEP
 
-CLOCK_STEP = 10_000_000
-"""Difference between the system clock and the stamps beyond which the stamps follow [ns]."""
+from er_plant_sim.schedule import Progress, Schedule, due
 
 EARLY = 50
 """Ticks are due this part of a period early: none waits because a timer fired too soon."""
@@ -17,7 +16,7 @@ class Pace:
     """An absolute schedule on the steady clock, and the stamp of each of its ticks [ns].
 
     In real time the stamps are the system's time at which a tick was due. They do not follow the
-    small corrections of a system clock, and follow at once where it was set.
+    small corrections of a system clock, and follow at once where it was set by more than half of what is refused.
     """
 
     def __init__(self, dt: float, rate_factor: float, *, real: bool) -> None:
