@@ -228,12 +228,21 @@ def resampled(record: Record, channel: str, dt: float) -> Array:
     ratio = dt / record.dt
     if abs(ratio - 1.0) < 0.01:
         return np.asarray(y)
-    width = max(round(ratio), 1)
-    smooth = (
-        np.convolve(y, np.ones(width) / width, "same") if width > 1 and channel != "duty" else y
-    )
+    smooth = y if channel == "duty" else _averaged(y, max(round(ratio), 1))
     grid = np.arange(record.t[0], record.t[-1], dt)
     return np.asarray(np.interp(grid, record.t, smooth))
+
+
+def _averaged(y: Array, width: int) -> Array:
+    """Mean of as many samples (n,) about each; of an even number, the outermost two count half.
+
+    Beyond its ends a channel goes on point-symmetrically, so that neither a rest nor a steady motion is shifted there.
+    """
+    half = width // 2
+    window = np.ones(2 * half + 1) / width
+    window[[0, -1]] *= 1.0 if width % 2 else 0.5
+    padded = np.pad(y, half, mode="reflect", reflect_type="odd")
+    return np.asarray(np.convolve(padded, window, "valid"))
 
 
 def _motion(record: Record, fused: Fused, channels: Channels, dt: float) -> Motion:

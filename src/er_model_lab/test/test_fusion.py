@@ -8,7 +8,7 @@ from er_model_lab.fusion import biases, fusion_json
 from er_model_lab.losses import losses
 from er_model_lab.preflight.check import preflight
 from er_model_lab.preflight.use import use_findings
-from er_model_lab.prepare import prepare
+from er_model_lab.prepare import prepare, resampled
 from er_model_lab.record import Record
 from er_model_lab.sampling import with_velocity
 from er_models.errors import MissingChannel
@@ -98,6 +98,27 @@ def test_a_slow_record_beside_fast_ones_is_said_to_slow_them(rides):
     (said,) = losses([*rides, slow])
     assert said.startswith("rates from 100 to 200 Hz")
     assert prepare([*rides, slow]).motion.dt == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("ratio", [2, 3, 4, 5])
+def test_averaging_to_a_slower_rate_shifts_neither_a_rest_nor_a_ramp(ratio):
+    t = np.arange(600 * ratio) * DT / ratio
+    duty = np.repeat(np.arange(600) % 2, ratio)
+    noisy = 2e-5 * np.random.default_rng(0).standard_normal(t.size)
+    channels = {
+        "deflection": 0.02 + 0.0 * t,
+        "road": 0.02 - 0.3 * t,
+        "duty": duty,
+        "damper_force": noisy,
+    }
+    fast = Record("fast", t, channels)
+    rest, ramp, held, averaged = (resampled(fast, name, DT) for name in channels)
+    grid = np.arange(rest.size) * DT
+    assert rest.size in (599, 600)
+    np.testing.assert_allclose(rest, 0.02, rtol=1e-12)
+    np.testing.assert_allclose(ramp, 0.02 - 0.3 * grid, rtol=1e-12, atol=1e-13)
+    np.testing.assert_allclose(held, np.arange(rest.size) % 2, atol=1e-6)
+    assert averaged.std() == pytest.approx(2e-5 / np.sqrt(ratio), rel=0.2)
 
 
 def test_an_offset_of_the_velocity_does_not_carry_the_deflection_away():
