@@ -70,6 +70,18 @@ def test_differences_are_paired_by_road() -> None:
     assert math.isnan(paired([rows[0], rows[4]], "rms", "a", "b").half)
 
 
+def test_the_interval_of_a_difference_is_students_at_95_per_cent() -> None:
+    """Differences 0.1, 0.2, 0.3 and 0.4: the standard error is 0.0645, and t of three degrees of freedom 3.182."""
+
+    def row(law: str, k: int, rms: float) -> Outcome:
+        return Outcome("s", "f", law, k, Measures(rms, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0))
+
+    rows = [row("a", k, 1.1 + 0.1 * k) for k in range(4)] + [row("b", k, 1.0) for k in range(4)]
+    found = paired(rows, "rms", "a", "b")
+    assert found.mean == pytest.approx(0.25)
+    assert found.half == pytest.approx(3.182 * 0.06455, rel=1e-3)
+
+
 def test_with_a_leak_it_lowers_the_deflection_and_respects_the_domain(of: Setup) -> None:
     """The heart of chapter 6 on a few roads; all of them are in docs/control_comparison.md."""
     (whole,) = load_scenarios(FOLDER, ["thesis_6_4_2"])

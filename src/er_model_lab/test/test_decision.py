@@ -34,7 +34,7 @@ from er_model_lab.motion_error import drawn
 from er_model_lab.prepare import prepare
 from er_model_lab.present import diagnosis_json
 from er_model_lab.record import Record
-from er_model_lab.rule import Rule
+from er_model_lab.rule import RULE, Rule
 from er_model_lab.study import Study, as_given, diagnose_one
 from er_models.errors import InputError
 from lab_help import FORCE_NOISE, imposed, problem_of
@@ -125,6 +125,10 @@ def test_a_parameter_that_one_block_alone_shows_is_no_chance_of_a_huge_effect():
 def test_a_rule_that_cannot_be_is_refused(rule):
     with pytest.raises(InputError):
         Rule(*rule)
+
+
+def test_the_rule_is_the_one_that_the_documents_state_and_the_scores_were_made_with():
+    assert Rule(false_alarm=0.01, smallest=0.12, helps=0.2) == RULE
 
 
 @pytest.fixture(scope="module")

@@ -11,6 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 from er_model_lab.load import fingerprint, load, read
 from er_model_lab.provenance import digest_bytes
+from er_model_lab.readers.columns import UNITS
 from er_model_lab.record import CHANNELS, Array, Record
 from er_model_lab.write import write_csv, write_parquet
 from er_models.errors import ErError, InputError, MissingChannel
@@ -111,6 +112,15 @@ def test_stated_units_are_converted_and_noted(tmp_path: Path) -> None:
     np.testing.assert_allclose(record.channels["temperature"], np.linspace(0.0, 3.0, N), atol=1e-9)
     assert "deflection converted from mm to m" in record.notes
     assert any("21 degC" in note for note in record.notes)
+
+
+@pytest.mark.parametrize(
+    ("si", "unit", "factor"),
+    [("m", "in", 0.3048 / 12.0), ("m/s", "in/s", 0.3048 / 12.0), ("m/s", "mm/s", 1e-3), ("N", "kgf", 9.80665),
+     ("N", "lbf", 0.45359237 * 9.80665), ("m/s2", "g", 9.80665), ("Pa", "bar", 1e5), ("s", "min", 60.0)],
+)  # fmt: skip
+def test_units_have_the_factors_of_their_definitions(si: str, unit: str, factor: float) -> None:
+    assert UNITS[si][unit] == pytest.approx(factor, rel=1e-12)
 
 
 def test_a_names_file_beside_the_data_gives_other_headers_their_meaning(tmp_path: Path) -> None:

@@ -45,6 +45,17 @@ def test_errors_and_the_band_of_the_difference():
     assert first["nrmse"] == pytest.approx(first["rmse"] / 10.0, rel=1e-3)
 
 
+def test_the_band_holds_nine_tenths_of_what_chance_makes_of_the_change():
+    """The spread of the change over sixty records of the same two models is that of the band."""
+    found = [
+        table([rival(f"worse{k}", 0.5, seed=k), rival(f"better{k}", 0.4, seed=k)], 0.2, 0)[1]
+        for k in range(60)
+    ]
+    changes = np.array([f["against_first"]["change"] for f in found])
+    widths = [f["against_first"]["band"][1] - f["against_first"]["band"][0] for f in found]
+    assert float(np.mean(widths)) == pytest.approx(2.0 * 1.645 * changes.std(ddof=1), rel=0.3)
+
+
 def test_equal_names_are_told_apart_and_predictions_keep_their_order():
     one, two = rival("guo", 0.1), rival("guo", 0.4)
     assert names([one, two]) == ("guo (guo.yaml) #1", "guo (guo.yaml) #2")
