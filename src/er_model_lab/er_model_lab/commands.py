@@ -17,6 +17,7 @@ from er_models.own import catalogue_with
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.compare import errors, regions_json, size_notes, worst
+from er_model_lab.copies import check_apart
 from er_model_lab.diagnose.by_record import by_record
 from er_model_lab.diagnose.candidates import baseline
 from er_model_lab.diagnose.floor import noise_floor
@@ -124,6 +125,7 @@ def read(ask: Request) -> tuple[list[Record], int]:
     sealed = load(ask.hold_out) if ask.hold_out else []
     if not records:
         raise InputError(ask.data[0], "", "at least one record", "none")
+    check_apart(records, sealed)
     data = gate([*records, *sealed], anyway=ask.anyway)
     return shortened(data, len(sealed))
 

@@ -11,6 +11,7 @@ import yaml
 from er_models.errors import InputError
 
 from er_model_lab.clean import clean
+from er_model_lab.copies import used_once
 from er_model_lab.provenance import fingerprint as fingerprint
 from er_model_lab.readers import columns, csv, mf4, parquet, rosbag
 from er_model_lab.readers.bag_files import METADATA, is_data
@@ -32,7 +33,7 @@ BAG_SUFFIXES = (".mcap", ".db3")
 
 
 def load(paths: Sequence[Path]) -> list[Record]:
-    """Records of all paths, checked and repaired, in the order given (folders sorted by name).
+    """Records of all paths, checked and repaired, in the order given (folders sorted by name), copies left out.
 
     A file `DATA.names.yaml` beside a data file maps contract names to the names in that file.
 
@@ -43,15 +44,22 @@ def load(paths: Sequence[Path]) -> list[Record]:
     if not paths:
         raise InputError("DATA", "", "at least one file or folder", "none")
     records = [piece for path in paths for raw in read(Path(path)) for piece in clean(raw)]
-    return _unique(records)
+    return _unique(used_once(records))
 
 
 def read(path: Path) -> list[Record]:
     """Records of one path as stored: neither checked nor repaired."""
     if not path.exists():
         raise InputError(path, "", "a file or folder", "nothing there")
+    if path.is_dir() and not is_bag(path):
+        return _read_folder(path)
+    return [replace(record, file=str(path)) for record in _read_one(path)]
+
+
+def _read_one(path: Path) -> list[Record]:
+    """Records of one file or rosbag2 folder."""
     if path.is_dir():
-        return rosbag.read(path) if is_bag(path) else _read_folder(path)
+        return rosbag.read(path)
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise InputError(path, "suffix", f"one of {', '.join(READERS)}", f"'{path.suffix}'")

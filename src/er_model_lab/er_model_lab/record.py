@@ -71,6 +71,7 @@ class Record:
         licence: Licence of the data; empty when not known.
         waits: Of a bag, time from stamp to arrival of each topic [s]: median and 90 % spread.
         timing: How it was sampled before any repair; None when it was not loaded.
+        file: File or folder it was read from; empty where it was not.
         part_of: The longer record this is a stretch of; None for a whole one.
     """
 
@@ -86,6 +87,7 @@ class Record:
     licence: str = ""
     timing: Timing | None = None
     waits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    file: str = ""
     part_of: Part | None = None
 
     def __post_init__(self) -> None:

@@ -261,18 +261,20 @@ def test_paths_that_are_no_data_are_named(tmp_path: Path) -> None:
 def test_a_folder_gives_its_files_sorted_and_equal_names_are_told_apart(
     tmp_path: Path,
 ) -> None:
-    for name in ("b.csv", "a.csv"):
-        table(tmp_path / name, columns())
+    for n, name in ((N + 1, "b.csv"), (N, "a.csv")):
+        table(tmp_path / name, columns(n))
     (tmp_path / "SOURCE.txt").write_text("where from")
     other = tmp_path / "other"
     other.mkdir()
-    table(other / "a.csv", columns())
+    table(other / "a.csv", columns(N + 2))
     (tmp_path / ".hidden").mkdir()
     table(tmp_path / ".hidden" / "c.csv", columns())
     assert [r.name for r in load([tmp_path])] == [f"{tmp_path.name}/a", "b", "other/a"]
     records = load([tmp_path / "a.csv", other / "a.csv"])
     assert [r.name for r in records] == [f"{tmp_path.name}/a", "other/a"]
-    records = load([other / "a.csv", other / "a.csv"])
+    namesake = tmp_path / ".hidden" / "other"
+    namesake.mkdir()
+    records = load([other / "a.csv", table(namesake / "a.csv", columns(N + 3))])
     assert len({r.name for r in records}) == 2
 
 
