@@ -12,7 +12,7 @@ from er_observers.observers.gate import mean_gate
 from er_observers.observers.kernel import SUBSTEP
 from er_observers.synthesis.certify import Certificate, certify
 from er_observers.synthesis.discrete import error_map, lens, step_storage, substep
-from er_observers.synthesis.make import Wish, make
+from er_observers.synthesis.make import Wish, make, solve
 from er_observers.synthesis.proof import Claim, prove
 from er_observers.synthesis.spec import Solution, Spec, SynthesisFailed
 
@@ -162,3 +162,16 @@ def test_the_cone_is_as_wide_as_the_damping_asked_for(car: Model) -> None:
 
     assert holds(0.98 * least)
     assert not holds(1.02 * least)
+
+
+@pytest.mark.filterwarnings("error")
+def test_where_no_substep_shrinks_the_line_says_which_grow_and_what_may_help(car: Model) -> None:
+    """Without passive damping, no warning of a library; two substeps in turn grow, a smaller disc has a solution."""
+    bare = car.with_effect("passive", {**car.effects["passive"], "c0": 0.0})
+    steps = (0.5 * SUBSTEP, SUBSTEP)
+    wide, small = (solve("nlpv_polytopic", bare, Wish(Spec(radius=r))) for r in (8000.0, 2000.0))
+    says = r"in turn, .* grow by 1\.1\d* each; the fastest pole, \d+ 1/s, is 10 per .* smaller --radius .*8000 1/s"
+    with pytest.raises(SynthesisFailed, match=says) as failed:
+        step_storage(wide, steps, -0.5)
+    assert "\n" not in str(failed.value)
+    assert step_storage(small, steps, -0.5)[1].decay > 0.0

@@ -35,6 +35,8 @@ from er_observers.synthesis.spec import SynthesisFailed
 
 _ROUNDS = 8
 _SHARES = (0.8, 0.2, 0.02)
+_TURNS = (1, 2, 4, 8)
+"""How often one substep follows another where two in turn are looked at."""
 _Point = tuple[float, float, tuple[float, float]]
 """Step length [s], duty, gate."""
 
@@ -76,7 +78,32 @@ def step_storage(
             return _refine(claim, steps, points, share * abs(slowest))
         except SynthesisFailed as error:
             failure = failure or error
-    raise failure or AssertionError
+    why = _obstacle(claim, points)
+    status = failure.solver_status if failure else "not asked"
+    reason = failure.reason if failure else ""
+    raise SynthesisFailed("discrete", f"{reason}: {why}", status)
+
+
+def _obstacle(claim: Claim, points: list[_Point]) -> str:
+    """What stands in the way, in words: two substeps that grow in turn leave no Lyapunov function to be found."""
+    z = claim.sizes
+    maps = np.array([_map(claim, s, float(r), np.array(g)) * z / z[:, None] for s, r, g in points])
+    worst, pair = 0.0, (points[0], points[0])
+    for times in _TURNS:
+        turns = maps[:, None] @ np.linalg.matrix_power(maps, times)
+        growth = np.abs(np.linalg.eigvals(turns)).max(axis=-1) ** (1.0 / (1 + times))
+        i, j = np.unravel_index(int(np.argmax(growth)), growth.shape)
+        if growth[i, j] > worst:
+            worst, pair = float(growth[i, j]), (points[i], points[j])
+    names = " and ".join(f"{step:g} s at duty {rho:g}" for step, rho, _ in pair)
+    words = f"substeps of {names} in turn, the gate's slope changing, grow by {worst:.4g} each; "
+    if worst <= 1.0:
+        words = f"no two in turn grow (at most {worst:.5g} each), so the solver is the limit; "
+    fastest = max(float(np.abs(np.linalg.eigvals(M)).max()) for M in claim.solution.law.M)
+    longest = max(step for step, _, _ in points)
+    radius = claim.spec.radius
+    words += f"the fastest pole, {fastest:.4g} 1/s, is {fastest * longest:.3g} per substep; "
+    return words + f"a smaller --radius may help (now {radius:g} 1/s)"
 
 
 def _refine(

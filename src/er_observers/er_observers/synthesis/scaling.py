@@ -14,6 +14,9 @@ from er_models.linear import LinearForm, thesis_form
 from er_models.model import Array, Model
 from scipy.linalg import solve_continuous_lyapunov
 
+_UNDAMPED = 1e-6
+"""Share of the fastest pole below which the slowest counts as not decaying."""
+
 
 @dataclass(frozen=True, eq=False)
 class Scaling:
@@ -47,9 +50,16 @@ def scaling_of(model: Model, form: LinearForm) -> Scaling:
 
 
 def _passive_ride(model: Model) -> tuple[Array, float]:
-    """Covariance (5, 5) of the passive car for a road velocity of density one, and the density for its envelope."""
+    """Covariance (5, 5) of the passive car for a road velocity of density one, and the density for its envelope.
+
+    A car without damping has no stationary ride; its poles are then moved to the left, as far as a ride is long.
+    """
     car = thesis_form(model)
-    covariance = solve_continuous_lyapunov(car.A, -np.outer(car.D1, car.D1))
+    poles = np.linalg.eigvals(car.A)
+    A, size = car.A, float(np.abs(poles).max())
+    if poles.real.max() > -_UNDAMPED * size:
+        A = A - 1e3 * _UNDAMPED * size * np.eye(len(A))
+    covariance = solve_continuous_lyapunov(A, -np.outer(car.D1, car.D1))
     velocity = np.array([0.0, 1.0, 0.0, -1.0, 0.0])
     density = (model.scales.velocity / 3.0) ** 2 / (velocity @ covariance @ velocity)
     return covariance, float(density)
