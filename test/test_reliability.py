@@ -121,8 +121,6 @@ def test_a_duty_that_never_came_is_no_duty_r1() -> None:
     "unit", [topics.ACCELERATION.name, topics.DEFLECTION.name, topics.PWM_COMMAND.name]
 )
 def test_no_duty_acts_longer_than_50_ms_after_its_sample_r2(name: str, unit: str) -> None:
-    if (name, unit) == ("ftc_controller", topics.ACCELERATION.name):
-        pytest.skip("this controller goes on with the deflection alone, without a force")
     bus = Bus((NAMES[0], name))
     bus.run(2.0)
     bus.inject(unit, Kind.OFF, duration=0.5)

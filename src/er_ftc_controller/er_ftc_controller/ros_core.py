@@ -45,7 +45,8 @@ class State(NamedTuple):
 
     body, strut: whether a sensor is stuck; last: the last sample; heard: when the last usable one came [ns, steady];
     base: stamp of the first one; counts; silent: how `mind` goes on while samples stay away. The next sample finds
-    `mind` as the last one left it, so that answers to samples do not depend on when somebody looked.
+    `mind` as the last one left it, so that answers to samples do not depend on when somebody looked. unused: why an
+    acceleration was not used, and the stamp of the last such.
     """
 
     mind: control.State
@@ -60,6 +61,7 @@ class State(NamedTuple):
     unusable: int = 0
     told: int = 0
     silent: control.State | None = None
+    unused: tuple[str, int] = ("", 0)
 
     @property
     def stamps(self) -> StampState:
@@ -91,6 +93,8 @@ class FtcCore:
         sample = StampLimits(stale=p.max_age, gap=self.controller.rules.gap)
         # an estimate comes later than its tick where a part of that is waited for, and acts until it is old
         self.limits = (sample, sample, StampLimits(stale=p.fault_age))
+        rules = self.controller.rules
+        self.believed = rules.believed[1] / rules.ahead if rules.ahead else math.inf
         self.model_id, self.gains_id = model.digest(), loaded.digest
         warm = control.start(self.controller)
         control.step(self.controller, warm, 0.0, Sample(0.0, 0.0, 0.0, 0.0))
@@ -115,8 +119,11 @@ class FtcCore:
         if topic is topics.ACCELERATION:
             value = (message.sprung, message.unsprung) if message.valid else (math.nan, math.nan)
             body, stuck = check(state.body, value, ACCELERATION, stamp)
-            # one that is not to be used leaves the sample without a force, not without a duty
-            value = (math.nan, math.nan) if stuck else value
+            why = self._doubt(message) or ("stuck" if stuck else "")
+            if why:
+                # it leaves the sample without a force, not without a duty
+                value, unusable = (math.nan, math.nan), state.unusable + 1
+                state = state._replace(unused=(why, stamp), unusable=unusable)
             pairs, pair = state.pairs.with_left(stamp, value, back=back)
             state = State(state.mind, pairs, body, *state[3:])
         else:
@@ -129,6 +136,18 @@ class FtcCore:
         if pair is None:
             return state, []
         return self._sample(state, Tick(stamp, seq), Sample(*pair[1], *pair[0]), when)
+
+    def _doubt(self, message: Any) -> str:
+        """Why accelerations are not used; empty where they are.
+
+        Those are beyond belief that would take the velocity over all that is believed while a duty is on its way.
+        """
+        if not message.valid:
+            return "not valid"
+        most = max(abs(message.sprung), abs(message.unsprung))
+        if not math.isfinite(message.sprung + message.unsprung):
+            return "not a number"
+        return "beyond belief" if most > self.believed else ""
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Go on without samples where they stay away, towards the safe duty."""
@@ -160,7 +179,8 @@ class FtcCore:
         good = mind.heard == t
         heard, unusable = when.steady if good else state.heard, state.unusable + (not good)
         told = state.told + (waiting is not state.waiting)
-        state = State(mind, *state[1:4], waiting, state.checks, tick, heard, base, unusable, told)
+        counts, unused = (unusable, told, None), state.unused
+        state = State(mind, *state[1:4], waiting, state.checks, tick, heard, base, *counts, unused)
         return state, [_command(tick, command)]
 
     def _heard(

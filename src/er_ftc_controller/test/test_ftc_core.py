@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 import yaml
+from er_ftc_controller.nodes.ftc_controller import FtcController
 from er_ftc_controller.ros_core import FtcCore, State, faults_of
 from er_ftc_controller.settings import FtcParameters
 from er_ros_common.builders import (
@@ -18,7 +20,7 @@ from er_ros_common.builders import (
 )
 from er_ros_common.core import When
 
-from er_damper_msgs.msg import FaultEstimate, PwmDuty
+from er_damper_msgs.msg import FaultEstimate, NodeStatus, PwmDuty
 from er_ros_common import topics
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
@@ -161,6 +163,39 @@ def test_a_missing_acceleration_costs_the_force_not_the_duty(core: FtcCore) -> N
     _, said = play(core, messages)
     assert len(said) == 49
     assert {m.source for m in said} == {PwmDuty.SOURCE_NOMINAL}
+
+
+@pytest.mark.parametrize(
+    ("sprung", "valid", "why"),
+    [
+        (0.5, False, "not valid"),
+        (math.nan, True, "not a number"),
+        (-math.inf, True, "not a number"),
+        (1e30, True, "beyond belief"),
+        (0.3, True, "stuck"),
+    ],
+)
+def test_an_acceleration_that_is_not_used_says_why_and_costs_no_duty(
+    core: FtcCore, sprung: float, valid: bool, why: str
+) -> None:
+    messages = [m for k in range(1, 60) for m in halves(k)]
+    for (topic, message), wheel in zip(messages, range(len(messages)), strict=True):
+        if topic is topics.ACCELERATION and message.seq > 20:
+            message.sprung, message.unsprung, message.valid = sprung, 0.01 * wheel, valid
+    state, said = play(core, messages)
+    assert len(said) == 59
+    assert {m.source for m in said} == {PwmDuty.SOURCE_NOMINAL}
+    assert state.unused == (why, stamp(59))
+    told = FtcController.report(SimpleNamespace(state=state))  # type: ignore[arg-type]
+    assert (told.status, told.valid) == (NodeStatus.STATUS_DEGRADED, True)
+    assert f"sensors/acceleration is not used: {why}" in told.reason
+    assert state.unusable == (39 if why != "stuck" else 19)
+    without, _ = play(core, messages[:40])
+    assert without.unused == ("", 0)
+    blind = [(t, suspension_acceleration(Tick(stamp(m.seq), m.seq), 0.0, 0.0, valid=False)
+              if t is topics.ACCELERATION and m.seq > 20 else m) for t, m in messages]  # fmt: skip
+    if why != "stuck":
+        assert [m.duty for m in said] == [m.duty for m in play(core, blind)[1]]
 
 
 def test_a_velocity_that_no_longer_changes_ends_at_the_safe_duty(core: FtcCore) -> None:

@@ -20,6 +20,9 @@ from er_ftc_controller.ros_core import FtcCore
 from er_ftc_controller.settings import FtcParameters
 from er_ros_common import topics
 
+REMEMBERED = 1_000_000_000
+"""How long an acceleration that was not used is still said [ns]."""
+
 
 class FtcController(CoreNode):
     """The core with its health; without a fault estimator the damper is taken for healthy."""
@@ -46,6 +49,11 @@ class FtcController(CoreNode):
         """Health of the controller."""
         state, command = self.state, self.state.command
         mode, reason, status = command.mode.value, command.reason, NodeStatus.STATUS_OK
+        why, stamp = state.unused
+        if why and state.last.stamp - stamp < REMEMBERED:
+            status = NodeStatus.STATUS_DEGRADED
+            unused = f"{topics.ACCELERATION.name} is not used: {why}"
+            reason = f"{reason}; {unused}" if reason else unused
         if command.mode is Mode.SAFE:
             status = NodeStatus.STATUS_LOST
         if not state.heard:
