@@ -12,10 +12,10 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from statistics import median
-from typing import NoReturn
 
 from er_models.files import write_whole
 from er_ros_common.graph_check import Problem
+from er_ros_common.one_line import OneLine
 from rich.console import Console
 from rich.table import Table
 
@@ -23,16 +23,7 @@ from er_bringup.arguments import NAMESPACE, is_namespace
 from er_bringup.ros_checks import Heard, Observation, plant_of, problems, real_time
 from er_bringup.terminal import console
 
-HEALTHY, UNHEALTHY, BAD_USAGE = 0, 1, 2
-
-
-class OneLine(argparse.ArgumentParser):
-    """Says what is wrong in one line."""
-
-    def error(self, message: str) -> NoReturn:
-        """End with the line and the status of bad usage."""
-        sys.stderr.write(f"{self.prog}: {message}\n")
-        sys.exit(BAD_USAGE)
+HEALTHY, UNHEALTHY = 0, 1
 
 
 def namespace(text: str) -> str:

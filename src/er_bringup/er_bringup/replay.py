@@ -15,11 +15,12 @@ from typing import Any
 import yaml
 from er_models.errors import ErError, InputError
 from er_models.files import write_whole
+from er_ros_common.one_line import OneLine
 from rich.console import Console
 from rich.table import Table
 
 from er_bringup.cores import cores
-from er_bringup.doctor import OneLine, namespace
+from er_bringup.doctor import namespace
 from er_bringup.played import Bag, Played, core_of, nodes_in, opened, play
 
 SAME, DIFFERENT, INCOMPLETE = 0, 1, 3

@@ -17,9 +17,10 @@ from time import monotonic
 import rclpy
 from er_ros_common.fault_port import SERVICE
 from er_ros_common.injection import Kind
+from er_ros_common.one_line import OneLine
 from rclpy.executors import SingleThreadedExecutor
 
-from er_bringup.doctor import OneLine, namespace
+from er_bringup.doctor import namespace
 from er_damper_msgs.srv import InjectFault
 from er_ros_common import dds
 

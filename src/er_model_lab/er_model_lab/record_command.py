@@ -2,25 +2,13 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
 
 from er_ros_common.arguments import Value, ros_arguments
+from er_ros_common.one_line import OneLine
 
 from er_model_lab.bag_writer import STORAGES
-
-BAD_USAGE = 2
-
-
-class OneLine(argparse.ArgumentParser):
-    """Says what is wrong in one line."""
-
-    def error(self, message: str) -> NoReturn:
-        """End with the line and the status of bad usage."""
-        sys.stderr.write(f"{self.prog}: {message}\n")
-        sys.exit(BAD_USAGE)
 
 
 def parser() -> OneLine:

@@ -12,6 +12,7 @@ import inspect
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Literal
 
 Stage = Literal["core", "force", "actuation", "heat", "sensing", "fault", "vehicle"]
@@ -76,6 +77,13 @@ HOOKS: dict[str, str] = {
     "sprung_reading": "maps the acceleration of the sprung mass to the reported one",
     "unsprung_reading": "maps the acceleration of the unsprung mass to the reported one",
 }
+
+
+@cache
+def arguments(function: Callable[..., object]) -> tuple[str, ...]:
+    """Names of a hook's arguments."""
+    return tuple(inspect.signature(function).parameters)
+
 
 SMOOTH, CONTACT, SWITCH = 3e-6, 1e-5, 1e-2
 """Steps of derivatives, as shares of a value: of a smooth equation, of one with a contact that
@@ -153,7 +161,7 @@ class Effect:
         for hook, function in self.hooks.items():
             if hook not in HOOKS:
                 raise ValueError(f"{self.name}: unknown hook '{hook}', known: {', '.join(HOOKS)}")
-            for argument in inspect.signature(function).parameters:
+            for argument in arguments(function):
                 if argument not in names and argument not in SIGNALS and argument != "w":
                     raise ValueError(
                         f"{self.name}.{hook}: argument '{argument}' is no parameter or signal"

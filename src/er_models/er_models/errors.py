@@ -33,12 +33,6 @@ class UnknownName(ErError):
         super().__init__(f"unknown {kind} '{name}'; {hint}")
 
 
-class IncompleteData(ErError):
-    """Data that could be used only in part."""
-
-    exit_status = 3
-
-
 class MissingChannel(ErError):
     """A channel the command needs is not in the data."""
 

@@ -41,11 +41,6 @@ def voltage(duty: float, voltage_max: float = VOLTAGE_MAX) -> float:
     return voltage_max * duty
 
 
-def duty_of(volts: float, voltage_max: float = VOLTAGE_MAX) -> float:
-    """Duty of a voltage [V]: the inverse of `voltage`."""
-    return volts / voltage_max
-
-
 def electric_field(duty: float, gap: float, voltage_max: float = VOLTAGE_MAX) -> float:
     """Magnitude of the field [V/m] between electrodes `gap` [m] apart (1.4); uniform where d << R_d."""
     return voltage(duty, voltage_max) / gap

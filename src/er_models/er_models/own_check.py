@@ -6,7 +6,6 @@ parameters that switch the effect off where they say so.
 
 from __future__ import annotations
 
-import inspect
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
@@ -18,7 +17,7 @@ import numpy as np
 from numba.core.errors import NumbaError
 from numba.core.types import Number, Tuple, UniTuple, float64
 
-from er_models.effect import SIGNALS, Effect, Param
+from er_models.effect import SIGNALS, Effect, Param, arguments
 from er_models.errors import InputError
 from er_models.kernel.fast import njit
 from er_models.kernel.hooks import with_compiled_names
@@ -51,7 +50,7 @@ def check(path: Path, effect: Effect, names: tuple[str, ...]) -> None:
     _check_words(path, effect, names)
     for q in effect.parameters:
         _check_parameter(path, effect, q)
-    used = {name for hook in effect.hooks for name in _arguments(effect, hook)}
+    used = {name for hook in effect.hooks for name in arguments(effect.hooks[hook])}
     idle = [q.name for q in effect.parameters if q.name not in used]
     if idle:
         raise InputError(path, f"{effect.name}.{idle[0]}", "a parameter of some hook", "no use")
@@ -96,18 +95,13 @@ def _check_parameter(path: Path, effect: Effect, q: Param) -> None:
         raise InputError(path, f"{where}.neutral", expected, q.neutral)
 
 
-def _arguments(effect: Effect, hook: str) -> tuple[str, ...]:
-    """Names of a hook's arguments."""
-    return tuple(inspect.signature(effect.hooks[hook]).parameters)
-
-
 def _check_signals(path: Path, effect: Effect, hook: str) -> None:
     """A hook must be a plain function of what is known where it acts."""
     function, where = effect.hooks[hook], f"{effect.name}.{hook}"
     if not isinstance(function, FunctionType) or function.__closure__:
         raise InputError(path, where, "a plain function of the file", repr(function))
     known = (*effect.names, *signals_of(effect, hook))
-    for name in _arguments(effect, hook):
+    for name in arguments(effect.hooks[hook]):
         if name not in known:
             raise InputError(path, where, f"arguments among {', '.join(known)}", f"'{name}'")
     if hook == "bound" and not effect.has_state:
@@ -116,7 +110,7 @@ def _check_signals(path: Path, effect: Effect, hook: str) -> None:
 
 def _compiled(path: Path, effect: Effect, hook: str) -> Callable[..., Any]:
     """The hook compiled by itself; refuses what the compiler cannot read or what returns no number."""
-    where, n = f"{effect.name}.{hook}", len(_arguments(effect, hook))
+    where, n = f"{effect.name}.{hook}", len(arguments(effect.hooks[hook]))
     function: Any = njit(error_model="numpy")(with_compiled_names(effect.hooks[hook]))
     try:
         function.compile((float64,) * n)
@@ -147,8 +141,10 @@ def _check_values(path: Path, effect: Effect, hook: str, function: Callable[...,
     """Finite at the neutral values, and nothing where these alone decide."""
     where = f"{effect.name}.{hook}"
     for point in _points(effect):
-        found = function(*(point[name] for name in _arguments(effect, hook)))
-        said = ", ".join(f"{k} = {point[k]:g}" for k in _arguments(effect, hook) if k in SIGNALS)
+        found = function(*(point[name] for name in arguments(effect.hooks[hook])))
+        said = ", ".join(
+            f"{k} = {point[k]:g}" for k in arguments(effect.hooks[hook]) if k in SIGNALS
+        )
         if not np.isfinite(found).all() and hook != "bound":
             expected = f"a finite value at its neutral parameters{said and ' and ' + said}"
             raise InputError(path, where, expected, found)

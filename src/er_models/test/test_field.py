@@ -17,10 +17,6 @@ def test_table_1_1() -> None:
     assert field.voltage(0.3) == pytest.approx(1500.0)  # the limit of the testbench, section 1.3
 
 
-def test_duty_and_voltage_are_inverse() -> None:
-    assert field.duty_of(field.voltage(0.23, 8e3), 8e3) == pytest.approx(0.23)
-
-
 def test_field_of_a_gap() -> None:
     assert field.electric_field(0.2, 1e-3) == pytest.approx(1e6)
     assert field.electric_field(0.2, 0.5e-3, 2500.0) == pytest.approx(1e6)

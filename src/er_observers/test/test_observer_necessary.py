@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_models.linear import relative_form, thesis_form
+from er_models.linear import LinearForm, relative_form, thesis_form
 from er_models.model import Model
 from er_observers.synthesis import make
-from er_observers.synthesis.conditioning import RESOLVED, condition_needed
+from er_observers.synthesis.conditioning import RESOLVED, least_condition
+from er_observers.synthesis.family import luenberger_family
 from er_observers.synthesis.necessary import (
     decoupling_ranks,
     road_blind_gain,
@@ -17,9 +18,12 @@ from er_observers.synthesis.necessary import (
     undetectable,
     violated,
 )
+from er_observers.synthesis.scaled import scale
+from er_observers.synthesis.scaling import Scaling
 from er_observers.synthesis.spec import (
     LIPSCHITZ,
     SLOPE,
+    Output,
     Spec,
     SynthesisFailed,
     force_output,
@@ -108,6 +112,14 @@ def test_what_no_output_shows_is_named(car: Model) -> None:
     assert undetectable(form) == []
     assert undetectable(blind) == [0.0]
     assert any("show in no output" in text for text in violated(blind, force_output(form), Spec()))
+
+
+def condition_needed(
+    form: LinearForm, output: Output, spec: Spec, scaling: Scaling, rho: float
+) -> float:
+    """Smallest condition of P (typical sizes) that the observer (4.5) needs at a duty."""
+    s = scale(form, output, spec, scaling)
+    return least_condition(s, luenberger_family(s.A, s.C, s.D1), spec.sector, rho)
 
 
 def test_the_lipschitz_bound_needs_a_condition_without_bound(car: Model) -> None:

@@ -1,4 +1,4 @@
-"""Time: steady timers for control, and stamps to and from nanoseconds and seconds."""
+"""Time: timers on the steady clock, and stamps to and from nanoseconds."""
 
 from __future__ import annotations
 
@@ -14,13 +14,6 @@ from rclpy.timer import Timer
 SECOND: Final = 1_000_000_000
 #: seconds of a stamp are a signed 32-bit integer
 LAST_SECOND: Final = 2**31 - 1
-
-
-def steady_timer(node: Node, period: float, callback: Callable[[], None]) -> Timer:
-    """Timer [s] that keeps its period when the system's clock is set; on /clock when simulated."""
-    simulated = bool(node.get_parameter("use_sim_time").value)
-    clock = node.get_clock() if simulated else Clock(clock_type=ClockType.STEADY_TIME)
-    return node.create_timer(period, callback, clock=clock)
 
 
 def wall_timer(node: Node, period: float, callback: Callable[[], None]) -> Timer:
@@ -68,13 +61,3 @@ def from_stamp(stamp: Time) -> int:
     sec: int = stamp.sec
     nanosec: int = stamp.nanosec
     return sec * SECOND + nanosec if sec >= 0 and nanosec < SECOND else 0
-
-
-def to_seconds(stamp: Time) -> float:
-    """Time of a stamp [s], good to about 0.2 us for today's dates: keep ns for differences."""
-    return from_stamp(stamp) / SECOND
-
-
-def from_seconds(seconds: float) -> Time:
-    """Stamp of a time [s] since the clock's start."""
-    return to_stamp(round(seconds * SECOND))

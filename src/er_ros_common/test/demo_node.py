@@ -7,7 +7,7 @@ import time
 from dataclasses import dataclass
 
 from er_models.errors import ErError
-from er_ros_common.clock import now, steady_timer
+from er_ros_common.clock import now, wall_timer
 from er_ros_common.help import Card
 from er_ros_common.parameters import declare, param
 from er_ros_common.spin import run
@@ -38,7 +38,7 @@ class DemoNode(Node):
             topics.PWM_COMMAND.type, topics.PWM_COMMAND.name, topics.PWM_COMMAND.publisher
         )
         if not self.parameters.idle:
-            steady_timer(self, 1.0 / self.parameters.rate, self.tick)
+            wall_timer(self, 1.0 / self.parameters.rate, self.tick)
         self.started = time.process_time()
         say(f"ready {self.parameters.rate:g}")
 

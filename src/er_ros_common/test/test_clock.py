@@ -1,9 +1,8 @@
-"""Stamps to and from numbers; the steady timer is covered by test_spin."""
+"""Stamps to and from numbers; the timer is covered by test_spin."""
 
 from __future__ import annotations
 
 import pytest
-from builtin_interfaces.msg import Time
 
 from er_ros_common import clock
 
@@ -18,11 +17,6 @@ def test_nanoseconds_survive_the_stamp(nanoseconds: int) -> None:
 @pytest.mark.parametrize(("sec", "nanosec"), [(-5, 0), (-1, 999_999_999), (1, 1_000_000_000)])
 def test_a_stamp_that_is_no_time_is_one_that_is_not_set(sec: int, nanosec: int) -> None:
     assert clock.from_stamp(Time(sec=sec, nanosec=nanosec)) == 0
-
-
-def test_seconds() -> None:
-    assert clock.to_seconds(Time(sec=12, nanosec=250_000_000)) == 12.25
-    assert clock.from_seconds(12.25) == Time(sec=12, nanosec=250_000_000)
 
 
 @pytest.mark.parametrize("nanoseconds", [-1, 2**31 * 1_000_000_000])

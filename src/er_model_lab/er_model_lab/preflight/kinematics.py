@@ -11,8 +11,8 @@ import numpy as np
 from er_model_lab.preflight.finding import Finding, Level
 from er_model_lab.preflight.relation import Relation, relate
 from er_model_lab.record import CHANNELS, Array, Record
+from er_models import constants
 
-GRAVITY = 9.80665
 LENGTHS: dict[str, float] = {"mm": 1e3, "cm": 1e2, "inches": 1.0 / 0.0254, "feet": 1.0 / 0.3048}
 """Units a length may come in, and how many of them are a metre."""
 TOLERANCE = 0.06
@@ -168,7 +168,7 @@ def explained(gains: Mapping[tuple[str, str], float]) -> dict[str, str]:
 def _units(name: str) -> list[tuple[str, float]]:
     """Units a channel may come in, and how many of them are one of SI."""
     lengths = list(LENGTHS.items())
-    return [*lengths, ("g", 1.0 / GRAVITY)] if name == ACCELERATION else lengths
+    return [*lengths, ("g", 1.0 / constants.g)] if name == ACCELERATION else lengths
 
 
 def _near(found: float, expected: float) -> bool:
@@ -199,7 +199,7 @@ def clock_findings(record: Record, known: list[Pair]) -> Iterator[Finding]:
 def gravity_findings(record: Record) -> Iterator[Finding]:
     """Gravity left in an accelerometer."""
     for name in ("sprung_acceleration", "unsprung_acceleration"):
-        if record.has(name) and 0.5 < abs(float(record.channels[name].mean())) / GRAVITY < 1.5:
+        if record.has(name) and 0.5 < abs(float(record.channels[name].mean())) / constants.g < 1.5:
             yield _finding(
                 record, "bias", "fail", name, "gravity removed",
                 f"a mean of {float(record.channels[name].mean()):.4g} m/s2", f"take gravity off {name}",

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 
+from er_models.constants import g
 from er_models.errors import InputError, UnknownName
 
 from er_model_lab.record import CHANNELS, Array, unit_of
@@ -21,8 +22,8 @@ UNITS: dict[str, dict[str, float]] = {
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254},
     "m/s": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3, "in/s": 0.0254},
     "1": {"1": 1.0, "-": 1.0, "%": 1e-2},
-    "N": {"N": 1.0, "kN": 1e3, "kgf": 9.80665, "lbf": 4.4482216152605},
-    "m/s2": {"m/s2": 1.0, "m/s^2": 1.0, "m/s²": 1.0, "mm/s2": 1e-3, "g": 9.80665},
+    "N": {"N": 1.0, "kN": 1e3, "kgf": g, "lbf": 4.4482216152605},
+    "m/s2": {"m/s2": 1.0, "m/s^2": 1.0, "m/s²": 1.0, "mm/s2": 1e-3, "g": g},
     "K": {"K": 1.0, "degC": 1.0, "°C": 1.0},
     "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5},
 }

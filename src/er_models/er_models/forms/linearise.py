@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from er_models.effect import arguments
 from er_models.errors import ErError
 from er_models.forms.rates import NAMES, Rates, envelope_of, rates_of
-from er_models.kernel.compose import arguments
 from er_models.model import Array, Model
 
 DIGITS = 12

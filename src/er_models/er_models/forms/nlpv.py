@@ -13,6 +13,7 @@ Source: thesis (2.13)-(2.14), (2.21), Table 2.2.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,11 @@ DUTY = (0.0, 1.0)
 """Range of the scheduling variable, Table 2.2."""
 NOISE = (0.01, 0.01)
 """Weights of the noise of both accelerometers [m/s2], after (2.21)."""
+
+
+def noise_matrix(noise: Sequence[float]) -> Array:
+    """Weighted noise on each of m outputs, of disturbances with an unknown input before it: (m, 1 + m)."""
+    return np.column_stack([np.zeros(len(noise)), np.diag(noise)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +52,7 @@ class NLPVForm:
     @property
     def D2_bar(self) -> Array:
         """Feedthrough (m, 1 + m) of the disturbances, [0 D2]."""
-        return np.column_stack([np.zeros(len(self.noise)), np.diag(self.noise)])
+        return noise_matrix(self.noise)
 
     def B(self, rho: float) -> Array:
         """The gate's input column (n,) at a duty."""

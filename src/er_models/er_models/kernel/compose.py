@@ -16,7 +16,7 @@ from types import CodeType
 from typing import Any
 
 from er_models.catalogue import Catalogue
-from er_models.effect import Effect
+from er_models.effect import Effect, arguments
 from er_models.kernel.inline import inlined
 from er_models.kernel.mask import FIELD, LAG, of_hook, of_run, stands_alone
 from er_models.kernel.order import relaxes_at
@@ -25,11 +25,6 @@ OF_FIELD = {"y": "u", "f_y": "u_f", "tau_scale": "u_f_scale"}
 """What the equations of the response see where the duty whose chains have formed follows the duty."""
 PARTS = ("states", "inputs", "imposed", "sensors", "vehicle")
 _MARK = "# --- below this line: compiled with the composed equations ---\n"
-
-
-def arguments(function: Callable[..., object]) -> tuple[str, ...]:
-    """Names of a hook's arguments."""
-    return tuple(inspect.signature(function).parameters)
 
 
 def _call(

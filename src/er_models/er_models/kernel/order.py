@@ -16,11 +16,10 @@ model.
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Iterable
 from functools import cache
 
-from er_models.effect import Effect
+from er_models.effect import Effect, arguments
 
 ORDER = (
     "duty", "passive_stiffness", "passive_damping", "yield_scale", "shift_deflection",
@@ -68,7 +67,7 @@ def relaxes_at(effect: Effect) -> str:
     for hook in _MAPS:
         if hook in effect.hooks:
             return hook
-    driven = _arguments(effect, "relax")
+    driven = arguments(effect.hooks["relax"])
     if "f_h" in driven:
         return "limit" if "limit" in effect.hooks else "late"
     return "late" if "f_d" in driven else "states"
@@ -81,7 +80,7 @@ def feeds_back(effect: Effect) -> bool:
     if not place:
         return False
     early = [hook for hook in effect.hooks if hook in ORDER and _before(hook, place)]
-    return any("w" in _arguments(effect, hook) for hook in ("relax", *early))
+    return any("w" in arguments(effect.hooks[hook]) for hook in ("relax", *early))
 
 
 def reads_yield_early(effects: Iterable[Effect]) -> bool:
@@ -91,13 +90,15 @@ def reads_yield_early(effects: Iterable[Effect]) -> bool:
 
 def reads(effects: Iterable[Effect], signal: str) -> bool:
     """Whether a hook of any effect reads a signal."""
-    return any(signal in _arguments(effect, hook) for effect in effects for hook in effect.hooks)
+    return any(
+        signal in arguments(effect.hooks[hook]) for effect in effects for hook in effect.hooks
+    )
 
 
 def turns_with_the_yield(effects: Iterable[Effect]) -> bool:
     """Whether a response time depends on where the yield force is, and so that of u_f on where u_f is."""
     own = (e for e in effects if "tau_scale" in e.hooks)
-    return any("f_y" in _arguments(e, "tau_scale") for e in own)
+    return any("f_y" in arguments(e.hooks["tau_scale"]) for e in own)
 
 
 @cache
@@ -105,15 +106,14 @@ def _reads_yield_early(effect: Effect) -> bool:
     """Whether one effect does."""
     for hook in effect.hooks:
         place = relaxes_at(effect) if hook == "relax" else hook
-        if place in ORDER and _before(place, "response") and "f_y" in _arguments(effect, hook):
+        if (
+            place in ORDER
+            and _before(place, "response")
+            and "f_y" in arguments(effect.hooks[hook])
+        ):
             return True
     return False
 
 
 def _before(place: str, other: str) -> bool:
     return ORDER.index(place) < ORDER.index(other)
-
-
-@cache
-def _arguments(effect: Effect, hook: str) -> tuple[str, ...]:
-    return tuple(inspect.signature(effect.hooks[hook]).parameters)

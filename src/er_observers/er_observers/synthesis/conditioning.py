@@ -23,28 +23,18 @@ from __future__ import annotations
 
 import cvxpy as cp
 import numpy as np
-from er_models.linear import LinearForm
 from scipy.linalg import null_space
 
-from er_observers.synthesis.family import Family, luenberger_family
-from er_observers.synthesis.scaled import Scaled, scale
-from er_observers.synthesis.scaling import Scaling
+from er_observers.synthesis.family import Family
+from er_observers.synthesis.scaled import Scaled
 from er_observers.synthesis.solver import blocks, run
-from er_observers.synthesis.spec import SLOPE, Output, Sector, Spec
+from er_observers.synthesis.spec import SLOPE, Sector, Spec
 
 TOLERANCE = 1e-8
 """Relative accuracy that the solver asks of itself."""
 RESOLVED = 1.0 / np.sqrt(TOLERANCE)
 """Condition from which the inequalities' own margins, small against their entries twice over, go below it."""
 _SHARES = (1.0, 0.8, 0.6, 0.4)
-
-
-def condition_needed(
-    form: LinearForm, output: Output, spec: Spec, scaling: Scaling, rho: float
-) -> float:
-    """Smallest condition of P (typical sizes) that the observer (4.5) needs at a duty; infinite if none was found."""
-    s = scale(form, output, spec, scaling)
-    return least_condition(s, luenberger_family(s.A, s.C, s.D1), spec.sector, rho)
 
 
 def least_condition(s: Scaled, family: Family, sector: Sector, rho: float) -> float:

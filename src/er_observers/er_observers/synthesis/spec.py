@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from er_models.errors import ErError
+from er_models.forms.nlpv import noise_matrix
 from er_models.linear import LinearForm
 from er_models.model import Array
 
@@ -102,7 +103,7 @@ class Spec:
 
     def noise_matrix(self) -> Array:
         """Weighted noise on each output: (outputs, 1 + outputs)."""
-        return np.column_stack([np.zeros(len(self.noise)), np.diag(self.noise)])
+        return noise_matrix(self.noise)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,9 +1,7 @@
 """Tyre lift-off: the tyre can push but not pull, F_t <= r (m_s + m_us) g."""
 
+from er_models.constants import g
 from er_models.effect import CONTACT, Effect, Param, Signature
-
-g = 9.80665
-"""Standard acceleration of free fall [m/s2]."""
 
 
 def tyre_limit(r: float, f_t: float, m_s: float, m_us: float) -> float:
@@ -27,7 +25,7 @@ EFFECT = Effect(
             1e6,
             float("inf"),
             (1.0, 0.5, 0.3),
-            "static load of the tyre over the weight, g = 9.80665 m/s2",
+            f"static load of the tyre over the weight, g = {g} m/s2",
             step=CONTACT,
         ),
     ),
