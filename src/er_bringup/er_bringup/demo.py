@@ -21,10 +21,10 @@ from er_models.errors import ErError
 from er_models.files import load_model, save_model
 from er_models.model import Model
 from er_models.seed import seed_reader
+from er_ros_common.one_line import OneLine
 from rich.console import Console
 from rich.table import Table
 
-from er_bringup.doctor import OneLine
 from er_bringup.hidden import RANGES, choose, hide
 from er_bringup.terminal import console
 from er_bringup.up import configuration, run

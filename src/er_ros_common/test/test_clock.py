@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from builtin_interfaces.msg import Time
 
 from er_ros_common import clock
 
