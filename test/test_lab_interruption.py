@@ -12,15 +12,17 @@ from er_model_lab.forward import DamperForward
 from er_model_lab.load import load
 from er_model_lab.noted import packed, unpacked
 from er_model_lab.resume import resume
+from er_model_lab.ride_problem import open_ride
 from er_model_lab.study import open_problem
 from er_models.files import load_model
 from typer.testing import CliRunner
 
 from er_model_lab import cli, cli_missing, fit
 from test.conftest import ROOT
-from test.sample import with_friction, write_sample
+from test.sample import with_friction, write_ride, write_sample
 
 MODEL = ROOT / "config/dampers/inove_guo.yaml"
+CAR = ROOT / "config/vehicles/inove_quarter_car.yaml"
 BOTH = {"coulomb_friction", "preload"}
 
 
@@ -156,6 +158,19 @@ def test_a_fit_is_made_once_and_is_the_same_again(stop_and_friction):
     other = replace(kept, force=kept.force + 1e-9)
     baseline(model, other)
     assert len(kept.noted) > len(made)
+
+
+@pytest.mark.parametrize("more", [{}, {"max_iter": 3}, {"max_iter": 0}, {"target": 0.0}])
+def test_so_is_a_fit_to_a_car(tmp_path, more):
+    data = load([write_ride(tmp_path / "ride.csv", seed=1, seconds=4.0)])
+    problem, base = open_ride(data, load_model(CAR))
+    problem, grown = replace(problem, noted={}), base.model.with_effect("guide_friction")
+    known = base.jacobian if more else None
+    first, again = (fit.fit(grown, problem, known=known, **more) for _ in range(2))
+    assert len(problem.noted) == 1
+    assert first is not again
+    for name in ("theta", "residual", "jacobian", "at_bound"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(first, name))
 
 
 @pytest.mark.parametrize("word", ["", "None", "eJw=", "AAAA", "\u00e9", packed({})[:-4]])

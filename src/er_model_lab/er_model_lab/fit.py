@@ -22,6 +22,8 @@ FIRST_ITERATIONS = 10
 """Iterations every candidate gets before the best are fitted to the end."""
 DOUBTFUL = 1.1
 """Mean square without each block, over that of the fit, above which a straight line is not believed."""
+DAMPINGS = (0.1, 1.0, 10.0)
+"""Multiples of the damping that are tried at once."""
 SHARES = np.array([0.0, 0.1, 0.3, 1.0])
 """Shares of a step that are tried where it is not."""
 
@@ -115,7 +117,7 @@ def fit(
         (box.free, target, max_iter, tol),
     )
     if begun in problem.noted:
-        return _again(problem.noted[begun], box, problem, known)
+        return _again(problem.noted[begun], box, start, f, problem, known)
     found, problem.noted[begun] = _fitted(box, start, f, problem, known, target, max_iter, tol)
     return found
 
@@ -147,7 +149,7 @@ def _fitted(
             continue
         gain = 1.0 - costs[best] / cost
         theta, f, cost = trials[best], forces[best], float(costs[best])
-        damping = max(damping * (0.1, 1.0, 10.0)[best], 1e-7)
+        damping = max(damping * DAMPINGS[best], 1e-7)
         if gain < tol or (cost > target and not exact):
             break
         jacobian, exact, at = _jacobian(box, theta, f, problem, None), True, theta
@@ -155,12 +157,23 @@ def _fitted(
     return _made(box, theta, f, jacobian, rounds, problem), note
 
 
-def _again(note: Noted, box: Box, problem: Problem, known: Array | None) -> Fit:
-    """A fit that was made before."""
+def _again(
+    note: Noted, box: Box, start: Array, f: Array, problem: Problem, known: Array | None
+) -> Fit:
+    """A fit that was made before from scaled values start (p,), where the prediction is f (n,).
+
+    Others are predicted as trials are, as many at once: last digits of linear algebra depend on how many they are.
+    """
+
+    def predicted(theta: Array) -> Array:
+        if np.array_equal(theta, start):
+            return f
+        points = np.tile(theta, (len(DAMPINGS), 1))
+        return np.asarray(problem.predict_many(box.model, box.vectors(points))[0])
+
     theta, at = np.array(note.theta), np.array(note.at)
-    here, there = problem.predict_many(box.model, box.vectors(np.array([theta, at])))
-    jacobian = _jacobian(box, at, there, problem, None if note.exact else known)
-    return _made(box, theta, here, jacobian, note.iterations, problem)
+    jacobian = _jacobian(box, at, predicted(at), problem, None if note.exact else known)
+    return _made(box, theta, predicted(theta), jacobian, note.iterations, problem)
 
 
 def _made(box: Box, theta: Array, f: Array, jacobian: Array, rounds: int, problem: Problem) -> Fit:
@@ -193,7 +206,7 @@ def _trials(j: Array, r: Array, theta: Array, box: Box, damping: float) -> Array
     h, g = j.T @ j / r.size, j.T @ r / r.size
     held = ((theta <= box.low) & (g < 0)) | ((theta >= box.high) & (g > 0))
     points = []
-    for factor in (0.1, 1.0, 10.0):
+    for factor in DAMPINGS:
         a = h + np.diag(damping * factor * np.diag(h) + 1e-14 * np.trace(h) / len(g))
         rhs = np.where(held, 0.0, g)
         a = np.where(held[:, None] | held[None, :], np.diag(np.diag(a) + 1e-300), a)
