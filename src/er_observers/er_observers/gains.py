@@ -116,8 +116,17 @@ def save_gains(
 
 
 def observer_of(path: str | Path) -> str:
-    """Which observer a gain file is for; raises `InputError` for what is no gain file."""
-    return str(read(Path(path)).at("observer"))
+    """Which observer a gain file is for; raises `InputError` for what is no gain file of an observer."""
+    file = read(Path(path))
+    found = file.content.get("schema")
+    if found != SCHEMA:
+        kind = (
+            f"that of '{file.content['controller']}'"
+            if "controller" in file.content
+            else repr(found)
+        )
+        raise InputError(path, "schema", f"'{SCHEMA}', a gain file of an observer", kind)
+    return str(file.at("observer"))
 
 
 def load_gains(path: str | Path, model: Model, observer: str, limits: Limits = LIMITS) -> Gains:

@@ -13,7 +13,7 @@ import yaml
 from er_models.errors import InputError
 from er_models.gain_file import digest
 from er_models.model import Model
-from er_observers.gains import Gains, save_gains
+from er_observers.gains import Gains, observer_of, save_gains
 from er_observers.observers.evaluate import SCENARIOS, evaluate
 from er_observers.observers.known import OBSERVERS
 from er_observers.observers.nlpv_polytopic import NAME, load_gains
@@ -160,6 +160,18 @@ def test_what_is_no_gain_file_is_refused(car: Model, gain_file: Path, tmp_path: 
             path.write_text(text, encoding="utf-8")
         assert expected in refusal(path, car)
     assert "a folder" in refusal(tmp_path, car)
+
+
+def test_the_gains_of_a_controller_are_called_that(gain_file: Path) -> None:
+    """Both lie in one folder; the kind expected and the kind found are named."""
+    with pytest.raises(
+        InputError,
+        match=r"lpv_ftc\.yaml: schema: .*gain file of an observer, found that of 'lpv_ftc'",
+    ):
+        observer_of(gain_file.with_name("lpv_ftc.yaml"))
+    with pytest.raises(InputError, match="found 'er_scenario 1'"):
+        observer_of(gain_file.parent.parent / "scenarios" / "chapter_5_step.yaml")
+    assert observer_of(gain_file) == "nlpv_polytopic"
 
 
 def test_gains_carry_what_the_loop_needs(gains: Gains) -> None:

@@ -1,8 +1,9 @@
 """Kalman filters of the damper force behind the protocol of the observers: `make`, `start`, `step`.
 
-They know what the scenarios state: the noise of the accelerometers, how rough the road is, how
-wrong the start may be. Nothing else is assumed wrong with the model, as is usual; what more process
-noise or a blunter sensor would change is in docs/observer_comparison.md.
+They know what the scenarios share: the noise of the accelerometers (0.025 m/s2, also where a scenario
+has none), how rough the road is, how wrong the start may be. Nothing else is assumed wrong with the
+model, as is usual; what more process noise or a blunter sensor would change is in
+docs/observer_comparison.md.
 """
 
 from __future__ import annotations
@@ -48,10 +49,10 @@ KINDS = {
 
 @dataclass(frozen=True, eq=False)
 class Statement:
-    """What a scenario says and a filter may know.
+    """What a filter is told, by default the same for every scenario.
 
-    noise: standard deviation of both accelerometers [m/s2]; spread (n,): standard deviations of
-    the error of the start [SI]; period: sample time [s].
+    noise: standard deviation of both accelerometers [m/s2], that of the scenarios with noise; spread
+    (n,): standard deviations of the error of the start [SI]; period: sample time [s].
     """
 
     noise: float = 0.025
