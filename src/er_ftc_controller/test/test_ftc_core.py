@@ -96,6 +96,17 @@ def test_estimates_that_prove_no_fault_are_not_acted_on(
     assert "no usable fault estimate" in state.mind.command.reason
 
 
+@pytest.mark.parametrize(("late", "used"), [(25, 1), (490, 1), (510, 0)])
+def test_an_estimate_that_waited_for_a_part_is_not_too_old(
+    core: FtcCore, late: int, used: int
+) -> None:
+    """The estimator holds a tick for 20 ms where a sensor is missing; an estimate acts until it is old."""
+    now = stamp(1) + late * 1_000_000
+    state, _ = core.on_message(core.start(), *leak(1), When(now, now))
+    assert (len(state.waiting), state.stamps.stale) == (used, 1 - used)
+    assert core.limits[core.inputs.index(topics.FAULT)].stale == core.p.fault_age
+
+
 @pytest.mark.parametrize(
     ("factors", "states", "certain", "usable"),
     [

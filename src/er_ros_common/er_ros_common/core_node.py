@@ -43,8 +43,9 @@ class CoreNode(ManagedNode):
                 partial(self.on_message, topic),
                 self.profile,
                 needed=topic not in self.optional,
+                limits=limits,
             )
-            for topic in self.core.inputs
+            for topic, limits in zip(self.core.inputs, self.core.limits, strict=True)
         }
         self.every(self.watch_period, self.on_watch)
 

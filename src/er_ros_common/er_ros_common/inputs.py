@@ -78,6 +78,7 @@ class Input:
     _last: int = 0
     _seq: int = 0
     _row: int = 0
+    _from: tuple[int, int] = (0, 0)
     _period: float = 0.0
 
     def note(self, stamp: int, seq: int, arrival: float, now: int | None) -> Verdict:
@@ -85,15 +86,14 @@ class Input:
         self.arrived = arrival
         if seq == self._seq + 1 and judge(self.limits, self._last, stamp, now) is Verdict.FRESH:
             # nearly always: only counted, until somebody asks
-            self._row, self._period = self._row + 1, stamp - self._last
-            self._last, self._seq = stamp, seq
+            self._row, self._last, self._seq = self._row + 1, stamp, seq
             return Verdict.FRESH
         before = self.state
         self._state, verdict = check_stamp(self.limits, before, stamp, seq, now)
         self._last, self._seq = self._state[:2]
-        if verdict is Verdict.FRESH and seq > before.seq > 0:
-            self._period = (stamp - before.stamp) / (seq - before.seq)
-        elif verdict in _WORDS:
+        if verdict.use and not (verdict is Verdict.FRESH and 0 < before.seq < seq):
+            self._from = (stamp, seq)  # no mean reaches back over a new beginning
+        if verdict in _WORDS:
             self._bad[verdict] = arrival
             self.age = 1e-9 * (now - stamp) if now is not None and stamp else 0.0
         elif verdict in (Verdict.JUMPED_BACK, Verdict.GAP):
@@ -112,7 +112,15 @@ class Input:
         return self._state
 
     def measure(self, now: float) -> None:
-        """Measure the rate since the last time; once a second or so."""
+        """Measure the rate since the last time, and what it should be: once a second or so.
+
+        That is the mean pace of the stamps meanwhile, by the sequence numbers: each stamp alone may be off.
+        """
+        last = self.state.stamp, self.state.seq
+        ticks = last[1] - self._from[1]
+        if ticks > 0 and self._from[1]:
+            self._period = (last[0] - self._from[0]) / ticks
+        self._from = last
         if self._looked:
             self._measured = (self.state.received - self._counted) / max(now - self._looked, 1e-9)
         self._counted, self._looked = self.state.received, now

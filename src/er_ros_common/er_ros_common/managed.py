@@ -111,16 +111,18 @@ class ManagedNode(LifecycleNode):
         profile: QoSProfile | None = None,
         *,
         needed: bool = True,
+        limits: StampLimits | None = None,
     ) -> Subscription:
         """Subscription of a topic, heard while active; the topic and the graph around it are watched.
 
-        needed: whether its silence is a fault.
+        needed: whether its silence is a fault; limits: when its stamps are bad, None where that is as of all.
         """
         self.watched[topic.name] = topic
         name, asked = self.resolve_topic_name(topic.name), profile or topic.subscriber
         aged = self.aged
         steady = topic.every_tick and aged
-        made = Input(name, self.stamp_limits(), monotonic(), needed=needed, steady=steady)
+        limits = limits or self.stamp_limits()
+        made = Input(name, limits, monotonic(), needed=needed, steady=steady)
         self.incoming[topic.name] = made
 
         def noted(message: Any) -> None:

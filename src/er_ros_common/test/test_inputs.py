@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from random import Random
+
 import pytest
 from er_ros_common.inputs import ERROR, OK, WARN, Input
 from er_ros_common.stamps import StampLimits, StampState, check_stamp
@@ -59,6 +61,31 @@ def test_counts_are_those_of_a_check_of_each_message() -> None:
 
 def test_an_input_that_may_be_missing_is_not_missed() -> None:
     assert watched(needed=False).flow(200.0).level == OK
+
+
+def test_stamps_that_jitter_make_no_other_rate() -> None:
+    """200 Hz, each stamp off by up to 0.7 ms: 200 Hz should come, and half of them is told within a second."""
+    each, random, found = watched(), Random(1), []
+    for seq in range(1, 4001):
+        stamp = T0 + 5 * MS * seq + round(random.uniform(-0.7, 0.7) * MS)
+        if seq <= 3000 or seq % 2:
+            each.note(stamp, seq, 100.0 + 0.005 * seq, stamp + 2 * MS)
+        if seq % 200 == 0:
+            each.measure(100.0 + 0.005 * seq)
+        if seq % 20 == 0:
+            found.append(each.flow(100.0 + 0.005 * seq))
+    assert {f.level for f in found[:150]} == {OK}
+    assert {f.level for f in found[159:]} == {WARN}
+    assert "100 Hz of 200 Hz arrive" in found[-1].text
+
+
+def test_numbers_that_begin_anew_make_no_other_rate() -> None:
+    each = watched()
+    for k in range(400):
+        each.note(T0 + 5 * MS * k, k + 300 if k < 300 else k - 299, 100.0 + 0.005 * k, None)
+        if k % 200 == 199:
+            each.measure(100.0 + 0.005 * k)
+            assert each.flow(100.0 + 0.005 * k).level == OK
 
 
 def test_half_of_the_ticks_is_too_slow_and_a_slow_plant_is_not() -> None:
