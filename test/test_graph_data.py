@@ -402,6 +402,18 @@ def test_a_stack_has_sensors_of_its_own_under_its_own_names() -> None:
     assert "/chassis/rear_left/duty" in sources
 
 
+def test_the_recorder_notes_the_names_of_topics_that_have_others() -> None:
+    pairs = ("remap:=sensors/force=/{corner}/x, sensors/road=y, /diagnostics=/z", "record:=/tmp/x")
+    recorder, *_ = nodes(parse((*pairs, "namespace:=car", "corners:=a,b")), CONFIG)
+    assert recorder.parameters["names"] == [
+        "/car/a/sensors/force=/a/x", "/car/a/sensors/road=/car/a/y",
+        "/car/b/sensors/force=/b/x", "/car/b/sensors/road=/car/b/y",
+    ]  # fmt: skip
+    alone = specs("remap:=sensors/force=/x", "record:=/tmp/x")["recorder"]
+    assert alone.parameters["names"] == ["/sensors/force=/x"]
+    assert "names" not in specs("record:=/tmp/x")["recorder"].parameters
+
+
 @pytest.mark.parametrize(
     "pair",
     [

@@ -168,6 +168,17 @@ def _nothing_else(given: Mapping[str, str], keys: Sequence[str], why: str) -> No
             raise InputError("arguments", argument.name, expected, f"'{value}'")
 
 
+def renamed(given: Mapping[str, str]) -> list[str]:
+    """Full names of topics that have others, USUAL=OTHER, as a recorder notes them; raises as `remaps` does."""
+    base = f"/{given['namespace'].strip('/')}".rstrip("/")
+    found = remaps(given).items()
+    return [
+        f"{base}/{old}={new if new.startswith('/') else f'{base}/{new}'}"
+        for old, new in found
+        if not old.startswith("/")
+    ]
+
+
 def remaps(given: Mapping[str, str]) -> dict[str, str]:
     """New names of topics by their old ones, which are without the namespace.
 

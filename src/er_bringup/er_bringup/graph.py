@@ -21,6 +21,7 @@ from er_bringup.given import (
     observers,
     of_corner,
     remaps,
+    renamed,
 )
 from er_bringup.roles import (
     BRIDGE,
@@ -243,7 +244,7 @@ def _recorder(given: Mapping[str, str], answering: Sequence[Role]) -> NodeSpec:
         "out": str(Path(given["record"]).absolute()),
         "storage": given["storage"],
         "sources": [*_measured(given), *(role.says for role in answering)],
-    }
+    } | _noted([given])
     return _spec(RECORDER, given, (), parameters)
 
 
@@ -255,21 +256,27 @@ def _recorder_of_all(
     said = [*_measured(given), *(role.says for role in answering)]
     nodes = [role.executable for role in (*answering, *_sources(given))]
     own = [f"{node}/{end}" for node in nodes for end in ("status", "gain_info")]
-    renamed = {name: remaps(one) for name, one in zip(names, each, strict=True)}
+    own_names = {name: remaps(one) for name, one in zip(names, each, strict=True)}
 
     def full(name: str, topic: str) -> str:
-        return renamed[name].get(topic, f"{name}/{topic}")
+        return own_names[name].get(topic, f"{name}/{topic}")
 
     parameters: dict[str, Value] = {
         "out": str(Path(given["record"]).absolute()),
         "storage": given["storage"],
         "topics": [
             *(full(name, topic) for name in names for topic in (*said, *own)),
-            *dict.fromkeys(each.get(DIAGNOSTICS, DIAGNOSTICS) for each in renamed.values()),
+            *dict.fromkeys(each.get(DIAGNOSTICS, DIAGNOSTICS) for each in own_names.values()),
         ],
         "sources": [full(name, topic) for name in names for topic in said],
-    }
+    } | _noted(each)
     return replace(_spec(RECORDER, given, (), parameters), remaps={})
+
+
+def _noted(each: Sequence[Mapping[str, str]]) -> dict[str, Value]:
+    """What the recorder is told of the topics of these corners that have other names."""
+    names = [name for one in each for name in renamed(one)]
+    return {"names": names} if names else {}
 
 
 def _commanded(given: Mapping[str, str]) -> bool:

@@ -7,13 +7,13 @@ recording knows.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import process_time
 from typing import Any
 
+from er_model_lab.readers.bag_names import custom_data, usual_names
 from er_models.errors import InputError, MissingChannel
 from er_ros_common.core import Core, Said, When
 from er_ros_common.parameter_table import build, specs
@@ -34,34 +34,44 @@ Key = tuple[int, int]
 class Bag:
     """An open recording, or what can be read of it.
 
-    parameters: of the nodes, by full name; models: their models' hashes; damage: why it ended early.
+    parameters: of the nodes, by full name; models: their models' hashes; names: usual names of topics that were
+    recorded under others; damage: why it ended early.
     """
 
     path: Path
     reader: AnyReader
     parameters: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     models: Mapping[str, str] = field(default_factory=dict)
+    names: Mapping[str, str] = field(default_factory=dict)
     damage: str = ""
+
+    def named(self, topic: str) -> str:
+        """Usual full name of a topic."""
+        return self.names.get(topic, topic)
 
     def messages(self, names: Mapping[str, Topic]) -> Iterator[tuple[Topic, Any, int]]:
         """Topic, message and time of arrival [ns] of these full names, as they were recorded."""
-        wanted = [c for c in self.reader.connections if c.topic in names]
+        wanted = [c for c in self.reader.connections if self.named(c.topic) in names]
         kinds = {name: topic.type_name for name, topic in names.items()}
-        wanted = [c for c in wanted if c.msgtype == kinds[c.topic]]
+        wanted = [c for c in wanted if c.msgtype == kinds[self.named(c.topic)]]
         if not wanted:
             return
         messages = self.reader.messages(wanted)
         deserialize = self.reader.deserialize
         try:
             for connection, arrival, raw in messages:
-                yield names[connection.topic], deserialize(raw, connection.msgtype), arrival
+                yield (
+                    names[self.named(connection.topic)],
+                    deserialize(raw, connection.msgtype),
+                    arrival,
+                )
         except Exception as error:  # a damaged bag raises whatever its bytes provoke
             self.damage = str(error).splitlines()[0] if str(error) else type(error).__name__
 
     @property
     def topics(self) -> tuple[str, ...]:
         """Full names of what it holds."""
-        return tuple(sorted({c.topic for c in self.reader.connections}))
+        return tuple(sorted({self.named(c.topic) for c in self.reader.connections}))
 
 
 def opened(path: Path) -> Bag:
@@ -79,23 +89,10 @@ def opened(path: Path) -> Bag:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(path, "", "a whole rosbag2 recording", reason) from None
     bag = Bag(path, reader)
-    custom = _custom(path)
+    custom = custom_data(path)
     bag.parameters, bag.models = custom.get("parameters", {}), custom.get("models", {})
+    bag.names, _ = usual_names(path, {c.topic: c.msgtype for c in reader.connections})
     return bag
-
-
-def _custom(path: Path) -> dict[str, Any]:
-    """What our recorder noted about the nodes; empty where another one recorded."""
-    import yaml
-
-    file = (path if path.is_dir() else path.parent) / "metadata.yaml"
-    if not file.is_file():
-        return {}
-    document = yaml.load(
-        file.read_text(encoding="utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    )
-    data = document.get("rosbag2_bagfile_information", {}).get("custom_data") or {}
-    return {k: json.loads(v) for k, v in data.items() if v.startswith(("{", "["))}
 
 
 def core_of(bag: Bag, executable: str, namespace: str, given: Mapping[str, Any]) -> Core:
@@ -241,3 +238,9 @@ def _is_answer(message: Any) -> bool:
 def nodes_in(bag: Bag, namespace: str, known: Sequence[str]) -> list[str]:
     """Nodes with a core that were recorded in a namespace."""
     return [name for name in known if f"{namespace}/{name}" in bag.parameters]
+
+
+def namespaces_in(bag: Bag, known: Sequence[str]) -> list[str]:
+    """Namespaces in which nodes with a core were recorded."""
+    places = (node.rpartition("/") for node in bag.parameters)
+    return sorted({space or "/" for space, _, name in places if name in known})

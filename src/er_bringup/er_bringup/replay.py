@@ -21,7 +21,15 @@ from rich.table import Table
 
 from er_bringup.cores import cores
 from er_bringup.doctor import namespace
-from er_bringup.played import Bag, Played, core_of, nodes_in, opened, play
+from er_bringup.played import (
+    Bag,
+    Played,
+    core_of,
+    namespaces_in,
+    nodes_in,
+    opened,
+    play,
+)
 
 SAME, DIFFERENT, INCOMPLETE = 0, 1, 3
 
@@ -83,12 +91,22 @@ def replayed(options: Any) -> tuple[Bag, list[Played]]:
     space = f"/{options.namespace.strip('/')}" if options.namespace.strip("/") else ""
     names = options.node or nodes_in(bag, space, list(cores()))
     if not names:
-        known = ", ".join(sorted(cores()))
-        expected = f"--node with one of {known}" if not bag.parameters else f"one of {known} in it"
-        raise InputError(options.bag, "nodes", expected, "none recorded")
+        raise _nothing(bag, space)
     values = given(options.set)
     made = [(name, core_of(bag, name, space, values)) for name in names]
     return bag, [play(bag, name, core, space, follow=options.follow) for name, core in made]
+
+
+def _nothing(bag: Bag, space: str) -> InputError:
+    """The error for a recording without a node that can be played, in this namespace."""
+    known = ", ".join(sorted(cores()))
+    expected, found = f"one of {known} in it", "none recorded"
+    if spaces := namespaces_in(bag, list(cores())):
+        expected = f"--namespace with one of {', '.join(spaces)}"
+        found = f"none recorded in '{space or '/'}'"
+    elif not bag.parameters:
+        expected = f"--node with one of {known}"
+    return InputError(bag.path, "nodes", expected, found)
 
 
 def document(bag: Bag, found: Sequence[Played]) -> dict[str, object]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import struct
 from collections.abc import Iterator
@@ -101,15 +102,23 @@ def record_bag(
     storage: StoragePlugin = StoragePlugin.MCAP,
     namespaces: tuple[str, ...] = ("",),
     compression: CompressionMode = CompressionMode.NONE,
+    names: dict[str, str] | None = None,
+    noted: bool = False,
 ) -> Path:
-    """Write a rosbag2 folder; messages arrive in the order given, whatever their stamps."""
+    """Write a rosbag2 folder; messages arrive in the order given, whatever their stamps.
+
+    names: of topics that have others, {} in them is the namespace; noted: as our recorder does.
+    """
+    others = names or {}
     writer = Writer(path, version=9, storage_plugin=storage)
     if compression != CompressionMode.NONE:
         writer.set_compression(compression, CompressionFormat.ZSTD)
     with writer:
         links = {
             (ns, topic): writer.add_connection(
-                f"{ns}/{topic}", f"er_damper_msgs/msg/{kind}", typestore=STORE
+                others.get(topic, "{}/" + topic).format(ns),
+                f"er_damper_msgs/msg/{kind}",
+                typestore=STORE,
             )
             for ns in namespaces
             for topic, kind in TOPICS.items()
@@ -118,6 +127,11 @@ def record_bag(
             data = build(sent.topic, sent)
             for ns in namespaces:
                 writer.write(links[ns, sent.topic], START + 10**9 + 700_000 * i, data)
+        if noted:
+            each = {
+                f"{ns}/{t}": other.format(ns) for ns in namespaces for t, other in others.items()
+            }
+            writer.set_custom_data("names", json.dumps(each))
     return path
 
 
@@ -186,6 +200,44 @@ def test_each_namespace_is_a_record(tmp_path: Path) -> None:
     assert [r.name for r in records] == ["bag/car/front_left", "bag/car/rear"]
     for record in records:
         check_values(record)
+
+
+OWN = {"sensors/deflection": "/chassis{}/x", "sensors/acceleration": "/chassis{}/imu"}
+DUTIES = {"pwm/applied": "/chassis{}/duty", "pwm/command": "/chassis{}/wanted"}
+
+
+def test_topics_of_other_names_are_found_where_the_recorder_noted_them(tmp_path: Path) -> None:
+    corners = ("/car/left", "/car/right")
+    whole = record_bag(
+        tmp_path / "car", ticks(600), namespaces=corners, names=OWN | DUTIES, noted=True
+    )
+    records = load([whole])
+    assert [record.name for record in records] == ["car/car/left", "car/car/right"]
+    for record in records:
+        check_values(record)
+        assert not any("is read as" in note for note in record.notes)
+
+
+def test_topics_of_other_names_are_found_by_their_types_where_these_tell(tmp_path: Path) -> None:
+    record = one(record_bag(tmp_path / "one", ticks(600), namespaces=("/left",), names=OWN))
+    check_values(record)
+    assert (
+        "/chassis/left/x is read as sensors/deflection: the only one of type "
+        "er_damper_msgs/msg/SuspensionDeflection"
+    ) in record.notes
+    # a duty may be that asked for or that applied: only the name tells
+    record = one(record_bag(tmp_path / "two", ticks(600), names=OWN | DUTIES))
+    assert "deflection" in record.channels
+    assert "duty" not in record.channels
+
+
+def test_topics_of_other_names_are_named_where_nothing_tells_them_apart(tmp_path: Path) -> None:
+    topics = {t: "/chassis{}/" + t.replace("/", "_") for t in TOPICS}
+    car = record_bag(tmp_path / "car", ticks(3), namespaces=("/a", "/b"), names=topics)
+    words = r"of its kind are /chassis/a/sensors_acceleration, /chassis/a/sensors_deflection, /ch"
+    with pytest.raises(MissingChannel, match=words) as caught:
+        load([car])
+    assert "\n" not in str(caught.value)
 
 
 def test_arrival_order_does_not_matter(tmp_path: Path) -> None:

@@ -53,6 +53,9 @@ class RecorderParameters(NodeParameters):
     topics: tuple[str, ...] = param((), text="topics to record; none: those of the contract")
     all: bool = param(False, text="record every topic of the graph")
     sources: tuple[str, ...] = param((), text="topics whose publishers to find before it is ready")
+    names: tuple[str, ...] = param(
+        (), text="topics with other names, USUAL=OTHER in full: readers find them by this note"
+    )
     duration: float = param(
         0.0, unit="s", low=0.0, high=1e6, text="stop after this time; 0: when told to"
     )
@@ -214,6 +217,7 @@ class Recorder(ManagedNode):
         ids = {node: each for heard in self.heard.values() for node, each in heard.ids.items()}
         return {
             "schema": SCHEMA,
+            "names": dict(name.partition("=")[::2] for name in self.p.names),
             "models": {node: model for node, (model, _) in ids.items() if model},
             "gains": {node: gains for node, (_, gains) in ids.items() if gains},
             "parameters": everybody,

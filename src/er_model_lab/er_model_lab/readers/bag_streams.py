@@ -87,12 +87,19 @@ class Collector:
         self._rows: dict[tuple[str, str], _Rows] = {}
         self._waits: dict[tuple[str, str], list[int]] = {}
         self._places: dict[str, tuple[str, str] | None] = {}
+        self._names: dict[str, str] = {}
+
+    def rename(self, names: Mapping[str, str]) -> None:
+        """Take topics for those of other names, from now on."""
+        self._names.update(names)
+        self._places.clear()
 
     def copy(self) -> Collector:
         """An independent collector with the same samples, to go back to when a file is damaged."""
         other = Collector(self.path)
         other._rows = {k: _Rows(r.stamps[:], r.values[:]) for k, r in self._rows.items()}
         other._waits = {k: list(w) for k, w in self._waits.items()}
+        other._names = dict(self._names)
         return other
 
     def wants(self, topic: str) -> bool:
@@ -139,7 +146,7 @@ class Collector:
     def _place(self, topic: str) -> tuple[str, str] | None:
         """Namespace and relative topic name; None for topics outside the contract."""
         if topic not in self._places:
-            match = _TOPIC.match(topic)
+            match = _TOPIC.match(self._names.get(topic, topic))
             self._places[topic] = (match["ns"], match["key"]) if match else None
         return self._places[topic]
 

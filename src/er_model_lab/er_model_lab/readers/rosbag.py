@@ -7,7 +7,7 @@ still be read, marked incomplete, with the damage in its notes.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -26,6 +26,7 @@ from rosbags.typesys import (
 from er_model_lab.provenance import digest_files
 from er_model_lab.readers.bag_align import align
 from er_model_lab.readers.bag_files import METADATA, data_files, missing_files, promised_count
+from er_model_lab.readers.bag_names import hint, usual_names
 from er_model_lab.readers.bag_streams import Collector
 from er_model_lab.readers.mcap_salvage import salvage
 from er_model_lab.record import Record
@@ -35,13 +36,22 @@ Decode = Callable[[bytes, str], object]
 
 @dataclass(slots=True)
 class Bag:
-    """What was read of one recording: samples by topic, damage, and what else was seen."""
+    """What was read of one recording: samples by topic, damage, and what else was seen; kinds: types by topic."""
 
     path: Path
     collector: Collector
     damage: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     topics: Counter[str] = field(default_factory=Counter)
+    kinds: dict[str, str] = field(default_factory=dict)
+
+    def saw(self, kinds: Mapping[str, str]) -> None:
+        """Topics with their types; those under other names are taken for the usual ones."""
+        self.kinds.update(kinds)
+        self.topics.update(dict.fromkeys(kinds, 0))
+        names, guessed = usual_names(self.path, self.kinds)
+        self.collector.rename(names)
+        self.notes += [sentence for sentence in guessed if sentence not in self.notes]
 
 
 def read(path: Path) -> list[Record]:
@@ -79,7 +89,8 @@ def _nothing(bag: Bag) -> ErError:
     """The error for a recording without a single sample of the contract's sensors."""
     if bag.topics and not bag.damage:
         present = tuple(sorted(bag.topics))
-        return MissingChannel(bag.path, "sensors/deflection", "to know the motion", present)
+        needed = f"to know the motion{hint(bag.kinds)}"
+        return MissingChannel(bag.path, "sensors/deflection", needed, present)
     found = "; ".join(bag.damage) or "no message"
     return InputError(bag.path, "topics", "sensors/deflection, sensors/force ...", found)
 
@@ -132,9 +143,9 @@ def _read_ordinary(bag: Bag, path: Path) -> str:
     read, promised = 0, 0
     try:
         with AnyReader([path]) as reader:
+            bag.saw({c.topic: c.msgtype for c in reader.connections})
             wanted = [c for c in reader.connections if bag.collector.wants(c.topic)]
             promised = sum(c.msgcount for c in wanted)
-            bag.topics.update({c.topic: 0 for c in reader.connections})
             # an empty selection would mean all topics to the reader
             for connection, arrival, raw in reader.messages(wanted) if wanted else ():
                 topic, kind = connection.topic, connection.msgtype
@@ -160,7 +171,8 @@ def _read_salvaged(bag: Bag, file: Path) -> int:
     found = salvage(file)
     decode = _decoder(found.schemas.values())
     kept = 0
-    bag.topics.update({topic: 0 for topic, _ in found.channels.values()})
+    kinds = {schema: name for schema, (name, _, _) in found.schemas.items()}
+    bag.saw({topic: kinds.get(schema, "") for topic, schema in found.channels.values()})
     for topic, schema, raw in found.messages:
         if not bag.collector.wants(topic) or schema not in found.schemas:
             continue
