@@ -5,6 +5,7 @@ Held-out samples are never used for fitting or for choosing an effect; they only
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -31,7 +32,7 @@ from er_model_lab.held_out import WARM_UP, split
 from er_model_lab.losses import losses
 from er_model_lab.noted import Notes
 from er_model_lab.practice import Practice, practice
-from er_model_lab.record import Record
+from er_model_lab.record import Record, originals
 
 Array = NDArray[np.float64]
 
@@ -170,7 +171,10 @@ def prepare(
         for r, c in enumerate(raw)
     )
     force = [resampled(r, "damper_force", dt) for r in records]
-    motion = join([_motion(r, f, c, dt) for r, f, c in zip(records, fused, raw, strict=True)])
+    reference = reference_temperature(records, dt)
+    motion = join(
+        [_motion(r, f, c, dt, reference) for r, f, c in zip(records, fused, raw, strict=True)]
+    )
     fold, held_out = split(motion, sealed)
     y = np.concatenate(force)
     return Problem(
@@ -245,14 +249,27 @@ def _averaged(y: Array, width: int) -> Array:
     return np.asarray(np.convolve(padded, window, "valid"))
 
 
-def _motion(record: Record, fused: Fused, channels: Channels, dt: float) -> Motion:
-    """Inputs of the damper model of one record."""
+def reference_temperature(records: Sequence[Record], dt: float) -> float:
+    """First temperature [K] of the data set, which `theta` of all its records, and stretches of them, counts from."""
+    measured = (r for r in originals(records) if r.has("temperature"))
+    first = next(measured, None)
+    return 0.0 if first is None else float(resampled(first, "temperature", dt)[0])
+
+
+def warmth(record: Record, dt: float, n: int, reference: float) -> Array:
+    """Measured temperature above the reference (n,) [K]; zeros where none was measured."""
+    if not record.has("temperature"):
+        return np.zeros(n)
+    return np.asarray(resampled(record, "temperature", dt) - reference)
+
+
+def _motion(
+    record: Record, fused: Fused, channels: Channels, dt: float, reference: float
+) -> Motion:
+    """Inputs of the damper model of one record; reference: temperature at which theta is 0 [K]."""
     n = fused.x.shape[0]
     u = resampled(record, "duty", dt) if record.has("duty") else np.zeros(n)
-    theta = np.zeros(n)
-    if record.has("temperature"):
-        theta = resampled(record, "temperature", dt)
-        theta = theta - theta[0]
+    theta = warmth(record, dt, n, reference)
     a = fused.a if channels.has[2] or not channels.measured_a else channels.z[:, 2].copy()
     return Motion(dt, fused.x, fused.v, a, np.ascontiguousarray(u), theta, np.array([0, n]))
 

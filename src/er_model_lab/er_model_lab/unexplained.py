@@ -45,7 +45,7 @@ LOWEST_LINES = 0.05
 
 MOST = 12_000
 """Samples looked at."""
-JOINT = ("velocity", "deflection", "duty", "acceleration")
+JOINT = ("velocity", "deflection", "duty", "acceleration", "temperature")
 JOINT_BINS, MORE = 8, 0.08
 """Bins of each quantity of a pair, and the share by which a pair must beat either alone."""
 Pairs = tuple[tuple[str, str, float], ...]
@@ -146,7 +146,7 @@ def describe(problem: Problem, residual: Array) -> Rest:
 def _pairs(
     known: list[tuple[str, str, Array]], curves: list[Curve], e: Array, teach: NDArray[np.bool_]
 ) -> Pairs:
-    """Pairs of motion and duty whose mean over both explains much more than over either alone, best first."""
+    """Pairs of motion, duty and temperature whose mean over both explains much more than over either, best first."""
     alone = {c.quantity: c.share for c in curves}
     found = []
     for (a, _, x), (b, _, y) in itertools.combinations([k for k in known if k[0] in JOINT], 2):

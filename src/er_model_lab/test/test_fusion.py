@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from er_model_lab.excess import quantities
 from er_model_lab.fusion import biases, fusion_json
 from er_model_lab.losses import losses
 from er_model_lab.preflight.check import preflight
 from er_model_lab.preflight.use import use_findings
 from er_model_lab.prepare import prepare, resampled
-from er_model_lab.record import Record
+from er_model_lab.record import Part, Record
 from er_model_lab.sampling import with_velocity
 from er_models.errors import MissingChannel
 from er_models.files import load_model
@@ -119,6 +120,23 @@ def test_averaging_to_a_slower_rate_shifts_neither_a_rest_nor_a_ramp(ratio):
     np.testing.assert_allclose(ramp, 0.02 - 0.3 * grid, rtol=1e-12, atol=1e-13)
     np.testing.assert_allclose(held, np.arange(rest.size) % 2, atol=1e-6)
     assert averaged.std() == pytest.approx(2e-5 / np.sqrt(ratio), rel=0.2)
+
+
+def test_the_temperature_of_all_records_counts_from_one_reference(rides):
+    n = len(rides[0])
+    warm, hot = (
+        replace(r, channels={**r.channels, "temperature": start + np.linspace(0.0, 1.0, n)})
+        for r, start in zip(rides, (20.0, 60.0), strict=False)
+    )
+    problem = prepare([rides[1], warm, hot])
+    assert [problem.motion.theta[k * n] for k in range(3)] == [0.0, 0.0, 40.0]
+    np.testing.assert_array_equal(prepare([hot]).motion.theta, hot.channels["temperature"] - 60.0)
+    assert ("temperature", "K") in [
+        (name, unit) for name, unit, _ in quantities(problem, problem.force)
+    ]
+    assert preflight([warm, hot]).have["warming"] == pytest.approx(41.0)
+    late = replace(hot.slice(1000, n), part_of=Part((warm, hot), 2, 1, 1000))
+    assert prepare([late]).motion.theta[0] == pytest.approx(40.25, abs=1e-3)
 
 
 def test_an_offset_of_the_velocity_does_not_carry_the_deflection_away():

@@ -109,9 +109,11 @@ def test_stated_units_are_converted_and_noted(tmp_path: Path) -> None:
     for name in ("deflection", "damper_force", "duty"):
         np.testing.assert_allclose(record.channels[name], data[name], rtol=0, atol=1e-12)
     np.testing.assert_allclose(record.t, data["t"], atol=1e-12)
-    np.testing.assert_allclose(record.channels["temperature"], np.linspace(0.0, 3.0, N), atol=1e-9)
+    np.testing.assert_allclose(
+        record.channels["temperature"], np.linspace(21.0, 24.0, N), atol=1e-9
+    )
     assert "deflection converted from mm to m" in record.notes
-    assert any("21 degC" in note for note in record.notes)
+    assert any("0 degC" in note for note in record.notes)
 
 
 @pytest.mark.parametrize(

@@ -51,6 +51,20 @@ def test_noise_alone_depends_on_nothing(made):
         assert "no single quantity" in sentences(rest)[0]
 
 
+def test_a_damping_that_differs_between_a_cold_and_a_warm_run_names_the_temperature(
+    made, tmp_path
+):
+    problem, predicted = made
+    theta = np.where(np.arange(problem.motion.n) < problem.motion.n // 2, 0.0, 40.0)
+    warm = replace(problem, motion=replace(problem.motion, theta=theta))
+    rest = rest_of((warm, predicted), lambda x, v, u, t: 12.0 * v * np.sign(theta - 20.0))
+    assert set(rest.pairs[0][:2]) == {"velocity", "temperature"}
+    assert sorted(rest.as_json()["arguments"]) == ["theta", "v"]
+    path = tmp_path / "warm.py"
+    path.write_text(skeleton(rest.as_json()))
+    assert catalogue_with((path,))["my_effect"].parameters[0].name == "K"
+
+
 def test_a_product_is_seen_though_neither_factor_alone_explains_it(made):
     rest = rest_of(made, lambda x, v, u, t: 0.4 * x * v / (np.std(x) * np.std(v)))
     assert set(rest.pairs[0][:2]) == {"velocity", "deflection"}

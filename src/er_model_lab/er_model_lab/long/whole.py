@@ -15,7 +15,14 @@ from numpy.typing import NDArray
 
 from er_model_lab.forward import DamperForward
 from er_model_lab.fuse import Channels, Noise, adapt, channels_of, fuse
-from er_model_lab.prepare import FOR_NOISE, Problem, measured_channels, resampled
+from er_model_lab.prepare import (
+    FOR_NOISE,
+    Problem,
+    measured_channels,
+    reference_temperature,
+    resampled,
+    warmth,
+)
 from er_model_lab.record import Record, originals
 
 PIECE = 60.0
@@ -94,7 +101,8 @@ def _whole(problem: Problem, records: Sequence[Record]) -> Whole:
     """Motion and force of all records that stretches come from, and where the stretches are."""
     dt, used = problem.motion.dt, tuple(bool(h) for h in problem.raw[0].has)
     sources = originals(records)
-    fused = [_fused(record, dt, problem.noise, used) for record in sources]
+    reference = reference_temperature(sources, dt)
+    fused = [_fused(record, dt, problem.noise, used, reference) for record in sources]
     motion, force = join([m for m, _ in fused]), np.concatenate([f for _, f in fused])
     rows, learn = [], len(sources)
     for r, n in zip(records, np.diff(problem.motion.starts), strict=True):
@@ -113,9 +121,12 @@ def first_row(motion: Motion, data: Sequence[Record], record: int, row: int) -> 
 
 @lru_cache(maxsize=256)
 def _fused(
-    record: Record, dt: float, noise: Noise, used: tuple[bool, ...]
+    record: Record, dt: float, noise: Noise, used: tuple[bool, ...], reference: float
 ) -> tuple[Motion, Array]:
-    """Motion and force of a whole record, fused piece by piece with the sensors' known noise."""
+    """Motion and force of a whole record, fused piece by piece with the sensors' known noise.
+
+    reference: temperature at which theta is 0 [K].
+    """
     channels = measured_channels(record, dt)
     channels = channels.only(np.array(used, np.uint8))
     n, piece, overlap = channels.z.shape[0], round(PIECE / dt), round(OVERLAP / dt)
@@ -130,8 +141,8 @@ def _fused(
     if channels.measured_a and not channels.has[2]:
         a = channels.z[:, 2].copy()
     u = resampled(record, "duty", dt) if record.has("duty") else np.zeros(n)
-    theta = resampled(record, "temperature", dt) if record.has("temperature") else np.zeros(n)
-    motion = Motion(dt, x, v, a, np.ascontiguousarray(u), theta - theta[0], np.array([0, n]))
+    theta = warmth(record, dt, n, reference)
+    motion = Motion(dt, x, v, a, np.ascontiguousarray(u), theta, np.array([0, n]))
     return motion, resampled(record, "damper_force", dt)
 
 

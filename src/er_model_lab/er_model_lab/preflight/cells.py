@@ -133,9 +133,11 @@ def _load_change(c: Course, _: Reach) -> float:
     return max(parts) / max(min(parts), 1e-300) if np.isfinite(parts).all() else 1.0
 
 
-def _warming(c: Course, _: Reach) -> float:
-    """Range of the temperature, slow part [K]."""
-    return float(np.ptp(c.theta)) if np.isfinite(c.theta).all() else 0.0
+def _warming(courses: Sequence[Course]) -> float:
+    """Range of the temperature over all records that have one [K]."""
+    theta = np.concatenate([c.theta for c in courses])
+    theta = theta[np.isfinite(theta)]
+    return float(np.ptp(theta)) if theta.size else 0.0
 
 
 def _high(c: Course, r: Reach) -> Mask:
@@ -173,12 +175,12 @@ CELLS: dict[str, Cell] = {
              lambda c, r: _seconds((np.abs(c.x) > 0.6 * r.deflection) & _high(c, r), c.dt)),
         Cell("minutes", "length of one record", 60.0, "s", lambda c, _: c.x.size * c.dt),
         Cell("load_change", "most over least dissipated power within a record", 2.0, "times", _load_change),
-        Cell("warming", "range of the temperature", 5.0, "K", _warming),
+        Cell("warming", "range of the temperature", 5.0, "K", lambda c, _: _warming([c])),
     )
 }  # fmt: skip
 """Every region, by name."""
 
-LARGEST = ("minutes", "load_change", "warming")
+LARGEST = ("minutes", "load_change")
 """Counts that do not add up over records: the best record counts."""
 
 NEEDS: dict[str, tuple[str, ...]] = {
@@ -240,6 +242,7 @@ def counts(courses: Sequence[Course], reach: Reach) -> dict[str, float]:
         each = [cell.count(c, reach) for c in courses]
         out[name] = max(each) if name in LARGEST else float(sum(each))
     out["duty_levels"] = _levels(courses, reach)
+    out["warming"] = _warming(courses)
     return out
 
 

@@ -137,13 +137,9 @@ def with_unit(name: str) -> tuple[str, str] | None:
 
 
 def to_si(column: Column, samples: Array) -> tuple[Array, list[str]]:
-    """Samples in SI units, and the note on it; degC becomes a difference to the first value."""
+    """Samples in SI units, and the note on it; degC becomes a difference to 0 degC, the same in all files."""
     if column.stated in ("degC", "°C"):
-        valid = samples[samples == samples]
-        first = float(valid[0]) if valid.size else 0.0
-        return samples - first, [
-            f"temperature is the difference to its first value, {first:g} degC"
-        ]
+        return samples, ["temperature is the difference to 0 degC"]
     if column.factor == 1.0:
         return samples, []
     si = "s" if column.name == TIME else unit_of(column.name)
