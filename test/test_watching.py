@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from functools import partial
 from time import monotonic
@@ -19,6 +20,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import Float64
 
+from er_damper_msgs.msg import NodeStatus
 from er_ros_common import builders, topics
 from test.graph_help import own_domain, skyhook_arguments
 
@@ -43,7 +45,11 @@ def graph() -> Iterator[tuple[Callable[..., str], Node]]:
         def heard(message: DiagnosticArray) -> None:
             said.update({s.name: (s.level[0], s.message) for s in message.status})
 
+        def counted(message: NodeStatus) -> None:
+            said["non_finite"] = (0, str(message.non_finite))
+
         listener.create_subscription(DiagnosticArray, "/diagnostics", heard, 10)
+        listener.create_subscription(NodeStatus, "/skyhook_controller/status", counted, 10)
         executor = SingleThreadedExecutor()
         for each in (node, listener):
             executor.add_node(each)
@@ -119,3 +125,24 @@ def test_a_missing_input_and_a_stamp_that_is_not_set_are_named(
     text = says("/skyhook_controller: stamps", "without a stamp", send)
     assert text.startswith("/sensors/acceleration: ")
     assert "set header.stamp" in text
+
+
+def test_a_sensor_that_says_no_number_or_is_not_valid_is_named(
+    graph: tuple[Callable[..., str], Node],
+) -> None:
+    says, other = graph
+    there = topics.ACCELERATION
+    end = other.create_publisher(there.type, there.name, there.publisher)
+
+    def send() -> bool:
+        now = other.get_clock().now().nanoseconds
+        for k, valid in enumerate((True, False)):
+            message = builders.suspension_acceleration(builders.Tick(now + k, k), 0.0, 0.0)
+            message.unsprung, message.valid = math.nan, valid
+            end.publish(message)
+        return end.get_subscription_count() > 0
+
+    text = says("/skyhook_controller: values", "calls not valid", send)
+    assert "/sensors/acceleration: 1 messages with NaN or infinite numbers" in text
+    assert "/sensors/acceleration: 1 messages that their sender calls not valid" in text
+    assert says("non_finite", "1")

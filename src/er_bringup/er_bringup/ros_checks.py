@@ -37,7 +37,8 @@ class Heard:
     """One topic of the contract: its ends, and what was heard on it.
 
     span: from the first to the last arrival [s]; ages: on arrival [s]; zero: stamps that are not
-    set; jumps: of the stamps, by more than half a second [s].
+    set; invalid: messages that their sender calls not valid; non_finite: others with NaN or infinite numbers;
+    jumps: of the stamps, by more than half a second [s].
     """
 
     topic: Topic
@@ -50,6 +51,7 @@ class Heard:
     lost: int = 0
     zero: int = 0
     invalid: int = 0
+    non_finite: int = 0
     jumps: tuple[float, ...] = ()
 
     @property
@@ -169,11 +171,23 @@ def _flow(heard: Heard, plant: Mapping[str, Any]) -> Iterator[Problem]:
     if heard.zero:
         text = f"{heard.zero} of {heard.count} messages without a stamp"
         yield Problem(heard.name, "zero stamps", text, f"set header.stamp in {sender}")
+    yield from _values(heard)
     if heard.lost:
         text = f"{heard.lost} messages missing in seq, {heard.count} came"
         yield Problem(
             heard.name, "lost messages", text, "load too high? see the rates and the CPU"
         )
+
+
+def _values(heard: Heard) -> Iterator[Problem]:
+    """Problems of the values of one topic; estimates say by themselves when they are not valid."""
+    sender = heard.publishers[0].node
+    if heard.non_finite:
+        text = f"{heard.non_finite} of {heard.count} messages with NaN or infinite numbers"
+        yield Problem(heard.name, "not a number", text, f"what does {sender} compute?")
+    if heard.invalid and heard.topic in topics.MEASUREMENTS:
+        text = f"{heard.invalid} of {heard.count} messages are called not valid by {sender}"
+        yield Problem(heard.name, "not valid", text, f"is the sensor well? see {sender}")
 
 
 def _rate(heard: Heard, plant: Mapping[str, Any]) -> Iterator[Problem]:

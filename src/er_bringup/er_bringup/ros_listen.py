@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from time import monotonic, sleep, time_ns
 from typing import Any
@@ -27,7 +28,7 @@ ANSWERS = 3.0
 """Longest wait for parameters that nodes have not sent by the end of listening [s]."""
 LOOK = 0.25
 STATUS_ENDING = "/status"
-TASKS = ("input rate", "stamps", "timing")
+TASKS = ("input rate", "stamps", "values", "timing")
 """Diagnostics of the nodes that this command cannot know by itself."""
 LIMITS = StampLimits()
 
@@ -44,8 +45,13 @@ class _Log:
     lost: int = 0
     zero: int = 0
     invalid: int = 0
+    non_finite: int = 0
     stamp: int = 0
     jumps: list[float] = field(default_factory=list)
+    numbers: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        self.numbers = self.topic.numbers
 
     def on_message(self, message: Any) -> None:
         """Note one message."""
@@ -63,13 +69,15 @@ class _Log:
             self.lost += seq - self.seq - 1
         self.seq = seq
         self.invalid += not message.valid
+        numbers = (getattr(message, name) for name in self.numbers)
+        self.non_finite += message.valid and not all(map(math.isfinite, numbers))
 
     def clear(self) -> None:
         """Forget what came before the measurement."""
         self.arrivals.clear()
         self.ages.clear()
         self.jumps.clear()
-        self.seq = self.lost = self.zero = self.invalid = self.stamp = 0
+        self.seq = self.lost = self.zero = self.invalid = self.non_finite = self.stamp = 0
 
 
 def observe(namespace: str | None, seconds: float) -> list[Observation]:
@@ -218,6 +226,7 @@ class _Listener:
             lost=log.lost,
             zero=log.zero,
             invalid=log.invalid,
+            non_finite=log.non_finite,
             jumps=tuple(log.jumps),
         )
 

@@ -97,6 +97,8 @@ TWO = (end("/plant", FORCE), end("/rig", FORCE))
         ({"zero": 3}, "zero stamps"),
         ({"lost": 3}, "lost messages"),
         ({"jumps": (-60.0,)}, "time jump"),
+        ({"non_finite": 3}, "not a number"),
+        ({"invalid": 3}, "not valid"),
     ],
 )
 def test_a_sick_topic_is_named(other: dict[str, Any], kind: str) -> None:

@@ -38,7 +38,6 @@ class Report:
     status: int = NodeStatus.STATUS_OK
     reason: str = ""
     stamps: StampState = NO_STAMPS
-    non_finite: int = 0
     invalid: int = 0
     valid: bool = True
     values: Mapping[str, object] = field(default_factory=dict)
@@ -127,7 +126,7 @@ class Health:
             gains_id=self.gains_id,
             stamps=said.stamps,
             timing=self._timing,
-            non_finite=said.non_finite,
+            non_finite=sum(each.non_finite for each in self.inputs()),
             invalid=said.invalid,
             status=said.status,
             valid=said.valid,
@@ -179,6 +178,7 @@ class Health:
             Task("state", _level(said.status), said.reason or said.mode),
             task("input rate", [i.flow(now) for i in each]),
             task("stamps", [f for i in each for f in i.stamps(now)]),
+            task("values", [f for i in each for f in i.values(now)]),
             self._load(late),
             task("graph", graph),
         )
@@ -206,6 +206,7 @@ class Health:
             "state": own | dict(said.values),
             "input rate": {i.name: f"{i.measured:.1f} Hz" for i in each},
             "stamps": {i.name: f"{i.state.received} came, {i.state.lost} lost" for i in each},
+            "values": {i.name: f"{i.invalid} not valid, {i.non_finite} not finite" for i in each},
             "timing": {
                 "step time mean [ms]": f"{1e3 * timing.step_time_mean:.3f}",
                 "step time max [ms]": f"{1e3 * timing.step_time_max:.3f}",

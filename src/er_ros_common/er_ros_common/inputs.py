@@ -1,10 +1,12 @@
-"""What comes in on a topic: how often, with which stamps, whether time jumps. For diagnostics; no ROS, no clock.
+"""What comes in on a topic: how often, which stamps and values, whether time jumps. For diagnostics; no ROS, no clock.
 
 Times of arrival are seconds of a steady clock, stamps nanoseconds of the node's own.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from er_ros_common.stamps import (
@@ -58,7 +60,8 @@ class Input:
     """One topic that a node listens to.
 
     name: as it is called in the graph; limits: when a stamp is bad; since: when the node began [s]; needed:
-    whether its absence is a fault; steady: whether every tick of the plant has one, at its own pace.
+    whether its absence is a fault; steady: whether every tick of the plant has one, at its own pace; invalid,
+    non_finite: messages whose sender called them not valid, and others with a number that is none.
     """
 
     name: str
@@ -68,6 +71,10 @@ class Input:
     steady: bool = True
     age: float = 0.0
     arrived: float | None = None
+    invalid: int = 0
+    non_finite: int = 0
+    _refused: float = -math.inf
+    _strange: float = -math.inf
     _bad: dict[Verdict, float] = field(default_factory=dict)
     _jumped: float | None = None
     _jump: str = ""
@@ -102,6 +109,26 @@ class Input:
             way = "back" if step < 0.0 else "forward"
             self._jump = f"time jumped {way} by {abs(step):.3g} s: started afresh"
         return verdict
+
+    def read(self, numbers: Sequence[float], arrival: float, *, valid: bool) -> None:
+        """Look at the values of a message."""
+        if not valid:
+            self.invalid, self._refused = self.invalid + 1, arrival
+        elif not all(map(math.isfinite, numbers)):
+            self.non_finite, self._strange = self.non_finite + 1, arrival
+
+    def values(self, now: float) -> list[Finding]:
+        """What is wrong with its values; empty where all is well. One that need not be there need not be valid."""
+        found = []
+        if now - self._strange < REMEMBERED:
+            text = f"{self.non_finite} messages with NaN or infinite numbers: what does its publisher compute?"
+            found.append(Finding(WARN, self.name, text))
+        if now - self._refused < REMEMBERED and self.needed:
+            text = (
+                f"{self.invalid} messages that their sender calls not valid: is its sensor well?"
+            )
+            found.append(Finding(WARN, self.name, text))
+        return found
 
     @property
     def state(self) -> StampState:

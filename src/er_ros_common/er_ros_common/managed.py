@@ -9,6 +9,7 @@ through the states; else `run` does.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from operator import attrgetter
 from time import monotonic, monotonic_ns, time_ns
 from typing import Any
 
@@ -125,12 +126,17 @@ class ManagedNode(LifecycleNode):
         made = Input(name, limits, monotonic(), needed=needed, steady=steady)
         self.incoming[topic.name] = made
 
+        values = attrgetter("valid", *topic.numbers)
+
         def noted(message: Any) -> None:
             if self.active:
                 self.came = came = self.when()
                 stamp = clock.from_stamp(message.header.stamp)
                 now = came.system if aged else None
-                self.incoming[topic.name].note(stamp, int(message.seq), 1e-9 * came.steady, now)
+                each, arrival = self.incoming[topic.name], 1e-9 * came.steady
+                each.note(stamp, int(message.seq), arrival, now)
+                valid, *numbers = values(message)
+                each.read(numbers, arrival, valid=valid)
                 heard(message)
 
         return self._once(f"in {topic.name}", lambda: self._subscription(topic, noted, asked))

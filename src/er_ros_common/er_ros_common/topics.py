@@ -37,6 +37,12 @@ class Topic:
     every_tick: bool = True
 
     @property
+    def numbers(self) -> tuple[str, ...]:
+        """Fields of its messages that are numbers with a unit."""
+        kinds = self.type.get_fields_and_field_types()
+        return tuple(field for field, kind in kinds.items() if kind == "double")
+
+    @property
     def type_name(self) -> str:
         """Type as in `ros2 topic info`."""
         package = self.type.__module__.split(".")[0]

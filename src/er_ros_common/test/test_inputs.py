@@ -122,6 +122,29 @@ def test_a_bad_stamp_is_named_for_a_second(stamp: int, now: int, words: str) -> 
     assert each.stamps(101.5) == []
 
 
+@pytest.mark.parametrize("needed", [True, False])
+@pytest.mark.parametrize(
+    ("numbers", "valid", "words", "counts"),
+    [
+        ((0.1, float("nan")), True, "1 messages with NaN or infinite numbers", (0, 1)),
+        ((float("-inf"), 0.0), True, "1 messages with NaN or infinite numbers", (0, 1)),
+        ((0.0, 0.0), False, "1 messages that their sender calls not valid", (1, 0)),
+    ],
+)
+def test_values_that_cannot_be_used_are_named_for_a_second(
+    numbers: tuple[float, float], valid: bool, words: str, counts: tuple[int, int], needed: bool
+) -> None:
+    each = watched(needed=needed)
+    each.read((0.1, 0.2), 100.0, valid=True)
+    assert each.values(100.0) == []
+    each.read(numbers, 100.0, valid=valid)
+    assert (each.invalid, each.non_finite) == counts
+    found = each.values(100.5)
+    assert [(f.level, f.topic) for f in found] == [(WARN, "/sensors/force")] * (needed or valid)
+    assert all(words in f.text for f in found)
+    assert each.values(101.5) == []
+
+
 @pytest.mark.parametrize(
     ("step", "words"),
     [(-60_000, "time jumped back by 60 s"), (450_000, "time jumped forward by 450 s")],
