@@ -167,7 +167,7 @@ class ObserverCore:
                 mind = observer.start(self.gains, sample)
                 estimate = mind.estimate
             elif self.undriven(stamp, driven):
-                mind = observer.lose(self.gains, mind, sample.t)
+                mind = observer.lose(self.gains, mind, sample.t) if mind.running else mind
                 estimate = mind.estimate
             else:
                 mind, estimate = observer.step(self.gains, mind, sample)
