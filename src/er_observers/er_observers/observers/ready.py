@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from er_models.model import Model
@@ -19,7 +20,9 @@ def ready(path: str | Path, model: Model, observer: str, limits: Limits = LIMITS
     """
     gains = gain_files.load_gains(path, model, observer, limits)
     rest = Sample(0.0, 0.0, 0.0, 0.0, 0.0)
-    state = start(gains, rest)
+    state, following = start(gains, rest), rest._replace(t=0.005)
     for P in {id(m): m for m in (state.P, None)}.values():  # both phases
-        payload_of(gains, step(gains, state._replace(P=P), rest._replace(t=0.005))[0])
+        # a lost sample goes another way: the first must not wait for a compiler in the loop
+        for sample in (following, following._replace(sprung_acceleration=math.nan)):
+            payload_of(gains, step(gains, state._replace(P=P), sample)[0])
     return gains
