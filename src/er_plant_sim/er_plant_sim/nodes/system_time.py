@@ -5,14 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from time import monotonic_ns, time_ns
 
-from er_ros_common.stamps import StampLimits
+from er_ros_common.stamps import CLOCK_STEP
 
-CLOCK_STEP = StampLimits().whole[1] // 2
-"""Jump of the system clock against the steady one that the stamps follow [ns].
-
-Half of what a consumer lets a stamp be ahead of its clock: the other half is for the device's clock, which is
-known to a millisecond only.
-"""
 READINGS = 3
 
 
