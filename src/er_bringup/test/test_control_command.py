@@ -38,7 +38,7 @@ def test_a_leak_is_found_and_acted_on_without_being_told(tmp_path: Path) -> None
     ours, told, nominal = (cells[n] for n in ("fault_tolerant", "faults_known", "nominal"))
     assert float(ours[0]) < float(nominal[0])
     assert abs(float(ours[0]) - float(told[0])) < 0.03 * float(told[0])
-    assert ours[4] == ours[5] == "0"
+    assert ours[4] == ours[6] == "0"
 
 
 def test_it_stays_stable_with_faults_that_come_and_go() -> None:
