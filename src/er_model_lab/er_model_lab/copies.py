@@ -51,7 +51,7 @@ def copies(records: Sequence[Record]) -> dict[int, int]:
     seen: dict[tuple[int, str, int], list[int]] = {}
     for k, record in enumerate(records):
         channels = _measured(record)
-        name = next((n for n in TELLING if n in channels and np.any(channels[n])), None)
+        name = next((n for n in TELLING if n in channels and _tells(channels[n])), None)
         if name is None:
             continue
         cell = round(float(np.log(np.sqrt(np.mean(channels[name] ** 2)))) / CELL)
@@ -64,6 +64,11 @@ def copies(records: Sequence[Record]) -> dict[int, int]:
         else:
             found[k] = first
     return found
+
+
+def _tells(y: Array) -> bool:
+    """Whether a channel (n,) can tell records apart: all of it is known, and it is not zero throughout."""
+    return bool(np.all(np.isfinite(y)) and np.any(y))
 
 
 def _same(a: Record, b: Record) -> bool:

@@ -101,3 +101,11 @@ def test_hundreds_of_runs_are_not_compared_each_with_each(monkeypatch):
     runs = [record(seed, n=400) for seed in range(300)]
     assert len(used_once([*runs, *runs])) == 300
     assert len(compared) < 3000
+
+
+def test_a_channel_that_is_not_known_throughout_tells_nothing_of_copies():
+    t = DT * np.arange(400)
+    gap = np.where(t < 0.1, np.nan, np.sin(t))
+    one = Record("one", t, {"damper_force": gap, "deflection": np.sin(t)})
+    other = Record("other", t, {"damper_force": gap})
+    assert len(used_once([one, other, other])) == 3
