@@ -26,11 +26,13 @@ ELSEWHERE = {
     "demo": "test_demo",
     "replay": "test_replay, with a recording",
     "lab thesis chapter1": "test_thesis_chapter_1, which computes the chapter once",
+    "control compare thesis_6_4_1 --fault leakage": "test_control_command, the very words",
+    "exec python -m test.blind_score --kinds singles": "test_blind_score, with other seeds and lengths",
 }
 """Beginnings of commands that another test runs."""
 MEASURED = ("mts", "shaking", "piston")
 """Folders that a documented command makes from measured data."""
-EVERY = 16
+EVERY = 32
 """One measured run in so many is kept: what all of them give is for test_measured."""
 ENDLESS = ("run", "record", "up")
 """Commands that may go on until Ctrl-C: they get one after a while and must then end well."""
