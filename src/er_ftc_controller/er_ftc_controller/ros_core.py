@@ -12,10 +12,9 @@ from typing import Any, NamedTuple
 
 from er_models.files import load_model
 from er_ros_common.builders import Tick
-from er_ros_common.clock import from_stamp
 from er_ros_common.common_parameters import silence
-from er_ros_common.core import Said, When
-from er_ros_common.stamps import Checks, StampLimits, StampState, Verdict, check_input, counted
+from er_ros_common.core import Said, When, judged
+from er_ros_common.stamps import Checks, StampLimits, StampState, Verdict, counted
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import FaultEstimate, PwmDuty
@@ -107,9 +106,7 @@ class FtcCore:
         self, state: State, topic: topics.Topic, message: Any, when: When
     ) -> tuple[State, list[Said]]:
         """Take a message of one of the inputs, if its stamp is good; what is to be published for it."""
-        stamp, seq = from_stamp(message.header.stamp), int(message.seq)
-        arrival, which = when.system if self.p.max_age else None, self.inputs.index(topic)
-        checks, verdict = check_input(self.limits, state.checks, which, stamp, seq, arrival)
+        checks, verdict, (stamp, seq) = judged(self, state.checks, topic, message, when)
         state = state._replace(checks=checks)
         if topic is topics.FAULT:
             return _waiting(state, stamp, message, verdict), []

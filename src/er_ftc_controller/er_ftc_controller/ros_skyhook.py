@@ -9,16 +9,15 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from er_ros_common.builders import Tick
-from er_ros_common.clock import from_stamp
 from er_ros_common.common_parameters import (
     NodeParameters,
     awaited_listeners,
     oldest_sample,
     silence,
 )
-from er_ros_common.core import Said, When
+from er_ros_common.core import Said, When, judged
 from er_ros_common.parameter_table import REQUIRED, param
-from er_ros_common.stamps import Checks, StampLimits, StampState, Verdict, check_input, counted
+from er_ros_common.stamps import Checks, StampLimits, StampState, Verdict, counted
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import PwmDuty
@@ -94,10 +93,8 @@ class SkyhookCore:
         self, state: State, topic: topics.Topic, message: Any, when: When
     ) -> tuple[State, list[Said]]:
         """Take half of a sample, if its stamp is good."""
-        acceleration, seq = topic is topics.ACCELERATION, int(message.seq)
-        stamp, arrival = from_stamp(message.header.stamp), when.system if self.p.max_age else None
-        which = self.inputs.index(topic)
-        checks, verdict = check_input(self.limits, state.checks, which, stamp, seq, arrival)
+        acceleration = topic is topics.ACCELERATION
+        checks, verdict, (stamp, seq) = judged(self, state.checks, topic, message, when)
         state, back = state._replace(checks=checks), verdict is Verdict.JUMPED_BACK
         if not verdict.use:
             return state, []

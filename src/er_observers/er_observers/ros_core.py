@@ -12,10 +12,9 @@ from typing import Any, NamedTuple
 
 from er_models.files import load_model
 from er_ros_common.builders import Tick
-from er_ros_common.clock import from_stamp
 from er_ros_common.common_parameters import silence
-from er_ros_common.core import Said, When
-from er_ros_common.stamps import Checks, StampLimits, StampState, Verdict, check_input, counted
+from er_ros_common.core import Said, When, judged
+from er_ros_common.stamps import Checks, StampLimits, StampState, Verdict, counted
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import DamperForce
@@ -99,9 +98,7 @@ class ObserverCore:
         self, state: State, topic: topics.Topic, message: Any, when: When
     ) -> tuple[State, list[Said]]:
         """Take accelerations, the duty from then on, or the deflection, if the stamp is good."""
-        stamp, seq = from_stamp(message.header.stamp), int(message.seq)
-        arrival, which = when.system if self.p.max_age else None, self.inputs.index(topic)
-        checks, verdict = check_input(self.limits, state.checks, which, stamp, seq, arrival)
+        checks, verdict, (stamp, seq) = judged(self, state.checks, topic, message, when)
         state, back = State(state.feed, checks, *state[2:]), verdict is Verdict.JUMPED_BACK
         if not verdict.use:
             return state, []

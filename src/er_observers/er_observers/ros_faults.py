@@ -13,10 +13,9 @@ from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Model
 from er_ros_common.builders import Tick
-from er_ros_common.clock import from_stamp
 from er_ros_common.common_parameters import silence
-from er_ros_common.core import Said, When
-from er_ros_common.stamps import Checks, StampLimits, StampState, check_input, counted
+from er_ros_common.core import Said, When, judged
+from er_ros_common.stamps import Checks, StampLimits, StampState, counted
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import FaultEstimate
@@ -98,9 +97,7 @@ class FaultCore:
         self, state: State, topic: topics.Topic, message: Any, when: When
     ) -> tuple[State, list[Said]]:
         """Take a part of a tick, if its stamp is good."""
-        stamp, seq = from_stamp(message.header.stamp), int(message.seq)
-        arrival, place = when.system if self.p.max_age else None, self.inputs.index(topic)
-        checks, verdict = check_input(self.limits, state.checks, place, stamp, seq, arrival)
+        checks, verdict, (stamp, seq) = judged(self, state.checks, topic, message, when)
         if not verdict.use:
             return State(state.gathered, checks, *state[2:]), []
         part = _part(topic, message)

@@ -8,7 +8,10 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple, Protocol
 
-from er_ros_common.stamps import StampLimits
+from er_ros_common.builders import Tick
+from er_ros_common.clock import from_stamp
+from er_ros_common.common_parameters import Listening
+from er_ros_common.stamps import Checks, StampLimits, Verdict, check_input
 from er_ros_common.topics import Topic
 
 Said = tuple[Topic, Any]
@@ -55,3 +58,29 @@ class Core(Protocol):
 
     def on_time(self, state: Any, when: When) -> tuple[Any, list[Said]]:
         """The same where only time has gone on; called often, says something where inputs stay away."""
+
+
+class Judging(Protocol):
+    """What of a core tells good stamps from bad ones."""
+
+    @property
+    def p(self) -> Listening:
+        """Its parameters."""
+
+    @property
+    def inputs(self) -> tuple[Topic, ...]:
+        """What it listens to."""
+
+    @property
+    def limits(self) -> tuple[StampLimits, ...]:
+        """When the stamp of each input is refused."""
+
+
+def judged(
+    core: Judging, checks: Checks, topic: Topic, message: Any, when: When
+) -> tuple[Checks, Verdict, Tick]:
+    """The stamp of a message of one of the inputs, judged before anything is kept of it."""
+    tick = Tick(from_stamp(message.header.stamp), int(message.seq))
+    arrival, which = when.system if core.p.max_age else None, core.inputs.index(topic)
+    checks, verdict = check_input(core.limits, checks, which, *tick, arrival)
+    return checks, verdict, tick

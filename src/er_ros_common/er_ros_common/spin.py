@@ -28,12 +28,12 @@ from er_ros_common import dds
 from er_ros_common.help import Card, render
 from er_ros_common.intra_process import IntraProcess
 from er_ros_common.managed import ManagedNode
+from er_ros_common.one_line import BAD_USAGE
 from er_ros_common.parameter_files import check_files
 from er_ros_common.stopping import Stopped
 
 #: an idle node looks at its signals this often [s]
 ATTENTION = 0.1
-BAD_USAGE = 2
 Nodes: TypeAlias = Node | Sequence[Node]
 
 
