@@ -10,7 +10,6 @@ plant to observer to recorder.
 
 from __future__ import annotations
 
-import argparse
 import os
 import platform
 import sys
@@ -22,6 +21,7 @@ from time import monotonic, sleep
 
 import numpy as np
 from er_models.errors import ErError
+from er_models.one_line import OneLine
 from numpy.typing import NDArray
 from rosbags.highlevel import AnyReader
 
@@ -169,7 +169,7 @@ def markdown(found: Sequence[Flow], loads: Sequence[Load], seconds: float) -> st
 
 def main() -> None:
     """Entry point: prints Markdown; exit status 1 when a message was lost after the warm-up."""
-    p = argparse.ArgumentParser(prog="bench_graph", description="Performance of the graph.")
+    p = OneLine(prog="bench_graph", description="Performance of the graph.")
     p.add_argument("--seconds", type=float, default=60.0, help="length of the run (60)")
     p.add_argument("--controller", action="store_true", help="with the Skyhook controller")
     options = p.parse_args()

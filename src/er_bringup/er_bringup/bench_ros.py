@@ -25,6 +25,7 @@ from time import monotonic, sleep
 
 import numpy as np
 from er_models.errors import ErError
+from er_models.one_line import OneLine
 
 from er_bringup.bench_graph import Load, Usage, usage
 from er_bringup.given import complete
@@ -245,7 +246,7 @@ def failed(results: Sequence[Result], rate: float) -> bool:
 
 def parser() -> argparse.ArgumentParser:
     """Options of the command."""
-    p = argparse.ArgumentParser(prog="er bench ros", description=(__doc__ or "").split("\n")[0])
+    p = OneLine(prog="er bench ros", description=(__doc__ or "").split("\n")[0])
     p.add_argument("--seconds", type=float, default=60.0, help="length of each run (60)")
     p.add_argument("--rate", type=float, default=200.0, help="ticks per second (200)")
     p.add_argument("--layout", choices=(*LAYOUTS, "both"), default="both")

@@ -15,6 +15,7 @@ from er_ftc_controller.compare.scenarios import Scenario, load_scenarios
 from er_ftc_controller.compare.table import markdown
 from er_models.errors import ErError, UnknownName
 from er_models.files import write_whole
+from er_models.places import writable
 from er_observers.compare.progress import roads_done
 from er_ros_common.usage import OneLineGroup
 from rich.console import Console
@@ -47,6 +48,7 @@ def compare_command(
     out: Annotated[Path | None, typer.Option(help="Write the tables here as well.")] = None,
 ) -> None:
     """All controllers on all faults and roads of the scenarios: tables of means and paired differences."""
+    writable({"--out": out})
     config = configuration()
     scenarios = tuple(_with(s, fault) for s in _scenarios(only))
     with roads_done() as tick:

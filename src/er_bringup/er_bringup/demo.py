@@ -20,8 +20,8 @@ import numpy as np
 from er_models.errors import ErError
 from er_models.files import load_model, save_model
 from er_models.model import Model
+from er_models.one_line import OneLine
 from er_models.seed import seed_reader
-from er_ros_common.one_line import OneLine
 from rich.console import Console
 from rich.table import Table
 

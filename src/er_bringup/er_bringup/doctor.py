@@ -14,8 +14,8 @@ from pathlib import Path
 from statistics import median
 
 from er_models.files import write_whole
+from er_models.one_line import OneLine
 from er_ros_common.graph_check import Problem
-from er_ros_common.one_line import OneLine
 from rich.console import Console
 from rich.table import Table
 

@@ -15,7 +15,7 @@ from typing import Any
 import yaml
 from er_models.errors import ErError, InputError
 from er_models.files import write_whole
-from er_ros_common.one_line import OneLine
+from er_models.one_line import OneLine
 from rich.console import Console
 from rich.table import Table
 

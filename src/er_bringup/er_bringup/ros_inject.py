@@ -15,9 +15,9 @@ import sys
 from time import monotonic
 
 import rclpy
+from er_models.one_line import OneLine
 from er_ros_common.fault_port import SERVICE
 from er_ros_common.injection import Kind
-from er_ros_common.one_line import OneLine
 from rclpy.executors import SingleThreadedExecutor
 
 from er_bringup.doctor import namespace

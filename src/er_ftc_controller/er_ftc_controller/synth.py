@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import typer
 from er_models.errors import ErError
 from er_models.files import load_model
+from er_models.places import writable
 from er_ros_common.usage import OneLineCommand
 from rich.console import Console
 from rich.table import Table
@@ -49,6 +50,7 @@ def lpv_ftc(
     ] = None,
 ) -> None:
     """Compute the LPV fault-tolerant controller, prove it, write it."""
+    writable({"--out": out}, pictures, {"--model": (model,)})
     car = load_model(model)
     given = {"rho": rho, "force": force, "body": body, "wheel": wheel}
     weights = replace(weights_for(car), **{k: v for k, v in given.items() if v is not None})  # type: ignore[arg-type]

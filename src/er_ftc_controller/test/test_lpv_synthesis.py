@@ -213,6 +213,15 @@ def test_the_shipped_file_is_proved(car: Model) -> None:
     assert load_gains(CONFIG / "gains" / "lpv_ftc.yaml", car).solution.vertices[0].rho == 0.2
 
 
+def test_a_model_is_not_overwritten_by_its_gains(tmp_path: Path) -> None:
+    model = tmp_path / "car.yaml"
+    model.write_bytes(MODEL.read_bytes())
+    done = CliRunner().invoke(app, ["--model", str(model), "--out", str(model)])
+    assert isinstance(done.exception, InputError)
+    assert "another place than --model" in str(done.exception)
+    assert model.read_bytes() == MODEL.read_bytes()
+
+
 def test_command_writes_gains(tmp_path: Path) -> None:
     out = tmp_path / "gains.yaml"
     done = CliRunner().invoke(app, ["--model", str(MODEL), "--out", str(out)])

@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
+from er_models.one_line import OneLine
 from er_ros_common.arguments import Value, ros_arguments
-from er_ros_common.one_line import OneLine
 
 from er_model_lab.bag_writer import STORAGES
 

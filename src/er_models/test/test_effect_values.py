@@ -195,12 +195,12 @@ RATES: dict[str, tuple[Values, float, tuple[float, float, float, float, float], 
         10.0,
         2.0,
     ),
-    "self_heating": (  # 2 W above rest: 5 N e^-0.2 viscous, 6 N 0.9 yield
+    "self_heating": (  # 2 W above rest: 5 N e^-0.2 viscous, 6 N e^-0.1 yield
         {**PASSIVE, **YIELD, "self_heating": {"t_h": 10.0, "b_v": 0.1, "b_y": 0.05}},
         2.0,
         (0.0, 0.1, 0.0, 0.3, 0.0),
-        (0.1 * 9.493653765389909 - 2.0) / 10.0,
-        9.493653765389909,
+        (0.1 * 9.522678273605667 - 2.0) / 10.0,
+        9.522678273605667,
     ),
     "mount_compliance": (  # 4/s of 20 mm, 0.1 + 1 / 50 m/s; 2 N in the mount, and 1e6 (-10 mm)^3
         {**PASSIVE, **CUBE, "mount_compliance": {"q": 0.01}},

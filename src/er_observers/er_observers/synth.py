@@ -17,6 +17,7 @@ import typer
 from er_models.errors import ErError
 from er_models.files import load_model
 from er_models.model import Model
+from er_models.places import writable
 from er_ros_common.usage import OneLineGroup
 from rich.console import Console
 
@@ -86,6 +87,7 @@ def _command(observer: str) -> None:
         ] = "full",
         duty: Annotated[tuple[float, float], typer.Option(help="Range of the duty.")] = Spec.rho,
     ) -> None:
+        writable({"--out": out}, read={"--model": (model,)})
         if sector not in SECTORS:
             raise ErError(f"sector: expected one of {', '.join(SECTORS)}, found '{sector}'")
         spec = Spec(SECTORS[sector], duty, noise, radius=radius, decay=decay, damping=damping)
@@ -105,9 +107,14 @@ def all_command(
     out: Annotated[Path, typer.Option(help="Folder for the gain files.")],
 ) -> None:
     """Gains of every observer with its default wish."""
+    files = {observer: out / f"{observer}.yaml" for observer in THEOREMS}
+    writable(
+        {f"--out, {observer}": file for observer, file in files.items()},
+        read={"--model": (model,)},
+    )
     car = load_model(model)
-    for observer in THEOREMS:
-        write_gains(observer, car, Wish(), out / f"{observer}.yaml")
+    for observer, file in files.items():
+        write_gains(observer, car, Wish(), file)
 
 
 def write_gains(observer: str, car: Model, wish: Wish, out: Path) -> None:

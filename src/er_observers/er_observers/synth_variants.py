@@ -9,8 +9,9 @@ from typing import Annotated
 
 import numpy as np
 import typer
-from er_models.files import load_model
+from er_models.files import load_model, write_whole
 from er_models.model import Array
+from er_models.places import writable
 from er_models.program import Program, times
 from rich.console import Console
 from rich.progress import track
@@ -40,6 +41,7 @@ def register(app: typer.Typer) -> None:
         ] = None,
     ) -> None:
         """Every theorem in every form: its gamma, or why it has none; bounds of the duty's rate."""
+        writable({"--json": json_file}, read={"--model": (model,)})
         car, spec = load_model(model), Spec()
         console = Console()
         steps = track(
@@ -58,7 +60,7 @@ def register(app: typer.Typer) -> None:
                 "variants": [{k: _plain(v) for k, v in row._asdict().items()} for row in reached],
                 "rates": [dict(zip(_RATE_KEYS, row, strict=True)) for row in rates],
             }
-            json_file.write_text(json.dumps(content, indent=1), encoding="utf-8")
+            write_whole(json_file, json.dumps(content, indent=1) + "\n")
 
 
 _RATE_KEYS = ("duty", "rate", "gamma", "share")

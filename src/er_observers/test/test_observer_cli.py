@@ -61,3 +61,33 @@ def test_errors_are_one_line_and_nothing_is_overwritten(
         assert text.count("\n") == 1
         assert word in text
     assert out.read_text(encoding="utf-8") == "precious"
+
+
+def test_a_model_is_not_overwritten_by_its_gains(
+    car_file: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Neither are gains sought for minutes that cannot be written afterwards."""
+    model = tmp_path / "car.yaml"
+    model.write_bytes(car_file.read_bytes())
+    before = model.read_bytes()
+    link = tmp_path / "link.yaml"
+    link.symlink_to(model)
+    cases = (
+        (["unified", "--model", str(model), "--out", str(link)], "another place than --model"),
+        (["unified", "--model", str(model), "--out", str(tmp_path)], "a file name"),
+        (["variants", "--model", str(model), "--json", str(model)], "another place than --model"),
+        (["compare", "--model", str(model), "--csv", str(model)], "another place than --model"),
+        (["compare", "--json", "both", "--csv", "both"], "another place than --json"),
+    )
+    for command, word in cases:
+        monkeypatch.setattr(sys, "argv", ["synth", *command])
+        with pytest.raises(SystemExit) as ending:
+            synth.main()
+        assert ending.value.code == 2
+        text = capsys.readouterr().err
+        assert text.count("\n") == 1
+        assert word in text
+    assert model.read_bytes() == before

@@ -5,11 +5,11 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Mapping
 from pathlib import Path
 
 from er_models.files import write_whole
+from er_models.one_line import OneLine
 
 from er_bringup.given import CAR
 from er_bringup.integration import foxglove, plotjuggler, ros_recording
@@ -30,7 +30,7 @@ def files(namespace: str = "") -> Mapping[str, str]:
 
 def main() -> None:
     """Entry point of the command."""
-    p = argparse.ArgumentParser(prog="write", description=__doc__)
+    p = OneLine(prog="write", description=__doc__)
     p.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write into")
     p.add_argument("--namespace", default="", metavar="NS", help="namespace of the corner")
     options = p.parse_args()

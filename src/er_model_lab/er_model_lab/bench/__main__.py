@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
+
+from er_models.one_line import OneLine
 
 from er_model_lab.bench.measure import LENGTHS, Line, length, minute, number
 from er_model_lab.bench.picture import picture
@@ -26,7 +27,7 @@ TINY: dict[str, Callable[[Path], list[Line]]] = {
 
 def main(arguments: list[str] | None = None) -> None:
     """Measure the parts that are named, or all, and print their tables."""
-    parser = argparse.ArgumentParser(prog="er bench lab", description=__doc__)
+    parser = OneLine(prog="er bench lab", description=__doc__)
     parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
     parser.add_argument("--model", type=Path, default=Path("config/dampers/inove_guo.yaml"))
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from dataclasses import asdict
@@ -12,11 +11,12 @@ from er_models.bench.cases import TINY, Size
 from er_models.bench.measure import PARTS
 from er_models.bench.picture import picture
 from er_models.bench.timing import table
+from er_models.one_line import OneLine
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Measure the parts that are named, or all, and print their tables."""
-    parser = argparse.ArgumentParser(prog="er bench models", description=__doc__)
+    parser = OneLine(prog="er bench models", description=__doc__)
     parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures")
     parser.add_argument(

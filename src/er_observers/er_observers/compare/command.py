@@ -11,6 +11,7 @@ from typing import Annotated
 import typer
 from er_models.files import load_model, write_whole
 from er_models.model import Model
+from er_models.places import writable
 from rich.console import Console
 
 from er_observers.compare.estimators import Estimator, estimators_of
@@ -58,7 +59,9 @@ def compare_command(
     ] = None,
 ) -> None:
     """Compare the observers with Kalman filters on named drives, beside the figures of the thesis."""
-    car = load_model(model or config / "vehicles" / "inove_quarter_car.yaml")
+    believed = model or config / "vehicles" / "inove_quarter_car.yaml"
+    writable({"--json": json_file, "--csv": csv_file}, pictures, {"--model": (believed,)})
+    car = load_model(believed)
     gains = gains or config / "gains"
     estimators = estimators_of(car, gains)
     scenarios = choose_scenarios(load_scenarios(config / "scenarios"), only or [])

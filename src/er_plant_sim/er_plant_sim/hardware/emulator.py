@@ -14,9 +14,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from time import monotonic_ns
 from types import FrameType
-from typing import Any, NoReturn
+from typing import Any
 
 from er_models.errors import ErError, InputError
+from er_models.one_line import OneLine
 from er_models.seed import seed_reader
 from er_models.yaml_file import read_yaml
 from er_ros_common.parameter_table import build as checked
@@ -32,13 +33,6 @@ from er_plant_sim.settings import PlantParameters
 WIRES = ("pty", "udp", "serial")
 
 
-class _OneLine(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        """End with the line and the status of bad usage."""
-        sys.stderr.write(f"{self.prog}: {message}\n")
-        sys.exit(2)
-
-
 def _share(text: str) -> float:
     value = float(text)
     if not 0.0 <= value <= 1.0:
@@ -48,7 +42,7 @@ def _share(text: str) -> float:
 
 def parser() -> argparse.ArgumentParser:
     """Options of the command."""
-    p = _OneLine(prog="device_emulator", description=__doc__, allow_abbrev=False)
+    p = OneLine(prog="device_emulator", description=__doc__, allow_abbrev=False)
     p.add_argument("--link", required=True, help="pty:PATH, udp:HOST:PORT or serial:PORT[@BAUD]")
     p.add_argument("--model", required=True, metavar="FILE", help="vehicle model")
     p.add_argument("--damper", default="", metavar="FILE", help="model whose damper it gets")

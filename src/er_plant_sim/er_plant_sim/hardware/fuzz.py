@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from time import perf_counter
 
 import numpy as np
+from er_models.one_line import OneLine
 from er_models.seed import seed_reader
 
 from er_plant_sim.duty_gate import Gate
@@ -224,9 +225,7 @@ def _judge(tally: Tally, whole: Counter[bytes], found: Counter[bytes]) -> None:
 
 def main() -> None:
     """Entry point of the command."""
-    p = argparse.ArgumentParser(
-        prog="fuzz", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
+    p = OneLine(prog="fuzz", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     p.add_argument("--frames", type=int, default=100_000, help="how many (100000)")
     p.add_argument("--seed", type=seed_reader(), default=1, help="of contents and damage (1)")
     options = p.parse_args()

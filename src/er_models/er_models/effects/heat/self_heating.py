@@ -17,7 +17,7 @@ def viscous_scale(b_v: float, w: float) -> float:
 
 def yield_scale(b_y: float, w: float) -> float:
     """Factor on the yield force [1]."""
-    return max(1.0 - b_y * w, 0.0)
+    return exp(-b_y * w)
 
 
 EFFECT = Effect(
