@@ -146,3 +146,19 @@ def test_a_sensor_that_says_no_number_or_is_not_valid_is_named(
     assert "/sensors/acceleration: 1 messages with NaN or infinite numbers" in text
     assert "/sensors/acceleration: 1 messages that their sender calls not valid" in text
     assert says("non_finite", "1")
+
+
+def test_a_deflection_without_the_velocity_that_the_law_needs_is_named(
+    graph: tuple[Callable[..., str], Node],
+) -> None:
+    says, other = graph
+    there = topics.DEFLECTION
+    end = other.create_publisher(there.type, there.name, there.publisher)
+
+    def send() -> bool:
+        now = other.get_clock().now().nanoseconds
+        end.publish(builders.suspension_deflection(builders.Tick(now, 1), 0.01))
+        return end.get_subscription_count() > 0
+
+    text = says("/skyhook_controller: values", "messages without velocity", send)
+    assert text.startswith("/sensors/deflection: 1 ")

@@ -15,7 +15,7 @@ OF_THE_LAST = ("rmse_after", "noise_floor", "floors", "unexplained")
 
 
 def told_together(results: Sequence[Result]) -> Result:
-    """The contract's JSON of all passes: candidates as the first saw them, those that a later one took as it did."""
+    """The contract's JSON of all passes: candidates as the first saw them, `spoken_of` by a later one as that did."""
     whole = dict(results[0])
     for more in results[1:]:
         whole["steps"] = whole["steps"] + more["steps"][1:]
@@ -33,13 +33,20 @@ def told_together(results: Sequence[Result]) -> Result:
     return whole
 
 
+def spoken_of(result: Result) -> set[str]:
+    """Effects that a pass took, and those that it cannot tell from them."""
+    taken = set(result["effects"])
+    return taken.union(*(group for group in result["alternatives"] if taken & set(group)))
+
+
 def _with(before: list[Any], more: list[Any]) -> list[Any]:
     return before + [each for each in more if each not in before]
 
 
 def _candidates(before: list[Result], more: Result, order: list[str]) -> list[Result]:
     """Those taken first, in the order in which they were."""
-    taken = {e["effect"]: e for e in more["candidates"] if e["effect"] in more["effects"]}
+    spoken = spoken_of(more)
+    taken = {e["effect"]: e for e in more["candidates"] if e["effect"] in spoken}
     others = [e for e in before if e["effect"] not in taken]
     place = {name: i for i, name in enumerate(order)}
     return sorted([*others, *taken.values()], key=lambda e: place.get(e["effect"], len(place)))
@@ -48,12 +55,12 @@ def _candidates(before: list[Result], more: Result, order: list[str]) -> list[Re
 def taken_last(
     cards: Sequence[tuple[CandidateView, ...]], results: Sequence[Result]
 ) -> tuple[CandidateView, ...]:
-    """Evidence cards of the first pass, with those of what a later one took as it saw them."""
+    """Evidence cards of the first pass, with those of what a later one took, or is unsure of, as it saw them."""
     later = {
         card.effect: card
         for more, result in zip(cards[1:], results[1:], strict=True)
         for card in more
-        if card.effect in result["effects"]
+        if card.effect in spoken_of(result)
     }
     kept = [card for card in cards[0] if card.effect not in later]
     lead = sum(card.effect in results[0]["effects"] for card in kept)

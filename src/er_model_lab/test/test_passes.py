@@ -51,10 +51,15 @@ def test_one_pass_is_told_as_it_is():
 
 
 def test_a_tie_of_a_later_pass_stays():
-    later = found(["cavitation"], "ambiguous", alternatives=[("cavitation", "freeplay")])
+    seen = {"cavitation": ("confounded", 8.8), "freeplay": ("confounded", 3.0)}
+    later = found(["cavitation"], "ambiguous", seen, alternatives=[("cavitation", "freeplay")])
     whole = told_together([FIRST, later])
     assert whole["alternatives"] == [["cavitation", "freeplay"]]
     assert whole["verdict"] == "ambiguous"
+    told = [(c["effect"], c["status"]) for c in whole["candidates"]]
+    assert told == [
+        ("preload", "present"), ("cavitation", "confounded"), ("freeplay", "confounded")
+    ]  # fmt: skip
 
 
 def test_cards_of_what_a_later_pass_took_come_after_those_of_the_first():
@@ -68,6 +73,8 @@ def test_cards_of_what_a_later_pass_took_come_after_those_of_the_first():
     assert [c.effect for c in kept] == ["preload", "cavitation", "freeplay"]
     assert kept[1] is later[0]
     assert kept[2] is first[1]
+    tied = found(["cavitation"], alternatives=[("cavitation", "freeplay")])
+    assert taken_last([first, later], [FIRST, tied]) == (first[0], *later)
 
 
 @pytest.mark.parametrize(

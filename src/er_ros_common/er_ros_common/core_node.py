@@ -19,13 +19,14 @@ class CoreNode(ManagedNode):
     """A node around a core; subclasses fill `make` and `report`.
 
     watch_period: how often the silence of the inputs is looked at [s]; profile: of the subscriptions, None for that
-    of each topic; optional: inputs whose absence is no fault. p holds ``listeners``: how many of each output there
-    must be before the node is ready.
+    of each topic; optional: inputs whose absence is no fault; whole: those of no use without all of their parts.
+    p holds ``listeners``: how many of each output there must be before the node is ready.
     """
 
     watch_period: ClassVar[float] = 0.01
     profile: ClassVar[QoSProfile | None] = None
     optional: ClassVar[tuple[Topic, ...]] = ()
+    whole: ClassVar[tuple[Topic, ...]] = ()
     core: Any
 
     def make(self) -> Core:
@@ -43,6 +44,7 @@ class CoreNode(ManagedNode):
                 partial(self.on_message, topic),
                 self.profile,
                 needed=topic not in self.optional,
+                whole=topic in self.whole,
                 limits=limits,
             )
             for topic, limits in zip(self.core.inputs, self.core.limits, strict=True)

@@ -206,7 +206,10 @@ class Health:
             "state": own | dict(said.values),
             "input rate": {i.name: f"{i.measured:.1f} Hz" for i in each},
             "stamps": {i.name: f"{i.state.received} came, {i.state.lost} lost" for i in each},
-            "values": {i.name: f"{i.invalid} not valid, {i.non_finite} not finite" for i in each},
+            "values": {
+                i.name: f"{i.invalid} not valid, {i.non_finite} not finite, {i.incomplete} incomplete"
+                for i in each
+            },
             "timing": {
                 "step time mean [ms]": f"{1e3 * timing.step_time_mean:.3f}",
                 "step time max [ms]": f"{1e3 * timing.step_time_max:.3f}",

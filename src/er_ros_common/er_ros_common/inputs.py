@@ -61,7 +61,8 @@ class Input:
 
     name: as it is called in the graph; limits: when a stamp is bad; since: when the node began [s]; needed:
     whether its absence is a fault; steady: whether every tick of the plant has one, at its own pace; invalid,
-    non_finite: messages whose sender called them not valid, and others with a number that is none.
+    non_finite, incomplete: messages whose sender called them not valid, others with a number that is none, and
+    others without a part that the node needs.
     """
 
     name: str
@@ -73,6 +74,9 @@ class Input:
     arrived: float | None = None
     invalid: int = 0
     non_finite: int = 0
+    incomplete: int = 0
+    _lacks: str = ""
+    _lacked: float = -math.inf
     _refused: float = -math.inf
     _strange: float = -math.inf
     _bad: dict[Verdict, float] = field(default_factory=dict)
@@ -110,12 +114,16 @@ class Input:
             self._jump = f"time jumped {way} by {abs(step):.3g} s: started afresh"
         return verdict
 
-    def read(self, numbers: Sequence[float], arrival: float, *, valid: bool) -> None:
-        """Look at the values of a message."""
+    def read(
+        self, numbers: Sequence[float], arrival: float, *, valid: bool, lacks: str = ""
+    ) -> None:
+        """Look at the values of a message; lacks: a part that it comes without and the node needs."""
         if not valid:
             self.invalid, self._refused = self.invalid + 1, arrival
         elif not all(map(math.isfinite, numbers)):
             self.non_finite, self._strange = self.non_finite + 1, arrival
+        elif lacks:
+            self.incomplete, self._lacks, self._lacked = self.incomplete + 1, lacks, arrival
 
     def values(self, now: float) -> list[Finding]:
         """What is wrong with its values; empty where all is well. One that need not be there need not be valid."""
@@ -126,6 +134,12 @@ class Input:
         if now - self._refused < REMEMBERED and self.needed:
             text = (
                 f"{self.invalid} messages that their sender calls not valid: is its sensor well?"
+            )
+            found.append(Finding(WARN, self.name, text))
+        if now - self._lacked < REMEMBERED:
+            text = (
+                f"{self.incomplete} messages without {self._lacks}, which this node cannot do without: "
+                "does its publisher measure it?"
             )
             found.append(Finding(WARN, self.name, text))
         return found

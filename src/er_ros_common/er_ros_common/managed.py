@@ -112,11 +112,13 @@ class ManagedNode(LifecycleNode):
         profile: QoSProfile | None = None,
         *,
         needed: bool = True,
+        whole: bool = False,
         limits: StampLimits | None = None,
     ) -> Subscription:
         """Subscription of a topic, heard while active; the topic and the graph around it are watched.
 
-        needed: whether its silence is a fault; limits: when its stamps are bad, None where that is as of all.
+        needed: whether its silence is a fault; whole: whether a message without one of its parts is of no use;
+        limits: when its stamps are bad, None where that is as of all.
         """
         self.watched[topic.name] = topic
         name, asked = self.resolve_topic_name(topic.name), profile or topic.subscriber
@@ -127,6 +129,7 @@ class ManagedNode(LifecycleNode):
         self.incoming[topic.name] = made
 
         values = attrgetter("valid", *topic.numbers)
+        lacking = topic.lacking if whole else None
 
         def noted(message: Any) -> None:
             if self.active:
@@ -136,7 +139,7 @@ class ManagedNode(LifecycleNode):
                 each, arrival = self.incoming[topic.name], 1e-9 * came.steady
                 each.note(stamp, int(message.seq), arrival, now)
                 valid, *numbers = values(message)
-                each.read(numbers, arrival, valid=valid)
+                each.read(numbers, arrival, valid=valid, lacks=lacking(message) if lacking else "")
                 heard(message)
 
         return self._once(f"in {topic.name}", lambda: self._subscription(topic, noted, asked))

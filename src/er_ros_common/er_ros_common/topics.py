@@ -25,7 +25,8 @@ from er_ros_common import qos
 class Topic:
     """One topic: what it carries, how often [Hz], and the quality of service of either end.
 
-    every_tick: whether every tick of the plant has one; others may be slower.
+    every_tick: whether every tick of the plant has one; others may be slower. parts: numbers of its messages that
+    need not be there, each beside a field ``PART_valid``.
     """
 
     name: str
@@ -35,6 +36,12 @@ class Topic:
     publisher: QoSProfile
     subscriber: QoSProfile
     every_tick: bool = True
+    parts: tuple[str, ...] = ()
+
+    def lacking(self, message: Any) -> str:
+        """The first part that a message comes without; empty where it is whole."""
+        without = (part for part in self.parts if not getattr(message, f"{part}_valid"))
+        return next(without, "")
 
     @property
     def numbers(self) -> tuple[str, ...]:
@@ -56,8 +63,9 @@ def _sensor(name: str, kind: type[Any], text: str) -> Topic:
 ACCELERATION: Final = _sensor(
     "sensors/acceleration", SuspensionAcceleration, "sprung and unsprung acceleration [m/s2]"
 )
-DEFLECTION: Final = _sensor(
-    "sensors/deflection", SuspensionDeflection, "deflection [m] and its velocity [m/s]"
+DEFLECTION: Final = replace(
+    _sensor("sensors/deflection", SuspensionDeflection, "deflection [m] and its velocity [m/s]"),
+    parts=("velocity",),
 )
 FORCE: Final = _sensor("sensors/force", DamperForce, "measured damper force [N]")
 ROAD: Final = _sensor("sensors/road", RoadDisplacement, "road displacement [m]")

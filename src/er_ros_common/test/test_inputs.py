@@ -145,6 +145,16 @@ def test_values_that_cannot_be_used_are_named_for_a_second(
     assert each.values(101.5) == []
 
 
+def test_a_message_without_a_part_that_is_needed_is_named_for_a_second() -> None:
+    each = watched()
+    each.read((0.1, 0.0), 100.0, valid=True, lacks="velocity")
+    assert (each.incomplete, each.invalid, each.non_finite) == (1, 0, 0)
+    (found,) = each.values(100.5)
+    assert found.level == WARN
+    assert "1 messages without velocity" in found.text
+    assert each.values(101.5) == []
+
+
 @pytest.mark.parametrize(
     ("step", "words"),
     [(-60_000, "time jumped back by 60 s"), (450_000, "time jumped forward by 450 s")],

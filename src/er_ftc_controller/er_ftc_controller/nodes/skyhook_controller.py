@@ -24,6 +24,8 @@ from er_ros_common import topics
 class SkyhookController(CoreNode):
     """The core with its health."""
 
+    whole = (topics.DEFLECTION,)
+
     def __init__(self, argv: Sequence[str] | None = None) -> None:
         super().__init__("skyhook_controller", argv)
         self.p = declare(self, SkyhookParameters)

@@ -26,7 +26,7 @@ TEXT = (
 class FaultNode(CoreNode):
     """The core with its health."""
 
-    watch_period, profile = 0.05, qos.FOLLOWER
+    watch_period, profile, whole = 0.05, qos.FOLLOWER, (topics.DEFLECTION,)
 
     def __init__(self, argv: Sequence[str] | None = None) -> None:
         super().__init__(NAME, argv)
