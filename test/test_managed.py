@@ -217,3 +217,38 @@ def test_a_program_that_is_still_being_imported_ends_quietly(number: int) -> Non
     child.send_signal(number)
     _, errors = child.communicate(timeout=10)
     assert (child.returncode, errors) == (0, "")
+
+
+SKYHOOK = "er_ftc_controller.nodes.skyhook_controller"
+LISTED = """
+import atexit, sys
+from pathlib import Path
+from er_ros_common.entry import program
+atexit.register(lambda: print("threads", *(p.read_text().strip() for p in Path("/proc/self/task").glob("*/comm"))))
+program(sys.argv.pop(1))()
+"""
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        [SKYHOOK, *skyhook_arguments()],
+        [SKYHOOK, *skyhook_arguments("-p", "listeners:=many")],
+        ["er_bringup.ros_composed", "er_ftc_controller/skyhook_controller", *skyhook_arguments()],
+    ],
+)
+def test_nothing_of_the_middleware_is_left_when_nodes_have_ended(command: list[str]) -> None:
+    # a participant that is taken down with its process hangs there now and then, or ends it with SIGABRT
+    with own_domain() as env:
+        child = subprocess.Popen(
+            [sys.executable, "-c", LISTED, *command], env=env, text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        )  # fmt: skip
+        assert child.stderr is not None
+        said = child.stderr.readline()
+        if "waiting" in said:
+            child.send_signal(signal.SIGINT)
+        out, errors = child.communicate(timeout=20)
+    assert "waiting" in said or "listeners: expected" in said, said + errors
+    assert "threads" in out
+    assert "dds." not in out.replace("dds.shm.wdog", "")
