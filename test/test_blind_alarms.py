@@ -1,5 +1,7 @@
 """The table of false alarms counts decisions, and the picture is drawn from the same rows."""
 
+import json
+
 from test.blind_score import alarms
 from test.blind_score.alarms import RATES, lines, page, plot
 
@@ -35,8 +37,13 @@ def test_the_picture_is_the_same_for_the_same_rows(tmp_path):
     assert "rate of false alarms asked for" in first.read_text()
 
 
-def test_a_complete_model_is_decided_at_every_rate():
-    row = alarms.score(1, seconds=20.0)
+def test_a_complete_model_is_decided_at_every_rate(tmp_path, capsys):
+    """As `docs/blind.md` has it: the command, its row and its table."""
+    noted = tmp_path / "rows.jsonl"
+    status = alarms.main(["--seeds", "1", "--workers", "1", "--results", str(noted)])
+    assert status == 0
+    assert "By the default rule" in capsys.readouterr().out
+    (row,) = (json.loads(line) for line in noted.read_text().splitlines())
     assert len(row["over"]) == len(row["named"]) == len(RATES)
     assert row["over"] == sorted(row["over"])
     assert not any(n and not o for n, o in zip(row["named"], row["over"], strict=True))

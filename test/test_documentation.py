@@ -27,6 +27,7 @@ ELSEWHERE = {
     "replay": "test_replay, with a recording",
     "lab thesis chapter1": "test_thesis_chapter_1, which computes the chapter once",
     "control compare thesis_6_4_1 --fault leakage": "test_control_command, the very words",
+    "exec python -m test.blind_score.alarms": "test_blind_alarms, the very words",
     "exec python -m test.blind_score --kinds singles": "test_blind_score, with other seeds and lengths",
 }
 """Beginnings of commands that another test runs."""
