@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from er_model_lab.diagnose.search import MOST_EFFECTS
-from er_model_lab.diagnose.verdict import Name
+from er_model_lab.diagnose.verdict import VISIBLE, Name
 from er_model_lab.view import CandidateView
 
 Result = dict[str, Any]
@@ -27,10 +27,18 @@ def told_together(results: Sequence[Result]) -> Result:
     adequate = last["verdict"] in ("adequate", "missing_effect", "ambiguous")
     whole["final_verdict"] = "adequate" if adequate else last["verdict"]
     if len(results) > 1 and results[0]["verdict"] == "partial":
-        many = len(whole["effects"]) > MOST_EFFECTS
-        whole["verdict"] = overall(last["verdict"], tied=bool(whole["alternatives"]), many=many)
+        tied, many = bool(whole["alternatives"]), too_many(whole)
+        whole["verdict"] = overall(last["verdict"], tied=tied, many=many)
         whole["reasons"] = _with(whole["reasons"], last["reasons"])
     return whole
+
+
+def too_many(whole: Result) -> bool:
+    """Whether so many effects were added that they describe the data and are no cause, as a search says of its own."""
+    if len(whole["effects"]) < MOST_EFFECTS:
+        return False
+    after, floor = whole["rmse_after"]["held_out"], whole["noise_floor"]
+    return len(whole["effects"]) > MOST_EFFECTS or after**2 - floor**2 > VISIBLE * after**2
 
 
 def spoken_of(result: Result) -> set[str]:
@@ -70,7 +78,7 @@ def taken_last(
 def overall(last: Name, *, tied: bool, many: bool = False) -> Name:
     """Verdict on all that several passes added, from that of the last: a tie of any of them leaves the whole unsure.
 
-    many: more effects than a search names; together they describe the data, and are no cause.
+    many: see `too_many`.
     """
     if many:
         return "partial"

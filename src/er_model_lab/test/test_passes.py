@@ -62,6 +62,15 @@ def test_a_tie_of_a_later_pass_stays():
     ]  # fmt: skip
 
 
+def test_as_many_effects_as_a_search_names_are_no_cause_where_more_than_noise_is_left():
+    later = found(["cavitation", "freeplay"], "missing_effect", rmse=1.0)
+    assert told_together([FIRST, later])["verdict"] == "partial"
+    assert told_together([FIRST, later | {"noise_floor": 0.99}])["verdict"] == "missing_effect"
+    assert told_together([FIRST, found(["cavitation"], "missing_effect")])["verdict"] == (
+        "missing_effect"
+    )
+
+
 def test_cards_of_what_a_later_pass_took_come_after_those_of_the_first():
     r = record("run", 4.0, 0)
     first = tuple(
