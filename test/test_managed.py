@@ -219,6 +219,27 @@ def test_a_program_that_is_still_being_imported_ends_quietly(number: int) -> Non
     assert (child.returncode, errors) == (0, "")
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_nodes_that_are_still_being_imported_into_one_process_end_quietly(
+    number: int, tmp_path: Path
+) -> None:
+    slow = tmp_path / "snail" / "nodes"
+    slow.mkdir(parents=True)
+    (slow / "crawling.py").write_text(
+        "import time\nprint('begun', flush=True)\ntime.sleep(60.0)\n"
+    )
+    child = subprocess.Popen(
+        [sys.executable, "-m", "er_bringup.ros_composed", "snail/crawling"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env=os.environ | {"PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"},
+    )  # fmt: skip
+    assert child.stdout is not None
+    assert child.stdout.readline() == "begun\n"
+    child.send_signal(number)
+    _, errors = child.communicate(timeout=10)
+    assert (child.returncode, errors) == (0, "")
+
+
 SKYHOOK = "er_ftc_controller.nodes.skyhook_controller"
 LISTED = """
 import atexit, sys

@@ -32,6 +32,8 @@ from er_bringup.up import configuration, run
 CONTROLLER = "ftc_controller"
 CLOSE = 1.15
 """Held-out error over noise floor that counts as reached."""
+MAY_FAIL = 0.05
+"""Share of repeated demonstrations that may fail: the lab names what is hidden in 95 of 100 recordings."""
 
 
 @dataclass(frozen=True)
@@ -261,14 +263,14 @@ def parser() -> OneLine:
 
 
 def main() -> None:
-    """Entry point; exit status 0 only if every hidden effect was found and the floor reached."""
+    """Entry point; exit status 0 only if the effect was found and the floor reached; of many, in all but `MAY_FAIL`."""
     given = parser().parse_args()
     seed = given.seed if given.seed is not None else secrets.randbelow(2**31)
     out = given.out or Path("log") / "demo" / f"{time.strftime('%Y%m%d-%H%M%S')}-{seed}"
     demo = Demo(given.effect, seed, given.learn, given.check, out.absolute(), given.mode)
     try:
         if given.repeat > 1:
-            sys.exit(1 if repeat(demo, given.repeat, console()) > given.repeat // 20 else 0)
+            sys.exit(1 if repeat(demo, given.repeat, console()) > MAY_FAIL * given.repeat else 0)
         sys.exit(0 if play(demo, console()).success else 1)
     except ErError as error:
         sys.stderr.write(f"er demo: {error}\n")

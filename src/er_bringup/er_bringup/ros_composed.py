@@ -64,7 +64,8 @@ def part(group: Sequence[str]) -> Part:
 
 
 def _run(argv: Sequence[str], stopped: Stopped) -> None:
-    parts = [part(group) for group in split(argv)]
+    with stopped.making():  # importing many nodes takes long: nobody who wants an end waits for it
+        parts = [part(group) for group in split(argv)]
     if not parts:
         raise ErError("expected at least one node, see --help")
     rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)

@@ -66,7 +66,8 @@ FalseAlarm = Annotated[
     float,
     typer.Option(
         "--false-alarm",
-        help="Rate at which a complete model may be given a missing effect, above 0 and below 1.",
+        help="Allowed probability of a false alarm: an effect is named although the model is complete. "
+        "Above 0 and below 1.",
     ),
 ]
 Smallest = Annotated[
@@ -76,8 +77,8 @@ Smallest = Annotated[
 Helps = Annotated[
     float,
     typer.Option(
-        help="Effects that explain less than this share of what is explainable are not taken. Smaller on measured "
-        "data, where a form may fit nowhere quite: the error falls in many small steps."
+        help="Effects that explain less than this share of what is explainable are not taken. Lower it for "
+        "measured data, where no equation fits exactly and the error falls in many small steps."
     ),
 ]
 Anyway = Annotated[
