@@ -1,5 +1,6 @@
 """Style and types of the whole repository, as one test each."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -48,3 +49,26 @@ def test_the_project_names_no_machine():
         cwd=ROOT, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert found.stdout == ""
+
+
+NAMED = re.compile(r"`([\w/]+\.py)`")
+"""A file of ours in a text: its name, or the end of its path."""
+
+
+def test_files_that_a_text_names_are_there():
+    """A bare name in a package's file is of that package; in a document, or with a folder, it is any of ours."""
+    listed = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    kept = listed.stdout.splitlines()
+    missing = []
+    for path in kept:
+        if not path.endswith((".py", ".md")):
+            continue
+        home = "/".join(path.split("/")[:2]) if path.startswith("src/") else ""
+        for name in NAMED.findall((ROOT / path).read_text(encoding="utf-8")):
+            near = home if "/" not in name else ""
+            there = any(f"/{each}".endswith(f"/{name}") and each.startswith(near) for each in kept)
+            if not there and name != "crosstalk.py":  # the example of CONTRIBUTING.md
+                missing.append(f"{path}: {name}")
+    assert missing == []
