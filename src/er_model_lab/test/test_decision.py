@@ -17,6 +17,7 @@ from er_model_lab.diagnose.floor import Floor, noise_floor
 from er_model_lab.diagnose.left import burst_shares, bursts, filtered
 from er_model_lab.diagnose.null import Null, simulate_null
 from er_model_lab.diagnose.search import (
+    DOUBT,
     Round,
     block_gains,
     nested,
@@ -217,6 +218,22 @@ def test_a_rival_that_errs_in_a_few_blocks_and_is_better_in_none_is_no_tie(frict
         np.where(second == 1, 3.0, 1.0)
     )  # where the rival is better: chance may have shared them out
     assert len(tied(base, [other, rival], problem, limit=0.02)) == 2
+
+
+def test_a_free_exponent_that_hardly_helps_is_tied_with_the_form_that_has_none():
+    """Turbulent damping as v^1.75 (Blasius): neither v^2 nor a power law of all the damping, each nearly."""
+    model, problem = problem_of(None, {}, seed=3)
+    v = problem.motion.v
+    problem = replace(problem, force=problem.force + 200.0 * v * np.abs(v) ** 0.75)
+    base = baseline(model, problem)
+    plain, rich = (
+        refit(base, model.catalogue[n], problem) for n in ("quadratic_damping", "shear_thinning")
+    )
+    behind = float(np.sqrt(plain.mse - rich.mse))
+    assert paired_t(block_gains(rich, plain, problem)) > DOUBT  # sure, and yet next to nothing
+    near = tied(base, [rich, plain], problem, limit=behind / 1.4)
+    assert [c.name for c in near] == ["quadratic_damping", "shear_thinning"]
+    assert tied(base, [rich, plain], problem, limit=behind / 1.6) == [rich]
 
 
 def test_stribeck_friction_without_a_breakaway_is_coulomb_friction():

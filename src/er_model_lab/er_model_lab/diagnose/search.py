@@ -34,6 +34,9 @@ DOUBT, SURE = 2.0, 4.5
 """Paired t below which two candidates are tied in any case, and from which on they never are."""
 NEARLY = 0.85
 """Share of the best one's effect size from which on a candidate comes near it."""
+FORM, SPARE = 0.995, 1.5
+"""Share of the best one's effect size that a form of fewer parameters has, and the most by which it is behind, over
+what counts as an effect, where the two are tied: what is real keeps to no equation so closely that it would decide."""
 NESTED, SAME = 1e-2, 1e-4
 """Mean square of the difference of two forces, over what is left, below which they are nearly, and wholly, the same."""
 
@@ -117,7 +120,9 @@ def tied(
     A tie needs nearly the same effect size, and a paired difference within `DOUBT` standard errors, or within
     `SURE` and too small to count as an effect of its own. A difference that would count, in several blocks and
     nowhere the other way, is not chance, however unevenly it is spread: a stop acts seldom. Where the motion
-    repeats itself a difference comes back in every cycle, so that only its size counts.
+    repeats itself a difference comes back in every cycle, so that only its size counts. A form of fewer parameters
+    that leaves next to nothing more is tied, too: turbulent damping as v^1.75 is met a little better by a power
+    law with a free exponent than by v^2.
     """
     best = candidates[0]
     size = effect_size(base, best)
@@ -127,7 +132,9 @@ def tied(
             continue
         gap, gains = np.sqrt(max(other.mse - best.mse, 0.0)), block_gains(best, other, problem)
         doubtful = paired_t(gains) < (SURE if gap < limit else DOUBT) and not seldom(gains, limit)
-        if doubtful or (problem.cycles and gap < limit):
+        simpler = complexity(other)[0] < complexity(best)[0]
+        spare = simpler and effect_size(base, other) > FORM * size and gap < SPARE * limit
+        if doubtful or spare or (problem.cycles and gap < limit):
             near.append(other)
     return sorted(near, key=lambda c: (*complexity(c), disguised(c, near, problem)))
 
