@@ -21,6 +21,8 @@ PHASES = 64
 """Parts of a cycle."""
 FEWEST = 4.0
 """Cycles a record must hold."""
+RUN_IN = 0.05
+"""Share of the cycles that may be others: a test machine runs up, and the free vibration of the start dies away."""
 MOST = 20_000
 """Samples looked at."""
 MULTIPLES, STEPS = (1, 2, 3), 41
@@ -60,12 +62,25 @@ def cycle(velocity: Array, dt: float) -> Cycle | None:
 
 
 def _share(v: Array, step: float) -> float:
-    """Share of the variance of a signal that its mean over the phase explains, less what chance explains."""
+    """Share of the variance of a signal that its mean over the phase explains, less what chance explains.
+
+    The cycles that keep least to the mean are left out, `RUN_IN` of them. step: part of a cycle from sample to sample.
+    """
     place = ((np.arange(v.size) * step) % 1.0 * PHASES).astype(np.intp)
+    number = (np.arange(v.size) * step).astype(np.intp)
+    rest = np.bincount(number, _rest(v, place))
+    others = np.argsort(rest)[rest.size - int(RUN_IN * rest.size) :]
+    kept = ~np.isin(number, others)
+    left = float(np.sum(_rest(v[kept], place[kept]))) / max(int(kept.sum()) - PHASES, 1)
+    return 1.0 - left / max(float(np.mean(v[kept] ** 2)), 1e-300)
+
+
+def _rest(v: Array, place: NDArray[np.intp]) -> Array:
+    """Squares of what the mean over the phase does not explain; place: each sample's part of its cycle."""
     count = np.maximum(np.bincount(place, minlength=PHASES), 1)
     mean = np.bincount(place, v, PHASES) / count
-    left = float(np.sum((v - mean[place]) ** 2)) / max(v.size - PHASES, 1)
-    return 1.0 - left / max(float(np.mean(v**2)), 1e-300)
+    rest: Array = (v - mean[place]) ** 2
+    return rest
 
 
 def cycles(velocity: Array, dt: float, starts: NDArray[np.int64]) -> tuple[Cycle, ...]:

@@ -43,6 +43,16 @@ def test_the_strongest_line_need_not_be_the_fundamental():
     assert cycle(v, DT).frequency == pytest.approx(1.5, rel=1e-3)
 
 
+@pytest.mark.parametrize(("seconds", "repeats"), [(2.0, True), (12.0, False)])
+def test_a_machine_may_run_up_before_its_motion_repeats_itself(seconds, repeats):
+    """The free vibration of the start dies away within a few cycles of a minute; a fifth of it is another test."""
+    t = np.arange(round(60.0 / DT)) * DT
+    v = 0.02 * np.sin(2 * np.pi * 4.0 * t)
+    v[t < seconds] += 0.03 * np.sin(2 * np.pi * 5.3 * t[t < seconds])
+    v += 1e-3 * np.random.default_rng(3).standard_normal(t.size)
+    assert (cycle(v, DT) is not None) is repeats
+
+
 @pytest.mark.parametrize("kind", ["rough", "sweep", "two", "short"])
 def test_other_motion_repeats_nothing(kind):
     rng = np.random.default_rng(2)

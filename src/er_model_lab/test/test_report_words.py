@@ -61,6 +61,22 @@ def test_each_verdict_is_said_in_plain_words_with_its_numbers(verdict: str) -> N
     )
 
 
+def test_an_adequate_model_is_not_said_to_lack_what_the_data_do_not_show() -> None:
+    told = [{"effect": e, "status": "not_excited"} for e in ("dead_time", "duty_dead_band")]
+    told.append({"effect": "preload", "status": "absent"})
+    said = verdict_sentence(view(verdict="adequate", candidates=told))
+    assert "than chance; 2 would not show in these data." in said
+    assert "show" not in verdict_sentence(view(verdict="adequate", candidates=told[2:]))
+
+
+def test_what_is_not_noise_is_not_called_noise_where_no_input_predicts_it() -> None:
+    """A hum is in what is left whatever the model, and so in the floor."""
+    sentence = verdict_sentence(view(verdict="unknown_effect", noise_floor=0.599))
+    assert "noise alone" not in sentence
+    assert "0.600 N" in sentence
+    assert "not noise either" in sentence
+
+
 def test_tied_effects_that_leave_different_errors_are_not_said_to_explain_it_alike() -> None:
     group = ["coulomb_friction", "shear_thinning"]
     for left, said in ((0.203, "Each explains"), (0.4, "from 0.600 N to 0.200 N or 0.400 N")):

@@ -156,9 +156,11 @@ def _floor(view: View) -> str:
 
 
 def _adequate(view: View) -> str:
+    unseen = [e for e in view.result.get("candidates") or () if e.get("status") == "not_excited"]
+    hidden = f"; {len(unseen)} would not show in these data" if unseen else ""
     return (
-        f"What the model leaves on held-out data, {newtons(rmse(view.result))}, is what noise "
-        f"leaves ({_floor(view)}). No known effect would help by more than chance."
+        f"What the model leaves on held-out data, {newtons(rmse(view.result))}, is noise "
+        f"({_floor(view)}). No known effect helps by more than chance{hidden}."
     )
 
 
@@ -200,8 +202,14 @@ def _partial(view: View) -> str:
 
 
 def _unknown(view: View) -> str:
+    error, floor = rmse(view.result), view.result.get("noise_floor")
+    if error is not None and floor is not None and error <= ALIKE * floor:
+        return (
+            f"The error on held-out data is {newtons(error)}. Neither motion nor duty would predict more of it, but it "
+            "is not noise either, and no known effect makes it."
+        )
     return (
-        f"The error on held-out data is {newtons(rmse(view.result))}, noise alone is "
+        f"The error on held-out data is {newtons(error)}, noise alone is "
         f"{_floor(view)}, and no known effect explains the difference."
     )
 

@@ -1,4 +1,4 @@
-"""Shear thinning: viscosity falls as (1 + (v / v_r)^2)^((n - 1) / 2) (Carreau)."""
+"""Shear thinning (n < 1) or thickening: viscosity goes as (1 + (v / v_r)^2)^((n - 1) / 2) (Carreau)."""
 
 from er_models.effect import Effect, Param, Signature
 
@@ -11,7 +11,7 @@ def viscous_scale(n: float, v_r: float, v: float) -> float:
 EFFECT = Effect(
     name="shear_thinning",
     stage="force",
-    title="Shear thinning of the fluid",
+    title="Shear thinning or thickening",
     physics="A suspension flows more easily the faster it is sheared (n < 1), or less easily "
     "(n > 1).",
     parameters=(
