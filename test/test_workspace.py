@@ -153,6 +153,17 @@ def test_exit_status_and_signals_are_those_of_the_program() -> None:
         assert child.wait(timeout=10) == -signal.SIGTERM
 
 
+@pytest.mark.parametrize("words", ["help", "up --help", "run er_plant_sim plant --help"])
+def test_closed_streams_lead_nowhere(words: str) -> None:
+    done = subprocess.run(
+        ["bash", "-c", f"'{ROOT}/er' {words} >&- <&-"],
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_commands_see_the_messages_and_keep_ros_to_this_machine() -> None:
     script = (
         "import os, er_damper_msgs.msg, rclpy; "

@@ -73,6 +73,7 @@ COMMANDS: dict[str, tuple[str, str, str | None]] = {
 def main(argv: Sequence[str]) -> int:
     """Run one command; returns the exit status where the program does not take over."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    _open_streams()
     name, args = (argv[0], list(argv[1:])) if argv else ("help", [])
     if name in ("-h", "--help", "help"):
         print(_help())
@@ -96,6 +97,20 @@ def main(argv: Sequence[str]) -> int:
         say("er: interrupted")
         return 130
     return 0
+
+
+def _open_streams() -> None:
+    """Standard streams that the caller has closed lead nowhere: else the first file opened takes the place of one."""
+    for number, name, mode in ((0, "stdin", "r"), (1, "stdout", "w"), (2, "stderr", "w")):
+        try:
+            os.fstat(number)
+        except OSError:
+            nowhere = os.open(os.devnull, os.O_RDWR)
+            if nowhere != number:
+                os.dup2(nowhere, number)
+                os.close(nowhere)
+            os.set_inheritable(number, True)
+            setattr(sys, name, os.fdopen(number, mode, closefd=False))
 
 
 def ensure(layout: Layout, *, clean: bool = False) -> bool:

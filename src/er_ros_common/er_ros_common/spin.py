@@ -25,7 +25,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
-from er_ros_common import dds
+from er_ros_common import dds, log_place
 from er_ros_common.help import Card, render
 from er_ros_common.intra_process import IntraProcess
 from er_ros_common.managed import ManagedNode
@@ -115,6 +115,7 @@ def guarded(name: str, argv: Sequence[str], live: Callable[[Stopped], None]) -> 
     try:
         check_files(argv)
         dds.settle()
+        log_place.settle()
         with Stopped() as stopped:
             try:
                 live(stopped)
@@ -199,9 +200,11 @@ def show(text: str) -> None:
     """Print a text that somebody asked for."""
     try:
         print(text, flush=True)  # noqa: T201  (somebody asked for it)
-    except BrokenPipeError:
-        # the reader, head for instance, has seen enough: nothing must be left to flush at exit
+    except OSError as error:
+        # nothing must be left to flush at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):  # a reader, head for instance, has seen enough
+            sys.exit(f"standard output: {error.strerror}")
 
 
 def _complain(name: str, text: str, status: int) -> int:
