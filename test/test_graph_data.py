@@ -49,6 +49,8 @@ def specs(*pairs: str) -> dict[str, NodeSpec]:
         ("rate_factor:=inf", r"rate_factor: expected a number in 0\.\.50, found 'inf'"),
         ("namespace:=/front//left", "namespace: expected names of letters.* found '/front//left'"),
         ("namespace:=front left", "namespace: expected names of letters"),
+        ("namespace:=front__left", "single underscores"),
+        ("namespace:=car/__x", "single underscores"),
         ("record:=/", "record: expected a path that does not exist yet"),
     ],
 )
@@ -73,7 +75,13 @@ def test_a_bad_argument_is_one_line(pair: str, words: str) -> None:
         ("hardware:=udp:rig:5005", "calibration: expected the calibration .*found nothing"),
         ("hardware:=udp:127.0.0.1:99999", "hardware: expected a port of at most 65535"),
         ("hardware:=can:0", "hardware: expected serial:PORT or serial:PORT@BAUD, udp:HOST:PORT"),
+        ("corners:=fü,b", "corners: expected 4, or different names of letters"),
+        ("corners:=a__b,c", "single underscores"),
+        ("rate_factor:=2.0", "rate_factor: expected 1 in mode realtime, found '2'"),
+        ("rate_factor:=0", "rate_factor: expected 1 in mode realtime, found '0'"),
         ("remap:=x", "remap: expected OLD=NEW with commas between, found 'x'"),
+        ("remap:=sensors/force=force/unified", "a name that no other topic of the graph has"),
+        ("remap:=sensors/force=/pwm/applied", "a name that no other topic of the graph has"),
         (
             "remap:=sensor/acceleration=/x/a",
             r"remap: expected a topic of the graph \(did you mean sensors/acceleration\?\), found",
@@ -167,6 +175,15 @@ def test_the_program_can_say_the_duty_beside_a_controller() -> None:
     found = specs("duty:=program")
     assert "skyhook_controller" in found
     assert found["plant"].parameters["duty_source"] == "program"
+
+
+def test_two_topics_may_change_names_and_every_corner_has_a_seed() -> None:
+    specs("remap:=sensors/force=force/unified,force/unified=force/mine")
+    specs("corners:=a,b", "seed:=2147483647")
+    with pytest.raises(InputError, match="seed: expected at most 2147483647, as each corner"):
+        specs("corners:=a,b", "seed:=2147483648")
+    with pytest.raises(InputError, match=r"above 0 \(0 only in mode lockstep\), found '0'"):
+        specs("mode:=sim_time", "rate_factor:=0")
 
 
 @pytest.mark.parametrize(

@@ -32,6 +32,8 @@ class Argument:
         return f"{word} in {self.low:.12g}..{self.high:.12g}"
 
 
+SEEDS = 2**31
+"""Largest seed of a plant."""
 ARGUMENTS = (
     Argument("namespace", "", "namespace of the corner, for instance front_left"),
     Argument(
@@ -47,7 +49,7 @@ ARGUMENTS = (
         "duration", "-1", "s; -1: as the program says, 0: until Ctrl-C", (), float, -1.0, 1e6
     ),
     Argument(
-        "seed", "-1", "of road, duty and sensor noise; -1: the program's", (), int, -1, 2**31
+        "seed", "-1", "of road, duty and sensor noise; -1: the program's", (), int, -1, SEEDS
     ),
     Argument(
         "mode", "realtime", "who sets the pace", choices=("realtime", "sim_time", "lockstep")
@@ -92,8 +94,14 @@ ARGUMENTS = (
 )
 
 
-NAMESPACE = "names of letters, digits and underscores with / between"
-_NAME = r"[A-Za-z_]\w*"
+NAME = "letters, digits and single underscores"
+NAMESPACE = f"names of {NAME} with / between"
+_NAME = r"(?!\w*__)[A-Za-z_]\w*"
+
+
+def is_name(text: str) -> bool:
+    """Whether ROS takes a text for one part of a namespace."""
+    return re.fullmatch(_NAME, text, re.ASCII) is not None
 
 
 def is_namespace(text: str) -> bool:

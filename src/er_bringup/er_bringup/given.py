@@ -6,7 +6,6 @@ given = parse(["controller:=skyhook", "record:=/tmp/run1"])
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
@@ -14,7 +13,7 @@ from pathlib import Path
 from er_models.errors import InputError
 from er_plant_sim.hardware.link import HOST_WIRES, Address
 
-from er_bringup.arguments import ARGUMENTS, NAMESPACE, Argument, is_namespace
+from er_bringup.arguments import ARGUMENTS, NAME, NAMESPACE, SEEDS, Argument, is_name, is_namespace
 from er_bringup.roles import CONTROLLERS, FAULTS, OBSERVERS, PUBLISHED
 
 STACK = "stack"
@@ -64,6 +63,16 @@ def complete(given: Mapping[str, str]) -> dict[str, str]:
     return {key: _checked(a, given.get(key, a.default)) for key, a in known.items()}
 
 
+def _check_pace(given: Mapping[str, str]) -> None:
+    """Refuse a speed that the mode does not have: a plant would, but everybody else has started then."""
+    mode, factor = given["mode"], float(given["rate_factor"])
+    if mode == "realtime" and factor != 1.0:
+        raise InputError("arguments", "rate_factor", "1 in mode realtime", f"'{factor:g}'")
+    if factor == 0.0 and mode != "lockstep":
+        expected = "above 0 (0 only in mode lockstep)"
+        raise InputError("arguments", "rate_factor", expected, "'0'")
+
+
 def _checked(argument: Argument, value: str) -> str:
     if argument.choices and value not in argument.choices:
         raise InputError("arguments", argument.name, argument.expected, f"'{value}'")
@@ -90,8 +99,8 @@ def corners(given: Mapping[str, str]) -> tuple[str, ...]:
     """
     text = given["corners"].strip()
     names = CAR if text == "4" else tuple(name.strip() for name in text.split(",") if name.strip())
-    expected = "4, or different names of letters, digits and underscores with commas between"
-    if len(set(names)) < len(names) or not all(re.fullmatch(r"[A-Za-z_]\w*", n) for n in names):
+    expected = f"4, or different names of {NAME} with commas between"
+    if len(set(names)) < len(names) or not all(map(is_name, names)):
         raise InputError("arguments", "corners", expected, f"'{text}'")
     return names
 
@@ -101,6 +110,9 @@ def of_corner(given: Mapping[str, str], names: Sequence[str], place: int) -> dic
     base, seed = given["namespace"].strip("/"), int(given["seed"])
     own = {"namespace": "/".join(part for part in (base, names[place]) if part)}
     if seed >= 0:
+        if seed + len(names) - 1 > SEEDS:
+            expected = f"at most {SEEDS - len(names) + 1}, as each corner has a seed of its own"
+            raise InputError("arguments", "seed", expected, f"'{seed}'")
         own["seed"] = str(seed + place)
     for key in ("hardware", "calibration"):
         if given[key] == STACK:
@@ -157,6 +169,8 @@ def check_source(given: Mapping[str, str]) -> None:
         if not given["calibration"]:
             expected = "the calibration of the rig beside hardware"
             raise InputError("arguments", "calibration", expected, "nothing")
+    else:
+        _check_pace(given)
 
 
 def _nothing_else(given: Mapping[str, str], keys: Sequence[str], why: str) -> None:
@@ -205,4 +219,9 @@ def remaps(given: Mapping[str, str]) -> dict[str, str]:
         if old in found or new in found.values():
             raise InputError("arguments", "remap", "each topic once", f"'{pair}'")
         found[old] = new
+    for old, new in found.items():
+        other = new if new in TOPICS else new.removeprefix(within)
+        if other != old and other in TOPICS and other not in found:
+            expected = "a name that no other topic of the graph has"
+            raise InputError("arguments", "remap", expected, f"'{new}' for {old}")
     return found
