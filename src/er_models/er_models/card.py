@@ -136,7 +136,8 @@ def _terms(effect: Effect) -> list[str]:
         for name in function.__code__.co_varnames[: function.__code__.co_argcount]  # type: ignore[attr-defined]
     }
     arguments -= set(effect.names)
-    used = [f"{PLAIN.get(n, n)}: {SIGNALS[n]}" for n in SIGNALS if n in arguments]
+    asked = {n: signal for n, signal in SIGNALS.items() if n in arguments}
+    used = [f"{PLAIN.get(n, n)}: {signal.text} [{signal.unit}]" for n, signal in asked.items()]
     state = ["w: state of the effect"] if "w" in arguments or effect.has_state else []
     return [f"{hook}: {HOOKS[hook]}" for hook in effect.hooks] + used + state
 

@@ -13,39 +13,54 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Literal
+from typing import Literal, NamedTuple
 
 Stage = Literal["core", "force", "actuation", "heat", "sensing", "fault", "vehicle"]
 
-SIGNALS: dict[str, str] = {
-    "x": "deflection of the damper, extension positive [m]",
-    "v": "deflection velocity [m/s]",
-    "a": "deflection acceleration [m/s2]",
-    "u": "duty after the actuation effects [1]",
-    "t": "time since the record began [s]",
-    "theta": "measured temperature above the reference [K]",
-    "stiffness_scale": "product of all stiffness scales [1]",
-    "viscous_scale": "product of all viscosity scales [1]",
-    "yield_scale": "product of all yield force scales [1]",
-    "tau_scale": "product of all response time scales [1]",
-    "k_0": "passive stiffness in force [N/m]",
-    "c_0": "passive damping in force [N s/m]",
-    "tau_y": "response time of the yield force, before its scales [s]",
-    "y": "yield force the field asks for, before its lag [N]",
-    "f_y": "yield force, after its lag [N]",
-    "u_f": "duty whose chains have formed: u after the response time of the fluid [1]",
-    "f_h": "force that the fluid carries by its pressure: viscous, yield and flow losses [N]",
-    "f_r": "force of the damper beyond k_0 x + c_0 v, for what stands in series with it [N]",
-    "f_d": "damper force [N]",
-    "f_m": "damper force after the sensors before this one [N]",
-    "z_t": "tyre deflection, wheel minus road, extension positive [m]",
-    "v_t": "tyre deflection velocity [m/s]",
-    "v_s": "absolute velocity of the sprung mass [m/s]",
-    "m_s": "sprung mass, of the effects before this one [kg]",
-    "m_us": "unsprung mass, of the effects before this one [kg]",
-    "f_t": "force between wheel and road, pull positive [N]",
-    "a_s": "acceleration of the sprung mass, after the sensors before this one [m/s2]",
-    "a_us": "acceleration of the unsprung mass, after the sensors before this one [m/s2]",
+
+class Signal(NamedTuple):
+    """What a hook may ask for: its unit, one of `er_models.scales`, and what it is.
+
+    A duty has no unit, yet its natural scale is its own: it stands as ``duty``, as in the units of parameters.
+    """
+
+    unit: str
+    text: str
+
+
+SIGNALS: dict[str, Signal] = {
+    "x": Signal("m", "deflection of the damper, extension positive"),
+    "v": Signal("m/s", "deflection velocity"),
+    "a": Signal("m/s2", "deflection acceleration"),
+    "u": Signal("duty", "duty after the actuation effects"),
+    "t": Signal("s", "time since the record began"),
+    "theta": Signal("K", "measured temperature above the reference"),
+    "stiffness_scale": Signal("1", "product of all stiffness scales"),
+    "viscous_scale": Signal("1", "product of all viscosity scales"),
+    "yield_scale": Signal("1", "product of all yield force scales"),
+    "tau_scale": Signal("1", "product of all response time scales"),
+    "k_0": Signal("N/m", "passive stiffness in force"),
+    "c_0": Signal("N s/m", "passive damping in force"),
+    "tau_y": Signal("s", "response time of the yield force, before its scales"),
+    "y": Signal("N", "yield force the field asks for, before its lag"),
+    "f_y": Signal("N", "yield force, after its lag"),
+    "u_f": Signal("duty", "duty whose chains have formed: u after the response time of the fluid"),
+    "f_h": Signal(
+        "N", "force that the fluid carries by its pressure: viscous, yield and flow losses"
+    ),
+    "f_r": Signal(
+        "N", "force of the damper beyond k_0 x + c_0 v, for what stands in series with it"
+    ),
+    "f_d": Signal("N", "damper force"),
+    "f_m": Signal("N", "damper force after the sensors before this one"),
+    "z_t": Signal("m", "tyre deflection, wheel minus road, extension positive"),
+    "v_t": Signal("m/s", "tyre deflection velocity"),
+    "v_s": Signal("m/s", "absolute velocity of the sprung mass"),
+    "m_s": Signal("kg", "sprung mass, of the effects before this one"),
+    "m_us": Signal("kg", "unsprung mass, of the effects before this one"),
+    "f_t": Signal("N", "force between wheel and road, pull positive"),
+    "a_s": Signal("m/s2", "acceleration of the sprung mass, after the sensors before this one"),
+    "a_us": Signal("m/s2", "acceleration of the unsprung mass, after the sensors before this one"),
 }
 
 HOOKS: dict[str, str] = {

@@ -37,12 +37,8 @@ _MAPPED = {
 }  # fmt: skip
 """Signal that a hook which maps leaves as it is where the effect does nothing."""
 _SCALING = ("stiffness_scale", "viscous_scale", "yield_scale", "tau_scale")
-_UNITS = {
-    "x": "m", "v": "m/s", "a": "m/s2", "u": "duty", "t": "s", "theta": "K", "k_0": "N/m", "c_0": "N s/m",
-    "tau_y": "s", "y": "N", "f_y": "N", "u_f": "duty", "f_h": "N", "f_r": "N", "f_d": "N", "f_m": "N",
-    "z_t": "m", "v_t": "m/s", "v_s": "m/s", "m_s": "kg", "m_us": "kg", "f_t": "N", "a_s": "m/s2", "a_us": "m/s2",
-}  # fmt: skip
 _POSITIVE = ("u", "u_f", "t", "k_0", "c_0", "tau_y", "m_s", "m_us", *_SCALING)
+"""Signals that are never negative."""
 
 
 def check(path: Path, effect: Effect, names: tuple[str, ...]) -> None:
@@ -173,10 +169,10 @@ def _points(effect: Effect) -> Iterator[dict[str, float]]:
     random = np.random.default_rng(0)
     for i in range(POINTS + 1):
         point = {"w": 0.0}
-        for name in SIGNALS:
+        for name, signal in SIGNALS.items():
             share = random.uniform(0.01 if name in _POSITIVE else -1.0, 1.0)
-            still = 1.0 if name in _SCALING or _UNITS[name] == "kg" else 0.0
-            point[name] = (share if i else still) * SCALES.of(_UNITS.get(name, "1"))
+            still = 1.0 if name in _SCALING or signal.unit == "kg" else 0.0
+            point[name] = (share if i else still) * SCALES.of(signal.unit)
         point["w"] = random.uniform(-1.0, 1.0) if i else 0.0
         point["f_m"] = point["f_d"]
         yield point | fixed

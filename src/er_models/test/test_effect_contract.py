@@ -13,9 +13,10 @@ from collections.abc import Callable
 import er_models.effects
 import numpy as np
 import pytest
+from er_models.cards.symbols import ACTS
 from er_models.catalogue import CATALOGUE
-from er_models.effect import SIGNALS, SMOOTH, Effect
-from er_models.kernel.order import signals_of
+from er_models.effect import HOOKS, SIGNALS, SMOOTH, Effect
+from er_models.kernel.order import KNOWN_FROM, ORDER, OUTSIDE, signals_of
 from er_models.model import Array, Model
 from er_models.predict import Motion, predict, predict_many
 from er_models.scales import Scales
@@ -35,6 +36,8 @@ from models_help import (
     started,
     typical,
 )
+
+from er_models import own_check
 
 EFFECTS = pytest.mark.parametrize("effect", CATALOGUE.effects, ids=lambda e: e.name)
 BEYOND = tuple(e for e in CATALOGUE.effects if e.stage not in ("core", "vehicle"))
@@ -95,6 +98,25 @@ def test_hooks_ask_for_what_is_known_where_they_act(effect: Effect) -> None:
     for hook, function in effect.hooks.items():
         known = (*effect.names, *signals_of(effect, hook))
         assert set(inspect.signature(function).parameters) <= set(known), hook
+
+
+def test_every_hook_has_its_place_and_its_sign() -> None:
+    between = {"response", "states", "late"}
+    assert {*ORDER, *OUTSIDE, "relax", "bound"} - between == set(HOOKS)
+    assert ACTS.keys() == HOOKS.keys()
+
+
+def test_what_a_users_hook_leaves_as_it_is_follows_from_its_sign() -> None:
+    """Else a user's effect that does nothing would be refused, or one that does something let in."""
+    signs = {hook: plain.split()[-1] for hook, (plain, _) in ACTS.items()}
+    assert own_check._MAPPED.keys() == {hook for hook, sign in signs.items() if sign == ":="}
+    assert set(own_check._SCALING) == {hook for hook, sign in signs.items() if sign == "*="}
+
+
+def test_every_signal_is_known_somewhere_and_has_a_scale() -> None:
+    outside = {name for names in OUTSIDE.values() for name in names}
+    assert KNOWN_FROM.keys() | outside == SIGNALS.keys()
+    assert all(SMALL.of(signal.unit) > 0.0 for signal in SIGNALS.values())
 
 
 def test_candidates_are_what_a_damper_can_show() -> None:
@@ -183,8 +205,8 @@ def _relaxations(effect: Effect) -> list[tuple[float, float]]:
         elif name in POSITIVE:
             levels.append([POSITIVE[name]])
         else:
-            unit = SIGNALS[name].rpartition("[")[2].rstrip("]")
-            levels.append([share * SMALL.of(unit) for share in (-1.0, -0.5, 0.5, 1.0)])
+            size = SMALL.of(SIGNALS[name].unit)
+            levels.append([share * size for share in (-1.0, -0.5, 0.5, 1.0)])
     return [hook(*point) for point in itertools.product(*levels)]  # type: ignore[misc]
 
 

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from math import exp, tanh
 from pathlib import Path
 
 import numpy as np
 import pytest
 from er_models.catalogue import CATALOGUE, Catalogue
-from er_models.effect import Effect, Param, Signature
+from er_models.effect import HOOKS, Effect, Param, Signature
 from er_models.files import load_model
 from er_models.kernel import load
 from er_models.kernel.compose import fingerprint, source
@@ -73,6 +75,45 @@ def test_generated_source_reads_like_the_equations() -> None:
     offset = CATALOGUE.column("coulomb_friction", "F_c")
     assert f"f_d += p[{offset}] * tanh(v / p[{offset + 1}])  # coulomb_friction" in text
     assert text.count("_compiled('") == 0
+
+
+def uncopied(function: Callable[..., object]) -> Callable[..., object]:
+    """A hook as one that cannot be written into its place, so that the source calls it by its name."""
+
+    def other(*values: float) -> object:
+        while True:
+            return function(*values)
+
+    other.__signature__ = inspect.signature(function)  # type: ignore[attr-defined]
+    return other
+
+
+def idle(catalogue: Catalogue) -> list[str]:
+    """Hooks of a catalogue's effects that its composed source never calls."""
+    called = [
+        dataclasses.replace(e, hooks={hook: uncopied(f) for hook, f in e.hooks.items()})
+        for e in catalogue.effects
+    ]
+    text = source(Catalogue(tuple(called)))
+    hooks = [f"{e.name}__{hook}" for e in called for hook in e.hooks]
+    return [hook for hook in hooks if f"{hook}(" not in text]
+
+
+def test_every_hook_of_the_catalogue_acts() -> None:
+    assert idle(CATALOGUE) == []
+
+
+@pytest.mark.parametrize("hook", HOOKS)
+def test_every_hook_that_an_effect_may_have_acts(hook: str) -> None:
+    """One that is accepted and called nowhere would be an equation that does nothing."""
+    hooks = {hook: nothing} | ({"relax": nothing} if hook == "bound" else {})
+    effect = dataclasses.replace(own(scaled), hooks=hooks)
+    assert f"own_force__{hook}" not in idle(CATALOGUE.extended([effect]))
+
+
+def nothing() -> float:
+    """A hook that asks for nothing."""
+    return 0.0
 
 
 def test_a_changed_equation_gives_another_kernel(monkeypatch: pytest.MonkeyPatch) -> None:
