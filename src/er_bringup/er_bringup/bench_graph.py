@@ -20,6 +20,7 @@ from pathlib import Path
 from time import monotonic, sleep
 
 import numpy as np
+from er_models.constants import SAMPLE_RATE
 from er_models.errors import ErError
 from er_models.one_line import OneLine
 from numpy.typing import NDArray
@@ -33,7 +34,6 @@ from er_bringup.up import argv, configuration
 
 WARM_UP = 1.0
 """Beginning of a run that does not count [s]."""
-RATE = 200.0
 PERCENTILES = (50.0, 99.0, 99.9, 100.0)
 _TICKS = os.sysconf("SC_CLK_TCK")
 _PAGE = os.sysconf("SC_PAGE_SIZE")
@@ -152,7 +152,7 @@ def markdown(found: Sequence[Flow], loads: Sequence[Load], seconds: float) -> st
     """The figures as two tables."""
     host = f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}"
     lines = [
-        f"{seconds:g} s at {RATE:g} Hz after {WARM_UP:g} s of warm-up; {host}; "
+        f"{seconds:g} s at {SAMPLE_RATE:g} Hz after {WARM_UP:g} s of warm-up; {host}; "
         f"load average of the machine {os.getloadavg()[0]:.1f}",
         "",
         "| topic | messages | lost | Hz | age ms p50 | p99 | p99.9 | max |",

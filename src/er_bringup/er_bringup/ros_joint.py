@@ -12,13 +12,14 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
+from er_models.constants import SAMPLE_RATE
 from er_observers.names import OBSERVERS
 from er_ros_common.builders import Tick
-from er_ros_common.clock import LAST_SECOND, SECOND, from_stamp
+from er_ros_common.clock import LAST_SECOND, from_stamp
 from er_ros_common.common_parameters import NodeParameters, oldest_sample, silence
 from er_ros_common.core import Said, When
 from er_ros_common.parameter_table import param
-from er_ros_common.stamps import StampLimits, StampState, check_stamp
+from er_ros_common.stamps import SECOND, StampLimits, StampState, check_stamp
 from er_ros_common.topics import Topic
 from sensor_msgs.msg import JointState
 
@@ -29,7 +30,7 @@ STATES: Final = Topic(
     "ros2_control/joint_states",
     JointState,
     "deflection, its velocity, force",
-    200.0,
+    SAMPLE_RATE,
     qos.SENSOR_PUBLISHER,
     qos.SENSOR_SUBSCRIBER,
 )
@@ -37,7 +38,7 @@ COMMANDS: Final = Topic(
     "ros2_control/joint_commands",
     JointState,
     "duty as effort",
-    200.0,
+    SAMPLE_RATE,
     qos.SENSOR_PUBLISHER,
     qos.SENSOR_SUBSCRIBER,
     every_tick=False,

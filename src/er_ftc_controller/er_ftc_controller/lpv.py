@@ -18,13 +18,14 @@ from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME
 from er_models.forms.loss import Factors
 from er_models.model import Array
 from er_models.static_damper import Domain, StaticDamper
 
 from er_ftc_controller.gains import Loaded
 from er_ftc_controller.schedule import Schedule, project, scheduling
-from er_ftc_controller.synthesis.certificate import SAMPLE, sampled_controller, sampled_force
+from er_ftc_controller.synthesis.certificate import sampled_controller, sampled_force
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +72,7 @@ def controller(
 ) -> Lpv:
     """The controller of a proved gain file at 200 Hz; mu [N]: dead zone of rho."""
     plant, (low, high) = loaded.plant, loaded.plant.weights.rho
-    step = SAMPLE * plant.rate
+    step = SAMPLE_TIME * plant.rate
     sampled = [sampled_controller(k, step) for k in loaded.solution.vertices]
     E = np.array([sampled_force(plant, k, step)[:, 0] for k in loaded.solution.vertices])
     A, B, C = (np.array(parts) for parts in zip(*sampled, strict=True))

@@ -12,9 +12,10 @@ import pytest
 from er_model_lab.cli import app
 from er_model_lab.identify.law import response_time
 from er_model_lab.thesis import cases
-from er_model_lab.thesis.bench import DT, measure
+from er_model_lab.thesis.bench import measure
 from er_model_lab.thesis.cases import LAWS, PUBLISHED, ROADS, Case, Chapter1, case, chapter_1
 from er_model_lab.thesis.present import columns, result, table_1_5
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.files import load_model
 from er_models.model import Model
 from er_models.program import Program, load_program, resolve, times

@@ -14,10 +14,11 @@ import numpy as np
 import pytest
 from er_models.bench.__main__ import main
 from er_models.bench.c_reference import c_predict, c_simulate, compiler
-from er_models.bench.cases import DT, TINY, car, damper, drive, road
+from er_models.bench.cases import TINY, car, damper, drive, road
 from er_models.bench.measure import PARTS
 from er_models.bench.scipy_reference import TIGHT, as_exact, scipy_force, scipy_ride, splined
 from er_models.bench.timing import Line, best, table
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Model
 from er_models.predict import Motion, predict
 from er_models.simulate import simulate

@@ -9,6 +9,7 @@ from typing import Annotated
 
 import numpy as np
 import typer
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.files import load_model, write_whole
 from er_models.model import Array
 from er_models.places import writable
@@ -17,7 +18,6 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from er_observers.observers.evaluate import DT
 from er_observers.synthesis.spec import Spec
 from er_observers.synthesis.variants import Reached, rate_bounds, reach, variants
 

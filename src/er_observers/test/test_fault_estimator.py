@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.errors import InputError
 from er_models.model import Array, Model
 from er_models.simulate import initial_state, prepare, simulate
@@ -18,7 +19,6 @@ from er_observers.faults.estimator import start, step
 from er_observers.faults.rules import estimator
 from er_observers.faults.sample import Estimate, FactorStatus, Kind, Sample, Status
 from er_observers.faults.trials import Drive, Trial, drive, faults
-from er_observers.scenarios.drive import DT
 
 SAME_AT_ONE_DUTY = ("field_saturation",)
 """Effects that are a weaker field and nothing else while the duty has one strength."""

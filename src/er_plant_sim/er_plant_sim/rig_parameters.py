@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from er_models.constants import SAMPLE_RATE
 from er_models.errors import InputError
 from er_models.model import Array, Model
 from er_models.program import Program, resolved
@@ -30,7 +31,7 @@ class RigParameters(NodeParameters):
         -1.0, unit="s", low=-1.0, high=1e6, text="-1: as the program says, 0: no end"
     )
     seed: int = param(-1, low=-1, high=2**31, text="of what is random; -1: the program's")
-    rate: float = param(200.0, unit="Hz", low=10.0, high=2000.0, text="samples per second")
+    rate: float = param(SAMPLE_RATE, unit="Hz", low=10.0, high=2000.0, text="samples per second")
     duty_source: str = param("topic", choices=("program", "topic"), text="who says the duty")
     safe_duty: float = param(REQUIRED, low=0.0, high=1.0, text="duty without a fresh command")
     command_timeout: float = param(

@@ -11,7 +11,8 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.timer import Timer
 
-SECOND: Final = 1_000_000_000
+from er_ros_common.stamps import SECOND
+
 #: seconds of a stamp are a signed 32-bit integer
 LAST_SECOND: Final = 2**31 - 1
 

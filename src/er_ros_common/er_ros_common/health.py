@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from time import monotonic
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from er_models.constants import SAMPLE_TIME
 from rclpy.node import Node
 
 from er_damper_msgs.msg import NodeStatus
@@ -91,7 +92,7 @@ class Health:
         node: Node,
         report: Callable[[], Report],
         *,
-        deadline: float = 0.005,
+        deadline: float = SAMPLE_TIME,
         model_id: str = "",
         gains_id: str = "",
         inputs: Callable[[], Sequence[Input]] = tuple,

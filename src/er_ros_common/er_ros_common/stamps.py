@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
-SECOND = 1_000_000_000
+SECOND: Final = 1_000_000_000
+"""Nanoseconds of a second: the unit of every stamp."""
 RENUMBERED = 1_000_000
 """Step of the sequence number from which on it is no loss: somebody counts anew, or sends nonsense."""
 

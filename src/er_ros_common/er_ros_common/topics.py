@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from er_models.constants import SAMPLE_RATE
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 
@@ -57,7 +58,7 @@ class Topic:
 
 
 def _sensor(name: str, kind: type[Any], text: str) -> Topic:
-    return Topic(name, kind, text, 200.0, qos.SENSOR_PUBLISHER, qos.SENSOR_SUBSCRIBER)
+    return Topic(name, kind, text, SAMPLE_RATE, qos.SENSOR_PUBLISHER, qos.SENSOR_SUBSCRIBER)
 
 
 ACCELERATION: Final = _sensor(
@@ -71,7 +72,7 @@ FORCE: Final = _sensor("sensors/force", DamperForce, "measured damper force [N]"
 ROAD: Final = _sensor("sensors/road", RoadDisplacement, "road displacement [m]")
 PWM_APPLIED: Final = _sensor("pwm/applied", PwmDuty, "duty after all limits [1]")
 PWM_COMMAND: Final = Topic(
-    "pwm/command", PwmDuty, "duty asked for [1]", 200.0, qos.COMMAND_PUBLISHER, qos.COMMAND
+    "pwm/command", PwmDuty, "duty asked for [1]", SAMPLE_RATE, qos.COMMAND_PUBLISHER, qos.COMMAND
 )
 FORCE_UNIFIED: Final = _sensor("force/unified", DamperForce, "force of the unified observer [N]")
 FORCE_POLYTOPIC: Final = _sensor(
@@ -97,7 +98,7 @@ DIAGNOSTICS: Final = Topic(
     "/diagnostics", DiagnosticArray, "health of the node", 1.0, qos.DIAGNOSTICS, qos.DIAGNOSTICS
 )
 CLOCK: Final = Topic(
-    "/clock", Clock, "simulated time", 200.0, qos.DIAGNOSTICS, qos.SENSOR_SUBSCRIBER
+    "/clock", Clock, "simulated time", SAMPLE_RATE, qos.DIAGNOSTICS, qos.SENSOR_SUBSCRIBER
 )
 
 #: what a bag needs to compare a model with a measurement

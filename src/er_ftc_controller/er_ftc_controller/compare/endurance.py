@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model, Values
 from er_models.program import Program, resolve, times
 
 from er_ftc_controller.closed_loop import Sensors, drive
 from er_ftc_controller.compare.run import Setup, WatchOf
-from er_ftc_controller.compare.scenarios import DT
 from er_ftc_controller.rivals import passive
 
 FAULTS: Values = {

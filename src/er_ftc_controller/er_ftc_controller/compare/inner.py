@@ -7,13 +7,14 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model
 from numpy.typing import NDArray
 
 from er_ftc_controller.closed_loop import Sensors, drive, known
 from er_ftc_controller.compare.measures import weighted
 from er_ftc_controller.compare.run import Setup
-from er_ftc_controller.compare.scenarios import DT, Scenario
+from er_ftc_controller.compare.scenarios import Scenario
 
 BASE: Mapping[str, Any] = {"horizon": 0.01, "dead_zone": 0.05}
 """What all ways have in common where they do not say otherwise, beside the shipped parameters."""

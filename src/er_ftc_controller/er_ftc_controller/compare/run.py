@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.files import load_model
 from er_models.model import Array, Model
 from er_models.yaml_file import read_yaml
@@ -15,7 +16,7 @@ from er_ros_common.parameter_table import build
 from er_ftc_controller import rivals
 from er_ftc_controller.closed_loop import Sensors, Watch, drive, known
 from er_ftc_controller.compare.measures import Measures, measure
-from er_ftc_controller.compare.scenarios import DT, Scenario
+from er_ftc_controller.compare.scenarios import Scenario
 from er_ftc_controller.gains import load_gains
 from er_ftc_controller.rivals import Law
 from er_ftc_controller.settings import FtcParameters, controller_of

@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.errors import InputError, UnknownName
 from er_models.fault_profile import PARAMETERS
 from er_models.model import Array, Model, Values
@@ -34,8 +35,6 @@ from er_models.yaml_file import read_yaml
 from er_ftc_controller.closed_loop import FAULTS
 
 SCHEMA = "er_control_scenario 1"
-DT = 0.005
-"""Sample time of the loop [s]."""
 _TABLE: tuple[Setting, ...] = (
     Text("schema", REQUIRED, f"'{SCHEMA}'", (SCHEMA,)),
     Text("title", REQUIRED, "what is driven"),

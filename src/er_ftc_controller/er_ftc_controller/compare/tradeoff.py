@@ -8,11 +8,12 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array
 
 from er_ftc_controller.closed_loop import known
 from er_ftc_controller.compare.run import Setup, judged, run
-from er_ftc_controller.compare.scenarios import DT, Scenario
+from er_ftc_controller.compare.scenarios import Scenario
 from er_ftc_controller.rivals import Law
 
 POINTS: Sequence[Mapping[str, Any]] = tuple(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME
 from er_models.exact import exact, is_positive_definite
 from er_models.forms.response import frequency_response
 from er_models.model import Array
@@ -17,8 +18,6 @@ from er_ftc_controller.synthesis.weights import Plant
 
 HERTZ = np.geomspace(1e-3, 2e3, 4000)
 """Frequencies of the sweep: from a climb to far beyond every pole."""
-SAMPLE = 0.005
-"""Sample time of the loop [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +137,7 @@ def sampled_force(plant: Plant, k: Vertex, step: float) -> Array:
     return np.asarray(whole[:n, n:])
 
 
-def sampled_loop(plant: Plant, k: Vertex, sample: float = SAMPLE) -> Array:
+def sampled_loop(plant: Plant, k: Vertex, sample: float = SAMPLE_TIME) -> Array:
     """One sample [s] of car and controller (4 + n, 4 + n), force and deflection held; straight in the controller."""
     step = sample * plant.rate
     A, B = plant.A[:4, :4], plant.B2[:4]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from er_models.constants import SAMPLE_TIME
 from er_models.errors import InputError
 from er_models.model import Model
 
@@ -25,7 +26,7 @@ class Limits:
     duty: float
     road: float
     duration: float = 30.0
-    dt: float = 0.005
+    dt: float = SAMPLE_TIME
 
     def raised(self, name: str, factor: float) -> Limits:
         """The same with one limit raised; the duty never above 1, the road along with the stroke."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Model
 from er_models.program import Program, resolve, times
 from er_models.simulate import simulate
@@ -13,9 +14,6 @@ from er_model_lab.plan.bench import Run
 from er_model_lab.plan.decide import measured
 from er_model_lab.plan.limits import sensors_of
 from er_model_lab.record import CHANNELS, Record
-
-DT = 0.005
-"""Sample time of the testbench [s], thesis section 1.3."""
 
 
 def measure(vehicle: Model, program: Program, seed: int) -> Record:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.files import load_model
 from er_models.forms.loss import Factors
 from er_models.model import Array, Model
@@ -15,8 +16,6 @@ from er_models.program import load_program, resolve, times
 from er_models.simulate import simulate
 from er_models.static_damper import HEALTHY, Domain, Mimic, StaticDamper, static_damper
 
-DT = 0.005
-"""Sample time of the testbench [s]."""
 DUTIES = (0.0, 1.0)
 """Limits of the duty in (6.14)."""
 LEAK = Factors(leakage=0.6)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.files import load_model
 from er_models.forms import ride
 from er_models.forms.lipschitz import thesis_form
@@ -21,8 +22,6 @@ from er_models.model import Array, Model
 from er_models.program import load_program, resolve, times
 from er_models.simulate import simulate
 
-DT = 0.005
-"""Sample time of the testbench [s]."""
 FINE = 40
 """Parts a sample is cut into for the record that the forms are compared with: its error is far below theirs."""
 HERTZ = np.geomspace(0.2, 60.0, 600)

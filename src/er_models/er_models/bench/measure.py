@@ -15,10 +15,11 @@ from time import perf_counter, process_time
 import numpy as np
 
 from er_models.bench.c_reference import c_predict, c_simulate, compiler
-from er_models.bench.cases import DT, Size, car, damper, drive, road
+from er_models.bench.cases import Size, car, damper, drive, road
 from er_models.bench.scipy_reference import TIGHT, as_exact, scipy_force, scipy_ride, splined
 from er_models.bench.timing import Line, best
 from er_models.catalogue import CATALOGUE
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model
 from er_models.parallel import cores
 from er_models.predict import Motion, predict, predict_many

@@ -9,6 +9,7 @@ from er_models.scales import Scales
 
 SCALES = Scales(force=20.0, deflection=0.010, velocity=0.15, duty=0.3)
 DT = 0.005
+"""Step of the motions that are drawn [s]; nothing but the pictures follows it."""
 CYCLES = 2
 """Cycles shown, the last ones: slow effects have come by then."""
 WITHOUT, WITH, CHANGE = "#9a9a9a", "#1f6fb4", "#c8432b"

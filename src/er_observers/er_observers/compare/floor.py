@@ -15,12 +15,12 @@ error nothing but a better belief would help.
 from __future__ import annotations
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model
 from er_models.predict import motion, predict
 from scipy.optimize import brentq
 
 from er_observers.compare.nrmse import nrmse
-from er_observers.scenarios.drive import DT
 from er_observers.scenarios.scenario import Scenario, Window
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model
 
 from er_observers.faults import bound
@@ -14,7 +15,6 @@ from er_observers.faults.estimator import start, step
 from er_observers.faults.rules import Estimator
 from er_observers.faults.sample import Estimate, FactorStatus, Kind
 from er_observers.faults.trials import FAULTS, Drive, Trial, drive
-from er_observers.scenarios.drive import DT
 
 NAMED = {"f1": Kind.ELECTRICAL, "f2": Kind.LEAKAGE, "f3": Kind.DEFORMATION}
 LIMITS = {"f1": (0.1, 5.0), "f2": (0.05, 2.0), "f3": (0.1, 5.0)}

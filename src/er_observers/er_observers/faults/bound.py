@@ -18,13 +18,13 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array
 
 from er_observers.faults.regression import BETA, C0, C1, K0, K1, K_S, M_S, SIGMA, TAU
 from er_observers.faults.rules import Estimator
 from er_observers.faults.sums import TRIANGLE, N
 from er_observers.faults.trials import Drive
-from er_observers.scenarios.drive import DT
 
 NAMES = ("f1", "f2", "f3")
 X, V, F, F1, F2, F3, E_K0, E_C0, E_SIGMA, E_KS, OFFSET, E_TAU, E_K1, E_C1 = range(14)

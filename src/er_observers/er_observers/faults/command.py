@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.files import load_model
 from er_models.model import Model
 from rich.console import Console
@@ -31,7 +32,6 @@ from er_observers.faults.rivals import factors
 from er_observers.faults.rules import Estimator
 from er_observers.faults.sample import Kind
 from er_observers.faults.trials import Trial, drive, faults
-from er_observers.scenarios.drive import DT
 from er_observers.synthesis.lost_force import design, solve
 
 RIVALS = ("ours", "horizon", "forgetting", "adaptive", "descriptor")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from er_models.constants import SAMPLE_TIME
 from er_models.model import Model
 
 from er_observers.faults import tick
@@ -15,5 +16,5 @@ def ready(model: Model, rules: Rules = RULES, force_noise: float | None = None) 
     p = estimator(model, rules, force_noise)
     state = start(p, Sample(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     for k in range(1, round((p.rules.least + 2) * tick.WITHIN)):
-        state, _ = step(p, state, Sample(0.005 * k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+        state, _ = step(p, state, Sample(SAMPLE_TIME * k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     return p

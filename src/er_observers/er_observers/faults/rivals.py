@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array
 from scipy.linalg import expm
 
@@ -24,7 +25,6 @@ from er_observers.faults.rules import Estimator
 from er_observers.faults.sample import Sample
 from er_observers.faults.sums import ROWS, SIZE, TRIANGLE, N, add
 from er_observers.observers.gate import mean_gate
-from er_observers.scenarios.drive import DT
 
 FADING, GAIN = 1.0, 0.01
 """Memory of the forgetting one [s]; step of the adaptive one [1]."""

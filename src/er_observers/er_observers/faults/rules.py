@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME
 from er_models.errors import InputError
 from er_models.model import Array, Model
 from er_models.static_damper import StaticDamper, static_damper
@@ -14,7 +15,7 @@ from er_models.static_damper import StaticDamper, static_damper
 from er_observers.faults import tick
 from er_observers.faults.sums import SIZE, TRIANGLE, N
 
-BLOCK = 0.005 * tick.WITHIN
+BLOCK = SAMPLE_TIME * tick.WITHIN
 """Length of a block at the usual sample time [s]."""
 
 

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model
 from er_models.program import parse_program, resolve, times
 from er_models.simulate import initial_state, prepare, step
 
 from er_observers.faults.sample import Sample
-from er_observers.scenarios.drive import DT
 
 FAULTS = {"f1": "electrical_fault", "f2": "oil_leakage", "f3": "duct_deformation"}
 """Effect of each factor."""

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model
 from er_models.program import Program, resolve, times
 from er_models.simulate import simulate
@@ -18,9 +19,6 @@ from er_models.simulate import simulate
 from er_observers.gains import Gains
 from er_observers.observers.runtime import Estimate, Sample, start, step
 from er_observers.observers.status import Status
-
-DT = 0.005
-"""Sample time of the sensors [s]."""
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+from er_models.constants import SAMPLE_TIME
 from er_models.model import Model
 
 from er_observers import gains as gain_files
@@ -20,7 +21,7 @@ def ready(path: str | Path, model: Model, observer: str, limits: Limits = LIMITS
     """
     gains = gain_files.load_gains(path, model, observer, limits)
     rest = Sample(0.0, 0.0, 0.0, 0.0, 0.0)
-    state, following = start(gains, rest), rest._replace(t=0.005)
+    state, following = start(gains, rest), rest._replace(t=SAMPLE_TIME)
     for P in {id(m): m for m in (state.P, None)}.values():  # both phases
         # a lost sample goes another way: the first must not wait for a compiler in the loop
         for sample in (following, following._replace(sprung_acceleration=math.nan)):

@@ -13,6 +13,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME
 from er_models.errors import InputError
 from er_models.linear import LinearForm
 from er_models.model import Array, Model
@@ -23,7 +24,7 @@ from er_observers.peers.flow import noise_covariance
 from er_observers.synthesis.scaling import road_density
 
 SUBSTEPS = 2
-PERIOD = 0.005
+PERIOD = SAMPLE_TIME
 """Sample time that the process noise is computed for; other times take their share of it [s]."""
 ROAD = 0.35
 """Share of the road's density that ISO roads have: it is stated for a third of the velocity's envelope."""

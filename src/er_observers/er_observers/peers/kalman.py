@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME
 from er_models.linear import LinearForm, relative_form
 from er_models.model import Array, Model
 
@@ -57,7 +58,7 @@ class Statement:
 
     noise: float = 0.025
     spread: tuple[float, ...] = SPREAD
-    period: float = 0.005
+    period: float = SAMPLE_TIME
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME as DT
 from er_models.files import load_model
 from er_models.model import Array, Model
 from er_models.program import resolve, times
@@ -14,8 +15,6 @@ from er_models.simulate import initial_state, prepare, simulate, step
 
 from er_observers.scenarios.scenario import Plant, Scenario, Sensors, Skyhook
 
-DT = 0.005
-"""Sample time of the sensors [s]."""
 COLUMNS = (
     "t", "road", "deflection", "deflection_velocity", "duty", "damper_force",
     "sprung_acceleration", "unsprung_acceleration", "tyre_deflection",

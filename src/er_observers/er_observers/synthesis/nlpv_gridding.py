@@ -18,6 +18,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME
 from er_models.linear import LinearForm
 from er_models.model import Array
 
@@ -33,7 +34,7 @@ THEOREM = "nlpv_gridding (Theorem 4.3.2)"
 POINTS = 11
 """Points of the grid (4.47)."""
 _ROUNDS = 6
-RATE = 200.0
+RATE = 1.0 / SAMPLE_TIME
 """Fastest change of the duty [1/s]: its whole range in a sample of 5 ms, section 4.4.1."""
 
 

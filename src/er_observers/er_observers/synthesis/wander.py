@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from er_models.constants import SAMPLE_TIME
 from er_models.model import Array
 
 from er_observers.observers.kernel import advance, substeps
@@ -11,7 +12,7 @@ from er_observers.synthesis.proof import Claim
 
 
 def wandering(
-    claim: Claim, P: Array, samples: int = 2000, period: float = 0.005, seed: int = 0
+    claim: Claim, P: Array, samples: int = 2000, period: float = SAMPLE_TIME, seed: int = 0
 ) -> float:
     """Largest growth over one sample of ``sqrt(e' P e)`` between two runs; below 1 they converge.
 

@@ -16,6 +16,7 @@ from time import monotonic_ns
 from types import FrameType
 from typing import Any
 
+from er_models.constants import SAMPLE_RATE
 from er_models.errors import ErError, InputError
 from er_models.one_line import OneLine
 from er_models.seed import seed_reader
@@ -51,7 +52,9 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument(
         "--params", metavar="FILE", help="parameter file of the plant: noise, safe duty"
     )
-    p.add_argument("--rate", type=float, default=200.0, help="samples per second (200)")
+    p.add_argument(
+        "--rate", type=float, default=SAMPLE_RATE, help=f"samples per second ({SAMPLE_RATE:g})"
+    )
     p.add_argument("--seed", type=seed_reader(), default=0, help="of noise and wire (0)")
     p.add_argument("--loss", type=_share, default=0.0, help="share of pieces lost, each way")
     p.add_argument(
