@@ -100,6 +100,12 @@ def arguments(function: Callable[..., object]) -> tuple[str, ...]:
     return tuple(inspect.signature(function).parameters)
 
 
+INSTANT = 1e9
+"""Rate [1/s] by which `relax` says: equal to the equilibrium at once; the kernel takes it so."""
+SHORTEST = 1.0 / INSTANT
+"""Time constant [s] in place of a shorter one, whose rate is then that."""
+LEAST_DAMPING = 1e-9
+"""Added to a damping that divides [N s/m], against division by zero: nothing beside that of any damper."""
 SMOOTH, CONTACT, SWITCH = 3e-6, 1e-5, 1e-2
 """Steps of derivatives, as shares of a value: of a smooth equation, of one with a contact that
 opens and closes, of one that jumps."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from er_models.cards.formula import Formula, Latex, Plain, Unwritable
 from er_models.cards.symbols import ACTS
-from er_models.effect import Effect
+from er_models.effect import Effect, arguments
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ def _equation(hook: str, function: Callable[..., object]) -> Equation:
     meaning = (function.__doc__ or "").strip().partition("\n")[0]
     sides = ACTS[hook]
     try:
-        value = _value(source)
+        value = _value(source, _constants(function))
         texts = [_written(hook, value, formula) for formula in (Plain(), Latex())]
     except Unwritable:
         return Equation(hook, meaning, "", "", source)
@@ -76,12 +76,22 @@ def _times(rate: ast.expr, other: ast.expr) -> ast.expr:
     return ast.BinOp(other if one else ast.BinOp(top, ast.Mult(), other), ast.Div(), rate.right)
 
 
-def _value(source: str) -> ast.expr:
-    """The value of a function of assignments and one return, its locals replaced by what they stand for."""
+def _constants(function: Callable[..., object]) -> dict[str, ast.expr]:
+    """Numbers of a hook's module, by name, which a formula shows as such; those of physics keep their symbols."""
+    module = getattr(function, "__globals__", {})
+    return {
+        name: ast.Constant(value)
+        for name, value in module.items()
+        if name.isupper() and isinstance(value, int | float) and name not in arguments(function)
+    }
+
+
+def _value(source: str, constants: Mapping[str, ast.expr] = {}) -> ast.expr:
+    """The value of a function of assignments and one return; locals and constants replaced by what they stand for."""
     tree = ast.parse(source).body[0]
     if not isinstance(tree, ast.FunctionDef):
         raise Unwritable(source)
-    known: dict[str, ast.expr] = {}
+    known = dict(constants)
     for node in tree.body:
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
             continue

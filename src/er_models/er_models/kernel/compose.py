@@ -16,7 +16,7 @@ from types import CodeType
 from typing import Any
 
 from er_models.catalogue import Catalogue
-from er_models.effect import Effect, arguments
+from er_models.effect import INSTANT, Effect, arguments
 from er_models.kernel.inline import inlined
 from er_models.kernel.mask import FIELD, LAG, of_hook, of_run, stands_alone
 from er_models.kernel.order import relaxes_at
@@ -228,6 +228,7 @@ def source(catalogue: Catalogue) -> str:
         "from er_models.kernel.elementary import exp, tanh",
         "from er_models.kernel.fast import entry, inline, inner",
         "from er_models.kernel.hooks import compiled as _compiled",
+        f"INSTANT = {INSTANT!r}",
     ]
     composed = [_damper(catalogue), _chassis(catalogue), _accelerometers(catalogue)]
     composed += [_delay(catalogue, "input_delay"), _delay(catalogue, "output_delay")]

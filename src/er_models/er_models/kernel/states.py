@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 
+from er_models.effect import INSTANT
 from er_models.kernel.elementary import exp
 from er_models.kernel.fast import inline, inner
 
@@ -34,8 +35,8 @@ W0, R0, G0, W, R, G, TRY, LAST, MISS, LOW, HIGH, SLOPE, Z, DECAY, ONE, TWO = ran
 end; what the search for the states that feed back needs; and the weights last used, which a constant rate keeps."""
 HOLD, STAGE, SETTLE = 0.0, 1.0, 2.0
 """How a step is taken: first-order hold, one implicit stage, or all the way to equilibrium."""
-INSTANT = 0.999e9
-"""Rate [1/s] from which a state has no inertia: it equals its equilibrium at once."""
+AT_ONCE = 0.999 * INSTANT
+"""Rate [1/s] from which a state has no inertia: a little below `INSTANT`, which 1 / `SHORTEST` misses by rounding."""
 SERIES = 0.02
 """Below this the weights of the first-order hold come from their series: the formulas would cancel."""
 STIFF = 0.5
@@ -112,7 +113,7 @@ def follow(s, j, h, how):
     rate, drive = s[R, j], s[G, j]
     if how == SETTLE:
         return drive / rate if rate > 0.0 and s[R0, j] != RESTING else 0.0
-    if rate >= INSTANT:
+    if rate >= AT_ONCE:
         return drive / rate
     if h == 0.0:
         return s[W0, j]

@@ -1,11 +1,11 @@
 """Lag of the high-voltage amplifier: T_a w' + w = u."""
 
-from er_models.effect import Effect, Param, Signature
+from er_models.effect import SHORTEST, Effect, Param, Signature
 
 
 def relax(T_a: float, u: float) -> tuple[float, float]:
     """Rate [1/s] and drive [1/s] of the voltage, in duty."""
-    rate = 1.0 / max(T_a, 1e-9)
+    rate = 1.0 / max(T_a, SHORTEST)
     return rate, rate * u
 
 

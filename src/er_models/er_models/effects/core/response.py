@@ -1,6 +1,6 @@
 """Response time of the fluid (1.7), (1.11): tau f_y' + f_y = y, a first-order lag of the yield force."""
 
-from er_models.effect import Effect, Param, Signature
+from er_models.effect import SHORTEST, Effect, Param, Signature
 
 
 def response_time(tau: float) -> float:
@@ -10,7 +10,7 @@ def response_time(tau: float) -> float:
 
 def relax(tau_y: float, tau_scale: float, y: float) -> tuple[float, float]:
     """Rate [1/s] and drive [N/s] of the yield force; serves every effect that gives a response time."""
-    rate = 1.0 / max(tau_y * tau_scale, 1e-9)
+    rate = 1.0 / max(tau_y * tau_scale, SHORTEST)
     return rate, rate * y
 
 

@@ -1,12 +1,12 @@
 """Cavitation: beyond F_v a void of the stroke w opens, and holds the force there until it is closed again."""
 
-from er_models.effect import CONTACT, Effect, Param, Signature
+from er_models.effect import CONTACT, INSTANT, LEAST_DAMPING, Effect, Param, Signature
 
 
 def relax(F_v: float, c_0: float, f_h: float, w: float) -> tuple[float, float]:
     """Rate [1/s] and drive [m/s] of the void: the stroke less what the fluid follows at vapour pressure."""
     excess = f_h - F_v if F_v > 0.0 else F_v - f_h
-    return (0.0, excess / (c_0 + 1e-9)) if w > 0.0 or excess > 0.0 else (1e9, 0.0)
+    return (0.0, excess / (c_0 + LEAST_DAMPING)) if w > 0.0 or excess > 0.0 else (INSTANT, 0.0)
 
 
 def limit(F_v: float, w_s: float, f_h: float, f_d: float, w: float) -> float:

@@ -1,11 +1,11 @@
 """Freeplay: a joint with a gap of +-b, in series with the damper, that carries no force until it closes."""
 
-from er_models.effect import CONTACT, Effect, Param, Signature
+from er_models.effect import CONTACT, LEAST_DAMPING, Effect, Param, Signature
 
 
 def relax(k_0: float, c_0: float, x: float, v: float, f_r: float) -> tuple[float, float]:
     """Rate [1/s] and drive [m/s] of the position in the open gap: the damper moves free of force."""
-    return k_0 / (c_0 + 1e-9), v + (k_0 * x + f_r) / (c_0 + 1e-9)
+    return k_0 / (c_0 + LEAST_DAMPING), v + (k_0 * x + f_r) / (c_0 + LEAST_DAMPING)
 
 
 def bound(b: float) -> float:
@@ -22,7 +22,7 @@ def shift_velocity(
     b: float, k_0: float, c_0: float, x: float, v: float, f_r: float, w: float
 ) -> float:
     """Velocity of the damper itself [m/s]: that of the joint when closed, free of force when open."""
-    return v if abs(w) >= b else -(k_0 * x + f_r) / (c_0 + 1e-9)
+    return v if abs(w) >= b else -(k_0 * x + f_r) / (c_0 + LEAST_DAMPING)
 
 
 EFFECT = Effect(

@@ -3,13 +3,15 @@
 Its balance holds the passive and the yield force; what other effects add passes the mount without stretching it.
 """
 
-from er_models.effect import Effect, Param, Signature
+from er_models.effect import INSTANT, LEAST_DAMPING, Effect, Param, Signature
 
 
 def relax(q: float, k_0: float, c_0: float, x: float, v: float, f_y: float) -> tuple[float, float]:
     """Rate [1/s] and drive [m/s] of the stretch of the mount, from the balance of forces in series."""
-    damping = c_0 + 1e-9
-    return ((1.0 / q + k_0) / damping, v + (k_0 * x + f_y) / damping) if q > 0.0 else (1e9, 0.0)
+    damping = c_0 + LEAST_DAMPING
+    return (
+        ((1.0 / q + k_0) / damping, v + (k_0 * x + f_y) / damping) if q > 0.0 else (INSTANT, 0.0)
+    )
 
 
 def shift_deflection(x: float, w: float) -> float:
@@ -21,7 +23,7 @@ def shift_velocity(
     q: float, k_0: float, c_0: float, x: float, v: float, f_y: float, w: float
 ) -> float:
     """Velocity of the damper itself [m/s]; x is its own deflection."""
-    return (w / q - k_0 * x - f_y) / (c_0 + 1e-9) if q > 0.0 else v
+    return (w / q - k_0 * x - f_y) / (c_0 + LEAST_DAMPING) if q > 0.0 else v
 
 
 EFFECT = Effect(

@@ -1,11 +1,11 @@
 """Lag of the force sensor: T_f w' + w = F_d."""
 
-from er_models.effect import Effect, Param, Signature
+from er_models.effect import SHORTEST, Effect, Param, Signature
 
 
 def relax(T_f: float, f_d: float) -> tuple[float, float]:
     """Rate [1/s] and drive [N/s] of the filtered force."""
-    rate = 1.0 / max(T_f, 1e-9)
+    rate = 1.0 / max(T_f, SHORTEST)
     return rate, rate * f_d
 
 
