@@ -40,6 +40,8 @@ FOR_NOISE = 2500
 """Samples from which the noise levels of the motion sensors and the intensity of a motion are estimated."""
 CONTRADICTION = 0.03
 """Difference of two estimates of a lag, in samples, above which accelerometers contradict the other channels."""
+CONTRADICTION_SD = 4.0
+"""Standard deviations of such an estimate that the difference must exceed as well: less is its noise."""
 
 
 @dataclass(frozen=True)
@@ -305,7 +307,7 @@ def _usable(
     if not (part.has[0] and part.has[1] and part.has[2]):
         return measured, noise, ()
     seen = estimate_lag(part, noise)
-    if abs(seen.lag - lag) < max(CONTRADICTION * part.dt, 4.0 * seen.lag_sd):
+    if abs(seen.lag - lag) < max(CONTRADICTION * part.dt, CONTRADICTION_SD * seen.lag_sd):
         return measured, noise, ()
     kept = np.array([1, 1, 0], np.uint8)
     note = (

@@ -29,6 +29,10 @@ SHOWN = 12
 """Candidates that get an evidence card."""
 POINTS = 600
 """Points of a signature picture."""
+LEAST_KEPT = 0.02
+"""Share of an effect's direction [1] that the model must leave it: below, no strength of it would show."""
+LEAST_REACH = 0.02
+"""Change of the force by an effect, over the noise of the force [1]: below, nothing of it can be seen, or missed."""
 MUCH_MORE = 1.5
 """Held-out error over that of the data learnt from, from which a note says so."""
 
@@ -89,9 +93,19 @@ def _status(candidate: Candidate, found: Diagnosis) -> tuple[str, list[str]]:
             return "confounded", [other for other in group if other != name]
     if name in found.effects:
         return "present", []
-    if candidate.kept < 0.02 or candidate.reach < 0.02:
+    if _absorbed(candidate) or _out_of_reach(candidate):
         return "not_excited", []
     return "absent", []
+
+
+def _absorbed(candidate: Candidate) -> bool:
+    """Whether the other parameters of the model can make what the effect makes."""
+    return candidate.kept < LEAST_KEPT
+
+
+def _out_of_reach(candidate: Candidate) -> bool:
+    """Whether the effect changes next to nothing on these data."""
+    return candidate.reach < LEAST_REACH
 
 
 def reason(candidate: Candidate, step: Round, found: Diagnosis) -> str:
@@ -99,9 +113,9 @@ def reason(candidate: Candidate, step: Round, found: Diagnosis) -> str:
     size = effect_size(step.base, candidate)
     if candidate.name in found.effects:
         return f"taken: lowers the error on unseen data by {size:.3g} N, chance reaches {step.threshold:.3g} N"
-    if candidate.kept < 0.02:
+    if _absorbed(candidate):
         return "these data cannot show it: the model absorbs it completely"
-    if candidate.reach < 0.02:
+    if _out_of_reach(candidate):
         return "not excited: in these data it would change the force by less than the noise"
     if size <= step.threshold:
         return f"not needed: {max(size, 0.0):.3g} N, chance alone reaches {step.threshold:.3g} N"

@@ -33,6 +33,8 @@ KINEMATIC = ("velocity_lag", "velocity_gain")
 """Errors of the velocity channel that are undone before the motion is fused."""
 SMALLEST_LAG = 0.08
 """Lag of the velocity channel that counts, in samples."""
+SURE_LAG = 8.0
+"""Standard deviations of a lag from which it is undone: they know of noise alone, and a wrong lag spoils all else."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,7 @@ def open_problem(
         return on_whole(prepare(records, sealed=sealed, velocity_lag=known), records), None
     problem = prepare(records, sealed=sealed)
     lag, sd = problem.velocity_lag
-    if abs(lag) > max(SMALLEST_LAG * problem.motion.dt, 8.0 * sd):
+    if abs(lag) > max(SMALLEST_LAG * problem.motion.dt, SURE_LAG * sd):
         return on_whole(prepare(records, sealed=sealed, velocity_lag=lag), records), (lag, sd)
     return on_whole(problem, records), None
 

@@ -26,6 +26,13 @@ from er_model_lab.rule import RULE, Rule
 PAIRS_OF = 6
 """Pairs are tried among this many best singles."""
 MOST_EFFECTS = 3
+FAR_BEYOND = 3.0
+"""Size, over what chance gives, of an effect that is there however unevenly its gains are spread, and of what a
+generalised form must gain over its special case: the name then rests on one number alone."""
+STEADY = 3.0
+"""Paired t of gains over blocks [1] above which chance does not make them: three standard errors."""
+NEARLY_ALL, HALF = 0.8, 0.5
+"""Shares of blocks that gain: from the first on an effect is steady, below the second it is none, however large."""
 HARMLESS = 0.05
 """Share of its gains that an effect which acts seldom may lose elsewhere."""
 PROMISE = 1.5
@@ -61,17 +68,17 @@ def threshold(null: Null, floor: float, rule: Rule = RULE) -> float:
 def passes(base: Candidate, candidate: Candidate, limit: float) -> bool:
     """Whether an effect is there: large, and steady over blocks.
 
-    The fall must exceed the limit and be positive in half of the blocks at least. Unless it is three times
-    the limit (records of different kind, where some cannot show the effect), it must also be steady: a
-    paired t above 3, or positive in four blocks of five, or seldom at work and harmless else.
+    The fall must exceed the limit and be positive in half of the blocks at least. Unless it is far beyond
+    the limit (records of different kind, where some cannot show the effect), it must also be steady: by its
+    paired t, or positive in nearly all blocks, or seldom at work and harmless else.
     """
     size = effect_size(base, candidate)
     if size <= limit:
         return False
     gains = base.losses - candidate.losses
     positive = float(np.mean(gains > 0))
-    steady = paired_t(gains) > 3.0 or positive >= 0.8 or seldom(gains, limit)
-    return positive >= 0.5 and (size > 3.0 * limit or steady)
+    steady = paired_t(gains) > STEADY or positive >= NEARLY_ALL or seldom(gains, limit)
+    return positive >= HALF and (size > FAR_BEYOND * limit or steady)
 
 
 def seldom(gains: Array, limit: float) -> bool:
@@ -208,12 +215,12 @@ def promising(best: Candidate, step: Round, problem: Problem) -> bool:
 
 
 def _without_refinements(base: Candidate, able: list[Candidate], limit: float) -> list[Candidate]:
-    """Leave out a generalised form unless it is better than its special case by three times the limit."""
+    """Leave out a generalised form unless it is better than its special case far beyond the limit."""
     sizes = {c.name: c for c in able}
     kept = []
     for c in able:
         special = [sizes[n] for n in base.fit.model.catalogue[c.name].generalises if n in sizes]
-        if all(effect_size(s, c) > 3.0 * limit for s in special):
+        if all(effect_size(s, c) > FAR_BEYOND * limit for s in special):
             kept.append(c)
     return kept
 

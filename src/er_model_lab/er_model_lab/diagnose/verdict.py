@@ -39,7 +39,8 @@ BEYOND_DOUBT = 1.5
 """Size, over what chance gives, of a further effect that no longer needs to explain most of what is left, and of
 one that is kept beside others: they may stand for what the form of a rightly named effect lacks."""
 VISIBLE = 0.05
-"""Share of the residual that boosted trees must explain before something unknown is claimed."""
+"""Share [1] of what is left, in mean square, that must lie above the floor, or that boosted trees must explain, before
+anything more is looked for or something unknown is claimed."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +100,7 @@ def _searched(
     tick: Callable[[str], None] | None,
 ) -> tuple[Candidate, Floor, tuple[tuple[str, ...], ...]]:  # fmt: skip
     """Further effects beside the first, those still needed, and ties; `rounds` grows."""
-    best, rounds, floor = _grow(best, rounds, floor, problem, seed, rule, tick)
+    best, floor = _grow(best, rounds, floor, problem, seed, rule, tick)
     if len(best.effects) > 1:
         best = prune(best, problem, BEYOND_DOUBT * rounds[0].threshold)
     ties = _alternatives(best, rounds)
@@ -135,12 +136,12 @@ def _leader(step: Round) -> Candidate:
 def _grow(
     best: Candidate, rounds: list[Round], floor: Floor, problem: Problem, seed: int, rule: Rule,
     tick: Callable[[str], None] | None,
-) -> tuple[Candidate, list[Round], Floor]:  # fmt: skip
-    """Add further effects while each explains most of what is left."""
+) -> tuple[Candidate, Floor]:  # fmt: skip
+    """Add further effects while each explains most of what is left; `rounds` grows, also where it is interrupted."""
     first = rounds[0]
     while best.effects and len(best.effects) < MOST_EFFECTS:
         left = best.mse - floor.floor**2
-        nothing = left < 0.05 * best.mse and floor.explained <= VISIBLE
+        nothing = left < VISIBLE * best.mse and floor.explained <= VISIBLE
         if nothing and not promising(best, rounds[-1], problem):
             break
         step = one_round(best, problem, seed + len(rounds), rule, tick)
@@ -164,7 +165,7 @@ def _grow(
         pair = try_pairs(first, problem, target)
         if pair is not None:
             best = pair
-    return best, rounds, floor
+    return best, floor
 
 
 def worth(step: Round, floor: Floor) -> bool:
