@@ -38,6 +38,10 @@ Array = NDArray[np.float64]
 
 FOR_NOISE = 2500
 """Samples from which the noise levels of the motion sensors and the intensity of a motion are estimated."""
+QUARTER_OF_NORMAL = 0.3186
+"""Quantile 0.25 of |z| for a normal z of standard deviation 1 [1]."""
+THIRD_DIFFERENCE = 20.0
+"""Variance of the third difference of white noise of variance 1: 1 + 9 + 9 + 1."""
 CONTRADICTION = 0.03
 """Difference of two estimates of a lag, in samples, above which accelerometers contradict the other channels."""
 CONTRADICTION_SD = 4.0
@@ -187,11 +191,17 @@ def prepare(
     )  # fmt: skip
 
 
-def white_noise(forces: list[Array]) -> float:
-    """White part of the force noise [N], from second differences where the force is calm."""
-    d = np.concatenate([np.diff(f, 3) for f in forces])
-    calm = np.abs(d) <= np.quantile(np.abs(d), 0.5)
-    return float(np.quantile(np.abs(d), 0.25) / 0.3186 / np.sqrt(20.0)) if calm.any() else 0.0
+def white_noise(parts: list[Array]) -> float:
+    """Standard deviation of the white noise of a signal in its unit, from its third differences; parts: (n,) each.
+
+    The signal itself is smooth and leaves little in them; where it is not, they are large, so that their smallest
+    quarter tells the noise. Differences with a lost sample (NaN) are left out; 0 where none remain.
+    """
+    d = np.abs(np.concatenate([np.diff(y, 3) for y in parts]))
+    d = d[np.isfinite(d)]
+    if not d.size:
+        return 0.0
+    return float(np.quantile(d, 0.25) / QUARTER_OF_NORMAL / np.sqrt(THIRD_DIFFERENCE))
 
 
 def colour_of(r: Array) -> float:
@@ -218,7 +228,7 @@ def measured_channels(record: Record, dt: float) -> Channels:
 
 
 def _without_motion(a: Array | None, dt: float) -> str:
-    """Why the accelerations do not stand in for the motion: their noise, integrated over the record."""
+    """Why the accelerations (n,) [m/s2] do not stand in for the motion: their noise, integrated over the record."""
     if a is None:
         return "(or deflection_velocity) to know the motion"
     drift = 1e3 * white_noise([a]) * np.sqrt(dt * a.size * dt)

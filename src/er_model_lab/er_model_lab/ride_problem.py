@@ -167,7 +167,7 @@ def _envelope(data: Measured, seen: Array) -> Scales:
 
 
 def _noise(data: Measured, left: Array) -> Array:
-    """White noise (c,) of each output, from what is left of it (n, c)."""
+    """White noise (c,) of each output in its unit [N, m, m/s, m/s2], from what is left of it (n, c)."""
     ends = np.cumsum([road.size for road in data.roads])[:-1]
     white = [white_noise(np.split(column, ends)) for column in left.T]
     return np.asarray(np.maximum(white, LEAST_NOISE * data.outputs.std(axis=0) + 1e-12))

@@ -9,7 +9,7 @@ from er_model_lab.fusion import biases, fusion_json
 from er_model_lab.losses import losses
 from er_model_lab.preflight.check import preflight
 from er_model_lab.preflight.use import use_findings
-from er_model_lab.prepare import prepare, resampled
+from er_model_lab.prepare import prepare, resampled, white_noise
 from er_model_lab.record import Part, Record
 from er_model_lab.sampling import with_velocity
 from er_models.errors import MissingChannel
@@ -55,6 +55,16 @@ def error(problem):
     """Rms error of the true model along the fused motion, over the noise of the force."""
     left = (problem.force - problem.predict(load_model(GUO)))[problem.used]
     return float(np.sqrt(np.mean(left**2))) / FORCE_NOISE
+
+
+def test_white_noise_is_that_beside_a_smooth_signal_and_knows_of_lost_samples():
+    rng, n = np.random.default_rng(4), 20_000
+    noisy = 5.0 * np.sin(2.0 * np.pi * 1.5 * np.arange(n) * DT) + 0.02 * rng.standard_normal(n)
+    assert white_noise([noisy]) == pytest.approx(0.02, rel=0.05)
+    assert white_noise([noisy[:9000], noisy[9000:]]) == pytest.approx(0.02, rel=0.05)
+    noisy[::100] = np.nan
+    assert white_noise([noisy]) == pytest.approx(0.02, rel=0.05)
+    assert white_noise([noisy[:3]]) == white_noise([np.full(9, np.nan)]) == 0.0
 
 
 def test_each_bias_is_found_within_its_deviation_and_the_difference_far_better(rides):

@@ -78,7 +78,7 @@ def coverage(problem: Problem) -> Coverage:
 
 
 def still(problem: Problem) -> bool:
-    """Whether deflection and velocity, as measured in every record, are the noise of their sensors and nothing else."""
+    """Whether deflection [m] and velocity [m/s], as measured in every record, are white noise and nothing else."""
     measured = [
         c.z[:, k] for c in problem.raw for k in (0, 1) if c.has[k] and np.isfinite(c.z[:, k]).all()
     ]
