@@ -19,8 +19,8 @@ from er_model_lab.blas import on_one_thread
 from er_model_lab.compare import errors, regions_json, size_notes, worst
 from er_model_lab.copies import check_apart
 from er_model_lab.diagnose.by_record import by_record
-from er_model_lab.diagnose.candidates import baseline
-from er_model_lab.diagnose.floor import noise_floor
+from er_model_lab.diagnose.candidates import Candidate, baseline
+from er_model_lab.diagnose.floor import Floor, noise_floor
 from er_model_lab.diagnose.null import simulate_null
 from er_model_lab.excess import noise_at, region_tables
 from er_model_lab.floors import floors
@@ -32,6 +32,7 @@ from er_model_lab.long.verify import checked, long_json, long_note
 from er_model_lab.passes import taken_last, told_together
 from er_model_lab.plan.suggest import suggestions
 from er_model_lab.preflight.check import gate, preflight
+from er_model_lab.prepare import Problem
 from er_model_lab.present import (
     candidate_views,
     clean,
@@ -57,7 +58,7 @@ from er_model_lab.study import (
     open_problem,
 )
 from er_model_lab.versions import versions
-from er_model_lab.view import View
+from er_model_lab.view import RegionTable, View
 
 MOST_PASSES = 10
 """How often `improve` diagnoses the model it has just improved."""
@@ -151,28 +152,7 @@ def compare(ask: Request) -> Outcome:
     floor = noise_floor(problem, base, null, ask.seed)
     noise = noise_at(problem, floor.floor, null.input_square)
     tables = region_tables(problem, given, ask.seed, noise)
-    further = beyond(model, problem, given)
-    mse = float(np.mean(given[problem.used] ** 2))
-    result = compare_json(
-        problem, given, floor.floor, max(1.0 - floor.floor**2 / mse, 0.0), tables
-    ) | {
-        "preflight": preflight(originals(records), model, model.catalogue).as_json(),
-        "command": "compare",
-        "model": model.name,
-        "floors": {
-            name: side.as_json()
-            for name, side in floors(problem, base.fit.residual, floor).items()
-        },
-        "fusion": fusion_json(originals(records), problem),
-        "rmse_refitted": float(np.sqrt(base.mse)),
-        "beyond": further.as_json() if further else None,
-    }
-    notes = (*size_notes(problem, given), *_further(model, further), *problem.notes)
-    on_all = checked(problem, given, given=on_fused(model))
-    if on_all is not None:
-        result["long"] = long_json(on_all, again=False)
-        result["rmse"] = result["long"]["rmse"]["given"]["all"]
-        notes = (long_note(result["long"]), *notes)
+    result, notes = _compared(records, model, problem, given, base, floor, tables)
     others, theirs = _rivals(ask, records, sealed, noise)
     result["notes"] = [*theirs, *notes]
     view = View(
@@ -184,6 +164,37 @@ def compare(ask: Request) -> Outcome:
     first = Rival(model, str(ask.model_file), view.records, fitted_to(model, data), tables)
     view = beside(view, [first, *others], floor.floor, ask.seed)
     return Outcome(dict(view.result), view, None, problem.complete)
+
+
+def _compared(
+    records: list[Record], model: Model, problem: Problem, given: Array, base: Candidate, floor: Floor,
+    tables: tuple[RegionTable, ...],
+) -> tuple[dict[str, Any], tuple[str, ...]]:  # fmt: skip
+    """The JSON of one model on its data, without notes, and the notes; given (n,): what the model leaves [N].
+
+    Of long data the error is that on all of them.
+    """
+    further, data = beyond(model, problem, given), originals(records)
+    mse = float(np.mean(given[problem.used] ** 2))
+    sides = floors(problem, base.fit.residual, floor)
+    result = compare_json(
+        problem, given, floor.floor, max(1.0 - floor.floor**2 / mse, 0.0), tables
+    ) | {
+        "preflight": preflight(data, model, model.catalogue).as_json(),
+        "command": "compare",
+        "model": model.name,
+        "floors": {name: side.as_json() for name, side in sides.items()},
+        "fusion": fusion_json(data, problem),
+        "rmse_refitted": float(np.sqrt(base.mse)),
+        "beyond": further.as_json() if further else None,
+    }
+    notes = (*size_notes(problem, given), *_further(model, further), *problem.notes)
+    on_all = checked(problem, given, given=on_fused(model))
+    if on_all is not None:
+        result["long"] = long_json(on_all, again=False)
+        result["rmse"] = result["long"]["rmse"]["given"]["all"]
+        notes = (long_note(result["long"]), *notes)
+    return result, notes
 
 
 def _rivals(
@@ -363,7 +374,7 @@ def _with_history(
             "before": errors(study.problem, found.base.fit.residual, held).rmse,
             "after": errors(study.problem, found.best.fit.residual, held).rmse,
         },
-        "noise_floor": (*found.floor.parts, found.floor)[0].held_out,
+        "noise_floor": found.floor.first.held_out,
         "from": before.name,
     }
     if study.problem.fused:

@@ -13,6 +13,7 @@ from er_models.model import Array, Model
 
 from er_model_lab.compare import errors, regions_json, size_notes, worst
 from er_model_lab.diagnose.candidates import Candidate, effect_size
+from er_model_lab.diagnose.coverage import Coverage
 from er_model_lab.diagnose.search import Round
 from er_model_lab.diagnose.told import told
 from er_model_lab.diagnose.verdict import VISIBLE, Diagnosis
@@ -33,6 +34,8 @@ LEAST_KEPT = 0.02
 """Share of an effect's direction [1] that the model must leave it: below, no strength of it would show."""
 LEAST_REACH = 0.02
 """Change of the force by an effect, over the noise of the force [1]: below, nothing of it can be seen, or missed."""
+MOST_INPUTS, LEAST_WEIGHT = 5, 0.01
+"""Inputs that the unexplained part is said to depend on, at most, and the share of it that each must carry [1]."""
 MUCH_MORE = 1.5
 """Held-out error over that of the data learnt from, from which a note says so."""
 
@@ -145,20 +148,42 @@ def notes(study: Study) -> tuple[str, ...]:
 def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
     """The contract's JSON of `diagnose`, `add` and `improve`."""
     found, problem = study.diagnosis, study.problem
-    floor = (*found.floor.parts, found.floor)[0]
-    entries = [entry(c, step, found, problem, model_after) for c, step in told(found)]
-    if study.lag:
-        entries = [e for e in entries if e["effect"] != "velocity_lag"]
-        entries.insert(0, _lag_entry(study))
-    order = {name: i for i, name in enumerate(found.effects)}
-    entries.sort(key=lambda e: (order.get(e["effect"], len(order)), e["rmse_cross_validated"]))
-    before = found.base.fit.residual
-    after = found.best.fit.residual
-    train, held = errors(problem, before, problem.train), errors(problem, before, problem.held_out)
     return {
         "verdict": found.verdict,
         "effects": list(found.effects),
         "alternatives": [list(group) for group in found.alternatives],
+        **_errors(study),
+        "explainable": found.explainable,
+        "explained": found.explained,
+        "candidates": _candidates(study, model_after),
+        "unknowable": [
+            {"effect": e.name, "because": e.unknowable_because} for e in model_after.catalogue.unknowable()
+        ],
+        "steps": steps(study),
+        "reasons": list(found.reasons),
+        "unexplained": _unexplained(study),
+        "noise": _noise(study),
+        "floors": {
+            name: side.as_json()
+            for name, side in floors(problem, found.best.fit.residual, found.floor.first).items()
+        },
+        "coverage": _coverage(found.coverage),
+        "model": model_after.name,
+        "notes": list(notes(study)),
+        "complete": problem.complete,
+        **ride_json(study),
+    }  # fmt: skip
+
+
+def _errors(study: Study) -> dict[str, Any]:
+    """Errors of the model as given, refitted and after, on both kinds of data, and the floors under them [N]."""
+    found, problem = study.diagnosis, study.problem
+    floor, after = found.floor.first, found.best.fit.residual
+    train, held = (
+        errors(problem, found.base.fit.residual, rows)
+        for rows in (problem.train, problem.held_out)
+    )
+    return {
         "noise_floor": floor.held_out,
         "noise_floor_train": floor.floor,
         "rmse": {"train": train.rmse, "held_out": held.rmse},
@@ -168,38 +193,51 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
             "train": errors(problem, after, problem.train).rmse,
             "held_out": errors(problem, after, problem.held_out).rmse,
         },
-        "explainable": found.explainable,
-        "explained": found.explained,
-        "candidates": entries,
-        "unknowable": [
-            {"effect": e.name, "because": e.unknowable_because} for e in model_after.catalogue.unknowable()
-        ],
-        "steps": steps(study),
-        "reasons": list(found.reasons),
-        "unexplained": {
-            **_rest(study),
-            "share": found.floor.explained,
-            "bursts": found.floor.bursts,
-            "depends_on": {k: v for k, v in list(found.floor.importance.items())[:5] if v > 0.01},
-            "line": dict(zip(("frequency", "amplitude", "share"), found.floor.line, strict=True)),
-        },
-        "noise": {
-            "force_white": floor.white, "input_error": found.floor.input_error,
-            "motion": {"deflection": problem.noise.x, "velocity": problem.noise.v, "acceleration": problem.noise.a},
-            "fused_velocity_sd": float(np.mean([f.sd_v for f in problem.fused])) if problem.fused else None,
-        },
-        "floors": {
-            name: side.as_json() for name, side in floors(problem, after, floor).items()
-        },
-        "coverage": {
-            "hints": list(found.coverage.hints), "blocking": list(found.coverage.blocking),
-            "velocity": found.coverage.velocity, "deflection": found.coverage.deflection,
-            "duty": list(found.coverage.duty), "tones": found.coverage.tones,
-        },
-        "model": model_after.name,
-        "notes": list(notes(study)),
-        "complete": problem.complete,
-        **ride_json(study),
+    }
+
+
+def _candidates(study: Study, model_after: Model) -> list[dict[str, Any]]:
+    """Entries of all candidates: those that were taken, in their order, then the others by their error."""
+    found = study.diagnosis
+    entries = [entry(c, step, found, study.problem, model_after) for c, step in told(found)]
+    if study.lag:
+        entries = [e for e in entries if e["effect"] != "velocity_lag"]
+        entries.insert(0, _lag_entry(study))
+    order = {name: i for i, name in enumerate(found.effects)}
+    entries.sort(key=lambda e: (order.get(e["effect"], len(order)), e["rmse_cross_validated"]))
+    return entries
+
+
+def _unexplained(study: Study) -> dict[str, Any]:
+    """What is known of the part that no known effect explains; shares of the mean square [1], frequency [Hz]."""
+    floor = study.diagnosis.floor
+    heaviest = list(floor.importance.items())[:MOST_INPUTS]
+    return {
+        **_rest(study),
+        "share": floor.explained,
+        "bursts": floor.bursts,
+        "depends_on": {name: weight for name, weight in heaviest if weight > LEAST_WEIGHT},
+        "line": dict(zip(("frequency", "amplitude", "share"), floor.line, strict=True)),
+    }
+
+
+def _noise(study: Study) -> dict[str, Any]:
+    """Noise of the force, and of the motion in it [N], of the motion sensors, and of the fused velocity [m/s]."""
+    found, problem = study.diagnosis, study.problem
+    noise, fused = problem.noise, problem.fused
+    return {
+        "force_white": found.floor.first.white,
+        "input_error": found.floor.input_error,
+        "motion": {"deflection": noise.x, "velocity": noise.v, "acceleration": noise.a},
+        "fused_velocity_sd": float(np.mean([f.sd_v for f in fused])) if fused else None,
+    }
+
+
+def _coverage(found: Coverage) -> dict[str, Any]:
+    """What the data hold: hints, what stands against a verdict, and the reach of motion and duty."""
+    return {
+        "hints": list(found.hints), "blocking": list(found.blocking), "velocity": found.velocity,
+        "deflection": found.deflection, "duty": list(found.duty), "tones": found.tones,
     }  # fmt: skip
 
 
@@ -346,8 +384,7 @@ def _card(
 def study_regions(study: Study, seed: int) -> tuple[RegionTable, ...]:
     """Where the model, refitted with nothing added, fails."""
     found, problem = study.diagnosis, study.problem
-    floor = (*found.floor.parts, found.floor)[0].floor
-    noise = noise_at(problem, floor, found.null.input_square)
+    noise = noise_at(problem, found.floor.first.floor, found.null.input_square)
     return region_tables(problem, found.base.fit.residual, seed, noise)
 
 

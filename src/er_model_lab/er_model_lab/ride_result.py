@@ -35,7 +35,7 @@ def channels(study: Study, forward: RideForward) -> dict[str, dict[str, Any]]:
     """Root mean square errors on held-out data of every output, in its own unit."""
     found, n = study.diagnosis, forward.outputs
     held = study.problem.held_out[::n]
-    floors = found.floor.parts or (found.floor,)
+    floors = found.floor.each
 
     def rms(residual: Array, c: int) -> float:
         return float(np.sqrt(np.mean(residual[c::n][held] ** 2)) / forward.weights[c])

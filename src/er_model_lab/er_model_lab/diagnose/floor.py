@@ -53,6 +53,16 @@ class Floor:
     bursts: float = 0.0
     parts: tuple[Floor, ...] = ()
 
+    @property
+    def each(self) -> tuple[Floor, ...]:
+        """The floor of every output: its parts, or itself where there is one output only."""
+        return self.parts or (self,)
+
+    @property
+    def first(self) -> Floor:
+        """The floor of the first output, the one whose errors are told in newtons."""
+        return self.each[0]
+
 
 def features(problem: Problem, force: Array) -> Array:
     """Inputs (n, features) of the regression, in the order of `FEATURES` and then of the problem's own."""
