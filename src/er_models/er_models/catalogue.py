@@ -156,7 +156,7 @@ class Catalogue:
         return self.offsets[name] + effect.names.index(parameter)
 
     def candidates(self) -> tuple[Effect, ...]:
-        """Effects that the diagnosis of a damper tries: neither core terms nor faults nor the unknowable ones."""
+        """Effects that the diagnosis of a damper tries: no core terms, no faults, none of the car, none unknowable."""
         left_out = ("core", "fault", "vehicle")
         return tuple(e for e in self.effects if e.stage not in left_out and e.knowable)
 

@@ -140,6 +140,10 @@ class Param:
 class Signature:
     """How an effect shows itself and what would show it best.
 
+    mark: what it does to the data, in words. plane: quantities over which that is seen, such as ``force-velocity``,
+    ``force-duty`` or ``time``; the lab draws its evidence over deflection, duty, time or acceleration where it says so,
+    else over the velocity, the card of an effect of the car over the velocity where it ends in it, else over the
+    deflection. experiment: motion and duty that show it best, in words; the lab's plans do not follow it.
     rivals: effects that may be named in its place where it is the true one, for people to read. They point one way:
     a fault or an effect of the car can look like one of the damper without the damper's own page naming it.
     """
@@ -158,6 +162,10 @@ class Effect:
     (zero), for one that integrates or is slower than a second, or in equilibrium with the first sample.
     `dissipative`: without a state of its own, and its force takes energy whatever its parameters. `fluid`: its force is
     carried by the pressure of the fluid (f_h), so that it ends where the fluid cavitates.
+    `generalises`: effects that are special cases of it; where both pass, it is named only if it gains far more.
+    `knowable`: whether the channels of a damper can show it at all. One that they cannot show is simulated, and a
+    model may hold it, but it is neither fitted, planned for, added nor tried by the diagnosis; `unknowable_because`
+    is what the user is told then, and empty else.
     """
 
     name: str

@@ -12,7 +12,7 @@ from er_models.model import Array, Model
 from er_models.parallel import over_cores
 
 SUBSTEP = 0.625e-3
-"""Longest step of the integrator [s]; the error at 200 Hz is shown by test_integrate."""
+"""Longest step of the integrator [s]; the error at 200 Hz is shown by test_integrator_damper."""
 
 
 @dataclass(frozen=True)
