@@ -1,7 +1,7 @@
 """The one right-hand side of the quarter car with its damper, as a plain function of state and input.
 
-Linearisation, reference solutions and invariants use it; it calls the same compiled equations as
-the integrator.
+Linearisation uses it, and so do the reference solutions that the integrator is tested against; it calls the same
+compiled equations as the integrator.
 """
 
 from __future__ import annotations
@@ -13,21 +13,14 @@ from er_models.kernel.states import ROWS, G, R, W
 from er_models.model import Array, Model
 
 
-def vehicle_rate(
-    model: Model, q: Array, w: Array, u: float, road_rate: float, t: float = 0.0
-) -> tuple[Array, Array, Array]:
-    """Rates of the mechanical state (4,) and damper states (n_states,), and outputs a_s, a_us, F_d.
-
-    q = [z_def, v_s, z_us - z_r, v_us] as in (2.11); no dead time.
-    """
-    dq, dw, out = vehicle_point(model, q, w, u, road_rate, t)
-    return dq, dw, out[:3].copy()
-
-
 def vehicle_point(
     model: Model, q: Array, w: Array, u: float, road_rate: float, t: float = 0.0
 ) -> tuple[Array, Array, Array]:
-    """As `vehicle_rate`, with a_s, a_us, F_d, the measured force and both reported accelerations, (6,)."""
+    """Rates of the mechanical state (4,) and of the damper states (n_states,), and outputs (6,).
+
+    q = [z_def, v_s, z_us - z_r, v_us] as in (2.11), [m, m/s]; no dead time. The outputs are a_s, a_us [m/s2], F_d, the
+    measured force [N] and both reported accelerations [m/s2].
+    """
     c = model.compiled(plant=True)
     rate, drive, out = np.zeros(w.shape[0]), np.zeros(w.shape[0]), np.zeros((1, 6))
     kernel(model.catalogue).vehicle_point(
@@ -43,7 +36,10 @@ def vehicle_point(
 def damper_rate(
     model: Model, w: Array, x: float, v: float, a: float, u: float, t: float = 0.0
 ) -> tuple[Array, float]:
-    """Rates of the damper states (n_states,) and the damper force [N] for an imposed motion."""
+    """Rates of the damper states (n_states,) and the damper force [N] for an imposed motion.
+
+    What any solver needs to check `predict`, or a damper alone in another simulation.
+    """
     c = model.compiled()
     s = np.zeros((ROWS, w.shape[0]))
     s[W], s[0] = w, w

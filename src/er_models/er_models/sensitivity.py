@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from er_models.effect import Param
-from er_models.model import Array, Model
+from er_models.model import Array
 
 Rows = Callable[[Array], Array]
 """Outputs (m, n) at points (m, p), for instance `predict_many`."""
@@ -40,25 +40,3 @@ def quotients(rows: Rows, at: Array, step: Array, here: Array, first: int = 0) -
     points = (at + np.diag(step))[first:]
     exact = (points - at)[:, first:].diagonal()
     return np.nan_to_num((rows(points) - here).T / exact)
-
-
-def sensitivities(
-    model: Model, parameters: Sequence[tuple[str, str]], rows: Rows
-) -> tuple[Array, Array]:
-    """Outputs (n,) of a model and their derivatives (n, p) by parameters (effect, name) [per SI unit].
-
-    rows: outputs (m, n) of flat parameter vectors (m, n_parameters), `predict_many` or many simulations.
-    """
-    c, base = model.catalogue, model.compiled().p
-    known = [c[effect].parameter(name) for effect, name in parameters]
-    columns = np.array([c.column(*q) for q in parameters], int)
-    scale = np.array([model.scales.of(q.unit) for q in known])
-    at = base[columns]
-
-    def outputs(points: Array) -> Array:
-        vectors = np.tile(base, (points.shape[0], 1))
-        vectors[:, columns] = points
-        return rows(vectors)
-
-    here = rows(base[None])[0]
-    return here, quotients(outputs, at, steps(known, at / scale) * scale, here)

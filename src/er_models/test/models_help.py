@@ -11,8 +11,8 @@ from er_models.effect import Effect
 from er_models.files import load_model
 from er_models.model import Array, Model
 from er_models.predict import Motion, motion
-from er_models.rhs import vehicle_rate
 from er_models.scales import Scales
+from reference import vehicle_rate
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 SMALL = Scales(force=20.0, deflection=0.010, velocity=0.15, duty=0.3)

@@ -1,15 +1,16 @@
-"""Reference solutions by SciPy: adaptive, at high accuracy, one sample after another."""
+"""Reference solutions by SciPy, adaptive and at high accuracy, and derivatives of a whole model by its parameters."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from er_models.kernel.load import kernel
 from er_models.kernel.states import ROWS, W0, W
 from er_models.model import Array, Model
 from er_models.predict import Motion
-from er_models.rhs import damper_rate, vehicle_rate
+from er_models.rhs import damper_rate, vehicle_point
+from er_models.sensitivity import Rows, quotients, steps
 from scipy.integrate import solve_ivp
 
 Signal = Callable[[float, int], Array]
@@ -33,6 +34,14 @@ def first_states(model: Model, inputs: Motion) -> Array:
         0.0,
     )
     return s[W].copy()
+
+
+def vehicle_rate(
+    model: Model, q: Array, w: Array, u: float, road_rate: float, t: float = 0.0
+) -> tuple[Array, Array, Array]:
+    """Rates of the mechanical state (4,) and damper states (n_states,), and outputs a_s, a_us, F_d."""
+    dq, dw, out = vehicle_point(model, q, w, u, road_rate, t)
+    return dq, dw, out[:3].copy()
 
 
 def measured(model: Model, w: Array, x: float, v: float, a: float, u: float, t: float) -> float:
@@ -99,3 +108,25 @@ def vehicle_run(model: Model, dt: float, road: Array, duty: Array) -> tuple[Arra
             ).y[:, -1]
             y[:4], y[4 + np.asarray(slots)] = end[:4], end[4:]
     return states, force
+
+
+def sensitivities(
+    model: Model, parameters: Sequence[tuple[str, str]], rows: Rows
+) -> tuple[Array, Array]:
+    """Outputs (n,) of a model and their derivatives (n, p) by parameters (effect, name) [per SI unit].
+
+    rows: outputs (m, n) of flat parameter vectors (m, n_parameters), `predict_many` or many simulations.
+    """
+    c, base = model.catalogue, model.compiled().p
+    known = [c[effect].parameter(name) for effect, name in parameters]
+    columns = np.array([c.column(*q) for q in parameters], int)
+    scale = np.array([model.scales.of(q.unit) for q in known])
+    at = base[columns]
+
+    def outputs(points: Array) -> Array:
+        vectors = np.tile(base, (points.shape[0], 1))
+        vectors[:, columns] = points
+        return rows(vectors)
+
+    here = rows(base[None])[0]
+    return here, quotients(outputs, at, steps(known, at / scale) * scale, here)

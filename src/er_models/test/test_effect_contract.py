@@ -20,7 +20,6 @@ from er_models.kernel.order import KNOWN_FROM, ORDER, OUTSIDE, signals_of
 from er_models.model import Array, Model
 from er_models.predict import Motion, predict, predict_many
 from er_models.scales import Scales
-from er_models.sensitivity import sensitivities
 from er_models.simulate import simulate
 from models_help import (
     DT,
@@ -36,6 +35,7 @@ from models_help import (
     started,
     typical,
 )
+from reference import sensitivities
 
 from er_models import own_check
 

@@ -10,8 +10,9 @@ from er_models.catalogue import CATALOGUE
 from er_models.kernel.load import kernel
 from er_models.model import Model
 from er_models.predict import motion, predict
-from er_models.rhs import damper_rate, vehicle_rate
+from er_models.rhs import damper_rate
 from models_help import DT, SMALL, one_sample
+from reference import vehicle_rate
 
 Values = Mapping[str, Mapping[str, float]]
 

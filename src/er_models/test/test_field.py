@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 from er_models.catalogue import CATALOGUE
+from er_models.files import load_model
+from er_models.predict import predict
+from models_help import one_sample
 
 from er_models import field
 
@@ -53,3 +59,20 @@ def test_viscous_damping_is_that_of_flow_between_plates() -> None:
     drop = 2.0 * shear * DUCT.length / DUCT.gap
     force = field.force_of_pressures(DUCT, 0.0, drop)
     assert field.viscous_damping(DUCT, viscosity) * v == pytest.approx(force, rel=1e-6)
+
+
+def test_the_documented_drawing_becomes_a_model(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The example of docs/thesis.md; the model's force is that of the duct."""
+    page = Path(__file__).resolve().parents[3] / "docs" / "thesis.md"
+    chapter = page.read_text(encoding="utf-8").split("### From a drawing to a model")[1]
+    code = re.search(r"```python\n(.*?)```", chapter, re.S)
+    assert code is not None
+    monkeypatch.chdir(tmp_path)
+    exec(compile(code[1], str(page), "exec"), {})
+    x, v, duty = 0.002, 0.05, 0.3
+    stress = field.yield_stress(field.electric_field(duty, DUCT.gap), 800.0 / 1e6**1.2, 1.2)
+    wanted = field.viscous_damping(DUCT, 0.05) * v + field.yield_force(DUCT, stress) + 300.0 * x
+    found = predict(load_model("drawn.yaml"), one_sample(x, v, duty))
+    assert found == pytest.approx([wanted], rel=1e-9)

@@ -108,11 +108,14 @@ def predict_rows(on, slots, links, at_rest, ps, dt, starts, x, v, a, u, theta, n
 
 @entry
 def damper_point(on, links, p, s, x, v, a, u, t, theta):
-    """Forces and duty at one instant with the states s[W]; fills rates and drives."""
+    """Forces and duty at one instant with the states s[W]; fills rates and drives. For `rhs`."""
     return visit(on, links, p, s, 0.0, HOLD, x, v, a, u, t, theta)
 
 
 @entry
 def settle_point(on, slots, links, at_rest, p, s, x, v, a, u, theta):
-    """States s[W] in equilibrium with a motion, except those that start at rest; measured force [N]."""
+    """States s[W] in equilibrium with a motion, except those that start at rest; measured force [N].
+
+    Where `predict` begins: a reference solution of the same record must begin there too.
+    """
     return settle(on, slots, links, at_rest, p, s, x, v, a, u, theta)
