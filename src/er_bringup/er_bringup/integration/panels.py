@@ -86,9 +86,3 @@ def full(namespace: str, topic: Topic) -> str:
     """Name of a topic in a namespace ('' is the root)."""
     inside = namespace.strip("/")
     return f"/{inside}/{topic.name}" if inside else f"/{topic.name}"
-
-
-def plotted() -> tuple[Topic, ...]:
-    """Every topic of the panels once."""
-    each = [curve.topic for page in PAGES for panel in page.panels for curve in panel.curves]
-    return tuple({topic.name: topic for topic in each}.values())
