@@ -1,1 +1,1 @@
-"""Controllers of the semi-active damper: skyhook."""
+"""Controllers of the semi-active damper: Skyhook, and the fault-tolerant LPV controller."""
