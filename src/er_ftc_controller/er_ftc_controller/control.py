@@ -47,7 +47,8 @@ class Rules:
     of time that starts the controller afresh [s]; believed: largest deflection [m] and velocity [m/s]; fade: fastest
     change of a factor [1/s]; fault_age: after which an estimate is old [s]; least_left: share of the field's force
     below which nothing is left to control; restore: share of the lost passive force that the field gives back;
-    adapt: whether the domain follows the faults (False: the nominal LPV controller).
+    ahead: from a sample to the middle of the time its duty acts [s], so far the motion is led on; adapt: whether the
+    domain follows the faults (False: the nominal LPV controller).
     """
 
     safe_duty: float
@@ -68,6 +69,8 @@ class Rules:
             value = getattr(self, name)
             if not all(v > 0.0 for v in (value if isinstance(value, tuple) else (value,))):
                 raise InputError("ftc_controller", name, "above 0", value)
+        if not 0.0 <= self.ahead < math.inf:
+            raise InputError("ftc_controller", "ahead", "a time of 0 s or more", self.ahead)
         for name in ("safe_duty", "least_left", "restore"):
             if not 0.0 <= getattr(self, name) <= 1.0:
                 raise InputError("ftc_controller", name, "0 to 1", getattr(self, name))

@@ -94,7 +94,7 @@ def controller_of(p: FtcParameters, model: Model, loaded: Loaded) -> Ftc:
     )  # fmt: skip
     rules = Rules(
         p.safe_duty, (p.largest_deflection, p.largest_velocity), p.timeout, p.ramp, p.recovery,
-        gap=max(0.05, 2.0 * p.timeout), fade=p.fade, fault_age=p.fault_age, least_left=p.least_left,
+        gap=max(Rules.gap, 2.0 * p.timeout), fade=p.fade, fault_age=p.fault_age, least_left=p.least_left,
         restore=p.restore, ahead=p.latency + p.ahead, adapt=p.law == "fault_tolerant",
     )  # fmt: skip
     car = model.effects["quarter_car"]

@@ -11,6 +11,7 @@ import pytest
 from er_ftc_controller.control import Command, Faults, Ftc, Mode, Rules, Sample, State
 from er_ftc_controller.force_loop import ForceLoop
 from er_ftc_controller.gains import load_gains
+from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.forms.loss import Factors
 from er_models.static_damper import static_damper
@@ -54,6 +55,12 @@ def ride(
 def leak(t: float, f2: float = 0.6, **changed: object) -> Faults:
     """An estimate of a leak."""
     return Faults(t, 1.0, f2, 1.0, certain=True, usable=True)._replace(**changed)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("wrong", [{"ahead": -0.001}, {"ahead": math.inf}, {"ahead": math.nan}])
+def test_a_motion_is_not_led_back_or_on_without_end(wrong: dict[str, float]) -> None:
+    with pytest.raises(InputError, match="ahead"):
+        Rules(SAFE, (0.05, 5.0), **wrong)  # type: ignore[arg-type]
 
 
 def test_it_is_safe_until_samples_come_and_then_controls(p: Ftc) -> None:
