@@ -46,13 +46,22 @@ ARGUMENTS = (
     Argument("effects_from", "", "Python files with own effects of these models, commas between"),
     Argument("program", "iso_steps", "road and duty: a file, or a name in config/experiments"),
     Argument(
-        "duration", "-1", "s; -1: as the program says, 0: until Ctrl-C", (), float, -1.0, 1e6
+        "duration",
+        "-1",
+        "length of the run [s]; -1: as the program says, 0: until Ctrl-C",
+        (),
+        float,
+        -1.0,
+        1e6,
     ),
     Argument(
-        "seed", "-1", "of road, duty and sensor noise; -1: the program's", (), int, -1, SEEDS
+        "seed", "-1", "seed of road, duty and sensor noise; -1: the program's", (), int, -1, SEEDS
     ),
     Argument(
-        "mode", "realtime", "who sets the pace", choices=("realtime", "sim_time", "lockstep")
+        "mode",
+        "realtime",
+        "pace: of the real clock, of simulated time, or of the duties that answer",
+        choices=("realtime", "sim_time", "lockstep"),
     ),
     Argument(
         "rate_factor",
@@ -68,12 +77,20 @@ ARGUMENTS = (
         "",
         "instead of the plant: serial:PORT[@BAUD] or udp:HOST:PORT of a rig, one a corner; stack: a vehicle's own",
     ),
-    Argument("calibration", "", "of the rig's channels: a file, or a name in config/hardware"),
+    Argument(
+        "calibration",
+        "",
+        "calibration of the rig's channels: a file, or a name in config/hardware",
+    ),
     Argument("road", "device", "who moves the road of a real rig", choices=("device", "program")),
     Argument("controller", "skyhook", "controller to run", choices=("skyhook", "ftc", "none")),
-    Argument("duty", "command", "who says the duty of the plant", choices=("command", "program")),
-    Argument("observers", ",".join(OBSERVERS), "observers with commas between, or none"),
-    Argument("gains", "", "gains: a file, or a name in config/gains; by default the observer's"),
+    Argument(
+        "duty", "command", "where the duty of the plant comes from", choices=("command", "program")
+    ),
+    Argument("observers", ",".join(OBSERVERS), "observers to run, with commas between, or none"),
+    Argument(
+        "gains", "", "gains: a file, or a name in config/gains; by default those of each observer"
+    ),
     Argument(
         "fault_estimator", "false", "whether faults are estimated", choices=("false", "true")
     ),
@@ -90,7 +107,11 @@ ARGUMENTS = (
     Argument(
         "priority", "0", "real-time priority (SCHED_FIFO) of all but the recorder", (), int, 0, 99
     ),
-    Argument("plant_params", "", "parameter file for plant or bridge, over that in config/nodes"),
+    Argument(
+        "plant_params",
+        "",
+        "parameter file for plant or bridge; its values win over those in config/nodes",
+    ),
 )
 
 

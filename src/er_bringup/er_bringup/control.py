@@ -35,8 +35,13 @@ WATCHES: dict[str, WatchOf] = {"estimated": estimated, "known": known}
 SHOWN = ("passive", "nominal", "fault_tolerant")
 """Controllers in the figures."""
 Names = Annotated[list[str] | None, typer.Argument(help="Scenarios; all by default.")]
-From = Annotated[str, typer.Option("--faults", help=f"Whose faults: {', '.join(WATCHES)}.")]
-Seeds = Annotated[int | None, typer.Option(min=1, help="Roads of a scenario; all by default.")]
+From = Annotated[
+    str,
+    typer.Option("--faults", help=f"Where controllers get the faults from: {', '.join(WATCHES)}."),
+]
+Seeds = Annotated[
+    int | None, typer.Option(min=1, help="Number of random roads per scenario; all by default.")
+]
 
 
 @app.command("compare")
@@ -61,9 +66,9 @@ def compare_command(
 
 @app.command("inner")
 def inner_command(
-    scenario: Annotated[str, typer.Argument(help="Scenario.")] = "thesis_6_4_2",
+    scenario: Annotated[str, typer.Argument(help="Name of the scenario.")] = "thesis_6_4_2",
     fault: Annotated[str, typer.Option(help="Fault of the scenario.")] = "leakage",
-    seeds: Annotated[int, typer.Option(min=1, help="Roads.")] = 3,
+    seeds: Annotated[int, typer.Option(min=1, help="Number of random roads.")] = 3,
 ) -> None:
     """From force to duty: inverse static model and inner loop, on the car as believed and on others."""
     (chosen,) = _scenarios([scenario])
@@ -73,8 +78,8 @@ def inner_command(
 
 @app.command("tradeoff")
 def tradeoff_command(
-    scenario: Annotated[str, typer.Argument(help="Scenario.")] = "thesis_6_4_2",
-    seeds: Annotated[int, typer.Option(min=1, help="Roads.")] = 5,
+    scenario: Annotated[str, typer.Argument(help="Name of the scenario.")] = "thesis_6_4_2",
+    seeds: Annotated[int, typer.Option(min=1, help="Number of random roads.")] = 5,
     first: Annotated[
         int | None, typer.Option(min=0, help="Seed of the first road; the scenario's by default.")
     ] = None,
@@ -91,9 +96,14 @@ def tradeoff_command(
 
 @app.command("endurance")
 def endurance_command(
-    minutes: Annotated[float, typer.Option(min=0.1, help="Length of the ride.")] = 10.0,
-    seed: Annotated[int, typer.Option(min=0, help="Of road and noise.")] = 1,
-    latency: Annotated[int, typer.Option(min=0, max=4, help="Samples to the duty.")] = 0,
+    minutes: Annotated[float, typer.Option(min=0.1, help="Length of the ride [min].")] = 10.0,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of road and sensor noise.")] = 1,
+    latency: Annotated[
+        int,
+        typer.Option(
+            min=0, max=4, help="Samples between a measurement and the duty that answers it."
+        ),
+    ] = 0,
     faults: From = "estimated",
 ) -> None:
     """A long ride with all three faults coming and going; exit status 1 where the loop is not stable."""
@@ -117,7 +127,7 @@ def endurance_command(
 
 @app.command("figures")
 def figures_command(
-    folder: Annotated[Path, typer.Argument(help="Where the pictures go.")],
+    folder: Annotated[Path, typer.Argument(help="Folder for the pictures.")],
     faults: From = "estimated",
     fault: Annotated[str, typer.Option(help="Fault of the scenarios.")] = "leakage",
 ) -> None:

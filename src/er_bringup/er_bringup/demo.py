@@ -256,7 +256,7 @@ def parser() -> OneLine:
         "--mode",
         default="realtime",
         choices=("realtime", "sim_time", "lockstep"),
-        help="who sets the pace",
+        help="pace: of the real clock, of simulated time, or of the duties that answer",
     )
     p.add_argument("--repeat", type=int, default=1, help="that many demonstrations, and a table")
     return p

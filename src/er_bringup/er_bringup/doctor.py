@@ -44,7 +44,7 @@ def parser() -> OneLine:
         "--namespace",
         type=namespace,
         metavar="NS",
-        help="namespace of the corner; all that there are",
+        help="namespace of the corner; by default all that there are",
     )
     p.add_argument(
         "--seconds", type=float, default=3.0, metavar="S", help="how long to listen (3)"

@@ -42,7 +42,7 @@ def parser() -> OneLine:
         "--node",
         action="append",
         metavar="NODE",
-        help="executable, again for more; all recorded ones",
+        help="executable to play, again for more; by default all recorded ones",
     )
     p.add_argument(
         "--namespace", type=namespace, default="", metavar="NS", help="namespace of the corner"

@@ -33,8 +33,16 @@ def parser() -> OneLine:
     p = OneLine(prog="er inject", description=(__doc__ or "").split("\n")[0], allow_abbrev=False)
     p.add_argument("unit", help="topic, or TOPIC.FIELD: sensors/acceleration.sprung")
     p.add_argument("kind", choices=[kind.name.lower() for kind in Kind])
-    p.add_argument("value", nargs="?", type=float, default=0.0, help="bias, Hz, s or probability")
-    p.add_argument("--seconds", type=float, default=0.0, help="how long; 0: until ok")
+    p.add_argument(
+        "value",
+        nargs="?",
+        type=float,
+        default=0.0,
+        help="size: bias in the unit of the field, rate in Hz, delay in s, or probability",
+    )
+    p.add_argument(
+        "--seconds", type=float, default=0.0, help="how long [s]; 0: until it is ended with ok"
+    )
     p.add_argument("--node", type=namespace, default="plant", help="node to ask (plant)")
     p.add_argument(
         "--namespace", type=namespace, default="", metavar="NS", help="namespace of the corner"

@@ -55,11 +55,11 @@ class JointParameters(NodeParameters):
     force_topic: str = param(
         "measured",
         choices=("measured", *OBSERVERS),
-        text="force that is the effort: measured on a rig, estimated in a car",
+        text="force that is reported as effort: the measured one (rig) or an observer's (car)",
     )
     timeout: float = param(
         0.05, unit="s", low=0.005, high=1.0,
-        text="silence of the samples after which commands are refused; oldest force beside a sample",
+        text="silence of the samples after which commands are refused; greatest age of the force that joins a sample",
     )  # fmt: skip
     max_age: float = oldest_sample()
 

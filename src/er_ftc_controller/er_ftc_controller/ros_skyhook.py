@@ -35,14 +35,24 @@ REPEAT = 50_000_000
 class SkyhookParameters(NodeParameters):
     """Parameters of the node."""
 
-    u_min: float = param(REQUIRED, low=0.0, high=1.0, text="duty where field would push the body")
-    u_max: float = param(REQUIRED, low=0.0, high=1.0, text="duty where field brakes the body")
+    u_min: float = param(
+        REQUIRED, low=0.0, high=1.0, text="duty where more damping would accelerate the body"
+    )
+    u_max: float = param(REQUIRED, low=0.0, high=1.0, text="duty where damping brakes the body")
     safe_duty: float = param(REQUIRED, low=0.0, high=1.0, text="duty without usable samples")
     corner_frequency: float = param(
-        REQUIRED, unit="Hz", low=0.001, high=5.0, text="leak of the velocity integral"
+        REQUIRED,
+        unit="Hz",
+        low=0.001,
+        high=5.0,
+        text="corner frequency of the leaky integral that gives the body's velocity",
     )
     timeout: float = param(
-        0.025, unit="s", low=0.005, high=1.0, text="silence of the inputs that makes it safe"
+        0.025,
+        unit="s",
+        low=0.005,
+        high=1.0,
+        text="silence of the inputs after which it goes to the safe duty",
     )
     max_age: float = oldest_sample()
     listeners: int = awaited_listeners()

@@ -26,57 +26,106 @@ class FtcParameters(NodeParameters):
     model_file: str = param(REQUIRED, text="model of the vehicle the gains were made for")
     gains_file: str = param(REQUIRED, text="gains of the LPV controller for this model")
     law: str = param(
-        "fault_tolerant", choices=LAWS, text="nominal: the domain of forces stays the healthy one"
+        "fault_tolerant",
+        choices=LAWS,
+        text="fault_tolerant: the forces asked for follow the faults; nominal: as if the damper were healthy",
     )
     u_min: float = param(REQUIRED, low=0.0, high=1.0, text="least duty")
     u_max: float = param(REQUIRED, low=0.0, high=1.0, text="greatest duty")
     safe_duty: float = param(REQUIRED, low=0.0, high=1.0, text="duty without usable samples")
-    mu: float = param(REQUIRED, unit="N", low=1e-6, high=1e6, text="dead zone of rho (6.16)")
+    mu: float = param(
+        REQUIRED,
+        unit="N",
+        low=1e-6,
+        high=1e6,
+        text="distance to the forces the damper can give from which on rho (6.16) rises",
+    )
     largest_deflection: float = param(
         REQUIRED, unit="m", low=1e-6, high=10.0, text="largest deflection that is believed"
     )
     largest_velocity: float = param(
-        REQUIRED, unit="m/s", low=1e-6, high=1e3, text="largest deflection velocity believed"
+        REQUIRED,
+        unit="m/s",
+        low=1e-6,
+        high=1e3,
+        text="largest deflection velocity that is believed",
     )
     horizon: float = param(
-        0.01, unit="s", low=0.0, high=10.0, text="of the force loop; 0: inverse static model"
+        0.01,
+        unit="s",
+        low=0.0,
+        high=10.0,
+        text="time in which the force loop reaches its force; 0: inverse static model",
     )
     correction: float = param(
-        0.0, low=0.0, high=1.0, text="share of the force's error by the accelerometer taken over"
+        0.0,
+        low=0.0,
+        high=1.0,
+        text="share of the difference to the accelerometer's force that is corrected per sample",
     )
     latency: float = param(
-        0.0, unit="s", low=0.0, high=0.1, text="from a sample to the duty that answers it"
+        0.0,
+        unit="s",
+        low=0.0,
+        high=0.1,
+        text="time from a sample until the duty that answers it acts",
     )
     ahead: float = param(
         0.0025,
         unit="s",
         low=0.0,
         high=0.1,
-        text="middle of the time that a duty acts, from its begin",
+        text="time from the moment a duty begins to act to the middle of the time it acts",
     )
     slew: float = param(
         0.0, unit="1/s", low=0.0, high=1e4, text="fastest change of the duty; 0: any"
     )
     dead_zone: float = param(0.0, low=0.0, high=0.5, text="duties below it become u_min")
     least_gate: float = param(
-        0.4, low=0.0, high=0.9, text="least |s| of the yield force that a duty is made for"
+        0.4,
+        low=0.0,
+        high=0.9,
+        text="least |s|, the gate of the yield force (2.10), that a duty is computed with",
     )
     restore: float = param(
         0.0, low=0.0, high=1.0, text="share of the lost passive force that the field gives back"
     )
     timeout: float = param(
-        0.025, unit="s", low=0.005, high=1.0, text="silence of the inputs that makes it safe"
+        0.025,
+        unit="s",
+        low=0.005,
+        high=1.0,
+        text="silence of the inputs after which it goes to the safe duty",
     )
-    ramp: float = param(0.02, unit="s", low=0.001, high=1.0, text="way to the safe duty")
-    recovery: float = param(0.1, unit="s", low=0.001, high=10.0, text="way back from it")
+    ramp: float = param(
+        0.02,
+        unit="s",
+        low=0.001,
+        high=1.0,
+        text="time to fade from the controlled duty to the safe one",
+    )
+    recovery: float = param(
+        0.1,
+        unit="s",
+        low=0.001,
+        high=10.0,
+        text="time to fade back from the safe duty to the controlled one",
+    )
     fade: float = param(
-        2.0, unit="1/s", low=0.01, high=100.0, text="fastest change of a factor in use"
+        2.0,
+        unit="1/s",
+        low=0.01,
+        high=100.0,
+        text="fastest change of the fault factors that the controller uses",
     )
     fault_age: float = param(
-        0.5, unit="s", low=0.01, high=60.0, text="age after which a fault estimate is old"
+        0.5, unit="s", low=0.01, high=60.0, text="age after which a fault estimate counts as old"
     )
     least_left: float = param(
-        0.05, low=0.0, high=0.9, text="share of the field's force below which it is safe"
+        0.05,
+        low=0.0,
+        high=0.9,
+        text="share of the field's force left by faults below which it goes to the safe duty",
     )
     max_age: float = oldest_sample()
     listeners: int = awaited_listeners()

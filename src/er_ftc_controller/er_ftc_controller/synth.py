@@ -32,18 +32,25 @@ def lpv_ftc(
     model: Annotated[Path, typer.Option(help="Vehicle model file.")],
     out: Annotated[Path, typer.Option(help="Gain file to write.")],
     rho: Annotated[
-        tuple[float, float] | None, typer.Option(help="Range of the scheduling parameter.")
+        tuple[float, float] | None, typer.Option(help="Range of the scheduling parameter rho.")
     ] = None,
-    force: Annotated[float | None, typer.Option(help="Force that counts as one [N].")] = None,
+    force: Annotated[
+        float | None, typer.Option(help="Scale of the damper force: counted as 1 [N].")
+    ] = None,
     body: Annotated[
         tuple[float, float] | None, typer.Option(help="Weight of comfort: corner [Hz] and gain.")
     ] = None,
     wheel: Annotated[
         tuple[float, float] | None, typer.Option(help="Weight of road holding: corner [Hz], gain.")
     ] = None,
-    radius: Annotated[float, typer.Option(help="Bound of every pole [1/s].")] = Wish.radius,
+    radius: Annotated[
+        float, typer.Option(help="Largest magnitude of every pole [1/s].")
+    ] = Wish.radius,
     held_back: Annotated[
-        float, typer.Option(help="Gamma allowed at the greatest rho, over the passive one.")
+        float,
+        typer.Option(
+            help="Gamma allowed at the greatest rho, as a multiple of the passive damper's."
+        ),
     ] = Wish.held_back,
     pictures: Annotated[
         Path | None, typer.Option(help="Folder for Bode diagrams and the trade-off curve.")

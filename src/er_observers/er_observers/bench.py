@@ -82,8 +82,8 @@ def main(
     scenario: Annotated[
         list[str] | None, typer.Option(help="Drive to step through, again for more.")
     ] = None,
-    repeat: Annotated[int, typer.Option(min=1, help="How often.")] = 5,
-    jitter: Annotated[float, typer.Option(min=0.0, help="Of the time stamps [us].")] = 0.0,
+    repeat: Annotated[int, typer.Option(min=1, help="Repetitions of each drive.")] = 5,
+    jitter: Annotated[float, typer.Option(min=0.0, help="Jitter of the time stamps [us].")] = 0.0,
 ) -> None:
     """Time every step of the observers and their peers along drives.
 

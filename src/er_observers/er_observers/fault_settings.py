@@ -19,19 +19,26 @@ class FaultParameters(NodeParameters):
 
     model_file: str = param(REQUIRED, text="model of the healthy vehicle")
     force_source: str = param(
-        NONE, choices=SOURCES, text="force to go by; none: what the sprung mass says"
+        NONE,
+        choices=SOURCES,
+        text="where the damper force comes from; none: from the sprung mass and its acceleration",
     )
     force_noise: float = param(
         0.0,
         unit="N",
         low=0.0,
         high=1e5,
-        text="deviation of that force; 0: as the model's rig says",
+        text="standard deviation of that force; 0: that of the model file's rig",
     )
     tolerance: float = param(
-        0.05, low=0.001, high=0.5, text="relative deviation of the model's parameters"
+        0.05,
+        low=0.001,
+        high=0.5,
+        text="relative standard deviation of the model's parameters from the car's",
     )
-    smallest_loss: float = param(0.06, low=0.01, high=0.5, text="loss that is called a fault")
+    smallest_loss: float = param(
+        0.06, low=0.01, high=0.5, text="smallest loss of force that is called a fault"
+    )
     timeout: float = param(
         0.05, unit="s", low=0.005, high=1.0, text="silence after which the estimate is not valid"
     )

@@ -14,7 +14,8 @@ class ObserverParameters(NodeParameters):
 
     model_file: str = param(REQUIRED, text="model of the vehicle the gains were made for")
     gains_file: str = param(
-        REQUIRED, text="its gains for this model; with those for a deflection sensor it hears it"
+        REQUIRED,
+        text="gains for this model; those made for a deflection sensor make it listen to that sensor",
     )
     timeout: float = param(
         0.05, unit="s", low=0.005, high=1.0, text="silence after which the estimate is not valid"

@@ -62,30 +62,41 @@ def _command(observer: str) -> None:
     def command(
         model: ModelFile,
         out: Annotated[Path, typer.Option(help="Gain file to write.")],
-        radius: Annotated[float, typer.Option(help="Bound of every pole [1/s].")] = Spec.radius,
-        decay: Annotated[float, typer.Option(help="Least decay of every pole [1/s].")] = 0.0,
+        radius: Annotated[
+            float, typer.Option(help="Largest magnitude of every pole [1/s].")
+        ] = Spec.radius,
+        decay: Annotated[float, typer.Option(help="Least decay rate of every pole [1/s].")] = 0.0,
         damping: Annotated[float, typer.Option(help="Least damping ratio of every pole.")] = 0.0,
         noise: Annotated[
-            tuple[float, float], typer.Option(help="Accelerations that count as one [m/s2].")
+            tuple[float, float],
+            typer.Option(
+                help="Noise weights of both accelerations: the error counted as 1 [m/s2]."
+            ),
         ] = (Spec.noise[0], Spec.noise[1]),
-        force: Annotated[float, typer.Option(help="Force error that counts as one [N].")] = 5.0,
+        force: Annotated[
+            float, typer.Option(help="Scale of the force error: counted as 1 [N].")
+        ] = 5.0,
         deflection: Annotated[
             float | None,
-            typer.Option(help="Use a deflection sensor; the deflection that counts as one [m]."),
+            typer.Option(
+                help="Use a deflection sensor; its noise weight: the error counted as 1 [m]."
+            ),
         ] = None,
         output: Annotated[
             str, typer.Option(help=f"Performance output: {', '.join(OUTPUTS)}.")
         ] = "force",
         coordinates: Annotated[
-            str, typer.Option(help=f"Velocities: {', '.join(COORDINATES)}.")
+            str, typer.Option(help=f"Velocities among the states: {', '.join(COORDINATES)}.")
         ] = "relative",
         sector: Annotated[
-            str, typer.Option(help=f"Bound of the gate: {', '.join(SECTORS)}.")
+            str, typer.Option(help=f"Bound on the slope of the gate: {', '.join(SECTORS)}.")
         ] = SLOPE.name,
         structure: Annotated[
-            str, typer.Option(help=f"Of the unified observer: {', '.join(STRUCTURES)}.")
+            str, typer.Option(help=f"Structure of the unified observer: {', '.join(STRUCTURES)}.")
         ] = "full",
-        duty: Annotated[tuple[float, float], typer.Option(help="Range of the duty.")] = Spec.rho,
+        duty: Annotated[
+            tuple[float, float], typer.Option(help="Range of the duty that the gains are for.")
+        ] = Spec.rho,
     ) -> None:
         writable({"--out": out}, read={"--model": (model,)})
         if sector not in SECTORS:

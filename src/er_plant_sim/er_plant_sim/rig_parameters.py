@@ -22,18 +22,28 @@ LONGEST = 120.0
 class RigParameters(NodeParameters):
     """Parameters of whatever publishes measurements and takes duties."""
 
-    model_file: str = param(REQUIRED, text="model of the vehicle; its rig block limits the duty")
+    model_file: str = param(
+        REQUIRED, text="model of the vehicle; the limits of the duty are in its section rig"
+    )
     effects_from: tuple[str, ...] = param(
         (), text="Python files with own effects that the models use"
     )
-    program_file: str = param("", text="program of road and duty")
+    program_file: str = param("", text="file with the program of road and duty")
     duration: float = param(
-        -1.0, unit="s", low=-1.0, high=1e6, text="-1: as the program says, 0: no end"
+        -1.0,
+        unit="s",
+        low=-1.0,
+        high=1e6,
+        text="length of the run; -1: as the program says, 0: no end",
     )
-    seed: int = param(-1, low=-1, high=2**31, text="of what is random; -1: the program's")
+    seed: int = param(-1, low=-1, high=2**31, text="seed of everything random; -1: the program's")
     rate: float = param(SAMPLE_RATE, unit="Hz", low=10.0, high=2000.0, text="samples per second")
-    duty_source: str = param("topic", choices=("program", "topic"), text="who says the duty")
-    safe_duty: float = param(REQUIRED, low=0.0, high=1.0, text="duty without a fresh command")
+    duty_source: str = param(
+        "topic", choices=("program", "topic"), text="where the duty comes from"
+    )
+    safe_duty: float = param(
+        REQUIRED, low=0.0, high=1.0, text="duty while there is no fresh command"
+    )
     command_timeout: float = param(
         0.045, unit="s", low=0.005, high=1.0, text="age at which a command is no longer held"
     )
@@ -45,7 +55,7 @@ class RigParameters(NodeParameters):
         length=5,
         low=0,
         high=100,
-        text="subscribers to wait for of acceleration, deflection, force, road, applied duty",
+        text="subscribers to wait for, one number each: acceleration, deflection, force, road, applied duty",
     )
     wait_for_nodes: tuple[str, ...] = param(
         (), text="nodes of the own namespace to wait for until they say that they are ready"

@@ -35,14 +35,22 @@ def _bias(sensor: str, unit: str) -> Any:
 class PlantParameters(RigParameters):
     """Every parameter of the plant but those of the program (`road.*`, `duty.*`), which override its file."""
 
-    damper_file: str = param("", text="model whose damper replaces that of the vehicle")
-    mode: str = param("realtime", choices=MODES, text="who sets the pace")
+    damper_file: str = param("", text="model file whose damper replaces that of the vehicle")
+    mode: str = param(
+        "realtime",
+        choices=MODES,
+        text="pace: of the real clock, of simulated time, or of the duties that answer",
+    )
     rate_factor: float = param(
         1.0, low=0.0, high=50.0, text="speed of simulated time; 0: as fast as commands come"
     )
-    recorder: str = param("", text="node whose recording is waited for; none: no waiting")
-    recorded: tuple[str, ...] = param((), text="topics in whose recording nothing may be missing")
-    duty_source: str = param("program", choices=("program", "topic"), text="who says the duty")
+    recorder: str = param(
+        "", text="node that records, which the plant waits for; empty: no waiting"
+    )
+    recorded: tuple[str, ...] = param((), text="topics that must be recorded without a gap")
+    duty_source: str = param(
+        "program", choices=("program", "topic"), text="where the duty comes from"
+    )
     noise_sprung: float = _deviation("sprung_acceleration", "m/s2")
     noise_unsprung: float = _deviation("unsprung_acceleration", "m/s2")
     noise_deflection: float = _deviation("deflection", "m")

@@ -46,7 +46,10 @@ def compare_command(
         typer.Option(help="Folder with gain files; that of the configuration by default."),
     ] = None,
     seeds: Annotated[
-        int | None, typer.Option(min=1, help="Roads of a scenario; all of its own by default.")
+        int | None,
+        typer.Option(
+            min=1, help="Number of random roads per scenario; all of its own by default."
+        ),
     ] = None,
     json_file: Annotated[
         Path | None, typer.Option("--json", help="Write medians per window here.")

@@ -46,24 +46,46 @@ def parser() -> argparse.ArgumentParser:
     p = OneLine(prog="device_emulator", description=__doc__, allow_abbrev=False)
     p.add_argument("--link", required=True, help="pty:PATH, udp:HOST:PORT or serial:PORT[@BAUD]")
     p.add_argument("--model", required=True, metavar="FILE", help="vehicle model")
-    p.add_argument("--damper", default="", metavar="FILE", help="model whose damper it gets")
-    p.add_argument("--program", required=True, metavar="FILE", help="road until the host says one")
-    p.add_argument("--calibration", required=True, metavar="FILE", help="counts that it shows")
+    p.add_argument(
+        "--damper",
+        default="",
+        metavar="FILE",
+        help="model whose damper replaces that of the vehicle",
+    )
+    p.add_argument(
+        "--program",
+        required=True,
+        metavar="FILE",
+        help="program with the road that is driven until the host sends another",
+    )
+    p.add_argument(
+        "--calibration",
+        required=True,
+        metavar="FILE",
+        help="calibration file: how it turns its values into counts",
+    )
     p.add_argument(
         "--params", metavar="FILE", help="parameter file of the plant: noise, safe duty"
     )
     p.add_argument(
         "--rate", type=float, default=SAMPLE_RATE, help=f"samples per second ({SAMPLE_RATE:g})"
     )
-    p.add_argument("--seed", type=seed_reader(), default=0, help="of noise and wire (0)")
-    p.add_argument("--loss", type=_share, default=0.0, help="share of pieces lost, each way")
     p.add_argument(
-        "--corruption", type=_share, default=0.0, help="share of pieces damaged, each way"
+        "--seed",
+        type=seed_reader(),
+        default=0,
+        help="seed of the noise and of what the wire loses (0)",
+    )
+    p.add_argument("--loss", type=_share, default=0.0, help="share of the packets lost, each way")
+    p.add_argument(
+        "--corruption", type=_share, default=0.0, help="share of the packets damaged, each way"
     )
     p.add_argument(
         "--jitter", type=float, default=0.0, metavar="S", help="mean delay, each way [s]"
     )
-    p.add_argument("--drift", type=float, default=0.0, help="of its clock, 1e-4 is 100 ppm fast")
+    p.add_argument(
+        "--drift", type=float, default=0.0, help="drift of its clock: 1e-4 is 100 ppm fast"
+    )
     return p
 
 

@@ -226,8 +226,8 @@ def _judge(tally: Tally, whole: Counter[bytes], found: Counter[bytes]) -> None:
 def main() -> None:
     """Entry point of the command."""
     p = OneLine(prog="fuzz", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    p.add_argument("--frames", type=int, default=100_000, help="how many (100000)")
-    p.add_argument("--seed", type=seed_reader(), default=1, help="of contents and damage (1)")
+    p.add_argument("--frames", type=int, default=100_000, help="number of frames (100000)")
+    p.add_argument("--seed", type=seed_reader(), default=1, help="seed of contents and damage (1)")
     options = p.parse_args()
     began = perf_counter()
     tally = run(options.frames, options.seed, progress=sys.stderr.isatty())

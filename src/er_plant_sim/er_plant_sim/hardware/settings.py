@@ -27,15 +27,23 @@ BLOCK = 64
 class BridgeParameters(RigParameters):
     """Every parameter of the bridge."""
 
-    link: str = param(REQUIRED, text="wire to the device: serial:PORT[@BAUD] or udp:HOST:PORT")
-    calibration_file: str = param(REQUIRED, text="calibration of the device's channels")
+    link: str = param(
+        REQUIRED, text="connection to the device: serial:PORT[@BAUD] or udp:HOST:PORT"
+    )
+    calibration_file: str = param(
+        REQUIRED, text="file with the calibration of the device's channels"
+    )
     road_source: str = param(
         "device",
         choices=("program", "device"),
-        text="who moves the road: program asks the device to",
+        text="who decides how the road moves: the device itself, or the program",
     )
     silence: float = param(
-        0.05, unit="s", low=0.005, high=1.0, text="time without sample after which the rig is lost"
+        0.05,
+        unit="s",
+        low=0.005,
+        high=1.0,
+        text="time without a sample after which the rig counts as lost",
     )
 
 
