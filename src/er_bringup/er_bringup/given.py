@@ -15,17 +15,17 @@ from er_plant_sim.hardware.link import HOST_WIRES, Address
 
 from er_bringup.arguments import ARGUMENTS, NAME, NAMESPACE, SEEDS, Argument, is_name, is_namespace
 from er_bringup.roles import CONTROLLERS, FAULTS, OBSERVERS, PUBLISHED
+from er_ros_common import topic_names
 
 STACK = "stack"
 """Stands for hardware that is not ours: a vehicle stack publishes the sensors."""
 CAR = ("front_left", "front_right", "rear_left", "rear_right")
 """The corners of a car."""
-DIAGNOSTICS = "/diagnostics"
 TOPICS = (
     *PUBLISHED.values(),
     *dict.fromkeys(role.says for role in (*OBSERVERS.values(), FAULTS, *CONTROLLERS.values())),
-    DIAGNOSTICS,
-    "/clock",
+    topic_names.DIAGNOSTICS,
+    topic_names.CLOCK,
 )
 """What can have another name."""
 SIMULATED = ("mode", "rate_factor", "damper")

@@ -12,9 +12,9 @@ from pathlib import Path
 
 from er_models.errors import InputError
 from er_ros_common.arguments import Value, ros_arguments
+from er_ros_common.topic_names import DIAGNOSTICS
 
 from er_bringup.given import (
-    DIAGNOSTICS,
     STACK,
     check_source,
     corners,

@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 from er_observers.names import OBSERVERS as NAMES
 
+from er_ros_common import topic_names
+
 PUBLISHED = {
-    "acceleration": "sensors/acceleration",
-    "deflection": "sensors/deflection",
-    "force": "sensors/force",
-    "road": "sensors/road",
-    "applied": "pwm/applied",
+    "acceleration": topic_names.ACCELERATION,
+    "deflection": topic_names.DEFLECTION,
+    "force": topic_names.FORCE,
+    "road": topic_names.ROAD,
+    "applied": topic_names.PWM_APPLIED,
 }
 """What the plant publishes, in the order of its parameter `wait_for`."""
 
@@ -35,16 +37,27 @@ COMPOSED = ("er_bringup", "composed")
 RECORDER = Role("er_model_lab", "recorder", tuple(PUBLISHED))
 CONTROLLERS = {
     "ftc": Role(
-        "er_ftc_controller", "ftc_controller", ("acceleration", "deflection"), "pwm/command"
+        "er_ftc_controller",
+        "ftc_controller",
+        ("acceleration", "deflection"),
+        topic_names.PWM_COMMAND,
     ),
     "skyhook": Role(
-        "er_ftc_controller", "skyhook_controller", ("acceleration", "deflection"), "pwm/command"
+        "er_ftc_controller",
+        "skyhook_controller",
+        ("acceleration", "deflection"),
+        topic_names.PWM_COMMAND,
     ),
 }
 OBSERVERS = {
-    name: Role("er_observers", f"{name}_observer", ("acceleration", "applied"), f"force/{name}")
+    name: Role(
+        "er_observers",
+        f"{name}_observer",
+        ("acceleration", "applied"),
+        topic_names.estimated_force(name),
+    )
     for name in NAMES
 }
 FAULTS = Role(
-    "er_observers", "fault_estimator", ("acceleration", "deflection", "applied"), "fault/estimate"
+    "er_observers", "fault_estimator", ("acceleration", "deflection", "applied"), topic_names.FAULT
 )

@@ -232,11 +232,11 @@ def _time(seen: Observation) -> Iterator[Problem]:
     if simulated and not seen.clock_publishers:
         text = f"{', '.join(simulated)} wait for /clock and nobody publishes it"
         yield Problem(
-            "/clock", "no clock", text, "plant with mode:=sim_time, or use_sim_time false"
+            topics.CLOCK.name, "no clock", text, "plant with mode:=sim_time, or use_sim_time false"
         )
     if seen.clock_publishers > 1:
         text = f"{seen.clock_publishers} nodes publish it"
-        yield Problem("/clock", "two publishers", text, "stop all but one")
+        yield Problem(topics.CLOCK.name, "two publishers", text, "stop all but one")
     asked = [(n.name, n.parameters) for n in seen.nodes if n.parameters]
     system = [name for name, p in asked if p.get("max_age") and not p.get("use_sim_time")]
     if plants and system:

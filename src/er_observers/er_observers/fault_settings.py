@@ -8,9 +8,10 @@ from er_ros_common.common_parameters import NodeParameters, awaited_listeners, o
 from er_ros_common.parameter_table import REQUIRED, param
 
 from er_observers.names import OBSERVERS
+from er_ros_common import topic_names
 
 NONE, MEASURED = "none", "measured"
-SOURCES = (NONE, MEASURED, *(f"force/{name}" for name in OBSERVERS))
+SOURCES = (NONE, MEASURED, *map(topic_names.estimated_force, OBSERVERS))
 
 
 @dataclass(frozen=True, kw_only=True)

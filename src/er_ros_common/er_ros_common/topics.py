@@ -1,4 +1,4 @@
-"""The graph's topics: relative name, type, rate and quality of service, each written down once."""
+"""The graph's topics: type, rate and quality of service of each name, each written down once."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from er_damper_msgs.msg import (
     SuspensionAcceleration,
     SuspensionDeflection,
 )
-from er_ros_common import qos
+from er_ros_common import qos, topic_names
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,17 +62,22 @@ def _sensor(name: str, kind: type[Any], text: str) -> Topic:
 
 
 ACCELERATION: Final = _sensor(
-    "sensors/acceleration", SuspensionAcceleration, "sprung and unsprung acceleration [m/s2]"
+    topic_names.ACCELERATION, SuspensionAcceleration, "sprung and unsprung acceleration [m/s2]"
 )
 DEFLECTION: Final = replace(
-    _sensor("sensors/deflection", SuspensionDeflection, "deflection [m] and its velocity [m/s]"),
+    _sensor(topic_names.DEFLECTION, SuspensionDeflection, "deflection [m] and its velocity [m/s]"),
     parts=("velocity",),
 )
-FORCE: Final = _sensor("sensors/force", DamperForce, "measured damper force [N]")
-ROAD: Final = _sensor("sensors/road", RoadDisplacement, "road displacement [m]")
-PWM_APPLIED: Final = _sensor("pwm/applied", PwmDuty, "duty after all limits [1]")
+FORCE: Final = _sensor(topic_names.FORCE, DamperForce, "measured damper force [N]")
+ROAD: Final = _sensor(topic_names.ROAD, RoadDisplacement, "road displacement [m]")
+PWM_APPLIED: Final = _sensor(topic_names.PWM_APPLIED, PwmDuty, "duty after all limits [1]")
 PWM_COMMAND: Final = Topic(
-    "pwm/command", PwmDuty, "duty asked for [1]", SAMPLE_RATE, qos.COMMAND_PUBLISHER, qos.COMMAND
+    topic_names.PWM_COMMAND,
+    PwmDuty,
+    "duty asked for [1]",
+    SAMPLE_RATE,
+    qos.COMMAND_PUBLISHER,
+    qos.COMMAND,
 )
 FORCE_UNIFIED: Final = _sensor("force/unified", DamperForce, "force of the unified observer [N]")
 FORCE_POLYTOPIC: Final = _sensor(
@@ -82,7 +87,7 @@ FORCE_GRIDDING: Final = _sensor(
     "force/nlpv_gridding", DamperForce, "force of the gridding NLPV observer [N]"
 )
 FAULT: Final = replace(
-    _sensor("fault/estimate", FaultEstimate, "effectiveness f1, f2, f3 [1]"), every_tick=False
+    _sensor(topic_names.FAULT, FaultEstimate, "effectiveness f1, f2, f3 [1]"), every_tick=False
 )
 RECORDED: Final = Topic(
     "~/recorded",
@@ -95,10 +100,15 @@ RECORDED: Final = Topic(
 )
 STATUS: Final = Topic("~/status", NodeStatus, "health of the node", 10.0, qos.STATUS, qos.STATUS)
 DIAGNOSTICS: Final = Topic(
-    "/diagnostics", DiagnosticArray, "health of the node", 1.0, qos.DIAGNOSTICS, qos.DIAGNOSTICS
+    topic_names.DIAGNOSTICS,
+    DiagnosticArray,
+    "health of the node",
+    1.0,
+    qos.DIAGNOSTICS,
+    qos.DIAGNOSTICS,
 )
 CLOCK: Final = Topic(
-    "/clock", Clock, "simulated time", SAMPLE_RATE, qos.DIAGNOSTICS, qos.SENSOR_SUBSCRIBER
+    topic_names.CLOCK, Clock, "simulated time", SAMPLE_RATE, qos.DIAGNOSTICS, qos.SENSOR_SUBSCRIBER
 )
 
 #: what a bag needs to compare a model with a measurement
