@@ -13,6 +13,7 @@ from random import Random
 from typing import Any, NamedTuple
 
 import yaml
+from er_bringup.cores import entry
 from er_plant_sim.build import build
 from er_plant_sim.duty_gate import Command
 from er_plant_sim.settings import PlantParameters
@@ -21,9 +22,6 @@ from er_ros_common.core import Core, When
 from er_ros_common.injection import Channel, asked, through
 from er_ros_common.stamps import CLOCK_STEP
 
-from er_ftc_controller import ros_core as controllers
-from er_observers import ros_core as observers
-from er_observers import ros_faults as faults
 from er_plant_sim import rig as plant
 from er_plant_sim import ros_msgs
 from er_ros_common import topics
@@ -61,7 +59,7 @@ def node_file(name: str) -> dict[str, Any]:
 @lru_cache(maxsize=16)
 def core(name: str) -> Core:
     """The core of a node with the parameters of its file; it keeps nothing between messages."""
-    table, make = {**observers.CORES, **controllers.CORES, **faults.CORES}[name]
+    table, make = entry(name)
     given: dict[str, Any] = {}
     if name.endswith("_observer"):
         gains = name.removesuffix("_observer")

@@ -9,7 +9,12 @@ from typing import Any
 from er_models.errors import UnknownName
 from er_ros_common.core import Core
 
-MODULES = ("er_observers.ros_core", "er_observers.ros_faults", "er_ftc_controller.ros_core")
+MODULES = (
+    "er_observers.ros_core",
+    "er_observers.ros_faults",
+    "er_ftc_controller.ros_skyhook",
+    "er_ftc_controller.ros_ftc",
+)
 """Each holds `CORES`: executable to (dataclass of its parameters, maker of the core)."""
 
 Entry = tuple[type[Any], Callable[[Any], Core]]

@@ -160,3 +160,6 @@ class SkyhookCore:
         state = state._replace(mind=mind, last=tick, safe=False, heard=when.steady)
         message = builders.pwm_duty(tick, command.duty, source=PwmDuty.SOURCE_NOMINAL)
         return state, [(topics.PWM_COMMAND, message)]
+
+
+CORES = {"skyhook_controller": (SkyhookParameters, SkyhookCore)}

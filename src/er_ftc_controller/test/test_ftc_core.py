@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 import yaml
 from er_ftc_controller.nodes.ftc_controller import FtcController
-from er_ftc_controller.ros_core import FtcCore, State, faults_of
+from er_ftc_controller.ros_ftc import FtcCore, State, faults_of
 from er_ftc_controller.settings import FtcParameters
 from er_ros_common.builders import (
     Tick,

@@ -16,7 +16,7 @@ from er_ros_common.spin import Executable, run
 
 from er_damper_msgs.msg import NodeStatus
 from er_ftc_controller.control import Mode
-from er_ftc_controller.ros_core import FtcCore
+from er_ftc_controller.ros_ftc import FtcCore
 from er_ftc_controller.settings import FtcParameters
 from er_ros_common import topics
 

@@ -23,7 +23,6 @@ from er_ftc_controller.align import Aligner
 from er_ftc_controller.control import Command, Faults, Mode, Sample
 from er_ftc_controller.gains import load_gains
 from er_ftc_controller.opinion import opinion
-from er_ftc_controller.ros_skyhook import SkyhookCore, SkyhookParameters
 from er_ftc_controller.settings import FtcParameters, controller_of
 from er_ros_common import builders, topics
 
@@ -218,7 +217,4 @@ def _command(tick: Tick, command: Command) -> Said:
     return topics.PWM_COMMAND, message
 
 
-CORES = {
-    "ftc_controller": (FtcParameters, FtcCore),
-    "skyhook_controller": (SkyhookParameters, SkyhookCore),
-}
+CORES = {"ftc_controller": (FtcParameters, FtcCore)}
