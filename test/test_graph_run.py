@@ -16,7 +16,7 @@ pytest.importorskip("rclpy")
 
 from er_bringup.played import core_of, opened, play
 from er_models.files import load_model
-from er_observers.observers.known import OBSERVERS
+from er_ros_common.topic_names import OBSERVERS
 from rosbags.highlevel import AnyReader
 
 from test.graph_help import VEHICLE, Graph, own_domain

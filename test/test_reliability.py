@@ -148,7 +148,7 @@ def test_a_stuck_accelerometer_r3(field: str) -> None:
     assert bus.states[NAMES[0]].unusable == 0
     bus.inject(f"{SAMPLE}.{field}", Kind.STUCK)
     bus.run(0.5)
-    lost = first(after(bus, topics.FORCE_UNIFIED.name, 5.0), DamperForce.STATUS_LOST)
+    lost = first(after(bus, topics.FORCE_BY["unified"].name, 5.0), DamperForce.STATUS_LOST)
     assert lost - 5.0 <= 0.150 + 0.055
     assert bus.log[topics.PWM_APPLIED.name][-1].message.duty == PASSIVE_SAFE
 
@@ -175,7 +175,7 @@ def test_a_wrong_accelerometer_is_doubted_r4(kind: Kind, value: float) -> None:
     bus.run(1.0)
     doubt = [
         a.t
-        for a in after(bus, topics.FORCE_UNIFIED.name, 3.0)
+        for a in after(bus, topics.FORCE_BY["unified"].name, 3.0)
         if a.message.status != DamperForce.STATUS_OK
     ]
     assert doubt[0] - 3.0 <= 0.5
@@ -203,8 +203,10 @@ def test_a_lie_of_three_samples_leaves_no_trace_r5() -> None:
     bad.between = lie
     for bus in (good, bad):
         bus.run(4.0)
-    a, b = (each.log[topics.FORCE_UNIFIED.name][-1].message for each in (good, bad))
-    assert all(math.isfinite(each.message.force) for each in bad.log[topics.FORCE_UNIFIED.name])
+    a, b = (each.log[topics.FORCE_BY["unified"].name][-1].message for each in (good, bad))
+    assert all(
+        math.isfinite(each.message.force) for each in bad.log[topics.FORCE_BY["unified"].name]
+    )
     assert (b.status, b.valid) == (DamperForce.STATUS_OK, True)
     assert b.force == pytest.approx(a.force, abs=0.5)
 
@@ -236,7 +238,7 @@ def test_old_and_future_stamps_are_not_used_r7_r8(name: str, skew: int) -> None:
     bus.run(0.5)
     stamps = bus.states[name].stamps
     assert (stamps.stale if skew < 0 else stamps.future) >= 99
-    assert after(bus, topics.FORCE_UNIFIED.name, 1.2) == [] if skew > 0 else True
+    assert after(bus, topics.FORCE_BY["unified"].name, 1.2) == [] if skew > 0 else True
     assert bus.log[topics.PWM_APPLIED.name][-1].message.duty == PASSIVE_SAFE
 
 

@@ -225,13 +225,14 @@ def test_an_observer_takes_the_deflection_sensor_its_gains_ask_for(
 ) -> None:
     """Played, it says bit for bit what its pure step says; the deflection of a tick comes after its accelerations."""
     from er_models.files import load_model
-    from er_observers.observers import nlpv_polytopic as observer
+    from er_observers.observers import runtime as observer
+    from er_observers.observers.ready import ready
 
     heard = (topics.ACCELERATION, topics.DEFLECTION, topics.PWM_APPLIED)
     ticks: dict[int, dict[str, Any]] = {}
     for topic, m, _ in played.opened(bag).messages({f"/{topic.name}": topic for topic in heard}):
         ticks.setdefault(m.seq, {})[topic.name] = m
-    gains = observer.load_gains(seeing, load_model(replay_golden.VEHICLE))
+    gains = ready(seeing, load_model(replay_golden.VEHICLE), "nlpv_polytopic")
     state, forces = None, []
     for seq, tick in sorted(ticks.items()):
         a, x, u = (tick[topic.name] for topic in heard)

@@ -21,6 +21,7 @@ from er_ros_common.builders import Tick
 from er_ros_common.core import Core, When
 from er_ros_common.injection import Channel, asked, through
 from er_ros_common.stamps import CLOCK_STEP
+from er_ros_common.topic_names import OBSERVERS
 
 from er_plant_sim import rig as plant
 from er_plant_sim import ros_msgs
@@ -32,7 +33,7 @@ STEADY, SYSTEM = 1000 * SECOND, 1_700_000_000 * SECOND
 """Readings of both clocks at the start."""
 WATCH = 5_000_000
 """How often nodes look at the silence of their inputs [ns]; those of a real graph do every 5 or 10 ms."""
-NAMES = ("unified_observer", "nlpv_polytopic_observer", "nlpv_gridding_observer")
+NAMES = tuple(f"{name}_observer" for name in OBSERVERS)
 UNITS = {
     topics.ACCELERATION.name: ("sprung", "unsprung"),
     topics.DEFLECTION.name: ("deflection", "velocity"),

@@ -62,7 +62,7 @@ def delays(unit: str, kind: Kind, value: float, seed: int) -> Delays:
         times = (h.t for h in bus.log[topic] if h.t >= SETTLED and wanted(h.message))
         return next(times, math.inf) - SETTLED
 
-    force, duty = topics.FORCE_UNIFIED.name, topics.PWM_APPLIED.name
+    force, duty = topics.FORCE_BY["unified"].name, topics.PWM_APPLIED.name
     return Delays(
         since(force, lambda m: m.status != DamperForce.STATUS_OK),
         since(force, lambda m: not m.valid),
@@ -101,7 +101,7 @@ def alarms(seconds: int) -> tuple[int, int, int]:
         for log in bus.log.values():
             log.clear()
         bus.run(1.0)
-        invalid += sum(not h.message.valid for h in bus.log[topics.FORCE_UNIFIED.name])
+        invalid += sum(not h.message.valid for h in bus.log[topics.FORCE_BY["unified"].name])
         safe += sum(
             h.message.source == PwmDuty.SOURCE_SAFE for h in bus.log[topics.PWM_APPLIED.name]
         )

@@ -23,7 +23,7 @@ COMPILED = 300.0
 NUMBERS = {
     topics.PWM_APPLIED.name: ("duty",),
     topics.PWM_COMMAND.name: ("duty",),
-    topics.FORCE_UNIFIED.name: ("force", "force_sd", "test_ratio"),
+    topics.FORCE_BY["unified"].name: ("force", "force_sd", "test_ratio"),
 }
 
 
@@ -48,7 +48,7 @@ class Listener:
         self.impossible: list[str] = []
         self.ages: list[float] = []
         self.nominal, self.good = -math.inf, -math.inf
-        for topic in (topics.PWM_APPLIED, topics.PWM_COMMAND, topics.FORCE_UNIFIED):
+        for topic in (topics.PWM_APPLIED, topics.PWM_COMMAND, topics.FORCE_BY["unified"]):
             self.node.create_subscription(topic.type, topic.name, self._heard(topic), 100)
         self.refused = dict.fromkeys(NODES, 0)
         for name in NODES:
@@ -76,7 +76,7 @@ class Listener:
                     self.impossible.append(f"{topic.name} {field} {getattr(message, field)}")
             if topic is topics.PWM_APPLIED:
                 self._duty(message, now)
-            elif topic is topics.FORCE_UNIFIED and message.valid:
+            elif topic is topics.FORCE_BY["unified"] and message.valid:
                 self.good = now
 
         return call

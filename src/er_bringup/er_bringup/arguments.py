@@ -6,7 +6,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from er_observers.names import OBSERVERS
+from er_ros_common.topic_names import OBSERVERS
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from er_observers.names import OBSERVERS as NAMES
-
 from er_ros_common import topic_names
 
 PUBLISHED = {
@@ -56,7 +54,7 @@ OBSERVERS = {
         ("acceleration", "applied"),
         topic_names.estimated_force(name),
     )
-    for name in NAMES
+    for name in topic_names.OBSERVERS
 }
 FAULTS = Role(
     "er_observers", "fault_estimator", ("acceleration", "deflection", "applied"), topic_names.FAULT

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 from er_models.constants import SAMPLE_RATE
-from er_observers.names import OBSERVERS
 from er_ros_common.builders import Tick
 from er_ros_common.clock import LAST_SECOND, from_stamp
 from er_ros_common.common_parameters import NodeParameters, oldest_sample, silence
@@ -54,7 +53,7 @@ class JointParameters(NodeParameters):
     joint: str = param("damper", text="name of the joint in the URDF")
     force_topic: str = param(
         "measured",
-        choices=("measured", *OBSERVERS),
+        choices=("measured", *topics.FORCE_BY),
         text="force that is reported as effort: the measured one (rig) or an observer's (car)",
     )
     timeout: float = param(
@@ -93,8 +92,7 @@ class JointCore:
 
     def __init__(self, p: JointParameters) -> None:
         self.p = p
-        estimates = {topic.name.rpartition("/")[2]: topic for topic in topics.ESTIMATES}
-        self.force = estimates.get(p.force_topic, topics.FORCE)
+        self.force = topics.FORCE_BY.get(p.force_topic, topics.FORCE)
         self.inputs = (topics.DEFLECTION, self.force, COMMANDS)
         self.limits = StampLimits(stale=p.max_age)
 

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from er_ros_common.common_parameters import NodeParameters, awaited_listeners, oldest_sample
 from er_ros_common.parameter_table import REQUIRED, param
 
-from er_observers.names import OBSERVERS
 from er_ros_common import topic_names
 
 NONE, MEASURED = "none", "measured"
-SOURCES = (NONE, MEASURED, *map(topic_names.estimated_force, OBSERVERS))
+SOURCES = (NONE, MEASURED, *map(topic_names.estimated_force, topic_names.OBSERVERS))
 
 
 @dataclass(frozen=True, kw_only=True)

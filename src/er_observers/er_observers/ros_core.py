@@ -19,7 +19,6 @@ from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import DamperForce
 from er_observers.feed import Feed, Joined, Motion, feed_of, on_deflection, on_duty, on_motion
-from er_observers.observers import nlpv_gridding, nlpv_polytopic, unified
 from er_observers.observers import runtime as observer
 from er_observers.observers.ready import ready
 from er_observers.observers.status import LIMITS, Status
@@ -32,11 +31,6 @@ ON_THE_WIRE = {
     Status.DEGRADED: DamperForce.STATUS_DEGRADED,
     Status.WEAK: DamperForce.STATUS_DEGRADED,
     Status.INVALID: DamperForce.STATUS_LOST,
-}
-OUTPUTS = {
-    unified.NAME: topics.FORCE_UNIFIED,
-    nlpv_polytopic.NAME: topics.FORCE_POLYTOPIC,
-    nlpv_gridding.NAME: topics.FORCE_GRIDDING,
 }
 
 
@@ -78,7 +72,7 @@ class ObserverCore:
     usual = (topics.ACCELERATION, topics.PWM_APPLIED)
 
     def __init__(self, name: str, p: ObserverParameters) -> None:
-        self.p, self.topic = p, OUTPUTS[name]
+        self.p, self.topic = p, topics.FORCE_BY[name]
         self.outputs = (self.topic,)
         model = load_model(p.model_file)
         gains = ready(p.gains_file, model, name)
@@ -188,4 +182,7 @@ def _message(tick: Tick, e: observer.Estimate) -> DamperForce:
     )
 
 
-CORES = {f"{name}_observer": (ObserverParameters, partial(ObserverCore, name)) for name in OUTPUTS}
+CORES = {
+    f"{name}_observer": (ObserverParameters, partial(ObserverCore, name))
+    for name in topics.FORCE_BY
+}

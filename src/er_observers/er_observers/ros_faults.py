@@ -34,7 +34,7 @@ ON_THE_WIRE = {
     Status.UNEXPLAINED: FaultEstimate.STATUS_DEGRADED,
     Status.INVALID: FaultEstimate.STATUS_LOST,
 }
-_FORCES = {topic.name: topic for topic in topics.ESTIMATES if topic is not topics.FAULT}
+_FORCES = {topic.name: topic for topic in topics.FORCE_BY.values()}
 _PARTS = {
     topics.ACCELERATION.name: gather.ACCELERATION,
     topics.DEFLECTION.name: gather.DEFLECTION,

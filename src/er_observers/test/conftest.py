@@ -12,7 +12,8 @@ from er_models.files import load_model
 from er_models.model import Model
 from er_models.simulate import simulate
 from er_observers.gains import Gains
-from er_observers.observers.nlpv_polytopic import Sample, load_gains
+from er_observers.observers.ready import ready
+from er_observers.observers.runtime import Sample
 from er_observers.synthesis.certify import Certificate
 from er_observers.synthesis.make import Wish, make
 from er_observers.synthesis.proof import Claim
@@ -42,7 +43,7 @@ def car(car_file: Path) -> Model:
 @pytest.fixture(scope="session")
 def gains(car: Model, gain_file: Path) -> Gains:
     """The committed gains, loaded."""
-    return load_gains(gain_file, car)
+    return ready(gain_file, car, "nlpv_polytopic")
 
 
 @pytest.fixture(scope="session")

@@ -110,4 +110,4 @@ def test_an_observed_force_needs_its_deviation(car_file: Path) -> None:
     with pytest.raises(InputError, match=r"force_noise: expected the deviation of force/unified"):
         FaultCore(FaultParameters(**given))
     core = FaultCore(FaultParameters(**given, force_noise=0.5))
-    assert core.inputs[-1] is topics.FORCE_UNIFIED
+    assert core.inputs[-1] is topics.FORCE_BY["unified"]

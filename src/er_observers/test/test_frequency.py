@@ -12,15 +12,16 @@ from er_observers.frequency import command
 from er_observers.frequency.figures import FIGURES, responses
 from er_observers.frequency.responses import HERTZ, outputs, respond
 from er_observers.gains import Gains
-from er_observers.observers.known import OBSERVERS
+from er_observers.observers.ready import ready
 from er_observers.synth import app
+from er_ros_common.topic_names import OBSERVERS
 from typer.testing import CliRunner
 
 
 @pytest.fixture(scope="module")
 def every(car: Model, gain_file: Path) -> dict[str, Gains]:
     """The committed gains of all observers."""
-    return {name: load(gain_file.parent / f"{name}.yaml", car) for name, load in OBSERVERS.items()}
+    return {name: ready(gain_file.parent / f"{name}.yaml", car, name) for name in OBSERVERS}
 
 
 def test_static_error_of_the_gate_is_that_of_any_gain(every: dict[str, Gains]) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from er_models.model import Model
-from er_observers.observers.nlpv_polytopic import load_gains
+from er_observers.observers.ready import ready
 from er_observers.synth import app
 from typer.testing import CliRunner
 
@@ -25,7 +25,7 @@ def test_writes_gains_that_load(
     assert result.exit_code == 0, result.output
     for word in ("gamma", "sweep", "margin", "poles", "decay"):
         assert word in result.output
-    assert load_gains(out, car).figures["slowest"] < -0.5
+    assert ready(out, car, "nlpv_polytopic").figures["slowest"] < -0.5
     monkeypatch.setattr(synth, "SCENARIOS", synth.SCENARIOS[:1])
     shown = CliRunner().invoke(app, ["evaluate", "--model", str(car_file), "--gains", str(out)])
     assert shown.exit_code == 0, shown.output

@@ -21,7 +21,7 @@ from er_observers.observers.evaluate import (
     noisy,
     replay,
 )
-from er_observers.observers.nlpv_polytopic import load_gains
+from er_observers.observers.ready import ready
 from er_observers.observers.status import Status
 from er_observers.synth_tables import figures
 from er_observers.synthesis.make import Wish, make
@@ -120,7 +120,7 @@ def test_a_deflection_sensor_ends_the_weakness(car: Model, tmp_path: Path) -> No
     claim, certificate = make("nlpv_polytopic", car, Wish(deflection=1e-3))
     notes = {"certificate": figures(certificate), "solver": {"name": "Clarabel", "version": "0"}}
     save_gains(tmp_path / "gains.yaml", "nlpv_polytopic", car, claim, notes)
-    gains = load_gains(tmp_path / "gains.yaml", car)
+    gains = ready(tmp_path / "gains.yaml", car, "nlpv_polytopic")
     assert gains.sees_deflection
     stiff = replace(CHIRP, program=replace(CHIRP.program, duty={"kind": "constant", "level": 1.0}))
     score = evaluate(car, gains, stiff)

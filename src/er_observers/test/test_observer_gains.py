@@ -15,11 +15,11 @@ from er_models.gain_file import digest
 from er_models.model import Model
 from er_observers.gains import Gains, observer_of, save_gains
 from er_observers.observers.evaluate import SCENARIOS, evaluate
-from er_observers.observers.known import OBSERVERS
-from er_observers.observers.nlpv_polytopic import NAME, load_gains
+from er_observers.observers.ready import ready
 from er_observers.synth_tables import figures
 from er_observers.synthesis.certify import Certificate
 from er_observers.synthesis.proof import Claim
+from er_ros_common.topic_names import OBSERVERS
 
 Made = tuple[Claim, Certificate]
 REMAKE = (
@@ -32,13 +32,13 @@ REMAKE = (
 def write(path: Path, car: Model, made: Made) -> None:
     """A gain file as the command writes it."""
     notes = {"certificate": figures(made[1]), "solver": {"name": "Clarabel", "version": "0"}}
-    save_gains(path, NAME, car, made[0], notes)
+    save_gains(path, "nlpv_polytopic", car, made[0], notes)
 
 
 def refusal(path: Path, car: Model) -> str:
     """The one line of the refusal."""
     with pytest.raises(InputError) as error:
-        load_gains(path, car)
+        ready(path, car, "nlpv_polytopic")
     text = str(error.value)
     assert "\n" not in text
     assert str(path) in text
@@ -54,7 +54,7 @@ def test_committed_gains_fit_the_committed_model(
     Gains themselves may differ in flat directions of the optimum from one processor to another.
     """
     try:
-        gains = load_gains(gain_file, car)
+        gains = ready(gain_file, car, "nlpv_polytopic")
     except InputError as error:
         pytest.fail(f"{REMAKE}\n({error})")
     fresh = synthesis[0].solution
@@ -69,7 +69,7 @@ def test_round_trip_is_exact(car: Model, synthesis: Made, tmp_path: Path) -> Non
     write(first, car, synthesis)
     write(second, car, synthesis)
     assert first.read_bytes() == second.read_bytes()
-    claim = load_gains(first, car).claim
+    claim = ready(first, car, "nlpv_polytopic").claim
     np.testing.assert_array_equal(claim.solution.L, synthesis[0].solution.L)
     np.testing.assert_array_equal(claim.solution.P, synthesis[0].solution.P)
     assert claim.spec.rho == synthesis[0].spec.rho
@@ -86,7 +86,9 @@ def test_model_with_other_matrices_is_refused(car: Model, gain_file: Path) -> No
 
 def test_name_and_envelope_of_the_model_do_not_matter(car: Model, gain_file: Path) -> None:
     """Gains belong to matrices."""
-    assert load_gains(gain_file, replace(car, name="renamed", rig={})).model == "renamed"
+    assert (
+        ready(gain_file, replace(car, name="renamed", rig={}), "nlpv_polytopic").model == "renamed"
+    )
 
 
 def _scale(section: str, key: str, factor: float) -> Callable[[dict[str, Any]], None]:
@@ -188,7 +190,7 @@ def test_every_committed_observer_follows_the_force(
     car: Model, gain_file: Path, name: str
 ) -> None:
     """The three gain files fit the model; each is below half a per cent on a rough road."""
-    gains = OBSERVERS[name](gain_file.parent / f"{name}.yaml", car)
+    gains = ready(gain_file.parent / f"{name}.yaml", car, name)
     score = evaluate(car, gains, SCENARIOS[5])
     assert score.nrmse < 0.005
     assert score.first_ok is not None
@@ -206,4 +208,4 @@ def test_a_law_whose_error_follows_the_state_is_refused(
     path = tmp_path / "edited.yaml"
     path.write_text(yaml.safe_dump(content), encoding="utf-8")
     with pytest.raises(InputError, match="a residual of"):
-        OBSERVERS["unified"](path, car)
+        ready(path, car, "unified")

@@ -10,7 +10,7 @@ import pytest
 from er_models.model import Model
 from er_observers.forms import form_of
 from er_observers.law import luenberger
-from er_observers.observers.nlpv_gridding import load_gains as nlpv_gridding_gains
+from er_observers.observers.ready import ready
 from er_observers.synthesis import lmi, nlpv_gridding
 from er_observers.synthesis.family import luenberger_family
 from er_observers.synthesis.proof import Claim, gaps, prove
@@ -22,7 +22,7 @@ from er_observers.synthesis.vertices import vertex_gain
 @pytest.fixture(scope="module")
 def claim(car: Model, gain_file: Path) -> Claim:
     """The committed gains."""
-    return nlpv_gridding_gains(gain_file.parent / "nlpv_gridding.yaml", car).claim
+    return ready(gain_file.parent / "nlpv_gridding.yaml", car, "nlpv_gridding").claim
 
 
 def test_proved_for_every_duty_and_both_kinds_of_change(claim: Claim) -> None:

@@ -11,10 +11,11 @@ from er_observers.gains import Gains
 from er_observers.observers.compiled import compiled, digest_of
 from er_observers.observers.gate import gate_of, mean_gate, slopes_of, solve_gate
 from er_observers.observers.kernel import SUBSTEP, advance, substeps
-from er_observers.observers.known import OBSERVERS
 from er_observers.observers.phi import phi_functions
+from er_observers.observers.ready import ready
 from er_observers.observers.table import NEARLY, substep_matrix, table_of
 from er_observers.synthesis.discrete import looked_up
+from er_ros_common.topic_names import OBSERVERS
 from scipy.integrate import quad, solve_ivp
 from scipy.linalg import expm
 
@@ -102,7 +103,7 @@ def test_the_table_is_as_near_to_the_law_as_it_says(
     car: Model, gain_file: Path, name: str
 ) -> None:
     """What is looked up at random duties, against the law's own substep and one sample made anew."""
-    gains = OBSERVERS[name](gain_file.parent / f"{name}.yaml", car)
+    gains = ready(gain_file.parent / f"{name}.yaml", car, name)
     claim, random = gains.claim, np.random.default_rng(7)
     law, z, table = claim.solution.law, claim.sizes, looked_up(claim)
     weights = np.concatenate([np.ones(law.order), claim.scaling.output, claim.scaling.output, [1]])

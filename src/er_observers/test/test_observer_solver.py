@@ -7,7 +7,7 @@ import sys
 import cvxpy as cp
 import numpy as np
 import pytest
-from er_observers.observers.nlpv_polytopic import load_gains
+from er_observers.observers.ready import ready
 from er_observers.synthesis import solver
 from er_observers.synthesis.solver import ATTEMPTS, SOLVER, run
 
@@ -85,6 +85,6 @@ def test_other_processors_find_the_same_observer(kernels, car, car_file, gains, 
     chosen = {**os.environ, "OPENBLAS_CORETYPE": kernels}
     done = subprocess.run(command, env=chosen, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    found = load_gains(out, car)
+    found = ready(out, car, "nlpv_polytopic")
     assert found.claim.solution.gamma == pytest.approx(gains.claim.solution.gamma, rel=1e-3)
     assert found.watch.pace == pytest.approx(gains.watch.pace, rel=0.02)

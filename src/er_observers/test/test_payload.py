@@ -13,12 +13,14 @@ from er_models.model import Array, Model
 from er_observers.compare.nrmse import nrmse
 from er_observers.forms import form_of
 from er_observers.gains import Gains
-from er_observers.observers import nlpv_gridding, nlpv_polytopic, payload, unified
+from er_observers.observers import payload
 from er_observers.observers.payload import Payload, Verdict
+from er_observers.observers.ready import ready
 from er_observers.observers.runtime import Estimate, Sample, State, payload_of, start, step
 from er_observers.scenarios.drive import drive
 from er_observers.scenarios.files import load_scenario
 from er_observers.scenarios.scenario import Plant
+from er_ros_common.topic_names import OBSERVERS
 
 DT = 0.005
 CONFIG = Path(__file__).resolve().parents[3] / "config"
@@ -65,11 +67,11 @@ def error(record: Mapping[str, Array], told: list[Estimate]) -> float:
     return nrmse(record["damper_force"][rows], np.array([e.force for e in told])[rows])
 
 
-@pytest.mark.parametrize("observer", [nlpv_polytopic, nlpv_gridding, unified])
+@pytest.mark.parametrize("observer", OBSERVERS)
 def test_a_heavier_body_is_found_and_followed(car, hidden, observer) -> None:
     """Twenty per cent: found within 3 %, and the error of the force is that of a right model."""
     gains, record = (
-        observer.load_gains(CONFIG / "gains" / f"{observer.NAME}.yaml", car),
+        ready(CONFIG / "gains" / f"{observer}.yaml", car, observer),
         hidden(HEAVY),
     )
     state, told = run(gains, samples_of(record))
@@ -83,10 +85,10 @@ def test_a_heavier_body_is_found_and_followed(car, hidden, observer) -> None:
     assert before > 0.02
 
 
-@pytest.mark.parametrize("observer", [nlpv_polytopic, nlpv_gridding, unified])
+@pytest.mark.parametrize("observer", OBSERVERS)
 def test_asymmetric_damping_is_found_and_followed(car, hidden, observer) -> None:
     """A fifth more in extension than on average, with a load and without: each is found for itself."""
-    gains = observer.load_gains(CONFIG / "gains" / f"{observer.NAME}.yaml", car)
+    gains = ready(CONFIG / "gains" / f"{observer}.yaml", car, observer)
     effects = {"asymmetric_damping": {"c_a": 0.2 * car.effects["passive"]["c0"]}}
     for load in (0.0, 0.2):
         record = hidden(effects | ({"sprung_mass_error": {"e": load}} if load else {}))
@@ -100,13 +102,13 @@ def test_asymmetric_damping_is_found_and_followed(car, hidden, observer) -> None
         assert error(record, told) < 0.35 * before
 
 
-@pytest.mark.parametrize("observer", [nlpv_polytopic, nlpv_gridding, unified])
+@pytest.mark.parametrize("observer", OBSERVERS)
 def test_the_widest_asymmetry_is_stable(car, observer) -> None:
     """Small gain: an error of the velocity comes back smaller, at any duty and frozen slope of the gate.
 
     And in the loop that runs, two starts meet at the widest asymmetry, whatever the duty does.
     """
-    gains = observer.load_gains(CONFIG / "gains" / f"{observer.NAME}.yaml", car)
+    gains = ready(CONFIG / "gains" / f"{observer}.yaml", car, observer)
     peak = gain_of_asymmetry(gains)
     assert 0.5 < peak < 1.0 / payload.WIDEST
     random = np.random.default_rng(2)
@@ -167,12 +169,10 @@ def test_what_is_no_mass_is_not_taken_for_one(gains: Gains, hidden, effects) -> 
     assert told == run(replace(gains, payload=False), samples_of(record))[1]
 
 
-@pytest.mark.parametrize("observer", [nlpv_polytopic, nlpv_gridding, unified])
+@pytest.mark.parametrize("observer", OBSERVERS)
 def test_a_wrong_start_teaches_nothing(car, hidden, observer) -> None:
     """The proved gain alone, 10 mm wrong: no load is made of what it still forgets, and a true one is found after."""
-    gains = replace(
-        observer.load_gains(CONFIG / "gains" / f"{observer.NAME}.yaml", car), opening=None
-    )
+    gains = replace(ready(CONFIG / "gains" / f"{observer}.yaml", car, observer), opening=None)
     x = np.array([0.01, 0.0, 0.001, 5.0])
     right = samples_of(hidden({}))
     assert run(gains, right, x)[1] == run(replace(gains, payload=False), right, x)[1]

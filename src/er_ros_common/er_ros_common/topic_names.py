@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Final
 
 ACCELERATION: Final = "sensors/acceleration"
@@ -13,8 +15,16 @@ PWM_COMMAND: Final = "pwm/command"
 FAULT: Final = "fault/estimate"
 DIAGNOSTICS: Final = "/diagnostics"
 CLOCK: Final = "/clock"
+OBSERVERS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "unified": "unified",
+        "nlpv_polytopic": "NLPV polytopic",
+        "nlpv_gridding": "NLPV gridding",
+    }
+)
+"""Observers of the damper force: name and title. Theorem, gains, node and topic of each are found by the name."""
 
 
 def estimated_force(observer: str) -> str:
-    """Where the observer of a name says its damper force."""
+    """Where an observer of `OBSERVERS` says its damper force."""
     return f"force/{observer}"

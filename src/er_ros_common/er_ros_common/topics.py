@@ -79,13 +79,13 @@ PWM_COMMAND: Final = Topic(
     qos.COMMAND_PUBLISHER,
     qos.COMMAND,
 )
-FORCE_UNIFIED: Final = _sensor("force/unified", DamperForce, "force of the unified observer [N]")
-FORCE_POLYTOPIC: Final = _sensor(
-    "force/nlpv_polytopic", DamperForce, "force of the polytopic NLPV observer [N]"
-)
-FORCE_GRIDDING: Final = _sensor(
-    "force/nlpv_gridding", DamperForce, "force of the gridding NLPV observer [N]"
-)
+FORCE_BY: Final = {
+    name: _sensor(
+        topic_names.estimated_force(name), DamperForce, f"force of the {title} observer [N]"
+    )
+    for name, title in topic_names.OBSERVERS.items()
+}
+"""Estimated forces, by observer."""
 FAULT: Final = replace(
     _sensor(topic_names.FAULT, FaultEstimate, "effectiveness f1, f2, f3 [1]"), every_tick=False
 )
@@ -113,4 +113,4 @@ CLOCK: Final = Topic(
 
 #: what a bag needs to compare a model with a measurement
 MEASUREMENTS: Final = (ACCELERATION, DEFLECTION, FORCE, ROAD, PWM_COMMAND, PWM_APPLIED)
-ESTIMATES: Final = (FORCE_UNIFIED, FORCE_POLYTOPIC, FORCE_GRIDDING, FAULT)
+ESTIMATES: Final = (*FORCE_BY.values(), FAULT)

@@ -30,7 +30,7 @@ class Page(NamedTuple):
     panels: tuple[Panel, ...]
 
 
-_FORCES = (topics.FORCE, topics.FORCE_UNIFIED, topics.FORCE_POLYTOPIC, topics.FORCE_GRIDDING)
+_FORCES = (topics.FORCE, *topics.FORCE_BY.values())
 _FACTORS = ("f1", "f2", "f3")
 
 PAGES = (

@@ -9,9 +9,10 @@ from typing import Any
 
 from er_models.linear import LinearForm
 from er_models.model import Array, Model
+from er_ros_common.topic_names import OBSERVERS
 
-from er_observers.observers import nlpv_gridding, nlpv_polytopic, unified
-from er_observers.observers.runtime import Estimate, Sample
+from er_observers.observers.ready import ready
+from er_observers.observers.runtime import Estimate, Sample, start, step
 from er_observers.peers import kalman
 
 Start = Callable[[Any, Sample, Array | None], Any]
@@ -34,11 +35,8 @@ class Estimator:
     form: LinearForm
 
 
-_OURS = (
-    ("nlpv_polytopic", "NLPV polytopic", nlpv_polytopic),
-    ("nlpv_gridding", "NLPV gridding", nlpv_gridding),
-    ("unified", "unified", unified),
-)
+_OURS = sorted(OBSERVERS, key=lambda name: name == "unified")
+"""The unified observer last, as in the thesis's tables."""
 
 
 def estimators_of(model: Model, gains: str | Path) -> tuple[Estimator, ...]:
@@ -47,13 +45,11 @@ def estimators_of(model: Model, gains: str | Path) -> tuple[Estimator, ...]:
     Raises `InputError` when a gain file does not belong to the model.
     """
     found = []
-    for name, title, module in _OURS:
+    for name in _OURS:
         path = Path(gains) / f"{name}.yaml"
         if path.exists():
-            loaded = module.load_gains(path, model)
-            found.append(
-                Estimator(name, title, True, loaded, module.start, module.step, loaded.form)
-            )
+            loaded = ready(path, model, name)
+            found.append(Estimator(name, OBSERVERS[name], True, loaded, start, step, loaded.form))
     for name, kind in kalman.KINDS.items():
         made = kalman.make(name, model)
         found.append(

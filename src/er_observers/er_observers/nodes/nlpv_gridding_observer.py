@@ -1,4 +1,4 @@
-"""The nlpv_gridding observer node; the estimate is `er_observers.observers.nlpv_gridding`."""
+"""The NLPV gridding observer node; its gains are those of the theorem `er_observers.synthesis.nlpv_gridding`."""
 
 from __future__ import annotations
 
@@ -7,11 +7,9 @@ import sys
 from er_ros_common.spin import run
 
 from er_observers.nodes.shell import node_of
-from er_observers.observers.nlpv_gridding import NAME
-from er_ros_common import topics
 
 TEXT = "Damper force from two accelerometers: NLPV observer with gains on a grid of duties."
-NODE = node_of(NAME, topics.FORCE_GRIDDING, TEXT)
+NODE = node_of("nlpv_gridding", TEXT)
 
 
 def main() -> None:

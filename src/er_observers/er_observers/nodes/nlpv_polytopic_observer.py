@@ -1,4 +1,4 @@
-"""The nlpv_polytopic observer node; the estimate is `er_observers.observers.nlpv_polytopic`."""
+"""The NLPV polytopic observer node; its gains are those of the theorem `er_observers.synthesis.nlpv_polytopic`."""
 
 from __future__ import annotations
 
@@ -7,11 +7,9 @@ import sys
 from er_ros_common.spin import run
 
 from er_observers.nodes.shell import node_of
-from er_observers.observers.nlpv_polytopic import NAME
-from er_ros_common import topics
 
 TEXT = "Damper force from two accelerometers: NLPV observer with constant Lyapunov function."
-NODE = node_of(NAME, topics.FORCE_POLYTOPIC, TEXT)
+NODE = node_of("nlpv_polytopic", TEXT)
 
 
 def main() -> None:

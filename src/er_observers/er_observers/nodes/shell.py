@@ -87,7 +87,7 @@ class ObserverNode(CoreNode):
         )
 
 
-def card(name: str, topic: topics.Topic, text: str) -> Card:
+def card(name: str, text: str) -> Card:
     """What the node called `name`_observer is, for its `--help`."""
     return Card(
         package="er_observers",
@@ -95,10 +95,10 @@ def card(name: str, topic: topics.Topic, text: str) -> Card:
         text=text,
         parameters=ObserverParameters,
         subscribes=ObserverCore.usual,
-        publishes=(topic, GAIN_INFO, topics.STATUS, topics.DIAGNOSTICS),
+        publishes=(topics.FORCE_BY[name], GAIN_INFO, topics.STATUS, topics.DIAGNOSTICS),
     )
 
 
-def node_of(name: str, topic: topics.Topic, text: str) -> Executable:
-    """The program of one observer."""
-    return Executable(partial(ObserverNode, name), card(name, topic, text))
+def node_of(name: str, text: str) -> Executable:
+    """The program of one observer; text: what it is, in a sentence."""
+    return Executable(partial(ObserverNode, name), card(name, text))

@@ -1,4 +1,4 @@
-"""The unified observer node; the estimate is `er_observers.observers.unified`."""
+"""The unified observer node; its gains are those of the theorem `er_observers.synthesis.unified`."""
 
 from __future__ import annotations
 
@@ -7,11 +7,9 @@ import sys
 from er_ros_common.spin import run
 
 from er_observers.nodes.shell import node_of
-from er_observers.observers.unified import NAME
-from er_ros_common import topics
 
 TEXT = "Damper force from two accelerometers: unified H-infinity observer, the road decoupled."
-NODE = node_of(NAME, topics.FORCE_UNIFIED, TEXT)
+NODE = node_of("unified", TEXT)
 
 
 def main() -> None:

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from importlib import import_module
 from typing import Protocol
 
 from er_models.errors import ErError, UnknownName
 from er_models.linear import LinearForm
 from er_models.model import Model
+from er_ros_common.topic_names import OBSERVERS
 
 from er_observers.forms import COORDINATES, form_of
-from er_observers.synthesis import (
-    lmi,
-    nlpv_gridding,
-    nlpv_polytopic,
-    proportional_integral,
-    unified,
-)
+from er_observers.synthesis import lmi, proportional_integral, unified
 from er_observers.synthesis.certify import Certificate, certify
 from er_observers.synthesis.lower_bound import lower_bound
 from er_observers.synthesis.proof import Claim
@@ -33,9 +29,8 @@ from er_observers.synthesis.spec import (
 
 
 class Theorem(Protocol):
-    """What the file of a theorem holds: the name of its observer, its title, and two functions."""
+    """What the file of a theorem holds: its title, and two functions."""
 
-    NAME: str
     THEOREM: str
 
     def problem(
@@ -49,9 +44,10 @@ class Theorem(Protocol):
         ...
 
 
-_ALL: tuple[Theorem, ...] = (unified, nlpv_polytopic, nlpv_gridding)
-THEOREMS: Mapping[str, Theorem] = {each.NAME: each for each in _ALL}
-"""The theorem behind each observer."""
+THEOREMS: Mapping[str, Theorem] = {
+    name: import_module(f"er_observers.synthesis.{name}") for name in OBSERVERS
+}
+"""The theorem behind each observer: the file of the same name."""
 SPECIAL_CASES = {
     "proportional": unified.solve_proportional,
     "integral": proportional_integral.solve,

@@ -29,7 +29,6 @@ from er_observers.synthesis.proof import Claim, gaps
 from er_observers.synthesis.scaling import Scaling
 from er_observers.synthesis.spec import Output, Solution, Spec
 
-NAME = "nlpv_gridding"
 THEOREM = "nlpv_gridding (Theorem 4.3.2)"
 POINTS = 11
 """Points of the grid (4.47)."""

@@ -26,7 +26,6 @@ from er_observers.synthesis.proof import Claim
 from er_observers.synthesis.scaling import Scaling
 from er_observers.synthesis.spec import Output, Spec
 
-NAME = "nlpv_polytopic"
 THEOREM = "nlpv_polytopic (Theorem 4.3.1)"
 
 

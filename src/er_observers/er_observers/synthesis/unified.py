@@ -38,7 +38,6 @@ from er_observers.synthesis.proof import Claim
 from er_observers.synthesis.scaling import Scaling
 from er_observers.synthesis.spec import Output, Solution, Spec, SynthesisFailed
 
-NAME = "unified"
 THEOREM = "unified (Theorem 3.3.1)"
 PROPORTIONAL = "proportional (3.5)"
 

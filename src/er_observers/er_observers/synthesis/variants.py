@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from er_models.model import Array, Model
+from er_ros_common.topic_names import OBSERVERS
 
 from er_observers.forms import form_of
 from er_observers.synthesis import nlpv_gridding
@@ -46,7 +47,7 @@ def variants(spec: Spec) -> list[Variant]:
     """The forms of the thesis and ours, about one specification."""
     lipschitz = replace(spec, sector=LIPSCHITZ)
     found = []
-    for observer in ("unified", "nlpv_polytopic", "nlpv_gridding"):
+    for observer in OBSERVERS:
         for duty in (WHOLE, NEAR, SMALL):
             found += [
                 Variant(
