@@ -168,7 +168,7 @@ def hear(p: Ftc, state: State, faults: Faults) -> State:
     if not (faults.usable and all(0.0 <= v <= 1.0 for v in values) and math.isfinite(faults.t)):
         return state._replace(refused=True)
     aim = values if faults.certain and p.rules.adapt else HEALTHY
-    return State(*state[:4], aim, faults, False, *state[7:])
+    return state._replace(aim=aim, faults=faults, refused=False)
 
 
 def step(p: Ftc, state: State, t: float, sample: Sample | None) -> tuple[State, Command]:

@@ -106,11 +106,10 @@ class FtcCore:
     ) -> tuple[State, list[Said]]:
         """Take a message of one of the inputs, if its stamp is good; what is to be published for it."""
         checks, verdict, (stamp, seq) = judged(self, state.checks, topic, message, when)
-        state = state._replace(checks=checks)
         if topic is topics.FAULT:
-            return _waiting(state, stamp, message, verdict), []
+            return _waiting(state._replace(checks=checks), stamp, message, verdict), []
         if not verdict.use:
-            return state, []
+            return state._replace(checks=checks), []
         back = verdict is Verdict.JUMPED_BACK
         if topic is topics.ACCELERATION:
             value = (message.sprung, message.unsprung) if message.valid else (math.nan, math.nan)
@@ -121,14 +120,15 @@ class FtcCore:
                 value, unusable = (math.nan, math.nan), state.unusable + 1
                 state = state._replace(unused=(why, stamp), unusable=unusable)
             pairs, pair = state.pairs.with_left(stamp, value, back=back)
-            state = State(state.mind, pairs, body, *state[3:])
+            state = state._replace(checks=checks, pairs=pairs, body=body)
         else:
             motion = (message.deflection, message.velocity)
             strut, stuck = check(state.strut, motion, DEFLECTION, stamp)
             if stuck or not (message.valid and message.velocity_valid):
-                return state._replace(strut=strut, unusable=state.unusable + 1), []
+                unusable = state.unusable + 1
+                return state._replace(checks=checks, strut=strut, unusable=unusable), []
             pairs, pair = state.pairs.with_right(stamp, motion, back=back)
-            state = State(state.mind, pairs, state.body, strut, *state[4:])
+            state = state._replace(checks=checks, pairs=pairs, strut=strut)
         if pair is None:
             return state, []
         return self._sample(state, Tick(stamp, seq), Sample(*pair[1], *pair[0]), when)
@@ -175,8 +175,23 @@ class FtcCore:
         good = mind.heard == t
         heard, unusable = when.steady if good else state.heard, state.unusable + (not good)
         told = state.told + (waiting is not state.waiting)
-        counts, unused = (unusable, told, None), state.unused
-        state = State(mind, *state[1:4], waiting, state.checks, tick, heard, base, *counts, unused)
+        # all fields by name: with so many new ones that costs less than `_replace`
+        state = State(
+            mind=mind,
+            pairs=state.pairs,
+            body=state.body,
+            strut=state.strut,
+            waiting=waiting,
+            checks=state.checks,
+            last=tick,
+            heard=heard,
+            base=base,
+            unusable=unusable,
+            told=told,
+            # what was said while samples stayed away ends with the sample
+            silent=None,
+            unused=state.unused,
+        )
         return state, [_command(tick, command)]
 
     def _heard(

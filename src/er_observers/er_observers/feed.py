@@ -63,7 +63,14 @@ def on_motion(feed: Feed, motion: Motion) -> tuple[Feed, list[Joined]]:
             lost=feed.lost + (stamp not in feed.duties),
             blind=feed.blind + (sees and stamp not in (feed.deflections or _NONE)),
         )
-    return _given_on(Feed(motion, *feed[1:]), ready)
+    feed = Feed(
+        waiting=motion,
+        duties=feed.duties,
+        deflections=feed.deflections,
+        lost=feed.lost,
+        blind=feed.blind,
+    )
+    return _given_on(feed, ready)
 
 
 def on_duty(
@@ -71,7 +78,14 @@ def on_duty(
 ) -> tuple[Feed, list[Joined]]:
     """Take a duty; the accelerations it completes. back: time has jumped back, those kept are of another past."""
     kept = _with(_NONE if back else feed.duties, stamp, duty)
-    return _given_on(Feed(feed.waiting, kept, *feed[2:]), [])
+    feed = Feed(
+        waiting=feed.waiting,
+        duties=kept,
+        deflections=feed.deflections,
+        lost=feed.lost,
+        blind=feed.blind,
+    )
+    return _given_on(feed, [])
 
 
 def on_deflection(
@@ -91,7 +105,14 @@ def _given_on(feed: Feed, ready: list[Joined]) -> tuple[Feed, list[Joined]]:
         return feed, ready
     ready.append(_joined(feed, motion))
     left = None if seen is None else _after(seen, motion.stamp)
-    return Feed(None, _after(feed.duties, motion.stamp), left, *feed[3:]), ready
+    feed = Feed(
+        waiting=None,
+        duties=_after(feed.duties, motion.stamp),
+        deflections=left,
+        lost=feed.lost,
+        blind=feed.blind,
+    )
+    return feed, ready
 
 
 def _joined(feed: Feed, motion: Motion) -> Joined:

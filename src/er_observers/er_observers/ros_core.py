@@ -93,14 +93,17 @@ class ObserverCore:
     ) -> tuple[State, list[Said]]:
         """Take accelerations, the duty from then on, or the deflection, if the stamp is good."""
         checks, verdict, (stamp, seq) = judged(self, state.checks, topic, message, when)
-        state, back = State(state.feed, checks, *state[2:]), verdict is Verdict.JUMPED_BACK
+        back = verdict is Verdict.JUMPED_BACK
         if not verdict.use:
-            return state, []
+            return state._replace(checks=checks), []
         if topic is topics.PWM_APPLIED:
             duty = message.duty if message.valid else math.nan
             feed, joined = on_duty(state.feed, stamp, duty, back=back)
-            return self._estimated(state, feed, joined, when)
+            if not joined:
+                return state._replace(feed=feed, checks=checks), []
+            return self._estimated(state, feed, checks, joined, when)
         if topic is topics.DEFLECTION:
+            state = state._replace(checks=checks)
             return self._on_deflection(state, stamp, message, when, back=back)
         # values that are not valid are bridged
         read = (message.sprung, message.unsprung)
@@ -109,8 +112,8 @@ class ObserverCore:
         values = read if good else (math.nan, math.nan)
         feed, joined = on_motion(state.feed, Motion(stamp, seq, *values))
         unusable = state.unusable + (not good)
-        state = State(feed, checks, watched, state.strut, unusable, *state[5:])
-        return self._estimated(state, feed, joined, when)
+        state = state._replace(feed=feed, checks=checks, watched=watched, unusable=unusable)
+        return self._estimated(state, feed, checks, joined, when) if joined else (state, [])
 
     def _on_deflection(
         self, state: State, stamp: int, message: Any, when: When, *, back: bool
@@ -121,8 +124,10 @@ class ObserverCore:
         good = message.valid and math.isfinite(message.deflection) and not stuck
         value = message.deflection if good else math.nan
         feed, joined = on_deflection(state.feed, stamp, value, back=back)
-        state = state._replace(strut=strut, unusable=state.unusable + (not good))
-        return self._estimated(state, feed, joined, when)
+        state = state._replace(feed=feed, strut=strut, unusable=state.unusable + (not good))
+        if not joined:
+            return state, []
+        return self._estimated(state, feed, state.checks, joined, when)
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Say once that the last estimate is held, and once that it is no longer valid, when the samples stay away."""
@@ -143,12 +148,10 @@ class ObserverCore:
         return [(self.topic, _message(state.last, e))]
 
     def _estimated(
-        self, state: State, feed: Feed, joined: list[Joined], when: When
+        self, state: State, feed: Feed, checks: Checks, joined: list[Joined], when: When
     ) -> tuple[State, list[Said]]:
-        """Step for each sample that is complete; feed: what waits now."""
+        """Step for each sample that is complete; feed, checks: what waits and is known of stamps now."""
         said: list[Said] = []
-        if not joined:
-            return State(feed, *state[1:]), said
         first = joined[0].motion.stamp
         mind, base, driven = state.mind, state.base or first, state.driven or first
         for (stamp, seq, sprung, unsprung), duty, deflection in joined:
@@ -164,7 +167,23 @@ class ObserverCore:
                 mind, estimate = observer.step(self.gains, mind, sample)
             last = Tick(stamp, seq)
             said.append((self.topic, _message(last, estimate)))
-        return State(feed, *state[1:5], mind, base, last, when.steady, driven=driven), said
+        # all fields by name: with so many new ones that costs less than `_replace`
+        state = State(
+            feed=feed,
+            checks=checks,
+            watched=state.watched,
+            strut=state.strut,
+            unusable=state.unusable,
+            mind=mind,
+            base=base,
+            last=last,
+            heard=when.steady,
+            # of a silence that is over nothing has been said
+            silent=False,
+            held=False,
+            driven=driven,
+        )
+        return state, said
 
     def undriven(self, stamp: int, driven: int) -> bool:
         """Whether a duty known last at the stamp `driven` says too little at a later one [ns]."""

@@ -99,7 +99,7 @@ class FaultCore:
         """Take a part of a tick, if its stamp is good."""
         checks, verdict, (stamp, seq) = judged(self, state.checks, topic, message, when)
         if not verdict.use:
-            return State(state.gathered, checks, *state[2:]), []
+            return state._replace(checks=checks), []
         part = _part(topic, message)
         body, strut, stuck = _watched(state, topic, part, stamp)
         if stuck:
@@ -107,8 +107,28 @@ class FaultCore:
         unusable = state.unusable + (stuck or not message.valid)
         which = _PARTS.get(topic.name, gather.FORCE)
         gathered, ticks = gather.add(state.gathered, self.needed, which, stamp, seq, part)
-        state = State(gathered, checks, body, strut, unusable, *state[5:])
-        return self._estimated(state, ticks, when) if ticks else (state, [])
+        said: list[Said] = []
+        mind, base, last = state.mind, state.base, state.last
+        heard, silent = state.heard, state.silent
+        if ticks:
+            base = base or ticks[0].stamp
+            mind, last, said = self._estimated(mind, base, ticks)
+            # samples come again: the next silence is to be said anew
+            heard, silent = when.steady, False
+        # all fields by name: with so many new ones that costs less than `_replace`
+        state = State(
+            gathered=gathered,
+            checks=checks,
+            body=body,
+            strut=strut,
+            unusable=unusable,
+            mind=mind,
+            base=base,
+            last=last,
+            heard=heard,
+            silent=silent,
+        )
+        return state, said
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Say once that the estimate is no longer valid when the samples stay away."""
@@ -120,11 +140,10 @@ class FaultCore:
         return state._replace(silent=True), [(topics.FAULT, _message(state.last, nothing))]
 
     def _estimated(
-        self, state: State, ticks: list[gather.Tick], when: When
-    ) -> tuple[State, list[Said]]:
-        """Step for each tick that can go on."""
+        self, mind: estimator.State | None, base: int, ticks: list[gather.Tick]
+    ) -> tuple[estimator.State | None, Tick, list[Said]]:
+        """Step for each tick that can go on, at least one; base: stamp of the first of all [ns]."""
         said: list[Said] = []
-        mind, base = state.mind, state.base or ticks[0].stamp
         for tick in ticks:
             sample = gather.sample_of(tick, base)
             if mind is None:
@@ -134,7 +153,7 @@ class FaultCore:
                 mind, estimate = estimator.step(self.estimator, mind, sample)
             last = Tick(tick.stamp, tick.seq)
             said.append((topics.FAULT, _message(last, estimate)))
-        return State(*state[:5], mind, base, last, when.steady), said
+        return mind, last, said
 
 
 def force_noise(p: FaultParameters, model: Model) -> float | None:
