@@ -1,4 +1,7 @@
-"""Joins two topics of the same tick by their time of measurement, whichever comes first."""
+"""Joins two topics of the same tick by their time of measurement, whichever comes first.
+
+ARCHITECTURE.md compares this with the other two ways to join a tick.
+"""
 
 from __future__ import annotations
 

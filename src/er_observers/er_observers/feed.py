@@ -3,6 +3,7 @@
 Duty and deflection of a tick are published after its accelerations. Where one has not come before the
 accelerations of the next tick, these are given on with NaN in its place: a lost part holds nothing up. The
 observers take NaN as duty for "as before", and bridge a sample whose deflection they need and do not have.
+ARCHITECTURE.md compares this with the other two ways to join a tick.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Joins what belongs to one tick: accelerations, deflection, the duty from then on, a force where one is used. Pure.
 
 A tick is given on when it is complete, or, with NaN for what is missing, when a later one is or too many wait.
+ARCHITECTURE.md compares this with the other two ways to join a tick.
 """
 
 from __future__ import annotations
@@ -19,7 +20,10 @@ DEPTH = 4
 ACCELERATION, DEFLECTION, DUTY, FORCE = range(4)
 """Parts of a tick."""
 BACK = round(StampLimits().back * SECOND)
-"""Step back of the accelerations' stamps that is a jump of time, not a straggler [ns]."""
+"""Step back of the accelerations' stamps that is a jump of time, not a straggler [ns].
+
+Seen from the last tick given on, which may be later than the last accelerations: they may have been silent before.
+"""
 _MISSING = ((math.nan, math.nan), (math.nan, math.nan), (math.nan,), (math.nan,))
 
 Part = tuple[float, ...]
