@@ -8,6 +8,7 @@ import subprocess
 import time
 
 import numpy as np
+import pyarrow.parquet as parquet
 import pytest
 
 from test.conftest import ROOT
@@ -40,8 +41,8 @@ DOWNLOADED = ROOT.parent / "shared" / "data"
 SETS = ("mr_damper_mts", "mr_damper_shaking_table", "piston_seal_friction")
 MEASURED = ("mts", "shaking", "piston")
 """Folders that a documented command makes from measured data."""
-EVERY = 32
-"""One measured run in so many is kept: what all of them give is for test_measured."""
+EVERY, LONGEST = 32, 3000
+"""One measured run in so many is kept, and so many samples of it: what all of them give is for test_measured."""
 ENDLESS = ("run", "record", "up")
 """Commands that may go on until Ctrl-C: they get one after a while and must then end well."""
 STARTED = re.compile(r"running|recording|waiting")
@@ -126,6 +127,10 @@ def thin(imported):
         for n, path in enumerate(sorted(folder.glob("*.parquet"))):
             if n % EVERY:
                 path.unlink()
+            else:
+                table = parquet.read_table(path)
+                middle = max(table.num_rows - LONGEST, 0) // 2  # at both ends the machine rests
+                parquet.write_table(table.slice(middle, LONGEST), path)
 
 
 @pytest.fixture

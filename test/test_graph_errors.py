@@ -24,8 +24,6 @@ from test.graph_help import (
     skyhook_arguments,
 )
 
-pytestmark = pytest.mark.alone
-
 
 @pytest.fixture
 def graph(tmp_path: Path) -> Iterator[Graph]:

@@ -13,8 +13,6 @@ from xml.etree import ElementTree
 
 import pytest
 
-pytestmark = pytest.mark.alone
-
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = sorted(path.parent for path in ROOT.glob("src/*/package.xml"))
 MESSAGES = sorted(ROOT.glob("src/er_damper_msgs/msg/*.msg"))
@@ -128,6 +126,7 @@ def test_help_names_every_command_in_one_line_each(args: list[str]) -> None:
     assert rows == [*wanted, "exec", "help"]
 
 
+@pytest.mark.alone
 def test_second_setup_is_one_line_and_takes_under_3_seconds() -> None:
     er("setup", timeout=600.0)
     begin = time.monotonic()
