@@ -21,6 +21,7 @@ from er_observers.observers.watch import (
     FLOOR,
     LOST,
     POWER,
+    SETTLED,
     contradiction,
     decay_rate,
     follow,
@@ -149,7 +150,7 @@ def run_sample(
             total += reading[n * order + i * m + j] * y[j]
         memory[9 + 2 * m + i] = total
     y[0], before[9] = sprung, sprung_before
-    if memory[DOUBT] > rules[10]:
+    if memory[DOUBT] > rules[SETTLED]:
         known[SPEED] = math.nan  # the error of a start without start phase teaches nothing
     learn(mass, known, y_0[0], y_0[1], sprung, unsprung, memory[10 + 2 * m], end, last, dt)
     force, x, v, ratio, verdict = keep(
@@ -183,7 +184,7 @@ def keep(
 def said(
     reading: Array, rules: Array, m: int, n: int, memory: Array
 ) -> tuple[float, float, float, float, int]:
-    """Force [N], deflection [m], its velocity [m/s], test ratio, and the place of the verdict."""
+    """Force [N], deflection [m], its velocity [m/s], test ratio, and which of `status.VERDICTS`."""
     x = 9 + 2 * m
     at = reading.shape[0] - 2 * n
     force = 0.0

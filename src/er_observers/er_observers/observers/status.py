@@ -69,12 +69,13 @@ class Health(NamedTuple):
     contradicted: bool
 
 
-VERDICTS = (
-    (Status.OK, ""),
-    (Status.INITIALISING, "the first error has not decayed yet"),
-    (Status.DEGRADED, "samples or duties were repaired"),
-    (Status.INVALID, "no valid sample for too long"),
-    (Status.WEAK, "the fluid hardly yields: accelerometers do not see the deflection"),
-    (Status.DEGRADED, "the accelerations contradict the damper model"),
-)
+FINE, UNSETTLED, REPAIRED, GONE, BLIND, CONFLICTING = range(6)
+VERDICTS = {
+    FINE: (Status.OK, ""),
+    UNSETTLED: (Status.INITIALISING, "the first error has not decayed yet"),
+    REPAIRED: (Status.DEGRADED, "samples or duties were repaired"),
+    GONE: (Status.INVALID, "no valid sample for too long"),
+    BLIND: (Status.WEAK, "the fluid hardly yields: accelerometers do not see the deflection"),
+    CONFLICTING: (Status.DEGRADED, "the accelerations contradict the damper model"),
+}
 """What `watch.judge` may say: a status and its reason."""

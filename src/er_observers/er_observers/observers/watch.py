@@ -25,15 +25,31 @@ from er_models.model import Array
 
 from er_observers.forms import SENSORS
 from er_observers.observers.compiled import compiled
-from er_observers.observers.status import ROUNDING, Limits
+from er_observers.observers.status import (
+    BLIND,
+    CONFLICTING,
+    FINE,
+    GONE,
+    REPAIRED,
+    ROUNDING,
+    UNSETTLED,
+    Limits,
+)
 
 SHARE = 4.0
 """Correction, in multiples of what noise and sampling explain, that is a contradiction."""
 
-
 DOUBT, DECAY, LOST, HEALING, POWER, FLOOR, WEAK, CONTRADICTED = range(8)
 """Places of `status.Health` in its array."""
-_KEPT = ("hold", "bridge", "recover", "window", "settled", "weak", "strong", "noise", "clear")
+SIZE = CONTRADICTED + 1
+(
+    STIFFNESS, DAMPING, GATE_STIFFNESS, GATE_DAMPING, PACE, NOISE_GAIN,
+    HOLD, BRIDGE, RECOVER, WINDOW, SETTLED, WEAK_RATE, STRONG_RATE, NOISE, CLEAR,
+    SPRUNG, UNSPRUNG, DEFLECTION,
+) = range(18)  # fmt: skip
+"""Places in the rules (18,): numbers of `Watch`, of `status.Limits`, and the largest accelerations [m/s2] and
+deflection [m] that are believed."""
+RULES = DEFLECTION + 1
 
 
 class Watch(NamedTuple):
@@ -70,9 +86,18 @@ def watch_of(form: LinearForm, poles: Array) -> Watch:
 
 
 def rules_of(watch: Watch, limits: Limits) -> Array:
-    """Watch and limits as the compiled functions take them: the numbers of `Watch`, of `_KEPT`, what is believed."""
-    kept = [getattr(limits, name) for name in _KEPT]
-    return np.array([*watch, *kept, *limits.acceleration, limits.deflection], float)
+    """Watch and limits as the compiled functions take them (18,)."""
+    rules = np.full(RULES, math.nan)
+    rules[STIFFNESS], rules[DAMPING] = watch.stiffness, watch.damping
+    rules[GATE_STIFFNESS], rules[GATE_DAMPING] = watch.gate_stiffness, watch.gate_damping
+    rules[PACE], rules[NOISE_GAIN] = watch.pace, watch.noise_gain
+    rules[HOLD], rules[BRIDGE], rules[RECOVER] = limits.hold, limits.bridge, limits.recover
+    rules[WINDOW], rules[SETTLED] = limits.window, limits.settled
+    rules[WEAK_RATE], rules[STRONG_RATE] = limits.weak, limits.strong
+    rules[NOISE], rules[CLEAR] = limits.noise, limits.clear
+    rules[SPRUNG], rules[UNSPRUNG] = limits.acceleration
+    rules[DEFLECTION] = limits.deflection
+    return rules
 
 
 @compiled
@@ -80,9 +105,9 @@ def follows(
     rules: Array, lost: float, dt: float, sprung: float, unsprung: float, deflection: float, m: int
 ) -> bool:
     """Whether a sample of m outputs simply goes on from the one dt [s] before; comparisons with NaN are false."""
-    hold = rules[6] + ROUNDING
-    believed = abs(sprung) <= rules[15] and abs(unsprung) <= rules[16]
-    if m > 2 and not abs(deflection) <= rules[17]:
+    hold = rules[HOLD] + ROUNDING
+    believed = abs(sprung) <= rules[SPRUNG] and abs(unsprung) <= rules[UNSPRUNG]
+    if m > 2 and not abs(deflection) <= rules[DEFLECTION]:
         return False
     return bool(0.0 < dt <= hold and believed and lost + dt <= hold)
 
@@ -91,19 +116,22 @@ def follows(
 def decay_rate(rules: Array, rho: float, slope: float) -> float:
     """Rate at which an error of the deflection decays [1/s], for the gate's slope (0 to 1)."""
     share = rho * slope
-    stiffness, damping = rules[0] + share * rules[2], rules[1] + share * rules[3]
-    return float(min(stiffness / damping, rules[4]))
+    stiffness = rules[STIFFNESS] + share * rules[GATE_STIFFNESS]
+    damping = rules[DAMPING] + share * rules[GATE_DAMPING]
+    return float(min(stiffness / damping, rules[PACE]))
 
 
 def begin(rules: Array) -> Array:
     """Health (8,) at the first valid sample."""
-    return np.array([1.0, rules[4], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    health = np.zeros(SIZE)
+    health[DOUBT], health[DECAY] = 1.0, rules[PACE]
+    return health
 
 
 @compiled
 def missed(rules: Array, health: Array, dt: float) -> None:
     """Health (8,), in place, after a sample that could not be used, dt [s] after the one before."""
-    bridge, recover = rules[7], rules[8]
+    bridge, recover = rules[BRIDGE], rules[RECOVER]
     health[LOST] += dt
     if health[LOST] > bridge + ROUNDING:
         health[HEALING] = recover
@@ -120,15 +148,15 @@ def follow(
     difference of the relative acceleration [m/s2], whose twelfth times dt is the error of a
     straight line between samples; repaired: whether the duty had to be.
     """
-    recover, window, weak, strong, clear = rules[8], rules[9], rules[11], rules[12], rules[14]
-    weight = min(1.0, dt / window)
+    recover, clear = rules[RECOVER], rules[CLEAR]
+    weight = min(1.0, dt / rules[WINDOW])
     health[DECAY] += weight * (rate - health[DECAY])
     _powers(rules, health, dt, correction, bend)
     ratio = contradiction(health[POWER], health[FLOOR])
     health[DOUBT] *= math.exp(-rate * dt)
     health[LOST] = 0.0
     health[HEALING] = recover if repaired else max(0.0, health[HEALING] - dt)
-    health[WEAK] = health[DECAY] < (strong if health[WEAK] > 0.0 else weak)
+    health[WEAK] = health[DECAY] < rules[STRONG_RATE if health[WEAK] > 0.0 else WEAK_RATE]
     health[CONTRADICTED] = ratio > (clear if health[CONTRADICTED] > 0.0 else 1.0)
 
 
@@ -139,12 +167,11 @@ def _powers(rules: Array, health: Array, dt: float, correction: float, bend: flo
     They start with the noise that is allowed and rest while an error of the start or of a repair is
     still being corrected.
     """
-    noise_gain, window, settled, noise = rules[5], rules[9], rules[10], rules[13]
-    allowed = (noise_gain * noise) ** 2
-    if health[DOUBT] > settled:
+    allowed = (rules[NOISE_GAIN] * rules[NOISE]) ** 2
+    if health[DOUBT] > rules[SETTLED]:
         health[POWER], health[FLOOR] = 0.0, allowed
     elif not (health[LOST] > 0.0 or health[HEALING] > 0.0):
-        weight = min(1.0, dt / window)
+        weight = min(1.0, dt / rules[WINDOW])
         explained = allowed + (dt * bend / 12.0) ** 2
         health[POWER] += weight * (correction * correction - health[POWER])
         health[FLOOR] += weight * (explained - health[FLOOR])
@@ -158,14 +185,13 @@ def contradiction(power: float, floor: float) -> float:
 
 @compiled
 def judge(rules: Array, health: Array) -> int:
-    """Place in `status.VERDICTS` of what the health says, worst first."""
-    hold, bridge, settled = rules[6], rules[7], rules[10]
-    if health[LOST] > hold + ROUNDING:
-        return 3
-    if health[DOUBT] > settled:
-        return 4 if health[WEAK] > 0.0 else 1
-    if health[LOST] > bridge + ROUNDING or health[HEALING] > 0.0:
-        return 2
+    """Which of `status.VERDICTS` the health says, worst first."""
+    if health[LOST] > rules[HOLD] + ROUNDING:
+        return GONE
+    if health[DOUBT] > rules[SETTLED]:
+        return BLIND if health[WEAK] > 0.0 else UNSETTLED
+    if health[LOST] > rules[BRIDGE] + ROUNDING or health[HEALING] > 0.0:
+        return REPAIRED
     if health[CONTRADICTED] > 0.0:
-        return 5
-    return 4 if health[WEAK] > 0.0 else 0
+        return CONFLICTING
+    return BLIND if health[WEAK] > 0.0 else FINE
