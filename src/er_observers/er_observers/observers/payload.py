@@ -78,6 +78,17 @@ POWER, MM, MN, NN, DD, DN, EE, EN, EM, TIME, STILL = range(25, 36)
 SIZE = 36
 """Numbers in the memory; NU, MASS, DAMPING and BOTH are the places of passes of the band, three numbers each."""
 
+(
+    ON, C_1X, C_1V, C_1F, F_C, PER_TAU, K_1, C_1,
+    APART_X, APART_V, APART_TYRE, LOW_EDGE, HIGH_EDGE, STANDING, STIFF_DUTY,
+) = range(15)  # fmt: skip
+"""Places in the numbers (15,) of a model, with the symbols of the equations above: 1 where the regression is on; the
+sprung acceleration by deflection [1/s2], velocity [1/s] and force [1/kg]; yield force at duty 1 [N], 1 / tau [1/s], the
+gate's k_1 [1/m] and c_1 [s/m]; the relative acceleration by deflection [1/s2], velocity [1/s] and the tyre's deflection
+[1/s2]; edges of the band [rad/s]; power of S over the sample time below which the car counts as standing [m2/s3]; duty
+above which the open gate damps more than the rest of the damper."""
+NUMBERS = STIFF_DUTY + 1
+
 
 class Verdict(IntEnum):
     """What is known of the sprung mass."""
@@ -114,23 +125,26 @@ class Payload(NamedTuple):
 
 
 def numbers_of(form: LinearForm, noise: float, *, on: bool = True) -> Array:
-    """What the regression takes of a model (15,), in the order of its places; all zero where it is off.
+    """What the regression takes of a model (15,); all zero where it is off.
 
     Needs both accelerometers, no deflection sensor, and a yield force that only the gate drives. noise: of the
     accelerometers [m/s2].
     """
     at = int(np.argmax(np.abs(form.B)))
     lone = not np.any(np.delete(form.A[at], at)) and not form.C[0, 2]
+    numbers = np.zeros(NUMBERS)
     if not (on and lone and form.C.shape[0] < len(SENSORS) and form.C[0, 0] < 0.0):
-        return np.zeros(15)
+        return numbers
+    numbers[ON] = 1.0
+    numbers[C_1X], numbers[C_1V], numbers[C_1F] = form.C[0, 0], form.C[0, 1], form.C[0, at]
+    numbers[F_C], numbers[PER_TAU] = -form.B[at] / form.A[at, at], -form.A[at, at]
+    numbers[K_1], numbers[C_1] = form.Gamma[:2]
+    numbers[[APART_X, APART_V, APART_TYRE]] = (form.C[0] - form.C[1])[:3]
     low, high = (share * math.sqrt(-form.C[0, 0]) for share in BAND)
-    yields = -form.B[at] / form.A[at, at]
-    opened = form.C[0, 1] / (form.C[0, at] * yields * form.Gamma[1])
-    differ = form.C[0] - form.C[1]
-    return np.array([
-        1.0, form.C[0, 0], form.C[0, 1], form.C[0, at], yields, -form.A[at, at], *form.Gamma[:2],
-        *differ[:3], low, high, (noise / FAINT) ** 2 / low, opened,
-    ])  # fmt: skip
+    numbers[LOW_EDGE], numbers[HIGH_EDGE] = low, high
+    numbers[STANDING] = (noise / FAINT) ** 2 / low
+    numbers[STIFF_DUTY] = numbers[C_1V] / (numbers[C_1F] * numbers[F_C] * numbers[C_1])
+    return numbers
 
 
 def begin() -> Array:
@@ -160,18 +174,18 @@ def told(memory: Array, y: Array) -> Array:
 def said(numbers: Array, memory: Array) -> Payload:
     """What a memory (36,) says."""
     ratio, even = float(memory[RATIO]), float(memory[EVEN])
-    if not numbers[0] or not memory[TIME] > 0.0:
-        idle = Verdict.NOT_EXCITED if numbers[0] else Verdict.OFF
+    if not numbers[ON] or not memory[TIME] > 0.0:
+        idle = Verdict.NOT_EXCITED if numbers[ON] else Verdict.OFF
         return Payload(ratio, 1.0, math.inf, 0.0, idle, even)
     error, share, weight, asymmetry, _, left = judged(memory)
     deviations = [
-        math.sqrt(left / (memory[TIME] * numbers[11] * memory[at]))
+        math.sqrt(left / (memory[TIME] * numbers[LOW_EDGE] * memory[at]))
         if memory[at] > 0.0
         else math.inf
         for at in (MM, EE)
     ]
     verdict = Verdict.ESTIMATED if weight else Verdict.OTHER
-    if memory[TIME] * numbers[11] < LEARNT:
+    if memory[TIME] * numbers[LOW_EDGE] < LEARNT:
         verdict = Verdict.NOT_EXCITED
     return Payload(
         ratio, 1.0 + error, deviations[0], share, verdict, even, asymmetry, deviations[1]
@@ -211,11 +225,11 @@ def _respond(
     y: what disturbs the body's row [m/s2]; drive: what the gate's mean slope lets through; keep: of the yield force.
     """
     x, f, before = memory[at], keep * memory[at + 1], memory[at + 2]
-    stiffness = p[1] + p[3] * drive * p[6]
-    damping = p[2] + p[3] * drive * p[7]
-    v = (y - stiffness * x - p[3] * f) / (damping + dt * stiffness)
+    stiffness = p[C_1X] + p[C_1F] * drive * p[K_1]
+    damping = p[C_1V] + p[C_1F] * drive * p[C_1]
+    v = (y - stiffness * x - p[C_1F] * f) / (damping + dt * stiffness)
     x += dt * v
-    memory[at], memory[at + 1], memory[at + 2] = x, f + drive * (p[6] * x + p[7] * v), v
+    memory[at], memory[at + 1], memory[at + 2] = x, f + drive * (p[K_1] * x + p[C_1] * v), v
     return float(v - before)
 
 
@@ -235,15 +249,15 @@ def even_drive(p: Array, memory: Array, v: float, now: float, before: float, dt:
 
     v: relative velocity at its beginning [m/s]; before, now: relative acceleration at its beginning and end [m/s2].
     """
-    if p[0] == 0.0 or memory[EVEN] == 0.0:
+    if p[ON] == 0.0 or memory[EVEN] == 0.0:
         return 0.0
     end = v + 0.5 * dt * (now + before)
     size, later = abs(v), abs(end)
     mean = 0.5 * (size + later)
     if v * end < 0.0:
         mean = 0.5 * (v * v + end * end) / (size + later)
-    grown = (later - size) / (dt * p[5])
-    return float(memory[EVEN] * p[2] / (p[3] * p[4]) * (mean + grown))
+    grown = (later - size) / (dt * p[PER_TAU])
+    return float(memory[EVEN] * p[C_1V] / (p[C_1F] * p[F_C]) * (mean + grown))
 
 
 @compiled
@@ -256,22 +270,22 @@ def learn(
     p: of `numbers_of`; a, b: sprung and unsprung acceleration at its beginning and end [m/s2]; v: the observer's
     relative velocity [m/s] and s: its gate's input at the end; rho: duty in force during it.
     """
-    if p[0] == 0.0:
+    if p[ON] == 0.0:
         return
     s_0, t_0, t_1 = memory[GATE], gate_of(memory[GATE])[0], gate_of(s)[0]
     slope = (t_1 - t_0) / (s - s_0) if abs(s - s_0) > 1e-3 else 1.0 - t_1 * t_1
-    keep = 1.0 / (1.0 + p[5] * dt)
-    drive = (1.0 - keep) * p[4] * rho * slope
+    keep = 1.0 / (1.0 + p[PER_TAU] * dt)
+    drive = (1.0 - keep) * p[F_C] * rho * slope
     mass = _respond(p, memory, MX, a_1, drive, keep, dt)
-    damping = _respond(p, memory, DX, -p[2] * v, drive, keep, dt)
-    even = _respond(p, memory, EX, -p[2] * abs(v), drive, keep, dt)
+    damping = _respond(p, memory, DX, -p[C_1V] * v, drive, keep, dt)
+    even = _respond(p, memory, EX, -p[C_1V] * abs(v), drive, keep, dt)
     speed = v - (memory[RATIO] - 1.0) * memory[MV] - memory[EVEN] * memory[EV]
     change, rise = 0.5 * (a_0 - b_0 + a_1 - b_1), (a_1 - b_1 - a_0 + b_0) / dt
-    bend = p[8] * change + p[9] * rise + p[10] * 0.5 * (b_0 + b_1)
+    bend = p[APART_X] * change + p[APART_V] * rise + p[APART_TYRE] * 0.5 * (b_0 + b_1)
     nu = speed - memory[SPEED] - dt * (change - dt * dt / 12.0 * bend)
     memory[SPEED], memory[GATE] = speed, s
     passes = s * s_0 < 0.0 or min(abs(s), abs(s_0)) < OPEN
-    if (rho > p[14] and passes) or not math.isfinite(nu):
+    if (rho > p[STIFF_DUTY] and passes) or not math.isfinite(nu):
         nu = mass = damping = even = 0.0
     _weigh(p, memory, nu, mass, damping, even, dt)
 
@@ -287,16 +301,16 @@ def _weigh(
     p: Array, memory: Array, nu: float, mass: float, damping: float, even: float, dt: float
 ) -> None:
     """Band, sums and the ratio in use, from the changes over a sample."""
-    low, high = 1.0 / (1.0 + dt * p[11]), dt * p[12] / (1.0 + dt * p[12])
+    low, high = 1.0 / (1.0 + dt * p[LOW_EDGE]), dt * p[HIGH_EDGE] / (1.0 + dt * p[HIGH_EDGE])
     n, m = _pass(memory, NU, nu, low, high), _pass(memory, MASS, mass, low, high)
     d, b = _pass(memory, DAMPING, damping, low, high), _pass(memory, BOTH, even, low, high)
     memory[POWER] += (1.0 - low) * (m * m - memory[POWER])
-    if memory[POWER] > p[13] * dt:
+    if memory[POWER] > p[STANDING] * dt:
         if memory[STILL] > REST:
             memory[MM:STILL] = 0.0
         memory[STILL] = 0.0
         forget, counts = 1.0 - dt / MEMORY, dt
-        if memory[TIME] * p[11] > 0.5 * LEARNT:
+        if memory[TIME] * p[LOW_EDGE] > 0.5 * LEARNT:
             error, _, _, asymmetry, _, usual = judged(memory)
             left = n + error * m + asymmetry * b
             counts *= _trust(left * left * memory[TIME], usual)
@@ -312,7 +326,7 @@ def _weigh(
         memory[TIME] = forget * memory[TIME] + counts
     else:
         memory[STILL] += dt
-    if memory[TIME] * p[11] < LEARNT:
+    if memory[TIME] * p[LOW_EDGE] < LEARNT:
         return
     error, _, used, asymmetry, even_used, _ = judged(memory)
     follows = 0.5 * (1.0 - low)
