@@ -25,7 +25,7 @@ from er_observers.forms import SENSORS, form_of
 from er_observers.observers.kernel import SUBSTEP
 from er_observers.observers.matrices import Plan, bridge_plan, plan_of
 from er_observers.observers.payload import numbers_of
-from er_observers.observers.sample import Layout, book_of
+from er_observers.observers.sample import Layout, book_of, layout_of
 from er_observers.observers.start_phase import Opening, opening_of, spread_of
 from er_observers.observers.status import LIMITS, Limits
 from er_observers.observers.watch import Watch, rules_of, watch_of
@@ -76,7 +76,7 @@ class Gains:
         watch, parts = watch_of(form, poles), (law.R, law.S, form.F, form.Gamma)
         object.__setattr__(self, "watch", watch)
         object.__setattr__(self, "sees_deflection", len(form.C) == len(SENSORS))
-        object.__setattr__(self, "layout", Layout(form.C.shape[0], form.n, law.order))
+        object.__setattr__(self, "layout", layout_of(form.C.shape[0], form.n, law.order))
         object.__setattr__(self, "reading", np.concatenate([np.ravel(p) for p in parts]))
         object.__setattr__(self, "rules", rules_of(watch, self.limits))
         object.__setattr__(self, "mass", numbers_of(form, self.limits.noise, on=self.payload))

@@ -207,7 +207,7 @@ def _found(
     x, P = start_phase.follow(opening, state.x, cast(Array, state.P), state.duty, dt, seen)
     z = gains.claim.solution.law.state(x, seen, state.z)
     memory[lay.y], memory[lay.x], memory[lay.z], memory[lay.payload] = y, x, z, known
-    end, rest = float(gains.form.Gamma @ x), (lay.m, lay.n, memory)
+    end, rest = float(gains.form.Gamma @ x), (lay, memory)
     keep(gains.reading, gains.rules, state.memory, state.duty, dt, repaired, end, *rest)
     done = start_phase.finished(opening, P)
     memory[watching.DOUBT] = 0.0 if done else 1.0
@@ -284,8 +284,7 @@ def _likeliest(gains: Gains, y: Array, duty: float) -> Array:
 
 def _estimate(gains: Gains, memory: Array) -> Estimate:
     """What the memory says."""
-    m, n, _ = gains.layout
-    return _says(*said_of(gains.reading, gains.rules, m, n, memory))
+    return _says(*said_of(gains.reading, gains.rules, gains.layout, memory))
 
 
 def _says(

@@ -1,6 +1,7 @@
 """One sample of an observer in one compiled call: the state, what it says, and its health.
 
-The memory between samples is one array: health (8,), change (1,), y (m,), pace (m,), x (n,), z (N,), payload (36,).
+The memory between samples is one array: health (8,), change of the relative acceleration [m/s2], y (m,), pace (m,),
+x (n,), z (N,), payload (36,). `Layout` says where each begins.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from er_models.model import Array
 
-from er_observers.observers import payload
+from er_observers.observers import payload, watch
 from er_observers.observers.compiled import compiled
 from er_observers.observers.kernel import HEAD, SUBSTEP, advance
 from er_observers.observers.matrices import Plan
@@ -36,42 +37,64 @@ Whole, it over-bends what moves at a quarter of the sampling rate; from 0.5 to 0
 roads are the smallest, a tenth to a sixth below those of straight lines.
 """
 _PICOSECONDS = 1e12
-_KNOWN = payload.SIZE
-HEALTH = slice(0, 8)
-CHANGE = 8
+HEALTH = slice(0, watch.SIZE)
+CHANGE = watch.SIZE
+HEAD_SIZE = CHANGE + 1
+"""Numbers before the outputs."""
+_PARTS = 5
+"""Parts of a book; it begins with their ends."""
 
 
 class Layout(NamedTuple):
-    """Where things lie in the memory: outputs m, model states n, observer states N."""
+    """Where things lie in the memory: outputs m, model states n, observer states N; of `layout_of`.
+
+    *_at: where y, pace, x, z and the payload begin; size: numbers in the memory.
+    """
 
     m: int
     n: int
     order: int
+    y_at: int
+    pace_at: int
+    x_at: int
+    z_at: int
+    payload_at: int
+    size: int
 
     @property
     def y(self) -> slice:
         """Outputs of the last sample (m,)."""
-        return slice(9, 9 + self.m)
+        return slice(self.y_at, self.pace_at)
 
     @property
     def pace(self) -> slice:
         """The rate they came with (m,), NaN where it is not known."""
-        return slice(9 + self.m, 9 + 2 * self.m)
+        return slice(self.pace_at, self.x_at)
 
     @property
     def x(self) -> slice:
         """Estimate of the model's state (n,)."""
-        return slice(9 + 2 * self.m, 9 + 2 * self.m + self.n)
+        return slice(self.x_at, self.z_at)
 
     @property
     def z(self) -> slice:
         """The observer's own state (N,)."""
-        return slice(9 + 2 * self.m + self.n, 9 + 2 * self.m + self.n + self.order)
+        return slice(self.z_at, self.payload_at)
 
     @property
     def payload(self) -> slice:
         """What is known of the sprung mass, see `payload`."""
-        return slice(self.z.stop, self.z.stop + payload.SIZE)
+        return slice(self.payload_at, self.size)
+
+
+@compiled
+def layout_of(m: int, n: int, order: int) -> Layout:
+    """Where things lie for m outputs, n model states and N = order observer states."""
+    pace = HEAD_SIZE + m
+    x = pace + m
+    z = x + n
+    known = z + order
+    return Layout(m, n, order, HEAD_SIZE, pace, x, z, known, known + payload.SIZE)
 
 
 @compiled
@@ -100,8 +123,8 @@ def book_of(plan: Plan, reading: Array, rules: Array, mass: Array, layout: Layou
     mass: of `payload.numbers_of`.
     """
     parts = (plan.values, reading, rules, mass, plan.scratch)
-    ends = 5.0 + np.cumsum([len(p) for p in parts])
-    return np.concatenate([ends, *parts, np.empty(layout.payload.stop)])
+    ends = float(_PARTS) + np.cumsum([len(p) for p in parts])
+    return np.concatenate([ends, *parts, np.empty(layout.size)])
 
 
 @compiled
@@ -116,79 +139,86 @@ def run_sample(
     simply follow the one before changes nothing.
     """
     a, b, c, d, e = int(book[0]), int(book[1]), int(book[2]), int(book[3]), int(book[4])
-    values, reading, rules, mass = book[5:a], book[a:b], book[b:c], book[c:d]
+    values, reading, rules, mass = book[_PARTS:a], book[a:b], book[b:c], book[c:d]
     scratch, before = book[d:e], book[e:]
-    order, m, table = int(values[0]), int(values[1]), int(values[3])
-    last_of_z = memory.shape[0] - _KNOWN
-    n, duties = last_of_z - 9 - 2 * m - order, HEAD + 2 * order + m
+    order, m, duties = int(values[0]), int(values[1]), int(values[3])
+    lay = layout_of(m, memory.shape[0] - layout_of(m, 0, order).size, order)
     if not follows(rules, memory[LOST], dt, sprung, unsprung, deflection, m):
         return 0.0, 0.0, 0.0, 0.0, 0, last, False, False
     for i in range(memory.shape[0]):
         before[i] = memory[i]
     dt = np.round(dt * _PICOSECONDS) / _PICOSECONDS  # stamps are sums of rounded periods
-    duty, repaired = duty_within(asked, last, values[duties], values[duties + table - 1])
-    y, at = memory[9 : 9 + m], 9 + 2 * m + n
-    known = memory[last_of_z:]
-    ratio_of_mass, sprung_before = known[RATIO], before[9]
-    y[0], y[1] = ratio_of_mass * sprung, unsprung
-    before[9] *= ratio_of_mass
-    before[9 + m] *= ratio_of_mass
+    lowest = HEAD + 2 * order + m
+    duty, repaired = duty_within(asked, last, values[lowest], values[lowest + duties - 1])
+    y, pace, x, z, known = lay.y_at, lay.pace_at, lay.x_at, lay.z_at, lay.payload_at
+    y_0, y_1, bend, mass_known = before[y:pace], memory[y:pace], memory[pace:x], memory[known:]
+    ratio_of_mass, sprung_before = mass_known[RATIO], y_0[0]
+    y_1[0], y_1[1] = ratio_of_mass * sprung, unsprung
     if m > 2:
-        y[2] = deflection
-    y_0, bend = before[9 : 9 + m], memory[9 + m : 9 + 2 * m]
-    bend_of(y_0, y, before[9 + m : 9 + 2 * m], dt, bend)
+        y_1[2] = deflection
+    y_0[0] *= ratio_of_mass
+    before[pace] *= ratio_of_mass
+    bend_of(y_0, y_1, before[pace:x], dt, bend)
     n_sub = max(1, math.ceil(dt / SUBSTEP - 1e-6))
-    z, next_z = before[at:last_of_z], memory[at:last_of_z]
-    v, past = before[10 + 2 * m], sprung_before - before[10]
-    extra = even_drive(mass, known, v, sprung - unsprung, past, dt)
-    end = advance(values, scratch, z, y_0, y, bend, last, dt, n_sub, next_z, extra)
+    past = sprung_before - y_0[1]
+    extra = even_drive(mass, mass_known, before[x + 1], sprung - unsprung, past, dt)
+    z_0, z_1 = before[z:known], memory[z:known]
+    end = advance(values, scratch, z_0, y_0, y_1, bend, last, dt, n_sub, z_1, extra)
+    _read(reading, z_1, y_1, memory[x:z])
+    y_1[0], y_0[0] = sprung, sprung_before
+    if memory[DOUBT] > rules[SETTLED]:
+        mass_known[SPEED] = math.nan  # the error of a start without start phase teaches nothing
+    v = memory[x + 1]
+    learn(mass, mass_known, y_0[0], y_0[1], sprung, unsprung, v, end, last, dt)
+    force, x_1, v_1, ratio, verdict = keep(
+        reading, rules, before, last, dt, repaired, end, lay, memory
+    )
+    return force, x_1, v_1, ratio, verdict, duty, repaired, True
+
+
+@compiled
+def _read(reading: Array, z: Array, y: Array, x: Array) -> None:
+    """Fill the estimate x (n,) = R z + S y; reading: of `book_of`, z (N,), y (m,)."""
+    n, order, m = x.shape[0], z.shape[0], y.shape[0]
     for i in range(n):
         total = 0.0
         for k in range(order):
-            total += reading[i * order + k] * memory[at + k]
+            total += reading[i * order + k] * z[k]
         for j in range(m):
             total += reading[n * order + i * m + j] * y[j]
-        memory[9 + 2 * m + i] = total
-    y[0], before[9] = sprung, sprung_before
-    if memory[DOUBT] > rules[SETTLED]:
-        known[SPEED] = math.nan  # the error of a start without start phase teaches nothing
-    learn(mass, known, y_0[0], y_0[1], sprung, unsprung, memory[10 + 2 * m], end, last, dt)
-    force, x, v, ratio, verdict = keep(
-        reading, rules, before, last, dt, repaired, end, m, n, memory
-    )
-    return force, x, v, ratio, verdict, duty, repaired, True
+        x[i] = total
 
 
 @compiled
 def keep(
     reading: Array, rules: Array, before: Array, duty: float, dt: float, repaired: bool, end: float,
-    m: int, n: int, after: Array,
+    lay: Layout, after: Array,
 ) -> tuple[float, float, float, float, int]:  # fmt: skip
     """The rest of the memory where y, x and z are known; end: the gate's input. Returns `said`."""
-    x = 9 + 2 * m
-    relative = before[9] - before[10]
-    change = after[9] - after[10] - relative
-    correction = after[x + 1] - before[x + 1] - dt * (relative + 0.5 * change)
-    for j in range(m):
-        after[9 + m + j] = (after[9 + j] - before[9 + j]) / dt
-    for j in range(8):
+    y, v = lay.y_at, lay.x_at + 1
+    relative = before[y] - before[y + 1]
+    change = after[y] - after[y + 1] - relative
+    correction = after[v] - before[v] - dt * (relative + 0.5 * change)
+    for j in range(lay.m):
+        after[lay.pace_at + j] = (after[y + j] - before[y + j]) / dt
+    for j in range(watch.SIZE):
         after[j] = before[j]
     after[CHANGE] = change
     slope = 1.0 - math.tanh(end) ** 2
     rate = decay_rate(rules, duty, slope)
-    follow(rules, after[:8], dt, rate, correction, change - before[CHANGE], repaired)
-    return said(reading, rules, m, n, after)
+    follow(rules, after[HEALTH], dt, rate, correction, change - before[CHANGE], repaired)
+    return said(reading, rules, lay, after)
 
 
 @compiled
 def said(
-    reading: Array, rules: Array, m: int, n: int, memory: Array
+    reading: Array, rules: Array, lay: Layout, memory: Array
 ) -> tuple[float, float, float, float, int]:
     """Force [N], deflection [m], its velocity [m/s], test ratio, and which of `status.VERDICTS`."""
-    x = 9 + 2 * m
+    n, x = lay.n, lay.x_at
     at = reading.shape[0] - 2 * n
     force = 0.0
     for i in range(n):
         force += reading[at + i] * memory[x + i]
     ratio = contradiction(memory[POWER], memory[FLOOR])
-    return force, memory[x], memory[x + 1], ratio, judge(rules, memory[:8])
+    return force, memory[x], memory[x + 1], ratio, judge(rules, memory[HEALTH])
