@@ -299,7 +299,7 @@ def test_a_change_is_followed_anew_from_a_beginning_that_may_be_far_off(car: Mod
     samples = drive(trial, car).samples[: round((trial.fault_time + 2.0) / DT)]
     p = estimator(car)
     setup = p.setup.copy()
-    setup[tick.AGAIN] = 0.0
+    setup[tick.ANEW] = 0.0
     for each, anew in ((p, True), (replace(p, setup=setup), False)):
         state = start(each, samples[0])
         for sample in samples[1:]:

@@ -45,10 +45,11 @@ SOME = -2
 _KEPT = 0.5
 """Probability that a named kind keeps its name with."""
 ORDER = (ELECTRICAL, LEAKAGE, DEFORMATION)
-SURE, ALL, SMALLEST, KNOWN, LOST, LIMIT, BELIEF, COLOUR, HEALTHY_ODDS, COMBINED_ODDS, AGAIN = (
-    range(11)
-)
-"""Places in the rules (11,), see `estimator.Rules`."""
+(
+    SURE, BLOCKS_IN_A_ROW, SMALLEST, KNOWN, LOST, LIMIT, BELIEF, COLOUR, HEALTHY_ODDS, COMBINED_ODDS, AGAIN,
+) = range(11)  # fmt: skip
+"""Places in the rules (11,), see `rules.Rules`; the odds are over those of each single fault."""
+RULES = AGAIN + 1
 LEAST_MISFIT = 0.5
 """Squared residuals over noise that are believed; smaller ones are chance."""
 
@@ -177,7 +178,7 @@ def _name(rules: Array, likely: int, verdict: Array) -> None:
     same = likely == int(verdict[TRIED]) and sure
     verdict[TRIALS] = verdict[TRIALS] + 1.0 if same else (1.0 if sure else 0.0)
     verdict[TRIED] = likely
-    if verdict[TRIALS] >= rules[ALL]:
+    if verdict[TRIALS] >= rules[BLOCKS_IN_A_ROW]:
         verdict[KIND] = likely
     named = int(verdict[KIND])
     verdict[CERTAINTY] = p[named] if named >= 0 else 0.0
@@ -189,8 +190,8 @@ def _doubt(rules: Array, verdict: Array) -> None:
     step = 1.0 if verdict[RATIO] > 1.0 else (-1.0 if verdict[RATIO] < rules[AGAIN] else 0.0)
     if _weak_from_the_start(rules, verdict):
         step = 1.0
-    verdict[DOUBTS] = min(max(verdict[DOUBTS] + step, 0.0), 2.0 * rules[ALL])
-    if verdict[DOUBTS] >= rules[ALL]:
+    verdict[DOUBTS] = min(max(verdict[DOUBTS] + step, 0.0), 2.0 * rules[BLOCKS_IN_A_ROW])
+    if verdict[DOUBTS] >= rules[BLOCKS_IN_A_ROW]:
         verdict[UNEXPLAINED] = 1.0
     elif verdict[DOUBTS] <= 0.0:
         verdict[UNEXPLAINED] = 0.0

@@ -12,7 +12,7 @@ from er_models.errors import InputError
 from er_models.model import Array, Model
 from er_models.static_damper import StaticDamper, static_damper
 
-from er_observers.faults import tick
+from er_observers.faults import decision, tick
 from er_observers.faults.sums import SIZE, TRIANGLE, N
 
 BLOCK = SAMPLE_TIME * tick.WITHIN
@@ -88,22 +88,41 @@ def estimator(model: Model, rules: Rules = RULES, force_noise: float | None = No
     if not model.is_vehicle:
         raise InputError(model.name, "effects.quarter_car", "a vehicle model", "a damper only")
     damper, car = static_damper(model), model.effects["quarter_car"]
-    given, sizes, r = force_noise is not None, _noise(model, rules), rules
+    given, sizes = force_noise is not None, _noise(model, rules)
     tau = model.effects["response"]["tau"] if "response" in model.effects else 0.0
     seen = car["m_s"] * sizes[0] if force_noise is None else force_noise
-    setup = [
-        force_noise or 0.0, seen**2, r.cut, r.least, math.exp(-BLOCK / r.memory), r.calm, r.fresh, r.anew,
-    ]  # fmt: skip
-    judging = [
-        r.sure, r.blocks, r.smallest, r.known, r.lost, r.limit, r.belief, r.colour, r.healthy / r.single,
-        r.combined / r.single, r.again,
-    ]  # fmt: skip
     s = model.scales
     return Estimator(
-        rules, _constants(damper, tau, car), sizes, np.array(setup, float), np.array(judging),
-        *_belief(model, r.tolerance, with_body=not given), np.zeros(tick.ROOM),
+        rules, _constants(damper, tau, car), sizes, _setup(rules, force_noise or 0.0, seen), _judging(rules),
+        *_belief(model, rules.tolerance, with_body=not given), np.zeros(tick.ROOM),
         (100.0 * s.acceleration, 100.0 * s.deflection, 100.0 * s.velocity),
     )  # fmt: skip
+
+
+def _setup(r: Rules, force_noise: float, seen: float) -> Array:
+    """Set-up (8,) of `tick`.
+
+    force_noise [N]: of a given force, 0 for none; seen [N]: deviation of the force, however it is seen.
+    """
+    setup = np.full(tick.SETUP, math.nan)
+    setup[tick.FORCE], setup[tick.VARIANCE] = force_noise, seen**2
+    setup[tick.CUT], setup[tick.LEAST] = r.cut, r.least
+    setup[tick.KEPT] = math.exp(-BLOCK / r.memory)
+    setup[tick.CALM], setup[tick.FRESH], setup[tick.ANEW] = r.calm, r.fresh, r.anew
+    return setup
+
+
+def _judging(r: Rules) -> Array:
+    """Rules (11,) of `decision`."""
+    judging = np.full(decision.RULES, math.nan)
+    judging[decision.SURE], judging[decision.BLOCKS_IN_A_ROW] = r.sure, r.blocks
+    judging[decision.SMALLEST] = r.smallest
+    judging[decision.KNOWN], judging[decision.LOST] = r.known, r.lost
+    judging[decision.LIMIT], judging[decision.BELIEF] = r.limit, r.belief
+    judging[decision.COLOUR], judging[decision.AGAIN] = r.colour, r.again
+    judging[decision.HEALTHY_ODDS] = r.healthy / r.single
+    judging[decision.COMBINED_ODDS] = r.combined / r.single
+    return judging
 
 
 def _constants(damper: StaticDamper, tau: float, car: Mapping[str, float]) -> Array:

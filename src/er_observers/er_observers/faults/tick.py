@@ -68,10 +68,11 @@ MEMORY = RAW.stop
 STORED = SIZE + WITHIN * TOLD
 """Places of a block in the window: its sum, and its samples."""
 ROOM = 4 * N + N * N + 2 * SIZE
-FORCE, VARIANCE, CUT, LEAST, KEPT, CALM, FRESH, AGAIN = range(8)
+FORCE, VARIANCE, CUT, LEAST, KEPT, CALM, FRESH, ANEW = range(8)
 """Places in the set-up (8,): noise of a given force, 0 for none; variance of the force [N2]; misfit that cuts the
 window, blocks before a verdict, share of the lessons kept per block, blocks kept in the window while all is well,
 blocks that are too young for lessons when the window is cut, blocks after a cut in which all is followed anew."""
+SETUP = ANEW + 1
 
 
 @compiled
@@ -124,7 +125,7 @@ def _compare(counted: Array, rows: Array) -> None:
 @compiled
 def _learn_the_road(setup: Array, counted: Array) -> None:
     """Let the bend be what the motion's innovations say, unless the damper has just changed; in place."""
-    if counted[QUIET] > setup[AGAIN] and counted[MOVES] > 0.0:
+    if counted[QUIET] > setup[ANEW] and counted[MOVES] > 0.0:
         beyond = min(counted[MISSED] / counted[MOVES] - 1.0, 1.0)
         counted[BENT] = min(max(counted[BENT] * math.exp(_PACE * beyond), _STRAIGHT), BENDS)
     counted[MISSED] = counted[MOVES] = 0.0
@@ -238,7 +239,7 @@ def close(
     counted[FILLED] = 0.0
     if counted[COUNT] < setup[LEAST]:
         return
-    young = counted[COUNT] == counted[QUIET] and counted[COUNT] <= setup[AGAIN]
+    young = counted[COUNT] == counted[QUIET] and counted[COUNT] <= setup[ANEW]
     if (
         young
         and counted[COUNT] <= _EARLY
