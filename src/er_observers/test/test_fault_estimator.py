@@ -220,10 +220,12 @@ def followed(car: Model, record: Drive) -> tuple[Array, Array]:
     p, mind, rows = estimator(car), np.zeros(follow.SIZE), np.zeros((3, follow.ROW))
     first = record.samples[0]
     follow.begin(p.p, p.noise, first.deflection, math.nan, mind)
+    rig = follow.Rig(p.p, p.noise, 0.0)
+    belief = follow.Belief(p.first[: sums.N], 0.0, 0.0)
     errors, found, duty = [], [], first.duty
     for s, true in zip(record.samples[1:], record.motion[1:], strict=True):
         seen = np.array([*s[1:5], math.nan])
-        follow.advance(p.p, p.noise, 0.0, p.first[: sums.N], seen, duty, DT, 0.0, 0.0, mind, rows)
+        follow.advance(rig, belief, follow.Step(seen, duty, DT), mind, rows)
         duty = s.duty
         P = mind[follow.COVARIANCE].reshape(5, 5)
         errors.append((mind[follow.STATE][:2] - true) / np.sqrt(np.diag(P)[:2]))

@@ -11,6 +11,7 @@ Source: Ljung 1979 (recursive prediction error method); Bell and Cathey 1993 (it
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from er_models.model import Array
@@ -60,6 +61,38 @@ _ALSO = 0.3
 """Share of `loose` by which the yield force may be wrong as well."""
 
 
+class Rig(NamedTuple):
+    """A car with its sensors.
+
+    p (11,): see `regression`; noise (4,): see `ROAD`; force_noise [N]: of a given force, 0 where the body's
+    acceleration tells it.
+    """
+
+    p: Array
+    noise: Array
+    force_noise: float
+
+
+class Belief(NamedTuple):
+    """What a sample is followed with.
+
+    known (N,): the unknowns; loose [N]: force by which they may be wrong; bent: how the road bends within a sample,
+    over the change of its rate from the one before.
+    """
+
+    known: Array
+    loose: float
+    bent: float
+
+
+class Step(NamedTuple):
+    """A sample: what is seen at its end (SEEN,), the duty during it, its length [s]."""
+
+    seen: Array
+    duty: float
+    dt: float
+
+
 @compiled
 def begin(p: Array, noise: Array, x: float, v: float, mind: Array) -> None:
     """Start a follower with a first x and v (NaN: unknown); the field may be anything."""
@@ -72,39 +105,19 @@ def begin(p: Array, noise: Array, x: float, v: float, mind: Array) -> None:
 
 
 @compiled
-def advance(
-    p: Array, noise: Array, force_noise: float, known: Array, seen: Array, duty: float, dt: float,
-    loose: float, bent: float, mind: Array, rows: Array,
-) -> None:  # fmt: skip
-    """Follow one sample, dt [s] long, in place, with the unknowns (N,) that are believed; fill rows (3, ROW).
-
-    seen (SEEN,): at its end; force_noise [N]: of a given force, 0 where the body's acceleration tells it. loose
-    [N]: force by which what is believed may be wrong. bent: how the road bends within a sample, over the change of its
-    rate from the one before.
-    """
+def advance(rig: Rig, belief: Belief, step: Step, mind: Array, rows: Array) -> None:
+    """Follow one sample, in place, with what is believed; fill rows (3, ROW)."""
+    p, known, given = rig.p, belief.known, rig.force_noise > 0.0
     z, P = mind[STATE], mind[COVARIANCE].reshape((STATES, STATES))
-    S = mind[LEAN].reshape((STATES, N))
+    S, before = mind[LEAN].reshape((STATES, N)), z[R]
     law, turn = np.empty(LAW), np.empty((N, TURNED))
-    given = force_noise > 0.0
-    now = seen[BODY_SEEN] if math.isfinite(seen[BODY_SEEN]) else mind[BEFORE]
-    push = 0.5 * (mind[BEFORE] + now) if given else math.nan
-    mind[BEFORE] = now
-    prescribe(p, known, duty, dt, push, law, turn)
-    before = z[R]
-    P[R, :] = 0.0
-    P[:, R] = 0.0
-    P[R, R] = noise[ROAD] ** 2
-    S[R, :] = 0.0
-    r = np.empty(4)
-    r[0], r[1], r[2], r[3] = noise[0], noise[1], noise[2], force_noise if given else noise[0]
-    r[3] = math.hypot(r[3], loose if given else loose / p[M_S])
+    prescribe(p, known, step.duty, step.dt, _push(step.seen, given, mind), law, turn)
+    _free_the_road(rig.noise, P, S)
+    measured, r = np.empty(4), np.empty(4)
+    _look(rig, step.seen, belief.loose, measured, r)
     at, end, rest = z.copy(), np.empty(STATES), np.empty(STATES)
     T = np.empty((STATES, STATES + N))
     H, shown = np.zeros((4, STATES)), np.empty(4)
-    H[1, X] = H[2, V] = 1.0
-    measured = np.empty(4)
-    measured[0], measured[1], measured[2] = seen[WHEEL_SEEN], seen[X_SEEN], seen[V_SEEN]
-    measured[3] = seen[FORCE_SEEN] if given else seen[BODY_SEEN]
     whole = T.shape[1]  # a bare number is a type to Numba: it would be a compilation of its own
     for _ in range(_ITERATIONS):
         _pass(law, turn, at, end, T, whole - N)
@@ -119,11 +132,7 @@ def advance(
     _show(p, law, known, end, given, H, shown)
     A = np.ascontiguousarray(T[:, :STATES])
     copy(A @ P @ A.T, P)
-    between = bent * law[TYRE] * dt * abs(at[R] - before)
-    P[W, W] += between**2
-    P[V, V] += (0.25 * dt * between) ** 2
-    P[V, V] += (0.5 * dt * law[PER_MASS] * loose) ** 2
-    P[F_ER, F_ER] += (_ALSO * loose) ** 2
+    _widen(law, belief.loose, belief.bent, step.dt, abs(at[R] - before), P)
     copy(T[:, STATES:], S)
     difference(z, at, rest)
     rest = A @ rest
@@ -131,6 +140,51 @@ def advance(
         _correct(p, q, turn, given, end, H[q], measured[q] - shown[q], r[q], P, S, rest, rows)
     copy_row(end, z)
     add_row(rest, z)
+    _even_out(P)
+
+
+@compiled
+def _push(seen: Array, given: bool, mind: Array) -> float:
+    """Acceleration of the body during a sample [m/s2] for `prescribe`, NaN where f tells it; the last one is kept."""
+    now = seen[BODY_SEEN] if math.isfinite(seen[BODY_SEEN]) else mind[BEFORE]
+    push = 0.5 * (mind[BEFORE] + now) if given else math.nan
+    mind[BEFORE] = now
+    return float(push)
+
+
+@compiled
+def _free_the_road(noise: Array, P: Array, S: Array) -> None:
+    """Let the road's rate be anything, whatever it was, in place: covariance P (5, 5), leanings S (5, N)."""
+    P[R, :] = 0.0
+    P[:, R] = 0.0
+    P[R, R] = noise[ROAD] ** 2
+    S[R, :] = 0.0
+
+
+@compiled
+def _look(rig: Rig, seen: Array, loose: float, measured: Array, r: Array) -> None:
+    """Fill what wheel, x, v and body (or force) measured (4,), NaN for nothing, and its deviations r (4,)."""
+    given = rig.force_noise > 0.0
+    r[0], r[1], r[2] = rig.noise[0], rig.noise[1], rig.noise[2]
+    r[3] = rig.force_noise if given else rig.noise[0]
+    r[3] = math.hypot(r[3], loose if given else loose / rig.p[M_S])
+    measured[0], measured[1], measured[2] = seen[WHEEL_SEEN], seen[X_SEEN], seen[V_SEEN]
+    measured[3] = seen[FORCE_SEEN] if given else seen[BODY_SEEN]
+
+
+@compiled
+def _widen(law: Array, loose: float, bent: float, dt: float, change: float, P: Array) -> None:
+    """Add to P (5, 5), in place, what a loose belief and a bent road may do; change: of the road's rate [m/s]."""
+    between = bent * law[TYRE] * dt * change
+    P[W, W] += between**2
+    P[V, V] += (0.25 * dt * between) ** 2
+    P[V, V] += (0.5 * dt * law[PER_MASS] * loose) ** 2
+    P[F_ER, F_ER] += (_ALSO * loose) ** 2
+
+
+@compiled
+def _even_out(P: Array) -> None:
+    """Make P (5, 5) symmetric, in place."""
     for i in range(STATES):
         for j in range(i):
             P[i, j] = P[j, i] = 0.5 * (P[i, j] + P[j, i])
@@ -157,7 +211,7 @@ def _show(
         law[VISCOUS] / p[M_US],
         law[FIELD] / p[M_US],
     )
-    H[0, W] = 1.0
+    H[0, W] = H[1, X] = H[2, V] = 1.0
     shown[0], shown[1], shown[2] = f / p[M_US] + z[W], z[X], z[V]
     spring = p[K_S] * (1.0 + known[3])
     if given:

@@ -98,9 +98,9 @@ def run(
     told[follow.X_SEEN], told[follow.V_SEEN] = seen
     told[follow.FORCE_SEEN], told[HELD], told[LASTED] = force, counted[DUTY], dt
     rows = np.empty((3, follow.ROW))
-    follow.advance(
-        p, noise, setup[FORCE], memory[EXPECTED], told[: follow.SEEN], counted[DUTY], dt, 0.0, counted[BENT], mind, rows
-    )  # fmt: skip
+    rig = follow.Rig(p, noise, setup[FORCE])
+    belief = follow.Belief(memory[EXPECTED], 0.0, counted[BENT])
+    follow.advance(rig, belief, follow.Step(told[: follow.SEEN], counted[DUTY], dt), mind, rows)
     _compare(counted, rows)
     v, variance = mind[V], mind[follow.COVARIANCE][V * STATES + V]
     counted[SHAKEN] += _FADING * (v * v - counted[SHAKEN])
@@ -148,17 +148,16 @@ def _anew(
     counted, mind = memory[COUNTED], memory[MIND]
     head, count = int(counted[HEAD]), int(counted[COUNT])
     rows, begun = np.empty((3, follow.ROW)), False
+    rig = follow.Rig(p, noise, setup[FORCE])
+    belief = follow.Belief(memory[EXPECTED], loose, counted[BENT])
     for i in range(count - 1, -1, -1):
         stored = window[(head - i) % BLOCKS]
         raw = stored[SIZE:].reshape((WITHIN, TOLD))
         stored[:SIZE] = 0.0
         for k in range(WITHIN):
             if begun:
-                duty, dt = raw[k, HELD], raw[k, LASTED]
-                follow.advance(
-                    p, noise, setup[FORCE], memory[EXPECTED], raw[k, : follow.SEEN], duty, dt, loose, counted[BENT],
-                    mind, rows,
-                )  # fmt: skip
+                step = follow.Step(raw[k, : follow.SEEN], raw[k, HELD], raw[k, LASTED])
+                follow.advance(rig, belief, step, mind, rows)
                 if raw[k, COUNTS] > 0.0:
                     _add(stored[:SIZE], rows, memory[EXPECTED])
             elif math.isfinite(raw[k, follow.X_SEEN]):
