@@ -1,11 +1,11 @@
 r"""Estimates what faults have left of a damper: `start`, `step`.
 
 (6.8) is linear in f_2 k_0, f_2 f_3 c_0 and f_1 f_2 f_3: every sample is one row of a regression (`regression.py`), with
-the motion from a smoother (`motion.py`). Blocks of rows fill a window; those that leave it while the damper is healthy
-become the belief about the very damper at hand, its springs and its mass (`tick.py`). A force that is not what was
-expected cuts the window, so that it holds one state of the damper only, and grows from there. At the end of every block
-the evidence of each kind of fault is weighed (`evidence.py`) and turned into factors, statuses and a name
-(`decision.py`).
+the motion from an iterated Kalman filter (`follow.py`, whose equations are in `passage.py`). Blocks of rows fill a
+window; those that leave it while the damper is healthy become the belief about the very damper at hand, its springs and
+its mass (`tick.py`). A force that is not what was expected cuts the window, so that it holds one state of the damper
+only, and grows from there. At the end of every block the evidence of each kind of fault is weighed (`evidence.py`) and
+turned into factors, statuses and a name (`decision.py`).
 
 ``step(p, state, sample) -> (state, estimate)`` is pure; nothing in the loop raises, what is wrong shows as a status.
 One `Estimator` serves one thread at a time: the compiled part works in its room.
