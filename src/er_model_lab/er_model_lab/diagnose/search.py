@@ -41,7 +41,7 @@ DOUBT, SURE = 2.0, 4.5
 """Paired t below which two candidates are tied in any case, and from which on they never are."""
 NEARLY = 0.85
 """Share of the best one's effect size from which on a candidate comes near it."""
-FORM, SPARE = 0.995, 1.5
+FORM, SPARE = 0.997, 1.5
 """Share of the best one's effect size that a form of fewer parameters has, and the most by which it is behind, over
 what counts as an effect, where the two are tied: what is real keeps to no equation so closely that it would decide."""
 NESTED, SAME = 1e-2, 1e-4
