@@ -113,7 +113,7 @@ class Graph:
         return self.recorders
 
 
-def said(**last: int) -> DiagnosticStatus:
+def said(**last: int | str) -> DiagnosticStatus:
     values = [KeyValue(key=f"/front/{name}", value=str(n)) for name, n in last.items()]
     return DiagnosticStatus(values=[*values, KeyValue(key="/rear/road", value="9999")])
 
@@ -164,3 +164,14 @@ def test_a_topic_that_stands_still_is_given_up_and_taken_up_again(
     graph.recorders = 0
     assert one.follows(510)
     assert "no recorder" in graph.lines[-1]
+
+
+@pytest.mark.parametrize("text", ["abc", "", "1e3", "-5", "\u00b2", "9" * 5000])
+def test_what_is_no_number_is_ignored_and_said_once(clock: Clock, graph: Graph, text: str) -> None:
+    one = following(graph)
+    one.on_said(said(road=7, force=text))
+    one.on_said(said(road=8, force=text))
+    assert one.written == {"/front/road": 8, "/front/force": 0}
+    (line,) = graph.lines[1:]
+    assert line.startswith("recorder/recorded: /front/force: expected a whole number from 0")
+    assert repr(text[:20]) in line

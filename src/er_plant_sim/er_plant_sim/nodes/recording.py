@@ -15,6 +15,9 @@ AHEAD, AHEAD_TICKS = 0.2, 40
 PATIENCE = 20.0
 """Longest wait for a topic that is not recorded any further [s]; the middleware takes its recorder for gone by then."""
 
+LONGEST = 20
+"""Digits of the largest number of a message; Python refuses to read some thousands of them."""
+
 
 class Recording:
     """Up to which tick each topic is written.
@@ -35,6 +38,7 @@ class Recording:
         self.written = {node.resolve_topic_name(name): 0 for name in names}
         self.given_up: set[str] = set()
         self.known, self.since = not recorder, 0.0
+        self.warned = False
         self.source = f"{recorder}/recorded" if recorder else ""
         if recorder:
             node.listen(self.source, DiagnosticStatus, self.on_said, topics.RECORDED.subscriber)
@@ -46,7 +50,13 @@ class Recording:
 
     def on_said(self, message: DiagnosticStatus) -> None:
         """Take what the recorder says."""
-        said = {pair.key: int(pair.value) for pair in message.values if pair.key in self.written}
+        given = {pair.key: pair.value for pair in message.values if pair.key in self.written}
+        said = {name: last for name, text in given.items() if (last := _number(text)) is not None}
+        if said.keys() != given.keys() and not self.warned:
+            self.warned = True
+            name = min(given.keys() - said.keys())
+            wrong = f"expected a whole number from 0, found {given[name][:20]!r}"
+            log.warning(self.node, f"{self.source}: {name}: {wrong}: ignored")
         self.known = True
         if any(last > self.written[name] for name, last in said.items()):
             self.since = 0.0
@@ -80,3 +90,9 @@ class Recording:
         log.warning(self.node, f"going on without {', '.join(behind)}: {why}")
         self.given_up |= set(behind)
         self.since = 0.0
+
+
+def _number(text: str) -> int | None:
+    """A message's number, a `uint64`; None where the text is none."""
+    digits = text.isascii() and text.isdigit() and len(text) <= LONGEST
+    return int(text) if digits else None
