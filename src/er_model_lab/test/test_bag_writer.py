@@ -20,9 +20,9 @@ from er_damper_msgs.msg import DamperForce
 KIND = "er_damper_msgs/msg/DamperForce"
 
 
-def write(bag: BagWriter, count: int) -> None:
+def write(bag: BagWriter, count: int, name: str = "/sensors/force") -> None:
     """That many messages with growing force."""
-    topic = bag.topic("/sensors/force", KIND)
+    topic = bag.topic(name, KIND)
     for k in range(count):
         message = DamperForce(seq=k + 1, force=0.5 * k, valid=True)
         bag.write(topic, 1_000_000_000 + 5_000_000 * k, serialize_message(message))
@@ -96,3 +96,18 @@ def test_only_an_empty_recording_can_be_discarded(tmp_path: Path) -> None:
     empty.discard()
     assert (tmp_path / "bag").exists()
     assert not (tmp_path / "empty").exists()
+
+
+def test_a_full_disk_is_an_os_error_and_leaves_what_was_flushed(tmp_path: Path) -> None:
+    bag = BagWriter(tmp_path / "bag", "sqlite3")
+    write(bag, 300)
+    bag.flush()
+    storage: Any = bag._writer.storage
+    storage.conn.execute("PRAGMA max_page_count = 1")
+    with pytest.raises(OSError, match="database or disk is full") as refused:
+        write(bag, 3000, "/more")
+    assert refused.value.strerror == "database or disk is full"
+    bag.close({})
+    assert [p.name for p in (tmp_path / "bag").iterdir()] == ["bag.db3"]
+    with AnyReader([tmp_path / "bag" / "bag.db3"]) as reader:
+        assert sum(1 for _ in reader.messages()) == 300

@@ -46,10 +46,7 @@ class Heard:
         That time is taken here: the events executor of the wheels fails on callbacks that ask for
         the message's info.
         """
-        received = time_ns()
-        if self._topic is None:
-            self._topic = self._announced()
-        self.guard(partial(self.bag.write, self._topic, received, data))
+        self.guard(partial(self._write, time_ns(), data))
         header = header_of(data) if self.type_name.startswith(OURS) else None
         self.count = count(self.count, header.seq if header else 0)
         if self.written is not None and header:
@@ -57,6 +54,11 @@ class Heard:
         if self.type_name == topics.STATUS.type_name:
             said = deserialize_message(data, NodeStatus)
             self.ids[said.node or self.name] = (said.model_id, said.gains_id)
+
+    def _write(self, received: int, data: bytes) -> None:
+        if self._topic is None:
+            self._topic = self._announced()
+        self.bag.write(self._topic, received, data)
 
     def _announced(self) -> Connection:
         publishers = self.node.get_publishers_info_by_topic(self.name)

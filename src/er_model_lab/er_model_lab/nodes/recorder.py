@@ -205,6 +205,7 @@ class Recorder(ManagedNode):
             self.bag.close(self.custom())
         except OSError as error:
             self.trouble = self.trouble or self._unwritable(error)
+        if self.trouble:
             return
         words = ", ".join(f"{name} {n}" for name, n in sorted(self.gaps.items())) or "nothing"
         written = f"{self.bag.messages} messages of {len(self.counts)} topics"
