@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import sqlite3
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,7 @@ pytest.importorskip("rclpy")
 
 
 from er_model_lab.readers.bag_names import custom_data
+from rosbags.rosbag2 import StoragePlugin, Writer
 
 from er_bringup import played
 from er_bringup import replay as command
@@ -326,6 +329,17 @@ def test_what_is_no_recording_is_refused_and_the_middle_of_one_is_said_to_be(
     assert found.different > 0
     command.show(late, [found], Console())
     assert f"middle of the run (seq {TICKS // 2 + 1})" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_sqlite_file_that_was_never_closed_is_damaged(tmp_path: Path) -> None:
+    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.SQLITE3):
+        pass
+    (tmp_path / "bag" / "metadata.yaml").unlink()
+    file = tmp_path / "bag" / "bag.db3"
+    with closing(sqlite3.connect(file)) as data:
+        data.execute("DELETE FROM metadata")
+        data.commit()
+    assert "was never closed" in played.opened(file).damage
 
 
 def test_a_recording_without_the_inputs_and_a_damaged_one(

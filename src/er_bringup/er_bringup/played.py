@@ -13,6 +13,7 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
+from er_model_lab.readers.bag_files import unclosed
 from er_model_lab.readers.bag_names import custom_data, usual_names
 from er_models.errors import InputError, MissingChannel
 from er_ros_common.core import Core, Said, When
@@ -88,7 +89,7 @@ def opened(path: Path) -> Bag:
     except Exception as error:  # as above
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(path, "", "a whole rosbag2 recording", reason) from None
-    bag = Bag(path, reader)
+    bag = Bag(path, reader, damage=unclosed(path))
     custom = custom_data(path)
     bag.parameters, bag.models = custom.get("parameters", {}), custom.get("models", {})
     bag.names, _ = usual_names(path, {c.topic: c.msgtype for c in reader.connections})

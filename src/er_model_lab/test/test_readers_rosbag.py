@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import shutil
+import sqlite3
 import struct
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -427,6 +429,35 @@ def test_a_cut_sqlite_bag_is_named_and_gives_what_it_can(tmp_path: Path) -> None
     with pytest.raises(InputError, match=r"bag.db3 is damaged \(.+\): 0 messages read") as caught:
         load([path])
     assert "\n" not in str(caught.value)
+
+
+def test_a_sqlite_bag_that_was_never_closed_is_incomplete(tmp_path: Path) -> None:
+    path = record_bag(tmp_path / "bag", ticks(600), StoragePlugin.SQLITE3)
+    (path / "metadata.yaml").unlink()
+    assert one(path).complete
+    journal = path / "bag.db3-journal"
+    journal.write_bytes(b"")
+    assert one(path).complete
+    journal.write_bytes(b"pages")
+    assert not one(path).complete
+    journal.unlink()
+    file = path / "bag.db3"
+    for change in (
+        "UPDATE metadata SET metadata = 'message_count: 0'",
+        "DELETE FROM metadata",
+    ):
+        with closing(sqlite3.connect(file)) as data:
+            data.execute(change)
+            data.commit()
+        for each in (path, file):
+            record = one(each)
+            assert not record.complete
+            assert "bag.db3 was never closed: it has no record of its end" in record.notes
+            check_values(record)
+    with closing(sqlite3.connect(file)) as data:
+        data.execute("DROP TABLE metadata")
+        data.commit()
+    assert one(path).complete
 
 
 @pytest.mark.parametrize("suffix", [".mcap", ".db3"])

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import sqlite3
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import yaml
 from er_models.errors import InputError
@@ -47,6 +50,37 @@ def promised_count(file: Path, wants: Callable[[str], bool]) -> int:
     except (KeyError, TypeError, ValueError):
         return 0
     return sum(count for name, count in topics if wants(str(name)))
+
+
+def unclosed(file: Path) -> str:
+    """Why a sqlite file is one that its recorder did not close; empty where it did, or nothing tells.
+
+    A closed one has a `metadata.yaml` beside it; a copy without is known by the record that is written into it at the
+    end (rosbag2's own recorder writes an empty one at the beginning). Files before ROS 2 Iron have no such record.
+    """
+    if file.suffix != ".db3" or (file.parent / METADATA).exists():
+        return ""
+    journal = file.with_name(f"{file.name}-journal")
+    if journal.exists() and journal.stat().st_size:
+        return f"was never closed: {journal.name} is beside it"
+    try:
+        with closing(sqlite3.connect(f"file:{quote(str(file))}?immutable=1", uri=True)) as data:
+            if not data.execute("SELECT 1 FROM sqlite_master WHERE name = 'metadata'").fetchone():
+                return ""
+            closed = [_promises(text) for (text,) in data.execute("SELECT metadata FROM metadata")]
+    except sqlite3.Error:
+        # whatever is wrong with it is found when its messages are read
+        return ""
+    return "" if any(closed) else "was never closed: it has no record of its end"
+
+
+def _promises(text: str) -> bool:
+    """Whether a metadata record speaks of messages; one that cannot be read may."""
+    try:
+        content = yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+        return int(content["message_count"]) > 0
+    except (yaml.YAMLError, KeyError, TypeError, ValueError):
+        return True
 
 
 def _topics(info: dict[str, Any]) -> list[dict[str, Any]]:

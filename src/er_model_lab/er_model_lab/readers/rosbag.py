@@ -25,7 +25,13 @@ from rosbags.typesys import (
 
 from er_model_lab.provenance import digest_files
 from er_model_lab.readers.bag_align import align
-from er_model_lab.readers.bag_files import METADATA, data_files, missing_files, promised_count
+from er_model_lab.readers.bag_files import (
+    METADATA,
+    data_files,
+    missing_files,
+    promised_count,
+    unclosed,
+)
 from er_model_lab.readers.bag_names import hint, usual_names
 from er_model_lab.readers.bag_streams import Collector
 from er_model_lab.readers.mcap_salvage import salvage
@@ -122,6 +128,8 @@ def _read_file(bag: Bag, file: Path) -> None:
     count = sum(bag.topics.values())
     failure = _read_ordinary(bag, file)
     if not failure:
+        why = unclosed(file)
+        bag.damage += [f"{file.name} {why}"] if why else []
         return
     if file.suffix != ".mcap":
         kept = sum(bag.topics.values()) - count
