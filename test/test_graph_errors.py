@@ -130,12 +130,38 @@ def test_the_recorder_overwrites_nothing(refused: Refused, tmp_path: Path) -> No
     assert [p.name for p in out.iterdir()] == ["precious"]
 
 
-def test_a_recording_of_nothing_is_said_and_not_kept(graph: Graph, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "given",
+    [
+        ["--topics", "nothing_here", "--duration", "0.5"],
+        ["--all", "--duration", "2.5"],
+        ["--duration", "0.01"],
+    ],
+)
+def test_a_recording_of_nothing_is_said_and_not_kept(
+    graph: Graph, tmp_path: Path, given: list[str]
+) -> None:
     out = tmp_path / "bag"
-    status, text = graph.run("record", str(out), "--topics", "nothing_here", "--duration", "0.5")
+    status, text = graph.run("record", str(out), *given)
     assert status == 4
-    assert "nothing_here" in text
+    assert ("nothing_here" if "--topics" in given else "to record anything") in text
     assert "Traceback" not in text
+    assert not out.exists()
+
+
+def test_what_others_say_on_a_shared_topic_is_a_recording(graph: Graph, tmp_path: Path) -> None:
+    graph.start("skyhook_controller", *skyhook_arguments()).wait_for("[skyhook_controller]: ")
+    out = tmp_path / "bag"
+    status, text = graph.run("record", str(out), "--topics", "/diagnostics", "--duration", "4")
+    assert status == 0, text
+    assert (out / "metadata.yaml").exists()
+
+
+def test_a_topic_that_cannot_be_is_named_before_a_folder_is_made(
+    refused: Refused, tmp_path: Path
+) -> None:
+    out = tmp_path / "bag"
+    assert "topic 'a-b': expected letters" in refused("record", str(out), "--topics", "a-b")
     assert not out.exists()
 
 

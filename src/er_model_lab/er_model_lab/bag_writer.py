@@ -91,9 +91,9 @@ class BagWriter:
             self._leave()
             raise
 
-    def discard(self) -> None:
-        """Remove a recording without messages; one with messages is never removed."""
-        if self.messages:
+    def discard(self, worthless: int = 0) -> None:
+        """Remove a recording without messages, but for that many worthless ones; one with others is never removed."""
+        if self.messages > worthless:
             raise ValueError(f"{self.out} holds {self.messages} messages")
         self._leave()
         shutil.rmtree(self.out)

@@ -86,12 +86,18 @@ def test_what_was_flushed_is_on_disk(tmp_path: Path, storage: str) -> None:
     bag.close({})
 
 
-def test_only_an_empty_recording_can_be_discarded(tmp_path: Path) -> None:
+def test_only_a_recording_of_nothing_can_be_discarded(tmp_path: Path) -> None:
     bag = BagWriter(tmp_path / "bag")
     write(bag, 1)
     with pytest.raises(ValueError, match="holds 1 messages"):
         bag.discard()
     bag.close({})
+    worthless = BagWriter(tmp_path / "worthless")
+    write(worthless, 2)
+    with pytest.raises(ValueError, match="holds 2 messages"):
+        worthless.discard(1)
+    worthless.discard(2)
+    assert not (tmp_path / "worthless").exists()
     empty = BagWriter(tmp_path / "empty")
     empty.discard()
     assert (tmp_path / "bag").exists()

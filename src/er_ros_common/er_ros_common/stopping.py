@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from time import monotonic
 from types import FrameType
@@ -14,6 +14,13 @@ from typing import Any
 #: one wish to stop may arrive as several signals: a dying parent's threads each send theirs, a
 #: terminal and a supervisor both pass Ctrl-C on. What follows the first this soon is the same [s]
 SAME_WISH = 1.0
+
+_UNDO: list[Callable[[], None]] = []
+
+
+def on_leaving(undo: Callable[[], None]) -> None:
+    """What takes back what was made so far, where a signal ends the process under `making`."""
+    _UNDO.append(undo)
 
 
 class Stopped:
@@ -60,6 +67,9 @@ class Stopped:
 
 def _leave() -> None:
     """End at once: an exception that is raised inside the compiler, or a shutdown under it, can end in a crash."""
+    for undo in _UNDO:
+        with suppress(Exception):
+            undo()
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError, RuntimeError):
             stream.flush()

@@ -13,6 +13,7 @@ from rosbags.interfaces import Connection
 from er_damper_msgs.msg import NodeStatus
 from er_model_lab.bag_writer import BagWriter
 from er_model_lab.message_count import Count, count, header_of
+from er_model_lab.nodes.own import is_own
 from er_model_lab.nodes.selection import offers
 from er_ros_common import topics
 
@@ -24,8 +25,8 @@ Guard = Callable[[Callable[[], None]], None]
 class Heard:
     """A subscription's messages; the topic enters the recording with the first of them.
 
-    ids: from its last status to the hashes of model and gains, by node; empty for other topics; written: what is
-    called with each message of ours that is written.
+    ids: from its last status to the hashes of model and gains, by node; empty for other topics; own: messages of the
+    recorder itself; written: what is called with each message of ours that is written.
     """
 
     written: Callable[[Heard], None] | None = None
@@ -35,7 +36,7 @@ class Heard:
     ) -> None:
         self.node, self.bag, self.guard = node, bag, guard
         self.name, self.type_name = name, type_name
-        self.count = Count()
+        self.count, self.own = Count(), 0
         self.ids: dict[str, tuple[str, str]] = {}
         self._topic: Connection | None = None
         self.ours = type_name.startswith(OURS) and type_name != topics.STATUS.type_name
@@ -59,6 +60,7 @@ class Heard:
         if self._topic is None:
             self._topic = self._announced()
         self.bag.write(self._topic, received, data)
+        self.own += is_own(self.node, self.name, self.type_name, data)
 
     def _announced(self) -> Connection:
         publishers = self.node.get_publishers_info_by_topic(self.name)

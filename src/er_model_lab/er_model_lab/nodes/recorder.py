@@ -7,6 +7,7 @@ and lost.
 
 from __future__ import annotations
 
+import shutil
 import signal
 import sys
 from collections.abc import Callable, Sequence
@@ -23,6 +24,7 @@ from er_ros_common.managed import ManagedNode
 from er_ros_common.parameter_reader import ParameterReader
 from er_ros_common.parameters import REQUIRED, declare, param
 from er_ros_common.spin import Executable, run
+from er_ros_common.stopping import on_leaving
 from rclpy.subscription import Subscription
 
 from er_damper_msgs.msg import NodeStatus
@@ -73,8 +75,13 @@ class Recorder(ManagedNode):
         """Open the recording, the only one of this process."""
         if hasattr(self, "bag"):
             raise ErError("a recorder makes one recording: start another one for the next")
-        self.bag = BagWriter(Path(self.p.out), self.p.storage)
+        # names are looked at before the folder is made: a wrong one must not leave it behind
         self.selection = Selection(self, self.p.topics, everything=self.p.all)
+        self.sources = [self.selection.full(name) for name in self.p.sources]
+        out = Path(self.p.out)
+        if not out.exists():
+            on_leaving(self._left)
+        self.bag = BagWriter(out, self.p.storage)
         self.parameters = ParameterReader(self, self._inside)
         self.taken: dict[str, str] = {}
         self.heard: dict[str, Heard] = {}
@@ -89,16 +96,27 @@ class Recorder(ManagedNode):
     def begin(self) -> None:
         """Subscribe to what is there."""
         self.began, self.stopping = monotonic(), False
-        self.on_look()
+        self.subscribe_new()
 
     def _inside(self, full: str) -> bool:
         return self.p.all or full.startswith(f"{self.selection.namespace}/")
 
-    def on_look(self) -> None:
-        """Subscribe to what appeared; stop when the time is over."""
+    def _left(self) -> None:
+        """Keep nothing: a signal came while the recording was made, before anything could be heard."""
+        shutil.rmtree(self.p.out)
+        sys.stderr.write(
+            f"{CARD.executable}: {self.p.out}: nothing was recorded, it is not kept\n"
+        )
+
+    def subscribe_new(self) -> None:
+        """Subscribe to what appeared."""
         for name, type_name in self.selection.offered().items():
             if name not in self.taken:
                 self.take(name, type_name)
+
+    def on_look(self) -> None:
+        """Subscribe to what appeared; stop when the time is over."""
+        self.subscribe_new()
         self.receipt.look()
         if self.p.duration and monotonic() - self.began > self.p.duration and not self.stopping:
             self.stop()
@@ -169,10 +187,9 @@ class Recorder(ManagedNode):
 
     def ready(self) -> bool:
         """Whether every topic it was told of has a publisher that it hears."""
-        names = [self.selection.full(name) for name in self.p.sources]
-        if any(name not in self.inputs for name in names):
+        if any(name not in self.inputs for name in self.sources):
             return False
-        return connected([self.inputs[name] for name in names])
+        return connected([self.inputs[name] for name in self.sources])
 
     def stop(self) -> None:
         """End the node as Ctrl-C would."""
@@ -193,12 +210,13 @@ class Recorder(ManagedNode):
         return Report(mode, status, reason, values=values, problems=tuple(self.refused))
 
     def close(self) -> None:
-        """Close the recording with what is known about it; one without messages is not kept."""
-        if not self.bag.messages:
-            self.bag.discard()
+        """Close the recording with what is known about it; one without messages of others is not kept."""
+        own = sum(heard.own for heard in self.heard.values())
+        if self.bag.messages <= own:
+            self.bag.discard(own)
             wanted = ", ".join(self.selection.types or self.selection.names or ("any topic",))
             self.trouble = self.trouble or MissingChannel(
-                self.p.out, wanted, "to record anything", tuple(self.taken)
+                self.p.out, wanted, "to record anything", tuple(self.counts)
             )
             return
         try:
