@@ -369,3 +369,62 @@ def test_a_recording_without_the_inputs_and_a_damaged_one(
     status, text, _ = replay(cut)
     assert status in (2, 3)
     assert text.count("\n") == 1
+
+
+@pytest.fixture(scope="module")
+def without(bag: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Copies of the recording without the topics that begin with a word."""
+
+    def made(word: str) -> Path:
+        out = tmp_path_factory.mktemp("without") / "bag"
+        return changed(bag, out, lambda topic, m: None if topic.startswith(word) else m)
+
+    return made
+
+
+@pytest.mark.parametrize("gone", ["/sensors/acceleration", "/pwm/applied"])
+def test_a_node_without_one_of_its_inputs_is_never_the_same(
+    replay: Replay, without: Callable[[str], Path], gone: str
+) -> None:
+    status, text, result = replay(without(gone), "--node", "unified_observer")
+    assert (status, text.count("\n")) == (4, 1), text
+    assert f"channel '{gone}' is needed for unified_observer" in text
+    assert not result["nodes"]
+
+
+def test_nodes_that_can_be_compared_are_and_the_others_named(
+    replay: Replay, without: Callable[[str], Path]
+) -> None:
+    part = without("/pwm/applied")
+    status, text, result = replay(part)
+    assert status == 0
+    assert [each["node"] for each in result["nodes"]] == ["skyhook_controller"]
+    assert set(result["left_out"]) == set(IN_THE_LOOP) - {"skyhook_controller"}
+    assert text.count("\n") == len(IN_THE_LOOP) - 1
+    asked = ("--node", "skyhook_controller", "--node", "unified_observer")
+    status, _, result = replay(part, *asked)
+    assert status == 4
+    assert result["nodes"][0]["same"] == TICKS
+
+
+def test_a_replay_without_recorded_answers_is_for_its_values_only(
+    replay: Replay, without: Callable[[str], Path], tmp_path: Path
+) -> None:
+    args, file = (without("/force/"), "--node", "unified_observer"), tmp_path / "values.csv"
+    status, text, _ = replay(*args)
+    assert (status, text.count("\n")) == (4, 1)
+    assert "unified_observer is compared with nothing: no answer of it is recorded" in text
+    status, again, _ = replay(*args, "--values", str(file))
+    assert (status, again) == (0, text)
+    assert file.read_text().count("\n") == TICKS
+
+
+def test_answers_to_other_samples_are_nothing_to_compare_with(
+    replay: Replay, bag: Path, tmp_path: Path
+) -> None:
+    def apart(topic: str, message: Any) -> Any:
+        return message if (message.seq < 9) == (topic == "/pwm/command") else None
+
+    status, text, _ = replay(changed(bag, tmp_path / "b", apart), "--node", "skyhook_controller")
+    assert status == 4
+    assert "none of its 8 recorded answers is to a sample that the replay answers" in text

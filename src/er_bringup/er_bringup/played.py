@@ -71,8 +71,9 @@ class Bag:
 
     @property
     def topics(self) -> tuple[str, ...]:
-        """Full names of what it holds."""
-        return tuple(sorted({self.named(c.topic) for c in self.reader.connections}))
+        """Full names of topics with messages in it."""
+        connections = self.reader.connections
+        return tuple(sorted({self.named(c.topic) for c in connections if c.msgcount}))
 
 
 def opened(path: Path) -> Bag:
@@ -139,6 +140,11 @@ class Played:
     took: float = 0.0
 
     @property
+    def compared(self) -> int:
+        """Answers to the same sample in recording and replay."""
+        return self.same + self.different
+
+    @property
     def speed(self) -> float:
         """Times faster than it was recorded."""
         return self.span / self.took if self.took > 0.0 else 0.0
@@ -152,11 +158,12 @@ def play(
     follow: samples that the recorded node did not answer (it had them too late, or never) are left out.
 
     Raises:
-        MissingChannel: None of the node's inputs is in the recording.
+        MissingChannel: An input that the node needs is not in the recording.
     """
     inputs = {f"{namespace}/{topic.name}": topic for topic in core.inputs}
-    if not set(inputs) & set(bag.topics):
-        raise MissingChannel(bag.path, next(iter(inputs)), f"for {executable}", bag.topics)
+    for name, topic in inputs.items():
+        if topic not in core.optional and name not in bag.topics:
+            raise MissingChannel(bag.path, name, f"for {executable}", bag.topics)
     outputs = {f"{namespace}/{topic.name}": topic for topic in core.outputs}
     said_before = _first(m for _, m, _ in bag.messages(outputs))
     result = Played(executable, recorded=len(said_before))

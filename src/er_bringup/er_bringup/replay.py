@@ -1,19 +1,21 @@
 """``er replay BAG``: plays a recording to the cores of its nodes and compares what they say, bit by bit.
 
-Exit status: 0 the same, or nothing was recorded to compare with; 1 something differs; 2 bad usage or input;
-3 the recording is damaged and was played as far as it goes; 4 it lacks what the node listens to.
+Exit status: 0 the same, or only --values were there to be had; 1 something differs; 2 bad usage or input;
+3 the recording is damaged and was played as far as it goes; 4 it lacks what a node listens to, or there was
+nothing to compare. Of several recorded nodes such a one is left out, but not one that --node asked for.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import yaml
-from er_models.errors import ErError, InputError
+from er_models.errors import ErError, InputError, MissingChannel
 from er_models.files import write_whole
 from er_models.one_line import OneLine
 from rich.console import Console
@@ -31,7 +33,7 @@ from er_bringup.played import (
     play,
 )
 
-SAME, DIFFERENT, INCOMPLETE = 0, 1, 3
+SAME, DIFFERENT, INCOMPLETE, NOTHING = 0, 1, 3, 4
 
 
 def parser() -> OneLine:
@@ -81,8 +83,8 @@ def given(pairs: Sequence[str]) -> dict[str, Any]:
     return found
 
 
-def replayed(options: Any) -> tuple[Bag, list[Played]]:
-    """Play as the options say.
+def replayed(options: Any) -> tuple[Bag, list[Played], dict[str, str]]:
+    """Play as the options say; the recording, what its nodes said, and why others could not be played.
 
     Raises:
         ErError: Something of the recording or the parameters cannot be used.
@@ -94,7 +96,13 @@ def replayed(options: Any) -> tuple[Bag, list[Played]]:
         raise _nothing(bag, space)
     values = given(options.set)
     made = [(name, core_of(bag, name, space, values)) for name in names]
-    return bag, [play(bag, name, core, space, follow=options.follow) for name, core in made]
+    found, left_out = [], {}
+    for name, core in made:
+        try:
+            found.append(play(bag, name, core, space, follow=options.follow))
+        except MissingChannel as error:
+            left_out[name] = str(error)
+    return bag, found, left_out
 
 
 def _nothing(bag: Bag, space: str) -> InputError:
@@ -109,8 +117,37 @@ def _nothing(bag: Bag, space: str) -> InputError:
     return InputError(bag.path, "nodes", expected, found)
 
 
-def document(bag: Bag, found: Sequence[Played]) -> dict[str, object]:
-    """The result for machines."""
+def incomparable(bag: Bag, found: Sequence[Played]) -> dict[str, str]:
+    """Nodes that were played, but to compare with nothing, and why."""
+    why = {}
+    for each in (f for f in found if not f.compared):
+        what = (
+            f"none of its {each.recorded} recorded answers is to a sample that the replay answers"
+        )
+        if not each.recorded:
+            what = "no answer of it is recorded"
+        why[each.node] = f"{bag.path}: {each.node} is compared with nothing: {what}"
+    return why
+
+
+def status(
+    bag: Bag, found: Sequence[Played], left_out: Iterable[str], options: argparse.Namespace
+) -> int:
+    """Exit status; left_out: nodes that were compared with nothing.
+
+    Who asks for values of a node without recorded answers has what was asked for.
+    """
+    served = {f.node for f in found if options.values and f.answers and not f.recorded}
+    missed = set(left_out) - served
+    if missed and (options.node or not any(f.compared or f.node in served for f in found)):
+        return NOTHING
+    if bag.damage:
+        return INCOMPLETE
+    return DIFFERENT if any(f.different for f in found) else SAME
+
+
+def document(bag: Bag, found: Sequence[Played], left_out: Mapping[str, str]) -> dict[str, object]:
+    """The result for machines; left_out: nodes that were compared with nothing, and why."""
     keys = (
         "node",
         "recorded",
@@ -126,6 +163,7 @@ def document(bag: Bag, found: Sequence[Played]) -> dict[str, object]:
     return {
         "complete": not bag.damage,
         "damage": bag.damage,
+        "left_out": dict(left_out),
         "nodes": [{k: getattr(f, k) for k in keys} | {"answers": len(f.answers)} for f in found],
     }
 
@@ -179,22 +217,24 @@ def main() -> None:
     """Entry point of the command."""
     options = parser().parse_args()
     try:
-        bag, found = replayed(options)
+        bag, found, left_out = replayed(options)
     except ErError as error:
         sys.stderr.write(f"er replay: {error}\n")
         sys.exit(error.exit_status)
-    text = json.dumps(document(bag, found), indent=1)
+    left_out |= incomparable(bag, found)
+    for why in left_out.values():
+        sys.stderr.write(f"er replay: {why}\n")
+    text = json.dumps(document(bag, found, left_out), indent=1)
     if options.json == "-":
         print(text)  # noqa: T201  (asked for)
     else:
-        show(bag, found, Console())
+        if found:
+            show(bag, found, Console())
         if options.json:
             write_whole(Path(options.json), text)
     if options.values:
         write_whole(Path(options.values), values(found))
-    if bag.damage:
-        sys.exit(INCOMPLETE)
-    sys.exit(DIFFERENT if any(f.different for f in found) else SAME)
+    sys.exit(status(bag, found, left_out, options))
 
 
 if __name__ == "__main__":

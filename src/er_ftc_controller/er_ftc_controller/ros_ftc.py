@@ -81,6 +81,7 @@ class FtcCore:
     """Files are read here, and never again."""
 
     inputs = (topics.ACCELERATION, topics.DEFLECTION, topics.FAULT)
+    optional = (topics.FAULT,)
     outputs = (topics.PWM_COMMAND,)
 
     def __init__(self, p: FtcParameters) -> None:

@@ -87,6 +87,7 @@ class SkyhookCore:
     """Joins acceleration and deflection of a tick and answers with a duty."""
 
     inputs = (topics.ACCELERATION, topics.DEFLECTION)
+    optional: tuple[topics.Topic, ...] = ()
     outputs = (topics.PWM_COMMAND,)
     model_id = gains_id = ""
 

@@ -70,6 +70,7 @@ class ObserverCore:
     """
 
     usual = (topics.ACCELERATION, topics.PWM_APPLIED)
+    optional: tuple[topics.Topic, ...] = ()
 
     def __init__(self, name: str, p: ObserverParameters) -> None:
         self.p, self.topic = p, topics.FORCE_BY[name]

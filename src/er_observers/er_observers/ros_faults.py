@@ -74,6 +74,7 @@ class FaultCore:
         InputError: The model cannot be used.
     """
 
+    optional: tuple[topics.Topic, ...] = ()
     outputs = (topics.FAULT,)
     gains_id = ""
 

@@ -33,6 +33,10 @@ class Core(Protocol):
         """What it listens to."""
 
     @property
+    def optional(self) -> tuple[Topic, ...]:
+        """Those of them whose absence is no fault."""
+
+    @property
     def limits(self) -> tuple[StampLimits, ...]:
         """When the stamp of each input is refused."""
 

@@ -19,13 +19,12 @@ class CoreNode(ManagedNode):
     """A node around a core; subclasses fill `make` and `report`.
 
     watch_period: how often the silence of the inputs is looked at [s]; profile: of the subscriptions, None for that
-    of each topic; optional: inputs whose absence is no fault; whole: those of no use without all of their parts.
+    of each topic; whole: inputs of no use without all of their parts.
     p holds ``listeners``: how many of each output there must be before the node is ready.
     """
 
     watch_period: ClassVar[float] = 0.01
     profile: ClassVar[QoSProfile | None] = None
-    optional: ClassVar[tuple[Topic, ...]] = ()
     whole: ClassVar[tuple[Topic, ...]] = ()
     core: Any
 
@@ -43,7 +42,7 @@ class CoreNode(ManagedNode):
                 topic,
                 partial(self.on_message, topic),
                 self.profile,
-                needed=topic not in self.optional,
+                needed=topic not in self.core.optional,
                 whole=topic in self.whole,
                 limits=limits,
             )
@@ -78,7 +77,7 @@ class CoreNode(ManagedNode):
 
     def before_samples(self) -> tuple[str, str]:
         """Mode and reason of a node that has not heard anything yet."""
-        optional = {topic.name for topic in self.optional}
+        optional = {topic.name for topic in self.core.optional}
         inputs = [each for name, each in self.inputs.items() if name not in optional]
         outputs = [(each, self.p.listeners) for each in self.ends.values()]
         if connected(inputs, outputs):

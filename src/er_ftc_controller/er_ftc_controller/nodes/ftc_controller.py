@@ -27,7 +27,7 @@ REMEMBERED = 1_000_000_000
 class FtcController(CoreNode):
     """The core with its health; without a fault estimator the damper is taken for healthy."""
 
-    watch_period, optional, whole = 0.005, (topics.FAULT,), (topics.DEFLECTION,)
+    watch_period, whole = 0.005, (topics.DEFLECTION,)
 
     def __init__(self, argv: Sequence[str] | None = None) -> None:
         super().__init__("ftc_controller", argv)
