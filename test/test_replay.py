@@ -428,3 +428,31 @@ def test_answers_to_other_samples_are_nothing_to_compare_with(
     status, text, _ = replay(changed(bag, tmp_path / "b", apart), "--node", "skyhook_controller")
     assert status == 4
     assert "none of its 8 recorded answers is to a sample that the replay answers" in text
+
+
+@pytest.mark.parametrize("hours", [1, 24 * 365 * 56])
+def test_a_clock_that_was_set_forward_costs_some_steps_and_changes_no_answer(
+    bag: Path, monkeypatch: pytest.MonkeyPatch, hours: int
+) -> None:
+    name, recording = "unified_observer", played.opened(bag)
+    core, steps = played.core_of(recording, name, "", {}), 0
+    on_time, messages = core.on_time, recording.messages
+
+    def counted(state: Any, when: Any) -> Any:
+        nonlocal steps
+        steps += 1
+        assert steps < 5000
+        return on_time(state, when)
+
+    def set_forward(names: Any) -> Any:
+        for topic, message, arrival in messages(names):
+            ahead = hours * 3600 * 10**9 if message.seq > TICKS // 2 else 0
+            yield topic, message, arrival + ahead
+
+    monkeypatch.setattr(core, "on_time", counted)
+    monkeypatch.setattr(recording, "messages", set_forward)
+    found = played.play(recording, name, core)
+    assert (found.same, found.different) == (TICKS, 0)
+    assert steps > 100  # a silence that is played
+    assert found.span < 60.0
+    assert found.skipped == pytest.approx(hours * 3600, abs=60.0)

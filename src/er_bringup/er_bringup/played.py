@@ -16,6 +16,7 @@ from typing import Any
 from er_model_lab.readers.bag_files import unclosed
 from er_model_lab.readers.bag_names import custom_data, usual_names
 from er_models.errors import InputError, MissingChannel
+from er_ros_common.common_parameters import STANDSTILL, deaf_after
 from er_ros_common.core import Core, Said, When
 from er_ros_common.parameter_table import build, specs
 from er_ros_common.topics import Topic
@@ -25,6 +26,8 @@ from er_bringup.cores import entry
 
 WATCH = 10_000_000
 """How often a core is told that time goes on [ns]."""
+ENOUGH = 2
+"""So many times the silence after which inputs count as dead: later, a core only says again what it said."""
 HEADER = ("header",)
 
 Key = tuple[int, int]
@@ -125,7 +128,8 @@ class Played:
     """What a core said, and what the node had said.
 
     same, different: answers to the same sample; only_bag, only_core: samples that only one answered;
-    first: where and how they first differ; span: length of the recording [s]; took: processor time of playing it [s].
+    first: where and how they first differ; span: time played [s]; skipped: the rest of long gaps between messages [s];
+    took: processor time of playing it [s].
     """
 
     node: str
@@ -137,6 +141,7 @@ class Played:
     only_core: int = 0
     first: str = ""
     span: float = 0.0
+    skipped: float = 0.0
     took: float = 0.0
 
     @property
@@ -170,27 +175,33 @@ def play(
     # the topic of the first input paces the node
     paced = {m.seq for m in said_before.values()} if follow else None
     began = process_time()
-    arrivals = [0, 0]
-    for said in _steps(bag, core, inputs, paced, arrivals):
+    for said in _steps(bag, core, inputs, paced, result):
         result.answers.append(said)
-    result.took, result.span = process_time() - began, 1e-9 * (arrivals[1] - arrivals[0])
+    result.took = process_time() - began
     _compare(result, said_before)
     return result
 
 
 def _steps(
-    bag: Bag, core: Core, inputs: Mapping[str, Topic], paced: set[int] | None, arrivals: list[int]
+    bag: Bag, core: Core, inputs: Mapping[str, Topic], paced: set[int] | None, result: Played
 ) -> Iterator[Said]:
-    """Everything the core says; arrivals: becomes the first and the last arrival [ns]."""
-    state, last, samples = core.start(), 0, core.inputs[0]
+    """Everything the core says; result: is told of the time.
+
+    A long gap is silence, or a clock that was set: then the steady clock of the node went on as ever. Played is as
+    much of it as can matter.
+    """
+    state, samples, before, last = core.start(), core.inputs[0], 0, 0
+    longest = round(1e9 * ENOUGH * max(STANDSTILL, deaf_after(core.p)))
     for topic, message, arrival in bag.messages(inputs):
-        arrivals[0] = arrivals[0] or arrival
-        arrivals[1] = last = last or arrival
-        while arrival - last >= WATCH:
-            last += WATCH
-            state, said = core.on_time(state, When(last, None))
+        before, last = before or arrival, last or arrival
+        gap = min(arrival - before, longest)
+        result.span += 1e-9 * gap
+        result.skipped += 1e-9 * (arrival - before - gap)
+        for now in range(last + WATCH, min(arrival, last + longest) + 1, WATCH):
+            state, said = core.on_time(state, When(now, None))
             yield from said
-        arrivals[1] = arrival
+        last += max(arrival - last, 0) // WATCH * WATCH
+        before = arrival
         if paced is not None and topic is samples and message.seq not in paced:
             continue
         state, said = core.on_message(state, topic, message, When(arrival, None))

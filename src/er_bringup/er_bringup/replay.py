@@ -157,6 +157,7 @@ def document(bag: Bag, found: Sequence[Played], left_out: Mapping[str, str]) -> 
         "only_core",
         "first",
         "span",
+        "skipped",
         "took",
         "speed",
     )
@@ -209,6 +210,8 @@ def show(bag: Bag, found: Sequence[Played], console: Console) -> None:
             console.print(f"{f.node} first differs at {f.first}")
             if since := begun_before(f):
                 console.print(f"{f.node}: {since}")
+    if skipped := max((f.skipped for f in found), default=0.0):
+        console.print(f"{skipped:.3g} s without messages, or of a clock that was set, left out")
     if bag.damage:
         console.print(f"the recording is damaged ({bag.damage}): played as far as it goes")
 

@@ -40,6 +40,11 @@ def silence(p: Listening, nanoseconds: int) -> float:
     return seconds if p.max_age else seconds * (p.pace or p.timeout / STANDSTILL)
 
 
+def deaf_after(p: Listening) -> float:
+    """Silence on the steady clock after which inputs count as dead [s]."""
+    return p.timeout / silence(p, 1_000_000_000)
+
+
 def awaited_listeners() -> Any:
     """Field `listeners`: how many must have found the output before the node is ready."""
     return param(0, low=0, high=100, text="subscribers of its output to find before it is ready")

@@ -29,6 +29,10 @@ class Core(Protocol):
     """Inputs, outputs, and the steps between."""
 
     @property
+    def p(self) -> Listening:
+        """Its parameters."""
+
+    @property
     def inputs(self) -> tuple[Topic, ...]:
         """What it listens to."""
 
