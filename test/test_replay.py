@@ -456,3 +456,26 @@ def test_a_clock_that_was_set_forward_costs_some_steps_and_changes_no_answer(
     assert steps > 100  # a silence that is played
     assert found.span < 60.0
     assert found.skipped == pytest.approx(hours * 3600, abs=60.0)
+
+
+@pytest.mark.parametrize(
+    ("key", "noted"),
+    [
+        ("parameters", "[1]"),
+        ("parameters", '{"/skyhook_controller": 5}'),
+        ("names", "[1]"),
+        ("names", '{"/sensors/force": [2]}'),
+        ("models", "[]"),
+        ("models", '{"/unified_observer": 5}'),
+    ],
+)
+def test_notes_that_are_none_are_refused_in_one_line(
+    replay: Replay, tmp_path: Path, key: str, noted: str
+) -> None:
+    from er_model_lab.bag_writer import BagWriter
+
+    BagWriter(tmp_path / "bag").close({key: noted})
+    status, text, _ = replay(tmp_path / "bag")
+    assert (status, text.count("\n")) == (2, 1), text
+    assert f"metadata.yaml: custom_data: {key}: expected an object with" in text
+    assert text.endswith(f"found {noted}\n")

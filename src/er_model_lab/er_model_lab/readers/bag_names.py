@@ -8,7 +8,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from er_model_lab.readers.bag_files import metadata
+from er_models.errors import InputError
+
+from er_model_lab.readers.bag_files import METADATA, metadata
 
 PACKAGE = "er_damper_msgs/msg/"
 ALONE = {
@@ -19,6 +21,8 @@ ALONE = {
 """Types that a corner has one topic of."""
 AMONG_OTHERS = {f"{PACKAGE}DamperForce": "sensors/force", f"{PACKAGE}PwmDuty": "pwm/applied"}
 """Types that other topics of a corner have too: estimates, the duty asked for."""
+OURS: dict[str, type] = {"parameters": dict, "models": str, "names": str}
+"""What our recorder notes by name of node or topic, and of which kind each entry is."""
 _USUAL = re.compile(
     r"^(?P<ns>.*?)/(?:sensors/(?:deflection|acceleration|force|road)|pwm/(?:applied|command)"
     r"|fault/estimate|force/\w+)$"
@@ -26,15 +30,28 @@ _USUAL = re.compile(
 
 
 def custom_data(path: Path) -> dict[str, Any]:
-    """What our recorder noted about a recording (folder, or a file of one); empty where another one recorded."""
-    data = metadata(path if path.is_dir() else path.parent).get("custom_data") or {}
-    found = {}
+    """What our recorder noted about a recording (folder, or a file of one); empty where another one recorded.
+
+    Raises:
+        InputError: Nobody could have noted that.
+    """
+    folder = path if path.is_dir() else path.parent
+    data, found = metadata(folder).get("custom_data") or {}, {}
+    if not isinstance(data, dict):
+        raise InputError(folder / METADATA, "custom_data", "texts by name", repr(data)[:60])
     for key, text in data.items():
         if str(text).startswith(("{", "[")):
             try:
                 found[str(key)] = json.loads(text)
             except ValueError:
                 continue
+    for key, kind in OURS.items():
+        noted = found.get(key, {})
+        if not (isinstance(noted, dict) and all(isinstance(v, kind) for v in noted.values())):
+            entry = "parameters by name" if kind is dict else "a text"
+            expected = f"an object with {entry} for each name"
+            where = f"custom_data: {key}"
+            raise InputError(folder / METADATA, where, expected, json.dumps(noted)[:60])
     return found
 
 
