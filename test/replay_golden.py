@@ -17,7 +17,8 @@ from typing import Any
 
 import yaml
 from er_bringup.cores import cores, entry
-from er_bringup.played import core_of, opened, play
+from er_bringup.played import core_of, play
+from er_bringup.recording import opened
 from er_model_lab.bag_writer import BagWriter
 from er_models.files import load_model
 from er_plant_sim.build import build

@@ -14,7 +14,8 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from er_bringup.played import core_of, opened, play
+from er_bringup.played import core_of, play
+from er_bringup.recording import opened
 from er_models.files import load_model
 from er_ros_common.topic_names import OBSERVERS
 from rosbags.highlevel import AnyReader

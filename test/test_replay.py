@@ -15,6 +15,7 @@ import yaml
 pytest.importorskip("rclpy")
 
 
+from er_bringup.recording import opened
 from er_model_lab.readers.bag_names import custom_data
 from rosbags.rosbag2 import StoragePlugin, Writer
 
@@ -157,8 +158,8 @@ def test_the_last_bit_of_one_answer_is_noticed(replay: Replay, bag: Path, tmp_pa
 
 def test_a_sample_the_node_never_had_is_left_out_when_asked(bag: Path, tmp_path: Path) -> None:
     """The node's own gap: what it said after it can only be repeated without that sample."""
-    core = played.core_of(played.opened(bag), "skyhook_controller", "", {})
-    lost = played.opened(bag)
+    core = played.core_of(opened(bag), "skyhook_controller", "", {})
+    lost = opened(bag)
     said = iter(played.play(lost, "skyhook_controller", core).answers)
     missing = {250, 251}
 
@@ -166,7 +167,7 @@ def test_a_sample_the_node_never_had_is_left_out_when_asked(bag: Path, tmp_path:
         gone = topic == "/sensors/acceleration" and message.seq in missing
         return None if gone else message
 
-    other = played.opened(changed(bag, tmp_path / "lost", change))
+    other = opened(changed(bag, tmp_path / "lost", change))
     answers = iter(played.play(other, "skyhook_controller", core).answers)
     replaced = {m.seq: m for _, m in answers}
     assert missing.isdisjoint(replaced)
@@ -174,7 +175,7 @@ def test_a_sample_the_node_never_had_is_left_out_when_asked(bag: Path, tmp_path:
     def recorded(topic: str, message: Any) -> Any:
         return replaced.get(message.seq) if topic == "/pwm/command" else message
 
-    with_gap = played.opened(changed(bag, tmp_path / "gap", recorded))
+    with_gap = opened(changed(bag, tmp_path / "gap", recorded))
     follows = played.play(with_gap, "skyhook_controller", core, follow=True)
     assert (follows.same, follows.different, follows.only_core) == (TICKS - 2, 0, 0)
     plain = played.play(with_gap, "skyhook_controller", core)
@@ -186,7 +187,7 @@ def test_silence_in_a_recording_is_silence_for_the_core(bag: Path, tmp_path: Pat
     def change(topic: str, message: Any) -> Any:
         return None if topic.startswith("/sensors/") and 300 <= message.seq < 400 else message
 
-    silent = played.opened(changed(bag, tmp_path / "silent", change))
+    silent = opened(changed(bag, tmp_path / "silent", change))
     # recorded in lockstep, where only the ages that the clock gives tell a silence
     core = played.core_of(silent, "skyhook_controller", "", {"max_age": 0.02})
     safe = [
@@ -218,7 +219,7 @@ def seeing(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def seen(bag: Path, seeing: Path) -> list[Any]:
     """What the observer with a deflection sensor says to a recording."""
     name = "nlpv_polytopic_observer"
-    recording = played.opened(bag)
+    recording = opened(bag)
     core = played.core_of(recording, name, "", {"gains_file": str(seeing)})
     return [m for _, m in played.play(recording, name, core).answers]
 
@@ -233,7 +234,7 @@ def test_an_observer_takes_the_deflection_sensor_its_gains_ask_for(
 
     heard = (topics.ACCELERATION, topics.DEFLECTION, topics.PWM_APPLIED)
     ticks: dict[int, dict[str, Any]] = {}
-    for topic, m, _ in played.opened(bag).messages({f"/{topic.name}": topic for topic in heard}):
+    for topic, m, _ in opened(bag).messages({f"/{topic.name}": topic for topic in heard}):
         ticks.setdefault(m.seq, {})[topic.name] = m
     gains = ready(seeing, load_model(replay_golden.VEHICLE), "nlpv_polytopic")
     state, forces = None, []
@@ -316,13 +317,15 @@ def test_what_is_no_recording_is_refused_and_the_middle_of_one_is_said_to_be(
         status, text, _ = replay(tmp_path / name)
         assert (status, text.count("\n")) == (2, 1), text
 
+    assert replay(Path("/dev/null"))[0] == 2
+
     def later(topic: str, message: Any) -> Any:
         return message if getattr(message, "seq", TICKS) > TICKS // 2 else None
 
     from rich.console import Console
 
-    late = played.opened(changed(bag, tmp_path / "late", later))
-    known = played.opened(bag)
+    late = opened(changed(bag, tmp_path / "late", later))
+    known = opened(bag)
     late.parameters, late.models = known.parameters, known.models
     core = played.core_of(late, "unified_observer", "", {})
     found = played.play(late, "unified_observer", core)
@@ -367,8 +370,41 @@ def test_a_recording_without_the_inputs_and_a_damaged_one(
     for file in cut.glob("*.mcap"):
         file.write_bytes(file.read_bytes()[: file.stat().st_size * 6 // 10])
     status, text, _ = replay(cut)
-    assert status in (2, 3)
-    assert text.count("\n") == 1
+    assert (status, text) == (3, "")
+
+
+NEEDED = ("model_file", "gains_file")
+
+
+@pytest.mark.parametrize("killed", [False, True])
+def test_a_recording_that_was_cut_is_played_as_far_as_it_goes(
+    replay: Replay, bag: Path, tmp_path: Path, *, killed: bool
+) -> None:
+    import shutil
+
+    cut, node = tmp_path / "cut", "unified_observer"
+    shutil.copytree(bag, cut)
+    (file,) = cut.glob("*.mcap")
+    file.write_bytes(file.read_bytes()[: file.stat().st_size * 6 // 10])
+    given = replay_golden.node_parameters(node)
+    args = [f"--set={name}:={given[name]}" for name in NEEDED] if killed else []
+    if killed:
+        (cut / "metadata.yaml").unlink()
+        status, text, _ = replay(cut)
+        assert status == 4
+        assert (
+            f"the parameters of {node} are not in the recording: give them, --node {node} "
+            "--set model_file:=... --set gains_file:=..." in text
+        )
+        assert {line.split(": ")[0] for line in text.splitlines()} == {"er replay"}
+    status, text, result = replay(cut, "--node", node, *args)
+    assert status == 3, text
+    assert ("at their defaults: timeout, payload, max_age" in text) == killed
+    assert not result["complete"]
+    assert ("metadata.yaml is missing" in result["damage"]) == killed
+    (each,) = result["nodes"]
+    assert each["same"] > TICKS // 2
+    assert each["different"] == each["only_bag"] == 0
 
 
 @pytest.fixture(scope="module")
@@ -434,7 +470,7 @@ def test_answers_to_other_samples_are_nothing_to_compare_with(
 def test_a_clock_that_was_set_forward_costs_some_steps_and_changes_no_answer(
     bag: Path, monkeypatch: pytest.MonkeyPatch, hours: int
 ) -> None:
-    name, recording = "unified_observer", played.opened(bag)
+    name, recording = "unified_observer", opened(bag)
     core, steps = played.core_of(recording, name, "", {}), 0
     on_time, messages = core.on_time, recording.messages
 

@@ -99,7 +99,8 @@ def play(demo: Demo, console: Console) -> Verdict:
 
 def repeated(bag: Path) -> str:
     """What the controller says when the recording is played to it again, beside what it said live."""
-    from er_bringup.played import core_of, opened, play
+    from er_bringup.played import core_of, play
+    from er_bringup.recording import opened
 
     recording = opened(bag)
     found = play(recording, CONTROLLER, core_of(recording, CONTROLLER, "", {}), follow=True)

@@ -13,16 +13,15 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
-from er_model_lab.readers.bag_files import unclosed
-from er_model_lab.readers.bag_names import custom_data, usual_names
-from er_models.errors import InputError, MissingChannel
-from er_ros_common.common_parameters import STANDSTILL, deaf_after
+from er_models.errors import ErError, InputError, MissingChannel
+from er_ros_common.common_parameters import STANDSTILL, NodeParameters, deaf_after
 from er_ros_common.core import Core, Said, When
-from er_ros_common.parameter_table import build, specs
+from er_ros_common.parameter_table import REQUIRED, build, specs
 from er_ros_common.topics import Topic
-from rosbags.highlevel import AnyReader
 
 from er_bringup.cores import entry
+from er_bringup.recording import Bag
+from er_bringup.roles import CONTROLLERS, FAULTS, OBSERVERS
 
 WATCH = 10_000_000
 """How often a core is told that time goes on [ns]."""
@@ -34,70 +33,16 @@ Key = tuple[int, int]
 """Stamp [ns] and sequence number of an answer."""
 
 
-@dataclass
-class Bag:
-    """An open recording, or what can be read of it.
+class UnknownParameters(ErError):
+    """A recording that lost, or never had, what a node needs to be played."""
 
-    parameters: of the nodes, by full name; models: their models' hashes; names: usual names of topics that were
-    recorded under others; damage: why it ended early.
-    """
+    exit_status = 4
 
-    path: Path
-    reader: AnyReader
-    parameters: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    models: Mapping[str, str] = field(default_factory=dict)
-    names: Mapping[str, str] = field(default_factory=dict)
-    damage: str = ""
-
-    def named(self, topic: str) -> str:
-        """Usual full name of a topic."""
-        return self.names.get(topic, topic)
-
-    def messages(self, names: Mapping[str, Topic]) -> Iterator[tuple[Topic, Any, int]]:
-        """Topic, message and time of arrival [ns] of these full names, as they were recorded."""
-        wanted = [c for c in self.reader.connections if self.named(c.topic) in names]
-        kinds = {name: topic.type_name for name, topic in names.items()}
-        wanted = [c for c in wanted if c.msgtype == kinds[self.named(c.topic)]]
-        if not wanted:
-            return
-        messages = self.reader.messages(wanted)
-        deserialize = self.reader.deserialize
-        try:
-            for connection, arrival, raw in messages:
-                yield (
-                    names[self.named(connection.topic)],
-                    deserialize(raw, connection.msgtype),
-                    arrival,
-                )
-        except Exception as error:  # a damaged bag raises whatever its bytes provoke
-            self.damage = str(error).splitlines()[0] if str(error) else type(error).__name__
-
-    @property
-    def topics(self) -> tuple[str, ...]:
-        """Full names of topics with messages in it."""
-        connections = self.reader.connections
-        return tuple(sorted({self.named(c.topic) for c in connections if c.msgcount}))
-
-
-def opened(path: Path) -> Bag:
-    """A recording.
-
-    Raises:
-        InputError: It cannot be opened.
-    """
-    if not path.exists():
-        raise InputError(path, "", "a rosbag2 folder or file", "nothing there")
-    try:
-        reader = AnyReader([path])
-        reader.open()
-    except Exception as error:  # as above
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise InputError(path, "", "a whole rosbag2 recording", reason) from None
-    bag = Bag(path, reader, damage=unclosed(path))
-    custom = custom_data(path)
-    bag.parameters, bag.models = custom.get("parameters", {}), custom.get("models", {})
-    bag.names, _ = usual_names(path, {c.topic: c.msgtype for c in reader.connections})
-    return bag
+    def __init__(self, path: Path, executable: str, missing: Sequence[str]) -> None:
+        values = " ".join(f"--set {name}:=..." for name in missing)
+        super().__init__(
+            f"{path}: the parameters of {executable} are not in the recording: give them, --node {executable} {values}"
+        )
 
 
 def core_of(bag: Bag, executable: str, namespace: str, given: Mapping[str, Any]) -> Core:
@@ -105,9 +50,13 @@ def core_of(bag: Bag, executable: str, namespace: str, given: Mapping[str, Any])
 
     Raises:
         InputError: A parameter is missing or wrong, a file is gone, the model is another one than was recorded.
+        UnknownParameters: No node's parameters are in the recording, nor given.
     """
     table, make = entry(executable)
     full = f"{namespace}/{executable}"
+    asked = [spec.name for spec in specs(table) if spec.default is REQUIRED]
+    if not bag.parameters and (missing := [name for name in asked if name not in given]):
+        raise UnknownParameters(bag.path, executable, missing)
     known = {spec.name for spec in specs(table)}
     recorded = {k: v for k, v in bag.parameters.get(full, {}).items() if k in known}
     origins = dict.fromkeys(recorded, str(bag.path)) | dict.fromkeys(given, "--set")
@@ -254,8 +203,21 @@ def _is_answer(message: Any) -> bool:
     return bool(message.status != message.STATUS_LOST)
 
 
+def assumed(bag: Bag, executable: str, namespace: str, given: Mapping[str, Any]) -> list[str]:
+    """Parameters that are taken at their defaults, as those of the node are neither recorded nor given."""
+    if f"{namespace}/{executable}" in bag.parameters:
+        return []
+    common = {spec.name for spec in specs(NodeParameters)}
+    names = (spec.name for spec in specs(entry(executable)[0]))
+    return [name for name in names if name not in common and name not in given]
+
+
 def nodes_in(bag: Bag, namespace: str, known: Sequence[str]) -> list[str]:
-    """Nodes with a core that were recorded in a namespace."""
+    """Nodes with a core that were recorded in a namespace; without any parameters those whose answers may be in it."""
+    if not bag.parameters:
+        roles = (*OBSERVERS.values(), *CONTROLLERS.values(), FAULTS)
+        said = {r.executable for r in roles if f"{namespace}/{r.says}" in bag.topics}
+        return [name for name in known if name in said]
     return [name for name in known if f"{namespace}/{name}" in bag.parameters]
 
 

@@ -24,14 +24,15 @@ from rich.table import Table
 from er_bringup.cores import cores
 from er_bringup.doctor import namespace
 from er_bringup.played import (
-    Bag,
     Played,
+    UnknownParameters,
+    assumed,
     core_of,
     namespaces_in,
     nodes_in,
-    opened,
     play,
 )
+from er_bringup.recording import Bag, opened
 
 SAME, DIFFERENT, INCOMPLETE, NOTHING = 0, 1, 3, 4
 
@@ -95,14 +96,27 @@ def replayed(options: Any) -> tuple[Bag, list[Played], dict[str, str]]:
     if not names:
         raise _nothing(bag, space)
     values = given(options.set)
-    made = [(name, core_of(bag, name, space, values)) for name in names]
-    found, left_out = [], {}
+    made, found, left_out = [], [], {}
+    for name in names:
+        try:
+            made.append((name, core_of(bag, name, space, values)))
+        except UnknownParameters as error:
+            left_out[name] = str(error)
     for name, core in made:
+        if unknown := assumed(bag, name, space, values):
+            _say(
+                f"{name} was recorded without parameters, at their defaults: {', '.join(unknown)}"
+            )
         try:
             found.append(play(bag, name, core, space, follow=options.follow))
         except MissingChannel as error:
             left_out[name] = str(error)
     return bag, found, left_out
+
+
+def _say(sentence: str) -> None:
+    """One line beside the result."""
+    sys.stderr.write(f"er replay: {sentence}\n")
 
 
 def _nothing(bag: Bag, space: str) -> InputError:
@@ -226,7 +240,7 @@ def main() -> None:
         sys.exit(error.exit_status)
     left_out |= incomparable(bag, found)
     for why in left_out.values():
-        sys.stderr.write(f"er replay: {why}\n")
+        _say(why)
     text = json.dumps(document(bag, found, left_out), indent=1)
     if options.json == "-":
         print(text)  # noqa: T201  (asked for)

@@ -24,13 +24,13 @@ class Salvage:
     Attributes:
         schemas: Schema id to (type name, encoding, definition text).
         channels: Channel id to (topic, schema id).
-        messages: (topic, schema id, serialized message) in file order.
+        messages: (topic, schema id, serialized message, time of arrival [ns]) in file order.
         damage: One sentence for each damaged place.
     """
 
     schemas: dict[int, tuple[str, str, str]] = field(default_factory=dict)
     channels: dict[int, tuple[str, int]] = field(default_factory=dict)
-    messages: list[tuple[str, int, bytes]] = field(default_factory=list)
+    messages: list[tuple[str, int, bytes, int]] = field(default_factory=list)
     damage: list[str] = field(default_factory=list)
 
 
@@ -139,10 +139,10 @@ def _take(opcode: int, content: bytes, found: Salvage) -> None:
             number, schema = struct.unpack_from("<HH", content)
             found.channels[number] = (_text(content, 4)[0], schema)
         elif opcode == MESSAGE:
-            (number,) = struct.unpack_from("<H", content)
+            number, _, arrival = struct.unpack_from("<HIQ", content)
             if number in found.channels:
                 topic, schema = found.channels[number]
-                found.messages.append((topic, schema, content[22:]))
+                found.messages.append((topic, schema, content[22:], arrival))
     except (struct.error, UnicodeDecodeError):
         found.damage.append(f"a record of kind {opcode} is garbled")
 

@@ -163,12 +163,12 @@ def _read_ordinary(bag: Bag, path: Path) -> str:
     except ErError:
         raise
     except Exception as error:  # damaged bags raise errors of sqlite, YAML, zstd, struct ...
-        return _reason(error)
+        return reason(error)
     # a chunk that lost its thread inside ends early without any error
     return "" if read >= promised else f"{read} of {promised} messages are readable"
 
 
-def _reason(error: Exception) -> str:
+def reason(error: Exception) -> str:
     """The first line of an error, or its kind when it has no text."""
     lines = str(error).strip().splitlines()
     return (lines[0] if lines else type(error).__name__).rstrip(".")
@@ -177,11 +177,11 @@ def _reason(error: Exception) -> str:
 def _read_salvaged(bag: Bag, file: Path) -> int:
     """Messages taken from a damaged MCAP file."""
     found = salvage(file)
-    decode = _decoder(found.schemas.values())
+    decode = decoder(found.schemas.values())
     kept = 0
     kinds = {schema: name for schema, (name, _, _) in found.schemas.items()}
     bag.saw({topic: kinds.get(schema, "") for topic, schema in found.channels.values()})
-    for topic, schema, raw in found.messages:
+    for topic, schema, raw, _ in found.messages:
         if not bag.collector.wants(topic) or schema not in found.schemas:
             continue
         kind = found.schemas[schema][0]
@@ -194,7 +194,7 @@ def _read_salvaged(bag: Bag, file: Path) -> int:
     return kept
 
 
-def _decoder(schemas: Iterable[tuple[str, str, str]]) -> Decode:
+def decoder(schemas: Iterable[tuple[str, str, str]]) -> Decode:
     """Deserializer for the definitions found in a file."""
     types: dict[str, Any] = {}
     for name, encoding, definition in schemas:
