@@ -515,3 +515,29 @@ def test_notes_that_are_none_are_refused_in_one_line(
     assert (status, text.count("\n")) == (2, 1), text
     assert f"metadata.yaml: custom_data: {key}: expected an object with" in text
     assert text.endswith(f"found {noted}\n")
+
+
+def test_what_a_recorder_that_was_held_up_wrote_is_played_as_the_node_had_it(
+    replay: Replay, bag: Path, tmp_path: Path
+) -> None:
+    from er_model_lab.bag_writer import BagWriter
+    from rosbags.highlevel import AnyReader
+
+    held, written = (1_500_000_000, 1_800_000_000), []
+    with AnyReader([bag]) as reader:
+        for c, when, raw in reader.messages():
+            # it found every topic's queue full, and emptied one after the other
+            at = held[1] if held[0] < when < held[1] else when
+            written.append((at, c.topic if at != when else "", c, bytes(raw)))
+        writer, made = BagWriter(tmp_path / "held"), {}
+        for at, _, c, raw in sorted(written, key=lambda each: each[:2]):
+            made[c.topic] = made.get(c.topic) or writer.topic(c.topic, c.msgtype)
+            writer.write(made[c.topic], at, raw)
+    custom = yaml.safe_load((bag / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    writer.close(custom["custom_data"])
+    status, text, result = replay(tmp_path / "held")
+    assert status == 0, text
+    for each in result["nodes"]:
+        assert (each["same"], each["only_core"], each["only_bag"]) == (TICKS, 0, 0), each
+        assert each["apart"] > 50
+        assert each["by_tick"]

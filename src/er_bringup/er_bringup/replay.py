@@ -172,6 +172,8 @@ def document(bag: Bag, found: Sequence[Played], left_out: Mapping[str, str]) -> 
         "first",
         "span",
         "skipped",
+        "apart",
+        "by_tick",
         "took",
         "speed",
     )
@@ -224,6 +226,13 @@ def show(bag: Bag, found: Sequence[Played], console: Console) -> None:
             console.print(f"{f.node} first differs at {f.first}")
             if since := begun_before(f):
                 console.print(f"{f.node}: {since}")
+        if f.by_tick or (f.apart and (f.different or f.only_bag)):
+            order = (
+                "they were played in the order of the ticks" if f.by_tick else "that may be why"
+            )
+            console.print(
+                f"{f.node}: {f.apart} inputs were recorded apart from the sample of their tick: {order}"
+            )
     if skipped := max((f.skipped for f in found), default=0.0):
         console.print(f"{skipped:.3g} s without messages, or of a clock that was set, left out")
     if bag.damage:
