@@ -342,7 +342,7 @@ def test_a_sqlite_file_that_was_never_closed_is_damaged(tmp_path: Path) -> None:
     with closing(sqlite3.connect(file)) as data:
         data.execute("DELETE FROM metadata")
         data.commit()
-    assert "was never closed" in played.opened(file).damage
+    assert "was never closed" in opened(file).damage
 
 
 def test_a_recording_without_the_inputs_and_a_damaged_one(

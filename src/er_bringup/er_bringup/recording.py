@@ -8,7 +8,7 @@ from operator import itemgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from er_model_lab.readers.bag_files import METADATA, data_files
+from er_model_lab.readers.bag_files import METADATA, data_files, unclosed
 from er_model_lab.readers.bag_names import custom_data, usual_names
 from er_model_lab.readers.mcap_salvage import salvage
 from er_model_lab.readers.rosbag import decoder, reason
@@ -85,7 +85,7 @@ def opened(path: Path) -> Bag:
         found = "another kind of file" if path.exists() else "nothing there"
         raise InputError(path, "", "a rosbag2 folder or file", found)
     try:
-        sources, damage = [_whole(path)], ""
+        sources, damage = [_whole(path)], unclosed(path)
     except Exception as error:  # as above
         damage = reason(error)
         if path.is_dir() and not (path / METADATA).exists():
