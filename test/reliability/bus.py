@@ -183,7 +183,7 @@ class Bus:
                     self.command(each)
 
     def command(self, message: Any) -> None:
-        """What the plant node does with a command."""
+        """What the plant node does with a command whose stamp is good."""
         seq, now = int(message.seq), self.rig_state.sim.tick
         at = (seq if 0 < seq <= now else now) * self.rig.dt
         command = Command(at, seq, float(message.duty), int(message.source))

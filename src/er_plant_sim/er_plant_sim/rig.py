@@ -79,6 +79,11 @@ def receive(rig: Rig, state: RigState, command: Command, *, valid: bool) -> RigS
     return RigState(state.sim, duty_gate.receive(state.gate, command, valid=valid))
 
 
+def resumed(state: RigState) -> RigState:
+    """The state after a pause: the last command answers a sample of before it."""
+    return RigState(state.sim, state.gate._replace(command=None))
+
+
 def decide(rig: Rig, state: RigState, *, conflict: bool = False) -> tuple[RigState, Applied]:
     """The duty from this tick until the next; conflict: several publishers command it."""
     t = time(rig, state)

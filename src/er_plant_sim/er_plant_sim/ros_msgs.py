@@ -59,4 +59,6 @@ def applied(tick: Tick, duty: Applied) -> PwmDuty:
 def _source(duty: Applied) -> int:
     if duty.reason is Reason.PROGRAM:
         return int(PwmDuty.SOURCE_PROGRAM)
-    return duty.source if duty.reason is Reason.COMMAND else int(PwmDuty.SOURCE_SAFE)
+    if duty.reason is not Reason.COMMAND:
+        return int(PwmDuty.SOURCE_SAFE)
+    return duty.source if duty.source <= PwmDuty.SOURCE_SAFE else int(PwmDuty.SOURCE_UNKNOWN)

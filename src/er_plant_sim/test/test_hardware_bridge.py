@@ -280,3 +280,15 @@ def test_a_wire_named_wrongly_is_one_line() -> None:
     assert Address("udp:10.0.0.2:5005", ("udp",)).number == 5005
     assert Address("serial:/dev/ttyS0@9600", ("serial",)).number == 9600
     assert frame.VERSION == 1
+
+
+def test_a_command_without_a_number_is_as_old_as_its_stamp() -> None:
+    world = World(host(), answer=lambda _: None).begin()
+    world.run(0.2)
+    for age, reason in ((10, Reason.COMMAND), (60, Reason.OLD_COMMAND)):
+        wish = Command(0.0, 0, 0.25, NOMINAL)
+        stamp = world.now - age * MS
+        world.host, _ = bridge.on_command(
+            world.p, world.host, wish, world.now, valid=True, stamp=stamp
+        )
+        assert world.host.reason is reason

@@ -122,8 +122,7 @@ class ManagedNode(LifecycleNode):
         """
         self.watched[topic.name] = topic
         name, asked = self.resolve_topic_name(topic.name), profile or topic.subscriber
-        aged = self.aged
-        steady = topic.every_tick and aged
+        steady = topic.every_tick and self.aged
         limits = limits or self.stamp_limits()
         made = Input(name, limits, monotonic(), needed=needed, steady=steady)
         self.incoming[topic.name] = made
@@ -135,9 +134,8 @@ class ManagedNode(LifecycleNode):
             if self.active:
                 self.came = came = self.when()
                 stamp = clock.from_stamp(message.header.stamp)
-                now = came.system if aged else None
                 each, arrival = self.incoming[topic.name], 1e-9 * came.steady
-                each.note(stamp, int(message.seq), arrival, now)
+                each.note(stamp, int(message.seq), arrival, self.stamp_clock())
                 valid, *numbers = values(message)
                 each.read(numbers, arrival, valid=valid, lacks=lacking(message) if lacking else "")
                 heard(message)
@@ -168,6 +166,10 @@ class ManagedNode(LifecycleNode):
     def aged(self) -> bool:
         """Whether the age of a sample means anything: not in simulated time."""
         return bool(getattr(self.p, "max_age", True))
+
+    def stamp_clock(self) -> int | None:
+        """When the last message came on the clock of the stamps [ns], None where ages mean nothing."""
+        return self.came.system if self.aged else None
 
     def stamp_limits(self) -> StampLimits:
         """When a stamp is bad, for diagnostics."""

@@ -139,13 +139,23 @@ def on_bytes(
 
 
 def on_command(
-    p: Bridge, state: BridgeState, command: duty_gate.Command, now: int, *, valid: bool
+    p: Bridge,
+    state: BridgeState,
+    command: duty_gate.Command,
+    now: int,
+    *,
+    valid: bool,
+    stamp: int | None = None,
 ) -> tuple[BridgeState, bytes]:
-    """Take a command that answers a sample (its seq; 0: none); bytes for the device, if it is to act on it."""
+    """Take a command that answers a sample (its seq; 0: none); bytes for the device, if it is to act on it.
+
+    stamp: time of that sample as the command says [ns], None where it says none; the older of both counts.
+    """
     if p.duty is not None or not state.begun:
         return state, b""
     known = 0 < command.seq <= state.seq
     at = state.stamp - (state.seq - command.seq) * p.period if known else now
+    at = at if stamp is None else min(at, stamp)
     # one that answers a sample still to come is meant for a bridge that was here before
     command = command._replace(t=1e-9 * at, seq=command.seq if known else 0)
     before = state.gate

@@ -19,10 +19,11 @@ from er_ros_common.help import Card
 from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import declare
 from er_ros_common.spin import Executable, run
+from er_ros_common.stamps import SECOND, StampLimits
 
 from er_damper_msgs.msg import NodeStatus, PwmDuty
-from er_plant_sim import ros_hardware
-from er_plant_sim.duty_gate import Command, Reason
+from er_plant_sim import ros_commands, ros_hardware
+from er_plant_sim.duty_gate import Reason
 from er_plant_sim.hardware import bridge, clocks
 from er_plant_sim.hardware.bridge import Reading
 from er_plant_sim.hardware.settings import BridgeParameters, build
@@ -30,6 +31,7 @@ from er_plant_sim.nodes.outlet import Outlet
 from er_plant_sim.nodes.roll_call import Gathering
 from er_plant_sim.nodes.system_time import SystemTime
 from er_plant_sim.nodes.wire import Wire
+from er_plant_sim.ros_commands import Commands
 from er_ros_common import log, topics
 
 CONFLICT = 0.1
@@ -54,10 +56,20 @@ class BridgeNode(ManagedNode):
         self.gathering = Gathering(self, self.out, p.wait_for, p.wait_for_nodes, p.start_timeout)
         if self.bridge.duty is None:
             self.subscribe(topics.PWM_COMMAND, self.on_command)
+        self.commands = Commands()
+        self.limits = self.stamp_limits()
         self.health.model_id = built.model_id
         self.health.meter.deadline = 1e-9 * self.bridge.period
         self.every(WATCH_PERIOD, self.on_watch)
         self.every(1.0, self.on_second)
+
+    def stamp_limits(self) -> StampLimits:
+        """A command is good for as long as it is held."""
+        return StampLimits(stale=self.p.command_timeout)
+
+    def stamp_clock(self) -> int | None:
+        """The clock of the samples; before the first of them there is none."""
+        return self.time.stamp(self.came.steady) if self.state.begun and self.state.seq else None
 
     def begin(self) -> None:
         """Open the wire, and wait for everybody."""
@@ -104,13 +116,30 @@ class BridgeNode(ManagedNode):
             self.hand_over(each)
 
     def hand_over(self, message: PwmDuty) -> None:
-        """Hand a command to the device, within the limits."""
-        command = Command(0.0, int(message.seq), float(message.duty), int(message.source))
+        """Hand a command that answers a sample of late to the device, within the limits."""
         with self.lock:
-            self.state, data = bridge.on_command(
-                self.bridge, self.state, command, monotonic_ns(), valid=bool(message.valid)
-            )
+            data = self._passed_on(message, monotonic_ns())
         self.wire.write(data)
+
+    def _passed_on(self, message: PwmDuty, now: int) -> bytes:
+        """What the device is told for a command; now: steady clock [ns]."""
+        state = self.state
+        if not (state.begun and state.seq):
+            return b""  # there was no sample yet
+        last = Tick(self.time.stamp(state.stamp), state.seq)
+        self.commands, answer = ros_commands.judged(
+            self.limits, self.commands, message, last, self.time.stamp(now)
+        )
+        if answer is None:
+            return b""
+        command = ros_commands.command(message, answer, last, self.bridge.period / SECOND)
+        at = state.stamp - answer.behind
+        self.state, data = bridge.on_command(
+            self.bridge, state, command, now, valid=bool(message.valid), stamp=at
+        )
+        refused = self.state.gate.refused > state.gate.refused
+        self.commands = ros_commands.passed_on(self.commands, message, answer.seq, refused=refused)
+        return data
 
     def on_watch(self) -> None:
         """Follow a clock that was set; begin once everybody and the device are there; end with the program."""
@@ -153,7 +182,8 @@ class BridgeNode(ManagedNode):
             reason = f"safe duty: {self.reading.applied.reason.value}"
         if self.port.in_force and status == NodeStatus.STATUS_OK:
             status, reason = NodeStatus.STATUS_DEGRADED, f"injected: {self.port.in_force}"
-        return Report(mode, status, reason, values=self._values())
+        stamps, invalid = self.commands
+        return Report(mode, status, reason, stamps=stamps, invalid=invalid, values=self._values())
 
     def _values(self) -> dict[str, object]:
         s = self.state

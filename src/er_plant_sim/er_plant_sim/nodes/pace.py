@@ -46,6 +46,13 @@ class Pace:
         """Stamp of a tick [ns]: when it was due, or its simulated time."""
         return self.anchor + place * self.dt if self.real else tick * self.dt
 
+    def now(self, tick: int) -> int:
+        """Time on the clock of the stamps [ns]; the simulated one stands still at the last tick."""
+        if not self.real:
+            return tick * self.dt
+        early = self.schedule.period // EARLY
+        return self.anchor + monotonic_ns() - self.progress.start - early
+
     def late(self, place: int) -> float:
         """How long ago a tick was due [s]."""
         early = self.schedule.period // EARLY
@@ -54,8 +61,7 @@ class Pace:
 
     def follow_clock(self) -> None:
         """Let the stamps follow a system clock that was set."""
-        early = self.schedule.period // EARLY
-        step = time_ns() - (self.anchor + monotonic_ns() - self.progress.start - early)
+        step = time_ns() - self.now(0) if self.real else 0
         if abs(step) > CLOCK_STEP:
             self.anchor += step
             self.clock_steps += 1

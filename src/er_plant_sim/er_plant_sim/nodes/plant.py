@@ -23,8 +23,9 @@ from er_ros_common.stamps import StampLimits
 
 from er_damper_msgs.msg import NodeStatus, PwmDuty
 from er_plant_sim import rig as plant
+from er_plant_sim import ros_commands
 from er_plant_sim.build import build
-from er_plant_sim.duty_gate import Applied, Command, Reason
+from er_plant_sim.duty_gate import Applied, Reason
 from er_plant_sim.loop_times import WARM_UP, LoopTimes
 from er_plant_sim.nodes.card import CARD
 from er_plant_sim.nodes.drive import Lockstep, Timed
@@ -32,6 +33,7 @@ from er_plant_sim.nodes.outlet import Outlet
 from er_plant_sim.nodes.pace import Pace
 from er_plant_sim.nodes.recording import Recording
 from er_plant_sim.nodes.roll_call import Gathering
+from er_plant_sim.ros_commands import Commands
 from er_plant_sim.settings import PlantParameters, table
 from er_ros_common import log, topics
 
@@ -58,6 +60,8 @@ class PlantNode(ManagedNode):
         self.rig = build(p)
         self.state = plant.start(self.rig)
         self.tick = Tick(0, 0)
+        self.running, self.commands = False, Commands()
+        self.limits = self.stamp_limits()
         self.applied: Applied | None = None
         self.repeated, self.conflict = 0, False
         self.limited, self.outside = 0, 0
@@ -93,9 +97,14 @@ class PlantNode(ManagedNode):
         """A command is good for as long as it is held."""
         return StampLimits(stale=self.p.command_timeout)
 
+    def stamp_clock(self) -> int | None:
+        """The clock of the samples, in every mode; before the first of them there is none."""
+        return self.pace.now(self.tick.seq) if self.running else None
+
     def begin(self) -> None:
         """Wait for everybody, then go on from where the car is."""
         self.running, self.over = False, False
+        self.state = plant.resumed(self.state)
         self.gathering.begin()
         self.recording.begin(self.state.sim.tick - 1)
         self.pace = Pace(self.rig.dt, self.p.rate_factor or 1.0, real=self.p.mode == "realtime")
@@ -172,14 +181,22 @@ class PlantNode(ManagedNode):
             self.take(each)
 
     def take(self, message: PwmDuty) -> None:
-        """Take a command; in lockstep it is what the next tick waits for."""
-        seq, now = int(message.seq), self.state.sim.tick
-        self.loop.answered(seq, monotonic())
-        # the age of a command is that of the sample it answers, as far as it names one
-        t = (seq if 0 < seq <= now else now) * self.rig.dt
-        command = Command(t, seq, float(message.duty), int(message.source))
-        self.state = plant.receive(self.rig, self.state, command, valid=bool(message.valid))
-        if self.running and not self.over:
+        """Take a command that answers a sample of late; in lockstep it is what the next tick waits for."""
+        if not self.running:
+            return  # there was no sample yet
+        seq, now = int(message.seq), self.pace.now(self.tick.seq)
+        self.commands, answer = ros_commands.judged(
+            self.limits, self.commands, message, self.tick, now
+        )
+        if answer is not None:
+            seq = answer.seq
+            self.loop.answered(seq, monotonic())
+            command = ros_commands.command(message, answer, self.tick, self.rig.dt)
+            before = self.state.gate.refused
+            self.state = plant.receive(self.rig, self.state, command, valid=bool(message.valid))
+            refused = self.state.gate.refused > before
+            self.commands = ros_commands.passed_on(self.commands, message, seq, refused=refused)
+        if not self.over:
             self.drive.on_command(seq)
 
     def on_second(self) -> None:
@@ -223,7 +240,8 @@ class PlantNode(ManagedNode):
             "clock steps": self.pace.clock_steps,
             "injected": self.port.in_force,
         }
-        return Report(mode, status, reason, values=values)
+        stamps, invalid = self.commands
+        return Report(mode, status, reason, stamps=stamps, invalid=invalid, values=values)
 
     def end(self) -> None:
         """Let subscribers take the last messages."""
