@@ -118,6 +118,23 @@ def test_a_manager_leads_a_controller_and_hears_no_for_what_cannot_be(
     )
 
 
+def test_who_asked_last_hears_what_a_node_listens_to(ros: SingleThreadedExecutor) -> None:
+    """A node that is configured anew makes new listeners, and keeps the ends of its topics."""
+    node = SkyhookController(skyhook_arguments("-p", "autostart:=false"))
+    other = rclpy.create_node("other")
+    ros.add_node(node)
+    ros.add_node(other)
+    said: list[str] = []
+    status = topics.STATUS
+    for who in ("old", "new"):
+        node.listen(
+            "other/status", status.type, lambda _, who=who: said.append(who), status.subscriber
+        )
+    other.create_publisher(status.type, "other/status", status.publisher).publish(status.type())
+    until(ros, lambda: said)
+    assert said == ["new"]
+
+
 def test_real_time_priority_is_held_while_a_node_acts_where_the_system_lets_it(
     ros: SingleThreadedExecutor,
 ) -> None:

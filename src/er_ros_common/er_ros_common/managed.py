@@ -62,6 +62,7 @@ class ManagedNode(LifecycleNode):
         self.watched: dict[str, Topic] = {}
         self._made: dict[str, Any] = {}
         self._answers: dict[str, Callable[[Any, Any], Any]] = {}
+        self._heard: dict[str, Callable[[Any], None]] = {}
         self.incoming: dict[str, Input] = {}
         self.health = Health(
             self,
@@ -138,8 +139,9 @@ class ManagedNode(LifecycleNode):
                 each.note(stamp, int(message.seq), arrival, self.stamp_clock())
                 valid, *numbers = values(message)
                 each.read(numbers, arrival, valid=valid, lacks=lacking(message) if lacking else "")
-                heard(message)
+                self._heard[topic.name](message)
 
+        self._heard[topic.name] = heard
         return self._once(f"in {topic.name}", lambda: self._subscription(topic, noted, asked))
 
     def _subscription(
@@ -178,9 +180,17 @@ class ManagedNode(LifecycleNode):
     def listen(
         self, name: str, kind: type[Any], heard: Callable[[Any], None], profile: QoSProfile
     ) -> Subscription:
-        """Subscription of something that is no input, another node's status for instance: always heard."""
+        """Subscription of something that is no input, another node's status for instance: always heard.
+
+        By the last who asked for it: a node that is configured anew has new listeners at the ends that it has.
+        """
+        self._heard[name] = heard
+
+        def told(message: Any) -> None:
+            self._heard[name](message)
+
         return self._once(
-            f"in {name}", lambda: self.create_subscription(kind, name, heard, profile)
+            f"in {name}", lambda: self.create_subscription(kind, name, told, profile)
         )
 
     def offer(self, kind: type[Any], name: str, asked: Callable[[Any, Any], Any]) -> Any:
