@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+import socket
 from collections.abc import Callable
 from pathlib import Path
 from time import monotonic, process_time, sleep
 
 import pytest
-from er_plant_sim.hardware.link import Address, PtyLink
+from er_plant_sim.hardware import frame
+from er_plant_sim.hardware.frame import Sync
+from er_plant_sim.hardware.link import Address, PtyLink, UdpLink
 from er_plant_sim.nodes import wire as module
 from er_plant_sim.nodes.wire import AGAIN, Wire
 
@@ -127,3 +130,34 @@ def test_nothing_follows_the_farewell(monkeypatch: pytest.MonkeyPatch) -> None:
     assert link.closed
     wire.write(b"duty of a command that came late")
     assert link.last == b"safe %d" % answers[0]
+
+
+def test_a_device_answers_whoever_sent_the_last_whole_frame() -> None:
+    def end() -> socket.socket:
+        made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        made.bind(("127.0.0.1", 0))
+        made.settimeout(0.2)
+        return made
+
+    with end() as free:
+        port = free.getsockname()[1]
+    device = UdpLink("127.0.0.1", port, listen=True)
+    good = frame.encode(Sync(1), 1)
+    broken, foreign = good[:-1] + bytes([good[-1] ^ 1]), good[:2] + b"\x02" + good[3:]
+    with end() as host, end() as stranger:
+
+        def answered(sender: socket.socket, data: bytes) -> bool:
+            sender.sendto(data, ("127.0.0.1", port))
+            assert device.read(1.0) == data
+            device.write(b"answer")
+            try:
+                return sender.recv(100) == b"answer"
+            except TimeoutError:
+                return False
+
+        assert not answered(stranger, b"noise")
+        assert answered(host, good)
+        assert not any(answered(stranger, each) for each in (b"noise", broken, foreign))
+        assert answered(stranger, good)
+        assert answered(host, good)
+    device.close()

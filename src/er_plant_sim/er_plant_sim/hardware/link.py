@@ -18,6 +18,9 @@ from typing import Any, Protocol
 
 from er_models.errors import InputError
 
+from er_plant_sim.hardware import parser
+from er_plant_sim.hardware.parser import ParserState
+
 BAUD = 921600
 HOST_WIRES = ("serial", "udp")
 """Kinds of wires that the host can open."""
@@ -101,7 +104,7 @@ class SerialLink:
 
 
 class UdpLink:
-    """UDP to a device, or with `listen` the device's side, which answers whoever spoke last."""
+    """UDP to a device, or with `listen` the device's side, which answers whoever sent the last whole frame."""
 
     datagram = True
 
@@ -123,7 +126,8 @@ class UdpLink:
             data, peer = self._socket.recvfrom(CHUNK)
         except ConnectionRefusedError:  # nobody listens there yet
             return b""
-        self._peer = peer
+        if peer != self._peer and parser.step(ParserState(), data)[1]:
+            self._peer = peer
         return data
 
     def write(self, data: bytes) -> None:
