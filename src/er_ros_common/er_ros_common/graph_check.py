@@ -7,13 +7,21 @@ its input.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    LivelinessPolicy,
+    QoSProfile,
+    ReliabilityPolicy,
+)
 from rclpy.subscription import Subscription
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
@@ -24,15 +32,25 @@ UNNAMED = "a node not named yet"
 NOT_KNOWN = ("_NODE_NAMESPACE_UNKNOWN_", "_NODE_NAME_UNKNOWN_")
 """What ROS 2 says until then of namespace and node."""
 
+LONGEST = 2**62
+"""Limits of time from here on are none [ns]; the middleware's own for that is a second or so short of 2^63."""
+
 
 @dataclass(frozen=True, slots=True)
 class Endpoint:
-    """One publisher or subscription as the graph shows it."""
+    """One publisher or subscription as the graph shows it.
+
+    deadline: longest time between two messages, lease: between two signs of life, offered or asked for [s]; manual:
+    whether each topic gives such signs by itself.
+    """
 
     node: str
     type_name: str
     reliable: bool
     latched: bool
+    deadline: float = math.inf
+    lease: float = math.inf
+    manual: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +140,16 @@ def _endpoint(info: TopicEndpointInfo) -> Endpoint:
         type_name=info.topic_type,
         reliable=profile.reliability == ReliabilityPolicy.RELIABLE,
         latched=profile.durability == DurabilityPolicy.TRANSIENT_LOCAL,
+        deadline=_seconds(profile.deadline),
+        lease=_seconds(profile.liveliness_lease_duration),
+        manual=profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC,
     )
+
+
+def _seconds(limit: Duration) -> float:
+    """A limit [s]; none is the longest time there is, or where it was left open, 0."""
+    whole = int(limit.nanoseconds)
+    return 1e-9 * whole if 0 < whole < LONGEST else math.inf
 
 
 def _other_type(topic: Topic, name: str, end: Endpoint) -> Problem | None:
@@ -138,11 +165,16 @@ def _other_type(topic: Topic, name: str, end: Endpoint) -> Problem | None:
 
 
 def _too_demanding(name: str, sender: Endpoint, taker: Endpoint) -> Problem | None:
-    for asked, offered, word in (
-        (taker.reliable, sender.reliable, "reliable"),
-        (taker.latched, sender.latched, "transient local"),
+    late = taker.deadline < sender.deadline
+    lifeless = (taker.manual and not sender.manual) or taker.lease < sender.lease
+    kind = "liveliness by topic" if taker.manual else "liveliness"
+    for lacking, word in (
+        (taker.reliable and not sender.reliable, "reliable"),
+        (taker.latched and not sender.latched, "transient local"),
+        (late, f"a deadline of {taker.deadline:g} s"),
+        (lifeless, f"{kind} with a lease of {taker.lease:g} s"),
     ):
-        if asked and not offered:
+        if lacking:
             text = f"{taker.node} asks for {word}, {sender.node} does not offer it: no data flows"
             return Problem(
                 name, "incompatible QoS", text, f"offer {word} in {sender.node}, or ask for less"

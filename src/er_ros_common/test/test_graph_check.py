@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 import pytest
 
 pytest.importorskip("rclpy")
 
 from er_ros_common.graph_check import UNNAMED, Endpoint, check_topic, endpoints, watch
+from rclpy.duration import Duration, Infinite
+from rclpy.qos import LivelinessPolicy, QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from er_ros_common import topics
@@ -15,9 +20,12 @@ NAME = "/sensors/force"
 TYPE = topics.FORCE.type_name
 
 
-def end(*, reliable: bool = True, latched: bool = False, kind: str = TYPE) -> Endpoint:
+def end(
+    *, reliable: bool = True, latched: bool = False, kind: str = TYPE, **limits: float
+) -> Endpoint:
     """One end of the topic."""
-    return Endpoint("/somebody", kind, reliable, latched)
+    manual = bool(limits.pop("manual", False))
+    return Endpoint("/somebody", kind, reliable, latched, manual=manual, **limits)
 
 
 @pytest.mark.parametrize(
@@ -29,6 +37,14 @@ def end(*, reliable: bool = True, latched: bool = False, kind: str = TYPE) -> En
         (end(reliable=False), end(), False),
         (end(latched=True), end(), True),
         (end(), end(latched=True), False),
+        (end(), end(deadline=0.05), False),
+        (end(deadline=0.1), end(deadline=0.05), False),
+        (end(deadline=0.05), end(deadline=0.05), True),
+        (end(deadline=0.05), end(), True),
+        (end(), end(lease=0.1), False),
+        (end(lease=0.1), end(lease=0.2), True),
+        (end(lease=0.1), end(lease=0.2, manual=True), False),
+        (end(lease=0.1, manual=True), end(lease=0.2), True),
     ],
 )
 def test_a_listener_must_not_ask_for_more_than_is_offered(
@@ -95,3 +111,36 @@ def test_a_running_graph_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
         node.destroy_node()
     finally:
         rclpy.shutdown(context=context)
+
+
+def test_limits_of_time_are_read_from_the_graph() -> None:
+    """What is not limited is the longest time there is, or, where nothing was said of it, 0."""
+
+    class Found:
+        def get_publishers_info_by_topic(self, _: str) -> list[TopicEndpointInfo]:
+            return [_info(QoSProfile(depth=1))]
+
+        def get_subscriptions_info_by_topic(self, _: str) -> list[TopicEndpointInfo]:
+            asked = QoSProfile(
+                depth=1,
+                deadline=Duration(seconds=0.05),
+                liveliness=LivelinessPolicy.MANUAL_BY_TOPIC,
+                liveliness_lease_duration=Duration(seconds=0.1),
+            )
+            none = QoSProfile(depth=1, deadline=Infinite, liveliness_lease_duration=Infinite)
+            return [_info(asked), _info(none)]
+
+    found: Any = Found()
+    (sender,), (asked, none) = endpoints(found, NAME)
+    assert (asked.deadline, asked.lease, asked.manual) == (0.05, 0.1, True)
+    assert (sender.deadline, none.deadline, none.lease) == (math.inf,) * 3
+    problem, *more = check_topic(topics.FORCE, NAME, [sender], [asked, none])
+    assert not more
+    assert "/taker" in problem.text
+    assert "deadline of 0.05 s" in problem.text
+
+
+def _info(profile: QoSProfile) -> TopicEndpointInfo:
+    return TopicEndpointInfo(
+        node_name="taker", node_namespace="/", topic_type=TYPE, qos_profile=profile
+    )
