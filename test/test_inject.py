@@ -92,3 +92,10 @@ def test_what_is_injected_goes_out_on_the_topic(plant: tuple[Asked, Any]) -> Non
     accepted, reason = ask("sensors/nothing", kinds.OFF)
     assert not accepted
     assert "unit: expected one of" in reason
+    # the duty of this plant is its program's: no command would be missed
+    accepted, reason = ask("pwm/command", kinds.OFF)
+    assert not accepted
+    assert "found 'pwm/command'" in reason
+    accepted, reason = ask("sensors/acceleration", kinds.SLOW, 1000.0)
+    assert not accepted
+    assert "below the 200 Hz" in reason

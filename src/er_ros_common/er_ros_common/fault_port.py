@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from random import Random
 from threading import Lock
@@ -24,12 +25,19 @@ class FaultPort:
     """Everything that may be spoilt goes through `publish` or `taken`.
 
     units: topics that the node publishes or takes; enabled: else every request is refused; seed: of garbage and
-    of what is missing.
+    of what is missing; rate: messages of a topic per second of the steady clock [Hz].
     """
 
     def __init__(
-        self, node: ManagedNode, units: Sequence[Topic], *, enabled: bool, seed: int
+        self,
+        node: ManagedNode,
+        units: Sequence[Topic],
+        *,
+        enabled: bool,
+        seed: int,
+        rate: float = math.inf,
     ) -> None:
+        self.rate = rate
         self.node, self.enabled, self.random = node, enabled, Random(seed)
         self.fields = {topic.name: _numbers(topic) for topic in units}
         self.channels = {topic.name: Channel() for topic in units}
@@ -69,7 +77,7 @@ class FaultPort:
             return answer
         given = (request.unit, int(request.kind), float(request.value), float(request.duration))
         try:
-            unit, fault = asked(*given, self.fields, monotonic())
+            unit, fault = asked(*given, self.fields, monotonic(), rate=self.rate)
         except InputError as error:
             answer.reason = str(error)
             return answer

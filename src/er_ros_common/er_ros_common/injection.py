@@ -33,12 +33,12 @@ class Kind(IntEnum):
 
 
 VALUES: Mapping[Kind, tuple[float, float, str]] = {
-    Kind.BIAS: (-1e6, 1e6, "a bias in -1e6..1e6 of the field's unit"),
+    Kind.BIAS: (-1e6, 1e6, "a bias in -1e6..1e6 of the field's unit, not 0"),
     Kind.SLOW: (0.01, 1000.0, "a rate in 0.01..1000 Hz"),
     Kind.DELAYED: (0.001, 10.0, "a delay in 0.001..10 s"),
-    Kind.INTERMITTENT: (0.0, 1.0, "a probability in 0..1"),
+    Kind.INTERMITTENT: (0.0, 1.0, "a probability in 0..1, not 0"),
 }
-"""Lowest and highest value of the kinds that have one."""
+"""Lowest and highest value of the kinds that have one; 0 is never one: it would do nothing."""
 OF_FIELDS = (Kind.STUCK, Kind.GARBAGE, Kind.BIAS)
 """Kinds that one field alone can have."""
 
@@ -64,7 +64,8 @@ class Channel:
 
 
 def asked(
-    unit: str, kind: int, value: float, duration: float, fields: Mapping[str, tuple[str, ...]], now: float
+    unit: str, kind: int, value: float, duration: float, fields: Mapping[str, tuple[str, ...]], now: float,
+    *, rate: float = math.inf,
 ) -> tuple[str, Fault | None]:  # fmt: skip
     """Channel and fault of a request; None takes the fault away.
 
@@ -75,20 +76,24 @@ def asked(
         duration: as in the service.
         fields: names of the numbers of every channel there is.
         now: time [s].
+        rate: messages of a channel per second as it is [Hz].
 
     Raises:
-        InputError: There is no such unit or kind, or the value means nothing.
+        InputError: There is no such unit or kind, or the value means nothing or would change nothing.
     """
-    channel, _, field = unit.partition(".")
-    if channel not in fields or (field and field not in fields[channel]):
+    channel, dot, field = unit.partition(".")
+    if channel not in fields or (dot and field not in fields[channel]):
         known = ", ".join(f"{name} ({' '.join(each)})" for name, each in fields.items())
         raise InputError("inject_fault", "unit", f"one of {known}", f"'{unit}'")
     if kind not in tuple(Kind):
         raise InputError("inject_fault", "kind", f"0 to {max(Kind)}", kind)
     wanted = Kind(kind)
     low, high, words = VALUES.get(wanted, (-math.inf, math.inf, ""))
-    if math.isnan(value) or not low <= value <= high:
+    if math.isnan(value) or not low <= value <= high or (wanted in VALUES and value == 0.0):
         raise InputError("inject_fault", "value", words or "a number", f"{value:g}")
+    if wanted is Kind.SLOW and value >= rate:
+        expected = f"a rate below the {rate:g} Hz that it has"
+        raise InputError("inject_fault", "value", expected, f"{value:g}")
     if field and wanted not in OF_FIELDS:
         expected = "a whole topic for this kind, without a field"
         raise InputError("inject_fault", "unit", expected, f"'{unit}'")

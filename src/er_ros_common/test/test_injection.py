@@ -26,7 +26,7 @@ def run(
     kind: Kind, value: float, ticks: int, unit: str = "sensors/acceleration", duration: float = 0.0
 ) -> list[list[Message]]:
     """What goes out at each of these ticks of 5 ms."""
-    _, fault = asked(unit, kind, value, duration, FIELDS, 0.0)
+    _, fault = asked(unit, kind, value, duration, FIELDS, 0.0, rate=200.0)
     channel, random, out = Channel(fault), Random(1), []
     for k in range(ticks):
         channel, sent = through(channel, Message(k, float(k), -float(k)), 0.005 * k, random)
@@ -83,6 +83,11 @@ def test_intermittent_loses_its_share() -> None:
         ("sensors/acceleration", 5, 0.0, 0.0, "value: expected a rate"),
         ("sensors/acceleration", 6, -1.0, 0.0, "value: expected a delay"),
         ("sensors/acceleration", 7, 1.5, 0.0, "value: expected a probability"),
+        ("sensors/acceleration.", 2, 0.0, 0.0, "unit: expected one of"),
+        ("sensors/acceleration", 4, 0.0, 0.0, "not 0, found 0"),
+        ("sensors/acceleration", 7, 0.0, 0.0, "not 0, found 0"),
+        ("sensors/acceleration", 5, 1000.0, 0.0, "below the 200 Hz that it has, found 1000"),
+        ("sensors/acceleration", 5, 200.0, 0.0, "below the 200 Hz"),
         ("sensors/acceleration", 1, 0.0, -1.0, "duration: expected 0 or more seconds"),
     ],
 )
@@ -90,7 +95,7 @@ def test_what_cannot_be_done_is_refused(
     unit: str, kind: int, value: float, duration: float, words: str
 ) -> None:
     with pytest.raises(InputError, match=words):
-        asked(unit, kind, value, duration, FIELDS, 0.0)
+        asked(unit, kind, value, duration, FIELDS, 0.0, rate=200.0)
 
 
 def test_what_is_in_force_is_said() -> None:

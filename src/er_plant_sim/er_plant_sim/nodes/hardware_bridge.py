@@ -27,7 +27,7 @@ from er_plant_sim.duty_gate import Reason
 from er_plant_sim.hardware import bridge, clocks
 from er_plant_sim.hardware.bridge import Reading
 from er_plant_sim.hardware.settings import BridgeParameters, build
-from er_plant_sim.nodes.outlet import Outlet
+from er_plant_sim.nodes.outlet import Outlet, spoilable
 from er_plant_sim.nodes.roll_call import Gathering
 from er_plant_sim.nodes.system_time import SystemTime
 from er_plant_sim.nodes.wire import Wire
@@ -51,7 +51,8 @@ class BridgeNode(ManagedNode):
         """Load the files and make the ends; the wire is opened when the node begins."""
         p, built = self.p, build(self.p, ros_hardware.SOURCES)
         self.bridge, self.ticks, self.address = built.bridge, built.ticks, built.address
-        self.port = FaultPort(self, topics.MEASUREMENTS, enabled=p.enable_fault_injection, seed=0)
+        units = spoilable(programmed=self.bridge.duty is not None)
+        self.port = FaultPort(self, units, enabled=p.enable_fault_injection, seed=0, rate=p.rate)
         self.out = Outlet(self, self.port, force_sd=p.noise_force, clock_rate=0.0)
         self.gathering = Gathering(self, self.out, p.wait_for, p.wait_for_nodes, p.start_timeout)
         if self.bridge.duty is None:

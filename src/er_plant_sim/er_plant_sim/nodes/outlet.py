@@ -10,6 +10,7 @@ from er_ros_common.builders import Tick
 from er_ros_common.clock import to_stamp
 from er_ros_common.fault_port import FaultPort
 from er_ros_common.managed import ManagedNode
+from er_ros_common.topics import Topic
 from rclpy.duration import Duration
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
@@ -30,6 +31,11 @@ CLOCK_RATE = 200.0
 """Most messages per second on /clock: more costs every listener dearly."""
 TAKEN = 0.3
 """Time the subscribers get to take the last messages [s]; they acknowledge only now and then."""
+
+
+def spoilable(*, programmed: bool) -> tuple[Topic, ...]:
+    """Topics that an injected fault may spoil; where the duty is a program's nobody takes a command."""
+    return TOPICS if programmed else (*TOPICS, topics.PWM_COMMAND)
 
 
 class Outlet:

@@ -7,6 +7,7 @@ for the command that answers its sample, so that a run repeats exactly however f
 
 from __future__ import annotations
 
+import math
 import signal
 import sys
 from collections.abc import Sequence
@@ -29,7 +30,7 @@ from er_plant_sim.duty_gate import Applied, Reason
 from er_plant_sim.loop_times import WARM_UP, LoopTimes
 from er_plant_sim.nodes.card import CARD
 from er_plant_sim.nodes.drive import Lockstep, Timed
-from er_plant_sim.nodes.outlet import Outlet
+from er_plant_sim.nodes.outlet import Outlet, spoilable
 from er_plant_sim.nodes.pace import Pace
 from er_plant_sim.nodes.recording import Recording
 from er_plant_sim.nodes.roll_call import Gathering
@@ -68,7 +69,11 @@ class PlantNode(ManagedNode):
         self.step_began = 0.0
         clock_rate = p.rate * p.rate_factor if p.mode == "sim_time" else 0.0
         self.port = FaultPort(
-            self, topics.MEASUREMENTS, enabled=p.enable_fault_injection, seed=max(p.seed, 0)
+            self,
+            spoilable(programmed=self.rig.programmed),
+            enabled=p.enable_fault_injection,
+            seed=max(p.seed, 0),
+            rate=p.rate * p.rate_factor or math.inf,
         )
         self.out = Outlet(self, self.port, force_sd=p.noise_force, clock_rate=clock_rate)
         self.recording = Recording(self, p.recorder, p.recorded, p.rate, self.on_recorded)
