@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from time import monotonic, sleep
+from typing import Any
 
 import pytest
 
@@ -18,6 +19,7 @@ import rclpy
 from er_bringup.given import parse
 from er_bringup.graph import nodes
 from er_bringup.ros_composed import part, split
+from er_ftc_controller.nodes.ftc_controller import FtcController
 from er_ftc_controller.nodes.skyhook_controller import SkyhookController
 from er_models.errors import ErError, InputError
 from er_observers.nodes.unified_observer import NODE as UNIFIED
@@ -116,6 +118,32 @@ def test_a_manager_leads_a_controller_and_hears_no_for_what_cannot_be(
     assert len(list(node.subscriptions)) == 2 + len(
         [s for s in node.subscriptions if "parameter" in s.topic_name]
     )
+
+
+@pytest.mark.parametrize("kind", [SkyhookController, FtcController])
+@pytest.mark.parametrize(("age", "simulated"), [("0.0", True), ("0.02", False)])
+def test_the_last_words_of_a_controller_are_of_the_time_of_its_samples(
+    ros: SingleThreadedExecutor, kind: Callable[[list[str]], Any], age: str, *, simulated: bool
+) -> None:
+    """Without a clock of simulated time they would else differ from one run of a seed to the next."""
+    name = "skyhook" if kind is SkyhookController else "ftc"
+    files = ["-p", f"model_file:={VEHICLE}", "-p", f"gains_file:={CONFIG / 'gains/lpv_ftc.yaml'}"]
+    given = [
+        "--params-file",
+        str(CONFIG / f"nodes/{name}_controller.yaml"),
+        "-p",
+        f"max_age:={age}",
+    ]
+    node = kind(["--ros-args", *given, *(files if name == "ftc" else [])])
+    ros.add_node(node)
+    node.start()
+    said: list[Any] = []
+    node.publish = said.extend
+    node.state = node.state._replace(last=builders.Tick(6_000_000_000, 1200))
+    node.end()
+    ((_, message),) = said
+    assert message.seq == 1200
+    assert (message.header.stamp.sec == 6) == simulated
 
 
 def test_who_asked_last_hears_what_a_node_listens_to(ros: SingleThreadedExecutor) -> None:

@@ -156,14 +156,13 @@ class FtcCore:
         silent, command = control.step(self.controller, before, t, None)
         if silent is before:
             return state, []
-        now = when.system if when.system is not None else state.last.stamp
-        tick = Tick(max(now, state.last.stamp), state.last.seq)
+        tick = Tick(max(when.system or 0, state.last.stamp), state.last.seq)
         return state._replace(silent=silent), [_command(tick, command)]
 
-    def last_words(self, state: State, now: int) -> list[Said]:
-        """The safe duty, for somebody who stops the controller at a time [ns]."""
+    def last_words(self, state: State, when: When) -> list[Said]:
+        """The safe duty, for somebody who stops the controller; without a simulated clock at the last sample."""
         command = state.command._replace(duty=self.p.safe_duty, mode=Mode.SAFE)
-        return [_command(Tick(max(now, state.last.stamp), state.last.seq), command)]
+        return [_command(Tick(max(when.system or 0, state.last.stamp), state.last.seq), command)]
 
     def _sample(
         self, state: State, tick: Tick, sample: Sample, when: When

@@ -137,13 +137,12 @@ class SkyhookCore:
         since = silence(self.p, when.steady - state.heard)
         if not (state.heard and since > self.p.timeout and when.steady - state.safe_at > REPEAT):
             return state, []
-        now = when.system if when.system is not None else state.last.stamp
-        return state._replace(safe=True, safe_at=when.steady), self.last_words(state, now)
+        return state._replace(safe=True, safe_at=when.steady), self.last_words(state, when)
 
-    def last_words(self, state: State, now: int) -> list[Said]:
-        """The safe duty, from a time [ns] on."""
+    def last_words(self, state: State, when: When) -> list[Said]:
+        """The safe duty, from now on; in simulated time without a clock, from the last sample on."""
         message = builders.pwm_duty(
-            Tick(max(now, state.last.stamp), state.last.seq),
+            Tick(max(when.system or 0, state.last.stamp), state.last.seq),
             self.p.safe_duty,
             source=PwmDuty.SOURCE_SAFE,
             status=PwmDuty.STATUS_LOST,

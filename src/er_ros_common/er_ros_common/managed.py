@@ -161,8 +161,10 @@ class ManagedNode(LifecycleNode):
         yield from (each for each in super().subscriptions if each not in served)
 
     def when(self) -> When:
-        """Now, on both clocks."""
-        return When(monotonic_ns(), clock.now(self) if self.simulated else time_ns())
+        """Now, on both clocks; simulated time without a clock of its own, as in lockstep, is known by stamps alone."""
+        if self.simulated:
+            return When(monotonic_ns(), clock.now(self))
+        return When(monotonic_ns(), time_ns() if self.aged else None)
 
     @property
     def aged(self) -> bool:

@@ -6,7 +6,6 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from er_ros_common.clock import now
 from er_ros_common.core import Said
 from er_ros_common.core_node import CoreNode
 from er_ros_common.health import Report
@@ -78,7 +77,7 @@ class FtcController(CoreNode):
 
     def end(self) -> None:
         """Leave the safe duty behind."""
-        self.publish(self.core.last_words(self.state, now(self)))
+        self.publish(self.core.last_words(self.state, self.when()))
 
 
 CARD = Card(

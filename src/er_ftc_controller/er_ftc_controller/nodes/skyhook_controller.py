@@ -9,7 +9,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from er_ros_common.clock import now
 from er_ros_common.core_node import CoreNode
 from er_ros_common.health import Report
 from er_ros_common.help import Card
@@ -59,7 +58,7 @@ class SkyhookController(CoreNode):
 
     def end(self) -> None:
         """Leave the safe duty behind."""
-        self.publish(self.core.last_words(self.state, now(self)))
+        self.publish(self.core.last_words(self.state, self.when()))
 
 
 CARD = Card(
