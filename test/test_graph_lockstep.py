@@ -15,6 +15,8 @@ from rosbags.highlevel import AnyReader
 from test.graph_help import Graph, own_domain
 from test.reliability.hold import MOVING, child, hold
 
+pytestmark = pytest.mark.alone
+
 TICKS = 600
 TOPICS = (
     "/sensors/acceleration",

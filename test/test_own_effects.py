@@ -5,6 +5,7 @@ import json
 import re
 import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -44,12 +45,20 @@ def own(tmp_path_factory):
     return path
 
 
-@pytest.fixture(scope="module")
-def both(own):
-    """The example, and an effect of the car: one kernel serves every test that simulates."""
-    bushing = own.with_name("bushing.py")
-    bushing.write_text(BUSHING, encoding="utf-8")
-    return own, bushing
+def few():
+    """What every damper and car has, and the example's rival: little to compile."""
+    kept = ("preload", "quarter_car")
+    return Catalogue(tuple(e for e in CATALOGUE.effects if e.stage == "core" or e.name in kept))
+
+
+@pytest.fixture
+def both(own, monkeypatch):
+    """The example, and an effect of the car, beside few others: one kernel serves every test that simulates."""
+    monkeypatch.setattr("er_models.own.CATALOGUE", few())
+    folder = own.parent / "both"
+    folder.mkdir(exist_ok=True)
+    (folder / "bushing.py").write_text(BUSHING, encoding="utf-8")
+    return Path(shutil.copy(own, folder)), folder / "bushing.py"
 
 
 def lab(*words):
@@ -130,8 +139,7 @@ def test_a_broken_record_of_the_file_is_named(text, tmp_path):
 
 
 def test_a_changed_equation_is_compiled_anew(own, tmp_path, monkeypatch):
-    kept = [e for e in CATALOGUE.effects if e.stage == "core" or e.name == "preload"]
-    monkeypatch.setattr("er_models.own.CATALOGUE", Catalogue(tuple(kept)))  # little to compile
+    monkeypatch.setattr("er_models.own.CATALOGUE", few())
     other, own = tmp_path / "crosstalk.py", shutil.copy(own, tmp_path / "own.py")
     other.write_text(own.read_text().replace("K * u", "2.0 * K * u"))
     inputs = motion(0.005, np.zeros(9), np.zeros(9), np.full(9, 0.3))
