@@ -47,9 +47,11 @@ ENDLESS = ("run", "record", "up")
 """Commands that may go on until Ctrl-C: they get one after a while and must then end well."""
 STARTED = re.compile(r"running|recording|waiting")
 """What one of them says first once it is there; the rest of a graph gets `REST` more."""
-REST = 1.5
+REST = 1.0
 PATIENCE = 7.0
 """The longest that an endless command goes on [s]."""
+DRIVEN, START = "plant]: running", 60.0
+"""What a graph with a plant says once it moves, and how long that may take [s]; before, a recorder has nothing."""
 SHORTER = {
     "control endurance --minutes 1": ("--minutes", "0.2"),
     "lab plan --model config/vehicles/inove_quarter_car.yaml --between gas_spring end_stop --out next.yaml"
@@ -78,11 +80,12 @@ def forgotten(words, place):
         shutil.rmtree(place / name, ignore_errors=True)
 
 
-def let_go(process, log):
-    """Give an endless command its Ctrl-C once it has started, if it has not ended before."""
-    end = time.monotonic() + PATIENCE
+def let_go(process, log, *, plant):
+    """Give an endless command its Ctrl-C once it has started, if it has not ended before; plant: it starts one."""
+    end = time.monotonic() + (START if plant else PATIENCE)
     while process.poll() is None and time.monotonic() < end:
-        if STARTED.search(log.read_text(encoding="utf-8")):
+        said = log.read_text(encoding="utf-8")
+        if DRIVEN in said if plant else STARTED.search(said):
             end = min(end, time.monotonic() + REST)
         time.sleep(0.1)
     if process.poll() is None:
@@ -164,7 +167,8 @@ def test_the_command_works_as_written(words, place, domain, monkeypatch, tmp_pat
             stderr=subprocess.STDOUT,
         )
     if words[0] in ENDLESS and "--help" not in words:
-        let_go(process, log)
+        plant = words[0] == "up" and not any(w.startswith("hardware:=") for w in words)
+        let_go(process, log, plant=plant)
     process.wait(timeout=250)
     output = log.read_text(encoding="utf-8")
     allowed = (0, 1, 4) if words[0] in ("doctor", "record") else (0,)
