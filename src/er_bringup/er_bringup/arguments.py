@@ -6,6 +6,7 @@ import math
 import re
 from dataclasses import dataclass
 
+from er_models.seed import OF_A_PLANT
 from er_ros_common.topic_names import OBSERVERS
 
 
@@ -32,8 +33,6 @@ class Argument:
         return f"{word} in {self.low:.12g}..{self.high:.12g}"
 
 
-SEEDS = 2**31
-"""Largest seed of a plant."""
 ARGUMENTS = (
     Argument("namespace", "", "namespace of the corner, for instance front_left"),
     Argument(
@@ -55,7 +54,13 @@ ARGUMENTS = (
         1e6,
     ),
     Argument(
-        "seed", "-1", "seed of road, duty and sensor noise; -1: the program's", (), int, -1, SEEDS
+        "seed",
+        "-1",
+        "seed of road, duty and sensor noise; -1: the program's",
+        (),
+        int,
+        -1,
+        OF_A_PLANT,
     ),
     Argument(
         "mode",

@@ -10,7 +10,7 @@ from er_models.errors import UnknownName
 from er_ros_common.core import Core
 
 MODULES = (
-    "er_observers.ros_core",
+    "er_observers.ros_observer",
     "er_observers.ros_faults",
     "er_ftc_controller.ros_skyhook",
     "er_ftc_controller.ros_ftc",

@@ -21,7 +21,7 @@ from er_models.errors import ErError
 from er_models.files import load_model, save_model
 from er_models.model import Model
 from er_models.one_line import OneLine
-from er_models.seed import seed_reader
+from er_models.seed import OF_A_PLANT, seed_reader
 from rich.console import Console
 from rich.table import Table
 
@@ -247,7 +247,7 @@ def parser() -> OneLine:
     )
     p.add_argument(
         "--seed",
-        type=seed_reader(2**31 - 1),
+        type=seed_reader(OF_A_PLANT - 1),
         help="seed of everything random; by default one nobody has seen",
     )
     p.add_argument("--learn", type=float, default=24.0, help="length of the run to learn from [s]")
@@ -266,7 +266,7 @@ def parser() -> OneLine:
 def main() -> None:
     """Entry point; exit status 0 only if the effect was found and the floor reached; of many, in all but `MAY_FAIL`."""
     given = parser().parse_args()
-    seed = given.seed if given.seed is not None else secrets.randbelow(2**31)
+    seed = given.seed if given.seed is not None else secrets.randbelow(OF_A_PLANT)
     out = given.out or Path("log") / "demo" / f"{time.strftime('%Y%m%d-%H%M%S')}-{seed}"
     demo = Demo(given.effect, seed, given.learn, given.check, out.absolute(), given.mode)
     try:

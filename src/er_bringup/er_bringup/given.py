@@ -11,9 +11,10 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from er_models.errors import InputError
+from er_models.seed import OF_A_PLANT
 from er_plant_sim.hardware.link import HOST_WIRES, Address
 
-from er_bringup.arguments import ARGUMENTS, NAME, NAMESPACE, SEEDS, Argument, is_name, is_namespace
+from er_bringup.arguments import ARGUMENTS, NAME, NAMESPACE, Argument, is_name, is_namespace
 from er_bringup.roles import CONTROLLERS, FAULTS, OBSERVERS, PUBLISHED
 from er_ros_common import topic_names
 
@@ -110,8 +111,10 @@ def of_corner(given: Mapping[str, str], names: Sequence[str], place: int) -> dic
     base, seed = given["namespace"].strip("/"), int(given["seed"])
     own = {"namespace": "/".join(part for part in (base, names[place]) if part)}
     if seed >= 0:
-        if seed + len(names) - 1 > SEEDS:
-            expected = f"at most {SEEDS - len(names) + 1}, as each corner has a seed of its own"
+        if seed + len(names) - 1 > OF_A_PLANT:
+            expected = (
+                f"at most {OF_A_PLANT - len(names) + 1}, as each corner has a seed of its own"
+            )
             raise InputError("arguments", "seed", expected, f"'{seed}'")
         own["seed"] = str(seed + place)
     for key in ("hardware", "calibration"):

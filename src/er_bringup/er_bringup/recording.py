@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from operator import itemgetter
@@ -145,7 +146,4 @@ def _salvaged(path: Path) -> Source:
                 yield topic, decode(raw, kind), arrival
 
     kinds = {topic: kind for topic, kind, _, _ in ordered}
-    counts = dict.fromkeys(kinds, 0)
-    for topic, *_ in ordered:
-        counts[topic] += 1
-    return Source(kinds, counts, messages)
+    return Source(kinds, Counter(topic for topic, *_ in ordered), messages)

@@ -18,6 +18,7 @@ import yaml
 from er_models.errors import ErError, InputError, MissingChannel
 from er_models.files import write_whole
 from er_models.one_line import OneLine
+from er_ros_common.clock import from_stamp
 from rich.console import Console
 from rich.table import Table
 
@@ -193,7 +194,7 @@ def values(found: Sequence[Played]) -> str:
             fields = [
                 name for name in m.get_fields_and_field_types() if name not in ("header", "seq")
             ]
-            stamp = m.header.stamp.sec * 1_000_000_000 + m.header.stamp.nanosec
+            stamp = from_stamp(m.header.stamp)
             pairs = [f"{name}={getattr(m, name)!r}" for name in fields]
             lines.append(",".join([each.node, topic.name, str(stamp), str(m.seq), *pairs]))
     return "\n".join([*lines, ""])

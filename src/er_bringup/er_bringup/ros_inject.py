@@ -22,7 +22,7 @@ from rclpy.executors import SingleThreadedExecutor
 
 from er_bringup.doctor import namespace
 from er_damper_msgs.srv import InjectFault
-from er_ros_common import dds, log_place
+from er_ros_common import environment
 
 ANSWER = 10.0
 """Longest wait for the node and its answer [s]."""
@@ -52,8 +52,7 @@ def parser() -> OneLine:
 
 def ask(name: str, request: InjectFault.Request) -> tuple[bool, str]:
     """Whether a node, by full name, does it, and what it says."""
-    dds.settle()
-    log_place.settle()
+    environment.settle()
     rclpy.init(args=[])
     try:
         node = rclpy.create_node("inject", enable_rosout=False)

@@ -19,7 +19,7 @@ from rclpy.utilities import try_shutdown
 
 from er_bringup.ros_checks import CONTRACT, Heard, Observation, SeenNode, namespaces
 from er_damper_msgs.msg import NodeStatus
-from er_ros_common import dds, log_place, topics
+from er_ros_common import environment, topics
 
 DEPTH = 500
 DISCOVERY, SETTLE = 8.0, 1.0
@@ -85,8 +85,7 @@ def observe(namespace: str | None, seconds: float) -> list[Observation]:
 
     None: in each namespace that holds a graph, one after the other; in the root where none is found.
     """
-    dds.settle()
-    log_place.settle()
+    environment.settle()
     rclpy.init(args=[])
     try:
         spaces = _graphs() if namespace is None else [namespace]

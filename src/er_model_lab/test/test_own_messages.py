@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("rclpy")
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from er_model_lab.nodes.own import is_own
+from er_model_lab.nodes.own import own
 from rcl_interfaces.msg import Log, ParameterEvent
 from rclpy.serialization import serialize_message
 from std_msgs.msg import String
@@ -27,7 +27,7 @@ def diagnostics(*names: str) -> DiagnosticArray:
 
 
 @pytest.mark.parametrize(
-    ("name", "message", "own"),
+    ("name", "message", "is_own"),
     [
         ("/c/recorder/status", String(), True),
         ("/c/recorder_2/status", String(), False),
@@ -41,8 +41,8 @@ def diagnostics(*names: str) -> DiagnosticArray:
         ("/c/sensors/force", String(), False),
     ],
 )
-def test_a_message_is_the_recorders_own_or_not(name: str, message: Any, own: bool) -> None:
+def test_a_message_is_the_recorders_own_or_not(name: str, message: Any, is_own: bool) -> None:
     kind = type(message)
     package = kind.__module__.partition(".")[0]
-    data = serialize_message(message)
-    assert is_own(Recorder(), name, f"{package}/msg/{kind.__name__}", data) is own
+    tell = own(Recorder(), name, f"{package}/msg/{kind.__name__}")
+    assert tell(serialize_message(message)) is is_own

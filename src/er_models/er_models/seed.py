@@ -7,6 +7,8 @@ from collections.abc import Callable
 
 LARGEST = 2**32 - 1
 """Largest seed that every generator of random numbers takes."""
+OF_A_PLANT = 2**31
+"""Largest seed that a plant's parameter takes."""
 
 
 def seed_reader(largest: int = LARGEST) -> Callable[[object], int]:

@@ -9,6 +9,7 @@ from er_models.constants import SAMPLE_RATE
 from er_models.errors import InputError
 from er_models.model import Array, Model
 from er_models.program import Program, resolved
+from er_models.seed import OF_A_PLANT
 from er_ros_common.common_parameters import NodeParameters, injection_allowed
 from er_ros_common.parameter_table import REQUIRED, param
 
@@ -36,7 +37,9 @@ class RigParameters(NodeParameters):
         high=1e6,
         text="length of the run; -1: as the program says, 0: no end",
     )
-    seed: int = param(-1, low=-1, high=2**31, text="seed of everything random; -1: the program's")
+    seed: int = param(
+        -1, low=-1, high=OF_A_PLANT, text="seed of everything random; -1: the program's"
+    )
     rate: float = param(SAMPLE_RATE, unit="Hz", low=10.0, high=2000.0, text="samples per second")
     duty_source: str = param(
         "topic", choices=("program", "topic"), text="where the duty comes from"

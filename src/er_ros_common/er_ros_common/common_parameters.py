@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from er_ros_common.parameter_table import param
+from er_ros_common.stamps import SECOND
 
 
 def oldest_sample() -> Any:
@@ -42,7 +43,7 @@ def silence(p: Listening, nanoseconds: int) -> float:
 
 def deaf_after(p: Listening) -> float:
     """Silence on the steady clock after which inputs count as dead [s]."""
-    return p.timeout / silence(p, 1_000_000_000)
+    return p.timeout / silence(p, SECOND)
 
 
 def awaited_listeners() -> Any:

@@ -25,7 +25,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
-from er_ros_common import dds, log_place
+from er_ros_common import environment
 from er_ros_common.help import Card, render
 from er_ros_common.intra_process import IntraProcess
 from er_ros_common.managed import ManagedNode
@@ -114,8 +114,7 @@ def guarded(name: str, argv: Sequence[str], live: Callable[[Stopped], None]) -> 
     """Do something under the signals; what is wrong is one line behind the name, and an exit status."""
     try:
         check_files(argv)
-        dds.settle()
-        log_place.settle()
+        environment.settle()
         with Stopped() as stopped:
             try:
                 live(stopped)

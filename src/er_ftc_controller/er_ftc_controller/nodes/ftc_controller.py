@@ -12,6 +12,7 @@ from er_ros_common.health import Report
 from er_ros_common.help import Card
 from er_ros_common.parameters import declare
 from er_ros_common.spin import Executable, run
+from er_ros_common.stamps import SECOND
 
 from er_damper_msgs.msg import NodeStatus
 from er_ftc_controller.control import Mode
@@ -19,7 +20,7 @@ from er_ftc_controller.ros_ftc import FtcCore
 from er_ftc_controller.settings import FtcParameters
 from er_ros_common import topics
 
-REMEMBERED = 1_000_000_000
+REMEMBERED = SECOND
 """How long an acceleration that was not used is still said [ns]."""
 
 

@@ -135,12 +135,13 @@ def tied(
     size = effect_size(base, best)
     near = [best]
     for other in candidates[1:]:
-        if not passes(base, other, limit) or effect_size(base, other) < NEARLY * size:
+        gain = effect_size(base, other)
+        if not passes(base, other, limit) or gain < NEARLY * size:
             continue
         gap, gains = np.sqrt(max(other.mse - best.mse, 0.0)), block_gains(best, other, problem)
         doubtful = paired_t(gains) < (SURE if gap < limit else DOUBT) and not seldom(gains, limit)
         simpler = complexity(other)[0] < complexity(best)[0]
-        spare = simpler and effect_size(base, other) > FORM * size and gap < SPARE * limit
+        spare = simpler and gain > FORM * size and gap < SPARE * limit
         if doubtful or spare or (problem.cycles and gap < limit):
             near.append(other)
     return sorted(near, key=lambda c: (*complexity(c), disguised(c, near, problem)))

@@ -13,7 +13,7 @@ from rosbags.interfaces import Connection
 from er_damper_msgs.msg import NodeStatus
 from er_model_lab.bag_writer import BagWriter
 from er_model_lab.message_count import Count, count, header_of
-from er_model_lab.nodes.own import is_own
+from er_model_lab.nodes.own import own
 from er_model_lab.nodes.selection import offers
 from er_ros_common import topics
 
@@ -37,6 +37,7 @@ class Heard:
         self.node, self.bag, self.guard = node, bag, guard
         self.name, self.type_name = name, type_name
         self.count, self.own = Count(), 0
+        self._is_own = own(node, name, type_name)
         self.ids: dict[str, tuple[str, str]] = {}
         self._topic: Connection | None = None
         self.ours = type_name.startswith(OURS) and type_name != topics.STATUS.type_name
@@ -60,7 +61,7 @@ class Heard:
         if self._topic is None:
             self._topic = self._announced()
         self.bag.write(self._topic, received, data)
-        self.own += is_own(self.node, self.name, self.type_name, data)
+        self.own += self._is_own(data)
 
     def _announced(self) -> Connection:
         publishers = self.node.get_publishers_info_by_topic(self.name)

@@ -20,12 +20,13 @@ SENDERS: dict[str, Callable[[Any], set[str]]] = {
 """Full names of the nodes that a message speaks of, by type: topics that all nodes share."""
 
 
-def is_own(node: Node, name: str, type_name: str, data: bytes) -> bool:
-    """Whether a serialized message on a topic comes from this node."""
+def own(node: Node, name: str, type_name: str) -> Callable[[bytes], bool]:
+    """What tells whether a serialized message on a topic comes from this node; decided once for the topic."""
     full = node.get_fully_qualified_name()
     if name.startswith(f"{full}/"):
-        return True
+        return lambda _: True
     senders = SENDERS.get(type_name)
     if senders is None:
-        return False
-    return senders(deserialize_message(data, message_class(type_name))) <= {full}
+        return lambda _: False
+    kind = message_class(type_name)
+    return lambda data: senders(deserialize_message(data, kind)) <= {full}

@@ -1,4 +1,4 @@
-"""The shell that all observer nodes share; what it does with messages is `er_observers.ros_core`."""
+"""The shell that all observer nodes share; what it does with messages is `er_observers.ros_observer`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from std_msgs.msg import String
 
 from er_damper_msgs.msg import NodeStatus
 from er_observers.observers.runtime import payload_of
-from er_observers.ros_core import ON_THE_WIRE, ObserverCore
+from er_observers.ros_observer import ON_THE_WIRE, ObserverCore
 from er_observers.settings import ObserverParameters
 from er_ros_common import qos, topics
 
