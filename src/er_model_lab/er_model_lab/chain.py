@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from er_models.compiled_once import on_disk
 from er_models.model import Array
-from numba import njit
 from numpy.typing import NDArray
 
 STATES, LAGGING = 5, 6
@@ -23,7 +23,7 @@ _SETTLED = 8
 _EXACT = 1e-15
 """Share of a variance below which what is left of it is rounding."""
 
-compiled = njit(cache=True, nogil=True, error_model="numpy")
+compiled = on_disk(nogil=True, error_model="numpy")
 
 
 @compiled

@@ -7,6 +7,8 @@ from typing import Any
 
 import numba
 
+from er_models.compiled_once import on_disk
+
 njit: Callable[..., Any] = numba.njit
 """Untyped: the stubs of numba know only part of its options."""
 
@@ -23,5 +25,5 @@ inner = njit(**_INNER)
 counting the references to their arrays a call costs 16 ns instead of 124."""
 inline = njit(forceinline=True, **_INNER)
 """For small functions on the way of every step."""
-entry = njit(cache=True, nogil=True, error_model="numpy")
+entry = on_disk(nogil=True, error_model="numpy")
 """For what Python calls; kept on disk."""

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+from er_models.compiled_once import on_disk
 from er_models.kernel.load import cache_folder
 
 F = TypeVar("F", bound=Callable[..., object])
@@ -25,7 +26,7 @@ def compiled(function: F) -> F:
     before = _CONFIG.CACHE_DIR
     _CONFIG.CACHE_DIR = str(_folder())
     try:
-        return cast(F, numba.njit(cache=True, error_model="numpy")(function))
+        return cast(F, on_disk(error_model="numpy")(function))
     except (RuntimeError, OSError):  # numba finds no folder it may write to
         return cast(F, numba.njit(error_model="numpy")(function))
     finally:
