@@ -10,7 +10,7 @@ from test.blind.generator import make_case
 
 pytestmark = pytest.mark.slow
 MODEL = "config/dampers/inove_guo.yaml"
-SECONDS = 14.0
+SECONDS = 10.0
 
 
 @pytest.fixture
