@@ -74,10 +74,11 @@ def test_recordings_are_closed_whatever_the_signal(graph: Graph, tmp_path: Path)
             assert status == 0, recorder.text
             assert "Traceback" not in recorder.text
             assert messages(tmp_path / number.name) > 4 * 200
-    # what a killed recorder had brought to disk can be read, and is said to be incomplete
-    (record,) = load([tmp_path / signal.SIGKILL.name])
-    assert not record.complete
-    assert record.t[-1] > 2.0
+    # what a killed recorder had brought to disk can be read, and is said to be incomplete; in pieces where the plant
+    # was held up
+    records = load([tmp_path / signal.SIGKILL.name])
+    assert not any(record.complete for record in records)
+    assert sum(record.t[-1] - record.t[0] for record in records) > 2.0
 
 
 def test_one_wish_to_stop_that_arrives_as_several_signals_closes_the_recording(

@@ -65,11 +65,16 @@ def test_signal_ends_a_node_cleanly(number: int, idle: str) -> None:
 def test_callbacks_run_at_their_rate_and_cost_little() -> None:
     child = start()
     wait_for(child, "ready")
-    time.sleep(2.0)
+    begin, served = time.monotonic(), 0.0
+    while served < 2.0:  # what this process is given counts: the machine may be held up as a whole
+        asleep = time.monotonic()
+        time.sleep(0.02)
+        served += min(time.monotonic() - asleep, 0.03)
+    elapsed = time.monotonic() - begin
     child.send_signal(signal.SIGINT)
     _, ticks, seconds = child.communicate(timeout=10)[0].split()
     # executor.spin() of the wheels runs no callback and burns a whole core
-    assert 300 <= int(ticks) <= 500
+    assert 300 <= int(ticks) <= 250 * elapsed
     assert float(seconds) < 1.0
 
 
