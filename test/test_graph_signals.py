@@ -7,11 +7,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from time import monotonic, sleep
 
+import numpy as np
 import pytest
 
 pytest.importorskip("rclpy")
 
 from er_model_lab.load import load
+from er_model_lab.message_count import header_of
+from er_model_lab.readers.mcap_salvage import salvage
+from er_model_lab.repair import SHORT_GAP
+from er_ros_common.stamps import SECOND
 from rosbags.highlevel import AnyReader
 
 from test.graph_help import (
@@ -74,9 +79,16 @@ def test_recordings_are_closed_whatever_the_signal(graph: Graph, tmp_path: Path)
             assert status == 0, recorder.text
             assert "Traceback" not in recorder.text
             assert messages(tmp_path / number.name) > 4 * 200
-    # what a killed recorder had brought to disk can be read, and is said to be incomplete; in pieces where the plant
-    # was held up
-    records = load([tmp_path / signal.SIGKILL.name])
+    # what a killed recorder had brought to disk can be read, is said to be incomplete, and is in pieces only where the
+    # plant itself was held up: no message in between was lost
+    (file,) = (tmp_path / signal.SIGKILL.name).glob("*.mcap")
+    topic = "/sensors/acceleration"
+    heads = [header_of(raw) for name, _, raw, _ in salvage(file).messages if name.endswith(topic)]
+    found = np.array([(head.stamp, head.seq) for head in heads if head is not None])
+    assert np.all(np.diff(found[:, 1]) == 1)
+    held_up = np.sum(np.diff(found[:, 0]) > SHORT_GAP * SECOND / 200)
+    records = load([file.parent])
+    assert 1 <= len(records) <= 1 + held_up
     assert not any(record.complete for record in records)
     assert sum(record.t[-1] - record.t[0] for record in records) > 2.0
 
