@@ -32,6 +32,7 @@ def plant(request: pytest.FixtureRequest) -> Iterator[tuple[Asked, Callable[[flo
         node.start()
         other = rclpy.create_node("other")
         heard: list[Any] = []
+        since = 0
         there = topics.ACCELERATION
         other.create_subscription(there.type, there.name, heard.append, 100)
         client = other.create_client(InjectFault, "/plant/inject_fault")
@@ -52,11 +53,14 @@ def plant(request: pytest.FixtureRequest) -> Iterator[tuple[Asked, Callable[[flo
             answer = client.call_async(request)
             run(answer.done)
             heard.clear()
+            nonlocal since
+            since = node.tick.seq
             return answer.result().accepted, answer.result().reason
 
         def listen(seconds: float) -> list[Any]:
+            """What was sent from the answer on: some of what was sent before it may still be on its way."""
             run(lambda: False, seconds)
-            return list(heard)
+            return [m for m in heard if m.seq > since]
 
         run(lambda: len(heard) > 10)
         yield ask, listen

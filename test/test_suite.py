@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -16,7 +17,10 @@ sys.path.insert(0, str(ROOT / "tools"))
 
 from er_workspace import colcon
 from er_workspace.layout import Layout
-from er_workspace.suite import ONE_THREAD, runs, whole
+from er_workspace.suite import MACHINE_TIME, ONE_THREAD, SPOILT, runs, timed, whole
+
+from test import machine_time
+from test.machine_time import Ledger, times
 
 
 def test_the_suite_is_run_beside_and_alone() -> None:
@@ -59,6 +63,76 @@ def test_the_suite_fails_where_any_test_fails(
         f"@pytest.mark.alone\ndef test_second():\n    {second}\n"
     )
     assert whole(Path(sys.executable), args, [str(tmp_path)], os.environ) == status
+
+
+CONFTEST = """
+import pathlib
+from test import machine_time
+machine_time.SPOILT, machine_time.CALM = {limit}, 0.5
+count = pathlib.Path(__file__).with_name("runs")
+def pytest_sessionstart(session):
+    count.write_text(count.read_text() + "x" if count.exists() else "x")
+"""
+
+
+def run_pytest(*args: str) -> int:
+    """Exit status of pytest."""
+    return subprocess.run([sys.executable, "-m", "pytest", *args], check=False).returncode
+
+
+@pytest.mark.parametrize(
+    ("limit", "passes_at", "status", "needed"),
+    [
+        (2.0, 2, 1, 1),  # the machine was ours: a failure is one
+        (-1.0, 2, 0, 2),  # it never was: again, until it passes
+        (-1.0, 4, 1, 3),  # but not for ever
+    ],
+)
+def test_what_failed_while_others_had_the_machine_is_run_again(
+    tmp_path: Path, limit: float, passes_at: int, status: int, needed: int
+) -> None:
+    (tmp_path / "pytest.ini").write_text("[pytest]\n")
+    (tmp_path / "conftest.py").write_text(CONFTEST.format(limit=limit))
+    (tmp_path / "test_it.py").write_text(
+        "import pathlib\nimport pytest\n\n"
+        "count = pathlib.Path(__file__).with_name('runs')\n\n"
+        "def test_once():\n    pass\n\n"
+        "@pytest.mark.parametrize('name', ['a b[c]::d'])\ndef test_late(name):\n"
+        f"    assert len(count.read_text()) >= {passes_at}\n"
+    )
+    assert timed(run_pytest, [str(tmp_path)], wait=0.5) == status
+    assert (tmp_path / "runs").read_text() == needed * "x"
+
+
+def test_a_failure_of_a_calm_moment_is_one(tmp_path: Path) -> None:
+    (tmp_path / "pytest.ini").write_text("[pytest]\n")
+    (tmp_path / "conftest.py").write_text(
+        CONFTEST.format(limit=0.5) + "machine_time.Ledger.worst = lambda self, since: self.share\n"
+        "machine_time.Ledger.share = 1.0\n"
+    )
+    (tmp_path / "test_it.py").write_text(
+        "from test import machine_time\n\n"
+        "def test_spoilt():\n    assert False\n\n"
+        "def test_of_a_calm_moment():\n    machine_time.Ledger.share = 0.0\n    assert False\n"
+    )
+    assert timed(run_pytest, [str(tmp_path)], wait=0.5) == 1
+    assert (tmp_path / "runs").read_text() == "x"
+
+
+def test_the_suite_knows_its_plugin() -> None:
+    assert machine_time.__name__ == MACHINE_TIME
+    assert machine_time.NOTHING_PROVED == SPOILT
+
+
+def test_stolen_time_is_that_of_the_periods_since_a_moment() -> None:
+    counts = iter([(0.0, 100.0), (0.0, 200.0), (30.0, 300.0), (30.0, 300.0), (32.0, 400.0)])
+    ledger = Ledger(lambda: next(counts))
+    for now in (1.0, 2.0, 3.0, 4.0):
+        ledger.look(now)
+    assert ledger.shares == [(1.0, 0.0), (2.0, 0.3), (4.0, 0.02)]
+    assert (ledger.worst(0.0), ledger.worst(2.5), ledger.worst(5.0)) == (0.3, 0.02, 0.0)
+    stolen, whole_time = times()
+    assert 0.0 <= stolen < whole_time
 
 
 def test_what_has_others_beside_it_uses_one_thread(tmp_path: Path) -> None:
