@@ -154,6 +154,17 @@ def test_a_node_of_the_loop_is_there_soon():
     assert imported_with(*nodes) & HEAVY == set()
 
 
+def test_an_observer_waits_for_no_linear_algebra_of_scipy():
+    """It takes a third of its start; NumPy's is there anyway."""
+    nodes = [
+        f"er_observers.nodes.{f.stem}"
+        for p, f in modules()
+        if p == "er_observers" and "nodes" in f.parts
+    ]
+    assert nodes
+    assert "scipy.linalg" not in imported_with(*nodes)
+
+
 def test_the_lab_says_what_it_can_do_at_once():
     """Its help, a list of effects and a wrong usage wait for nothing that only a command needs."""
     assert imported_with("er_model_lab.cli") & HEAVY == {"typer", "rich"}

@@ -17,6 +17,10 @@ from numpy.typing import NDArray
 
 STATES, LAGGING = 5, 6
 """States of the motion, and with that of a velocity channel that lags."""
+CHAIN = 4
+"""Those of the longest chain; of a shorter one the last stays zero, and so does what leans on it."""
+States = tuple[float, ...]
+"""One number for each state: how many there are is known where this is compiled, which is twice as fast."""
 _SETTLED = 8
 """Sample from which on innovations tell the noise, not the unknown state at the first one."""
 
@@ -85,40 +89,55 @@ def diffusion(dt: float, order: int, lag: float, m: int) -> Array:
 
 
 @compiled
-def _carry(f: Array, order: int, a: Array) -> None:
-    """F a in place, for a (m, k): what leans on others goes before them, the lagging state before the chain."""
-    m, width = a.shape
+def _carry(f: Array, states: States, a: Array) -> None:
+    """F a in place, for a (m, m): what leans on others goes before them, the lagging state before the chain."""
+    m = len(states)
     if m == LAGGING:
-        for j in range(width):
+        for j in range(m):
             a[5, j] *= f[5, 5]
-            for k in range(1, order):
+        for k in range(1, CHAIN):
+            for j in range(m):
                 a[5, j] += f[5, k] * a[k, j]
-    for i in range(order - 1):
-        for k in range(i + 1, order):
-            for j in range(width):
+    for i in range(CHAIN - 1):
+        for k in range(i + 1, CHAIN):
+            for j in range(m):
                 a[i, j] += f[i, k] * a[k, j]
 
 
 @compiled
-def _advance(f: Array, order: int, d: Array, drive: float, x: Array, p: Array) -> None:
-    """Bring state x (m, 1) and covariance p (m, m) over one sample, F x and F p F' + drive d, in place."""
-    _carry(f, order, x)
-    _carry(f, order, p)
-    _carry(f, order, p.T)
-    for i in range(x.shape[0]):
-        for j in range(x.shape[0]):
+def _move(f: Array, states: States, x: Array) -> None:
+    """F x in place, for x (m,), as `_carry`."""
+    if len(states) == LAGGING:
+        x[5] *= f[5, 5]
+        for k in range(1, CHAIN):
+            x[5] += f[5, k] * x[k]
+    for i in range(CHAIN - 1):
+        for k in range(i + 1, CHAIN):
+            x[i] += f[i, k] * x[k]
+
+
+@compiled
+def _advance(f: Array, states: States, d: Array, drive: float, x: Array, p: Array) -> None:
+    """Bring state x (m,) and covariance p (m, m) over one sample, F x and F p F' + drive d, in place."""
+    m = len(states)
+    _move(f, states, x)
+    _carry(f, states, p)
+    _carry(f, states, p.T)
+    for i in range(m):
+        for j in range(m):
             p[i, j] += drive * d[i, j]
 
 
 @compiled
-def _gain_of(p: Array, h: Array, r: float, gain: Array) -> float:
+def _gain_of(p: Array, states: States, h: Array, r: float, gain: Array) -> float:
     """Innovation variance and gain (m,) of one scalar measurement with row h (m,) and variance r."""
-    m, s = h.shape[0], r
+    m, s = len(states), r
     for i in range(m):
-        gain[i] = 0.0
+        total = 0.0
         for j in range(m):
-            gain[i] += p[i, j] * h[j]
-        s += h[i] * gain[i]
+            total += p[i, j] * h[j]
+        gain[i] = total
+        s += h[i] * total
     for i in range(m):
         gain[i] /= s
     return s
@@ -129,7 +148,7 @@ def _store(k: int, x: Array, p: Array, xs: Array, ps: Array) -> None:
     """Keep state and covariance of sample k, where they are wanted."""
     if k < xs.shape[0]:
         for i in range(x.shape[0]):
-            xs[k, i] = x[i, 0]
+            xs[k, i] = x[i]
             for j in range(x.shape[0]):
                 ps[k, i, j] = p[i, j]
 
@@ -137,35 +156,35 @@ def _store(k: int, x: Array, p: Array, xs: Array, ps: Array) -> None:
 @compiled
 def filtered(
     dt: float, order: int, lag: float, zs: Array, has: NDArray[np.uint8], rows: Array, variances: Array, drive: float,
-    activity: Array, spread: Array, xs: Array, ps: Array, xp: Array, pp: Array,
+    activity: Array, spread: States, xs: Array, ps: Array, xp: Array, pp: Array,
 ) -> float:  # fmt: skip
     """Kalman filter over measurements (n, 3), one channel after the other; returns the log likelihood.
 
     rows (3, m): what of the state each channel shows, variances (3,) of its noise; drive, activity (n,): intensity of
-    the noise at the end of the chain; spread (m,): variance of the first state. Filled: state and covariance of each
+    the noise at the end of the chain; spread (m): variance of the first state. Filled: state and covariance of each
     sample after its measurements (xs, ps) and before them (xp, pp), where these arrays hold samples.
     """
-    m = rows.shape[1]
+    m = len(spread)
     f, d = transition(dt, order, lag, m), diffusion(dt, order, lag, m)
-    x, p, gain = np.zeros((m, 1)), np.zeros((m, m)), np.zeros(m)
+    x, p, gain = np.zeros(m), np.zeros((m, m)), np.zeros(m)
     for i in range(m):
         p[i, i] = spread[i]
     likelihood = 0.0
     for k in range(zs.shape[0]):
         if k > 0:
-            _advance(f, order, d, drive * activity[k], x, p)
+            _advance(f, spread, d, drive * activity[k], x, p)
         _store(k, x, p, xp, pp)
         for c in range(3):
             if not has[c]:
                 continue
             h, e = rows[c], zs[k, c]
-            s = _gain_of(p, h, variances[c], gain)
+            s = _gain_of(p, spread, h, variances[c], gain)
             for i in range(m):
-                e -= h[i] * x[i, 0]
+                e -= h[i] * x[i]
             if k >= _SETTLED:
                 likelihood -= 0.5 * (np.log(s) + e * e / s)
             for i in range(m):
-                x[i, 0] += gain[i] * e
+                x[i] += gain[i] * e
                 for j in range(i, m):
                     p[i, j] -= gain[i] * gain[j] * s
                     p[j, i] = p[i, j]
@@ -174,10 +193,11 @@ def filtered(
 
 
 @compiled
-def _root_of(p: Array, root: Array) -> None:
+def _root_of(p: Array, states: States, root: Array) -> None:
     """Cholesky factor of a covariance p (m, m) in root; a state that is known exactly gets a column of zeros."""
-    for j in range(p.shape[0]):
-        for i in range(j, p.shape[0]):
+    m = len(states)
+    for j in range(m):
+        for i in range(j, m):
             rest = p[i, j]
             for k in range(j):
                 rest -= root[i, k] * root[j, k]
@@ -188,10 +208,10 @@ def _root_of(p: Array, root: Array) -> None:
 
 
 @compiled
-def _divide(root: Array, a: Array) -> None:
-    """p^-1 a in place for p = root root' and a (m, k)."""
-    m, width = a.shape
-    for j in range(width):
+def _divide(root: Array, states: States, a: Array) -> None:
+    """p^-1 a in place for p = root root' and a (m, m)."""
+    m = len(states)
+    for j in range(m):
         for i in range(m):
             for k in range(i):
                 a[i, j] -= root[i, k] * a[k, j]
@@ -203,9 +223,9 @@ def _divide(root: Array, a: Array) -> None:
 
 
 @compiled
-def _hear(share: Array, by: Array, x: Array, p: Array, lean: Array) -> None:
+def _hear(share: Array, states: States, by: Array, x: Array, p: Array, lean: Array) -> None:
     """What the next sample tells this one, x += share' by[0] and p += share' by[1:] share, in place."""
-    m = x.shape[0]
+    m = len(states)
     for i in range(m):
         for j in range(m):
             x[i] += share[j, i] * by[0, j]
@@ -220,10 +240,13 @@ def _hear(share: Array, by: Array, x: Array, p: Array, lean: Array) -> None:
 
 @compiled
 def smoothed(
-    dt: float, order: int, lag: float, xs: Array, ps: Array, xp: Array, pp: Array
-) -> None:
-    """Rauch-Tung-Striebel backward pass over what `filtered` has filled, in place in xs and ps."""
-    n, m = xs.shape
+    dt: float, order: int, lag: float, states: States, xs: Array, ps: Array, xp: Array, pp: Array
+) -> None:  # fmt: skip
+    """Rauch-Tung-Striebel backward pass over what `filtered` has filled, in place in xs and ps.
+
+    states (m): any numbers.
+    """
+    n, m = xs.shape[0], len(states)
     f = transition(dt, order, lag, m)
     root, share, lean, by = (
         np.zeros((m, m)),
@@ -237,7 +260,7 @@ def smoothed(
             for j in range(m):
                 share[i, j] = ps[k, i, j]
                 by[1 + i, j] = ps[k + 1, i, j] - pp[k + 1, i, j]
-        _carry(f, order, share)
-        _root_of(pp[k + 1], root)
-        _divide(root, share)
-        _hear(share, by, xs[k], ps[k], lean)
+        _carry(f, states, share)
+        _root_of(pp[k + 1], states, root)
+        _divide(root, states, share)
+        _hear(share, states, by, xs[k], ps[k], lean)

@@ -115,7 +115,7 @@ def _run(
     first[5:] = chain[1]
     value = filtered(
         ch.dt, noise.order, noise.lag, ch.z, ch.has, rows, np.array([noise.x, noise.v, noise.a]) ** 2, noise.drive,
-        ch.activity if noise.local else np.ones(n), first, xs, ps, xp, pp,
+        ch.activity if noise.local else np.ones(n), tuple(first.tolist()), xs, ps, xp, pp,
     )  # fmt: skip
     return float(value), xs, ps, xp, pp
 
@@ -264,7 +264,7 @@ def _activity(a: Array) -> Array:
 def fuse(ch: Channels, noise: Noise, spread: Array | None = None) -> Fused:
     """Smoothed motion of one record; spread: variance (4,) of the state at the first sample, else from the data."""
     _, xs, ps, xp, pp = _run(ch, noise, spread)
-    smoothed(ch.dt, noise.order, noise.lag, xs, ps, xp, pp)
+    smoothed(ch.dt, noise.order, noise.lag, tuple(xs[0].tolist()), xs, ps, xp, pp)
     names = tuple(
         n
         for n, h in zip(("deflection", "deflection_velocity", "acceleration"), ch.has, strict=True)

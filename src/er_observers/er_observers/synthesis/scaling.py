@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from er_models.linear import LinearForm, thesis_form
 from er_models.model import Array, Model
-from scipy.linalg import solve_continuous_lyapunov
 
 _UNDAMPED = 1e-6
 """Share of the fastest pole below which the slowest counts as not decaying."""
@@ -59,10 +58,20 @@ def _passive_ride(model: Model) -> tuple[Array, float]:
     A, size = car.A, float(np.abs(poles).max())
     if poles.real.max() > -_UNDAMPED * size:
         A = A - 1e3 * _UNDAMPED * size * np.eye(len(A))
-    covariance = solve_continuous_lyapunov(A, -np.outer(car.D1, car.D1))
+    covariance = _stationary(A, np.outer(car.D1, car.D1))
     velocity = np.array([0.0, 1.0, 0.0, -1.0, 0.0])
     density = (model.scales.velocity / 3.0) ** 2 / (velocity @ covariance @ velocity)
     return covariance, float(density)
+
+
+def _stationary(A: Array, Q: Array) -> Array:
+    """X (n, n) with A X + X A' + Q = 0, as the linear equations that this is.
+
+    SciPy's solver would do as well, but nodes come here, and its import takes a third of their start.
+    """
+    unit = np.eye(len(A))
+    X = np.linalg.solve(np.kron(A, unit) + np.kron(unit, A), -Q.ravel())
+    return np.asarray(X.reshape(A.shape))
 
 
 def _round(values: Array) -> Array:
