@@ -18,6 +18,8 @@ from er_workspace.process import run_logged, run_together, step
 from er_workspace.wheels import repair_exports
 
 STATE = "er-state.json"
+PARTS = 2
+"""Files of pins are installed in so many parts at once."""
 PROBE = "import sys; print('%d.%d' % sys.version_info[:2])"
 
 
@@ -99,7 +101,7 @@ def _create(layout: Layout, lock: int) -> None:
 
 
 def _install(layout: Layout, lock: int) -> None:
-    """Install every file of requirements, side by side: each pin is in one of them, and pip mostly waits."""
+    """Install all that is required, side by side: each pin stands once, and pip takes them one after the other."""
     pip: list[str | Path] = [
         layout.python,
         "-m",
@@ -113,9 +115,26 @@ def _install(layout: Layout, lock: int) -> None:
     env = setup_environment()
     env["PIP_CONSTRAINT"] = _build_pins(layout).as_uri()
     jobs = [
-        ([*pip, "-r", path], f"installing {path.name} failed") for path in layout.requirements()
+        ([*pip, "-r", part], f"installing {path.name} failed")
+        for path in layout.requirements()
+        for part in _parts(layout, path)
     ]
     run_together(jobs, layout.log, env, lock)
+
+
+def _parts(layout: Layout, requirements: Path) -> list[Path]:
+    """A file of pins as files in .venv that share its lines; large packages often stand next to each other."""
+    lines = [line for line in requirements.read_text(encoding="utf-8").splitlines() if _pin(line)]
+    made = []
+    for number in range(min(PARTS, len(lines))):
+        part = layout.venv / f"{requirements.stem}-{number + 1}.txt"
+        part.write_text("\n".join(lines[number::PARTS]) + "\n", encoding="utf-8")
+        made.append(part)
+    return made
+
+
+def _pin(line: str) -> bool:
+    return bool(line.strip()) and not line.startswith("#")
 
 
 def _build_pins(layout: Layout) -> Path:
@@ -131,7 +150,7 @@ def _count(requirements: Path) -> int:
     lines = requirements.read_text(encoding="utf-8").splitlines()
     old = sys.version_info < (3, 11)
     other = 'python_version >= "3.11"' if old else 'python_version < "3.11"'
-    return sum(1 for line in lines if line and not line.startswith("#") and other not in line)
+    return sum(1 for line in lines if _pin(line) and other not in line)
 
 
 def _version(layout: Layout) -> str:
