@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from er_models.model import Array
@@ -81,6 +82,15 @@ class Channels:
     activity: Array
     measured_a: bool
 
+    @cached_property
+    def spread(self) -> Array:
+        """Variance (4,) of the unknown state at the first sample: the size of what was measured."""
+        size = np.mean(self.z**2, axis=0) + 1e-12
+        v2 = size[1] if self.has[1] else np.mean(np.diff(self.z[:, 0]) ** 2) / self.dt**2
+        a2 = size[2] if self.has[2] else v2 / (10.0 * self.dt) ** 2
+        x2 = size[0] if self.has[0] else v2
+        return np.asarray(100.0 * np.array([x2, v2, a2, a2 / (5.0 * self.dt) ** 2]))
+
     def only(self, has: NDArray[np.uint8]) -> Channels:
         """The same measurements with only some channels in use."""
         return replace(self, has=(self.has & has).astype(np.uint8))
@@ -108,7 +118,7 @@ def _run(
     kept = n if keep else 0
     xs, xp = np.empty((kept, m)), np.empty((kept, m))
     ps, pp = np.empty((kept, m, m)), np.empty((kept, m, m))
-    chain = initial_spread(ch) if spread is None else spread
+    chain = ch.spread if spread is None else spread
     first = np.zeros(m)
     first[: noise.order] = chain[: noise.order]
     first[4] = (10.0 * noise.a) ** 2 if ch.has[2] else 1e-18
@@ -129,15 +139,6 @@ def _cost(ch: Channels, noise: Noise) -> float:
     """What a search for noise levels lowers: finite for whatever is tried."""
     value = likelihood(ch, noise)
     return -value if np.isfinite(value) else 1e30
-
-
-def initial_spread(ch: Channels) -> Array:
-    """Variance (4,) of the unknown state at the first sample: the size of what was measured."""
-    size = np.mean(ch.z**2, axis=0) + 1e-12
-    v2 = size[1] if ch.has[1] else np.mean(np.diff(ch.z[:, 0]) ** 2) / ch.dt**2
-    a2 = size[2] if ch.has[2] else v2 / (10.0 * ch.dt) ** 2
-    x2 = size[0] if ch.has[0] else v2
-    return np.asarray(100.0 * np.array([x2, v2, a2, a2 / (5.0 * ch.dt) ** 2]))
 
 
 def _start(ch: Channels, order: int) -> Noise:
@@ -188,12 +189,9 @@ def _estimate(ch: Channels, start: Noise, *, free_lag: bool) -> Noise:
     point = np.append(origin, start.lag / ch.dt) if with_lag else origin
 
     def noise_at(theta: Array) -> Noise:
-        values = dict(zip(names, np.exp(np.clip(theta[: len(names)], -40, 40)), strict=True))
+        values = np.exp(np.clip(theta[: len(names)], -40, 40)).tolist()
         lag = float(np.clip(theta[-1], -20, 20)) * ch.dt if with_lag else start.lag
-        found = replace(start, lag=lag)
-        for name, value in values.items():
-            found = replace(found, **{name: float(value)})  # type: ignore[arg-type]
-        return found
+        return replace(start, lag=lag, **dict(zip(names, values, strict=True)))
 
     def cost(theta: Array) -> float:
         return _cost(ch, noise_at(theta))

@@ -15,7 +15,7 @@ from er_models.model import Array
 from er_models.predict import Motion, join
 
 from er_model_lab.chain import compiled, diffusion, transition
-from er_model_lab.fuse import Channels, Fused, as_measured, fuse, initial_spread
+from er_model_lab.fuse import Channels, Fused, as_measured, fuse
 
 if TYPE_CHECKING:
     from er_model_lab.prepare import Problem
@@ -53,7 +53,7 @@ def missed(channels: Channels, fused: Fused, rng: np.random.Generator) -> Array:
     clean = as_measured(replace(fused, x=x, v=v, a=a), channels.dt)
     sd = np.array([noise.x, noise.v, noise.a])
     again = replace(channels, z=clean + rng.standard_normal(clean.shape) * sd)
-    seen = fuse(again, noise, initial_spread(channels))
+    seen = fuse(again, noise, channels.spread)
     wrong = np.asarray(true - np.stack([seen.x, seen.v, seen.a], axis=1))
     return wrong if channels.has[0] else _about_its_middle(wrong, channels.dt)
 

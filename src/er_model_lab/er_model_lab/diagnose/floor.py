@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from er_models.model import Array
@@ -15,13 +16,15 @@ from er_models.parallel import in_turn
 from er_models.seed import LARGEST
 from numpy.typing import NDArray
 from scipy.signal import lfilter
-from sklearn.ensemble import HistGradientBoostingRegressor
 from threadpoolctl import threadpool_limits
 
 from er_model_lab.diagnose.candidates import Candidate
 from er_model_lab.diagnose.left import bursts, filtered
 from er_model_lab.diagnose.null import Null
 from er_model_lab.prepare import Problem, white_noise
+
+if TYPE_CHECKING:
+    from sklearn.ensemble import HistGradientBoostingRegressor
 
 MAX_SAMPLES = 5000
 FEATURES = (
@@ -92,6 +95,10 @@ def features(problem: Problem, force: Array) -> Array:
 
 def _trees(seed: int) -> HistGradientBoostingRegressor:
     """The regression: small trees, many samples a leaf, so that noise is not learnt."""
+    from sklearn.ensemble import (
+        HistGradientBoostingRegressor,
+    )  # half a second, and many a command fits no trees
+
     return HistGradientBoostingRegressor(
         max_iter=80,
         learning_rate=0.08,
