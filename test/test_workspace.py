@@ -8,12 +8,17 @@ import signal
 import subprocess
 import sys
 import time
+from importlib.metadata import distributions
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tools"))
+
+from er_workspace.venv import parted  # noqa: E402
+
 PACKAGES = sorted(path.parent for path in ROOT.glob("src/*/package.xml"))
 MESSAGES = sorted(ROOT.glob("src/er_damper_msgs/msg/*.msg"))
 LOCK = ROOT / "requirements" / "lock.txt"
@@ -299,3 +304,27 @@ def test_this_python_has_what_the_lock_file_says() -> None:
         old = sys.version_info < (3, 11)
         fitting = [pin for pin, marker in pins if not marker or ("<" in marker) is old]
         assert version(name) in fitting
+
+
+def test_what_is_installed_side_by_side_has_no_file_in_common() -> None:
+    """Whose file stays would be chance; packages of one part are put in order by the one pip that installs them."""
+    texts = [path.read_text() for path in (LOCK, LOCK.with_name("jazzy.txt"))]
+    parts = [part for text in texts for part in parted(text)]
+    pins = [line for part in parts for line in part]
+    assert len(parts) == 3
+    assert sorted(pins) == sorted(
+        line for text in texts for line in text.splitlines() if line and line[0] != "#"
+    )
+    place = {_plain(pin.split("==")[0]): k for k, part in enumerate(parts) for pin in part}
+    owners: dict[str, set[str]] = {}
+    for each in distributions(path=[str(Path(pytest.__file__).parents[1])]):
+        for file in each.files or ():
+            if "__pycache__" not in file.parts:
+                owners.setdefault(str(file), set()).add(_plain(each.name))
+    several = [names & set(place) for names in owners.values() if len(names) > 1]
+    assert {"lark", "lark-parser"} in several
+    assert [names for names in several if len({place[name] for name in names}) > 1] == []
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[-_.]+", "-", name).lower()

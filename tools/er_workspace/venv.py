@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import platform
+import re
 import shutil
 import subprocess
 import sys
@@ -123,14 +124,26 @@ def _install(layout: Layout, lock: int) -> None:
 
 
 def _parts(layout: Layout, requirements: Path) -> list[Path]:
-    """A file of pins as files in .venv that share its lines; large packages often stand next to each other."""
-    lines = [line for line in requirements.read_text(encoding="utf-8").splitlines() if _pin(line)]
+    """A file of pins as files in .venv that share its lines."""
     made = []
-    for number in range(min(PARTS, len(lines))):
-        part = layout.venv / f"{requirements.stem}-{number + 1}.txt"
-        part.write_text("\n".join(lines[number::PARTS]) + "\n", encoding="utf-8")
+    for number, lines in enumerate(parted(requirements.read_text(encoding="utf-8")), start=1):
+        part = layout.venv / f"{requirements.stem}-{number}.txt"
+        part.write_text("\n".join(lines) + "\n", encoding="utf-8")
         made.append(part)
     return made
+
+
+def parted(pins: str) -> list[list[str]]:
+    """Lines of a file of pins in up to `PARTS` parts, about as large as each other.
+
+    Names that begin alike stay together, as one pip puts them in order: lark and lark-parser bring the same files.
+    """
+    families: dict[str, list[str]] = {}
+    for line in filter(_pin, pins.splitlines()):
+        families.setdefault(re.split(r"[-_=]", line)[0], []).append(line)
+    each = list(families.values())
+    found = [[line for family in each[k::PARTS] for line in family] for k in range(PARTS)]
+    return [part for part in found if part]
 
 
 def _pin(line: str) -> bool:
