@@ -53,9 +53,10 @@ def test_filter_and_smoother_are_the_posterior(order, lag, has):
     drive = 20.0
     m, rows, activity, spread, zs = case(order, lag)
     xs, xp, ps, pp = (np.empty((N, *(m,) * k)) for k in (1, 1, 2, 2))
-    given = (DT, order, lag, zs, np.array(has, np.uint8), rows, VARIANCES, drive, activity, spread)
+    first = tuple(spread.tolist())
+    given = (DT, order, lag, zs, np.array(has, np.uint8), rows, VARIANCES, drive, activity, first)
     likelihood = filtered(*given, xs, ps, xp, pp)
-    smoothed(DT, order, lag, xs, ps, xp, pp)
+    smoothed(DT, order, lag, first, xs, ps, xp, pp)
     mean, covariance, density = posterior(order, lag, has, drive)
     scale = np.sqrt(covariance.diagonal(axis1=1, axis2=2)) + 1e-12
     assert np.max(np.abs(xs - mean) / scale) < 1e-6
