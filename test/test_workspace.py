@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import os
 import re
 import signal
@@ -318,9 +319,10 @@ def test_what_is_installed_side_by_side_has_no_file_in_common() -> None:
     place = {_plain(pin.split("==")[0]): k for k, part in enumerate(parts) for pin in part}
     owners: dict[str, set[str]] = {}
     for each in distributions(path=[str(Path(pytest.__file__).parents[1])]):
-        for file in each.files or ():
-            if "__pycache__" not in file.parts:
-                owners.setdefault(str(file), set()).add(_plain(each.name))
+        name = _plain(each.name)
+        for row in csv.reader((each.read_text("RECORD") or "").splitlines()):
+            if "__pycache__" not in row[0]:
+                owners.setdefault(row[0], set()).add(name)
     several = [names & set(place) for names in owners.values() if len(names) > 1]
     assert {"lark", "lark-parser"} in several
     assert [names for names in several if len({place[name] for name in names}) > 1] == []
