@@ -328,6 +328,33 @@ OTHER = {
 """For each argument a use of it that is not its default."""
 
 
+@pytest.mark.parametrize(
+    ("text", "rate"),
+    [
+        ("/**:\n  ros__parameters:\n    rate: 1000.0\n", 1000.0),
+        ("/car/plant:\n  ros__parameters:\n    rate: 100\n", 100.0),
+        ("/plant:\n  ros__parameters:\n    rate: 100.0\n", None),
+        ("/**:\n  ros__parameters:\n    seed: 1\n", None),
+    ],
+)
+def test_who_is_made_for_a_rate_is_told_that_of_the_plant(
+    tmp_path: Path, text: str, rate: float | None
+) -> None:
+    own = tmp_path / "own.yaml"
+    own.write_text(text)
+    given = ("controller:=ftc", "fault_estimator:=true", "namespace:=car", f"plant_params:={own}")
+    found = specs(*given)
+    for name in ("ftc_controller", "fault_estimator"):
+        assert found[name].parameters.get("rate") == rate
+
+
+def test_a_file_that_cannot_be_the_plants_is_one_line(tmp_path: Path) -> None:
+    own = tmp_path / "own.yaml"
+    own.write_text("rate: 1000.0\n")
+    with pytest.raises(InputError, match=r"then ros__parameters, found none"):
+        specs("controller:=ftc", f"plant_params:={own}")
+
+
 def test_every_argument_is_tried_in_launch() -> None:
     tried = {**OTHER}
     assert [a.name for a in ARGUMENTS if a.name not in tried] == []

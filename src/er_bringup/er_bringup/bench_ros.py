@@ -39,6 +39,8 @@ EXECUTORS = ("events", "single")
 QUIET = 10.0
 """Most that other programs may use of the machine for latencies to mean anything [%]."""
 NAP = 0.02
+PACED = ("plant", "ftc_controller", "fault_estimator")
+"""Who is told the rate."""
 START = 120.0
 """Longest time from the start of the processes to the first tick [s]."""
 _NUMBERS = r"p50 ([\d.]+), p99 ([\d.]+), p99.9 ([\d.]+), max ([\d.]+)"
@@ -90,7 +92,7 @@ def specs(
 def _with(spec: NodeSpec, executor: str, rate: float) -> NodeSpec:
     if isinstance(spec, ComposedSpec):
         return replace(spec, parts=tuple(_with(part, executor, rate) for part in spec.parts))
-    own = {"rate": rate} if spec.executable == "plant" else {}
+    own = {"rate": rate} if spec.executable in PACED else {}
     return replace(spec, parameters={**spec.parameters, "executor": executor, **own})
 
 

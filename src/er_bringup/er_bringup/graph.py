@@ -12,6 +12,7 @@ from pathlib import Path
 
 from er_models.errors import InputError
 from er_ros_common.arguments import Value, ros_arguments
+from er_ros_common.parameter_files import given_in
 from er_ros_common.topic_names import DIAGNOSTICS
 
 from er_bringup.given import (
@@ -158,10 +159,23 @@ def _source(given: Mapping[str, str], config: Path, listeners: Sequence[Role]) -
         own = given["effects_from"].split(",")
         parameters["effects_from"] = tuple(find(file.strip(), config) for file in own)
     role, more = (BRIDGE, _bridge) if given["hardware"] else (PLANT, _plant)
-    files = [_own(role, config)]
-    if given["plant_params"]:
-        files.append(find(given["plant_params"], config))
-    return _spec(role, given, tuple(files), parameters | more(given, config))
+    return _spec(role, given, _files(role, given, config), parameters | more(given, config))
+
+
+def _files(role: Role, given: Mapping[str, str], config: Path) -> tuple[str, ...]:
+    """Parameter files of what measures; the last one wins."""
+    own = _own(role, config)
+    return (own, find(given["plant_params"], config)) if given["plant_params"] else (own,)
+
+
+def _rate(given: Mapping[str, str], config: Path) -> dict[str, Value]:
+    """The rate of the samples for who is made for one, where parameter files of what measures say it."""
+    for role in _sources(given):
+        name = f"/{given['namespace'].strip('/')}/{role.executable}".replace("//", "/")
+        rate = given_in(_files(role, given, config), name, "rate")
+        if isinstance(rate, int | float):
+            return {"rate": float(rate)}
+    return {}
 
 
 def _sources(given: Mapping[str, str]) -> list[Role]:
@@ -208,6 +222,7 @@ def _controller(given: Mapping[str, str], config: Path, role: Role) -> NodeSpec:
     if role is CONTROLLERS["ftc"]:
         parameters["model_file"] = find(given["model"], config, "vehicles")
         parameters["gains_file"] = find("lpv_ftc", config, "gains")
+        parameters |= _rate(given, config)
         if given["mode"] == "lockstep":  # silence is measured by a clock that has no part in it
             parameters["timeout"] = 1.0
     return _spec(role, given, (_own(role, config),), parameters | _time(given))
@@ -236,6 +251,7 @@ def _estimator(given: Mapping[str, str], config: Path) -> NodeSpec:
         "model_file": find(given["model"], config, "vehicles"),
         "listeners": bool(given["record"]) + (given["controller"] == "ftc"),
     }
+    parameters |= _rate(given, config)
     return _spec(FAULTS, given, (_own(FAULTS, config),), parameters | _time(given))
 
 

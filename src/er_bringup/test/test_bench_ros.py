@@ -46,8 +46,11 @@ def test_an_aim_that_is_missed_on_a_quiet_machine_is_a_failure(result: Result, b
 
 
 @pytest.mark.parametrize("layout", ["processes", "composed"])
-def test_every_node_gets_the_executor_and_the_plant_the_rate(layout: str) -> None:
-    found = specs(layout, "single", 5.0, 400.0, "skyhook")
+@pytest.mark.parametrize(("controller", "told"), [("skyhook", 2), ("ftc", 3)])
+def test_every_node_gets_the_executor_and_who_is_made_for_one_the_rate(
+    layout: str, controller: str, told: int
+) -> None:
+    found = specs(layout, "single", 5.0, 400.0, controller)
     words = [" ".join(spec.arguments()) for spec in found]
     assert sum(each.count("executor:='single'") for each in words) == 6
-    assert sum(each.count("rate:=400.0") for each in words) == 1
+    assert sum(each.count("rate:=400.0") for each in words) == told

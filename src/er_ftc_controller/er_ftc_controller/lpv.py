@@ -18,14 +18,15 @@ from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from er_models.constants import SAMPLE_TIME
+from er_models.constants import SAMPLE_RATE
+from er_models.errors import InputError
 from er_models.forms.loss import Factors
 from er_models.model import Array
 from er_models.static_damper import Domain, StaticDamper
 
 from er_ftc_controller.gains import Loaded
 from er_ftc_controller.schedule import Schedule, project, scheduling
-from er_ftc_controller.synthesis.certificate import sampled_controller, sampled_force
+from er_ftc_controller.synthesis.certificate import bears, sampled_controller, sampled_force
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,11 +69,21 @@ class Asked(NamedTuple):
 
 
 def controller(
-    loaded: Loaded, damper: StaticDamper, duties: tuple[float, float], mu: float
+    loaded: Loaded,
+    damper: StaticDamper,
+    duties: tuple[float, float],
+    mu: float,
+    rate: float = SAMPLE_RATE,
 ) -> Lpv:
-    """The controller of a proved gain file at 200 Hz; mu [N]: dead zone of rho."""
+    """The controller of a proved gain file for so many samples per second; mu [N]: dead zone of rho.
+
+    Raises `InputError` where no function is proved to bear jumps of rho between such samples.
+    """
     plant, (low, high) = loaded.plant, loaded.plant.weights.rho
-    step = SAMPLE_TIME * plant.rate
+    if not bears(plant, loaded.solution, 1.0 / rate):
+        expected = "samples per second with which the loop of the gains is proved"
+        raise InputError("ftc_controller", "rate", expected, f"{rate:g}")
+    step = 1.0 / rate * plant.rate
     sampled = [sampled_controller(k, step) for k in loaded.solution.vertices]
     E = np.array([sampled_force(plant, k, step)[:, 0] for k in loaded.solution.vertices])
     A, B, C = (np.array(parts) for parts in zip(*sampled, strict=True))

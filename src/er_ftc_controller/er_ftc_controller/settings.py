@@ -8,7 +8,12 @@ from dataclasses import dataclass
 from er_models.errors import InputError
 from er_models.model import Model
 from er_models.static_damper import static_damper
-from er_ros_common.common_parameters import NodeParameters, awaited_listeners, oldest_sample
+from er_ros_common.common_parameters import (
+    NodeParameters,
+    awaited_listeners,
+    oldest_sample,
+    sample_rate,
+)
 from er_ros_common.parameter_table import REQUIRED, param
 
 from er_ftc_controller import lpv
@@ -30,6 +35,7 @@ class FtcParameters(NodeParameters):
         choices=LAWS,
         text="fault_tolerant: the forces asked for follow the faults; nominal: as if the damper were healthy",
     )
+    rate: float = sample_rate()
     u_min: float = param(REQUIRED, low=0.0, high=1.0, text="least duty")
     u_max: float = param(REQUIRED, low=0.0, high=1.0, text="greatest duty")
     safe_duty: float = param(REQUIRED, low=0.0, high=1.0, text="duty without usable samples")
@@ -75,7 +81,7 @@ class FtcParameters(NodeParameters):
         unit="s",
         low=0.0,
         high=0.1,
-        text="time from the moment a duty begins to act to the middle of the time it acts",
+        text="time from the moment a duty begins to act to the middle of the time it acts: half a sample",
     )
     slew: float = param(
         0.0, unit="1/s", low=0.0, high=1e4, text="fastest change of the duty; 0: any"
@@ -132,7 +138,7 @@ class FtcParameters(NodeParameters):
 
 
 def controller_of(p: FtcParameters, model: Model, loaded: Loaded) -> Ftc:
-    """The controller; raises `InputError` where values contradict or the damper has no static law."""
+    """The controller; raises `InputError` where values contradict, no static law is there, or no proof for the rate."""
     damper, duties = static_damper(model), (p.u_min, p.u_max)
     if not p.u_min <= p.u_max:
         raise InputError("ftc_controller", "u_min, u_max", "u_min <= u_max", duties)
@@ -148,4 +154,4 @@ def controller_of(p: FtcParameters, model: Model, loaded: Loaded) -> Ftc:
     )  # fmt: skip
     car = model.effects["quarter_car"]
     body = (car["m_s"], car["k_s"])
-    return Ftc(lpv.controller(loaded, damper, duties, p.mu), loop, rules, body)
+    return Ftc(lpv.controller(loaded, damper, duties, p.mu, p.rate), loop, rules, body)

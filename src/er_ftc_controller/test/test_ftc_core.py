@@ -7,6 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 from er_ftc_controller.nodes.ftc_controller import FtcController
@@ -28,12 +29,17 @@ BASE, PERIOD = 1_700_000_000_000_000_000, 5_000_000
 CONFIRMED = (FaultEstimate.FAULT_HEALTHY, FaultEstimate.FAULT_CONFIRMED) * 2
 
 
-@pytest.fixture(scope="module")
-def core() -> FtcCore:
+def made(**other: Any) -> FtcCore:
+    """The controller of the rig, with other parameters."""
     file = CONFIG / "nodes" / "ftc_controller.yaml"
     values = yaml.safe_load(file.read_text())["/**"]["ros__parameters"]
     car, gains = CONFIG / "vehicles/inove_quarter_car.yaml", CONFIG / "gains/lpv_ftc.yaml"
-    return FtcCore(FtcParameters(model_file=str(car), gains_file=str(gains), **values))
+    return FtcCore(FtcParameters(model_file=str(car), gains_file=str(gains), **(values | other)))
+
+
+@pytest.fixture(scope="module")
+def core() -> FtcCore:
+    return made()
 
 
 def stamp(k: int) -> int:
@@ -69,6 +75,11 @@ def play(
         state, out = core.on_message(state, topic, message, When(now, now))
         said += [m for _, m in out]
     return state, said
+
+
+def test_the_controller_is_made_for_the_rate_of_its_samples(core: FtcCore) -> None:
+    slower, usual = (each.controller.law.A[0] for each in (made(rate=100.0), core))
+    assert np.allclose(slower, usual @ usual)
 
 
 def test_order_within_a_tick_and_lateness_of_estimates_change_nothing(core: FtcCore) -> None:

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from er_ftc_controller.force_loop import ForceLoop, LoopState, duty_for
-from er_ftc_controller.gains import load_gains
+from er_ftc_controller.gains import Loaded, load_gains
 from er_ftc_controller.lpv import Lpv, controller, start, step
+from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.forms.loss import Factors
 from er_models.static_damper import static_damper
@@ -19,11 +20,13 @@ LEAK = Factors(leakage=0.6)
 
 
 @pytest.fixture(scope="module")
-def lpv() -> Lpv:
-    loaded = load_gains(
-        CONFIG / "gains" / "lpv_ftc.yaml",
-        load_model(CONFIG / "vehicles" / "inove_quarter_car.yaml"),
-    )
+def loaded() -> Loaded:
+    car = load_model(CONFIG / "vehicles" / "inove_quarter_car.yaml")
+    return load_gains(CONFIG / "gains" / "lpv_ftc.yaml", car)
+
+
+@pytest.fixture(scope="module")
+def lpv(loaded: Loaded) -> Lpv:
     damper = static_damper(load_model(CONFIG / "dampers" / "inove_bingham.yaml"))
     return controller(loaded, damper, (0.0, 0.3), mu=0.1)
 
@@ -48,6 +51,24 @@ def test_the_duty_makes_the_nearest_force_of_the_faulty_damper(lpv: Lpv) -> None
         rhos.append(command.rho)
     assert 0 < inside < t.size
     assert (min(rhos), max(rhos)) == (lpv.schedule.low, lpv.schedule.high)
+
+
+@pytest.mark.parametrize(("rate", "slower"), [(1000.0, 200.0), (200.0, 100.0)])
+def test_it_is_as_fast_at_every_rate(lpv: Lpv, loaded: Loaded, rate: float, slower: float) -> None:
+    """What the slower one does in a sample, the faster one does in the same time."""
+    fast, slow = (controller(loaded, lpv.damper, lpv.duties, 0.1, r) for r in (rate, slower))
+    samples = round(rate / slower)
+    for i in range(2):
+        whole = sum(np.linalg.matrix_power(fast.A[i], k) for k in range(samples))
+        assert np.allclose(np.linalg.matrix_power(fast.A[i], samples), slow.A[i])
+        assert np.allclose(whole @ fast.B[i], slow.B[i])
+        assert np.allclose(whole @ fast.E[i], slow.E[i])
+    assert np.array_equal(fast.C, slow.C)
+
+
+def test_a_rate_without_a_proof_is_refused(lpv: Lpv, loaded: Loaded) -> None:
+    with pytest.raises(InputError, match=r"rate: expected samples per second .* found 20"):
+        controller(loaded, lpv.damper, lpv.duties, 0.1, 20.0)
 
 
 def test_a_constant_deflection_ends_at_the_vertex_own_gain(lpv: Lpv) -> None:

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from er_ros_common.common_parameters import NodeParameters, awaited_listeners, oldest_sample
+from er_ros_common.common_parameters import (
+    NodeParameters,
+    awaited_listeners,
+    oldest_sample,
+    sample_rate,
+)
 from er_ros_common.parameter_table import REQUIRED, param
 
 from er_ros_common import topic_names
@@ -18,6 +23,7 @@ class FaultParameters(NodeParameters):
     """Parameters of the node."""
 
     model_file: str = param(REQUIRED, text="model of the healthy vehicle")
+    rate: float = sample_rate()
     force_source: str = param(
         NONE,
         choices=SOURCES,

@@ -82,7 +82,7 @@ class FaultCore:
         self.p = p
         model = load_model(p.model_file)
         rules = replace(RULES, tolerance=p.tolerance, smallest=p.smallest_loss, hold=p.timeout)
-        self.estimator = ready(model, rules, force_noise(p, model))
+        self.estimator = ready(model, rules, force_noise(p, model), 1.0 / p.rate)
         self.force = _topic(p.force_source)
         given = () if self.force is None else (self.force,)
         self.inputs = (topics.ACCELERATION, topics.DEFLECTION, topics.PWM_APPLIED, *given)

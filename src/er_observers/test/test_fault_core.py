@@ -8,7 +8,7 @@ import pytest
 from er_models.errors import InputError
 from er_models.model import Model
 from er_observers.fault_settings import FaultParameters
-from er_observers.faults import gather
+from er_observers.faults import gather, tick
 from er_observers.faults.trials import Trial, drive
 from er_observers.ros_faults import FaultCore, State
 from er_ros_common.core import Said, When
@@ -103,6 +103,14 @@ def test_every_tick_is_answered_and_silence_is_said_once(car: Model, car_file: P
     state, said = core.on_time(state, now)
     assert [(m.valid, m.status) for _, m in said] == [(False, FaultEstimate.STATUS_LOST)]
     assert core.on_time(state, now)[1] == []
+
+
+def test_lessons_last_as_long_at_the_rate_of_the_samples(car_file: Path) -> None:
+    usual, fast = (
+        FaultCore(FaultParameters(model_file=str(car_file), rate=rate)).estimator.setup
+        for rate in (200.0, 1000.0)
+    )
+    assert fast[tick.KEPT] ** 5 == pytest.approx(usual[tick.KEPT])
 
 
 def test_an_observed_force_needs_its_deviation(car_file: Path) -> None:

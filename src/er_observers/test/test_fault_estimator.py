@@ -16,7 +16,7 @@ from er_models.simulate import step as step_car
 from er_observers.faults import bound, evidence, follow, passage, regression, sums, tick
 from er_observers.faults.acceptance import faultless, faulty
 from er_observers.faults.estimator import start, step
-from er_observers.faults.rules import estimator
+from er_observers.faults.rules import RULES, estimator
 from er_observers.faults.sample import Estimate, FactorStatus, Kind, Sample, Status
 from er_observers.faults.trials import Drive, Trial, drive, faults
 
@@ -308,6 +308,14 @@ def test_a_change_is_followed_anew_from_a_beginning_that_may_be_far_off(car: Mod
             state, estimate = step(each, state, sample)
         errors = np.subtract(estimate.factors, tuple(trial.left.values()))
         assert bool(np.max(np.abs(errors)) < 0.05) is anew
+
+
+@pytest.mark.parametrize("rate", [100.0, 200.0, 1000.0])
+def test_lessons_last_as_long_at_every_rate(car: Model, rate: float) -> None:
+    setup = estimator(car, sample_time=1.0 / rate).setup
+    blocks = RULES.memory * rate / tick.WITHIN
+    assert setup[tick.KEPT] ** blocks == pytest.approx(math.exp(-1.0))
+    assert setup[tick.FADING] * rate == pytest.approx(RULES.settle)
 
 
 def test_a_model_that_is_no_such_car_is_refused(car: Model) -> None:

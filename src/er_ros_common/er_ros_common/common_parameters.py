@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from er_models.constants import SAMPLE_RATE
+
 from er_ros_common.parameter_table import param
 from er_ros_common.stamps import SECOND
 
@@ -13,6 +15,12 @@ def oldest_sample() -> Any:
     """Field `max_age`: samples older than this are not used [s]."""
     text = "oldest sample that is used; 0: any (simulated time)"
     return param(0.02, unit="s", low=0.0, high=1.0, text=text)
+
+
+def sample_rate() -> Any:
+    """Field `rate`: samples per second that what the node computes with is made for [Hz]."""
+    text = "samples per second, those of the plant or the rig"
+    return param(SAMPLE_RATE, unit="Hz", low=10.0, high=2000.0, text=text)
 
 
 STANDSTILL = 10.0

@@ -37,6 +37,7 @@ class CoreNode(ManagedNode):
         self.core = self.make()
         self.health.model_id, self.health.gains_id = self.core.model_id, self.core.gains_id
         self.ends = {topic.name: self.advertise(topic) for topic in self.core.outputs}
+        rate = getattr(self.core.p, "rate", 0.0)  # not every core is made for one
         self.inputs = {
             topic.name: self.subscribe(
                 topic,
@@ -45,6 +46,7 @@ class CoreNode(ManagedNode):
                 needed=topic not in self.core.optional,
                 whole=topic in self.whole,
                 limits=limits,
+                rate=rate,
             )
             for topic, limits in zip(self.core.inputs, self.core.limits, strict=True)
         }

@@ -27,6 +27,8 @@ JUMP_REMEMBERED = 5.0
 """How long a jump of time is said [s]."""
 SLOW = 0.9
 """Share of the ticks below which an input is too slow."""
+OFF = 0.1
+"""Share of the rate that a node is made for by which samples may come at another one."""
 NO_STAMPS = StampState()
 OK, WARN, ERROR = 0, 1, 2
 """Levels, those of diagnostic_msgs."""
@@ -60,9 +62,9 @@ class Input:
     """One topic that a node listens to.
 
     name: as it is called in the graph; limits: when a stamp is bad; since: when the node began [s]; needed:
-    whether its absence is a fault; steady: whether every tick of the plant has one, at its own pace; invalid,
-    non_finite, incomplete: messages whose sender called them not valid, others with a number that is none, and
-    others without a part that the node needs.
+    whether its absence is a fault; steady: whether every tick of the plant has one, at its own pace; rate: of
+    the samples that the node is made for [Hz], 0: any; invalid, non_finite, incomplete: messages whose sender
+    called them not valid, others with a number that is none, and others without a part that the node needs.
     """
 
     name: str
@@ -70,6 +72,7 @@ class Input:
     since: float
     needed: bool = True
     steady: bool = True
+    rate: float = 0.0
     age: float = 0.0
     arrived: float | None = None
     invalid: int = 0
@@ -179,6 +182,11 @@ class Input:
             never = "nothing came" if self.arrived is None else "nothing came any more"
             level = ERROR if silent >= LOST else WARN
             return Finding(level, self.name, f"{never} for {silent:.1f} s: {cure}")
+        if silent < MISSING and self._period > 0.0 and self.rate > 0.0:
+            pace = SECOND / self._period
+            if abs(pace - self.rate) > OFF * self.rate:
+                text = f"samples of {pace:.0f} Hz, but this node is made for {self.rate:.0f} Hz: set its parameter rate"
+                return Finding(WARN, self.name, text)
         if silent < MISSING and self.steady and self._measured is not None and self._period > 0.0:
             measured, expected = self._measured, SECOND / self._period
             if measured < SLOW * expected:

@@ -115,17 +115,20 @@ class ManagedNode(LifecycleNode):
         needed: bool = True,
         whole: bool = False,
         limits: StampLimits | None = None,
+        rate: float = 0.0,
     ) -> Subscription:
         """Subscription of a topic, heard while active; the topic and the graph around it are watched.
 
         needed: whether its silence is a fault; whole: whether a message without one of its parts is of no use;
-        limits: when its stamps are bad, None where that is as of all.
+        limits: when its stamps are bad, None where that is as of all; rate: of the ticks that the node is made for
+        [Hz], 0: any.
         """
         self.watched[topic.name] = topic
         name, asked = self.resolve_topic_name(topic.name), profile or topic.subscriber
         steady = topic.every_tick and self.aged
         limits = limits or self.stamp_limits()
-        made = Input(name, limits, monotonic(), needed=needed, steady=steady)
+        rate = rate if topic.every_tick else 0.0
+        made = Input(name, limits, monotonic(), needed=needed, steady=steady, rate=rate)
         self.incoming[topic.name] = made
 
         values = attrgetter("valid", *topic.numbers)

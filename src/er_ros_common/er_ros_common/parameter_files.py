@@ -80,6 +80,24 @@ def _kind_of_value(value: object) -> str:
     return kinds.get(type(value), "list")
 
 
+def given_in(files: Sequence[str], full_name: str, name: str) -> object:
+    """Value of a parameter of a node in parameter files, of which the last wins; None where none gives it.
+
+    Raises:
+        InputError: a file is missing or is no parameter file.
+    """
+    found: object = None
+    for path in map(Path, files):
+        _check_file(path)
+        root = yaml.compose(path.read_text(encoding="utf-8"))
+        assert isinstance(root, yaml.MappingNode)
+        for pattern, body in _bodies(root, ""):
+            if matches(pattern, full_name):
+                values = [value for key, value in body.value if key.value == name]
+                found = _meant(values[-1].value) if values else found
+    return found
+
+
 def check_files(argv: Sequence[str]) -> None:
     """Refuse parameter files that ROS would end the process over, with a line that says where.
 

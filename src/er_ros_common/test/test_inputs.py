@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from random import Random
+from typing import Any
 
 import pytest
 from er_ros_common.inputs import ERROR, OK, WARN, Input
@@ -12,7 +13,7 @@ MS = 1_000_000
 T0 = 1_000_000 * MS
 
 
-def watched(**other: bool) -> Input:
+def watched(**other: Any) -> Input:
     """An input that began at 100 s."""
     return Input("/sensors/force", StampLimits(), 100.0, **other)
 
@@ -61,6 +62,22 @@ def test_counts_are_those_of_a_check_of_each_message() -> None:
 
 def test_an_input_that_may_be_missing_is_not_missed() -> None:
     assert watched(needed=False).flow(200.0).level == OK
+
+
+@pytest.mark.parametrize(("rate", "level"), [(0.0, OK), (200.0, OK), (190.0, OK), (1000.0, WARN)])
+def test_samples_at_another_rate_than_the_node_is_made_for_are_told(
+    rate: float, level: int
+) -> None:
+    """By stamps: in simulated time, whose own pace is another (`steady` false), and with losses, too."""
+    each = watched(rate=rate, steady=False)
+    end = feed(each, range(1, 400))
+    each.measure(end)
+    end = feed(each, range(400, 800, 2))
+    each.measure(end)
+    found = each.flow(end)
+    assert found.level == level
+    if level == WARN:
+        assert "samples of 200 Hz, but this node is made for 1000 Hz: set its" in found.text
 
 
 def test_stamps_that_jitter_make_no_other_rate() -> None:

@@ -119,6 +119,24 @@ def proved(plant: Plant, solution: Solution) -> tuple[tuple[float, ...], str]:
     return tuple(margins), failed
 
 
+def bears(plant: Plant, solution: Solution, sample: float) -> bool:
+    """Whether a quadratic function is proved to fall along the loop of samples so long [s], however rho jumps.
+
+    P_sampled is tried first, which a loaded file has for the usual sample time; the solver may find another.
+    """
+    if sample == SAMPLE_TIME:
+        return True
+    loops = [sampled_loop(plant, k, sample) for k in solution.vertices]
+    if all(_falls(A, solution.P_sampled) for A in loops):
+        return True
+    if not growth_between(loops) < 1.0:
+        return False
+    from er_ftc_controller.synthesis.jumps import common
+
+    P = common(loops)
+    return P is not None and all(_falls(A, P) for A in loops)
+
+
 def sampled_controller(k: Vertex, step: float) -> tuple[Array, Array, Array]:
     """Exact A, B, C of a controller whose input is held over a step in its unit of time."""
     n = k.A.shape[0]

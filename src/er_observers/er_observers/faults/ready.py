@@ -11,10 +11,15 @@ from er_observers.faults.rules import RULES, Estimator, Rules, estimator
 from er_observers.faults.sample import Sample
 
 
-def ready(model: Model, rules: Rules = RULES, force_noise: float | None = None) -> Estimator:
+def ready(
+    model: Model,
+    rules: Rules = RULES,
+    force_noise: float | None = None,
+    sample_time: float = SAMPLE_TIME,
+) -> Estimator:
     """As `rules.estimator`, and raises as it does."""
-    p = estimator(model, rules, force_noise)
+    p = estimator(model, rules, force_noise, sample_time)
     state = start(p, Sample(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     for k in range(1, round((p.rules.least + 2) * tick.WITHIN)):
-        state, _ = step(p, state, Sample(SAMPLE_TIME * k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+        state, _ = step(p, state, Sample(sample_time * k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     return p

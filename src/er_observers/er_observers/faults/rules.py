@@ -15,9 +15,6 @@ from er_models.static_damper import StaticDamper, static_damper
 from er_observers.faults import decision, tick
 from er_observers.faults.sums import SIZE, TRIANGLE, N
 
-BLOCK = SAMPLE_TIME * tick.WITHIN
-"""Length of a block at the usual sample time [s]."""
-
 
 @dataclass(frozen=True, slots=True)
 class Rules:
@@ -30,7 +27,8 @@ class Rules:
     ratio below which that is over. colour: how often neighbouring residuals say the same. cut: misfit of a block over
     that of the window that begins a new window; least: blocks before a verdict; calm: blocks in the window while all is
     well; fresh: blocks too young to learn from when the window is cut; anew: blocks after a cut in which all samples
-    since then are followed again. memory: how long lessons last [s]. healthy, single, combined: probabilities before
+    since then are followed again. memory: how long lessons last [s]; settle: pace of the mean square of the
+    velocity [1/s]. healthy, single, combined: probabilities before
     any sample. road: how fast the road may be, over the greatest velocity of the damper.
     """
 
@@ -53,6 +51,7 @@ class Rules:
     healthy: float = 0.85
     single: float = 0.04
     combined: float = 0.03
+    settle: float = 10.0
     road: float = 4.0
     anew: float = 10.0
 
@@ -79,8 +78,13 @@ class Estimator:
     limits: tuple[float, float, float]
 
 
-def estimator(model: Model, rules: Rules = RULES, force_noise: float | None = None) -> Estimator:
-    """Prepare a vehicle model.
+def estimator(
+    model: Model,
+    rules: Rules = RULES,
+    force_noise: float | None = None,
+    sample_time: float = SAMPLE_TIME,
+) -> Estimator:
+    """Prepare a vehicle model for samples so far apart [s].
 
     force_noise [N]: standard deviation of a given force; None where none is given and the sprung mass says it.
     Raises `InputError` where the model is no car, or its damper has terms that (6.8) does not know.
@@ -93,21 +97,24 @@ def estimator(model: Model, rules: Rules = RULES, force_noise: float | None = No
     seen = car["m_s"] * sizes[0] if force_noise is None else force_noise
     s = model.scales
     return Estimator(
-        rules, _constants(damper, tau, car), sizes, _setup(rules, force_noise or 0.0, seen), _judging(rules),
+        rules, _constants(damper, tau, car), sizes,
+        _setup(rules, force_noise or 0.0, seen, sample_time), _judging(rules),
         *_belief(model, rules.tolerance, with_body=not given), np.zeros(tick.ROOM),
         (100.0 * s.acceleration, 100.0 * s.deflection, 100.0 * s.velocity),
     )  # fmt: skip
 
 
-def _setup(r: Rules, force_noise: float, seen: float) -> Array:
-    """Set-up (8,) of `tick`.
+def _setup(r: Rules, force_noise: float, seen: float, sample_time: float) -> Array:
+    """Set-up (9,) of `tick`.
 
-    force_noise [N]: of a given force, 0 for none; seen [N]: deviation of the force, however it is seen.
+    force_noise [N]: of a given force, 0 for none; seen [N]: deviation of the force, however it is seen;
+    sample_time [s].
     """
     setup = np.full(tick.SETUP, math.nan)
     setup[tick.FORCE], setup[tick.VARIANCE] = force_noise, seen**2
     setup[tick.CUT], setup[tick.LEAST] = r.cut, r.least
-    setup[tick.KEPT] = math.exp(-BLOCK / r.memory)
+    setup[tick.KEPT] = math.exp(-(sample_time * tick.WITHIN) / r.memory)
+    setup[tick.FADING] = min(sample_time * r.settle, 1.0)
     setup[tick.CALM], setup[tick.FRESH], setup[tick.ANEW] = r.calm, r.fresh, r.anew
     return setup
 

@@ -34,9 +34,9 @@ from er_observers.faults.sums import ROWS, SIZE, N, add, misfit
 from er_observers.observers.compiled import compiled
 from er_observers.observers.copies import add_row, copy_row, scale_row
 
-_REAL, _FADING = 25.0, 0.05
-"""Mean square of the velocity over its variance, and share of a sample in that mean: below, the gate sees noise, which
-as a column of the regression would look like a lost force."""
+_REAL = 25.0
+"""Mean square of the velocity over its variance: below, the gate sees noise, which as a column of the regression would
+look like a lost force."""
 _SAME = 0.1
 """Spread of duties over their mean below which they are one: a law of the field could be anything between."""
 _TRIES, _LOOSE, _TIGHTER, _EARLY, _FAR = 2, 0.1, 0.3, 5, 2.0
@@ -68,11 +68,12 @@ MEMORY = RAW.stop
 STORED = SIZE + WITHIN * TOLD
 """Places of a block in the window: its sum, and its samples."""
 ROOM = 4 * N + N * N + 2 * SIZE
-FORCE, VARIANCE, CUT, LEAST, KEPT, CALM, FRESH, ANEW = range(8)
-"""Places in the set-up (8,): noise of a given force, 0 for none; variance of the force [N2]; misfit that cuts the
+FORCE, VARIANCE, CUT, LEAST, KEPT, CALM, FRESH, ANEW, FADING = range(9)
+"""Places in the set-up (9,): noise of a given force, 0 for none; variance of the force [N2]; misfit that cuts the
 window, blocks before a verdict, share of the lessons kept per block, blocks kept in the window while all is well,
-blocks that are too young for lessons when the window is cut, blocks after a cut in which all is followed anew."""
-SETUP = ANEW + 1
+blocks that are too young for lessons when the window is cut, blocks after a cut in which all is followed anew,
+share of a sample in the mean square of the velocity."""
+SETUP = FADING + 1
 
 
 @compiled
@@ -103,7 +104,7 @@ def run(
     follow.advance(rig, belief, follow.Step(told[: follow.SEEN], counted[DUTY], dt), mind, rows)
     _compare(counted, rows)
     v, variance = mind[V], mind[follow.COVARIANCE][V * STATES + V]
-    counted[SHAKEN] += _FADING * (v * v - counted[SHAKEN])
+    counted[SHAKEN] += setup[FADING] * (v * v - counted[SHAKEN])
     told[COUNTS] = 1.0 if counted[SHAKEN] > _REAL * variance else 0.0
     if told[COUNTS] > 0.0:
         _add(memory[BLOCK], rows, memory[EXPECTED])
