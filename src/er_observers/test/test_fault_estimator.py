@@ -13,7 +13,7 @@ from er_models.errors import InputError
 from er_models.model import Array, Model
 from er_models.simulate import initial_state, prepare, simulate
 from er_models.simulate import step as step_car
-from er_observers.faults import bound, evidence, follow, passage, regression, sums, tick
+from er_observers.faults import bound, decision, evidence, follow, passage, regression, sums, tick
 from er_observers.faults.acceptance import faultless, faulty
 from er_observers.faults.estimator import start, step
 from er_observers.faults.rules import RULES, estimator
@@ -308,6 +308,19 @@ def test_a_change_is_followed_anew_from_a_beginning_that_may_be_far_off(car: Mod
             state, estimate = step(each, state, sample)
         errors = np.subtract(estimate.factors, tuple(trial.left.values()))
         assert bool(np.max(np.abs(errors)) < 0.05) is anew
+
+
+@pytest.mark.parametrize("seed", [1004, 7000])
+def test_samples_followed_anew_do_not_run_across_a_gap(car: Model, seed: int) -> None:
+    """A gap of 0.2 s in the first second: the motion before it says nothing of that after it."""
+    samples, p = drive(Trial(seed, duration=2.0), car).samples, estimator(car)
+    samples, worst = [*samples[:120], *samples[160:]], 0.0
+    state = start(p, samples[0])
+    for sample in samples[1:]:
+        state, _ = step(p, state, sample)
+        worst = max(worst, float(state.memory[tick.VERDICT][decision.MISFIT]))
+    assert state.resets == 1
+    assert 0.5 < worst < 1.5
 
 
 @pytest.mark.parametrize("rate", [100.0, 200.0, 1000.0])

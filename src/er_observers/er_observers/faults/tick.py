@@ -48,9 +48,10 @@ BLOCKS = 60
 """Blocks the window can hold."""
 WITHIN = 20
 """Samples of a block."""
-HELD, LASTED, COUNTS = follow.SEEN, follow.SEEN + 1, follow.SEEN + 2
-"""Places in a sample behind what was seen: duty in force, length [s], whether it counts (1) or not (0)."""
-TOLD = follow.SEEN + 3
+HELD, LASTED, COUNTS, BEGINS = range(follow.SEEN, follow.SEEN + 4)
+"""Places in a sample behind what was seen: duty in force, length [s], whether it counts (1) or not (0), and in the
+first of a block whether the motion begins with it (1)."""
+TOLD = follow.SEEN + 4
 """Places of a sample."""
 DUTY, FILLED, COUNT, HEAD, QUIET, SHAKEN, BENT, MISSED, MOVES = range(9)
 """Counted: duty in force; samples in the block; blocks in the window, place of the newest, blocks since the window was
@@ -82,6 +83,7 @@ def place(p: Array, noise: Array, x: float, v: float, memory: Array) -> None:
     follow.begin(p, noise, x, v, memory[MIND])
     memory[COUNTED][FILLED] = memory[COUNTED][MISSED] = memory[COUNTED][MOVES] = 0.0
     memory[BLOCK] = 0.0
+    memory[RAW][BEGINS] = 1.0
 
 
 @compiled
@@ -145,16 +147,20 @@ def _add(block: Array, rows: Array, known: Array) -> None:
 def _anew(
     p: Array, noise: Array, setup: Array, loose: float, window: Array, memory: Array, total: Array
 ) -> None:
-    """Follow the samples of the window again, with what is expected now; fill their sum (SIZE,)."""
+    """Follow the samples of the window again, with what is expected now; fill their sum (SIZE,).
+
+    Where the motion began anew it does so here, and nothing before says anything of it.
+    """
     counted, mind = memory[COUNTED], memory[MIND]
     head, count = int(counted[HEAD]), int(counted[COUNT])
-    rows, begun = np.empty((3, follow.ROW)), False
+    rows, begun, now = np.empty((3, follow.ROW)), False, mind.copy()
     rig = follow.Rig(p, noise, setup[FORCE])
     belief = follow.Belief(memory[EXPECTED], loose, counted[BENT])
     for i in range(count - 1, -1, -1):
         stored = window[(head - i) % BLOCKS]
         raw = stored[SIZE:].reshape((WITHIN, TOLD))
         stored[:SIZE] = 0.0
+        begun = begun and raw[0, BEGINS] <= 0.0
         for k in range(WITHIN):
             if begun:
                 step = follow.Step(raw[k, : follow.SEEN], raw[k, HELD], raw[k, LASTED])
@@ -164,6 +170,8 @@ def _anew(
             elif math.isfinite(raw[k, follow.X_SEEN]):
                 begun = True
                 follow.begin(p, noise, raw[k, follow.X_SEEN], raw[k, follow.V_SEEN], mind)
+    if not begun:  # no deflection was seen in the last blocks: their motion is known as it was
+        copy_row(now, mind)
     _sum_up(window, memory, total)
 
 
@@ -236,7 +244,7 @@ def close(
         window[head, :SIZE], window[head, SIZE:] = block, memory[RAW]
         counted[HEAD], counted[COUNT] = head, min(counted[COUNT] + 1.0, float(BLOCKS))
     block[:] = 0.0
-    counted[FILLED] = 0.0
+    counted[FILLED] = memory[RAW][BEGINS] = 0.0
     if counted[COUNT] < setup[LEAST]:
         return
     young = counted[COUNT] == counted[QUIET] and counted[COUNT] <= setup[ANEW]
