@@ -323,6 +323,36 @@ def test_samples_followed_anew_do_not_run_across_a_gap(car: Model, seed: int) ->
     assert 0.5 < worst < 1.5
 
 
+@pytest.mark.parametrize("force", [1e4, 1e100, 1e300, -math.inf])
+def test_a_force_beyond_belief_is_as_good_as_none(car: Model, force: float) -> None:
+    """Once followed, it left a state of NaN until the next gap."""
+    samples = drive(Trial(1004, duration=1.5), car).samples
+    with_none, absurd = list(samples), list(samples)
+    with_none[200] = samples[200]._replace(force=math.nan)
+    absurd[200] = samples[200]._replace(force=force)
+    noise = car.rig["force_noise"]
+    assert said(car, absurd, noise) == said(car, with_none, noise)
+
+
+def test_a_motion_that_is_no_number_begins_anew(car: Model) -> None:
+    samples, p = drive(Trial(1004, duration=1.5), car).samples, estimator(car)
+    state = start(p, samples[0])
+    for k, sample in enumerate(samples[1:]):
+        if k == 200:
+            state.memory[tick.MIND][passage.V] = math.nan
+        state, estimate = step(p, state, sample)
+        assert np.isfinite(state.memory).all()
+    assert (state.resets, estimate.kind) == (1, Kind.NONE)
+
+
+def test_a_start_without_a_time_waits_for_one(car: Model) -> None:
+    samples, p = drive(Trial(1004, duration=1.0), car).samples, estimator(car)
+    state = start(p, samples[0]._replace(t=math.nan))
+    for sample in samples[1:]:
+        state, estimate = step(p, state, sample)
+    assert (state.rejected, estimate.kind) == (1, Kind.NONE)
+
+
 @pytest.mark.parametrize("rate", [100.0, 200.0, 1000.0])
 def test_lessons_last_as_long_at_every_rate(car: Model, rate: float) -> None:
     setup = estimator(car, sample_time=1.0 / rate).setup

@@ -22,10 +22,14 @@ import numpy as np
 from er_models.model import Array
 
 from er_observers.faults import decision, tick
+from er_observers.faults.passage import V
 from er_observers.faults.rules import Estimator
 from er_observers.faults.sample import NOTHING, Estimate, FactorStatus, Kind, Sample, Status
 from er_observers.faults.sums import N
 from er_observers.observers.status import ROUNDING
+
+_VELOCITY = tick.MIND.start + V
+"""Place of the velocity in the memory."""
 
 
 class State(NamedTuple):
@@ -63,7 +67,7 @@ def step(p: Estimator, state: State, sample: Sample) -> tuple[State, Estimate]:
     motion begins anew; what is known of the damper stays.
     """
     hold, dt = p.rules.hold + ROUNDING, sample.t - state.t
-    if not math.isfinite(dt) or (state.running and -hold < dt <= 0.0):
+    if not math.isfinite(sample.t) or (state.running and -hold < dt <= 0.0):
         state = state._replace(rejected=state.rejected + 1)
     elif not state.running or abs(dt) > hold or state.lost > hold:
         state = _placed(p, state, sample)
@@ -73,15 +77,22 @@ def step(p: Estimator, state: State, sample: Sample) -> tuple[State, Estimate]:
 
 
 def _follow(p: Estimator, state: State, sample: Sample, dt: float) -> State:
-    """Advance with a sample; where it is beyond belief the motion goes on without it."""
+    """Advance with a sample; where it is beyond belief, or its force, the motion goes on without.
+
+    A motion that is no number any more begins anew.
+    """
     memory, window, good = state.memory.copy(), state.window, _valid(p, sample)
     a = (sample.sprung_acceleration, sample.unsprung_acceleration)
     seen = (sample.deflection, sample.deflection_velocity)
     if not good:
         a = seen = (math.nan, math.nan)
     duty = _duty(sample.duty, float(memory[tick.COUNTED][tick.DUTY]))
+    force = sample.force if abs(sample.force) <= p.limits[3] else math.nan
     lost, estimate = 0.0 if good else state.lost + dt, state.estimate
-    if tick.run(p.p, p.noise, p.setup, a, seen, duty, sample.force, dt, memory):
+    full = tick.run(p.p, p.noise, p.setup, a, seen, duty, force, dt, memory)
+    if not math.isfinite(memory[_VELOCITY]):
+        return _placed(p, state, sample)
+    if full:
         window = window.copy()
         tick.close(p.p, p.noise, p.setup, p.judging, p.prior, p.first, p.room, window, memory)
         estimate = _says(p, memory, lost)
@@ -111,9 +122,9 @@ def _duty(duty: float, before: float) -> float:
 
 
 def _valid(p: Estimator, sample: Sample) -> bool:
-    """Whether a sample holds a duty and numbers within belief; comparisons with NaN are false."""
-    acceleration, deflection, velocity = p.limits
-    return math.isfinite(sample.duty) and (
+    """Whether a sample holds a time, a duty and numbers within belief; comparisons with NaN are false."""
+    acceleration, deflection, velocity, _ = p.limits
+    return math.isfinite(sample.t + sample.duty) and (
         abs(sample.sprung_acceleration) <= acceleration
         and abs(sample.unsprung_acceleration) <= 10.0 * acceleration
         and abs(sample.deflection) <= deflection

@@ -64,7 +64,7 @@ RULES = Rules()
 class Estimator:
     """A damper model prepared for the estimation; arrays as the compiled part of `tick` takes them.
 
-    limits: largest believable acceleration [m/s2], deflection [m] and velocity [m/s].
+    limits: largest believable acceleration [m/s2], deflection [m], velocity [m/s] and force [N].
     """
 
     rules: Rules
@@ -75,7 +75,7 @@ class Estimator:
     prior: Array
     first: Array
     room: Array
-    limits: tuple[float, float, float]
+    limits: tuple[float, float, float, float]
 
 
 def estimator(
@@ -100,7 +100,7 @@ def estimator(
         rules, _constants(damper, tau, car), sizes,
         _setup(rules, force_noise or 0.0, seen, sample_time), _judging(rules),
         *_belief(model, rules.tolerance, with_body=not given), np.zeros(tick.ROOM),
-        (100.0 * s.acceleration, 100.0 * s.deflection, 100.0 * s.velocity),
+        (100.0 * s.acceleration, 100.0 * s.deflection, 100.0 * s.velocity, 100.0 * s.force),
     )  # fmt: skip
 
 
