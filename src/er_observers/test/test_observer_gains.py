@@ -13,9 +13,12 @@ import yaml
 from er_models.errors import InputError
 from er_models.gain_file import digest
 from er_models.model import Model
+from er_observers.forms import form_of
 from er_observers.gains import Gains, observer_of, save_gains
 from er_observers.observers.evaluate import SCENARIOS, evaluate
 from er_observers.observers.ready import ready
+from er_observers.observers.status import LIMITS
+from er_observers.observers.watch import decay_rate, rules_of, watch_of
 from er_observers.synth_tables import figures
 from er_observers.synthesis.certify import Certificate
 from er_observers.synthesis.proof import Claim
@@ -44,6 +47,18 @@ def refusal(path: Path, car: Model) -> str:
     assert str(path) in text
     assert error.value.exit_status == 2
     return text
+
+
+@pytest.mark.parametrize("deflection", [False, True])
+def test_a_car_without_passive_damping_can_be_watched(car: Model, *, deflection: bool) -> None:
+    """Its gains were written and could not be loaded: the sprung acceleration tells the deflection at once."""
+    undamped = {**car.effects, "passive": {**car.effects["passive"], "c0": 0.0}}
+    form = form_of(replace(car, effects=undamped), deflection=deflection)
+    watch = watch_of(form, np.array([-300.0, -20.0]))
+    rules = rules_of(watch, LIMITS)
+    assert 0.0 < watch.noise_gain < 1.0
+    assert decay_rate(rules, 0.0, 1.0) == watch.pace == 20.0
+    assert (0.0 < decay_rate(rules, 1.0, 1.0) < 20.0) is not deflection
 
 
 def test_committed_gains_fit_the_committed_model(

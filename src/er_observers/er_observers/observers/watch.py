@@ -71,17 +71,20 @@ class Watch(NamedTuple):
 def watch_of(form: LinearForm, poles: Array) -> Watch:
     """Constants from the linear form in relative coordinates and the poles of the observer [1/s].
 
-    Where the deflection is measured its error decays as fast as the observer, whatever the gate.
+    Where the deflection is measured its error decays as fast as the observer, whatever the gate. So it does without
+    any damping, where the sprung acceleration tells it at once; noise then moves the velocity at the observer's pace.
     """
     at = int(np.argmax(np.abs(form.B)))
     through = -form.C[0, at] * form.B[at] / form.A[at, at]
+    pace = float(-np.max(poles.real))
+    told = abs(float(form.C[0, 1])) or abs(float(form.C[0, 0])) / pace
     return Watch(
         stiffness=float(form.C[0, 0]) if form.C.shape[0] < len(SENSORS) else -math.inf,
         damping=float(form.C[0, 1]),
         gate_stiffness=float(through * form.Gamma[0]),
         gate_damping=float(through * form.Gamma[1]),
-        pace=float(-np.max(poles.real)),
-        noise_gain=math.sqrt(2.0) / abs(float(form.C[0, 1])),
+        pace=pace,
+        noise_gain=math.sqrt(2.0) / told,
     )
 
 
@@ -114,10 +117,12 @@ def follows(
 
 @compiled
 def decay_rate(rules: Array, rho: float, slope: float) -> float:
-    """Rate at which an error of the deflection decays [1/s], for the gate's slope (0 to 1)."""
+    """Rate at which an error of the deflection decays [1/s], for the gate's slope (0 to 1); at most the observer's."""
     share = rho * slope
     stiffness = rules[STIFFNESS] + share * rules[GATE_STIFFNESS]
     damping = rules[DAMPING] + share * rules[GATE_DAMPING]
+    if damping == 0.0:
+        return float(rules[PACE])
     return float(min(stiffness / damping, rules[PACE]))
 
 
