@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.fit import fit
+from er_model_lab.fit import Box, fit
 from er_model_lab.identify.law import follow_table, quadratic, response_time
-from er_model_lab.identify.levels import Table, response_times
+from er_model_lab.identify.levels import Table, _LevelsFit, response_times
 from er_model_lab.identify.part import among
 from er_model_lab.identify.procedure import learn_from_all
 from er_model_lab.identify.roles import roles, static
@@ -159,6 +159,36 @@ def test_a_law_follows_its_table(name: str, tau: np.ndarray, least: float) -> No
     assert np.max(np.abs(response_time(model, DUTY) - tau)) > 0.005
     followed = follow_table(model, roles(model, problem).response, table_of(tau), problem)
     np.testing.assert_allclose(response_time(followed, DUTY), tau, atol=least)
+
+
+def test_a_level_of_no_deviation_does_not_bend_the_law() -> None:
+    """One that ended at its bound: without a deviation it would outweigh all others."""
+    model = damper("inove_guo_tau_quadratic")
+    problem = problem_of(model, stairs(0.1, 0.3))
+    tau = 0.004 + 0.3 * DUTY - 0.2 * DUTY**2
+    table = table_of(np.append(tau[:4], 1e-6))
+    table.covariance[4, :] = table.covariance[:, 4] = np.nan
+    free = roles(model, problem).response
+    followed = follow_table(model, free, table, problem)
+    np.testing.assert_allclose(response_time(followed, DUTY), tau, atol=1e-6)
+    unknown = replace(table_of(tau), covariance=np.full((5, 5), np.nan))
+    followed = follow_table(model, free, unknown, problem)
+    np.testing.assert_allclose(response_time(followed, DUTY), tau, atol=1e-6)
+
+
+def test_a_response_time_at_either_bound_has_no_deviation() -> None:
+    truth = damper("inove_guo_tau_table")
+    problem = problem_of(truth, stairs(0.1, 0.2, 0.3))
+    shape = roles(truth, problem).shape
+    box = Box(
+        static(truth).with_effect("response", {"tau": 0.03}),
+        (*shape, ("response", "tau")),
+        problem.scales,
+    )
+    levels_fit = _LevelsFit(box, problem, levels(problem.motion, problem.train, 0.5))
+    found = levels_fit.start()
+    found[-3:] = box.low[-1], found[-2], box.high[-1]
+    assert np.isfinite(levels_fit.table(found).sd).tolist() == [False, True, False]
 
 
 def test_what_a_table_leaves_open_stays_as_it_is() -> None:

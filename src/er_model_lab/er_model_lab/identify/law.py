@@ -67,7 +67,7 @@ def follow_table(model: Model, response: Free, table: Table, problem: Problem) -
     if not known:
         return model
     box = Box(model, known, problem.scales)
-    weight = 1.0 / np.maximum(np.nan_to_num(table.sd, nan=0.0), 1e-3 * problem.motion.dt)
+    weight = _weights(table, 1e-3 * problem.motion.dt)
     theta = box.start()
     for _ in range(10):
         now = response_time(box.model_at(theta), table.duty)
@@ -81,6 +81,14 @@ def follow_table(model: Model, response: Free, table: Table, problem: Problem) -
         move = np.linalg.lstsq(change, wanted, rcond=1e-9)[0]
         theta = np.clip(theta + move * box.size, box.low, box.high)
     return box.model_at(theta)
+
+
+def _weights(table: Table, least: float) -> Array:
+    """One over the deviations (m,), of `least` [s] each or more; 0 for a level without one, alike if none has one."""
+    known = np.isfinite(table.sd)
+    if not known.any():
+        return np.full(table.sd.size, 1.0 / least)
+    return np.where(known, 1.0 / np.maximum(np.where(known, table.sd, 1.0), least), 0.0)
 
 
 def _depends_on_duty_alone(effect: Effect) -> bool:

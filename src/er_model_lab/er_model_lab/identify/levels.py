@@ -31,7 +31,7 @@ MOST, CLOSE = 60, 1e-7
 
 @dataclass(frozen=True)
 class Table:
-    """Response time at each duty level: duty (m,), tau (m,) [s], covariance (m, m) [s2].
+    """Response time at each duty level: duty (m,), tau (m,) [s], covariance (m, m) [s2], NaN at a bound.
 
     model: the shared shape with deviations; rmse: of the fit [N].
     """
@@ -127,7 +127,8 @@ class _LevelsFit:
         jacobian, residual = np.zeros((problem.motion.n, z.size)), np.zeros(problem.motion.n)
         jacobian[self.rows], residual[self.rows] = self.jacobian(z), -self.residual(z)
         scale = self.spread(self.box.scale)
-        edge = z <= self.spread(self.box.low) + 1e-6 * self.spread(self.box.size)
+        near = 1e-6 * self.spread(self.box.size)
+        edge = (z <= self.spread(self.box.low) + near) | (z >= self.spread(self.box.high) - near)
         model = self.box.model_at(z[: n + 1])
         fitted = Fit(model, (*self.box.free[:n], *names), z, scale, residual, jacobian, edge, MOST)
         spread = covariance(fitted, among(problem, *(level.rows for level in self.levels)))
