@@ -24,7 +24,8 @@ def test_the_gain_is_proved_and_no_smaller_one_is(solved: tuple[Design, LostForc
     problem, found = solved
     assert proved(problem, found)
     assert not proved(problem, replace(found, gamma=0.9 * found.gamma))
-    assert not proved(problem, replace(found, Y=-found.Y))
+    for wrong in (-1.0, 0.5, 2.0):
+        assert not proved(problem, replace(found, K=wrong * found.K))
     assert not proved(replace(problem, gate=10.0 * problem.gate), found)
 
 

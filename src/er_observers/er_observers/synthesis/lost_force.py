@@ -16,8 +16,8 @@ gate of slope 0 to 1, is below gamma where with Y = P K
     * & -2 l & 0 \\ * & * & D^T D - \gamma^2 I \end{bmatrix} < 0, \quad S = P A_0 - Y C.
 
 With gamma SLACK times the least one, trace (W - K N)' P (W - K N), which bounds the variance of the error for white
-noise and a shut gate, is made small. Poles lie in the disc ``[-R P, S; S', -R P] < 0``. What is returned is proved
-again in fractions.
+noise and a shut gate, is made small. Poles lie in the disc ``[-R P, S; S', -R P] < 0``. The K that is
+returned is proved again in fractions, with Y = P K of the rounded P.
 
 Source: thesis (2.19); Darouach and Boutayeb 1995 (descriptor observers); the sector as in `lmi`.
 """
@@ -71,12 +71,11 @@ class Design:
 
 @dataclass(frozen=True, eq=False)
 class LostForce:
-    """K (3, 2) in SI units, gamma, and what proves it: scaled P and Y, the multiplier."""
+    """K (3, 2) in SI units, gamma, and what proves it: scaled P, the multiplier."""
 
     K: Array
     gamma: float
     P: Array
-    Y: Array
     multiplier: float
 
 
@@ -128,21 +127,23 @@ def solve(p: Design) -> LostForce:
         raise SynthesisFailed(THEOREM, f"no margin at gamma {gamma:.4g}", status)
     K = np.linalg.solve(P.value, Y.value) * p.units[:, None] * _RATE
     K = K / np.array([p.noise[2], p.noise[3]])
-    proof = rounded(np.asarray(P.value + P.value.T) / 2.0), rounded(np.asarray(Y.value))
-    solution = LostForce(K, gamma, *proof, float(sector.value))
+    symmetric = rounded(np.asarray(P.value + P.value.T) / 2.0)
+    solution = LostForce(K, gamma, symmetric, float(sector.value))
     if not proved(p, solution):
         raise SynthesisFailed(THEOREM, "the solution found is not proved", status)
     return solution
 
 
 def proved(p: Design, solution: LostForce) -> bool:
-    """Whether all inequalities hold in exact fractions, at both ends of the duty and so between them."""
+    """Whether all inequalities hold for K in exact fractions, at both ends of the duty and so between them."""
     parts: dict[str, Any] = {
         name: exact(getattr(p, name)) for name in ("A", "B", "C", "W", "N", "h", "D", "gate")
     }
     given = Design(**parts, units=p.units, noise=p.noise)
     sector, square = exact(solution.multiplier), exact(solution.gamma) ** 2
-    P, Y = exact(solution.P), exact(solution.Y)
+    scale = exact(p.noise[2:]) / (exact(p.units)[:, None] * int(_RATE))
+    P, K = exact(solution.P), exact(solution.K) * scale
+    Y = P @ K
     return all(is_positive_definite(m) for m in matrices(given, P, Y, sector, square, np.block))
 
 
