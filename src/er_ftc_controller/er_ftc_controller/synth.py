@@ -22,7 +22,7 @@ from er_ftc_controller.synthesis.certificate import Certificate, certify
 from er_ftc_controller.synthesis.lmi import Wish, passive_gamma, solve
 from er_ftc_controller.synthesis.solution import Solution
 from er_ftc_controller.synthesis.study import HERTZ, Peaks, gains, passive_gains, peaks, trade_off
-from er_ftc_controller.synthesis.weights import generalised_plant, weights_for
+from er_ftc_controller.synthesis.weights import generalised_plant, radius_for, weights_for
 
 app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
 
@@ -38,14 +38,23 @@ def lpv_ftc(
         float | None, typer.Option(help="Scale of the damper force: counted as 1 [N].")
     ] = None,
     body: Annotated[
-        tuple[float, float] | None, typer.Option(help="Weight of comfort: corner [Hz] and gain.")
+        tuple[float, float] | None,
+        typer.Option(
+            help="Weight of comfort: corner [Hz] and gain; else 2.33 times the body's frequency, 1."
+        ),
     ] = None,
     wheel: Annotated[
-        tuple[float, float] | None, typer.Option(help="Weight of road holding: corner [Hz], gain.")
+        tuple[float, float] | None,
+        typer.Option(
+            help="Weight of road holding: the same; else 1.165 times the body's frequency, 6."
+        ),
     ] = None,
     radius: Annotated[
-        float, typer.Option(help="Largest magnitude of every pole [1/s].")
-    ] = Wish.radius,
+        float | None,
+        typer.Option(
+            help="Largest magnitude of every pole [1/s]; else 1.126 times that without control."
+        ),
+    ] = None,
     held_back: Annotated[
         float,
         typer.Option(
@@ -61,12 +70,13 @@ def lpv_ftc(
     car = load_model(model)
     given = {"rho": rho, "force": force, "body": body, "wheel": wheel}
     weights = replace(weights_for(car), **{k: v for k, v in given.items() if v is not None})  # type: ignore[arg-type]
-    plant, wish = generalised_plant(car, weights), Wish(radius, held_back)
+    wish = Wish(radius_for(car) if radius is None else radius, held_back)
+    plant = generalised_plant(car, weights)
     with _progress() as tick:
         tick("vertices")
         solution = solve(plant, wish)
         certificate = certify(plant, solution)
-        curve = trade_off(car, weights, radius, tick) if pictures else []
+        curve = trade_off(car, weights, wish.radius, tick) if pictures else []
     ends = [(f"rho = {k.rho:g}", gains(plant, k)) for k in solution.vertices]
     passive = passive_gains(car)
     notes: dict[str, Any] = {"wish": asdict(wish), "certificate": _plain(certificate)}

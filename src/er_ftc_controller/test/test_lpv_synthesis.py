@@ -19,6 +19,7 @@ from er_ftc_controller.synthesis.weights import (
     W_ROAD,
     Plant,
     generalised_plant,
+    radius_for,
     weights_for,
 )
 from er_models.errors import InputError
@@ -46,6 +47,29 @@ def plant(car: Model) -> Plant:
 @pytest.fixture(scope="module")
 def solution(plant: Plant) -> Solution:
     return solve(plant, Wish())
+
+
+@pytest.mark.parametrize(("slower", "comfort", "holding"), [(1.0, 10.0, 5.0), (3.0, 3.33, 1.67)])
+def test_our_weights_follow_the_frequencies_of_the_car(
+    car: Model, slower: float, comfort: float, holding: float
+) -> None:
+    """A car whose every pole is so many times slower is weighed so many times lower."""
+    effects = {name: dict(values) for name, values in car.effects.items()}
+    for of, name, power in (
+        ("quarter_car", "k_s", 2), ("quarter_car", "k_t", 2), ("passive", "k0", 2), ("passive", "c0", 1),
+    ):  # fmt: skip
+        effects[of][name] /= slower**power
+    other = replace(car, effects=effects)
+    found = weights_for(other)
+    assert (found.body, found.wheel) == ((comfort, 1.0), (holding, 6.0))
+    assert radius_for(other) == pytest.approx(Wish.radius / slower, rel=5e-3)
+
+
+def test_the_thesis_car_is_weighed_as_its_committed_gains_are(car: Model) -> None:
+    """To the last digit: they need not be made again."""
+    committed = load_gains(CONFIG / "gains" / "lpv_ftc.yaml", car)
+    assert weights_for(car) == committed.plant.weights
+    assert radius_for(car) == Wish.radius
 
 
 def test_the_weights_of_the_thesis_leave_no_room(car: Model) -> None:

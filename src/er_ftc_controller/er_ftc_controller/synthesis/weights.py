@@ -56,17 +56,37 @@ THESIS = Weights(W_ROAD, (4.0, 2.0), (20.0, 1.0), (50.0, 1.0), W_ROAD, 0.0, (0.0
 """Weights of 6.3.1.1: W_zr as the height of the road, 1 N for 1 m."""
 
 
-def weights_for(model: Model) -> Weights:
-    """Our weights, in the sizes of a model's envelope.
+COMFORT, HOLDING = 2.33, 1.165
+"""Corners of comfort and road holding over the body's natural frequency: 10 and 5 Hz for the thesis's car."""
+RADIUS = 1.126
+"""Largest magnitude of every pole over that of the fastest one without control: 250 1/s for the thesis's car."""
 
-    Comfort weighs up to 10 Hz instead of from zero frequency to 4 Hz; road holding weighs the tyre's deflection up
-    to 5 Hz; the road is as high as the stroke, a quarter of the damper's force counts as one.
+
+def weights_for(model: Model) -> Weights:
+    """Our weights, in the frequency of a model's body and the sizes of its envelope; raises as `lti_form`.
+
+    Comfort weighs up to 10 Hz for the thesis's car, whose body has 4.3 Hz, instead of from zero frequency to 4 Hz; road
+    holding weighs the tyre's deflection up to 5 Hz; the road is as high as the stroke, a quarter of the damper's force
+    counts as one.
     """
-    s = model.scales
+    s, body = model.scales, body_frequency(lti_form(model))
+    comfort, holding = (float(f"{share * body:.3g}") for share in (COMFORT, HOLDING))
     return Weights(
-        s.deflection, (10.0, 1.0), (5.0, 6.0), (np.inf, 1.0), 0.25 * s.force, 0.01 * s.deflection,
+        s.deflection, (comfort, 1.0), (holding, 6.0), (np.inf, 1.0), 0.25 * s.force, 0.01 * s.deflection,
         (0.2, 5.0), tyre=True,
     )  # fmt: skip
+
+
+def body_frequency(form: LTIForm) -> float:
+    """Natural frequency of the body without control [Hz]: of the two slowest poles, which need not swing."""
+    slow = np.sort(np.abs(np.linalg.eigvals(form.A)))[:2]
+    return float(np.sqrt(slow.prod())) / (2.0 * np.pi)
+
+
+def radius_for(model: Model) -> float:
+    """Our disc of poles [1/s], in the frequency of a model's wheel; raises as `lti_form`."""
+    fastest = float(np.abs(np.linalg.eigvals(lti_form(model).A)).max())
+    return float(f"{RADIUS * fastest:.3g}")
 
 
 @dataclass(frozen=True, eq=False)
