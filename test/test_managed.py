@@ -120,6 +120,24 @@ def test_a_manager_leads_a_controller_and_hears_no_for_what_cannot_be(
     )
 
 
+def test_inputs_of_every_tick_are_watched_for_the_rate_the_node_is_made_for(
+    ros: SingleThreadedExecutor,
+) -> None:
+    file, gains = CONFIG / "nodes/ftc_controller.yaml", CONFIG / "gains/lpv_ftc.yaml"
+    more = [f"model_file:={VEHICLE}", f"gains_file:={gains}", "rate:=100.0", "autostart:=false"]
+    pairs = [word for pair in more for word in ("-p", pair)]
+    paced = FtcController(["--ros-args", "--params-file", str(file), *pairs])
+    free = SkyhookController(skyhook_arguments("-p", "autostart:=false"))
+    for node in (paced, free):
+        ros.add_node(node)
+        node.start()
+        node.configure()
+    found = {name: each.rate for name, each in paced.incoming.items()}
+    assert found.pop("fault/estimate") == 0.0
+    assert found == {"sensors/acceleration": 100.0, "sensors/deflection": 100.0}
+    assert {each.rate for each in free.incoming.values()} == {0.0}
+
+
 @pytest.mark.parametrize("kind", [SkyhookController, FtcController])
 @pytest.mark.parametrize(("age", "simulated"), [("0.0", True), ("0.02", False)])
 def test_the_last_words_of_a_controller_are_of_the_time_of_its_samples(
