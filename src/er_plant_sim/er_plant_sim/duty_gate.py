@@ -14,6 +14,9 @@ from typing import NamedTuple
 
 from er_models.errors import InputError
 
+BURST = 10
+"""Commands that one controller may give at once after it was held up: older ones act no more."""
+
 
 class Reason(Enum):
     """Why the duty is what it is."""
@@ -60,7 +63,8 @@ class Command(NamedTuple):
 class GateState(NamedTuple):
     """Duty in force and since when, the last command taken, and counts.
 
-    repeated: commands that answer a sample which was answered before.
+    repeated: commands more than one a sample; answered: the last number that was answered, newest: the newest sample
+    when a command was taken last; ahead: commands by then that answered none of the samples before, 0 to `BURST`.
     """
 
     duty: float
@@ -69,6 +73,9 @@ class GateState(NamedTuple):
     refused: int = 0
     limited: int = 0
     repeated: int = 0
+    answered: int = 0
+    newest: int = 0
+    ahead: int = 0
 
 
 class Applied(NamedTuple):
@@ -81,14 +88,25 @@ class Applied(NamedTuple):
     reason: Reason
 
 
-def receive(state: GateState, command: Command, *, valid: bool = True) -> GateState:
-    """Take a command, unless it is not valid, not finite, or older than the one in force."""
-    last = state.command
-    late = last is not None and command.seq != 0 and command.seq < last.seq
+def receive(
+    state: GateState, command: Command, *, valid: bool = True, newest: int = 0
+) -> GateState:
+    """Take a command, unless it is not valid, not finite, or older than the one in force.
+
+    newest: number of the newest sample: one without a number is known to be a second answer only by how many there are.
+    """
+    late = 0 < command.seq < state.answered
     if not valid or not math.isfinite(command.duty) or late:
         return state._replace(refused=state.refused + 1)
-    again = last is not None and command.seq != 0 and command.seq == last.seq
-    return state._replace(command=command, repeated=state.repeated + again)
+    again = 0 < command.seq == state.answered
+    ahead = max(state.ahead - max(newest - state.newest, 0), 0) + (not again)
+    return state._replace(
+        command=command,
+        repeated=state.repeated + (again or ahead > BURST),
+        answered=command.seq or state.answered,
+        newest=newest,
+        ahead=min(ahead, BURST),
+    )
 
 
 def step(
@@ -118,7 +136,7 @@ def _limited(
     duty = min(max(wanted, state.duty - room), state.duty + room)
     duty = min(max(duty, p.duty_min), p.duty_max)
     saturated = duty != wanted
-    _, _, last, refused, limited, repeated = state
-    state = GateState(duty, t, last, refused, limited + saturated, repeated)
+    _, _, last, refused, limited, *more = state
+    state = GateState(duty, t, last, refused, limited + saturated, *more)
     seq, source = (command.seq, command.source) if command else (0, 0)
     return state, Applied(duty, seq, source, saturated, reason)

@@ -74,14 +74,16 @@ def receive(rig: Rig, state: RigState, command: Command, *, valid: bool) -> RigS
     """
     if rig.programmed:
         return state
-    if command.seq > state.sim.tick:
+    newest = state.sim.tick
+    if command.seq > newest:
         command = command._replace(seq=0)
-    return RigState(state.sim, duty_gate.receive(state.gate, command, valid=valid))
+    gate = duty_gate.receive(state.gate, command, valid=valid, newest=newest)
+    return RigState(state.sim, gate)
 
 
 def resumed(state: RigState) -> RigState:
     """The state after a pause: the last command answers a sample of before it."""
-    return RigState(state.sim, state.gate._replace(command=None))
+    return RigState(state.sim, state.gate._replace(command=None, answered=0, ahead=0))
 
 
 def decide(rig: Rig, state: RigState, *, conflict: bool = False) -> tuple[RigState, Applied]:

@@ -1,10 +1,20 @@
 """The duty gate: limits, timeout, conflicts and refused commands."""
 
 import math
+from collections.abc import Callable
 
 import pytest
 from er_models.errors import InputError
-from er_plant_sim.duty_gate import Command, Gate, GateState, Reason, program, receive, step
+from er_plant_sim.duty_gate import (
+    BURST,
+    Command,
+    Gate,
+    GateState,
+    Reason,
+    program,
+    receive,
+    step,
+)
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -83,3 +93,68 @@ def test_nothing_outside_the_range_ever_leaves(duty: float, t: float, slew: floa
     gate = Gate(0.05, 0.3, 0.1, 0.05, slew)
     _, applied = step(gate, receive(START, Command(t, 1, duty, 2)), t)
     assert 0.05 <= applied.duty <= 0.3
+
+
+def second_of(*senders: Callable[[int], int | None]) -> int:
+    """Answers counted as repeated in 200 ticks; a sender gives the number it writes at a tick, None: nothing."""
+    state = START
+    for tick in range(1, 201):
+        for number in (sender(tick) for sender in senders):
+            if number is not None:
+                state = receive(state, Command(0.005 * tick, number, 0.2, 2), newest=tick)
+    return state.repeated
+
+
+def numbered(tick: int) -> int:
+    return tick
+
+
+def unnumbered(_: int) -> int:
+    return 0
+
+
+@pytest.mark.parametrize(
+    "senders",
+    [
+        (numbered, numbered),
+        (numbered, unnumbered),
+        (unnumbered, numbered),
+        (unnumbered, unnumbered),
+    ],
+)
+def test_two_that_answer_every_sample_repeat_one_another_with_number_or_without(
+    senders: tuple[Callable[[int], int], ...],
+) -> None:
+    assert second_of(*senders) >= 200 - BURST
+
+
+@pytest.mark.parametrize(
+    "sender",
+    [
+        numbered,
+        unnumbered,
+        lambda tick: 0 if tick % 2 else tick,
+        lambda tick: None if tick % 3 else 0,
+    ],
+)
+def test_one_alone_repeats_nothing(sender: Callable[[int], int | None]) -> None:
+    assert second_of(sender) == 0
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_what_was_held_up_and_comes_at_once_repeats_nothing(number: int) -> None:
+    state = START
+    for tick in range(200):
+        if tick % 8 == 0:
+            for back in range(7, -1, -1):
+                wish = Command(0.005 * tick, number * (tick + 8 - back), 0.2, 2)
+                state = receive(state, wish, newest=tick + 8)
+    assert (state.repeated, state.refused) == (0, 0)
+
+
+def test_a_late_answer_is_refused_also_after_one_without_number() -> None:
+    state = receive(START, Command(1.0, 11, 0.2, 2), newest=11)
+    state = receive(state, Command(1.0, 0, 0.25, 2), newest=11)
+    state = receive(state, Command(1.0, 10, 0.3, 2), newest=11)
+    assert state.command == Command(1.0, 0, 0.25, 2)
+    assert state.refused == 1

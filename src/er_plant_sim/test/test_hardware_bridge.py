@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from er_models.files import load_model
 from er_models.program import load_program
-from er_plant_sim.duty_gate import Command, Gate, Reason
+from er_plant_sim.duty_gate import BURST, Command, Gate, Reason
 from er_plant_sim.hardware import bridge, device, frame, impair, parser
 from er_plant_sim.hardware.bridge import Bridge, BridgeState, Reading, Sources
 from er_plant_sim.hardware.calibration import Quality, load_calibration
@@ -292,3 +292,13 @@ def test_a_command_without_a_number_is_as_old_as_its_stamp() -> None:
             world.p, world.host, wish, world.now, valid=True, stamp=stamp
         )
         assert world.host.reason is reason
+
+
+def test_a_second_controller_that_writes_no_number_is_counted_as_one() -> None:
+    world = World(host()).begin()
+    for _ in range(40):
+        world.run(0.005)
+        world.host, _ = bridge.on_command(
+            world.p, world.host, Command(0.0, 0, 0.25, NOMINAL), world.now, valid=True
+        )
+    assert world.host.gate.repeated >= 40 - BURST

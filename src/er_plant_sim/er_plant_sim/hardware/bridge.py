@@ -159,7 +159,8 @@ def on_command(
     # one that answers a sample still to come is meant for a bridge that was here before
     command = command._replace(t=1e-9 * at, seq=command.seq if known else 0)
     before = state.gate
-    state = state._replace(gate=duty_gate.receive(state.gate, command, valid=valid))
+    gate = duty_gate.receive(state.gate, command, valid=valid, newest=state.seq)
+    state = state._replace(gate=gate)
     if state.gate.command is before.command:
         return state, b""
     return _decide(p, state, now)
