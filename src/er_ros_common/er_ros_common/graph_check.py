@@ -74,7 +74,10 @@ def check_topic(
     """Problems of one topic with the given full name; single: more than one publisher is wrong."""
     found = [_other_type(topic, name, end) for end in (*publishers, *subscribers)]
     found += [
-        _too_demanding(name, sender, taker) for sender in publishers for taker in subscribers
+        _too_demanding(name, sender, taker)
+        for sender in publishers
+        for taker in subscribers
+        if not _heard_otherwise(name, sender, taker, subscribers)
     ]
     if single and len(publishers) > 1:
         who = ", ".join(sorted(end.node for end in publishers))
@@ -110,6 +113,16 @@ def compatible(publishers: Sequence[TopicEndpointInfo], depth: int) -> QoSProfil
         depth=depth,
         reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
+
+
+def offered(asked: QoSProfile, publishers: Sequence[TopicEndpointInfo]) -> bool:
+    """Whether every publisher offers the reliability and durability that a listener asks for."""
+    each = [info.qos_profile for info in publishers]
+    reliable = all(p.reliability == ReliabilityPolicy.RELIABLE for p in each)
+    latched = all(p.durability == DurabilityPolicy.TRANSIENT_LOCAL for p in each)
+    return (reliable or asked.reliability == ReliabilityPolicy.BEST_EFFORT) and (
+        latched or asked.durability == DurabilityPolicy.VOLATILE
     )
 
 
@@ -162,6 +175,19 @@ def _other_type(topic: Topic, name: str, end: Endpoint) -> Problem | None:
         text,
         f"remap the topic of {end.node}, or build it against the same messages",
     )
+
+
+def _heard_otherwise(
+    name: str, sender: Endpoint, taker: Endpoint, subscribers: Sequence[Endpoint]
+) -> bool:
+    """Whether the taker's node has another subscription that asks for no more than the sender offers.
+
+    Who sets limits of time wants to be told of their breach, which that other one does not do.
+    """
+    if not taker.deadline == taker.lease == math.inf:
+        return False
+    own = [end for end in subscribers if end.node == taker.node != UNNAMED and end is not taker]
+    return any(_too_demanding(name, sender, end) is None for end in own)
 
 
 def _too_demanding(name: str, sender: Endpoint, taker: Endpoint) -> Problem | None:

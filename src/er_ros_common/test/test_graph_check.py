@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -52,6 +53,15 @@ def test_a_listener_must_not_ask_for_more_than_is_offered(
 ) -> None:
     found = check_topic(topics.FORCE, NAME, [sender], [taker])
     assert [p.kind for p in found] == ([] if fits else ["incompatible QoS"])
+
+
+def test_a_node_that_hears_a_sender_otherwise_asks_for_nothing_too_much() -> None:
+    sender, shy, strict = end(reliable=False), end(reliable=False), end()
+    assert check_topic(topics.FORCE, NAME, [sender], [strict, shy]) == []
+    other = replace(shy, node="/other")
+    assert len(check_topic(topics.FORCE, NAME, [sender], [strict, other])) == 1
+    nameless = [replace(each, node=UNNAMED) for each in (strict, shy)]
+    assert len(check_topic(topics.FORCE, NAME, [sender], nameless)) == 1
 
 
 def test_other_types_are_found_on_both_ends() -> None:

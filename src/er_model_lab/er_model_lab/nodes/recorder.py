@@ -17,7 +17,7 @@ from time import monotonic
 
 from er_models.errors import ErError, MissingChannel
 from er_ros_common.common_parameters import NodeParameters
-from er_ros_common.graph_check import compatible, connected
+from er_ros_common.graph_check import compatible, connected, offered
 from er_ros_common.health import Report
 from er_ros_common.help import Card
 from er_ros_common.managed import ManagedNode
@@ -25,6 +25,7 @@ from er_ros_common.parameter_reader import ParameterReader
 from er_ros_common.parameters import REQUIRED, declare, param
 from er_ros_common.spin import Executable, run
 from er_ros_common.stopping import on_leaving
+from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
 from er_damper_msgs.msg import NodeStatus
@@ -117,6 +118,7 @@ class Recorder(ManagedNode):
     def on_look(self) -> None:
         """Subscribe to what appeared; stop when the time is over."""
         self.subscribe_new()
+        self.ask_for_less()
         self.receipt.look()
         if self.p.duration and monotonic() - self.began > self.p.duration and not self.stopping:
             self.stop()
@@ -127,16 +129,37 @@ class Recorder(ManagedNode):
         if not publishers and name not in self.selection.types:
             return
         self.taken[name] = type_name
-        kind = message_class(type_name)
-        if kind is None or not self.defined(type_name):
+        if message_class(type_name) is None or not self.defined(type_name):
             self.problem(f"{name} is not recorded: there is no definition of {type_name}")
             return
         asked = compatible(publishers, qos.RECORDER.depth)
         self.heard[name] = self.receipt.of(Heard(self, self.bag, self.guarded, name, type_name))
-        taken = self.create_subscription(
-            kind, name, self.while_active(self.heard[name].on_message), asked, raw=True
-        )
-        self.inputs[name] = taken
+        self.inputs[name] = self.end_of(name, asked)
+
+    def end_of(self, name: str, asked: QoSProfile) -> Subscription:
+        """A subscription of a topic that is heard as long as it is the last one of it."""
+        heard = self.heard[name].on_message
+
+        def told(data: bytes) -> None:
+            if self.inputs[name] is made:
+                heard(data)
+
+        kind = message_class(self.taken[name])
+        made = self.create_subscription(kind, name, self.while_active(told), asked, raw=True)
+        return made
+
+    def ask_for_less(self) -> None:
+        """Subscribe anew where somebody came who does not offer what was asked for before.
+
+        The end before stays, unheard: destroying one under the events executor is not safe.
+        """
+        for name, taken in list(self.inputs.items()):
+            if self.count_publishers(name) <= taken.get_publisher_count():
+                continue
+            there = self.get_publishers_info_by_topic(name)
+            right = [info for info in there if info.topic_type == self.taken[name]]
+            if not offered(taken.qos_profile, right):
+                self.inputs[name] = self.end_of(name, compatible(right, qos.RECORDER.depth))
 
     def defined(self, type_name: str) -> bool:
         """Whether a type's definition is found; found now, its first message holds up no other."""
