@@ -202,7 +202,7 @@ class FtcCore:
         due = [each for each in state.waiting if each[0] <= limit]
         if not due:
             return state.mind, state.waiting
-        newest, faults = max(due, key=itemgetter(0))
+        newest, faults = max(reversed(due), key=itemgetter(0))  # of equal ones what was said last
         faults = Faults(1e-9 * (newest - base), *faults[1:])
         rest = tuple(each for each in state.waiting if each[0] > limit)
         return control.hear(self.controller, state.mind, faults), rest

@@ -107,6 +107,16 @@ def test_estimates_that_prove_no_fault_are_not_acted_on(
     assert "no usable fault estimate" in state.mind.command.reason
 
 
+def test_what_was_said_last_of_one_tick_is_what_counts(core: FtcCore) -> None:
+    """The estimator takes its last estimate back with a message of the same stamp that is not valid."""
+    taken_back = [leak(10), leak(10, valid=False)]
+    state, said = play(core, taken_back + [m for k in range(11, 40) for m in halves(k)])
+    assert {m.source for m in said} == {PwmDuty.SOURCE_NOMINAL}
+    assert "no usable fault estimate" in state.mind.command.reason
+    _, said = play(core, taken_back[::-1] + [m for k in range(11, 40) for m in halves(k)])
+    assert said[-1].source == PwmDuty.SOURCE_FTC
+
+
 @pytest.mark.parametrize(("late", "used"), [(25, 1), (490, 1), (510, 0)])
 def test_an_estimate_that_waited_for_a_part_is_not_too_old(
     core: FtcCore, late: int, used: int
