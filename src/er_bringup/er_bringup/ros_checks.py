@@ -93,8 +93,8 @@ def namespaces(names: Sequence[str]) -> list[str]:
 
 
 def plant_of(seen: Observation) -> Mapping[str, Any]:
-    """Parameters of the plant; empty where there is none or it does not answer."""
-    return next((p for n in seen.nodes if "rate_factor" in (p := n.parameters or {})), {})
+    """Parameters of the plant, or of the bridge to a rig; empty where there is none or it does not answer."""
+    return next((p for n in seen.nodes if "rate" in (p := n.parameters or {})), {})
 
 
 def real_time(plant: Mapping[str, Any]) -> bool:

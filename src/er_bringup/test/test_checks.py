@@ -136,6 +136,13 @@ def test_rates_follow_the_plants_own() -> None:
     assert kinds(healthy(nodes=(plant,), heard=twice)) == []
 
 
+def test_a_bridges_rate_is_that_of_its_rig() -> None:
+    bridge = SeenNode("/hardware_bridge", {"rate": 100.0, "address": "udp://rig"}, 0, "running")
+    half = tuple(replace(h, count=301) for h in healthy().heard)
+    assert kinds(healthy(nodes=(bridge,), heard=half)) == []
+    assert len(kinds(healthy(nodes=(bridge,)))) == len(healthy().heard)
+
+
 def test_a_node_that_is_not_well_or_does_not_answer() -> None:
     sick = SeenNode("/observer", {}, NodeStatus.STATUS_LOST, "silent", "no sample")
     deaf = SeenNode("/plant", None, NodeStatus.STATUS_OK, "running")
