@@ -188,6 +188,35 @@ def test_a_joint_state_holds_no_force_that_is_old_or_no_number() -> None:
         assert state.lacks == (() if fresh else ("sensors/force",))
 
 
+@pytest.mark.parametrize(
+    ("age", "given", "taken"),
+    [
+        (0, {}, True),
+        (49, {}, True),
+        (51, {}, False),
+        (1000, {}, False),
+        (-1000, {}, True),
+        (1000, {"max_age": 0.0}, True),
+        (None, {}, True),
+    ],
+    ids=["new", "in time", "old", "held up", "of a clock ahead", "ages mean nothing", "no stamp"],
+)
+def test_a_joint_command_that_was_held_up_is_refused(
+    age: int | None, given: dict[str, Any], *, taken: bool
+) -> None:
+    """The duty would be stamped with the newest sample: the plant could not know how old it is."""
+    core = joint_core(**given)
+    state, now = core.start(), at(sample(1))
+    deflection = builders.suspension_deflection(sample(1), 0.01, -0.2)
+    state, _ = core.on_message(state, topics.DEFLECTION, deflection, now)
+    command = JointState(name=["damper"], effort=[0.25])
+    if age is not None:
+        assert now.system is not None
+        command.header.stamp = clock.to_stamp(now.system - age * MS)
+    state, said = core.on_message(state, COMMANDS, command, now)
+    assert (len(said), state.refused) == (taken, not taken)
+
+
 def test_a_joint_state_holds_what_is_valid_and_finite_and_nothing_else() -> None:
     core = joint_core()
     state = core.start()

@@ -18,7 +18,9 @@ pytest.importorskip("rclpy")
 import rclpy
 from er_bringup.given import parse
 from er_bringup.graph import nodes
+from er_bringup.nodes.ros2_control_joint import JointNode
 from er_bringup.ros_composed import part, split
+from er_bringup.ros_joint import COMMANDS
 from er_ftc_controller.nodes.ftc_controller import FtcController
 from er_ftc_controller.nodes.skyhook_controller import SkyhookController
 from er_models.errors import ErError, InputError
@@ -162,6 +164,13 @@ def test_the_last_words_of_a_controller_are_of_the_time_of_its_samples(
     ((_, message),) = said
     assert message.seq == 1200
     assert (message.header.stamp.sec == 6) == simulated
+
+
+def test_who_else_gives_joint_commands_is_watched(ros: SingleThreadedExecutor) -> None:
+    node = JointNode([])
+    ros.add_node(node)
+    node.start()
+    assert node.watched.keys() >= {COMMANDS.name, topics.PWM_COMMAND.name}
 
 
 def test_who_asked_last_hears_what_a_node_listens_to(ros: SingleThreadedExecutor) -> None:

@@ -58,7 +58,8 @@ class JointParameters(NodeParameters):
     )
     timeout: float = param(
         0.05, unit="s", low=0.005, high=1.0,
-        text="silence of the samples after which commands are refused; greatest age of the force that joins a sample",
+        text="silence of the samples after which commands are refused; "
+        "greatest age of a command that has a stamp, and of the force that joins a sample",
     )  # fmt: skip
     max_age: float = oldest_sample()
 
@@ -152,10 +153,14 @@ class JointCore:
     def _commanded(
         self, state: State, message: JointState, when: When
     ) -> tuple[State, list[Said]]:
-        """The duty of a joint command, as answer to the last sample."""
+        """The duty of a joint command, as answer to the last sample; one without a stamp is as new as it is heard."""
+        stamp = from_stamp(message.header.stamp)
+        arrival = when.system if self.p.max_age and stamp else None
+        old = arrival is not None and 1e-9 * (arrival - stamp) > self.p.timeout
         efforts = dict(zip(message.name, message.effort, strict=False))
         duty = efforts.get(self.p.joint, math.nan)
-        if not (math.isfinite(duty) and state.last.stamp) or self.silent(state, when.steady):
+        useless = old or not math.isfinite(duty)
+        if useless or not state.last.stamp or self.silent(state, when.steady):
             return state._replace(refused=state.refused + 1), []
         command = builders.pwm_duty(state.last, duty, source=PwmDuty.SOURCE_NOMINAL)
         return state, [(topics.PWM_COMMAND, command)]

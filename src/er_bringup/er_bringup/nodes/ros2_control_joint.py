@@ -34,7 +34,8 @@ class JointNode(ManagedNode):
         self.out = {topic.name: self.advertise(topic) for topic in self.core.outputs}
         sensors = [topic for topic in self.core.inputs if topic is not COMMANDS]
         self.ends = [self.subscribe(topic, partial(self.on_sensor, topic)) for topic in sensors]
-        # no message of ours: it has no sequence number to watch
+        # no message of ours: it has no sequence number to watch, but types and ends like any
+        self.watched[COMMANDS.name] = COMMANDS
         commanded = self.while_active(self.on_command)
         self.listen(COMMANDS.name, COMMANDS.type, commanded, COMMANDS.subscriber)
 
