@@ -289,6 +289,13 @@ def test_another_parameter_gives_another_answer(replay: Replay, bag: Path) -> No
     [
         (("--node", "nix"), 2, "unknown node with a core 'nix'"),
         (("--set", "u_max"), 2, "--set: expected KEY:=VALUE"),
+        (
+            ("--set", "u_max:=[1"),
+            2,
+            r"--set u_max: expected a value as YAML writes it, found '\[1'",
+        ),
+        (("--set", "u_max:=08"), 2, "--set u_max: expected a value"),
+        (("--values", "/dev/null/values.csv"), 2, "/dev/null/values.csv: expected a folder"),
         (("--set", "nix:=1"), 2, "--set: nix: expected a parameter of this node"),
         (
             ("--namespace", "fl"),

@@ -7,14 +7,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from statistics import median
 
 from er_models.files import write_whole
-from er_models.one_line import OneLine
+from er_models.one_line import OneLine, end_with
 from er_ros_common.graph_check import Problem
 from rich.console import Console
 from rich.table import Table
@@ -23,7 +22,7 @@ from er_bringup.arguments import NAMESPACE, is_namespace
 from er_bringup.ros_checks import Heard, Observation, plant_of, problems, real_time
 from er_bringup.terminal import console
 
-HEALTHY, UNHEALTHY = 0, 1
+HEALTHY, UNHEALTHY, INTERRUPTED = 0, 1, 130
 
 
 def namespace(text: str) -> str:
@@ -126,13 +125,18 @@ def main() -> None:
     options = p.parse_args()
     if not 0.1 <= options.seconds <= 600.0:
         p.error(f"--seconds: expected 0.1 to 600, found {options.seconds:g}")
+    end_with("er doctor", lambda: run(options))
+
+
+def run(options: argparse.Namespace) -> int:
+    """Look and show as the options say; the exit status."""
     # only now: help and bad usage need no ROS
     from er_bringup.ros_listen import observe
 
     try:
         seen = observe(options.namespace, options.seconds)
     except KeyboardInterrupt:
-        sys.exit(130)
+        return INTERRUPTED
     found = [problems(one) for one in seen]
     documents = [document(*both) for both in zip(seen, found, strict=True)]
     text = json.dumps(together(documents), indent=1)
@@ -143,7 +147,7 @@ def main() -> None:
             show(*both, console())
         if options.json:
             write_whole(Path(options.json), text)
-    sys.exit(UNHEALTHY if any(found) else HEALTHY)
+    return UNHEALTHY if any(found) else HEALTHY
 
 
 def together(documents: Sequence[dict[str, object]]) -> dict[str, object]:

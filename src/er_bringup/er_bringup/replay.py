@@ -14,11 +14,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import yaml
-from er_models.errors import ErError, InputError, MissingChannel
+from er_models.errors import InputError, MissingChannel
 from er_models.files import write_whole
-from er_models.one_line import OneLine
+from er_models.one_line import OneLine, end_with
 from er_ros_common.clock import from_stamp
+from er_ros_common.parameter_files import read_value
 from rich.console import Console
 from rich.table import Table
 
@@ -74,14 +74,14 @@ def given(pairs: Sequence[str]) -> dict[str, Any]:
     """Parameters KEY:=VALUE.
 
     Raises:
-        InputError: A pair of another form.
+        InputError: A pair of another form, or a value that cannot be read.
     """
     found: dict[str, Any] = {}
     for pair in pairs:
         key, separator, value = pair.partition(":=")
         if not separator:
             raise InputError("--set", "", "KEY:=VALUE", f"'{pair}'")
-        found[key] = yaml.safe_load(value)
+        found[key] = read_value(value, f"--set {key}")
     return found
 
 
@@ -243,11 +243,12 @@ def show(bag: Bag, found: Sequence[Played], console: Console) -> None:
 def main() -> None:
     """Entry point of the command."""
     options = parser().parse_args()
-    try:
-        bag, found, left_out = replayed(options)
-    except ErError as error:
-        sys.stderr.write(f"er replay: {error}\n")
-        sys.exit(error.exit_status)
+    end_with("er replay", lambda: run(options))
+
+
+def run(options: argparse.Namespace) -> int:
+    """Play, compare and show as the options say; the exit status."""
+    bag, found, left_out = replayed(options)
     left_out |= incomparable(bag, found)
     for why in left_out.values():
         _say(why)
@@ -261,7 +262,7 @@ def main() -> None:
             write_whole(Path(options.json), text)
     if options.values:
         write_whole(Path(options.values), values(found))
-    sys.exit(status(bag, found, left_out, options))
+    return status(bag, found, left_out, options)
 
 
 if __name__ == "__main__":

@@ -11,11 +11,12 @@ refused or nobody answered, 2 for bad usage.
 
 from __future__ import annotations
 
+import argparse
 import sys
 from time import monotonic
 
 import rclpy
-from er_models.one_line import OneLine
+from er_models.one_line import OneLine, end_with
 from er_ros_common.fault_port import SERVICE
 from er_ros_common.injection import Kind
 from rclpy.executors import SingleThreadedExecutor
@@ -73,7 +74,12 @@ def ask(name: str, request: InjectFault.Request) -> tuple[bool, str]:
 
 def main() -> None:
     """Entry point of the command."""
-    o = parser().parse_args()
+    options = parser().parse_args()
+    end_with("er inject", lambda: run(options))
+
+
+def run(o: argparse.Namespace) -> int:
+    """Ask as the options say; the exit status."""
     request = InjectFault.Request(unit=o.unit, value=o.value, duration=o.seconds)
     request.kind = int(Kind[o.kind.upper()])
     space = o.namespace.strip("/")
@@ -82,7 +88,7 @@ def main() -> None:
         print(reason)  # noqa: T201  (asked for)
     else:
         sys.stderr.write(f"er inject: {reason}\n")
-    sys.exit(0 if accepted else 1)
+    return 0 if accepted else 1
 
 
 if __name__ == "__main__":

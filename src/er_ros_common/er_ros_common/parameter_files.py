@@ -55,18 +55,38 @@ def dropped(argv: Sequence[str], given: Mapping[str, object]) -> dict[str, objec
     }
 
 
+def read_value(text: str, where: str) -> object:
+    """What was written for a parameter, a list among it, as ROS reads it: 1e-3 is a number.
+
+    Raises:
+        InputError: It cannot be read; where: what gave it.
+    """
+    try:
+        node = yaml.compose(text)
+        if isinstance(node, yaml.ScalarNode):
+            return _scalar(node)
+        if isinstance(node, yaml.SequenceNode):
+            flat = all(isinstance(entry, yaml.ScalarNode) for entry in node.value)
+            return [_scalar(entry) for entry in node.value] if flat else yaml.safe_load(text)
+        return yaml.safe_load(text)
+    except (yaml.YAMLError, ValueError):
+        raise InputError(where, "", "a value as YAML writes it", f"'{text}'") from None
+
+
 def _meant(text: str) -> object:
     """What was written for a parameter, as ROS reads it; None for lists, which keep their type."""
     node = yaml.compose(text)
-    if not isinstance(node, yaml.ScalarNode):
-        return None
+    return _scalar(node) if isinstance(node, yaml.ScalarNode) else None
+
+
+def _scalar(node: yaml.ScalarNode) -> object:
+    """A single value as ROS reads it."""
     convert: dict[str, Callable[[str], object]] = {
         "integer": lambda t: int(t, 0),
         "decimal": _decimal,
         "text": str,
     }
-    kind = _kind(node)
-    return convert[kind](node.value) if kind in convert else yaml.safe_load(text)
+    return convert.get(_kind(node), yaml.safe_load)(node.value)
 
 
 def _decimal(text: str) -> float:

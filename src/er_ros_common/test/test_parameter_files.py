@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from er_models.errors import InputError
-from er_ros_common.parameter_files import check_files, dropped, matches, origins
+from er_ros_common.parameter_files import check_files, dropped, matches, origins, read_value
 
 
 def argv(path: Path) -> list[str]:
@@ -110,3 +110,26 @@ def test_a_parameter_of_the_same_type_or_before_the_file_is_ros_own_business() -
     argv = ["--ros-args", "--params-file", "f.yaml", "-p", "a:=0.3", "-p", "b:=[1, 2]"]
     assert dropped(argv, {"a": 0.3, "b": [1, 2]}) == {}
     assert dropped(["--ros-args", "-p", "a:=x", "--params-file", "f.yaml"], {"a": 0.1}) == {}
+
+
+@pytest.mark.parametrize(
+    ("written", "read"),
+    [
+        ("1e-3", 1e-3),
+        ("0x10", 16),
+        ("yes", True),
+        ("'1e-3'", "1e-3"),
+        ("udp://rig:1", "udp://rig:1"),
+        ("[1e-3, 2.0]", [1e-3, 2.0]),
+        ("[a, b]", ["a", "b"]),
+        ("", None),
+    ],
+)
+def test_a_value_is_read_as_ros_reads_it(written: str, read: object) -> None:
+    assert read_value(written, "--set a") == read
+
+
+@pytest.mark.parametrize("written", ["[1", "'", "08", "*a"])
+def test_what_cannot_be_read_is_one_line(written: str) -> None:
+    with pytest.raises(InputError, match="--set a: expected a value as YAML"):
+        read_value(written, "--set a")
