@@ -166,6 +166,17 @@ def test_the_last_words_of_a_controller_are_of_the_time_of_its_samples(
     assert (message.header.stamp.sec == 6) == simulated
 
 
+def test_what_nobody_thought_of_is_said_with_its_kind(ros: SingleThreadedExecutor) -> None:
+    def wrong() -> None:
+        raise ValueError("no such\nthing")
+
+    node = JointNode([])
+    ros.add_node(node)
+    node.configure = wrong
+    with pytest.raises(ErError, match=r"^ValueError: no such thing$"):
+        node.start()
+
+
 def test_who_else_gives_joint_commands_is_watched(ros: SingleThreadedExecutor) -> None:
     node = JointNode([])
     ros.add_node(node)

@@ -7,11 +7,14 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from er_models.errors import ErError
 
 pytest.importorskip("rclpy")
 
 from er_plant_sim.nodes import roll_call
-from er_plant_sim.nodes.roll_call import COMPILING, Gathering
+from er_plant_sim.nodes.recording import Recording
+from er_plant_sim.nodes.roll_call import COMPILING, Gathering, RollCall
+from rclpy.exceptions import InvalidTopicNameException
 
 PATIENCE = 20.0
 
@@ -27,6 +30,12 @@ class Graph:
     def listen(self, topic: str, kind: type[Any], heard: Callable[[Any], None], _: Any) -> None:
         """Keep who listens."""
         self.heard[topic] = heard
+
+    def resolve_topic_name(self, name: str) -> str:
+        """As rclpy's."""
+        if " " in name:
+            raise InvalidTopicNameException(name, "no spaces", name.index(" "))
+        return f"/{name}"
 
     def count_publishers(self, topic: str) -> int:
         """As rclpy's."""
@@ -92,3 +101,18 @@ def test_who_is_there_and_compiles_is_waited_for_longer_but_not_for_ever(
     graph.say("two", "waiting")
     assert not after(monkeypatch, each, PATIENCE - 0.1)
     assert after(monkeypatch, each, PATIENCE)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda g: RollCall(g, ("my node",)), "wait_for_nodes: topic 'my node/status'"),
+        (lambda g: Recording(g, "a b", (), 200.0, print), "recorder: topic 'a b/recorded'"),
+        (lambda g: Recording(g, "", ("c d",), 200.0, print), "recorded: topic 'c d'"),
+    ],
+)
+def test_a_name_that_no_topic_can_have_is_named_with_its_parameter(
+    graph: Graph, make: Callable[[Graph], object], words: str
+) -> None:
+    with pytest.raises(ErError, match=words):
+        make(graph)

@@ -311,15 +311,17 @@ class ManagedNode(LifecycleNode):
 
     def _tried(self, action: Callable[[], None]) -> TransitionCallbackReturn:
         """Refuse the transition where the action cannot be done, with the line that says why."""
-        self.failure = None
+        self.failure, done = None, TransitionCallbackReturn.SUCCESS
         try:
             action()
         except ErError as error:
-            self.failure = error
-            if self._managed:
-                log.warning(self, str(error))
-            return TransitionCallbackReturn.FAILURE
-        return TransitionCallbackReturn.SUCCESS
+            self.failure, done = error, TransitionCallbackReturn.FAILURE
+        except Exception as error:  # rclpy would not say a word of it
+            self.failure = ErError(" ".join(f"{type(error).__name__}: {error}".split()))
+            done = TransitionCallbackReturn.ERROR
+        if self.failure and self._managed:
+            log.warning(self, str(self.failure))
+        return done
 
     def _LifecycleNodeMixin__on_change_state(
         self, asked: ChangeState.Request, answer: ChangeState.Response

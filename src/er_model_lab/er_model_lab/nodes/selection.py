@@ -5,9 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-from er_models.errors import ErError
-from rclpy._rclpy_pybind11 import RCLError
-from rclpy.exceptions import InvalidTopicNameException
+from er_ros_common.names import resolved
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
@@ -42,11 +40,7 @@ class Selection:
         Raises:
             ErError: There can be no topic of that name.
         """
-        try:
-            return str(self.node.resolve_topic_name(name))
-        except (InvalidTopicNameException, ValueError, RCLError):
-            allowed = "letters, digits and _, with / between, each beginning with no digit"
-            raise ErError(f"topic '{name}': expected {allowed}") from None
+        return resolved(self.node, name)
 
     def wants(self, name: str) -> bool:
         """Whether a topic on the graph is to be recorded."""

@@ -7,6 +7,7 @@ from time import monotonic
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from er_ros_common.managed import ManagedNode
+from er_ros_common.names import resolved
 
 from er_ros_common import log, topics
 
@@ -35,12 +36,13 @@ class Recording:
     ) -> None:
         self.node, self.changed = node, changed
         self.ahead = max(AHEAD_TICKS, round(AHEAD * rate))
-        self.written = {node.resolve_topic_name(name): 0 for name in names}
+        self.written = {resolved(node, name, "recorded"): 0 for name in names}
         self.given_up: set[str] = set()
         self.known, self.since = not recorder, 0.0
         self.warned = False
         self.source = f"{recorder}/recorded" if recorder else ""
         if recorder:
+            resolved(node, self.source, "recorder")
             node.listen(self.source, DiagnosticStatus, self.on_said, topics.RECORDED.subscriber)
 
     def begin(self, tick: int) -> None:

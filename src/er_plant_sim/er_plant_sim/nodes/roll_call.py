@@ -11,6 +11,7 @@ from functools import partial
 from time import monotonic
 
 from er_ros_common.managed import NOT_READY, ManagedNode
+from er_ros_common.names import resolved
 
 from er_damper_msgs.msg import NodeStatus
 from er_plant_sim.nodes.outlet import Outlet
@@ -28,6 +29,7 @@ class RollCall:
         self._node = node
         self._ready: dict[str, bool | None] = dict.fromkeys(names)
         for name in names:
+            resolved(node, f"{name}/status", "wait_for_nodes")
             heard = partial(self._on_status, name)
             node.listen(f"{name}/status", NodeStatus, heard, topics.STATUS.subscriber)
 
