@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
@@ -26,6 +26,10 @@ __all__ = ["REQUIRED", "declare", "param"]
 P = TypeVar("P")
 #: parameters that rclpy itself declares on every node
 BUILT_IN = ("use_sim_time", "start_type_description_service")
+OVERRIDES = "qos_overrides."
+"""Begins parameters that change the quality of service of a topic; those of our topics cannot be changed."""
+TOPICS_OF_ROS = ("/parameter_events", "/clock", "/rosout")
+"""Topics that every node of ROS has: a file for nodes of all kinds may have overrides of theirs."""
 
 
 def declare(
@@ -49,12 +53,13 @@ def declare(
     given = {
         name: parameter.value
         for name, parameter in _overrides(node).items()
-        if name not in BUILT_IN and not name.startswith("qos_overrides.")
+        if name not in BUILT_IN and not _of_ros(name)
     }
     own = getattr(node, "argv", None) if argv is None else argv
     argv = sys.argv[1:] if own is None else own
     given |= dropped(argv, given)
     where = origins(argv, node.get_fully_qualified_name())
+    _no_overrides(given, where)
     current = build(table, given, where)
     for spec in specs(table):
         _declare_one(node, spec, getattr(current, spec.attribute))
@@ -66,6 +71,19 @@ def _overrides(node: Node) -> dict[str, Parameter]:
     """What the command line, files and the constructor give; rclpy has no public way to ask."""
     found: dict[str, Parameter] = node._parameter_overrides
     return found
+
+
+def _of_ros(name: str) -> bool:
+    """Whether a parameter overrides the quality of service of a topic that is not ours."""
+    return name.startswith(tuple(f"{OVERRIDES}{topic}." for topic in TOPICS_OF_ROS))
+
+
+def _no_overrides(given: Mapping[str, object], where: Mapping[str, str]) -> None:
+    """Refuse to change the quality of service of a topic of ours: nothing would follow it."""
+    for name in given:
+        if name.startswith(OVERRIDES):
+            expected = "no override: the quality of service of a node's topics is fixed"
+            raise InputError(where.get(name, "command line"), name, expected, repr(given[name]))
 
 
 def _declare_one(node: Node, spec: Spec, value: Any) -> None:
