@@ -159,6 +159,7 @@ class Recorder(ManagedNode):
             there = self.get_publishers_info_by_topic(name)
             right = [info for info in there if info.topic_type == self.taken[name]]
             if not offered(taken.qos_profile, right):
+                log.info(self, f"{name}: asking for less, to hear everybody who publishes it")
                 self.inputs[name] = self.end_of(name, compatible(right, qos.RECORDER.depth))
 
     def defined(self, type_name: str) -> bool:
