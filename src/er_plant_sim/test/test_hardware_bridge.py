@@ -226,6 +226,44 @@ def test_a_device_that_restarts_goes_on_after_its_clock_was_aligned() -> None:
     assert abs(world.readings[-1].stamp - world.now) < 10 * MS
 
 
+def test_a_bridge_that_is_started_again_is_obeyed_by_a_device_that_drops_old_frames() -> None:
+    world = World(host()).begin()
+    world.host = world.host._replace(sent=1_000_000)  # it has run for long
+    world.run(0.1)
+    world.host, world.readings = bridge.start(world.p, world.now), []
+    world.begin()
+    world.run(0.2)
+    assert {r.applied.reason for r in world.readings[5:]} == {Reason.COMMAND}
+    assert {r.applied.duty for r in world.readings[5:]} == {0.2}
+
+
+def test_a_bridge_that_was_at_rest_is_obeyed_at_once() -> None:
+    world = World(host()).begin()
+    world.run(0.5)
+    world.host, data = bridge.farewell(world.p, world.host)
+    world.post(1, data)
+    world.host = bridge.start(world.p, world.now, sent=world.host.sent)
+    world.run(0.1)
+    assert world.host.clock.exchanges > 0
+
+
+def test_a_device_drops_what_is_not_newer_until_it_forgets_the_hosts_number() -> None:
+    d = Device(RIG, CALIBRATION, 1)
+    state = device.start(d)
+
+    def answered(seq: int, now: int) -> bool:
+        nonlocal state
+        state, data = device.on_bytes(d, state, frame.encode(frame.Sync(1), seq), now)
+        return bool(data)
+
+    top = frame.WRAP - 1
+    heard = [answered(seq, MS * k) for k, seq in enumerate((top - 1, top - 1, top, 0, top, 1))]
+    assert heard == [True, False, True, True, False, True]
+    late = 5 * MS + device.FORGOTTEN
+    # what was dropped does not keep the number alive
+    assert [answered(1, late), answered(1, late + 1)] == [False, True]
+
+
 def test_a_bad_wire_loses_samples_but_never_delivers_a_wrong_one() -> None:
     wire = Wire(loss=0.05, corruption=0.1, jitter=0.001, ordered=False, seed=5)
     world = World(host(), wire).begin()

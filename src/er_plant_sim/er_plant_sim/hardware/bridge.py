@@ -107,9 +107,9 @@ class Said(NamedTuple):
     silence: bool = False
 
 
-def start(p: Bridge, now: int) -> BridgeState:
-    """Before the first byte."""
-    return BridgeState(gate=GateState(p.gate.safe_duty, 1e-9 * now), sample_at=now)
+def start(p: Bridge, now: int, *, sent: int = 0) -> BridgeState:
+    """Before the first byte; sent: number of the last frame of before, where this program sent some already."""
+    return BridgeState(gate=GateState(p.gate.safe_duty, 1e-9 * now), sample_at=now, sent=sent)
 
 
 def on_bytes(

@@ -17,10 +17,13 @@ from er_plant_sim.duty_gate import Applied, Reason
 from er_plant_sim.duty_gate import Command as Wish
 from er_plant_sim.hardware import frame, parser
 from er_plant_sim.hardware.calibration import Calibration, to_counts
-from er_plant_sim.hardware.frame import Command, Hello, Message, Sample, Sync, SyncReply
+from er_plant_sim.hardware.frame import Command, Frame, Hello, Message, Sample, Sync, SyncReply
 from er_plant_sim.hardware.parser import ParserState
 from er_plant_sim.rig import Rig, RigState
 from er_plant_sim.simulator import Measurement
+
+FORGOTTEN = 500_000_000
+"""Time without a newer frame after which the host may count anew: it was started again [ns]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,13 +46,18 @@ class Device:
 
 
 class DeviceState(NamedTuple):
-    """Rig, parser, frames sent, samples taken, the road height asked for [m] (None: the program's)."""
+    """Rig, parser, frames sent, samples taken, the road height asked for [m] (None: the program's).
+
+    heard: sequence number of the host's last frame (None: none yet), heard_at: when that came [ns].
+    """
 
     rig: RigState
     parser: ParserState = ParserState()
     sent: int = 0
     number: int = 0
     height: float | None = None
+    heard: int | None = None
+    heard_at: int = 0
 
 
 def start(p: Device) -> DeviceState:
@@ -65,6 +73,9 @@ def on_bytes(
     state = state._replace(parser=parser.flushed(parsed) if datagram else parsed)
     out = b""
     for each in found:
+        state, fresh = _ordered(state, each, now)
+        if not fresh:
+            continue
         if isinstance(each.message, Command):
             state = _on_command(p, state, each.message)
         elif isinstance(each.message, Sync):
@@ -85,6 +96,14 @@ def tick(p: Device, state: DeviceState, now: int) -> tuple[DeviceState, bytes]:
     state = state._replace(rig=decided, number=state.number + 1)
     state, data = _sent(state, _sample(p, state, measured, applied, now))
     return state, out + data
+
+
+def _ordered(state: DeviceState, found: Frame, now: int) -> tuple[DeviceState, bool]:
+    """Whether a frame is newer than the one before; after a while without such a one any frame is."""
+    known = state.heard is not None and now - state.heard_at <= FORGOTTEN
+    if known and frame.ahead(found.seq, state.heard or 0) <= 0:
+        return state, False
+    return state._replace(heard=found.seq, heard_at=now), True
 
 
 def _advanced(p: Device, state: DeviceState) -> RigState:

@@ -51,6 +51,7 @@ class BridgeNode(ManagedNode):
         """Load the files and make the ends; the wire is opened when the node begins."""
         p, built = self.p, build(self.p, ros_hardware.SOURCES)
         self.bridge, self.ticks, self.address = built.bridge, built.ticks, built.address
+        self.state = bridge.start(self.bridge, monotonic_ns())
         units = spoilable(programmed=self.bridge.duty is not None)
         self.port = FaultPort(self, units, enabled=p.enable_fault_injection, seed=0, rate=p.rate)
         self.out = Outlet(self, self.port, force_sd=p.noise_force, clock_rate=0.0)
@@ -73,8 +74,8 @@ class BridgeNode(ManagedNode):
         return self.time.stamp(self.came.steady) if self.state.begun and self.state.seq else None
 
     def begin(self) -> None:
-        """Open the wire, and wait for everybody."""
-        self.state = bridge.start(self.bridge, monotonic_ns())
+        """Open the wire, and wait for everybody; the device knows the numbers of before."""
+        self.state = bridge.start(self.bridge, monotonic_ns(), sent=self.state.sent)
         self.reading: Reading | None = None
         self.time = SystemTime()
         self.repeated, self.over = 0, False
