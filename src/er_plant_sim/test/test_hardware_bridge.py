@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.program import load_program
 from er_plant_sim.duty_gate import BURST, Command, Gate, Reason
@@ -18,9 +19,11 @@ from er_plant_sim.hardware.device import Device, DeviceState
 from er_plant_sim.hardware.frame import Sample
 from er_plant_sim.hardware.impair import Wire, WireState
 from er_plant_sim.hardware.parser import ParserState
+from er_plant_sim.hardware.settings import BridgeParameters, build
 from er_plant_sim.noise import PERFECT, Noise
 from er_plant_sim.rig import Rig
 from er_plant_sim.simulator import simulator
+from er_ros_common.parameter_table import build as checked
 
 from er_plant_sim import rig as plant
 
@@ -308,8 +311,39 @@ def test_the_road_and_duty_of_a_program_reach_the_device() -> None:
         assert reading.values[5].value == pytest.approx(1e-3 * (reading.seq % 7), abs=1e-6)
 
 
+def test_a_height_that_the_wire_cannot_carry_goes_as_far_as_it_can() -> None:
+    assert [frame.from_height(1e-9 * h) for h in (-3e9, -1.0, 2.6, 3e9)] == [
+        -frame.ROAD_REACH, -1, 3, frame.ROAD_REACH
+    ]  # fmt: skip
+    world = World(host(road=lambda _: 1e3)).begin()
+    world.run(0.05)
+    assert world.device.height == pytest.approx(2.147483647, abs=1e-9)
+
+
+def test_a_program_whose_road_the_wire_cannot_carry_is_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "high.yaml"
+    given: dict[str, object] = {
+        "model_file": str(CONFIG / "vehicles/inove_quarter_car.yaml"), "safe_duty": 0.1, "link": "udp:h:1",
+        "calibration_file": str(CONFIG / "hardware/device_emulator.yaml"), "program_file": str(path),
+    }  # fmt: skip
+
+    def made(height: float, source: str) -> Bridge:
+        path.write_text(
+            "schema: er_program 1\nduration: 2.0\nduty: {kind: constant, level: 0.1}\n"
+            f"road: {{kind: step, height: 1.0, factor: {height}, time: 1.0, rise: 0.01}}\n"
+        )
+        p = checked(BridgeParameters, given | {"road_source": source}, {})
+        return build(p, Sources(1, 4)).bridge
+
+    assert made(3.0, "device").road is None
+    road = made(2.1, "program").road
+    assert road is not None
+    assert road(399) == pytest.approx(2.1)
+    with pytest.raises(InputError, match=r"high.yaml: road: expected .*2.147 m.* found 3 m"):
+        made(3.0, "program")
+
+
 def test_a_wire_named_wrongly_is_one_line() -> None:
-    from er_models.errors import InputError
     from er_plant_sim.hardware.link import Address
 
     for text in ("serial:", "udp:host", "udp:host:99999", "serial:x@fast", "can:0", "tty"):

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import socket
+import termios
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from time import monotonic, process_time, sleep
 
@@ -103,6 +105,48 @@ def test_a_write_that_failed_is_forgiven_by_the_next_that_does_not(
         assert wire.opens == 1
     finally:
         wire.stop(bytes)
+
+
+@pytest.mark.parametrize("place", ["open", "read", "heard", "idle"])
+def test_whatever_goes_wrong_is_said_and_the_wire_opened_again(
+    monkeypatch: pytest.MonkeyPatch, place: str
+) -> None:
+    monkeypatch.setattr(module, "AGAIN", 0.02)
+    link, ill = Failing(), [True]
+
+    def failing(where: str, *_: object) -> bytes:
+        """What a driver raises whose port hangs up while it is opened, in one place."""
+        if ill[0] and where == place:
+            raise termios.error(5, "Input/output error")
+        return b"?"
+
+    def opened(_: Address) -> Failing:
+        failing("open")
+        return link
+
+    monkeypatch.setattr(module, "connect", opened)
+    monkeypatch.setattr(link, "read", lambda _: sleep(0.001) or failing("read"))
+    heard, idle = partial(failing, "heard"), partial(failing, "idle")
+    wire = Wire(Address("udp:h:1", ("udp",)), heard, idle, lambda: None)
+    wire.start()
+    try:
+        until(lambda: "Input/output error" in wire.trouble)
+        ill[0] = False
+        written = link.written
+        until(lambda: not wire.trouble and link.written > written + 3)
+        assert not wire.dead
+    finally:
+        wire.stop(bytes)
+    assert not wire.dead
+
+
+def test_a_thread_that_ended_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Wire, "_run", lambda _: None)
+    wire = Wire(Address("udp:h:1", ("udp",)), lambda *_: b"", lambda _: b"", lambda: None)
+    assert not wire.dead
+    wire.start()
+    until(lambda: wire.dead)
+    wire.stop(bytes)
 
 
 def test_nothing_follows_the_farewell(monkeypatch: pytest.MonkeyPatch) -> None:

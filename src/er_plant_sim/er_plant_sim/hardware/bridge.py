@@ -302,7 +302,7 @@ def _told(
 ) -> tuple[BridgeState, bytes]:
     flags, height = 0, 0
     if p.road is not None:
-        flags, height = frame.MOVE_ROAD, round(p.road(state.seq + 1) / frame.ROAD_UNIT)
+        flags, height = frame.MOVE_ROAD, frame.from_height(p.road(state.seq + 1))
     return _sent(state, frame.Command(answers, frame.from_duty(duty), source, flags, height))
 
 

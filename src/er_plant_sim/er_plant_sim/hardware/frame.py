@@ -52,6 +52,8 @@ DUTY_UNIT: Final = 2e-5
 """Of a duty on the wire [1]: 50000 is full field, more is refused."""
 ROAD_UNIT: Final = 1e-9
 """Of a road height that the host asks for [m]."""
+ROAD_REACH: Final = 2**31 - 1
+"""Greatest road height on the wire, up and down [`ROAD_UNIT`]: 2.147 m."""
 CAN_MOVE_ROAD: Final = 1
 """Bit of a device that can follow a road height."""
 WATCHDOG, LIMITED, BROKEN = 1, 2, 4
@@ -188,3 +190,8 @@ def to_duty(units: int) -> float:
 def from_duty(duty: float) -> int:
     """Duty within 0..1 for the wire."""
     return round(min(max(duty, 0.0), 1.0) * FULL_DUTY)
+
+
+def from_height(height: float) -> int:
+    """Road height [m] for the wire, as far as that reaches."""
+    return min(max(round(height / ROAD_UNIT), -ROAD_REACH), ROAD_REACH)

@@ -11,13 +11,21 @@ from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Array
 from er_models.own import catalogue_with
-from er_models.program import Program, load_program
+from er_models.program import Program, load_program, times
 from er_ros_common.parameter_table import REQUIRED, param
 
+from er_plant_sim.hardware import frame
 from er_plant_sim.hardware.bridge import Bridge, Sources
 from er_plant_sim.hardware.calibration import load_calibration
 from er_plant_sim.hardware.link import HOST_WIRES, Address
-from er_plant_sim.rig_parameters import RigParameters, for_this_run, gate, of_a_wheel, scaled
+from er_plant_sim.rig_parameters import (
+    LONGEST,
+    RigParameters,
+    for_this_run,
+    gate,
+    of_a_wheel,
+    scaled,
+)
 
 BLOCK = 64
 """Ticks of a program that are computed at once."""
@@ -71,7 +79,7 @@ def build(p: BridgeParameters, sources: Sources) -> Built:
     duty = road = None
     if program is not None:
         if p.road_source == "program":
-            program, _ = scaled(program, model, 1.0 / p.rate)
+            program = _reachable(p, *scaled(program, model, 1.0 / p.rate))
             road = _signal(program, p.rate, Program.heights)
         duty = _signal(program, p.rate, Program.duties) if p.duty_source == "program" else None
     bridge = Bridge(
@@ -89,6 +97,21 @@ def build(p: BridgeParameters, sources: Sources) -> Built:
 
 def _program(p: BridgeParameters) -> Program:
     return for_this_run(p, of_a_wheel(p, load_program(p.program_file)))
+
+
+def _reachable(p: BridgeParameters, program: Program, heights: Array) -> Program:
+    """The program, if the wire can carry its road; heights: those that are known [m], (n,).
+
+    Raises:
+        InputError: It goes too high or too low, as far as it is looked at.
+    """
+    if not heights.size:
+        heights = program.heights(times(min(program.duration or LONGEST, LONGEST), 1.0 / p.rate))
+    peak, reach = float(np.abs(heights).max()), frame.ROAD_REACH * frame.ROAD_UNIT
+    if peak <= reach:
+        return program
+    expected = f"heights within {reach:.3f} m: the wire carries no more"
+    raise InputError(p.program_file, "road", expected, f"{peak:.4g} m")
 
 
 def _signal(

@@ -171,7 +171,10 @@ class BridgeNode(ManagedNode):
         """Health of bridge, wire and device."""
         s, mode, status, reason = self.state, "running", NodeStatus.STATUS_OK, ""
         refusal = self.wire.trouble or bridge.refusal(self.bridge, s)
-        if not s.begun:
+        if self.wire.dead:
+            mode, status = "broken", NodeStatus.STATUS_FAULT
+            reason = f"nobody reads the wire any more: restart the node ({refusal or 'no reason'})"
+        elif not s.begun:
             mode, status = "waiting", NodeStatus.STATUS_INITIALIZING
             reason = f"for {refusal or ', '.join(self.gathering.missing()) or 'its subscribers'}"
         elif refusal:

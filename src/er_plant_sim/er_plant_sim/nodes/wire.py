@@ -38,6 +38,12 @@ class Wire:
         """Begin."""
         self._thread.start()
 
+    @property
+    def dead(self) -> bool:
+        """Whether the thread has ended although nobody asked it to."""
+        t = self._thread
+        return t.ident is not None and not t.is_alive() and not self._ending.is_set()
+
     def write(self, data: bytes) -> None:
         """Send bytes, from any thread; without a wire they are lost."""
         link = self._link
@@ -60,16 +66,19 @@ class Wire:
 
     def _run(self) -> None:
         while not self._ending.is_set():
-            try:
-                self._link = connect(self.address)
-                self.trouble, self.opens = "", self.opens + 1
-                self.opened()
-                self._serve(self._link)
-            except OSError as error:
-                self.trouble = error.strerror or str(error)
-            if not self._ending.is_set():
-                self._close()
-                self._wait()
+            # whatever a driver or listener raises: the rig is lost only with this thread
+            for part in (self._connected, self._wait):
+                try:
+                    part()
+                except Exception as error:
+                    self.trouble = _words(error)
+
+    def _connected(self) -> None:
+        """Open the wire and serve it until it is gone."""
+        self._link = connect(self.address)
+        self.trouble, self.opens = "", self.opens + 1
+        self.opened()
+        self._serve(self._link)
 
     def _close(self) -> None:
         link, self._link = self._link, None
@@ -78,6 +87,9 @@ class Wire:
 
     def _wait(self) -> None:
         """Do nothing but what has to be done now and then until it is time to open the wire again."""
+        if self._ending.is_set():
+            return  # the farewell is still to be sent
+        self._close()
         until = monotonic() + AGAIN
         while monotonic() < until and not self._ending.wait(ATTENTION):
             self.idle(monotonic_ns())
@@ -88,3 +100,10 @@ class Wire:
             now = monotonic_ns()
             answer = self.heard(data, now, link.datagram) if data else b""
             self.write(answer + self.idle(now))
+
+
+def _words(error: Exception) -> str:
+    """What is wrong, for people."""
+    if isinstance(error, OSError):
+        return error.strerror or str(error)
+    return f"{type(error).__name__}: {error}"
