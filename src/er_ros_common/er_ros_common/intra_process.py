@@ -72,14 +72,15 @@ class LocalSubscription:
     """A subscription of this process.
 
     heard: what is called with a message; waiting: messages handed over, at most the depth of its quality of service;
-    publishers: publishers of the process that it can hear; direct: whether it is served without the middleware.
+    publishers: publishers of the process that it can hear; direct: whether it is served without the middleware; due,
+    had: turns to hear a message that it was given, and those that it had.
     """
 
     def __init__(self, subscription: Subscription, heard: Callable[[Any], None]) -> None:
         self.subscription, self.heard = subscription, heard
         self.waiting: deque[Any] = deque(maxlen=subscription.qos_profile.depth)
         self.publishers: list[LocalPublisher] = []
-        self.direct = False
+        self.direct, self.due, self.had = False, 0, 0
 
     def served_by(self, publisher: LocalPublisher) -> bool:
         """Whether the middleware would connect it to this publisher."""
@@ -102,7 +103,11 @@ class LocalSubscription:
 
 
 class IntraProcess:
-    """The ends of all nodes of a process that share one executor and one thread."""
+    """The ends of all nodes of a process that share one executor and one thread, which hears; any may publish.
+
+    order: whose turn it is. Without a lock every message has its turn, as `hand` and `drain` count too few rather than
+    too many turns to come: one without a message costs nothing, a message without one would make all after it late.
+    """
 
     def __init__(self, nodes: Iterable[Node]) -> None:
         self.nodes = tuple(nodes)
@@ -169,9 +174,10 @@ class IntraProcess:
     def hand(self, subscriptions: Iterable[LocalSubscription], message: Any) -> None:
         """Queue a message for the subscriptions; the oldest makes room where a queue is full."""
         for each in subscriptions:
-            if len(each.waiting) < (each.waiting.maxlen or 0):
-                self.order.append(each)
             each.waiting.append(message)
+            if each.due - each.had < (each.waiting.maxlen or 0):
+                self.order.append(each)
+                each.due += 1
         if not self.turns or get_ident() != self.thread:
             self._later()
 
@@ -194,6 +200,7 @@ class IntraProcess:
                 if not self.order:
                     return
                 each = self.order.popleft()
+                each.had += 1
                 if each.waiting:
                     each.heard(each.waiting.popleft())
         finally:

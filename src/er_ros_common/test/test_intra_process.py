@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterator
 from time import monotonic, process_time
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -14,7 +16,7 @@ import rclpy
 from er_ros_common.builders import Tick
 from er_ros_common.common_parameters import NodeParameters
 from er_ros_common.health import Report
-from er_ros_common.intra_process import IntraProcess, LocalPublisher
+from er_ros_common.intra_process import IntraProcess, LocalPublisher, LocalSubscription
 from er_ros_common.managed import ManagedNode
 from er_ros_common.spin import make_executor
 from er_ros_common.topics import ACCELERATION, PWM_COMMAND
@@ -216,3 +218,55 @@ def test_messages_that_call_for_messages_leave_time_for_timers(world: World) -> 
     again["on"] = False
     world.idle(0.1)
     assert not world.local.order
+
+
+class Between(deque[Any]):
+    """A queue where something comes in between, once: before `append`, before or after `popleft`."""
+
+    comes: Callable[[], None] | None = None
+    where = ""
+
+    def came(self, where: str) -> None:
+        """Let it come if this is its place."""
+        if self.comes is not None and where == self.where:
+            comes, self.comes = self.comes, None
+            comes()
+
+    def append(self, message: Any) -> None:
+        """Take one in."""
+        self.came("append")
+        super().append(message)
+
+    def popleft(self) -> Any:
+        """Give one out."""
+        self.came("popleft")
+        first = super().popleft()
+        self.came("popped")
+        return first
+
+
+@pytest.mark.parametrize("before", [0, 1, 3])
+@pytest.mark.parametrize("queue", ["waiting", "order"])
+@pytest.mark.parametrize("where", ["append", "popleft", "popped"])
+def test_no_message_is_late_whatever_comes_in_between(where: str, queue: str, before: int) -> None:
+    heard: list[Any] = []
+    subscription: Any = SimpleNamespace(qos_profile=SimpleNamespace(depth=3))
+    each = LocalSubscription(subscription, heard.append)
+    local = IntraProcess.__new__(IntraProcess)
+    vars(local).update(nodes=(SimpleNamespace(executor=None),), turns=0, asked=False, thread=0)
+    each.waiting, local.order = Between(maxlen=3), Between()
+    for k in range(before):
+        local.hand((each,), k)
+    between: Any = each.waiting if queue == "waiting" else local.order
+    between.where = where
+    # while it is published another thread hears; while it is heard another one publishes
+    between.comes = local.drain if where == "append" else lambda: local.hand((each,), 3)
+    local.hand((each,), 4)
+    local.drain()
+    assert 4 in heard
+    for k in range(5, 15):
+        local.hand((each,), k)
+        local.drain()
+        assert heard[-1] == k
+    assert not local.order
+    assert not each.waiting
