@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import xml.etree.ElementTree as ET
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -15,6 +16,7 @@ pytest.importorskip("rclpy")
 from er_bringup.given import CAR
 from er_bringup.integration import foxglove, names, plotjuggler
 from er_bringup.integration.write import files
+from er_bringup.nodes.ros2_control_joint import JointNode
 from er_bringup.ros_joint import COMMANDS, STATES, JointCore, JointParameters, State
 from er_ros_common.builders import Tick
 from er_ros_common.core import When
@@ -254,6 +256,19 @@ def test_a_bad_stamp_is_no_sample_and_a_command_after_it_no_crash(
     command = JointState(name=["damper"], effort=[0.25])
     state, said = core.on_message(state, COMMANDS, command, When(MS, NOW))
     assert bool(said) == bool(found)
+
+
+def test_the_joints_status_is_valid_while_joint_states_come() -> None:
+    core, ends = joint_core(), [SimpleNamespace(get_publisher_count=lambda: 1)]
+    state, _ = joint_state(core, core.start(), builders.suspension_deflection(sample(1), 0.01))
+    soon, late = at(sample(2)), When(at(sample(1)).steady + 60 * MS, None)
+    cases = ((core.start(), soon, "ready"), (state, soon, "running"), (state, late, "silent"))
+    for known, when, mode in cases:
+        node: Any = SimpleNamespace(
+            core=core, p=core.p, state=known, ends=ends, when=lambda w=when: w
+        )
+        told = JointNode.report(node)
+        assert (told.mode, told.valid) == (mode, mode == "running")
 
 
 def test_a_joint_command_after_50_ms_without_samples_is_refused() -> None:

@@ -9,10 +9,12 @@ import pytest
 
 pytest.importorskip("rclpy")
 
+from er_plant_sim.duty_gate import Applied, GateState, Reason
 from er_plant_sim.hardware import bridge
-from er_plant_sim.hardware.bridge import BridgeState
+from er_plant_sim.hardware.bridge import BridgeState, Reading
 from er_plant_sim.hardware.frame import Hello
 from er_plant_sim.nodes.hardware_bridge import BridgeNode
+from er_plant_sim.nodes.plant import PlantNode
 from er_plant_sim.ros_commands import Commands
 from er_ros_common.health import Report
 
@@ -47,3 +49,46 @@ def test_a_wire_that_nobody_reads_is_a_fault_whatever_else_is_well() -> None:
         told = said(state, wire=wire)
         assert (told.mode, told.status) == ("broken", NodeStatus.STATUS_FAULT)
         assert "ValueError: 12345" in told.reason
+
+
+def reading(**changes: Any) -> Reading:
+    """A good one, or not."""
+    applied = Applied(0.2, 6, 2, False, Reason.COMMAND)
+    return Reading(7, 0, (), applied, False)._replace(**changes)
+
+
+@pytest.mark.parametrize(
+    ("state", "changes", "mode", "valid"),
+    [
+        (RUNNING, {}, "running", True),
+        (RUNNING, {"reading": reading()}, "running", True),
+        (RUNNING, {"port": SimpleNamespace(in_force="noise")}, "running", True),
+        (RUNNING, {"reading": reading(applied=Applied(0.1, 0, 4, False, Reason.OLD_COMMAND))}, "safe", True),
+        (RUNNING, {"reading": reading(ill=True)}, "ill", False),
+        (RUNNING._replace(silent=True), {"reading": reading()}, "silent", False),
+        (RUNNING._replace(hello=None), {}, "refused", False),
+        (RUNNING, {"wire": SimpleNamespace(trouble="gone", dead=False)}, "refused", False),
+        (ALIGNED, {}, "waiting", False),
+    ],
+)  # fmt: skip
+def test_the_status_is_valid_while_what_is_published_is(
+    state: BridgeState, changes: dict[str, Any], mode: str, valid: bool
+) -> None:
+    told = said(state, **changes)
+    assert (told.mode, told.valid) == (mode, valid)
+
+
+@pytest.mark.parametrize("running", [False, True])
+def test_the_plants_status_is_valid_once_it_runs(running: bool) -> None:
+    node: Any = SimpleNamespace(
+        running=running,
+        applied=None,
+        outside=0,
+        gathering=SimpleNamespace(missing=list),
+        port=SimpleNamespace(in_force=""),
+        state=SimpleNamespace(gate=GateState(0.1, 0.0)),
+        drive=SimpleNamespace(timeouts=0),
+        pace=SimpleNamespace(progress=SimpleNamespace(skipped=0), clock_steps=0),
+        commands=Commands(),
+    )
+    assert PlantNode.report(node).valid is running

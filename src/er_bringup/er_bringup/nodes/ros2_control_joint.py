@@ -79,7 +79,10 @@ class JointNode(ManagedNode):
             status = NodeStatus.STATUS_DEGRADED
             reason = f"joint states without what is not usable: {', '.join(state.lacks)}"
         values = {"commands refused": state.refused, "samples unusable": state.unusable}
-        return Report(mode, status, reason, state.stamps, invalid=state.unusable, values=values)
+        return Report(
+            mode, status, reason, state.stamps,
+            invalid=state.unusable, valid=mode == "running", values=values,
+        )  # fmt: skip
 
 
 CARD = Card(

@@ -182,13 +182,18 @@ class BridgeNode(ManagedNode):
         elif s.silent:
             mode, status = "silent", NodeStatus.STATUS_LOST
             reason = f"no sample for {self.p.silence:g} s: the device holds its safe duty"
+        elif self.reading and self.reading.ill:
+            mode, status, reason = "ill", NodeStatus.STATUS_FAULT, "the device says that it is ill"
         elif self.reading and self.reading.applied.reason not in (Reason.COMMAND, Reason.PROGRAM):
             mode, status = "safe", NodeStatus.STATUS_DEGRADED
             reason = f"safe duty: {self.reading.applied.reason.value}"
         if self.port.in_force and status == NodeStatus.STATUS_OK:
             status, reason = NodeStatus.STATUS_DEGRADED, f"injected: {self.port.in_force}"
         stamps, invalid = self.commands
-        return Report(mode, status, reason, stamps=stamps, invalid=invalid, values=self._values())
+        valid = mode in ("running", "safe")
+        return Report(
+            mode, status, reason, stamps, invalid=invalid, valid=valid, values=self._values()
+        )
 
     def _values(self) -> dict[str, object]:
         s = self.state

@@ -246,7 +246,9 @@ class PlantNode(ManagedNode):
             "injected": self.port.in_force,
         }
         stamps, invalid = self.commands
-        return Report(mode, status, reason, stamps=stamps, invalid=invalid, values=values)
+        return Report(
+            mode, status, reason, stamps, invalid=invalid, valid=self.running, values=values
+        )
 
     def end(self) -> None:
         """Let subscribers take the last messages."""
