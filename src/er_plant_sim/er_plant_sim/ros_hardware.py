@@ -8,7 +8,6 @@ from er_ros_common.builders import Tick
 
 from er_damper_msgs.msg import PwmDuty, SuspensionDeflection
 from er_plant_sim import ros_msgs
-from er_plant_sim.duty_gate import Applied, Reason
 from er_plant_sim.hardware.bridge import Reading, Sources
 from er_plant_sim.hardware.calibration import Quality, Value
 from er_ros_common import builders
@@ -36,15 +35,15 @@ def messages(tick: Tick, r: Reading, *, force_sd: float) -> tuple[Any, ...]:
     )
 
 
-def lost(tick: Tick, duty: float) -> tuple[Any, ...]:
-    """The same when nothing comes any more; duty: what the device falls back to [1]."""
+def lost(tick: Tick) -> tuple[Any, ...]:
+    """The same when nothing comes any more; when the device falls back to its own safe duty is not known either."""
     gone: dict[str, Any] = {"status": SuspensionDeflection.STATUS_LOST, "valid": False}
     return (
         builders.suspension_acceleration(tick, 0.0, 0.0, **gone),
         builders.suspension_deflection(tick, 0.0, None, **gone),
         builders.damper_force(tick, 0.0, **gone),
         builders.road_displacement(tick, 0.0, **gone),
-        ros_msgs.applied(tick, Applied(duty, 0, SOURCES.safe, False, Reason.OLD_COMMAND)),
+        builders.pwm_duty(tick, 0.0, command_seq=0, **gone),
     )
 
 

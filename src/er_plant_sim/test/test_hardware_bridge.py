@@ -301,6 +301,16 @@ def test_what_does_not_fit_is_refused_with_a_reason(change: dict[str, object], w
     assert world.readings == []
 
 
+def test_a_device_that_cannot_move_the_road_is_refused_where_it_should() -> None:
+    for road, words in ((lambda _: 0.0, "the device cannot move the road"), (None, "")):
+        world = World(host(road=road))
+        world.run(0.5)
+        assert bridge.refusal(world.p, world.host) == ""
+        world.heard(frame.encode(world.d.hello._replace(abilities=0), 1))
+        assert bridge.refusal(world.p, world.host).startswith(words)
+        assert bool(bridge.refusal(world.p, world.host)) == bool(words)
+
+
 def test_the_road_and_duty_of_a_program_reach_the_device() -> None:
     p = host(duty=lambda tick: 0.05 + 0.1 * (tick % 2), road=lambda tick: 1e-3 * (tick % 7))
     world = World(p).begin()

@@ -16,9 +16,11 @@ from er_plant_sim.hardware.frame import Hello
 from er_plant_sim.nodes.hardware_bridge import BridgeNode
 from er_plant_sim.nodes.plant import PlantNode
 from er_plant_sim.ros_commands import Commands
+from er_ros_common.builders import Tick
 from er_ros_common.health import Report
 
 from er_damper_msgs.msg import NodeStatus
+from er_plant_sim import ros_hardware
 
 HELLO = Hello(1, 5_000_000, 63, 1, 50_000, 5_000)
 ALIGNED = BridgeState(hello=HELLO, clock=bridge.ClockState(p_oo=1e-12, exchanges=9))
@@ -92,3 +94,24 @@ def test_the_plants_status_is_valid_once_it_runs(running: bool) -> None:
         commands=Commands(),
     )
     assert PlantNode.report(node).valid is running
+
+
+def test_of_a_rig_that_is_silent_nothing_is_valid_nor_the_duty_stated() -> None:
+    for message in ros_hardware.lost(Tick(5_000_000, 1)):
+        assert (message.status, message.valid) == (message.STATUS_LOST, False)
+    assert (message.duty, message.command_seq) == (0.0, 0)
+    assert message.source == message.SOURCE_UNKNOWN
+
+
+def test_what_the_device_says_of_its_watchdog_is_shown() -> None:
+    node: Any = SimpleNamespace(
+        state=RUNNING,
+        reading=None,
+        wire=SimpleNamespace(opens=1, failed=0),
+        time=SimpleNamespace(steps=0),
+        port=SimpleNamespace(in_force=""),
+    )
+    shown = BridgeNode._values(node)
+    assert (shown["device watchdog [ms]"], shown["device safe duty"]) == ("50", "0.1000")
+    node.state = BridgeState()
+    assert BridgeNode._values(node)["device safe duty"] == ""

@@ -206,6 +206,8 @@ def refusal(p: Bridge, state: BridgeState) -> str:
     if state.hello.period != p.period:
         found, expected = 1e9 / state.hello.period, 1e9 / p.period
         return f"the device samples at {found:g} Hz, parameter rate expects {expected:g} Hz"
+    if p.road is not None and not state.hello.abilities & frame.CAN_MOVE_ROAD:
+        return "the device cannot move the road: parameter road_source has to be device"
     if not aligned(p, state):
         return "the clocks are not aligned yet"
     return ""

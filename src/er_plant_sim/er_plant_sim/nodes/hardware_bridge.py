@@ -24,7 +24,7 @@ from er_ros_common.stamps import SECOND, StampLimits
 from er_damper_msgs.msg import NodeStatus, PwmDuty
 from er_plant_sim import ros_commands, ros_hardware
 from er_plant_sim.duty_gate import Reason
-from er_plant_sim.hardware import bridge, clocks
+from er_plant_sim.hardware import bridge, clocks, frame
 from er_plant_sim.hardware.bridge import Reading
 from er_plant_sim.hardware.settings import BridgeParameters, build
 from er_plant_sim.nodes.outlet import Outlet, spoilable
@@ -104,7 +104,7 @@ class BridgeNode(ManagedNode):
             last, seq = self.state.stamp, self.state.seq
         if said.silence:
             tick = Tick(self.time.stamp(last), seq)
-            self.out.publish(ros_hardware.lost(tick, self.p.safe_duty))
+            self.out.publish(ros_hardware.lost(tick))
         return said.data
 
     def on_open(self) -> None:
@@ -181,7 +181,7 @@ class BridgeNode(ManagedNode):
             mode, status, reason = "refused", NodeStatus.STATUS_FAULT, refusal
         elif s.silent:
             mode, status = "silent", NodeStatus.STATUS_LOST
-            reason = f"no sample for {self.p.silence:g} s: the device holds its safe duty"
+            reason = f"no sample for {self.p.silence:g} s: the device is left to its own watchdog"
         elif self.reading and self.reading.ill:
             mode, status, reason = "ill", NodeStatus.STATUS_FAULT, "the device says that it is ill"
         elif self.reading and self.reading.applied.reason not in (Reason.COMMAND, Reason.PROGRAM):
@@ -196,7 +196,7 @@ class BridgeNode(ManagedNode):
         )
 
     def _values(self) -> dict[str, object]:
-        s = self.state
+        s, hello = self.state, self.state.hello
         return {
             "duty": f"{self.reading.applied.duty:.4f}" if self.reading else "none yet",
             "frames lost": s.lost,
@@ -208,6 +208,8 @@ class BridgeNode(ManagedNode):
             "wire opened": self.wire.opens,
             "writes failed": self.wire.failed,
             "device restarts": s.boots,
+            "device watchdog [ms]": f"{1e-3 * hello.watchdog:g}" if hello else "",
+            "device safe duty": f"{frame.to_duty(hello.safe_duty):.4f}" if hello else "",
             "clock drift [ppm]": f"{1e6 * s.clock.drift:.2f}",
             "clock deviation [us]": f"{1e6 * clocks.deviation(s.clock):.1f}",
             "way there and back [us]": f"{1e6 * s.clock.width:.0f}",
