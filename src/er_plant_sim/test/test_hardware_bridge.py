@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,9 +13,10 @@ from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.program import load_program
 from er_plant_sim.duty_gate import BURST, Command, Gate, Reason
-from er_plant_sim.hardware import bridge, device, frame, impair, parser
+from er_plant_sim.hardware import bridge, clocks, device, frame, impair, parser
 from er_plant_sim.hardware.bridge import Bridge, BridgeState, Reading, Sources
 from er_plant_sim.hardware.calibration import Quality, load_calibration
+from er_plant_sim.hardware.clocks import ClockState, Exchange
 from er_plant_sim.hardware.device import Device, DeviceState
 from er_plant_sim.hardware.frame import Sample
 from er_plant_sim.hardware.impair import Wire, WireState
@@ -299,6 +301,39 @@ def test_what_does_not_fit_is_refused_with_a_reason(change: dict[str, object], w
     world.run(0.2)
     assert bridge.refusal(world.p, world.host) == words
     assert world.readings == []
+
+
+def test_a_device_that_no_longer_tells_its_time_is_refused_until_it_does_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    world = World(host(unanswered=400 * MS)).begin()
+    world.run(0.2)
+    with monkeypatch.context() as deaf:
+        deaf.setattr(device, "on_bytes", without_replies(device.on_bytes))
+        world.run(0.3)
+        assert bridge.refusal(world.p, world.host) == ""
+        world.run(0.4)
+        count = len(world.readings)
+        assert bridge.refusal(world.p, world.host) == "the device has not told its time for 0.4 s"
+        world.run(0.1)
+        assert len(world.readings) == count
+    world.run(0.2)
+    assert bridge.refusal(world.p, world.host) == ""
+    assert len(world.readings) > count + 30
+
+
+def without_replies(takes: Any) -> Any:
+    """A device that takes bytes like this one, but does not say a word on that."""
+    return lambda *given: (takes(*given)[0], b"")
+
+
+def test_clocks_that_were_compared_once_are_not_aligned_for_long() -> None:
+    p = host()
+    once = clocks.step(p.clock, ClockState(), Exchange(0, 7 * MS, 7 * MS, MS))  # 0.5 ms
+    state = BridgeState(clock=once, answered_at=MS)
+    for seconds, aligned in ((0.1, True), (3.0, True), (4.9, False)):
+        later = state._replace(asked_at=round(1e9 * seconds))
+        assert bridge.aligned(p, later) == aligned
 
 
 def test_a_device_that_cannot_move_the_road_is_refused_where_it_should() -> None:

@@ -9,9 +9,10 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from er_plant_sim.duty_gate import Applied, GateState, Reason
+from er_plant_sim.duty_gate import Applied, Gate, GateState, Reason
 from er_plant_sim.hardware import bridge
 from er_plant_sim.hardware.bridge import BridgeState, Reading
+from er_plant_sim.hardware.calibration import Calibration
 from er_plant_sim.hardware.frame import Hello
 from er_plant_sim.nodes.hardware_bridge import BridgeNode
 from er_plant_sim.nodes.plant import PlantNode
@@ -22,16 +23,22 @@ from er_ros_common.health import Report
 from er_damper_msgs.msg import NodeStatus
 from er_plant_sim import ros_hardware
 
+BRIDGE = bridge.Bridge(
+    Calibration("rig", ()), Gate(0.0, 0.3, 0.1, 0.05), 5_000_000, 0.05, ros_hardware.SOURCES
+)
 HELLO = Hello(1, 5_000_000, 63, 1, 50_000, 5_000)
 ALIGNED = BridgeState(hello=HELLO, clock=bridge.ClockState(p_oo=1e-12, exchanges=9))
 RUNNING = ALIGNED._replace(begun=True, seq=7)
+
+QUIET = RUNNING._replace(silent=True, asked_at=9_000_000_000)
+"""No sample was given on, and the device has not told its time for 9 s."""
 
 
 def said(state: BridgeState = RUNNING, **changes: Any) -> Report:
     """What a node says in this state of the bridge; changes: of the node."""
     node: Any = SimpleNamespace(
         state=state,
-        bridge=SimpleNamespace(period=HELLO.period, certain=1e-3, road=None),
+        bridge=BRIDGE,
         wire=SimpleNamespace(trouble="", dead=False),
         p=SimpleNamespace(silence=0.05),
         reading=None,
@@ -68,6 +75,8 @@ def reading(**changes: Any) -> Reading:
         (RUNNING, {"reading": reading(applied=Applied(0.1, 0, 4, False, Reason.OLD_COMMAND))}, "safe", True),
         (RUNNING, {"reading": reading(ill=True)}, "ill", False),
         (RUNNING._replace(silent=True), {"reading": reading()}, "silent", False),
+        (QUIET._replace(heard_at=1_000_000_000), {}, "silent", False),
+        (QUIET._replace(heard_at=8_990_000_000), {}, "refused", False),
         (RUNNING._replace(hello=None), {}, "refused", False),
         (RUNNING, {"wire": SimpleNamespace(trouble="gone", dead=False)}, "refused", False),
         (ALIGNED, {}, "waiting", False),

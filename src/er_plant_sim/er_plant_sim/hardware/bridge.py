@@ -40,8 +40,9 @@ class Bridge:
 
     period: expected between samples [ns]; silence: time without sample after which the rig is lost [s];
     certain: the clocks are aligned when the offset's standard deviation is below this [s]; asking: time
-    between two questions for the time [ns]; timely: a sample whose stamp is farther from now is not
-    believed [ns]; duty, road: of the program from a tick on [1], [m], or None.
+    between two questions for the time [ns]; unanswered: time without an answer after which the clocks are not
+    aligned any more, as two that are 200 ppm apart are off by `certain` then [ns]; timely: a sample whose stamp
+    is farther from now is not believed [ns]; duty, road: of the program from a tick on [1], [m], or None.
     """
 
     calibration: Calibration
@@ -53,6 +54,7 @@ class Bridge:
     road: Callable[[int], float] | None = None
     certain: float = 1e-3
     asking: int = 100_000_000
+    unanswered: int = 5_000_000_000
     timely: int = 1_000_000_000
     clock: ClockModel = field(default_factory=ClockModel)
 
@@ -60,9 +62,10 @@ class Bridge:
 class BridgeState(NamedTuple):
     """Memory between calls.
 
-    heard: sequence number of the last frame; seq: of the last sample given on, `number` its number on
-    the device; begun: whether samples are given on; counts: frames lost and repeated,
-    samples missed and untimely.
+    heard: sequence number of the last frame, heard_at: when it came [ns]; seq: of the last sample given on,
+    `number` its number on the device; begun: whether samples are given on; asked_at, answered_at: when the
+    device was last asked for its time, and answered [ns]; counts: frames lost and repeated, samples missed and
+    untimely.
     """
 
     parser: ParserState = ParserState()
@@ -71,6 +74,7 @@ class BridgeState(NamedTuple):
     filters: Filters = calibrating.EMPTY
     hello: Hello | None = None
     heard: int | None = None
+    heard_at: int = 0
     begun: bool = False
     seq: int = 0
     number: int | None = None
@@ -81,6 +85,7 @@ class BridgeState(NamedTuple):
     limited: tuple[int, ...] = ()
     sent: int = 0
     asked_at: int = 0
+    answered_at: int = 0
     lost: int = 0
     repeated: int = 0
     missed: int = 0
@@ -124,11 +129,11 @@ def on_bytes(
         state, fresh = _ordered(state, each)
         if not fresh:
             continue
+        state = state._replace(heard_at=now)
         if isinstance(each.message, Hello):
             state = _on_hello(state, each.message)
         elif isinstance(each.message, SyncReply):
-            exchange = Exchange(*each.message, now)
-            state = state._replace(clock=clocks.step(p.clock, state.clock, exchange))
+            state = _on_reply(p, state, Exchange(*each.message, now))
         elif isinstance(each.message, Sample) and _usable(p, state):
             state, reading = _on_sample(p, state, each.message, now)
             if reading is not None:
@@ -193,8 +198,11 @@ def reconnected(state: BridgeState) -> BridgeState:
 
 
 def aligned(p: Bridge, state: BridgeState) -> bool:
-    """Whether the device's time is known well enough to stamp with."""
-    return clocks.deviation(state.clock) < p.certain
+    """Whether the device's time is known well enough to stamp with, now and not only when it last answered."""
+    quiet = _quiet(state)
+    if quiet > p.unanswered:
+        return False
+    return clocks.deviation_later(p.clock, state.clock, quiet) < p.certain
 
 
 def refusal(p: Bridge, state: BridgeState) -> str:
@@ -208,13 +216,25 @@ def refusal(p: Bridge, state: BridgeState) -> str:
         return f"the device samples at {found:g} Hz, parameter rate expects {expected:g} Hz"
     if p.road is not None and not state.hello.abilities & frame.CAN_MOVE_ROAD:
         return "the device cannot move the road: parameter road_source has to be device"
+    if state.clock.exchanges and _quiet(state) > p.unanswered:
+        return f"the device has not told its time for {1e-9 * p.unanswered:g} s"
     if not aligned(p, state):
         return "the clocks are not aligned yet"
     return ""
 
 
+def mute(p: Bridge, state: BridgeState) -> bool:
+    """Whether a rig that has fallen silent does not say a word: it is not there, and nothing of it is refused."""
+    return state.silent and 1e-9 * (state.asked_at - state.heard_at) > p.silence
+
+
 def _usable(p: Bridge, state: BridgeState) -> bool:
     return state.begun and not refusal(p, state)
+
+
+def _quiet(state: BridgeState) -> int:
+    """Time without an answer to the questions for the time [ns]."""
+    return max(state.asked_at - state.answered_at, 0)
 
 
 def _ordered(state: BridgeState, found: Frame) -> tuple[BridgeState, bool]:
@@ -233,6 +253,14 @@ def _on_hello(state: BridgeState, hello: Hello) -> BridgeState:
         clock = ClockState(restarts=state.clock.restarts + 1)
         state = state._replace(clock=clock, number=None, boots=state.boots + 1)
     return state._replace(hello=hello)
+
+
+def _on_reply(p: Bridge, state: BridgeState, exchange: Exchange) -> BridgeState:
+    """Align the clocks; an answer that cannot be is none."""
+    clock = clocks.step(p.clock, state.clock, exchange)
+    if clock is state.clock:
+        return state
+    return state._replace(clock=clock, answered_at=exchange.heard)
 
 
 def _on_sample(

@@ -93,6 +93,11 @@ def deviation(state: ClockState) -> float:
     return math.sqrt(state.p_oo)
 
 
+def deviation_later(p: ClockModel, state: ClockState, after: int) -> float:
+    """The same so long after the last exchange [ns]: it grows with what is not known of the drift."""
+    return deviation(_predicted(p, state, state.at + after))
+
+
 def _begin(p: ClockModel, exchange: Exchange, width: float, restarts: int) -> ClockState:
     host, device = (
         (exchange.asked + exchange.heard) // 2,

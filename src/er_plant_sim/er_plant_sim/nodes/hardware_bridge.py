@@ -170,7 +170,8 @@ class BridgeNode(ManagedNode):
     def report(self) -> Report:
         """Health of bridge, wire and device."""
         s, mode, status, reason = self.state, "running", NodeStatus.STATUS_OK, ""
-        refusal = self.wire.trouble or bridge.refusal(self.bridge, s)
+        refused = "" if bridge.mute(self.bridge, s) else bridge.refusal(self.bridge, s)
+        refusal = self.wire.trouble or refused
         if self.wire.dead:
             mode, status = "broken", NodeStatus.STATUS_FAULT
             reason = f"nobody reads the wire any more: restart the node ({refusal or 'no reason'})"
