@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from threading import Lock
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,17 +11,18 @@ import pytest
 pytest.importorskip("rclpy")
 
 from er_plant_sim.duty_gate import Applied, Gate, GateState, Reason
-from er_plant_sim.hardware import bridge
+from er_plant_sim.hardware import bridge, parser
 from er_plant_sim.hardware.bridge import BridgeState, Reading
-from er_plant_sim.hardware.calibration import Calibration
+from er_plant_sim.hardware.calibration import Calibration, Quality, Value
 from er_plant_sim.hardware.frame import Hello
+from er_plant_sim.hardware.parser import ParserState
 from er_plant_sim.nodes.hardware_bridge import BridgeNode
 from er_plant_sim.nodes.plant import PlantNode
 from er_plant_sim.ros_commands import Commands
 from er_ros_common.builders import Tick
-from er_ros_common.health import Report
+from er_ros_common.health import Meter, Report
 
-from er_damper_msgs.msg import NodeStatus
+from er_damper_msgs.msg import NodeStatus, PwmDuty
 from er_plant_sim import ros_hardware
 
 BRIDGE = bridge.Bridge(
@@ -124,3 +126,39 @@ def test_what_the_device_says_of_its_watchdog_is_shown() -> None:
     assert (shown["device watchdog [ms]"], shown["device safe duty"]) == ("50", "0.1000")
     node.state = BridgeState()
     assert BridgeNode._values(node)["device safe duty"] == ""
+
+
+def test_frames_go_out_in_the_order_of_their_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A command is handed over while the wire's thread still publishes what it answered first."""
+    written: list[int] = []
+
+    def write(data: bytes) -> None:
+        written.extend(each.seq for each in parser.step(ParserState(), data)[1])
+
+    def published(_: object) -> None:
+        node._passed_on = lambda *_: spoken(node)
+        BridgeNode.hand_over(node, PwmDuty())
+
+    def spoken(node: Any) -> bytes:
+        node.state, said = bridge.on_time(BRIDGE, node.state, node.state.asked_at + 10**9)
+        return said.data
+
+    def answered(_: Any, state: BridgeState, *__: object, **___: object) -> Any:
+        state, said = bridge.on_time(BRIDGE, state, state.asked_at + 10**9)
+        return state, bridge.Said([reading(values=(Value(0.0, Quality.OK),) * 6)], said.data)
+
+    node: Any = SimpleNamespace(
+        state=ALIGNED,
+        bridge=BRIDGE,
+        lock=Lock(),
+        p=SimpleNamespace(noise_force=0.0),
+        time=SimpleNamespace(stamp=lambda steady: steady),
+        wire=SimpleNamespace(write=write),
+        out=SimpleNamespace(publish=published),
+        health=SimpleNamespace(meter=Meter(1.0)),
+    )
+    monkeypatch.setattr(bridge, "on_bytes", answered)
+    for _ in range(2):
+        BridgeNode.on_wire(node, b"", 0, True)
+        BridgeNode.on_idle(node, node.state.asked_at + 10**9)
+    assert written == [1, 2, 3, 4, 5, 6]

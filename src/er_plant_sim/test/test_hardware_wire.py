@@ -38,11 +38,11 @@ def test_a_port_whose_device_died_is_opened_again_and_costs_nothing_meanwhile(
     port = tmp_path / "port"
     device, calls = PtyLink(str(port)), [0]
 
-    def idle(_: int) -> bytes:
+    def idle(_: int) -> None:
         calls[0] += 1
-        return b"?"
+        wire.write(b"?")
 
-    wire = Wire(Address(f"serial:{port}", ("serial",)), lambda *_: b"", idle, lambda: None)
+    wire = Wire(Address(f"serial:{port}", ("serial",)), lambda *_: None, idle, lambda: None)
     wire.start()
     try:
         until(lambda: device.read(0.0) == b"?")
@@ -93,7 +93,9 @@ def test_a_write_that_failed_is_forgiven_by_the_next_that_does_not(
 ) -> None:
     link = Failing()
     monkeypatch.setattr(module, "connect", lambda _: link)
-    wire = Wire(Address("udp:h:1", ("udp",)), lambda *_: b"", lambda _: b"?", lambda: None)
+    wire = Wire(
+        Address("udp:h:1", ("udp",)), lambda *_: None, lambda _: wire.write(b"?"), lambda: None
+    )
     wire.start()
     try:
         until(lambda: link.written > 3)
@@ -126,7 +128,11 @@ def test_whatever_goes_wrong_is_said_and_the_wire_opened_again(
 
     monkeypatch.setattr(module, "connect", opened)
     monkeypatch.setattr(link, "read", lambda _: sleep(0.001) or failing("read"))
-    heard, idle = partial(failing, "heard"), partial(failing, "idle")
+
+    def said(where: str, *_: object) -> None:
+        wire.write(failing(where))
+
+    heard, idle = partial(said, "heard"), partial(said, "idle")
     wire = Wire(Address("udp:h:1", ("udp",)), heard, idle, lambda: None)
     wire.start()
     try:
@@ -142,7 +148,7 @@ def test_whatever_goes_wrong_is_said_and_the_wire_opened_again(
 
 def test_a_thread_that_ended_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Wire, "_run", lambda _: None)
-    wire = Wire(Address("udp:h:1", ("udp",)), lambda *_: b"", lambda _: b"", lambda: None)
+    wire = Wire(Address("udp:h:1", ("udp",)), lambda *_: None, lambda _: None, lambda: None)
     assert not wire.dead
     wire.start()
     until(lambda: wire.dead)
@@ -153,13 +159,13 @@ def test_nothing_follows_the_farewell(monkeypatch: pytest.MonkeyPatch) -> None:
     link, answers = Failing(), [0]
     monkeypatch.setattr(module, "connect", lambda _: link)
 
-    def heard(*_: object) -> bytes:
+    def heard(*_: object) -> None:
         """The duty that a sample is answered with, which takes its time."""
         sleep(0.01)
         answers[0] += 1
-        return b"duty"
+        wire.write(b"duty")
 
-    wire = Wire(Address("udp:h:1", ("udp",)), heard, lambda _: b"", lambda: None)
+    wire = Wire(Address("udp:h:1", ("udp",)), heard, lambda _: None, lambda: None)
     wire.start()
     until(lambda: link.written > 3)
 

@@ -1,7 +1,7 @@
 """The bridge node: a real rig behind a wire looks like the plant; see `er_plant_sim.hardware.bridge`.
 
 A thread of its own reads the wire and publishes, so that a sample waits for nobody; what it shares with
-the callbacks is behind one lock.
+the callbacks is behind one lock, and what is said to the device is written under it: in the order of its numbers.
 """
 
 from __future__ import annotations
@@ -83,29 +83,29 @@ class BridgeNode(ManagedNode):
         self.wire = Wire(self.address, self.on_wire, self.on_idle, self.on_open)
         self.wire.start()
 
-    def on_wire(self, data: bytes, now: int, datagram: bool) -> bytes:
+    def on_wire(self, data: bytes, now: int, datagram: bool) -> None:
         """Take bytes of the device; the wire's thread."""
         began = perf_counter()
         with self.lock:
             self.state, said = bridge.on_bytes(
                 self.bridge, self.state, data, now, datagram=datagram
             )
+            self.wire.write(said.data)
         for reading in said.readings:
             self.reading = reading
             tick = Tick(self.time.stamp(reading.stamp), reading.seq)
             self.out.publish(ros_hardware.messages(tick, reading, force_sd=self.p.noise_force))
             self.health.meter.step(perf_counter() - began)
-        return said.data
 
-    def on_idle(self, now: int) -> bytes:
+    def on_idle(self, now: int) -> None:
         """Do what has to be done now and then; the wire's thread."""
         with self.lock:
             self.state, said = bridge.on_time(self.bridge, self.state, now)
+            self.wire.write(said.data)
             last, seq = self.state.stamp, self.state.seq
         if said.silence:
             tick = Tick(self.time.stamp(last), seq)
             self.out.publish(ros_hardware.lost(tick))
-        return said.data
 
     def on_open(self) -> None:
         """The wire was opened; the wire's thread."""
@@ -120,8 +120,7 @@ class BridgeNode(ManagedNode):
     def hand_over(self, message: PwmDuty) -> None:
         """Hand a command that answers a sample of late to the device, within the limits."""
         with self.lock:
-            data = self._passed_on(message, monotonic_ns())
-        self.wire.write(data)
+            self.wire.write(self._passed_on(message, monotonic_ns()))
 
     def _passed_on(self, message: PwmDuty, now: int) -> bytes:
         """What the device is told for a command; now: steady clock [ns]."""

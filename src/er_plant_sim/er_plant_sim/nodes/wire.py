@@ -15,7 +15,7 @@ AGAIN = 0.2
 
 
 class Wire:
-    """Calls `heard(data, now, datagram)` for bytes and `idle(now)` often; both return bytes to send.
+    """Calls `heard(data, now, datagram)` for bytes and `idle(now)` often; what they want to send they `write`.
 
     trouble: what is wrong with the wire now, "" while it is open and takes what is written; opens, failed: times it
     was opened, writes that failed.
@@ -24,8 +24,8 @@ class Wire:
     def __init__(
         self,
         address: Address,
-        heard: Callable[[bytes, int, bool], bytes],
-        idle: Callable[[int], bytes],
+        heard: Callable[[bytes, int, bool], None],
+        idle: Callable[[int], None],
         opened: Callable[[], None],
     ) -> None:
         self.address, self.heard, self.idle, self.opened = address, heard, idle, opened
@@ -98,8 +98,9 @@ class Wire:
         while not self._ending.is_set():
             data = link.read(ATTENTION)
             now = monotonic_ns()
-            answer = self.heard(data, now, link.datagram) if data else b""
-            self.write(answer + self.idle(now))
+            if data:
+                self.heard(data, now, link.datagram)
+            self.idle(now)
 
 
 def _words(error: Exception) -> str:
