@@ -16,6 +16,7 @@ from er_plant_sim.hardware.bridge import BridgeState, Reading
 from er_plant_sim.hardware.calibration import Calibration, Quality, Value
 from er_plant_sim.hardware.frame import Hello
 from er_plant_sim.hardware.parser import ParserState
+from er_plant_sim.nodes import hardware_bridge as module
 from er_plant_sim.nodes.hardware_bridge import BridgeNode
 from er_plant_sim.nodes.plant import PlantNode
 from er_plant_sim.ros_commands import Commands
@@ -162,3 +163,19 @@ def test_frames_go_out_in_the_order_of_their_numbers(monkeypatch: pytest.MonkeyP
         BridgeNode.on_wire(node, b"", 0, True)
         BridgeNode.on_idle(node, node.state.asked_at + 10**9)
     assert written == [1, 2, 3, 4, 5, 6]
+
+
+def test_a_node_that_is_activated_again_goes_on_counting(monkeypatch: pytest.MonkeyPatch) -> None:
+    wire = SimpleNamespace(start=lambda: None)
+    monkeypatch.setattr(module, "Wire", lambda *_: wire)
+    node: Any = SimpleNamespace(
+        state=RUNNING._replace(sent=1000),
+        bridge=BRIDGE,
+        gathering=SimpleNamespace(begin=lambda: None),
+        address=None,
+        on_wire=None,
+        on_idle=None,
+        on_open=None,
+    )
+    BridgeNode.begin(node)
+    assert (node.state.begun, node.state.hello, node.state.sent) == (False, None, 1000)
