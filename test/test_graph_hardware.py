@@ -67,10 +67,11 @@ def test_a_program_runs_over_a_serial_port(tmp_path: Path) -> None:
         good = [m for m in each if m.valid and m.status == m.STATUS_OK]
         if topic is topics.PWM_APPLIED:
             # a controller that a busy machine holds up for longer than 45 ms: safe duty until it is back, and said so
-            ill = [m for m in each if m.status != m.STATUS_OK and m.valid]
-            assert all(
-                m.source == m.SOURCE_SAFE and m.duty == pytest.approx(SAFE_DUTY) for m in ill
-            )
+            ill = [m for m in each if m.status != m.STATUS_OK]
+            for m in ill:
+                safe = m.source == m.SOURCE_SAFE and m.duty == pytest.approx(SAFE_DUTY)
+                # of a device that was held up for longer than 50 ms nothing is stated
+                assert safe if m.valid else (m.status, m.duty) == (m.STATUS_LOST, 0.0)
         assert len(good) > (0.5 if topic is topics.PWM_APPLIED else 0.95) * 600
         steps = np.diff(stamps(good)) / np.diff([m.seq for m in good])
         assert np.median(steps) == pytest.approx(5e6, rel=1e-3)
