@@ -9,7 +9,8 @@ from er_model_lab.cli import app
 from er_model_lab.diagnose.candidates import baseline, missing, restarts
 from er_model_lab.forward import free_parameters
 from er_model_lab.load import load
-from er_model_lab.study import as_given, on_fused, open_problem
+from er_model_lab.study import as_given, open_problem
+from er_model_lab.velocity_channel import on_fused
 from er_models.catalogue import CATALOGUE
 from er_models.files import load_model, save_model
 from typer.testing import CliRunner

@@ -19,7 +19,8 @@ from er_model_lab.diagnose.null import simulate_null
 from er_model_lab.diagnose.search import passes, threshold
 from er_model_lab.load import load
 from er_model_lab.rule import RULE, Rule
-from er_model_lab.study import on_fused, open_problem
+from er_model_lab.study import open_problem
+from er_model_lab.velocity_channel import on_fused
 from er_models.files import load_model
 from matplotlib import rc_context
 from matplotlib.backends.backend_svg import FigureCanvasSVG

@@ -10,7 +10,8 @@ from er_model_lab.diagnose.candidates import baseline
 from er_model_lab.fit import Fit
 from er_model_lab.load import load
 from er_model_lab.prepare import Problem
-from er_model_lab.study import on_fused, open_problem
+from er_model_lab.study import open_problem
+from er_model_lab.velocity_channel import on_fused
 from er_models.model import Model
 
 

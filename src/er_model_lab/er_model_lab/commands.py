@@ -22,14 +22,15 @@ from er_model_lab.diagnose.by_record import by_record
 from er_model_lab.diagnose.candidates import Candidate, baseline
 from er_model_lab.diagnose.floor import Floor, noise_floor
 from er_model_lab.diagnose.null import simulate_null
+from er_model_lab.envelope import in_bounds
 from er_model_lab.excess import noise_at, region_tables
 from er_model_lab.floors import floors
 from er_model_lab.fusion import fusion_json
 from er_model_lab.learnt import REACH, Beyond, beyond, reach
-from er_model_lab.load import fingerprint, load
+from er_model_lab.load import fingerprint, load, told_apart
 from er_model_lab.long.choose import shortened
-from er_model_lab.long.verify import checked, long_json, long_note
-from er_model_lab.passes import taken_last, told_together
+from er_model_lab.long.verify import Checked, checked, errors_json, long_json, long_note
+from er_model_lab.passes import explained_by, taken_last, told_together
 from er_model_lab.plan.suggest import suggestions
 from er_model_lab.preflight.check import gate, preflight
 from er_model_lab.prepare import Problem
@@ -54,9 +55,9 @@ from er_model_lab.study import (
     as_given,
     final_model,
     investigate,
-    on_fused,
     open_problem,
 )
+from er_model_lab.velocity_channel import on_fused
 from er_model_lab.versions import versions
 from er_model_lab.view import RegionTable, View
 
@@ -127,7 +128,7 @@ def read(ask: Request) -> tuple[list[Record], int]:
     if not records:
         raise InputError(ask.data[0], "", "at least one record", "none")
     check_apart(records, sealed)
-    data = gate([*records, *sealed], anyway=ask.anyway)
+    data = gate(told_apart([*records, *sealed]), anyway=ask.anyway)
     return shortened(data, len(sealed))
 
 
@@ -152,7 +153,7 @@ def compare(ask: Request) -> Outcome:
     floor = noise_floor(problem, base, null, ask.seed)
     noise = noise_at(problem, floor.floor, null.input_square)
     tables = region_tables(problem, given, ask.seed, noise)
-    result, notes = _compared(records, model, problem, given, base, floor, tables)
+    result, notes, on_all = _compared(records, model, problem, given, base, floor, tables)
     others, theirs = _rivals(ask, records, sealed, noise)
     result["notes"] = [*theirs, *notes]
     view = View(
@@ -161,7 +162,7 @@ def compare(ask: Request) -> Outcome:
         provenance=provenance(records, model, ask),
     )  # fmt: skip
     data = fingerprint(originals(records))
-    first = Rival(model, str(ask.model_file), view.records, fitted_to(model, data), tables)
+    first = Rival(model, str(ask.model_file), view.records, fitted_to(model, data), tables, on_all)
     view = beside(view, [first, *others], floor.floor, ask.seed)
     return Outcome(dict(view.result), view, None, problem.complete)
 
@@ -169,10 +170,10 @@ def compare(ask: Request) -> Outcome:
 def _compared(
     records: list[Record], model: Model, problem: Problem, given: Array, base: Candidate, floor: Floor,
     tables: tuple[RegionTable, ...],
-) -> tuple[dict[str, Any], tuple[str, ...]]:  # fmt: skip
-    """The JSON of one model on its data, without notes, and the notes; given (n,): what the model leaves [N].
+) -> tuple[dict[str, Any], tuple[str, ...], Checked | None]:  # fmt: skip
+    """The JSON of one model on its data, without notes, the notes, and what the model leaves of long data.
 
-    Of long data the error is that on all of them.
+    given (n,): what the model leaves [N]. Of long data the errors are those on all of them.
     """
     further, data = beyond(model, problem, given), originals(records)
     mse = float(np.mean(given[problem.used] ** 2))
@@ -192,9 +193,9 @@ def _compared(
     on_all = checked(problem, given, given=on_fused(model))
     if on_all is not None:
         result["long"] = long_json(on_all, again=False)
-        result["rmse"] = result["long"]["rmse"]["given"]["all"]
+        result |= errors_json(on_all, floor.floor)
         notes = (long_note(result["long"]), *notes)
-    return result, notes
+    return result, notes, on_all
 
 
 def _rivals(
@@ -208,7 +209,8 @@ def _rivals(
         notes = (*_further(model, beyond(model, problem, left)), *notes)
         regions = region_tables(problem, left, ask.seed, noise)
         seen = views(problem, problem.force - left, None)
-        found.append(Rival(model, str(path), seen, fitted_to(model, data), regions))
+        on_all = checked(problem, left, given=on_fused(model))
+        found.append(Rival(model, str(path), seen, fitted_to(model, data), regions, on_all))
     return found, notes
 
 
@@ -296,16 +298,25 @@ def _improved(studies: list[Study], model: Model, records: list[Record], ask: Re
     """The outcome of several passes as one fall of the error."""
     first, last = studies[0], studies[-1]
     outcome = _outcome("improve", first, model, records, ask)
-    results = [outcome.result, *(clean(diagnosis_json(s, model)) for s in studies[1:])]
+    results = [outcome.result, *(_later(s, model, records) for s in studies[1:])]
     cards = [outcome.view.candidates]
     cards += [candidate_views(s, r) for s, r in zip(studies[1:], results[1:], strict=True)]
     result = told_together(results)
-    view = replace(outcome.view, result=result, candidates=taken_last(cards, results))
+    view = replace(outcome.view, candidates=taken_last(cards, results))
     if len(studies) > 1:
+        result |= explained_by(first.diagnosis, last.diagnosis)
+        view = replace(view, headline=headline(result["rmse"]["held_out"], result["noise_floor"]))
         after = last.problem.force - last.diagnosis.best.fit.residual
         before = first.problem.force - first.diagnosis.base.fit.residual
         view = replace(view, records=views(last.problem, before, after))
-    return Outcome(result, view, model, outcome.complete)
+    return Outcome(result, replace(view, result=result), model, outcome.complete)
+
+
+def _later(study: Study, model: Model, records: list[Record]) -> dict[str, Any]:
+    """The JSON of a pass after the first."""
+    left = by_record(study.diagnosis, study.problem, study.records or records)
+    found: dict[str, Any] = clean(diagnosis_json(study, model) | {"by_record": left})
+    return found
 
 
 def gone_on(outcome: Outcome, begun: Begun, out: Path) -> Outcome:
@@ -380,10 +391,5 @@ def _with_history(
     if study.problem.fused:
         entry[REACH] = reach(study.problem)
     source = f"fitted to {len(originals(records))} records, beginning from '{before.name}' ({before.source})"
-    return replace(
-        grown,
-        name=out.stem,
-        source=source,
-        history=(*before.history, entry),
-        scales=study.problem.scales,
-    )
+    named = replace(grown, name=out.stem, source=source, history=(*before.history, entry))
+    return in_bounds(named, study.problem, before.scales)

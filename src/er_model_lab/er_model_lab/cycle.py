@@ -7,13 +7,15 @@ cycle instead of averaging out.
 
 from __future__ import annotations
 
-import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Rows = Sequence[tuple[int, int]]
+"""From and to of each record, all of them laid end to end."""
 
 CLOSED = 0.98
 """Share of the velocity's power that its course over the phase must explain."""
@@ -83,16 +85,16 @@ def _rest(v: Array, place: NDArray[np.intp]) -> Array:
     return rest
 
 
-def cycles(velocity: Array, dt: float, starts: NDArray[np.int64]) -> tuple[Cycle, ...]:
-    """The cycle of each record laid end to end; nothing when one of them repeats none."""
-    found = [cycle(velocity[i:j], dt) for i, j in itertools.pairwise(starts)]
+def cycles(velocity: Array, dt: float, rows: Rows) -> tuple[Cycle, ...]:
+    """The cycle of each record, which lies in these rows; nothing when one of them repeats none."""
+    found = [cycle(velocity[i:j], dt) for i, j in rows]
     kept = tuple(c for c in found if c is not None)
     return kept if len(kept) == len(found) else ()
 
 
-def curves(found: tuple[Cycle, ...], velocity: Array, starts: NDArray[np.int64]) -> int:
+def curves(found: tuple[Cycle, ...], velocity: Array, rows: Rows) -> int:
     """How many different closed curves the records run through."""
-    sizes = [float(np.std(velocity[i:j])) for i, j in itertools.pairwise(starts)]
+    sizes = [float(np.std(velocity[i:j])) for i, j in rows]
     different: list[tuple[float, float]] = []
     for c, size in zip(found, sizes, strict=False):
         known = any(

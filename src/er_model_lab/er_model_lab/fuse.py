@@ -36,6 +36,9 @@ SHORTEST_LAG = 0.1
 STANDSTILL = 0.02
 """Power of the velocity, as a share of its most, below which a part of a record tells nothing of its motion."""
 
+WITHOUT_A = np.array([1, 1, 0], np.uint8)
+"""Channels in use where the accelerations are left out."""
+
 
 @dataclass(frozen=True)
 class Noise:
@@ -90,6 +93,11 @@ class Channels:
         a2 = size[2] if self.has[2] else v2 / (10.0 * self.dt) ** 2
         x2 = size[0] if self.has[0] else v2
         return np.asarray(100.0 * np.array([x2, v2, a2, a2 / (5.0 * self.dt) ** 2]))
+
+    @property
+    def shows_lag(self) -> bool:
+        """Whether deflection or accelerometers can show a lag of the velocity channel by themselves."""
+        return bool(self.has[1] and (self.has[0] or self.has[2]))
 
     def only(self, has: NDArray[np.uint8]) -> Channels:
         """The same measurements with only some channels in use."""

@@ -44,7 +44,7 @@ def load(paths: Sequence[Path]) -> list[Record]:
     if not paths:
         raise InputError("DATA", "", "at least one file or folder", "none")
     records = [piece for path in paths for raw in read(Path(path)) for piece in clean(raw)]
-    return _unique(used_once(records))
+    return told_apart(used_once(records))
 
 
 def read(path: Path) -> list[Record]:
@@ -143,9 +143,9 @@ def _names_file(path: Path) -> Path:
     return path.with_name(path.name + columns.NAMES_SUFFIX)
 
 
-def _unique(records: list[Record]) -> list[Record]:
+def told_apart(records: list[Record]) -> list[Record]:
     """The records with equal names told apart by their folder, then by a number."""
-    by_folder = _renamed(records, lambda r, _: f"{Path(r.source).parent.name}/{r.name}")
+    by_folder = _renamed(records, lambda r, _: f"{Path(r.file or r.source).parent.name}/{r.name}")
     return _renamed(by_folder, lambda r, number: f"{r.name}~{number}")
 
 

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from er_model_lab.diagnose.search import MOST_EFFECTS
-from er_model_lab.diagnose.verdict import VISIBLE, Name
+from er_model_lab.diagnose.verdict import VISIBLE, Diagnosis, Name
 from er_model_lab.view import CandidateView
 
 Result = dict[str, Any]
-OF_THE_LAST = ("rmse_after", "noise_floor", "floors", "unexplained")
+OF_THE_LAST = (
+    "rmse_after",
+    "noise_floor",
+    "noise_floor_train",
+    "floors",
+    "unexplained",
+    "confounded",
+)
 """What holds of the model that the last pass made."""
+AFTER = {"by_record": ("rmse_after", "rmse_left_out"), "channels": ("rmse_after", "noise_floor")}
+"""The same of each record, and of each output of a car."""
 
 
 def told_together(results: Sequence[Result]) -> Result:
@@ -22,7 +31,8 @@ def told_together(results: Sequence[Result]) -> Result:
         whole["effects"] = _with(whole["effects"], more["effects"])
         whole["alternatives"] = _with(whole["alternatives"], more["alternatives"])
         whole["candidates"] = _candidates(whole["candidates"], more, whole["effects"])
-        whole |= {key: more[key] for key in OF_THE_LAST}
+        whole |= {key: more[key] for key in OF_THE_LAST if key in more}
+        whole |= _after(whole, more)
     last = results[-1]
     adequate = last["verdict"] in ("adequate", "missing_effect", "ambiguous")
     whole["final_verdict"] = "adequate" if adequate else last["verdict"]
@@ -31,6 +41,29 @@ def told_together(results: Sequence[Result]) -> Result:
         whole["verdict"] = overall(last["verdict"], tied=tied, many=many)
         whole["reasons"] = _with(whole["reasons"], last["reasons"])
     return whole
+
+
+def _after(before: Result, more: Result) -> Result:
+    """Errors of each record and of each output before, with those that a later pass left."""
+    out: Result = {}
+    for key, names in AFTER.items():
+        if not before.get(key) or not more.get(key):
+            continue
+        old, new = before[key], more[key]
+        if isinstance(old, Mapping):
+            out[key] = {k: old[k] | {n: new[k][n] for n in names} for k in old}
+        else:
+            out[key] = [a | {n: b[n] for n in names} for a, b in zip(old, new, strict=True)]
+    return out
+
+
+def explained_by(first: Diagnosis, last: Diagnosis) -> dict[str, float]:
+    """What the first of several passes left to explain, over the floor of the last, and what all have explained."""
+    limit, base = last.floor.floor**2, first.base.mse
+    return {
+        "explainable": max(1.0 - limit / base, 0.0),
+        "explained": float((base - last.best.mse) / max(base - limit, 1e-12 * base)),
+    }
 
 
 def too_many(whole: Result) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from er_models.errors import InputError, MissingChannel
@@ -17,8 +18,10 @@ from er_models.scales import Scales
 from numpy.typing import NDArray
 
 from er_model_lab.cycle import Cycle, cycles
+from er_model_lab.drift import drift
 from er_model_lab.forward import DAMPER, Forward
 from er_model_lab.fuse import (
+    WITHOUT_A,
     Channels,
     Fused,
     Noise,
@@ -32,7 +35,8 @@ from er_model_lab.held_out import WARM_UP, split
 from er_model_lab.losses import losses
 from er_model_lab.noted import Notes
 from er_model_lab.practice import Practice, practice
-from er_model_lab.record import Record, originals
+from er_model_lab.record import HELD, Record, originals
+from er_model_lab.sampling import ROUNDED, at
 
 Array = NDArray[np.float64]
 
@@ -103,10 +107,16 @@ class Problem:
         return max(round(1.0 / self.motion.dt), 1) * self.forward.outputs
 
     @cached_property
+    def learnt(self) -> tuple[tuple[int, int], ...]:
+        """Rows (from, to) of the motion of each record that is learnt from, be it in part."""
+        train = self.train[:: self.forward.outputs]
+        return tuple((i, j) for i, j in pairwise(self.motion.starts.tolist()) if train[i:j].any())
+
+    @cached_property
     def cycles(self) -> tuple[Cycle, ...]:
-        """The cycle that each record of a damper repeats; empty where one of them repeats none."""
+        """The cycle that each record learnt from repeats, of a damper; empty where one of them repeats none."""
         m = self.motion
-        return cycles(m.v, m.dt, m.starts) if self.forward.outputs == 1 else ()
+        return cycles(m.v, m.dt, self.learnt) if self.forward.outputs == 1 else ()
 
     @property
     def rounded(self) -> bool:
@@ -126,10 +136,7 @@ class Problem:
     @property
     def kinematic_lag(self) -> bool:
         """Whether deflection and accelerometers can show a lag of the velocity channel by themselves."""
-        if not self.raw:
-            return False
-        has = self.raw[0].has
-        return bool(has[1] and (has[0] or has[2]))
+        return any(c.shows_lag for c in self.raw)
 
     @property
     def used(self) -> NDArray[np.bool_]:
@@ -150,12 +157,17 @@ class Problem:
 
 
 def prepare(
-    records: list[Record], *, sealed: int = 0, velocity_lag: float | None = None
+    records: list[Record],
+    *,
+    sealed: int = 0,
+    velocity_lag: float | None = None,
+    learn: Sequence[int] | None = None,
 ) -> Problem:
     """Fuse and split records; needs damper_force, and deflection or its velocity.
 
     sealed: how many of the last records are held out whole; 0 lets `split` choose.
     velocity_lag: known lag of the velocity channel [s]; None estimates it and keeps it as evidence only.
+    learn: records that noise levels and the lag may be read off; None: those that are not held out whole.
 
     Raises:
         MissingChannel: Without force, or without both deflection and velocity.
@@ -165,11 +177,15 @@ def prepare(
         raise InputError("DATA", "", "at least one record", "none")
     dt = max(r.dt for r in records)
     measured = tuple(measured_channels(r, dt) for r in records)
-    longest = max(
-        range(len(measured)), key=lambda r: (int(measured[r].has.sum()), measured[r].z.shape[0])
-    )
+    able = range(len(records) - sealed) if learn is None else learn
+    longest = _most(measured, able)
     part = measured[longest].telling(FOR_NOISE)
-    lag, lag_sd = _lag_evidence(part) if velocity_lag is None else (velocity_lag, 0.0)
+    telling = _most(measured, [r for r in able if measured[r].shows_lag] or able)
+    lag, lag_sd = (
+        (velocity_lag, 0.0)
+        if velocity_lag is not None
+        else _lag_evidence(part if telling == longest else measured[telling].telling(FOR_NOISE))
+    )
     raw, noise, unresolved = _usable(measured, part, lag, velocity_lag or 0.0)
     noise = _completed(noise, part, raw)
     fused = tuple(
@@ -182,6 +198,9 @@ def prepare(
         [_motion(r, f, c, dt, reference) for r, f, c in zip(records, fused, raw, strict=True)]
     )
     fold, held_out = split(motion, sealed)
+    learnt = [r for r, (i, j) in enumerate(pairwise(motion.starts)) if np.any(fold[i:j] >= 0)]
+    if learn is None and not {longest, telling} <= set(learnt):
+        return prepare(records, sealed=sealed, velocity_lag=velocity_lag, learn=learnt)
     y = np.concatenate(force)
     return Problem(
         motion=motion, force=y, fold=fold, held_out=held_out, raw=raw, fused=fused, noise=noise,
@@ -189,6 +208,11 @@ def prepare(
         notes=tuple(dict.fromkeys(n for r in records for n in r.notes)) + unresolved + losses(records),
         complete=all(r.complete for r in records), sd_force=white_noise(force), velocity_lag=(lag, lag_sd),
     )  # fmt: skip
+
+
+def _most(measured: Sequence[Channels], able: Sequence[int]) -> int:
+    """The longest of the records with most channels."""
+    return max(able, key=lambda r: (int(measured[r].has.sum()), measured[r].z.shape[0]))
 
 
 def white_noise(parts: list[Array]) -> float:
@@ -242,11 +266,11 @@ def resampled(record: Record, channel: str, dt: float) -> Array:
     """A channel on the common grid; averaged over the longer step when the grid is coarser."""
     y = record.need(channel, "to compare the damper force")
     ratio = dt / record.dt
-    if abs(ratio - 1.0) < 0.01:
+    if abs(ratio - 1.0) <= ROUNDED:
         return np.asarray(y)
-    smooth = y if channel == "duty" else _averaged(y, max(round(ratio), 1))
     grid = np.arange(record.t[0], record.t[-1], dt)
-    return np.asarray(np.interp(grid, record.t, smooth))
+    smooth = y if channel in HELD else _averaged(y, max(round(ratio), 1))
+    return at(record.t, smooth, grid, channel)
 
 
 def _averaged(y: Array, width: int) -> Array:
@@ -293,7 +317,7 @@ def _lag_evidence(channels: Channels) -> tuple[float, float]:
     and a wrong guess looks like a lag. Without it, a lag below a fifth of a sample is not believed.
     """
     if channels.has[0] and channels.has[1]:
-        without = channels.only(np.array([1, 1, 0], np.uint8))
+        without = channels.only(WITHOUT_A)
         found = estimate_lag(without, estimate_noise(without))
         return found.lag, found.lag_sd
     if channels.has[1] and channels.has[2]:
@@ -319,13 +343,12 @@ def _usable(
     seen = estimate_lag(part, noise)
     if abs(seen.lag - lag) < max(CONTRADICTION * part.dt, CONTRADICTION_SD * seen.lag_sd):
         return measured, noise, ()
-    kept = np.array([1, 1, 0], np.uint8)
     note = (
         "the accelerations change faster than the sampling resolves: "
         "the velocity is fused from deflection and velocity only"
     )
-    levels = adapt(part.only(kept), replace(seen, lag=undone))
-    return tuple(c.only(kept) for c in measured), levels, (note,)
+    levels = adapt(part.only(WITHOUT_A), replace(seen, lag=undone))
+    return tuple(c.only(WITHOUT_A) for c in measured), levels, (note,)
 
 
 def _completed(noise: Noise, part: Channels, raw: tuple[Channels, ...]) -> Noise:
@@ -344,8 +367,5 @@ def _centred(fused: Fused, channels: Channels) -> Fused:
     """The motion about its middle where no deflection was measured: an offset of the velocity would carry it away."""
     if channels.has[0]:
         return fused
-    t = np.arange(fused.x.size) * channels.dt
-    slope, _ = line = np.polyfit(t, fused.x, 1)
-    return replace(
-        fused, x=np.ascontiguousarray(fused.x - np.polyval(line, t)), v=np.ascontiguousarray(fused.v - slope)
-    )  # fmt: skip
+    line, slope = drift(fused.x, channels.dt)
+    return replace(fused, x=fused.x - line, v=fused.v - slope)

@@ -10,12 +10,13 @@ from er_models.errors import InputError, MissingChannel
 from er_models.model import Array, Model
 from er_models.predict import Motion
 from er_models.scales import Scales
+from numpy.typing import NDArray
 
 from er_model_lab.fit import Fit, fit
 from er_model_lab.fuse import Noise
-from er_model_lab.held_out import split
+from er_model_lab.held_out import FOLDS, TO_FIT, TO_HOLD_OUT, split
 from er_model_lab.prepare import Problem, resampled, white_noise
-from er_model_lab.record import Record
+from er_model_lab.record import Record, originals
 from er_model_lab.ride import CHANNELS, SETTLE, Course, course, drive
 from er_model_lab.ride_forward import RideForward, with_starts
 
@@ -23,6 +24,8 @@ ROADS = {
     "the road between samples is taken as smooth": True,
     "the road between samples is taken as straight: that leaves less than a smooth one": False,
 }
+SHORTEST_RIDE = 3.0
+"""Shortest ride of all records together [s]: what a model leaves is moved along it by a second and more."""
 LEAST_NOISE = 1e-3
 """Noise that an output is taken to have at least, as a share of its size: no simulation is nearer to a car."""
 
@@ -91,7 +94,24 @@ def _on_roads(
     for road, smooth in ROADS.items():
         moved = with_starts(replace(forward, courses=_courses(data, smooth=smooth)), model)
         problem = _problem(records, data, moved, model, sealed)
-        yield replace(problem, notes=(*problem.notes, road, _measure(data)))
+        said = (*problem.notes, road, _measure(data), *_not_used(records, data))
+        yield replace(problem, notes=said)
+
+
+def _not_used(records: list[Record], data: Measured) -> Iterator[str]:
+    """What is there and not used: of long data what was not searched, and channels that some records lack."""
+    whole = originals(records)
+    if any(r.part_of is not None for r in records):
+        seconds = sum(float(r.t[-1] - r.t[0]) + r.dt for r in whole)
+        searched = sum(road.size for road in data.roads) * data.dt
+        yield (
+            f"{searched:.0f} of {seconds:.0f} s searched, in {len(records)} stretches that cover what the data hold; "
+            "what they give was not checked on the rest"
+        )
+    for c in CHANNELS:
+        having = sum(r.has(c) and c not in r.derived for r in whole)
+        if c not in data.names and having:
+            yield f"{c} is not used: {len(whole) - having} of {len(whole)} records lack it"
 
 
 def _measure(data: Measured) -> str:
@@ -186,6 +206,15 @@ def _weighted(forward: RideForward, data: Measured, model: Model, noise: Array) 
     )
 
 
+def _check_rides(fold: NDArray[np.int64], held_out: NDArray[np.bool_], data: Measured) -> None:
+    """Refuse rides of which too little is left where every block has settled."""
+    fit, score = int(np.sum(fold >= 0)), int(held_out.sum())
+    seconds = fold.size * data.dt
+    if fit < TO_FIT or score < TO_HOLD_OUT or seconds < SHORTEST_RIDE:
+        expected = f"{SHORTEST_RIDE:g} s at least, with {TO_FIT} samples to fit and {TO_HOLD_OUT} to hold out"
+        raise InputError("DATA", "length", expected, f"{fit} and {score} in {seconds:.3g} s")
+
+
 def _problem(
     records: list[Record], data: Measured, forward: RideForward, model: Model, sealed: int
 ) -> Problem:
@@ -200,12 +229,16 @@ def _problem(
     for i, j in forward.blocks():
         first = slice(i, min(i + round(SETTLE / data.dt), j))
         fold[first], held_out[first] = -1, False
+    order = np.flatnonzero(fold >= 0)
+    if np.unique(fold[order]).size < FOLDS:
+        fold[order] = np.arange(order.size) * FOLDS // max(order.size, 1)
+    _check_rides(fold, held_out, data)
     c = forward.outputs
     slope = np.concatenate([np.gradient(road, data.dt) for road in data.roads])
     return Problem(
         motion=motion, force=forward.measured, fold=np.repeat(fold, c), held_out=np.repeat(held_out, c), raw=(),
         fused=(), noise=Noise(0.0, 0.0, 0.0, 0.0), names=tuple(r.name for r in records),
-        notes=tuple(n for r in records for n in r.notes), complete=all(r.complete for r in records),
+        notes=tuple(dict.fromkeys(n for r in records for n in r.notes)), complete=all(r.complete for r in records),
         sd_force=float(forward.weights[0] * forward.noise[0]), velocity_lag=(0.0, float("inf")), forward=forward,
         extra=(("tyre deflection", states[:, 2]), ("tyre velocity", states[:, 3] - slope)),
     )  # fmt: skip

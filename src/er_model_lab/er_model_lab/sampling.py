@@ -14,6 +14,8 @@ from er_model_lab.record import HELD, Array, Record
 
 JITTER = 0.10
 """Largest deviation of a sample time from the median, as a share of it, that is left as it is."""
+ROUNDED = 1e-3
+"""Difference of median and mean sample time, as a share, up to which either will do."""
 
 
 def jitter(record: Record) -> float:
@@ -26,12 +28,27 @@ def even(record: Record, limit: float = JITTER) -> Record:
     """Resample onto equal steps of the median sample time when the jitter exceeds `limit`.
 
     Linear between samples; duty is that of the nearest one. A row says what was in force when it was taken: by its
-    stamp, half of the steps would come a sample late.
+    stamp, half of the steps would come a sample late. Steps that jitter less are left as they are, unless times that
+    are rounded (512 Hz in tenths of a millisecond), or a rate that changes, make the median step another than the mean.
     """
-    measured = jitter(record)
-    if measured <= limit:
+    measured, dt = jitter(record), record.dt
+    mean = float(record.t[-1] - record.t[0]) / (len(record) - 1)
+    if measured > limit:
+        why = f"sampling is uneven (jitter {100 * measured:.0f} % of {1e3 * dt:.4g} ms)"
+        return _resampled(record, dt, why)
+    if abs(dt - mean) <= ROUNDED * mean:
         return record
-    dt = record.dt
+    grid = record.t[0] + mean * np.arange(len(record))
+    if np.max(np.abs(record.t - grid)) > limit * mean:
+        return _resampled(
+            record, mean, f"the sample time changes ({1e3 * dt:.4g} ms as a rule, {1e3 * mean:.4g} ms on average)"
+        )  # fmt: skip
+    note = f"times are rounded: equal steps of {1e3 * mean:.5g} ms instead of {1e3 * dt:.5g} ms as a rule"
+    return replace(record, t=grid).noted(note)
+
+
+def _resampled(record: Record, dt: float, why: str) -> Record:
+    """A record at equal steps [s], with a note that says why."""
     grid = record.t[0] + dt * np.arange(
         int(np.floor((record.t[-1] - record.t[0]) / dt + 1e-6)) + 1
     )
@@ -39,10 +56,7 @@ def even(record: Record, limit: float = JITTER) -> Record:
         name: at(record.t, samples, grid, name, 0.5 * dt)
         for name, samples in record.channels.items()
     }
-    note = (
-        f"sampling is uneven (jitter {100 * measured:.0f} % of {1e3 * dt:.4g} ms): "
-        f"{len(record)} samples resampled to {grid.size} at equal steps"
-    )
+    note = f"{why}: {len(record)} samples resampled to {grid.size} at equal steps"
     return replace(record, t=grid, channels=channels).noted(note)
 
 

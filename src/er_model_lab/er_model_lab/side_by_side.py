@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -15,18 +16,23 @@ from er_models.model import Array, Model
 from numpy.typing import NDArray
 
 from er_model_lab.excess import BOOTSTRAPS
+from er_model_lab.long.verify import Checked
 from er_model_lab.view import RecordView, RegionTable
 
 
 @dataclass(frozen=True)
 class Rival:
-    """A model, its file, what it predicts (`before` of each record), and whether it was fitted to these data."""
+    """A model, its file, what it predicts (`before` of each record), and whether it was fitted to these data.
+
+    whole: what it leaves of long data, of which `records` are stretches.
+    """
 
     model: Model
     file: str
     records: tuple[RecordView, ...]
     fitted_here: bool
     regions: tuple[RegionTable, ...] = ()
+    whole: Checked | None = None
 
 
 def fitted_to(model: Model, data: str) -> bool:
@@ -70,19 +76,44 @@ def table(rivals: Sequence[Rival], floor: float, seed: int) -> list[dict[str, An
             "explainable": max(1.0 - floor**2 / mse, 0.0) if mse > 0.0 else 0.0,
             "against_first": {"change": float(rmse - np.sqrt(first[:, 0].sum() / first[:, 1].sum())),
                               "band": [float(low), float(high)]},
-            "rmse_by_record": {r.name: _error(r) for r in rival.records},
+            "rmse_by_record": {run.name: _error(run) for run in _runs(rival)},
             "fitted_to_these_data": rival.fitted_here, "effects": list(rival.model.effects),
         })  # fmt: skip
     return out
 
 
+@dataclass(frozen=True)
+class _Run:
+    """One record: its sample time [s], measured force and what the model leaves of it (n,) [N], and what is scored."""
+
+    name: str
+    dt: float
+    measured: Array
+    left: Array
+    scored: NDArray[np.bool_]
+
+
+def _runs(rival: Rival) -> list[_Run]:
+    """The records as they are scored: long ones from beginning to end."""
+    if rival.whole is None:
+        return [
+            _Run(r.name, float(np.median(np.diff(r.t))), r.measured, r.measured - r.before, r.scored)
+            for r in rival.records
+        ]  # fmt: skip
+    found, whole = rival.whole, rival.whole.whole
+    cuts = [slice(int(i), int(j)) for i, j in pairwise(whole.motion.starts)]
+    return [
+        _Run(record.name, whole.motion.dt, whole.force[cut], found.left_now[cut], found.used[cut])
+        for record, cut in zip(whole.data, cuts, strict=True)
+    ]
+
+
 def _squares(rival: Rival) -> Array:
     """Sum of squares and number of samples (blocks, 2) of one-second blocks of the scored samples."""
     parts = []
-    for r in rival.records:
-        second = max(round(1.0 / float(np.median(np.diff(r.t)))), 1)
-        block = np.arange(r.t.size) // second
-        squared = np.where(r.scored, (r.measured - r.before) ** 2, 0.0)
+    for r in _runs(rival):
+        block = np.arange(r.left.size) // max(round(1.0 / r.dt), 1)
+        squared = np.where(r.scored, r.left**2, 0.0)
         parts.append(np.stack([np.bincount(block, squared), np.bincount(block, r.scored)], axis=1))
     return np.concatenate(parts)
 
@@ -94,14 +125,12 @@ def _rms(sums: Array, picks: NDArray[np.int64]) -> Array:
     )
 
 
-def _error(r: RecordView) -> float:
+def _error(r: _Run) -> float:
     """Root mean square error of a record."""
-    return (
-        float(np.sqrt(np.mean((r.measured - r.before)[r.scored] ** 2))) if r.scored.any() else 0.0
-    )
+    return float(np.sqrt(np.mean(r.left[r.scored] ** 2))) if r.scored.any() else 0.0
 
 
 def _span(rival: Rival) -> float:
     """Range of the measured force over the scored samples [N]."""
-    force = np.concatenate([r.measured[r.scored] for r in rival.records])
+    force = np.concatenate([r.measured[r.scored] for r in _runs(rival)])
     return float(np.ptp(force)) if force.size else 0.0

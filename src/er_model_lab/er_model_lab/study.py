@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from er_models.errors import MissingChannel
 from er_models.model import Array, Model
 from er_models.predict import Motion
 
@@ -15,6 +17,7 @@ from er_model_lab.diagnose.floor import Floor, noise_floor
 from er_model_lab.diagnose.null import Null, simulate_null
 from er_model_lab.diagnose.search import Round, passes, threshold
 from er_model_lab.diagnose.verdict import Diagnosis, diagnose, judge
+from er_model_lab.envelope import with_unfelt
 from er_model_lab.estimate import estimated
 from er_model_lab.fit import fit, with_deviations
 from er_model_lab.long.choose import with_more
@@ -22,15 +25,21 @@ from er_model_lab.long.verify import Checked, checked, long_json, long_note
 from er_model_lab.long.whole import LongForward, on_whole, remembers
 from er_model_lab.noted import Notes
 from er_model_lab.prepare import Problem, prepare
-from er_model_lab.record import Record, originals
+from er_model_lab.record import Record
 from er_model_lab.ride_forward import RideForward
 from er_model_lab.ride_problem import open_ride
 from er_model_lab.rule import RULE, Rule
+from er_model_lab.velocity_channel import (
+    KINEMATIC,
+    as_searched,
+    in_scale,
+    known_lag,
+    on_fused,
+    put_back,
+)
 
 Tick = Callable[[str], None]
 
-KINEMATIC = ("velocity_lag", "velocity_gain")
-"""Errors of the velocity channel that are undone before the motion is fused."""
 SMALLEST_LAG = 0.08
 """Lag of the velocity channel that counts, in samples."""
 SURE_LAG = 8.0
@@ -58,48 +67,26 @@ class Study:
     long: dict[str, Any] | None = None
 
 
-def known_lag(model: Model) -> float | None:
-    """Lag of the velocity channel the model already holds [s]."""
-    return model.value("velocity_lag", "T_v") if "velocity_lag" in model.effects else None
-
-
-def on_fused(model: Model) -> Model:
-    """The model without lag and gain of the velocity channel: `open_problem` has already undone them."""
-    for name in KINEMATIC:
-        model = model.without_effect(name) if name in model.effects else model
-    return model
-
-
-def in_scale(records: list[Record], model: Model) -> list[Record]:
-    """The records with the gain of a measured velocity channel undone, where the model holds one."""
-    if "velocity_gain" not in model.effects:
-        return records
-    gain, name = model.value("velocity_gain", "g_v"), "deflection_velocity"
-
-    def scaled(r: Record) -> Record:
-        if not r.has(name) or name in r.derived:
-            return r
-        return replace(r, channels={**r.channels, name: r.channels[name] / gain})
-
-    data = tuple(map(scaled, originals(records)))
-    return [
-        replace(scaled(r), part_of=replace(r.part_of, data=data) if r.part_of else None)
-        for r in records
-    ]
-
-
 def open_problem(
-    records: list[Record], model: Model, sealed: int = 0
+    records: list[Record], model: Model, sealed: int = 0, *, any_lag: bool = False
 ) -> tuple[Problem, tuple[float, float] | None]:
-    """Fused problem, and the lag of the velocity channel when it is there and not yet in the model."""
+    """Fused problem, and the lag of the velocity channel when it is there and not yet in the model.
+
+    any_lag: whatever lag deflection and accelerometers show is undone, however small or unsure.
+    """
     known, records = known_lag(model), in_scale(records, model)
     if known is not None:
         return on_whole(prepare(records, sealed=sealed, velocity_lag=known), records), None
     problem = prepare(records, sealed=sealed)
-    lag, sd = problem.velocity_lag
-    if abs(lag) > max(SMALLEST_LAG * problem.motion.dt, SURE_LAG * sd):
-        return on_whole(prepare(records, sealed=sealed, velocity_lag=lag), records), (lag, sd)
+    found = problem.velocity_lag
+    if sure(found, problem.motion.dt) or (any_lag and problem.kinematic_lag):
+        return on_whole(prepare(records, sealed=sealed, velocity_lag=found[0]), records), found
     return on_whole(problem, records), None
+
+
+def sure(lag: tuple[float, float], dt: float) -> bool:
+    """Whether a lag with its standard deviation [s] is there for certain, and counts at this sample time [s]."""
+    return abs(lag[0]) > max(SMALLEST_LAG * dt, SURE_LAG * lag[1])
 
 
 def as_given(model: Model, problem: Problem) -> Array:
@@ -147,7 +134,7 @@ def _told(study: Study, *, again: bool) -> Study:
 def _checked(study: Study) -> Checked | None:
     """The model before and after the search, on all of long data."""
     found = study.diagnosis
-    before, after = on_fused(found.base.fit.model), on_fused(found.best.fit.model)
+    before, after = as_searched(found.base.fit), as_searched(found.best.fit)
     return checked(study.problem, found.best.fit.residual, before=before, after=after)
 
 
@@ -167,7 +154,7 @@ def _investigated(
     found = diagnose(bare, problem, seed=seed, rule=rule, tick=tick)
     found = _restored(found, model)
     if lag:
-        found = _with_lag(found, lag_base, lag)
+        found = _with_lag(found, lag_base, lag, rule)
     return Study(found, problem, model, lag, lag_base, as_given(model, problem))
 
 
@@ -193,13 +180,21 @@ def _added(
     if level == "vehicle":
         problem, fitted = open_ride(records, model, sealed)
         return _ridden(diagnose_one(fitted.model, problem, effect, seed), problem, model)
-    problem, lag = open_problem(records, model, sealed)
+    asked = effect == "velocity_lag"
+    problem, lag = open_problem(records, model, sealed, any_lag=asked)
     bare = on_fused(model)
     given = as_given(model, problem)
-    if effect == "velocity_lag" and lag:
+    if asked and not any(c.has[1] for c in problem.raw):
+        first = records[0]
+        raise MissingChannel(
+            first.source or first.name, "deflection_velocity", "to see that it lags", tuple(first.channels)
+        )  # fmt: skip
+    if asked and lag:
         base = _as_measured(bare, problem)
         inner = _restored(diagnose_one(bare, problem, None, seed), model)
-        return Study(_with_lag(inner, base, lag), problem, model, lag, base, given)
+        named = sure(lag, problem.motion.dt)
+        found = _with_lag(inner, base, lag, RULE) if named else _beside_lag(inner, base, lag)
+        return Study(found, problem, model, lag, base, given)
     found = _restored(diagnose_one(bare, problem, effect, seed), model)
     if tick:
         tick(effect)
@@ -226,31 +221,49 @@ def _ridden(found: Diagnosis, problem: Problem, model: Model) -> Study:
 
 
 def _as_measured(model: Model, problem: Problem) -> Candidate:
-    """The model refitted on the motion as the lagging channel shows it: the error before."""
-    parts = [c.z[:, 1] for c in problem.raw]
-    motion: Motion = replace(problem.motion, v=np.ascontiguousarray(np.concatenate(parts)))
+    """The model refitted on the motion as the lagging channel shows it, where there is one: the error before."""
+    m = problem.motion
+    parts = [
+        c.z[:, 1] if c.has[1] else m.v[i:j]
+        for c, (i, j) in zip(problem.raw, pairwise(m.starts), strict=True)
+    ]
+    motion: Motion = replace(m, v=np.ascontiguousarray(np.concatenate(parts)))
     return baseline(model, replace(problem, motion=motion))
 
 
-def _with_lag(found: Diagnosis, before: Candidate | None, lag: tuple[float, float]) -> Diagnosis:
-    """The diagnosis with the lag of the velocity channel as its first named effect."""
-    assert before is not None
+def _beside_lag(found: Diagnosis, before: Candidate, lag: tuple[float, float]) -> Diagnosis:
+    """The diagnosis of a model that holds the lag of the velocity channel besides, whatever that is worth."""
     best = found.best
     model = best.fit.model.with_effect("velocity_lag", {"T_v": lag[0]})
     model = replace(model, deviations={**model.deviations, "velocity_lag": {"T_v": lag[1]}})
-    effects = ("velocity_lag", *found.effects)
+    floor2 = found.floor.floor**2
+    return replace(
+        found, base=before, best=replace(best, fit=replace(best.fit, model=model)),
+        explainable=max(1.0 - floor2 / before.mse, 0.0),
+        explained=float((before.mse - best.mse) / max(before.mse - floor2, 1e-12 * before.mse)),
+    )  # fmt: skip
+
+
+def _with_lag(
+    found: Diagnosis, before: Candidate | None, lag: tuple[float, float], rule: Rule
+) -> Diagnosis:
+    """The diagnosis with the lag of the velocity channel as its first named effect.
+
+    The sensors show it whatever the force does. So it does not make up for what else is unknown: where it
+    explains too little of that, or the data cannot decide about all else, the verdict says so.
+    """
+    assert before is not None
+    whole = _beside_lag(found, before, lag)
     verdict = found.verdict
-    if verdict in ("adequate", "insufficient_data"):
+    if verdict == "adequate":
         verdict = "missing_effect"
-    elif verdict == "unknown_effect":
+    elif verdict == "insufficient_data":
+        verdict = "ambiguous"
+    elif verdict == "unknown_effect" and whole.explained >= rule.helps:
         verdict = "partial"
     reason = f"the velocity channel lags deflection and accelerometers by {lag[0] * 1e3:.2f} +- {lag[1] * 1e3:.2f} ms"
-    floor2 = found.floor.floor**2
-    explainable = max(1.0 - floor2 / before.mse, 0.0)
-    explained = (before.mse - best.mse) / max(before.mse - floor2, 1e-12 * before.mse)
     return replace(
-        found, verdict=verdict, effects=effects, base=before, best=replace(best, fit=replace(best.fit, model=model)),
-        explainable=explainable, explained=float(explained), reasons=(reason, *found.reasons),
+        whole, verdict=verdict, effects=("velocity_lag", *found.effects), reasons=(reason, *found.reasons),
     )  # fmt: skip
 
 
@@ -264,29 +277,21 @@ def _restored(found: Diagnosis, model: Model) -> Diagnosis:
 
 def _kept(candidate: Candidate, model: Model) -> Candidate:
     """A candidate whose model still holds what `on_fused` left out."""
-    kept = candidate.fit.model
-    for name in KINEMATIC:
-        if name in model.effects:
-            kept = kept.with_effect(name, dict(model.effects[name]))
+    kept = put_back(candidate.fit.model, model)
     return replace(candidate, fit=replace(candidate.fit, model=kept))
 
 
 def final_model(study: Study, seed: int = 0) -> Model:
     """The best model with estimates of everything that was fitted: values without bias, and deviations."""
-    best = study.diagnosis.best.fit
-    forward = study.problem.forward
-    if isinstance(forward, RideForward) or (
-        isinstance(forward, LongForward) and remembers(best.model)
-    ):
-        return with_deviations(fit(best.model, study.problem, tol=1e-7), study.problem)
-    held = best.model.effects.get("velocity_lag")
-    model = estimated(replace(best, model=on_fused(best.model)), study.problem, seed)
-    if held is None:
-        return model
-    deviations = (
-        study.lag[1] if study.lag else best.model.deviations.get("velocity_lag", {}).get("T_v")
-    )
-    model = model.with_effect("velocity_lag", dict(held))
-    if deviations is None:
-        return model
-    return replace(model, deviations={**model.deviations, "velocity_lag": {"T_v": deviations}})
+    best, problem = study.diagnosis.best.fit, study.problem
+    if isinstance(problem.forward, RideForward):
+        found = with_deviations(fit(best.model, problem, tol=1e-7), problem)
+        return with_unfelt(found, study.model, problem)
+    bare = as_searched(best)
+    undone = set(KINEMATIC) - set(bare.effects)
+    if isinstance(problem.forward, LongForward) and remembers(bare):
+        found = with_deviations(fit(bare, problem, tol=1e-7), problem)
+    else:
+        found = estimated(replace(best, model=bare), problem, seed)
+    found = with_unfelt(found, on_fused(study.model), problem)
+    return put_back(found, best.model, only=undone)

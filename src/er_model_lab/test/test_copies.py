@@ -4,7 +4,7 @@ import shutil
 
 import numpy as np
 import pytest
-from er_model_lab.commands import Request, compare
+from er_model_lab.commands import Request, compare, read
 from er_model_lab.copies import used_once
 from er_model_lab.load import load
 from er_model_lab.record import Record
@@ -109,3 +109,13 @@ def test_a_channel_that_is_not_known_throughout_tells_nothing_of_copies():
     one = Record("one", t, {"damper_force": gap, "deflection": np.sin(t)})
     other = Record("other", t, {"damper_force": gap})
     assert len(used_once([one, other, other])) == 3
+
+
+def test_records_of_one_name_are_told_apart_wherever_they_come_from(tmp_path):
+    files = [tmp_path / place / "run.csv" for place in "ab"]
+    for k, file in enumerate(files):
+        file.parent.mkdir()
+        write_csv(record(k), file)
+    records, sealed = read(Request(files[:1], GUO, hold_out=(files[1],)))
+    assert [r.name for r in records] == ["a/run", "b/run"]
+    assert sealed == 1

@@ -22,6 +22,7 @@ from er_model_lab.diagnose.search import (
     block_gains,
     nested,
     paired_t,
+    partners,
     passes,
     promising,
     rivals,
@@ -29,7 +30,7 @@ from er_model_lab.diagnose.search import (
     threshold,
     tied,
 )
-from er_model_lab.diagnose.verdict import _alternatives, judge
+from er_model_lab.diagnose.verdict import _alternatives, _standing, judge
 from er_model_lab.fit import fit
 from er_model_lab.motion_error import drawn
 from er_model_lab.prepare import prepare
@@ -385,6 +386,39 @@ def test_a_tie_or_a_lead_counts_beside_everything_else_that_is_missing(ties):
     assert best.effects == ("coulomb_friction", "field_stiffness")
     assert best.mse < both.mse
     assert ties == ()
+
+
+def test_a_partner_of_a_pair_is_exchanged_for_what_pairs_were_tried_of():
+    """No round took it, so that none knows its rivals: both of a pair are held against the best singles."""
+    model, problem = problem_of("coulomb_friction", {"F_c": 0.5, "v_0": 0.003}, seed=3)
+    drag = 0.05 * problem.scales.force * problem.motion.x / problem.scales.deflection
+    problem = replace(problem, force=problem.force + drag * problem.motion.u / 0.3)
+    base, catalogue = baseline(model, problem), model.catalogue
+    names = ("field_stiffness", "shear_thinning", "coulomb_friction")
+    singles = sorted((refit(base, catalogue[n], problem) for n in names), key=lambda c: c.mse)
+    step = Round(base, singles, Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0)), 0.02, None, [])
+    assert set(partners(step)) == set(names)
+    pair = refit(
+        singles[[c.name for c in singles].index("field_stiffness")],
+        catalogue["shear_thinning"],
+        problem,
+    )
+    best, _ = swapped(pair, [step], problem)
+    assert best.effects == ("field_stiffness", "coulomb_friction")
+
+
+def test_what_is_left_of_a_pair_must_pass_by_itself(friction):
+    base, (best, *_), _ = friction
+    null = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0))
+    size = effect_size(base, best)
+    for limit, taken, left in (
+        (2.0 * size, None, base),
+        (0.5 * size, None, best),
+        (2.0 * size, best, best),
+    ):
+        assert _standing(best, Round(base, [best], null, limit, taken, [])) is left
+    two = replace(best, effects=("coulomb_friction", "stribeck_friction"))
+    assert _standing(two, Round(base, [best], null, 2.0 * size, None, [])) is two
 
 
 def test_errors_of_the_motion_that_are_larger_than_claimed_are_no_bursts():

@@ -119,8 +119,16 @@ def test_identify_says_what_it_used_and_names_all_data(short, file, tmp_path):
     found = load_model(out)
     assert found.history[-1]["records"] == ["run"]
     assert found.source.startswith("identified from 1 records")
-    first, second = compare(Request([file], out, rivals=(GUO,))).result["models"]
+    told = compare(Request([file], out, rivals=(GUO,))).result
+    first, second = told["models"]
     assert (first["fitted_to_these_data"], second["fitted_to_these_data"]) == (True, False)
+    assert first["rmse"] == pytest.approx(told["rmse"], rel=1e-12)
+    assert told["rmse"] == told["long"]["rmse"]["given"]["all"]
+    assert (
+        told["rmse_by_record"] == first["rmse_by_record"] == {"run": pytest.approx(told["rmse"])}
+    )
+    assert told["nrmse"] == pytest.approx(first["nrmse"])
+    assert told["explainable"] == pytest.approx(first["explainable"])
 
 
 def test_plan_says_what_it_used_and_names_all_data(short, file):

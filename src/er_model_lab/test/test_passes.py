@@ -1,7 +1,9 @@
 """Passes of `improve` are told as one, each effect as the pass saw it that took it."""
 
+from types import SimpleNamespace
+
 import pytest
-from er_model_lab.passes import overall, taken_last, told_together
+from er_model_lab.passes import explained_by, overall, taken_last, told_together
 from report_views import card, record
 
 
@@ -48,6 +50,36 @@ def test_what_a_later_pass_took_is_told_as_that_pass_saw_it():
 def test_one_pass_is_told_as_it_is():
     whole = told_together([FIRST])
     assert whole == FIRST | {"final_verdict": "partial"}
+
+
+def test_what_is_left_after_all_passes_is_told_of_each_record_and_output_too():
+    def with_more(result, left):
+        sides = {"rmse_after": left, "noise_floor": left / 2.0}
+        by_record = {"record": "a", "rmse_before": 9.0, "rmse_after": left, "rmse_left_out": left}
+        return result | {
+            "by_record": [by_record], "channels": {"deflection": {"rmse": 9.0, **sides}},
+            "confounded": [[f"{left}"]], "noise_floor_train": left,
+        }  # fmt: skip
+
+    first, later = with_more(FIRST, 1.0), with_more(found(["cavitation"], rmse=0.5), 0.5)
+    later["by_record"][0]["rmse_before"] = later["channels"]["deflection"]["rmse"] = 1.0
+    whole = told_together([first, later])
+    (record,) = whole["by_record"]
+    assert record == {"record": "a", "rmse_before": 9.0, "rmse_after": 0.5, "rmse_left_out": 0.5}
+    assert whole["channels"] == {
+        "deflection": {"rmse": 9.0, "rmse_after": 0.5, "noise_floor": 0.25}
+    }
+    assert (whole["confounded"], whole["noise_floor_train"]) == ([["0.5"]], 0.5)
+
+
+def test_what_all_passes_explain_is_counted_from_the_first_model_to_the_last():
+    def pass_(before, after, floor):
+        made = SimpleNamespace
+        return made(base=made(mse=before), best=made(mse=after), floor=made(floor=floor))
+
+    told = explained_by(pass_(10.0, 4.0, 1.5), pass_(4.0, 1.1, 1.0))
+    assert told["explainable"] == pytest.approx(0.9)
+    assert told["explained"] == pytest.approx(8.9 / 9.0)
 
 
 def test_a_tie_of_a_later_pass_stays():

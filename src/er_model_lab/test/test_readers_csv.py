@@ -296,6 +296,20 @@ def test_a_needed_channel_that_is_absent_has_exit_status_4(tmp_path: Path) -> No
     assert record.need("duty", "to predict the force") is record.channels["duty"]
 
 
+def test_times_since_1970_in_nanoseconds_are_read(tmp_path: Path) -> None:
+    begin, n = 1_700_000_000_123_456_789, 600
+    t = begin + 5_000_000 * np.arange(n)
+    names = {
+        "t [ns]": pa.array(t),
+        "deflection [um]": pa.array(np.arange(n)),
+        "damper_force": pa.array(np.ones(n)),
+    }
+    pq.write_table(pa.table(names), tmp_path / "run.parquet")
+    (record,) = load([tmp_path / "run.parquet"])
+    assert record.dt == pytest.approx(0.005, rel=1e-3)
+    assert record.channels["deflection"][-1] == pytest.approx((n - 1) * 1e-6)
+
+
 def test_damaged_parquet_is_named(tmp_path: Path) -> None:
     path = tmp_path / "run.parquet"
     write_parquet(load([table(tmp_path / "run.csv", columns())])[0], path)

@@ -9,10 +9,13 @@ from er_model_lab.cli import app
 from er_model_lab.diagnose.candidates import baseline, refit
 from er_model_lab.diagnose.floor import noise_floor
 from er_model_lab.diagnose.null import simulate_null
+from er_model_lab.held_out import FOLDS
+from er_model_lab.long import choose
 from er_model_lab.record import Record
 from er_model_lab.ride import CHANNELS, SETTLE
 from er_model_lab.ride_problem import open_ride
 from er_model_lab.ride_result import confounded
+from er_models.errors import InputError
 from er_models.files import load_model, save_model
 from er_models.simulate import simulate
 from typer.testing import CliRunner
@@ -65,6 +68,25 @@ def test_a_record_that_begins_in_motion_leaves_its_noise_alone(opened):
     rows = at_rest.weighted(at_rest.ride(fitted.model)[1][None])[0]
     first = slice(0, round(0.1 / DT) * forward.outputs)
     assert np.std((problem.force - rows)[first]) > 2.0 * np.std(fitted.residual[first])
+
+
+def test_a_ride_too_short_for_its_blocks_to_settle_is_refused():
+    short = ride(seconds=2.0)
+    with pytest.raises(InputError, match=r"expected 3 s at least, with 100 samples to fit"):
+        open_ride([short], load_model(CAR))
+    folds = open_ride([ride(seconds=3.5)], load_model(CAR))[0].fold
+    assert np.unique(folds[folds >= 0]).size == FOLDS
+
+
+def test_what_of_long_and_uneven_rides_is_not_used_is_said(monkeypatch):
+    monkeypatch.setattr(choose, "LONG", 4000)
+    monkeypatch.setattr(choose, "USED", 5200)
+    rides = [ride(seconds=14.0), ride(seed=2, seconds=14.0, without=("deflection",))]
+    pieces, _ = choose.shortened(rides)
+    problem, _ = open_ride(pieces, load_model(CAR))
+    assert any("of 28 s searched, in" in note for note in problem.notes)
+    assert "deflection is not used: 1 of 2 records lack it" in problem.notes
+    assert len(set(problem.notes)) == len(problem.notes)
 
 
 def test_starts_suit_every_model_and_are_not_scored(opened):

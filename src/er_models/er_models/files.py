@@ -52,10 +52,19 @@ def load_model(path: str | Path, catalogue: Catalogue = CATALOGUE) -> Model:
         scales=scales,
         source=str(text.get("source", "")),
         deviations={**(base.deviations if base else {}), **deviations},
-        history=tuple(text.get("history") or (base.history if base else ())),
+        history=_history(path, text.get("history")) or (base.history if base else ()),
         rig=_numbers(path, "rig", text.get("rig") or (base.rig if base else {})),
         catalogue=catalogue,
     )
+
+
+def _history(path: Path, found: Any) -> tuple[Mapping[str, Any], ...]:
+    """Entries of the history, one mapping each."""
+    if found is None:
+        return ()
+    if not isinstance(found, list):
+        raise InputError(path, "history", "a list of mappings", type(found).__name__)
+    return tuple(_mapping(path, f"history.{k}", entry) for k, entry in enumerate(found))
 
 
 def save_model(model: Model, path: str | Path) -> None:

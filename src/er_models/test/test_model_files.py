@@ -80,6 +80,8 @@ MISTAKES = {
     "negative envelope": ("force: 20.0", "force: -20.0", "envelope.force: expected a number above 0"),
     "missing envelope": ("force: 20.0, ", "", "envelope.force: expected a number above 0, found nothing"),
     "unknown envelope": ("duty: 0.3", "duty: 0.3, heat: 1.0", "envelope.heat: expected one of"),
+    "history in words": ("name: some", "history: [measured by hand]", "history.0: expected a mapping of names"),
+    "history no list": ("name: some", "history: {a: 1}", "history: expected a list of mappings, found dict"),
     "broken YAML": ("effects:", "effects: [", "expected valid YAML"),
     "absent damper": ("name: some", "damper: nowhere.yaml", "nowhere.yaml: expected a model file, found no file"),
 }  # fmt: skip

@@ -85,10 +85,12 @@ def missing(model: Model, problem: Problem) -> tuple[Effect, ...]:
     """Effects that could be added: all candidates of the catalogue the model does not hold.
 
     Where the motion sensors themselves show a lag of the velocity channel, the force must not be asked:
-    a lag of the fused velocity would only imitate its noise.
+    a lag of the fused velocity would only imitate its noise. Where no velocity was measured none can lag.
     """
     core = () if model.has_response else (model.catalogue["response"],)
-    held = {*model.effects, "velocity_lag"} if problem.kinematic_lag else set(model.effects)
+    measured = not problem.raw or any(c.has[1] for c in problem.raw)
+    from_force = measured and not problem.kinematic_lag
+    held = set(model.effects) if from_force else {*model.effects, "velocity_lag"}
     return tuple(e for e in core + problem.forward.candidates(model) if e.name not in held)
 
 

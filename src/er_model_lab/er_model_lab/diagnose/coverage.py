@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +11,8 @@ from er_model_lab.prepare import Problem, white_noise
 
 STEP = 0.01
 """Change of the duty from one sample to the next that is a step."""
+Line = tuple[float, float]
+"""Frequency of a spectral line, and the width that it is known to [Hz]."""
 MOVED = 1.2
 """Ratio of a channel's deviation to its white noise above which something moved."""
 
@@ -41,11 +42,12 @@ def coverage(problem: Problem) -> Coverage:
     u = m.u
     steps = int(np.sum(np.abs(np.diff(u)) > STEP))
     tones = _tones(problem)
-    seconds = float(problem.used.sum() / problem.forward.outputs * m.dt)
+    rows = np.concatenate([np.arange(i, j) for i, j in problem.learnt])
+    seconds = float(problem.used[:: problem.forward.outputs][rows].sum() * m.dt)
     blocking, hints = [], []
     if seconds < 5.0:
         blocking.append(f"only {seconds:.1f} s of usable data: record at least 20 s")
-    many = curves(problem.cycles, m.v, m.starts)
+    many = curves(problem.cycles, m.v, problem.learnt)
     if still(problem):
         blocking.append(
             f"the damper stands still: its motion is not above the noise of its sensors; {REMEDY}"
@@ -86,21 +88,32 @@ def still(problem: Problem) -> bool:
 
 
 def _tones(problem: Problem) -> int:
-    """Number of spectral lines that carry 95 % of the velocity, over all records."""
-    total: list[float] = []
-    m = problem.motion
-    for i, j in itertools.pairwise(m.starts):
+    """Number of spectral lines that carry 95 % of the velocity, over all records learnt from.
+
+    Lines of different records are one where they are no further apart than either resolves.
+    """
+    m, found = problem.motion, list[list[Line]]()
+    for i, j in problem.learnt:
         v = m.v[i:j] - m.v[i:j].mean()
         power = np.abs(np.fft.rfft(v * np.hanning(v.size))) ** 2
         frequency = np.fft.rfftfreq(v.size, m.dt)
         width = max(4.0 / (v.size * m.dt), 0.1)
-        bins = np.bincount((frequency / width).astype(int), weights=power)
-        order = np.sort(bins)[::-1]
-        share = np.cumsum(order) / max(order.sum(), 1e-300)
+        place = (frequency / width).astype(int)
+        bins, centre = np.bincount(place, power), np.bincount(place, power * frequency)
+        order = np.argsort(bins)[::-1]
+        share = np.cumsum(bins[order]) / max(bins.sum(), 1e-300)
         needed = int(np.searchsorted(share, 0.95)) + 1
-        total += (
-            [float(np.argmax(bins))]
-            if needed <= 2
-            else list(np.argsort(bins)[::-1][:needed].astype(float))
-        )
-    return len(set(total))
+        lines = order[: 1 if needed <= 2 else needed]
+        found.append([(float(centre[k] / max(bins[k], 1e-300)), width) for k in lines])
+    return _different(found)
+
+
+def _different(records: list[list[Line]]) -> int:
+    """How many lines there are of which no earlier record has one."""
+    count, known = 0, list[Line]()
+    for lines in records:
+        new = [
+            (f, width) for f, width in lines if all(abs(f - g) >= max(width, w) for g, w in known)
+        ]
+        count, known = count + len(new), known + new
+    return count

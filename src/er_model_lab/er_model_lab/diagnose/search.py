@@ -229,11 +229,10 @@ def _without_refinements(base: Candidate, able: list[Candidate], limit: float) -
 def try_pairs(step: Round, problem: Problem, target: float) -> Candidate | None:
     """Best pair among the best singles, when it reaches the target mean square and beats the best single."""
     model = step.base.fit.model
-    names = [c.name for c in step.candidates if effect_size(step.base, c) > 0][:PAIRS_OF]
     singles = {c.name: c for c in step.candidates}
     pairs = in_turn(
         lambda two: refit(singles[two[0]], model.catalogue[two[1]], problem),
-        list(itertools.combinations(names, 2)),
+        list(itertools.combinations(partners(step), 2)),
     )
     best = min(pairs, key=lambda c: c.mse, default=None)
     top = step.taken or step.candidates[0]
@@ -248,20 +247,16 @@ def swapped(
     """The best model once every effect was exchanged for its rivals, and the groups still tied then.
 
     A tie of the first round is one beside all that was still missing, and so is a lead there (`close`); what
-    counts is the tie in the whole model.
+    counts is the tie in the whole model. What came as one of a pair is exchanged for what pairs were tried of.
     """
     groups = []
-    for step in rounds:
-        if step.taken is None or step.taken.name not in best.effects:
+    for name, step in [*_taken(rounds), *_paired(best, rounds)]:
+        if name not in best.effects:
             continue
-        near = step.ties if len(best.effects) < 2 else [*step.ties, *close(step)]
-        others = [n for n in dict.fromkeys(near) if n not in best.effects]
+        others = [n for n in _near(name, step, best) if n not in best.effects]
         if not others:
             continue
-        place, rest = (
-            best.effects.index(step.taken.name),
-            without(best, step.taken.name, problem),
-        )
+        place, rest = best.effects.index(name), without(best, name, problem)
         trials = in_turn(lambda n: exchanged(rest, place, n, problem), others)  # noqa: B023
         alike = tied(rest, sorted([best, *trials], key=lambda c: c.mse), problem, step.threshold)
         best = alike[0]
@@ -269,6 +264,30 @@ def swapped(
             tuple(c.effects[place] for c in alike if c is best or rivals(best, c, problem))
         )
     return best, tuple(g for g in groups if len(g) > 1)
+
+
+def _taken(rounds: list[Round]) -> list[tuple[str, Round]]:
+    """Effects that were taken, each with its round."""
+    return [(step.taken.name, step) for step in rounds if step.taken is not None]
+
+
+def _paired(best: Candidate, rounds: list[Round]) -> list[tuple[str, Round]]:
+    """Effects of a model that no round took: those of a pair, with the round whose singles the pairs are of."""
+    alone = {name for name, _ in _taken(rounds)}
+    return [(name, rounds[0]) for name in best.effects if name not in alone]
+
+
+def _near(name: str, step: Round, best: Candidate) -> list[str]:
+    """Effects that an effect of a model may be exchanged for."""
+    if step.taken is None or step.taken.name != name:
+        return partners(step)
+    near = step.ties if len(best.effects) < 2 else [*step.ties, *close(step)]
+    return list(dict.fromkeys(near))
+
+
+def partners(step: Round) -> list[str]:
+    """The best singles of a round, of which pairs are tried."""
+    return [c.name for c in step.candidates if effect_size(step.base, c) > 0][:PAIRS_OF]
 
 
 def close(step: Round) -> list[str]:

@@ -102,11 +102,18 @@ def _searched(
     """Further effects beside the first, those still needed, and ties; `rounds` grows."""
     best, floor = _grow(best, rounds, floor, problem, seed, rule, tick)
     if len(best.effects) > 1:
-        best = prune(best, problem, BEYOND_DOUBT * rounds[0].threshold)
+        best = _standing(prune(best, problem, BEYOND_DOUBT * rounds[0].threshold), rounds[0])
     ties = _alternatives(best, rounds)
     if len(best.effects) > 1:
         best, ties = swapped(best, rounds, problem)
     return best, floor, ties
+
+
+def _standing(best: Candidate, first: Round) -> Candidate:
+    """What is left of several effects; where one is, only if it passes by itself, else what the first round took."""
+    if len(best.effects) > 1 or passes(first.base, best, first.threshold):
+        return best
+    return first.taken or first.base
 
 
 def judge(

@@ -14,7 +14,7 @@ from er_model_lab.identify.procedure import identify
 from er_model_lab.load import fingerprint
 from er_model_lab.long.verify import told
 from er_model_lab.record import originals
-from er_model_lab.study import on_fused
+from er_model_lab.velocity_channel import on_fused
 
 STEPS = 4
 """Ticks of the progress in most cases: three stages and the joint refinement."""

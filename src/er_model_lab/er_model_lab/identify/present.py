@@ -7,11 +7,10 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from er_models.errors import InputError
 from er_models.model import Model
-from er_models.scales import Scales
 
 from er_model_lab.compare import errors
+from er_model_lab.envelope import in_bounds
 from er_model_lab.excess import region_tables
 from er_model_lab.identify.findings import findings, missing, verdict
 from er_model_lab.identify.law import response_time
@@ -98,7 +97,7 @@ def new_model(found: Identified, name: str, entry: Mapping[str, Any]) -> Model:
     )
     model = replace(found.model, name=name, source=f"{source} ({found.before.source})",
                     history=(*found.before.history, whole))  # fmt: skip
-    return _in_bounds(model, found)
+    return in_bounds(model, found.problem, found.before.scales)
 
 
 def _parameter(found: Identified, effect: str, name: str) -> dict[str, Any]:
@@ -169,30 +168,3 @@ def _errors(found: Identified, residual: np.ndarray) -> dict[str, tuple[float, f
     masks = {"train": problem.train, "held_out": problem.held_out}
     kept = {k: errors(problem, residual, mask) for k, mask in masks.items() if mask.any()}
     return {k: (e.rmse, e.nrmse) for k, e in kept.items()}
-
-
-def _in_bounds(model: Model, found: Identified) -> Model:
-    """The model with an envelope under which every value lies in its bounds: that of the data where it can be."""
-    data, given = found.problem.scales, found.before.scales
-    both = Scales(
-        max(data.force, given.force), max(data.deflection, given.deflection),
-        max(data.velocity, given.velocity), max(data.duty, given.duty),
-    )  # fmt: skip
-    outside = ""
-    for scales in (data, both, given):
-        scaled = replace(model, scales=scales)
-        outside = _outside(scaled)
-        if not outside:
-            return scaled
-    raise InputError(model.name, outside, "a value inside its bounds for these data", "one beyond")
-
-
-def _outside(model: Model) -> str:
-    """First parameter that lies outside its bounds; empty when there is none."""
-    for effect, values in model.effects.items():
-        for q in model.catalogue[effect].parameters:
-            low, high = model.bounds(effect, q.name)
-            value = values[q.name]
-            if not low <= value <= high and value != q.neutral:
-                return f"{effect}.{q.name}"
-    return ""

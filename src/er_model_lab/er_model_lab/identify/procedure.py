@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from er_models.model import Array, Model
 
+from er_model_lab.envelope import with_unfelt
 from er_model_lab.fit import with_deviations
 from er_model_lab.forward import Free
 from er_model_lab.held_out import WARM_UP
@@ -20,7 +21,8 @@ from er_model_lab.identify.stages import FOLLOWED, Stage, linear, response, yiel
 from er_model_lab.identify.stretches import Level, levels, stretches
 from er_model_lab.prepare import Problem
 from er_model_lab.record import Record
-from er_model_lab.study import as_given, on_fused, open_problem
+from er_model_lab.study import as_given, open_problem
+from er_model_lab.velocity_channel import on_fused, put_back
 
 FADED, GONE = 4.0, 5.0
 """Response times after which a change of the duty has faded to 2 %, which will do, and to under a hundredth."""
@@ -86,7 +88,7 @@ def identify(
     say("all parameters together")
     refined = refine(stages[-1].model, bare, problem)
     fitted = replace(refined.fit, model=replace(refined.fit.model, deviations=bare.deviations))
-    final = _with_lag(with_deviations(fitted, problem), model)
+    final = put_back(with_unfelt(with_deviations(fitted, problem), bare, problem), model)
     return Identified(
         final, model, problem, stages, tuple(found), table, quadratic(table) if table else None, refined,
         as_given(model, problem), lag,
@@ -134,10 +136,3 @@ def learn_from_all(problem: Problem, sealed: int) -> Problem:
         else:
             held[rows] = True
     return replace(problem, fold=fold, held_out=held)
-
-
-def _with_lag(found: Model, given: Model) -> Model:
-    """The model with the lag of the velocity channel it came with."""
-    if "velocity_lag" not in given.effects:
-        return found
-    return found.with_effect("velocity_lag", dict(given.effects["velocity_lag"]))

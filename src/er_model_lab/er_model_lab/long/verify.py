@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -135,6 +136,22 @@ def long_json(found: Checked, *, again: bool) -> dict[str, Any]:
             }
             for k in order
         ],
+    }
+
+
+def errors_json(found: Checked, floor: float) -> dict[str, Any]:
+    """Errors [N] of the last model on all of long data, as `compare` gives them; floor [N]: what noise leaves."""
+    left, used, m = found.left_now, found.used, found.whole.motion
+    force = found.whole.force[used]
+    rmse, span = float(np.sqrt(np.mean(left[used] ** 2))), float(np.ptp(force))
+    return {
+        "rmse": rmse,
+        "nrmse": rmse / span if span > 0.0 else float("nan"),
+        "explainable": max(1.0 - floor**2 / rmse**2, 0.0) if rmse > 0.0 else 0.0,
+        "rmse_by_record": {
+            record.name: float(np.sqrt(np.mean(left[i:j][used[i:j]] ** 2)))
+            for record, (i, j) in zip(found.whole.data, pairwise(m.starts), strict=True)
+        },
     }
 
 

@@ -13,8 +13,9 @@ from er_models.model import Array, Model
 from er_models.predict import Motion, join, predict_many
 from numpy.typing import NDArray
 
+from er_model_lab.drift import drift
 from er_model_lab.forward import DamperForward
-from er_model_lab.fuse import Channels, Noise, adapt, channels_of, fuse
+from er_model_lab.fuse import WITHOUT_A, Channels, Noise, adapt, channels_of, fuse
 from er_model_lab.prepare import (
     FOR_NOISE,
     Problem,
@@ -99,10 +100,10 @@ def on_whole(problem: Problem, records: Sequence[Record]) -> Problem:
 
 def _whole(problem: Problem, records: Sequence[Record]) -> Whole:
     """Motion and force of all records that stretches come from, and where the stretches are."""
-    dt, used = problem.motion.dt, tuple(bool(h) for h in problem.raw[0].has)
-    sources = originals(records)
+    dt, sources = problem.motion.dt, originals(records)
+    smooth = not any(c.measured_a and not c.has[2] for c in problem.raw)
     reference = reference_temperature(sources, dt)
-    fused = [_fused(record, dt, problem.noise, used, reference) for record in sources]
+    fused = [_fused(record, dt, problem.noise, smooth, reference) for record in sources]
     motion, force = join([m for m, _ in fused]), np.concatenate([f for _, f in fused])
     rows, learn = [], len(sources)
     for r, n in zip(records, np.diff(problem.motion.starts), strict=True):
@@ -121,29 +122,48 @@ def first_row(motion: Motion, data: Sequence[Record], record: int, row: int) -> 
 
 @lru_cache(maxsize=256)
 def _fused(
-    record: Record, dt: float, noise: Noise, used: tuple[bool, ...], reference: float
+    record: Record, dt: float, noise: Noise, smooth: bool, reference: float
 ) -> tuple[Motion, Array]:
     """Motion and force of a whole record, fused piece by piece with the sensors' known noise.
 
-    reference: temperature at which theta is 0 [K].
+    smooth: whether the velocity is made from the accelerations, too; reference: temperature at which theta is 0 [K].
     """
     channels = measured_channels(record, dt)
-    channels = channels.only(np.array(used, np.uint8))
-    n, piece, overlap = channels.z.shape[0], round(PIECE / dt), round(OVERLAP / dt)
-    state = np.empty((3, n))
-    for i in range(0, n, piece):
-        j = min(i + piece, n)
-        low, high = max(i - overlap, 0), min(j + overlap, n)
-        part = rows_of(channels, low, high)
-        found = fuse(part, adapt(part.telling(FOR_NOISE // 2), noise))
-        state[:, i:j] = np.stack([found.x, found.v, found.a])[:, i - low : j - low]
-    x, v, a = state
+    if not smooth:
+        channels = channels.only(WITHOUT_A)
+    x, v, a = _pieces(channels, noise)
+    n = x.size
+    if not channels.has[0]:
+        line, slope = drift(x, dt)
+        x, v = x - line, v - slope
     if channels.measured_a and not channels.has[2]:
         a = channels.z[:, 2].copy()
     u = resampled(record, "duty", dt) if record.has("duty") else np.zeros(n)
     theta = warmth(record, dt, n, reference)
     motion = Motion(dt, x, v, a, np.ascontiguousarray(u), theta, np.array([0, n]))
     return motion, resampled(record, "damper_force", dt)
+
+
+def _pieces(channels: Channels, noise: Noise) -> Array:
+    """Deflection, velocity and acceleration (3, n) of a record, fused a minute at a time.
+
+    Where no deflection says where a piece lies, it goes on from the one before.
+    """
+    dt, n = channels.dt, channels.z.shape[0]
+    piece, overlap = round(PIECE / dt), round(OVERLAP / dt)
+    state, ahead = np.empty((3, n)), np.empty(0)
+    for i in range(0, n, piece):
+        j = min(i + piece, n)
+        low, high = max(i - overlap, 0), min(j + overlap, n)
+        part = rows_of(channels, low, high)
+        found = fuse(part, adapt(part.telling(FOR_NOISE // 2), noise))
+        x = found.x
+        if ahead.size and not channels.has[0]:
+            shared = min(ahead.size, x.size - (i - low))
+            x = x + float(np.mean(ahead[:shared] - x[i - low :][:shared]))
+        state[:, i:j] = np.stack([x, found.v, found.a])[:, i - low : j - low]
+        ahead = x[j - low :]
+    return state
 
 
 def rows_of(channels: Channels, i: int, j: int) -> Channels:

@@ -22,7 +22,8 @@ from er_model_lab.plan.search import Tick
 from er_model_lab.prepare import Problem
 from er_model_lab.present import clean
 from er_model_lab.record import originals
-from er_model_lab.study import as_given, on_fused, open_problem
+from er_model_lab.study import as_given, open_problem
+from er_model_lab.velocity_channel import on_fused
 from er_model_lab.versions import versions
 
 STEPS = 150

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,9 +19,9 @@ def motion_findings(records: Sequence[Record]) -> Iterator[Finding]:
         return
     parts = [r.channels["deflection_velocity"] for r in known]
     velocity = np.concatenate(parts)
-    starts = np.concatenate([[0], np.cumsum([p.size for p in parts])]).astype(np.int64)
-    found = cycles(velocity, known[0].dt, starts)
-    if not 0 < curves(found, velocity, starts) <= FEW_CURVES:
+    rows = list(pairwise([0, *np.cumsum([p.size for p in parts]).tolist()]))
+    found = cycles(velocity, known[0].dt, rows)
+    if not 0 < curves(found, velocity, rows) <= FEW_CURVES:
         return
     yield Finding(
         "motion", "warning", known[0].name, "deflection_velocity", "a motion of several frequencies or sizes",

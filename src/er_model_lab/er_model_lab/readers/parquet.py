@@ -42,7 +42,7 @@ def read(path: Path, names: Mapping[str, str] | None = None) -> list[Record]:
             pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_decimal(kind)
         ):
             raise InputError(path, f"column '{column.name}'", "numbers", str(kind))
-        raw = np.asarray(values.cast(pa.float64()).to_numpy(), dtype=np.float64)
+        raw = np.asarray(values.cast(pa.float64(), safe=False).to_numpy(), dtype=np.float64)
         samples[column.name], how = to_si(column, raw)
         notes += how
     t = samples.pop(TIME)

@@ -1,0 +1,67 @@
+"""Times that are rounded, rates that change, and records of several rates."""
+
+import numpy as np
+import pytest
+from er_model_lab.prepare import resampled
+from er_model_lab.record import Record
+from er_model_lab.sampling import even
+
+
+def sine(t, f=1.3):
+    """A record of one sine and its derivative."""
+    w = 2 * np.pi * f
+    return Record(
+        "run", t, {"deflection": np.sin(w * t), "deflection_velocity": w * np.cos(w * t)}
+    )
+
+
+@pytest.mark.parametrize(("rate", "digits"), [(512.0, 4), (300.0, 4), (1024.0, 5), (333.0, 4)])
+def test_rounded_times_are_taken_for_equal_steps(rate, digits):
+    t = np.arange(round(20.0 * rate)) / rate
+    found = even(sine(np.round(t, digits)))
+    assert found.dt == pytest.approx(1.0 / rate, rel=1e-4)
+    assert found.t == pytest.approx(t, abs=1.1 * 10.0**-digits)
+    slope = np.gradient(found.channels["deflection"], found.dt)
+    ratio = slope @ found.channels["deflection_velocity"] / np.sum(slope**2)
+    assert ratio == pytest.approx(1.0, abs=2e-3)
+    if abs(np.median(np.diff(np.round(t, digits))) * rate - 1.0) > 1e-3:
+        assert "times are rounded" in found.notes[-1]
+
+
+def test_times_that_are_even_stay_as_they_are():
+    rng = np.random.default_rng(0)
+    t = np.arange(4000) * 0.005
+    for kept in (t, t + 1e-4 * rng.uniform(-1, 1, t.size)):
+        record = sine(kept)
+        assert even(record) is record
+
+
+def test_a_rate_that_changes_is_resampled():
+    t = np.cumsum(np.concatenate([np.full(6000, 0.0050), np.full(4000, 0.0053)]))
+    found = even(sine(t))
+    assert "the sample time changes" in found.notes[-1]
+    assert np.ptp(np.diff(found.t)) < 1e-9
+    assert found.channels["deflection"] == pytest.approx(
+        np.sin(2 * np.pi * 1.3 * found.t), abs=1e-3
+    )
+
+
+def test_on_a_coarser_grid_the_duty_is_the_one_in_force():
+    t = np.arange(1000) * 0.004
+    duty = np.where(np.floor(t / 0.3) % 2 == 0, 0.0, 0.3)
+    record = Record("run", t, {"duty": duty, "damper_force": t})
+    coarse = resampled(record, "duty", 0.005)
+    assert set(np.unique(coarse)) == {0.0, 0.3}
+    grid = np.arange(t[0], t[-1], 0.005)
+    assert coarse == pytest.approx(
+        np.where(np.floor((grid + 1e-9) / 0.3) % 2 == 0, 0.0, 0.3), abs=0.31
+    )
+    late = np.mean(coarse != np.where(np.floor((grid + 1e-9) / 0.3) % 2 == 0, 0.0, 0.3))
+    assert late < 0.02
+
+
+def test_rates_that_differ_by_half_a_percent_are_two_rates():
+    t = np.arange(4000) * 0.005 / 1.005
+    record = Record("run", t, {"deflection": t})
+    found = resampled(record, "deflection", 0.005)
+    assert np.diff(found) == pytest.approx(0.005, abs=1e-9)
