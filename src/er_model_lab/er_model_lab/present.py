@@ -262,7 +262,7 @@ def _lag_entry(study: Study) -> dict[str, Any]:
         "evidence": abs(lag) / max(sd, 1e-12),
         "p_value": float(math.erfc(min(abs(lag) / max(sd, 1e-12), 30.0) / math.sqrt(2.0))),
         "parameters": {"T_v": [lag, sd, "s"]},
-        "status": "present",
+        "status": "present" if "velocity_lag" in found.effects else "absent",
         "confounded_with": [],
         "basis": "deflection and accelerometers against the velocity channel",
     }

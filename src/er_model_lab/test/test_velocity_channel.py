@@ -7,6 +7,7 @@ import pytest
 from er_model_lab.diagnose.candidates import baseline, missing
 from er_model_lab.long import choose
 from er_model_lab.prepare import prepare
+from er_model_lab.present import diagnosis_json
 from er_model_lab.record import Record
 from er_model_lab.rule import RULE
 from er_model_lab.study import (
@@ -53,6 +54,8 @@ def test_the_lag_can_be_added_whether_it_is_there_or_not(lag):
     assert sd < 5e-5
     assert abs(value - lag) < max(4.0 * sd, 0.03 * lag)
     assert ("velocity_lag" in study.diagnosis.effects) is (lag > 0.0)
+    (told,) = diagnosis_json(study, found)["candidates"]
+    assert told["status"] == ("present" if lag else "absent")
     problem, seen = open_problem([record(lag=lag)], found)
     assert seen is None
     assert np.std(as_given(found, problem)[problem.used]) < 1.1 * FORCE_NOISE
