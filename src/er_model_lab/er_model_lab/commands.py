@@ -22,6 +22,7 @@ from er_model_lab.diagnose.by_record import by_record
 from er_model_lab.diagnose.candidates import Candidate, baseline
 from er_model_lab.diagnose.floor import Floor, noise_floor
 from er_model_lab.diagnose.null import simulate_null
+from er_model_lab.driven import driven
 from er_model_lab.envelope import in_bounds
 from er_model_lab.excess import noise_at, region_tables
 from er_model_lab.floors import floors
@@ -33,6 +34,7 @@ from er_model_lab.long.verify import Checked, checked, errors_json, long_json, l
 from er_model_lab.passes import explained_by, taken_last, told_together
 from er_model_lab.plan.suggest import suggestions
 from er_model_lab.preflight.check import gate, preflight
+from er_model_lab.preflight.size import off_centre
 from er_model_lab.prepare import Problem
 from er_model_lab.present import (
     candidate_views,
@@ -129,7 +131,9 @@ def read(ask: Request) -> tuple[list[Record], int]:
         raise InputError(ask.data[0], "", "at least one record", "none")
     check_apart(records, sealed)
     data = gate(told_apart([*records, *sealed]), anyway=ask.anyway)
-    return shortened(data, len(sealed))
+    if ask.level == "vehicle":
+        return shortened(data, len(sealed))
+    return shortened(*driven(data, len(sealed)))
 
 
 def provenance(records: list[Record], model: Model, ask: Request) -> dict[str, Any]:
@@ -189,13 +193,25 @@ def _compared(
         "rmse_refitted": float(np.sqrt(base.mse)),
         "beyond": further.as_json() if further else None,
     }
-    notes = (*size_notes(problem, given), *_further(model, further), *problem.notes)
+    centre = tuple(dict.fromkeys(n for r in data for n in _centre(r, model)))
+    notes = (*size_notes(problem, given), *centre, *_further(model, further), *problem.notes)
     on_all = checked(problem, given, given=on_fused(model))
     if on_all is not None:
         result["long"] = long_json(on_all, again=False)
         result |= errors_json(on_all, floor.floor)
         notes = (long_note(result["long"]), *notes)
     return result, notes, on_all
+
+
+def _centre(record: Record, model: Model) -> tuple[str, ...]:
+    """What is said of a deflection whose middle lies beyond what the model is made for."""
+    middle, reach = off_centre(record, model)
+    if abs(middle) <= reach:
+        return ()
+    return (
+        f"the deflection's middle is at {1e3 * middle:.3g} mm, the model is made for {1e3 * reach:.3g} mm to either "
+        "side: the sensor's zero may be another (deflection_zero)",
+    )
 
 
 def _rivals(

@@ -14,6 +14,8 @@ from er_model_lab.record import HELD, Array, Record
 
 JITTER = 0.10
 """Largest deviation of a sample time from the median, as a share of it, that is left as it is."""
+UNITS, WHOLE, HALF = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6), 0.02, 0.6
+"""Units that times are rounded to [s]; how near to whole ones, and to the line, times must be, in such units."""
 ROUNDED = 1e-3
 """Difference of median and mean sample time, as a share, up to which either will do."""
 
@@ -33,18 +35,30 @@ def even(record: Record, limit: float = JITTER) -> Record:
     """
     measured, dt = jitter(record), record.dt
     mean = float(record.t[-1] - record.t[0]) / (len(record) - 1)
+    if measured <= limit and abs(dt - mean) <= ROUNDED * mean:
+        return record
+    line = rounded(record.t)
+    if line is not None:
+        note = f"times are rounded: equal steps of {1e3 * line[1]:.5g} ms instead of {1e3 * dt:.5g} ms as a rule"
+        t: Array = np.asarray(line[0] + line[1] * np.arange(len(record)), dtype=np.float64)
+        return replace(record, t=t).noted(note)
     if measured > limit:
         why = f"sampling is uneven (jitter {100 * measured:.0f} % of {1e3 * dt:.4g} ms)"
         return _resampled(record, dt, why)
-    if abs(dt - mean) <= ROUNDED * mean:
-        return record
-    grid = record.t[0] + mean * np.arange(len(record))
-    if np.max(np.abs(record.t - grid)) > limit * mean:
-        return _resampled(
-            record, mean, f"the sample time changes ({1e3 * dt:.4g} ms as a rule, {1e3 * mean:.4g} ms on average)"
-        )  # fmt: skip
-    note = f"times are rounded: equal steps of {1e3 * mean:.5g} ms instead of {1e3 * dt:.5g} ms as a rule"
-    return replace(record, t=grid).noted(note)
+    return _resampled(
+        record, mean, f"the sample time changes ({1e3 * dt:.4g} ms as a rule, {1e3 * mean:.4g} ms on average)"
+    )  # fmt: skip
+
+
+def rounded(t: Array) -> tuple[float, float] | None:
+    """First time and step [s] of equal steps whose times (n,) are these, rounded; None where they are not."""
+    unit = next((u for u in UNITS if np.max(np.abs(t / u - np.round(t / u))) < WHOLE), None)
+    if unit is None:
+        return None
+    k = np.arange(t.size)
+    step, late = (float(c) for c in np.polyfit(k, t - t[0], 1))
+    missed = float(np.max(np.abs(late + step * k - (t - t[0]))))
+    return (float(t[0]) + late, step) if missed < HALF * unit else None
 
 
 def _resampled(record: Record, dt: float, why: str) -> Record:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -287,12 +288,15 @@ def pasteable(command: str, width: int) -> list[str]:
 
 
 def _notes(view: View, pen: Pen) -> Iterator[RenderableType]:
-    """The first notes, one line each; more of them where data are missing."""
+    """The first notes, two lines each at most; more of them where data are missing."""
     said = view.result.get("reasons") or () if "stages" in view.result else ()
     notes = [note for note in dict.fromkeys(view.notes) if note not in said]
     most = MOST_NOTES if view.result.get("complete", True) else MOST_NOTES_INCOMPLETE
     for note in notes[:most]:
-        yield pen.line(pen.cut(f"note: {note}", pen.width), "dim")
+        first, *rest = textwrap.wrap(f"note: {note}", pen.width) or [""]
+        yield pen.line(first, "dim")
+        if rest:
+            yield pen.line(pen.cut(" ".join(rest), pen.width), "dim")
     more = len(notes) - most
     if more > 0:
         yield pen.line(f"{more} more note{'s' * (more > 1)} in --json and --report", "dim")

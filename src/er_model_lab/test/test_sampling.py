@@ -1,5 +1,7 @@
 """Times that are rounded, rates that change, and records of several rates."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from er_model_lab.prepare import resampled
@@ -15,10 +17,14 @@ def sine(t, f=1.3):
     )
 
 
-@pytest.mark.parametrize(("rate", "digits"), [(512.0, 4), (300.0, 4), (1024.0, 5), (333.0, 4)])
+@pytest.mark.parametrize(
+    ("rate", "digits"), [(512.0, 4), (512.0, 3), (300.0, 4), (1024.0, 5), (333.0, 4)]
+)
 def test_rounded_times_are_taken_for_equal_steps(rate, digits):
     t = np.arange(round(20.0 * rate)) / rate
-    found = even(sine(np.round(t, digits)))
+    given = replace(sine(t), t=np.round(t, digits))
+    found = even(given)
+    assert all(np.array_equal(found.channels[c], y) for c, y in given.channels.items())
     assert found.dt == pytest.approx(1.0 / rate, rel=1e-4)
     assert found.t == pytest.approx(t, abs=1.1 * 10.0**-digits)
     slope = np.gradient(found.channels["deflection"], found.dt)
@@ -26,6 +32,18 @@ def test_rounded_times_are_taken_for_equal_steps(rate, digits):
     assert ratio == pytest.approx(1.0, abs=2e-3)
     if abs(np.median(np.diff(np.round(t, digits))) * rate - 1.0) > 1e-3:
         assert "times are rounded" in found.notes[-1]
+
+
+def test_of_times_since_1970_too():
+    t = 1_700_000_000.0 + np.arange(6000) / 512.0
+    found = even(replace(sine(t), t=np.round(t, 3)))
+    assert found.dt == pytest.approx(1.0 / 512.0, rel=1e-4)
+    assert "times are rounded" in found.notes[-1]
+
+
+def test_jitter_in_rounded_times_is_jitter():
+    t = np.arange(6000) * 0.005 + np.random.default_rng(1).uniform(-0.002, 0.002, 6000)
+    assert "sampling is uneven" in even(sine(np.round(t, 4))).notes[-1]
 
 
 def test_times_that_are_even_stay_as_they_are():

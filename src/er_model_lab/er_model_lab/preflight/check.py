@@ -14,6 +14,7 @@ from er_model_lab.preflight import cells, kinematics, samples
 from er_model_lab.preflight.finding import ORDER, Finding
 from er_model_lab.preflight.maps import CoverMap, maps
 from er_model_lab.preflight.motion import motion_findings
+from er_model_lab.preflight.size import size_findings
 from er_model_lab.preflight.use import use_findings
 from er_model_lab.record import Record
 
@@ -114,6 +115,7 @@ def preflight(
     if levels:
         found += [f for record in records for f in use_findings(record)]
     found += motion_findings(records)
+    found += size_findings(records, model) if model is not None else ()
     courses = [cells.course_of(r) for r in records]
     reach = _reach(model, cells.reach_of(courses))
     have = cells.counts(courses, reach)

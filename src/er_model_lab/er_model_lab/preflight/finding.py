@@ -14,7 +14,7 @@ ORDER: dict[str, int] = {"fail": 0, "warning": 1, "note": 2, "ok": 3}
 class Finding:
     """A check of one record.
 
-    check: channels, sampling, dropouts, held, clipping, units, clock, bias, power or motion; channel: the one
+    check: channels, sampling, dropouts, held, clipping, units, clock, bias, power, motion or size; channel: the one
     concerned, or empty; expected and found: as an error says them; remedy: what to do; a finding of level `fail`
     stops a command.
     """
