@@ -343,6 +343,49 @@ def test_stray_messages_without_a_proper_stamp_are_dropped(tmp_path: Path) -> No
     assert any("1 message with a stamp far in the past" in note for note in record.notes)
 
 
+SECOND = 10**9
+
+
+@pytest.mark.parametrize(
+    ("strays", "words"),
+    [
+        ({200: 100}, "1 message with a stamp far in the future"),
+        ({0: 100}, "1 message with a stamp far in the future"),
+        ({200: 100, 201: 7}, "2 messages with a stamp far in the future"),
+        ({k: 300 - k for k in range(200, 204)}, "4 messages with a stamp far in the future"),
+        ({k: 100 for k in range(3, 700, 9)}, "78 messages with a stamp far in the future"),
+        ({200: 100, 201: -100}, "1 message with a stamp far in the past"),
+        ({200: -100, 201: 100}, "1 message with a stamp far in the future"),
+    ],
+)
+def test_stray_messages_ahead_of_time_cost_nothing_behind_them(
+    tmp_path: Path, strays: dict[int, int], words: str
+) -> None:
+    sent = [
+        Sent(m.topic, m.k, m.stamp + SECOND * strays.get(m.k, 0))
+        if m.topic == "sensors/force"
+        else m
+        for m in ticks(700)
+    ]
+    record = one(record_bag(tmp_path / "bag", sent))
+    assert len(record) >= 699
+    check_values(record, first=700 - len(record))
+    assert f"/sensors/force: {words} dropped" in record.notes
+    assert not any("time jumps back" in note for note in record.notes)
+
+
+@pytest.mark.parametrize("back", [0.6, 0.7, 2.0, 1e3])
+def test_a_clock_that_is_set_back_is_no_stray(tmp_path: Path, back: float) -> None:
+    sent = [Sent(m.topic, m.k, m.stamp - int(back * SECOND) * (m.k >= 500)) for m in ticks(800)]
+    record = one(record_bag(tmp_path / "bag", sent))
+    assert len(record) == 500
+    check_values(record)
+    assert "/sensors/force: time jumps back after 500 messages; 300 behind it left out" in (
+        record.notes
+    )
+    assert not any("future" in note for note in record.notes)
+
+
 @pytest.mark.parametrize("compression", [CompressionMode.NONE, CompressionMode.STORAGE])
 @pytest.mark.parametrize("ending", ["metadata.yaml there", "recorder killed"])
 def test_a_truncated_mcap_is_salvaged_with_a_count(

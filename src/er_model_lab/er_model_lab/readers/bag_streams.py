@@ -50,6 +50,8 @@ FIRST_PASS_NS = 500_000_000
 RESTART_MESSAGES = 20
 """Most of as many messages behind a step back must be in the past too, or they are mere strays."""
 
+MOST_AHEAD = RESTART_MESSAGES // 2
+"""Of as many messages before a step back, at most so many are strays of the future: more are another time."""
 
 LOOKED_AT, FEWEST_WAITS = 8, 20
 """One in so many messages is timed, and of so many at least a topic is judged."""
@@ -184,7 +186,7 @@ def _ordered(namespace: str, key: str, rows: _Rows, notes: list[str]) -> Stream:
 
 def _first_pass(stamps: Stamps) -> tuple[Stamps, list[str]]:
     """Indices to keep, and why others are left out: no stamp, a stray stamp, a restart of time."""
-    why = []
+    why: list[str] = []
     index = np.arange(stamps.size)
     # simulated time may begin at zero, so a first zero counts when the next stamp follows closely
     zero = stamps == 0
@@ -193,6 +195,10 @@ def _first_pass(stamps: Stamps) -> tuple[Stamps, list[str]]:
     if zero.any():
         why.append(f"{messages(int(zero.sum()))} without a stamp dropped")
         index = index[~zero]
+    ahead = _ahead(stamps[index])
+    if ahead.any():
+        why.append(f"{messages(int(ahead.sum()))} with a stamp far in the future dropped")
+        index = index[~ahead]
     own = stamps[index]
     past = np.maximum.accumulate(own) - own > FIRST_PASS_NS
     if past.any():
@@ -204,6 +210,21 @@ def _first_pass(stamps: Stamps) -> tuple[Stamps, list[str]]:
             why.append(f"{messages(int(past.sum()))} with a stamp far in the past dropped")
             index = index[~past]
     return index.astype(np.int64), why
+
+
+def _ahead(own: Stamps) -> npt.NDArray[np.bool_]:
+    """Which stamps are far above those behind them, where these go on from the others before: strays of the future."""
+    found = np.zeros(own.size, dtype=bool)
+    for k in np.flatnonzero(np.diff(own) < -FIRST_PASS_NS) + 1:
+        start = max(k - RESTART_MESSAGES, 0)
+        before, behind = own[start:k], np.sort(own[k : k + RESTART_MESSAGES])
+        # the middle one: there may be strays among them, too
+        level = behind[behind.size // 2]
+        high = before > level + FIRST_PASS_NS
+        goes_on = before[~high].max(initial=level) <= level
+        if goes_on and high.sum() <= min(MOST_AHEAD, behind.size):
+            found[start:k] |= high
+    return found
 
 
 def messages(count: int) -> str:
