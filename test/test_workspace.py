@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import os
 import re
 import signal
@@ -18,6 +19,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tools"))
 
+from er_workspace import commands  # noqa: E402
 from er_workspace.venv import parted  # noqa: E402
 
 PACKAGES = sorted(path.parent for path in ROOT.glob("src/*/package.xml"))
@@ -93,6 +95,35 @@ def test_bad_usage_is_one_line_and_status_2(args: list[str], message: str) -> No
     assert done.stdout == ""
     assert message in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+@pytest.fixture
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A checkout without anything, which the commands of this process take for theirs."""
+    monkeypatch.setattr(commands, "work_root", lambda: tmp_path)
+    monkeypatch.setattr(commands.prerequisites, "check", lambda: None)
+    monkeypatch.setattr(commands.signal, "signal", lambda *_: None)
+    monkeypatch.setenv("ER_ROS_PREFIX", str(tmp_path))
+    return tmp_path
+
+
+def test_a_place_that_cannot_be_written_to_is_one_line(
+    elsewhere: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (elsewhere / "log").touch()
+    assert commands.main(["lab", "effects"]) == 2
+    assert capsys.readouterr() == ("", f"er: {elsewhere}/log: File exists\n")
+
+
+def test_a_full_disk_is_one_line(
+    elsewhere: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def ensure(_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(commands, "ensure", ensure)
+    assert commands.main(["demo"]) == 2
+    assert capsys.readouterr() == ("", f"er: {elsewhere}: No space left on device\n")
 
 
 def test_ctrl_c_is_one_line_also_while_a_program_is_imported(tmp_path: Path) -> None:

@@ -93,6 +93,10 @@ def main(argv: Sequence[str]) -> int:
     except Stop as error:
         say(f"er: {error}")
         return error.status
+    except OSError as error:
+        # of a write that found no room it is not known where
+        say(f"er: {error.filename or work_root()}: {error.strerror or error}")
+        return 2
     except KeyboardInterrupt:
         say("er: interrupted")
         return 130

@@ -20,7 +20,7 @@ import numpy as np
 from er_models.errors import ErError
 from er_models.files import load_model, save_model
 from er_models.model import Model
-from er_models.one_line import OneLine
+from er_models.one_line import BAD_USAGE, OneLine
 from er_models.seed import OF_A_PLANT, seed_reader
 from rich.console import Console
 from rich.table import Table
@@ -276,6 +276,10 @@ def main() -> None:
     except ErError as error:
         sys.stderr.write(f"er demo: {error}\n")
         sys.exit(error.exit_status)
+    except OSError as error:
+        # of a write that found no room it is not known where
+        sys.stderr.write(f"er demo: {error.filename or demo.out}: {error.strerror or error}\n")
+        sys.exit(BAD_USAGE)
 
 
 if __name__ == "__main__":

@@ -95,6 +95,17 @@ def test_of_many_one_in_twenty_may_fail(
     assert ended.value.code == status
 
 
+def test_a_place_that_cannot_be_written_to_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.setattr("sys.argv", ["er demo", "--seed", "1", "--out", str(tmp_path / "file/x")])
+    with pytest.raises(SystemExit) as ended:
+        demo_module.main()
+    assert ended.value.code == 2
+    assert capsys.readouterr().err == f"er demo: {tmp_path}/file/x: Not a directory\n"
+
+
 def test_the_demonstration_finds_what_it_hid(tmp_path: Path) -> None:
     words = ["--mode", "lockstep", "--effect", "coulomb_friction", "--seed", "1"]
     with own_domain() as env:
