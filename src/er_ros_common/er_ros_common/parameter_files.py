@@ -29,24 +29,23 @@ def origins(argv: Sequence[str], full_name: str) -> dict[str, str]:
     for flag, value in _ros_arguments(argv):
         if flag == "--params-file":
             found.update(dict.fromkeys(_for_node(Path(value), full_name), value))
-        elif flag in ("-p", "--param"):
-            found[value.split(":=")[0].rpartition(":")[2]] = COMMAND_LINE
+        elif own := _own(flag, value, full_name):
+            found[own[0]] = COMMAND_LINE
     return found
 
 
-def dropped(argv: Sequence[str], given: Mapping[str, object]) -> dict[str, object]:
-    """Parameters of the command line that ROS drops in silence, with the value that was meant.
+def dropped(argv: Sequence[str], given: Mapping[str, object], full_name: str) -> dict[str, object]:
+    """Parameters of a node on the command line that ROS drops in silence, with the value that was meant.
 
     Where a file gives a parameter in one type and the command line in another (0.1 there, 0 here),
     ROS keeps both and rclpy takes the file's.
     """
     written: dict[str, str] = {}
     for flag, value in _ros_arguments(argv):
-        name, _, text = value.partition(":=")
         if flag == "--params-file":
             written.clear()
-        elif flag in ("-p", "--param"):
-            written[name.rpartition(":")[2]] = text
+        elif own := _own(flag, value, full_name):
+            written.update([own])
     meant = {name: _meant(text) for name, text in written.items() if name in given}
     return {
         name: value
@@ -137,6 +136,15 @@ def _ros_arguments(argv: Sequence[str]) -> Iterator[tuple[str, str]]:
             inside = flag == "--ros-args"
         elif inside and flag.startswith("-"):
             yield flag, value
+
+
+def _own(flag: str, value: str, full_name: str) -> tuple[str, str] | None:
+    """Name and text of a parameter of the command line; None where it is another node's, NODE:NAME:=TEXT."""
+    if flag not in ("-p", "--param"):
+        return None
+    place, _, text = value.partition(":=")
+    node, colon, name = place.rpartition(":")
+    return (name, text) if not colon or matches(node, full_name) else None
 
 
 def _check_file(path: Path) -> None:

@@ -57,8 +57,9 @@ def declare(
     }
     own = getattr(node, "argv", None) if argv is None else argv
     argv = sys.argv[1:] if own is None else own
-    given |= dropped(argv, given)
-    where = origins(argv, node.get_fully_qualified_name())
+    full_name = node.get_fully_qualified_name()
+    given |= dropped(argv, given, full_name)
+    where = origins(argv, full_name)
     _no_overrides(given, where)
     current = build(table, given, where)
     for spec in specs(table):

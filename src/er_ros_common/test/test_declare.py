@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 from er_models.errors import InputError
@@ -61,3 +62,44 @@ def test_overrides_of_what_ros_itself_has_are_nobodys_mistake(
     made: Callable[[str], Parameters], topic: str
 ) -> None:
     assert made(f"qos_overrides.{topic}.subscription.depth") == Parameters(gain=1.0)
+
+
+@pytest.mark.parametrize(
+    ("node", "namespace", "own"),
+    [("", "/fl", True), ("probe:", "/", True), ("probe:", "/fl", False), ("other:", "/", False)],
+)
+def test_a_parameter_of_the_command_line_is_given_to_the_nodes_that_ros_gives_it_to(
+    node: str, namespace: str, own: bool, tmp_path: Path
+) -> None:
+    file = tmp_path / "p.yaml"
+    file.write_text("/**:\n  ros__parameters:\n    gain: 2.0\n", encoding="utf-8")
+    argv = ["--ros-args", "--params-file", str(file), "-p", f"{node}gain:={{}}"]
+    context = Context()
+    rclpy.init(args=[], context=context)
+
+    def gain(text: str) -> float:
+        each = [word.format(text) for word in argv]
+        made = Node(
+            "probe",
+            context=context,
+            namespace=namespace,
+            cli_args=each,
+            use_global_arguments=False,
+            start_parameter_services=False,
+            enable_rosout=False,
+        )
+        try:
+            return declare(made, Parameters, argv=each).gain
+        finally:
+            made.destroy_node()
+
+    try:
+        # of the type of the file's: ROS' own doing
+        assert gain("3.0") == (3.0 if own else 2.0)
+        if own:
+            with pytest.raises(InputError, match="command line: gain"):
+                gain("high")
+        else:
+            assert gain("high") == 2.0
+    finally:
+        rclpy.shutdown(context=context)

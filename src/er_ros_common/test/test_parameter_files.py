@@ -102,14 +102,28 @@ def test_the_command_line_wins_over_a_file_of_another_type(
     written: str, file_has: object, meant: object
 ) -> None:
     argv = ["--ros-args", "--params-file", "f.yaml", "-p", f"a:={written}"]
-    (found,) = dropped(argv, {"a": file_has}).values()
+    (found,) = dropped(argv, {"a": file_has}, "/plant").values()
     assert found == meant or (meant is None and found != found)
 
 
 def test_a_parameter_of_the_same_type_or_before_the_file_is_ros_own_business() -> None:
     argv = ["--ros-args", "--params-file", "f.yaml", "-p", "a:=0.3", "-p", "b:=[1, 2]"]
-    assert dropped(argv, {"a": 0.3, "b": [1, 2]}) == {}
-    assert dropped(["--ros-args", "-p", "a:=x", "--params-file", "f.yaml"], {"a": 0.1}) == {}
+    assert dropped(argv, {"a": 0.3, "b": [1, 2]}, "/plant") == {}
+    argv = ["--ros-args", "-p", "a:=x", "--params-file", "f.yaml"]
+    assert dropped(argv, {"a": 0.1}, "/plant") == {}
+
+
+@pytest.mark.parametrize(
+    ("node", "full_name", "own"),
+    [("", "/fl/plant", True), ("plant:", "/plant", True), ("plant:", "/fl/plant", False),
+     ("skyhook_controller:", "/plant", False)],
+)  # fmt: skip
+def test_a_parameter_for_another_node_of_the_command_line_is_left_alone(
+    node: str, full_name: str, own: bool
+) -> None:
+    argv = ["--ros-args", "-p", f"{node}a:=3"]
+    assert origins(argv, full_name) == ({"a": "command line"} if own else {})
+    assert dropped(argv, {"a": 0.1}, full_name) == ({"a": 3} if own else {})
 
 
 @pytest.mark.parametrize(
