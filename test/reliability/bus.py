@@ -19,7 +19,7 @@ from er_plant_sim.duty_gate import Command
 from er_plant_sim.settings import PlantParameters
 from er_ros_common.builders import Tick
 from er_ros_common.core import Core, When
-from er_ros_common.injection import Channel, asked, through
+from er_ros_common.injection import Channel, asked, taken_over, through
 from er_ros_common.stamps import CLOCK_STEP
 from er_ros_common.topic_names import OBSERVERS
 
@@ -119,7 +119,7 @@ class Bus:
     def inject(self, unit: str, kind: int, value: float = 0.0, duration: float = 0.0) -> None:
         """What the service of the plant does."""
         channel, fault = asked(unit, kind, value, duration, UNITS, self.t)
-        self.channels[channel] = Channel(fault, None, self.channels[channel].waiting)
+        self.channels[channel] = taken_over(self.channels[channel], fault, self.t)
 
     def run(self, seconds: float) -> None:
         """Run the ticks of this time."""

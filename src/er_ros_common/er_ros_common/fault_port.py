@@ -14,7 +14,7 @@ from rclpy.publisher import Publisher
 
 from er_damper_msgs.srv import InjectFault
 from er_ros_common import log
-from er_ros_common.injection import Channel, asked, described, through
+from er_ros_common.injection import Channel, asked, described, taken_over, through
 from er_ros_common.managed import ManagedNode
 from er_ros_common.topics import Topic
 
@@ -75,14 +75,15 @@ class FaultPort:
         if not self.enabled:
             answer.reason = "the parameter enable_fault_injection is false"
             return answer
+        now = monotonic()
         given = (request.unit, int(request.kind), float(request.value), float(request.duration))
         try:
-            unit, fault = asked(*given, self.fields, monotonic(), rate=self.rate)
+            unit, fault = asked(*given, self.fields, now, rate=self.rate)
         except InputError as error:
             answer.reason = str(error)
             return answer
         with self.lock:
-            self.channels[unit] = Channel(fault, None, self.channels[unit].waiting)
+            self.channels[unit] = taken_over(self.channels[unit], fault, now)
         self.touched = True
         answer.accepted, answer.reason = True, self.in_force or "nothing is injected"
         log.warning(self.node, f"injected: {answer.reason}")

@@ -105,25 +105,42 @@ def asked(
     return channel, Fault(wanted, value, (field,) if field else fields[channel], until)
 
 
+def taken_over(channel: Channel, fault: Fault | None, now: float) -> Channel:
+    """The channel with another fault, or none, from time now [s] on.
+
+    What an earlier one delays goes before the next message, so that the order stays; `off` lets none of it through.
+    """
+    silent = fault is not None and fault.kind is Kind.OFF
+    waiting = () if silent else tuple((now, each) for _, each in channel.waiting)
+    return Channel(fault, None, waiting)
+
+
 def through(
     channel: Channel, message: Any, now: float, random: Random
 ) -> tuple[Channel, list[Any]]:
-    """What becomes of a message at time now [s]; without a fault it goes on as it is."""
+    """What becomes of a message at time now [s]; without a fault it goes on as it is, behind what was delayed."""
     fault = channel.fault
     if fault is not None and now >= fault.until:
         channel, fault = replace(channel, fault=None, held=None), None
-    if fault is None and not channel.waiting:
-        return channel, [message]
     if fault is None:
-        # in order: what was delayed goes before
         out = [each for _, each in channel.waiting] + [message]
-        return replace(channel, waiting=()), out
+        return replace(channel, waiting=()) if channel.waiting else channel, out
+    if fault.kind is Kind.DELAYED:
+        channel = replace(channel, waiting=(*channel.waiting, (now + fault.value, message)))
+    due = [each for when, each in channel.waiting if when <= now]
+    if due:
+        later = tuple(each for each in channel.waiting if each[0] > now)
+        channel = replace(channel, waiting=later)
+    channel, out = _left(channel, fault, message, now, random)
+    return channel, due + out
+
+
+def _left(
+    channel: Channel, fault: Fault, message: Any, now: float, random: Random
+) -> tuple[Channel, list[Any]]:
+    """What goes on at once of a message."""
     if fault.kind in OF_FIELDS:
         return _spoilt(channel, fault, message, random)
-    if fault.kind is Kind.DELAYED:
-        waiting = (*channel.waiting, (now + fault.value, message))
-        due = [each for when, each in waiting if when <= now]
-        return replace(channel, waiting=waiting[len(due) :]), due
     if fault.kind is Kind.SLOW and now - channel.spoke >= 1.0 / fault.value - 1e-9:
         return replace(channel, spoke=now), [message]
     speaks = fault.kind is Kind.INTERMITTENT and random.random() >= fault.value

@@ -8,7 +8,7 @@ from random import Random
 
 import pytest
 from er_models.errors import InputError
-from er_ros_common.injection import Channel, Kind, asked, described, through
+from er_ros_common.injection import Channel, Kind, asked, described, taken_over, through
 
 FIELDS = {"sensors/acceleration": ("sprung", "unsprung")}
 
@@ -65,6 +65,40 @@ def test_delayed_messages_come_later_and_all_in_order_when_it_ends() -> None:
     out = run(Kind.DELAYED, 0.02, 12, duration=0.05)
     assert [len(sent) for sent in out] == [0] * 4 + [1] * 6 + [5, 1]
     assert [m.seq for sent in out for m in sent] == list(range(12))
+
+
+def requested(*requests: tuple[int, Kind, float], ticks: int = 30) -> list[int]:
+    """Numbers of the messages that go out where faults are asked for before some ticks of 5 ms."""
+    channel, random, out = Channel(), Random(1), []
+    for k in range(ticks):
+        for _, kind, value in (each for each in requests if each[0] == k):
+            _, fault = asked("sensors/acceleration", kind, value, 0.0, FIELDS, 0.005 * k)
+            channel = taken_over(channel, fault, 0.005 * k)
+        channel, sent = through(channel, Message(k, 0.0, 0.0), 0.005 * k, random)
+        out += [m.seq for m in sent]
+    return out
+
+
+@pytest.mark.parametrize(("first", "second"), [(1.0, 0.03), (0.03, 1.0), (0.03, 0.01)])
+def test_another_delay_loses_repeats_and_swaps_nothing(first: float, second: float) -> None:
+    out = requested((2, Kind.DELAYED, first), (12, Kind.DELAYED, second), (25, Kind.OK, 0.0))
+    assert out == list(range(30))
+
+
+@pytest.mark.parametrize("kind", [Kind.STUCK, Kind.BIAS, Kind.GARBAGE, Kind.OK])
+def test_what_is_delayed_goes_before_what_another_fault_leaves(kind: Kind) -> None:
+    out = requested((2, Kind.DELAYED, 1.0), (12, kind, 0.5), (25, Kind.OK, 0.0))
+    assert out == list(range(30))
+
+
+def test_what_is_delayed_is_not_held_back_by_another_fault() -> None:
+    assert requested((2, Kind.DELAYED, 1.0), (12, Kind.SLOW, 10.0), ticks=14) == list(range(13))
+    assert requested((2, Kind.DELAYED, 1.0), (12, Kind.INTERMITTENT, 1.0)) == list(range(12))
+
+
+def test_what_is_delayed_is_lost_where_nothing_comes_any_more() -> None:
+    out = requested((2, Kind.DELAYED, 1.0), (12, Kind.OFF, 0.0), (25, Kind.OK, 0.0))
+    assert out == [0, 1, *range(25, 30)]
 
 
 def test_intermittent_loses_its_share() -> None:
