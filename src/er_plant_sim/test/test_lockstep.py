@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,8 +12,12 @@ pytest.importorskip("rclpy")
 
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from er_plant_sim.nodes import drive, recording
+from er_plant_sim.nodes import plant as plant_node
 from er_plant_sim.nodes.drive import Lockstep
+from er_plant_sim.nodes.plant import PlantNode
 from er_plant_sim.nodes.recording import Recording
+from er_ros_common.builders import Tick
+from er_ros_common.health import Meter
 
 
 class Clock:
@@ -95,6 +100,63 @@ def test_nothing_goes_on_until_the_recording_follows(clock: Clock) -> None:
     rig.may, rig.ready = True, 0
     rig.drive.on_recorded()
     assert rig.done == ["sense 1", "act 1", "sense 2", "act 2", "sense 3", "act 3"]
+
+
+@pytest.fixture
+def plant(clock: Clock, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """A plant in lockstep whose sensors and duty take 0.2 ms each, without a graph."""
+
+    def takes(seconds: float) -> None:
+        clock.now += seconds
+
+    def advance(_: object, state: Any) -> Any:
+        takes(2e-4)
+        return SimpleNamespace(sim=SimpleNamespace(tick=state.sim.tick + 1))
+
+    rig = SimpleNamespace(
+        sense=lambda *_: takes(2e-4),
+        decide=lambda _, state, **__: (state, None),
+        advance=advance,
+        finished=lambda _, state: state.sim.tick > 5,
+    )
+    monkeypatch.setattr(plant_node, "plant", rig)
+    monkeypatch.setattr(plant_node, "perf_counter", lambda: clock.now)
+    monkeypatch.setattr(plant_node, "until_next", lambda _: 0)
+    node: Any = SimpleNamespace(
+        rig=None, state=SimpleNamespace(sim=SimpleNamespace(tick=1)), tick=Tick(0, 0), sent=[],
+        running=False, over=False, conflict=False, timer=None, sensing=0.0,
+        pace=SimpleNamespace(
+            stamp=lambda _, tick: tick, late=lambda _: 0.0, ticks=lambda: range(0),
+            restart=lambda _: None, schedule=SimpleNamespace(period=1),
+        ),
+        loop=SimpleNamespace(sensed=lambda *_: None),
+        health=SimpleNamespace(meter=Meter(1.0)),
+        gathering=SimpleNamespace(complete=lambda: True),
+    )  # fmt: skip
+    node.out = SimpleNamespace(
+        send=lambda tick, _: node.sent.append(f"sample {tick.seq}"),
+        send_applied=lambda tick, _: node.sent.append(f"duty {tick.seq}"),
+    )
+    node.sense, node.act = partial(PlantNode.sense, node), partial(PlantNode.act, node)
+    node._finish = lambda: setattr(node, "over", True)
+    begun(node)
+    return node
+
+
+def begun(node: Any) -> None:
+    """The plant is activated, and its timer fires."""
+    node.running = False
+    node.drive = Lockstep(
+        node.pace, node.sense, node.act, lambda: True, paced=False, answered=True, hopeless=bool
+    )
+    PlantNode.on_time(node)
+
+
+def test_the_wait_for_an_answer_is_no_time_of_the_step(clock: Clock, plant: Any) -> None:
+    clock.now += 0.02
+    plant.drive.on_command(1)
+    timing = plant.health.meter.look(clock.now)
+    assert timing.step_time_mean == pytest.approx(4e-4)
 
 
 class Graph:

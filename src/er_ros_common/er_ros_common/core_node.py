@@ -7,6 +7,7 @@ from functools import partial
 from time import perf_counter
 from typing import Any, ClassVar
 
+from er_models.constants import SAMPLE_TIME
 from rclpy.qos import QoSProfile
 
 from er_ros_common.core import Core, Said
@@ -38,6 +39,7 @@ class CoreNode(ManagedNode):
         self.health.model_id, self.health.gains_id = self.core.model_id, self.core.gains_id
         self.ends = {topic.name: self.advertise(topic) for topic in self.core.outputs}
         rate = getattr(self.core.p, "rate", 0.0)  # not every core is made for one
+        self.health.meter.deadline = 1.0 / rate if rate else SAMPLE_TIME
         self.inputs = {
             topic.name: self.subscribe(
                 topic,

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 
 pytest.importorskip("rclpy")
 
+from er_ros_common.core_node import CoreNode
 from er_ros_common.health import Meter
 
 
@@ -36,3 +40,26 @@ def test_a_step_without_output_counts_for_time_only() -> None:
     meter.step(0.002, outputs=0)
     timing = meter.look(11.0)
     assert (timing.published, timing.step_time_mean) == (0, 0.002)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "late"), [({}, 1), ({"rate": 1000.0}, 2), ({"rate": 100.0}, 0)]
+)
+def test_a_step_is_late_at_the_rate_the_node_is_made_for(
+    parameters: dict[str, float], late: int
+) -> None:
+    core = SimpleNamespace(
+        p=SimpleNamespace(**parameters), model_id="", gains_id="", inputs=(), outputs=(), limits=()
+    )
+    meter = Meter(deadline=1.0)
+    node: Any = SimpleNamespace(
+        make=lambda: core,
+        health=SimpleNamespace(meter=meter),
+        every=lambda *_: None,
+        watch_period=0.01,
+        on_watch=None,
+    )
+    CoreNode.configure(node)
+    for seconds in (0.0005, 0.002, 0.007):
+        meter.step(seconds)
+    assert meter.deadline_misses == late

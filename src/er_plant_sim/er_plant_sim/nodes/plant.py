@@ -66,7 +66,7 @@ class PlantNode(ManagedNode):
         self.applied: Applied | None = None
         self.repeated, self.conflict = 0, False
         self.limited, self.outside = 0, 0
-        self.step_began = 0.0
+        self.sensing = 0.0
         clock_rate = p.rate * p.rate_factor if p.mode == "sim_time" else 0.0
         self.port = FaultPort(
             self,
@@ -143,19 +143,22 @@ class PlantNode(ManagedNode):
 
     def sense(self, place: int) -> int:
         """Publish this tick's measurement; returns its seq."""
-        self.step_began = perf_counter()
+        began = perf_counter()
         number = self.state.sim.tick
         self.tick = Tick(self.pace.stamp(place, number), number)
         self.loop.sensed(number, monotonic(), self.pace.late(place))
         self.out.send(self.tick, plant.sense(self.rig, self.state))
+        self.sensing = perf_counter() - began
         return number
 
     def act(self) -> bool:
         """Publish the duty of this tick and go on to the next; false after the last."""
+        began = perf_counter()
         self.state, self.applied = plant.decide(self.rig, self.state, conflict=self.conflict)
         self.out.send_applied(self.tick, self.applied)
         self.state = plant.advance(self.rig, self.state)
-        self.health.meter.step(perf_counter() - self.step_began)
+        # without the time between both: in lockstep the answer is waited for
+        self.health.meter.step(self.sensing + perf_counter() - began)
         if plant.finished(self.rig, self.state):
             self._finish()
         return not self.over
