@@ -159,6 +159,19 @@ def test_the_wait_for_an_answer_is_no_time_of_the_step(clock: Clock, plant: Any)
     assert timing.step_time_mean == pytest.approx(4e-4)
 
 
+def test_a_sample_that_waited_for_its_answer_in_a_pause_is_not_sent_again(plant: Any) -> None:
+    assert plant.sent == ["sample 1"]
+    begun(plant)
+    assert plant.sent == ["sample 1", "duty 1", "sample 2"]
+    for k in (2, 3, 4):
+        plant.drive.on_command(k)
+    assert plant.sent[-1] == "sample 5"
+    begun(plant)
+    assert plant.sent[-1] == "duty 5"
+    assert plant.over
+    assert len(set(plant.sent)) == len(plant.sent) == 10
+
+
 class Graph:
     """What a recording asks of its node."""
 

@@ -139,7 +139,10 @@ class PlantNode(ManagedNode):
             self.running = True
             period = self.pace.schedule.period
             self.pace.restart(max(period - until_next(self.timer), 0) % period)
-            self.drive.on_time()
+            # a pause came before the answer: a sample is sent once only
+            sent = self.tick.seq == self.state.sim.tick
+            if not sent or self.act():
+                self.drive.on_time()
 
     def sense(self, place: int) -> int:
         """Publish this tick's measurement; returns its seq."""
