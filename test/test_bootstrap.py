@@ -177,6 +177,14 @@ def test_old_python_is_refused_and_another_one_found(fresh: Checkout, tmp_path: 
     assert fresh.er("help", PATH=path)[0] == 0
 
 
+def test_a_python_below_a_name_with_a_space_is_used(fresh: Checkout, tmp_path: Path) -> None:
+    python = tmp_path / "my own" / "python3"
+    python.parent.mkdir()
+    python.symlink_to(BASE_PYTHON)
+    status, _, err = fresh.er("help", ER_PYTHON=str(python))
+    assert (status, err) == (0, "")
+
+
 def test_failed_installation_is_one_line_with_the_log(fresh: Checkout) -> None:
     fresh.write("requirements/lock.txt", "no-such-package==3.0\n")
     status, out, err = fresh.er("setup")
@@ -319,6 +327,24 @@ def test_moved_checkout_is_set_up_anew_also_below_a_name_with_a_space(healthy: C
     paths = out.split("AMENT_PREFIX_PATH=")[1].split("\n")[0]
     assert str(healthy.root / "install/er_one") in paths
     assert str(before) + "/" not in paths
+    assert node(healthy, "a b", "c") == f"{healthy.root}/.venv ['a b', 'c']\n"
+
+
+def node(checkout: Checkout, *args: str) -> str:
+    """What a program of the build says when it is started as `er up`, ros2 launch and ros2 run start it."""
+    program = checkout.root / "install/er_one/lib/er_one/node"
+    return subprocess.run([program, *args], capture_output=True, text=True, check=True).stdout
+
+
+def test_programs_that_no_kernel_can_start_are_mended(healthy: Checkout) -> None:
+    """As a build by hand leaves them below a name with a space, or in a very deep folder."""
+    program = healthy.root / "install/er_one/lib/er_one/node"
+    healthy.write("install/er_one/lib/er_one/node", '#!"/no/such place/python"\nprint(1)\n')
+    before = healthy.builds()
+    assert healthy.er("setup")[0] == 0
+    assert healthy.builds() == before + 1
+    assert program.stat().st_mode & 0o111
+    assert node(healthy).startswith(f"{healthy.root}/.venv")
 
 
 # ---- interruptions ----------------------------------------------------------------------------

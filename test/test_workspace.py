@@ -19,7 +19,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from er_workspace import commands  # noqa: E402
+from er_workspace import commands, scripts  # noqa: E402
+from er_workspace.layout import Layout  # noqa: E402
 from er_workspace.venv import parted  # noqa: E402
 
 PACKAGES = sorted(path.parent for path in ROOT.glob("src/*/package.xml"))
@@ -173,6 +174,36 @@ def test_second_setup_is_one_line_and_takes_under_3_seconds() -> None:
     assert done.stdout.startswith("er: ready (")
     assert done.stdout.count("\n") == 1
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "quoted", "changed"),
+    [
+        ("plain", False, False),
+        ("it's with a space", True, True),
+        ("not quoted", False, True),
+        ('"$HOME" said `id`', True, True),
+        ("deep/" * 30, False, True),
+    ],
+)
+def test_every_program_of_a_build_can_be_started_wherever_the_checkout_is(
+    tmp_path: Path, name: str, *, quoted: bool, changed: bool
+) -> None:
+    layout = Layout(tmp_path / name, None)
+    program = layout.install / "er_one/lib/er_one/node"
+    for path in (program, layout.python):
+        path.parent.mkdir(parents=True)
+    layout.python.symlink_to(os.path.realpath(sys.executable))
+    python = subprocess.list2cmdline([str(layout.python)]) if quoted else str(layout.python)
+    text = f"#!{python}\nimport sys\nprint(sys.executable, sys.argv[1:])\n"
+    program.write_text(text)
+    program.chmod(0o755)
+    assert scripts.unstartable(layout) == [program] * changed
+    scripts.mend(layout)
+    scripts.mend(layout)
+    assert (program.read_text() != text) == changed
+    done = subprocess.run([program, "a b", "$x"], capture_output=True, text=True, check=True)
+    assert done.stdout == f"{layout.python} ['a b', '$x']\n"
 
 
 def test_exit_status_and_signals_are_those_of_the_program() -> None:

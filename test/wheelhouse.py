@@ -33,6 +33,11 @@ def main():
         share.mkdir(parents=True, exist_ok=True)
         (share / "package.xml").write_text(manifest.read_text())
         prefixes.append(str(root / "install" / name))
+        program = root / "install" / name / "lib" / name / "node"
+        program.parent.mkdir(parents=True, exist_ok=True)
+        python = f'"{sys.executable}"' if " " in sys.executable else sys.executable
+        program.write_text(f"#!{python}\\nimport sys\\nprint(sys.prefix, sys.argv[1:])\\n")
+        program.chmod(0o755)
     first = {"AMENT_PREFIX_PATH": ":".join(prefixes), "PYTHONPATH": prefixes[0] + "/python"}
     lines = [f"export {k}='{v}'" + "${" + k + ":+:$" + k + "}" for k, v in first.items()]
     (root / "install" / "local_setup.bash").write_text("\\n".join(lines) + "\\n")

@@ -7,7 +7,7 @@ import os
 import shutil
 from pathlib import Path
 
-from er_workspace import environment, venv
+from er_workspace import environment, scripts, venv
 from er_workspace.layout import Layout, Stop
 from er_workspace.process import run_logged, step
 
@@ -26,14 +26,16 @@ INSTALLED = ("resource/*", "launch/*", "config/**/*")
 
 
 def current(layout: Layout) -> bool:
-    """Whether the build matches the packaging, the messages and the environment."""
+    """Whether the build matches the packaging, the messages and the environment, and its programs can be started."""
     stamp = layout.install / STAMP
     if not stamp.is_file() or not (layout.install / environment.FILE).is_file():
         return False
     if stamp.read_text(encoding="utf-8") != _foundation(layout) + _content(layout):
         return False
     share = (layout.install / name / "share" / name for name in layout.packages())
-    return all((folder / "package.xml").is_file() for folder in share)
+    if not all((folder / "package.xml").is_file() for folder in share):
+        return False
+    return not scripts.unstartable(layout)
 
 
 def build(layout: Layout, lock: int) -> None:
@@ -56,6 +58,7 @@ def build(layout: Layout, lock: int) -> None:
             # a mistake in a source file: what was built stays good, unlike after an interruption
             mark.write_text(foundation, encoding="utf-8")
             raise
+        scripts.mend(layout)
         environment.record(layout)
     mark.write_text(foundation, encoding="utf-8")
     (layout.install / STAMP).write_text(foundation + content, encoding="utf-8")

@@ -15,6 +15,8 @@ from pathlib import Path
 from time import monotonic, sleep
 from typing import IO
 
+from er_models.errors import InputError
+
 PATIENCE = 8.0
 """Time to end after SIGINT; a recorder may have to write its index [s]."""
 LAST_PATIENCE = 2.0
@@ -33,21 +35,19 @@ def say(line: str, out: IO[str]) -> None:
 
 
 class Child:
-    """One running process; its lines appear on `out` behind its label."""
+    """One running process; its lines appear on `out` behind its label.
+
+    Raises:
+        InputError: The system does not start the program.
+    """
 
     def __init__(self, label: str, argv: Sequence[str], out: IO[str]) -> None:
         self.label, self._unready = label, False
-        # a session of its own: Ctrl-C on the terminal reaches it through us, once
-        self.process = subprocess.Popen(
-            argv,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            errors="replace",
-            start_new_session=True,
-            preexec_fn=_end_with_parent if sys.platform == "linux" else None,
-        )
+        try:
+            self.process = _started(argv)
+        except OSError as error:
+            expected = "a program that can be started"
+            raise InputError(argv[0], "", expected, f"'{error.strerror}'") from None
         self._reader = threading.Thread(target=self._copy, args=(out,), daemon=True)
         self._reader.start()
 
@@ -87,6 +87,21 @@ class Child:
     def finish(self) -> None:
         """Wait for the last lines of an ended process."""
         self._reader.join(timeout=2.0)
+
+
+def _started(argv: Sequence[str]) -> subprocess.Popen[str]:
+    """A process with one stream of lines."""
+    # a session of its own: Ctrl-C on the terminal reaches it through us, once
+    return subprocess.Popen(
+        argv,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+        start_new_session=True,
+        preexec_fn=_end_with_parent if sys.platform == "linux" else None,
+    )
 
 
 def stop(children: Sequence[Child]) -> None:

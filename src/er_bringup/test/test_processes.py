@@ -6,12 +6,14 @@ import io
 import os
 import signal
 import sys
+from pathlib import Path
 from time import monotonic, sleep
 
 import pytest
 from er_bringup.graph import NodeSpec
 from er_bringup.processes import Child, stop, worst
 from er_bringup.up import over
+from er_models.errors import InputError
 
 from er_bringup import up
 
@@ -53,6 +55,15 @@ def test_a_child_that_nobody_reads_does_not_wait() -> None:
     gone = io.StringIO()
     gone.close()
     assert ended(child("for i in range(20000): print('many words', i)", gone)) == 0
+
+
+def test_a_program_that_the_system_does_not_start_is_one_line(tmp_path: Path) -> None:
+    program = tmp_path / "node"
+    program.write_text('#!"/no/such place/python"\n')
+    program.chmod(0o755)
+    with pytest.raises(InputError, match=r"node: expected a program .*'No such file") as caught:
+        Child("node", [str(program)], io.StringIO())
+    assert caught.value.exit_status == 2
 
 
 @pytest.mark.parametrize(
