@@ -252,6 +252,36 @@ def test_gains_are_read_again_when_a_node_is_configured_again(
     assert node.health.gains_id
 
 
+def test_an_input_that_new_gains_do_without_is_neither_heard_nor_asked_for(
+    ros: SingleThreadedExecutor,
+) -> None:
+    """Its end stays, and messages go on arriving there."""
+    pairs = (f"model_file:={VEHICLE}", f"gains_file:={CONFIG / 'gains/unified.yaml'}")
+    words = [word for pair in (*pairs, "autostart:=false") for word in ("-p", pair)]
+    node = UNIFIED.make(["--ros-args", *words])
+    ros.add_node(node)
+    make = node.make
+
+    def with_sensor() -> Any:
+        core = make()
+        core.inputs = (*core.inputs, topics.DEFLECTION)
+        core.limits = (*core.limits, core.limits[0])
+        return core
+
+    node.make = with_sensor
+    node.start()
+    usual = {topics.ACCELERATION.name, topics.PWM_APPLIED.name}
+    assert node.incoming.keys() == usual | {topics.DEFLECTION.name}
+    assert node.trigger_deactivate() == node.trigger_cleanup() == OK
+    node.make = make
+    node.start()
+    tick = builders.Tick(node.get_clock().now().nanoseconds, 1)
+    (end,) = (s for s in node.subscriptions if s.topic_name == "/sensors/deflection")
+    end.callback(builders.suspension_deflection(tick, 0.0, 0.1))
+    assert node.incoming.keys() == usual
+    assert topics.DEFLECTION.name not in node.watched
+
+
 def test_command_lines_of_composed_nodes_are_those_of_the_processes() -> None:
     apart = nodes(parse(["namespace:=fl", "seed:=3"]), CONFIG)
     (together,) = nodes(parse(["namespace:=fl", "seed:=3", "composed:=true"]), CONFIG)

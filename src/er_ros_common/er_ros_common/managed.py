@@ -135,10 +135,10 @@ class ManagedNode(LifecycleNode):
         lacking = topic.lacking if whole else None
 
         def noted(message: Any) -> None:
-            if self.active:
+            each = self.incoming.get(topic.name) if self.active else None
+            if each is not None:  # else it is of an earlier configuration, or nothing is heard
                 self.came = came = self.when()
-                stamp = clock.from_stamp(message.header.stamp)
-                each, arrival = self.incoming[topic.name], 1e-9 * came.steady
+                stamp, arrival = clock.from_stamp(message.header.stamp), 1e-9 * came.steady
                 each.note(stamp, int(message.seq), arrival, self.stamp_clock())
                 valid, *numbers = values(message)
                 each.read(numbers, arrival, valid=valid, lacks=lacking(message) if lacking else "")
@@ -275,7 +275,8 @@ class ManagedNode(LifecycleNode):
         self.active = self.configured = False
 
     def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
-        """Transition of ROS."""
+        """Transition of ROS; what an earlier configuration listened to and said is asked for no more, its ends stay."""
+        self.incoming, self.watched = {}, {}
         with realtime.suspended():
             done = self._tried(self.configure)
         self.configured = done == TransitionCallbackReturn.SUCCESS
