@@ -458,6 +458,18 @@ def test_the_recorder_notes_the_names_of_topics_that_have_others() -> None:
     assert "names" not in specs("record:=/tmp/x")["recorder"].parameters
 
 
+def test_a_new_name_within_a_corner_is_recorded_where_the_corner_says_it() -> None:
+    pairs = ("remap:=sensors/force=x, /diagnostics=y, sensors/road=/z/{corner}", "record:=/tmp/x")
+    recorder, *_ = nodes(parse((*pairs, "namespace:=car", "corners:=a,b")), CONFIG)
+    for names in (recorder.parameters["topics"], recorder.parameters["sources"]):
+        assert isinstance(names, list)
+        assert {"a/x", "b/x", "/z/a", "/z/b"} <= set(names)
+        assert not {"x", "a/sensors/force", "y", "a/sensors/road"} & set(names)
+    topics_of_all = recorder.parameters["topics"]
+    assert isinstance(topics_of_all, list)
+    assert {"a/y", "b/y"} <= set(topics_of_all)
+
+
 @pytest.mark.parametrize(
     "pair",
     [

@@ -275,14 +275,15 @@ def _recorder_of_all(
     own_names = {name: remaps(one) for name, one in zip(names, each, strict=True)}
 
     def full(name: str, topic: str) -> str:
-        return own_names[name].get(topic, f"{name}/{topic}")
+        new = own_names[name].get(topic, topic)  # as its corner resolves it
+        return new if new.startswith("/") else f"{name}/{new}"
 
     parameters: dict[str, Value] = {
         "out": str(Path(given["record"]).absolute()),
         "storage": given["storage"],
         "topics": [
             *(full(name, topic) for name in names for topic in (*said, *own)),
-            *dict.fromkeys(each.get(DIAGNOSTICS, DIAGNOSTICS) for each in own_names.values()),
+            *dict.fromkeys(full(name, DIAGNOSTICS) for name in names),
         ],
         "sources": [full(name, topic) for name in names for topic in said],
     } | _noted(each)
