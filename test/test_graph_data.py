@@ -470,6 +470,32 @@ def test_a_new_name_within_a_corner_is_recorded_where_the_corner_says_it() -> No
     assert {"a/y", "b/y"} <= set(topics_of_all)
 
 
+def test_each_of_several_plants_has_a_simulated_time_of_its_own() -> None:
+    def clocks(*pairs: str) -> dict[str, set[str]]:
+        """Where the nodes of each namespace have the clock; the recorder has the system's."""
+        found: dict[str, set[str]] = {}
+        for spec in nodes(parse(("mode:=sim_time", *pairs)), CONFIG):
+            for part in getattr(spec, "parts", (spec,)):
+                found.setdefault(part.namespace, set()).add(part.remaps.get("/clock", ""))
+        return found
+
+    own = {"car/a": {"/car/a/clock"}, "car/b": {"/car/b/clock"}}
+    assert clocks("corners:=a,b", "namespace:=car") == own
+    assert clocks("corners:=a,b", "namespace:=car", "composed:=true") == own
+    more = ("record:=/tmp/x", "remap:=sensors/force=x")
+    assert clocks("corners:=a,b", "namespace:=car", *more) == own | {"car": {""}}
+    assert clocks("corners:=a,b", "remap:=/clock=/t/{corner}") == {"a": {"/t/a"}, "b": {"/t/b"}}
+    assert clocks("corners:=a,b", "remap:=/clock=t") == {"a": {"t"}, "b": {"t"}}
+    assert clocks("corners:=a") == {"a": {""}}
+    assert clocks("corners:=a,b", "hardware:=stack") == {"a": {""}, "b": {""}}
+    assert clocks("corners:=a,b", "mode:=realtime") == {"a": {""}, "b": {""}}
+    words = (
+        r"remap: expected a clock of its own for each corner in mode sim_time .*, found '/t' for"
+    )
+    with pytest.raises(InputError, match=words):
+        clocks("corners:=a,b", "remap:=/clock=/t")
+
+
 @pytest.mark.parametrize(
     "pair",
     [

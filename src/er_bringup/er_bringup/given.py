@@ -13,6 +13,7 @@ from pathlib import Path
 from er_models.errors import InputError
 from er_models.seed import OF_A_PLANT
 from er_plant_sim.hardware.link import HOST_WIRES, Address
+from er_ros_common.topic_names import CLOCK
 
 from er_bringup.arguments import ARGUMENTS, NAME, NAMESPACE, Argument, is_name, is_namespace
 from er_bringup.roles import CONTROLLERS, FAULTS, OBSERVERS, PUBLISHED
@@ -26,7 +27,7 @@ TOPICS = (
     *PUBLISHED.values(),
     *dict.fromkeys(role.says for role in (*OBSERVERS.values(), FAULTS, *CONTROLLERS.values())),
     topic_names.DIAGNOSTICS,
-    topic_names.CLOCK,
+    CLOCK,
 )
 """What can have another name."""
 SIMULATED = ("mode", "rate_factor", "damper")
@@ -107,7 +108,7 @@ def corners(given: Mapping[str, str]) -> tuple[str, ...]:
 
 
 def of_corner(given: Mapping[str, str], names: Sequence[str], place: int) -> dict[str, str]:
-    """The arguments of one corner: its namespace, its wire, its own draw of what is random."""
+    """The arguments of one corner: its namespace, its wire, its own draw of what is random, its own simulated time."""
     base, seed = given["namespace"].strip("/"), int(given["seed"])
     own = {"namespace": "/".join(part for part in (base, names[place]) if part)}
     if seed >= 0:
@@ -127,7 +128,28 @@ def of_corner(given: Mapping[str, str], names: Sequence[str], place: int) -> dic
             raise InputError("arguments", key, expected, f"{len(texts)}")
         own[key] = texts[0] if shared else texts[place]
     # one recorder for all, in the namespace above
-    return {**given, **own}
+    found = {**given, **own}
+    if len(names) > 1 and _drives_clock(given) and CLOCK not in remaps(found):
+        found["remap"] = f"{given['remap']},{CLOCK}=/{own['namespace']}{CLOCK}"
+    return found
+
+
+def _drives_clock(given: Mapping[str, str]) -> bool:
+    """Whether a plant of ours publishes simulated time; that of a vehicle stack is one for all corners."""
+    return given["mode"] == "sim_time" and not given["hardware"]
+
+
+def check_clocks(each: Sequence[Mapping[str, str]]) -> None:
+    """Check that no two plants publish their simulated times on one topic: everybody's would jump between them.
+
+    Raises:
+        InputError: A new name of the clock that is the same for several corners.
+    """
+    found = [remaps(one).get(CLOCK, "") for one in each if _drives_clock(one)]
+    for name in found:
+        if name.startswith("/") and found.count(name) > 1:
+            expected = f"a clock of its own for each corner in mode sim_time ({CLOCK}=/{{corner}}{CLOCK} for instance)"
+            raise InputError("arguments", "remap", expected, f"'{name}' for all")
 
 
 def observers(given: Mapping[str, str]) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from er_ros_common.topic_names import DIAGNOSTICS
 
 from er_bringup.given import (
     STACK,
+    check_clocks,
     check_source,
     corners,
     observers,
@@ -90,6 +91,7 @@ def nodes(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
         recorder = (_recorder(given, _answering(given)),) if given["record"] else ()
         return (*recorder, *_corner(given, config))
     each = [of_corner(given, names, i) for i in range(len(names))]
+    check_clocks(each)
     recorder = (_recorder_of_all(given, names, each),) if given["record"] else ()
     parts = zip(names, (_corner(one, config) for one in each), strict=True)
     return (*recorder, *(replace(spec, corner=name) for name, specs in parts for spec in specs))

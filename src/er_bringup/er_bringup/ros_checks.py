@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
-from er_ros_common.graph_check import Endpoint, Problem, check_topic
+from er_ros_common.graph_check import Endpoint, Ends, Problem, check_topic
 from er_ros_common.topics import Topic
 
 from er_damper_msgs.msg import NodeStatus
@@ -75,14 +75,15 @@ class SeenNode:
 class Observation:
     """All that was seen of one namespace in this time [s].
 
-    said: what the nodes say in /diagnostics: name of the entry, level, text.
+    clocks: publishers of each topic of simulated time; said: what the nodes say in /diagnostics: name of the
+    entry, level, text.
     """
 
     namespace: str
     seconds: float
     heard: tuple[Heard, ...] = ()
     nodes: tuple[SeenNode, ...] = ()
-    clock_publishers: int = 0
+    clocks: Mapping[str, int] = field(default_factory=dict)
     said: tuple[tuple[str, int, str], ...] = ()
 
 
@@ -90,6 +91,16 @@ def namespaces(names: Sequence[str]) -> list[str]:
     """Namespaces ('' is the root) in which a topic of the contract is, of full topic names."""
     ends = [f"/{topic.name}" for topic in CONTRACT]
     return sorted({name.removesuffix(end) for name in names for end in ends if name.endswith(end)})
+
+
+def clocks(ends: Mapping[str, Ends], namespace: str) -> dict[str, int]:
+    """How many publish each topic of simulated time that nodes of a namespace ('' is the root) publish or listen to."""
+    own = f"{namespace}/"
+    return {
+        name: len(publishers)
+        for name, (publishers, subscribers) in ends.items()
+        if any(end.node.startswith(own) for end in (*publishers, *subscribers))
+    }
 
 
 def plant_of(seen: Observation) -> Mapping[str, Any]:
@@ -229,14 +240,14 @@ def _said(seen: Observation) -> Iterator[Problem]:
 def _time(seen: Observation) -> Iterator[Problem]:
     simulated = [n.name for n in seen.nodes if (n.parameters or {}).get("use_sim_time")]
     plants = [n for n in seen.nodes if (n.parameters or {}).get("mode") == "sim_time"]
-    if simulated and not seen.clock_publishers:
-        text = f"{', '.join(simulated)} wait for /clock and nobody publishes it"
-        yield Problem(
-            topics.CLOCK.name, "no clock", text, "plant with mode:=sim_time, or use_sim_time false"
-        )
-    if seen.clock_publishers > 1:
-        text = f"{seen.clock_publishers} nodes publish it"
-        yield Problem(topics.CLOCK.name, "two publishers", text, "stop all but one")
+    for name, count in (seen.clocks or {topics.CLOCK.name: 0}).items():
+        if simulated and not count:
+            text = f"{', '.join(simulated)} wait for {name} and nobody publishes it"
+            cure = "plant with mode:=sim_time, or use_sim_time false"
+            yield Problem(name, "no clock", text, cure)
+        if count > 1:
+            text = f"{count} nodes publish it"
+            yield Problem(name, "two publishers", text, "stop all but one")
     asked = [(n.name, n.parameters) for n in seen.nodes if n.parameters]
     system = [name for name, p in asked if p.get("max_age") and not p.get("use_sim_time")]
     if plants and system:

@@ -9,7 +9,7 @@ from typing import Any
 
 import rclpy
 from er_ros_common.clock import from_stamp
-from er_ros_common.graph_check import compatible, endpoints
+from er_ros_common.graph_check import Ends, compatible, endpoints
 from er_ros_common.parameter_reader import ParameterReader
 from er_ros_common.stamps import StampLimits
 from er_ros_common.topics import Topic
@@ -17,7 +17,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.utilities import try_shutdown
 
-from er_bringup.ros_checks import CONTRACT, Heard, Observation, SeenNode, namespaces
+from er_bringup.ros_checks import CONTRACT, Heard, Observation, SeenNode, clocks, namespaces
 from er_damper_msgs.msg import NodeStatus
 from er_ros_common import environment, topics
 
@@ -142,9 +142,15 @@ class _Listener:
         self._turn(seconds)
         heard = tuple(self._heard(log) for log in self.logs.values())
         self._wait_for_answers()
-        clocks = self.node.count_publishers(topics.CLOCK.name)
         said = tuple((name, *rest) for name, rest in sorted(self.said.items()))
-        return Observation(self.namespace, seconds, heard, tuple(self._nodes()), clocks, said)
+        nodes, times = tuple(self._nodes()), clocks(self._clocks(), self.namespace)
+        return Observation(self.namespace, seconds, heard, nodes, times, said)
+
+    def _clocks(self) -> dict[str, Ends]:
+        """Ends of every topic of simulated time: each of several plants has its own."""
+        known = self.node.get_topic_names_and_types()
+        names = [name for name, kinds in known if topics.CLOCK.type_name in kinds]
+        return {name: endpoints(self.node, name) for name in names}
 
     def _wait_for_answers(self) -> None:
         """Give nodes that were asked for their parameters late some time to answer."""

@@ -11,7 +11,15 @@ import pytest
 pytest.importorskip("rclpy")
 
 from er_bringup.doctor import document, rows, show
-from er_bringup.ros_checks import NEEDED, Heard, Observation, SeenNode, namespaces, problems
+from er_bringup.ros_checks import (
+    NEEDED,
+    Heard,
+    Observation,
+    SeenNode,
+    clocks,
+    namespaces,
+    problems,
+)
 from er_ros_common.graph_check import Endpoint
 from er_ros_common.topics import Topic
 from rich.console import Console
@@ -151,18 +159,33 @@ def test_a_node_that_is_not_well_or_does_not_answer() -> None:
     assert ("/plant", "no answer") in found
 
 
-@pytest.mark.parametrize(("clocks", "kind"), [(0, "no clock"), (2, "two publishers")])
-def test_simulated_time_needs_one_clock(clocks: int, kind: str) -> None:
+@pytest.mark.parametrize(("count", "kind"), [(0, "no clock"), (2, "two publishers")])
+def test_simulated_time_needs_one_clock(count: int, kind: str) -> None:
     plant = SeenNode("/plant", PLANT | {"mode": "sim_time"}, 0, "running")
     listener = SeenNode("/observer", {"use_sim_time": True, "max_age": 0.0}, 0, "running")
-    assert ("/clock", kind) in kinds(healthy(nodes=(plant, listener), clock_publishers=clocks))
-    assert kinds(healthy(nodes=(plant, listener), clock_publishers=1)) == []
+    for name in ("/clock", "/front_left/clock"):
+        there = {name: count, "/other/clock": 1}
+        assert (name, kind) in kinds(healthy(nodes=(plant, listener), clocks=there))
+        assert kinds(healthy(nodes=(plant, listener), clocks={name: 1})) == []
+    assert ("/clock", "no clock") in kinds(healthy(nodes=(plant, listener)))
+
+
+def test_the_clock_of_a_corner_is_the_one_that_its_nodes_have() -> None:
+    def ends(said: str, *heard: str) -> tuple[list[Endpoint], list[Endpoint]]:
+        return [end(said, topics.CLOCK)], [end(name, topics.CLOCK) for name in heard]
+
+    found = {"/a/clock": ends("/a/plant", "/a/observer"), "/ab/clock": ends("/ab/plant")}
+    shared = {"/clock": ends("/vehicle", "/a/observer", "/ab/observer")}
+    assert clocks(found, "/a") == {"/a/clock": 1}
+    assert clocks(found, "") == {"/a/clock": 1, "/ab/clock": 1}
+    assert clocks(shared, "/ab") == {"/clock": 1}
+    assert clocks(shared, "/c") == {}
 
 
 def test_simulated_stamps_against_the_system_clock_are_found() -> None:
     plant = SeenNode("/plant", PLANT | {"mode": "sim_time"}, 0, "running")
     listener = SeenNode("/observer", {"use_sim_time": False, "max_age": 0.02}, 0, "running")
-    found = kinds(healthy(nodes=(plant, listener), clock_publishers=1))
+    found = kinds(healthy(nodes=(plant, listener), clocks={"/clock": 1}))
     assert found == [("/observer", "mixed time")]
 
 
