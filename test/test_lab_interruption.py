@@ -17,7 +17,7 @@ from er_model_lab.study import open_problem
 from er_models.files import load_model
 from typer.testing import CliRunner
 
-from er_model_lab import cli, cli_missing, fit
+from er_model_lab import cli, cli_missing, cli_running, fit
 from test.conftest import ROOT
 from test.sample import with_friction, write_ride, write_sample
 
@@ -177,3 +177,28 @@ def test_so_is_a_fit_to_a_car(tmp_path, more):
 def test_what_holds_no_notes_is_refused(word):
     with pytest.raises(ValueError):
         unpacked(word)
+
+
+def test_an_interruption_after_the_work_says_what_is_written(data, tmp_path, monkeypatch):
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli_running, "_write_report", stopped)
+    out, told = tmp_path / "m.yaml", tmp_path / "r.json"
+    words = [
+        "add",
+        "preload",
+        data,
+        "--model",
+        MODEL,
+        "--out",
+        out,
+        "--json",
+        told,
+        "--report",
+        tmp_path / "r",
+    ]
+    done = CliRunner().invoke(cli.app, [str(w) for w in words])
+    assert done.exit_code == 130
+    assert f"interrupted: {out} and {told} written, no more" in done.output
+    assert "preload" in load_model(out).effects

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from er_models.errors import ErError
 
-from er_model_lab.cli_options import EffectsFrom, Json, Level, ModelFile, Report, Seed, seed_option
+from er_model_lab.cli_options import (
+    Anyway,
+    EffectsFrom,
+    Json,
+    Level,
+    ModelFile,
+    Report,
+    Seed,
+    seed_option,
+)
 from er_model_lab.cli_running import (
     asked,
     console,
@@ -64,6 +73,7 @@ def plan(
     effects_from: EffectsFrom = None,
     level: Level = "damper",
     seed: Seed = 0,
+    anyway: Anyway = False,
 ) -> None:
     """The road and duty that would tell two effects apart best, within the rig's limits."""
     from er_model_lab.plan import command
@@ -74,7 +84,8 @@ def plan(
         limits = Asked(stroke, velocity, duty_max, duration)
         wanted = command.Wanted(between or (), reveal, vehicle, limits, out)
         with stages("planning", command.STEPS) as tick:
-            return command.run(asked(data or [], model, seed, None, effects_from), wanted, tick)
+            ask = asked(data or [], model, seed, None, effects_from, anyway=anyway)
+            return command.run(ask, wanted, tick)
 
     read = read_by(None, [model], effects_from)
     read |= {"--data": data or (), "--vehicle": [vehicle] if vehicle else ()}

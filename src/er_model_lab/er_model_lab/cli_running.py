@@ -91,16 +91,25 @@ def run(
     out: new model, announced; read: what the work reads, see `read_by`; program: another file that the work itself
     writes and tells of.
     """
+    written: list[Path] = []
     try:
         writable({"--out": out or program, "--json": json_file}, report, read)
         outcome = work()
+        made = program if outcome.result.get("program_file") else out
+        written += [made] if made is not None else []
         write_json(json_file, outcome.result)
+        written += [json_file] if json_file is not None else []
         page = _write_report(report, outcome)
         _print(outcome, page, out)
     except ErError as error:
         fail(error)
     except KeyboardInterrupt:
-        typer.echo("interrupted: nothing was written", err=True)
+        kept = (
+            f"{' and '.join(map(str, written))} written, no more"
+            if written
+            else "nothing was written"
+        )
+        typer.echo(f"interrupted: {kept}", err=True)
         raise typer.Exit(130) from None
     if outcome.interrupted:
         typer.echo(

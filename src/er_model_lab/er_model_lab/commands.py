@@ -59,7 +59,7 @@ from er_model_lab.study import (
     investigate,
     open_problem,
 )
-from er_model_lab.velocity_channel import on_fused
+from er_model_lab.velocity_channel import as_searched, on_fused
 from er_model_lab.versions import versions
 from er_model_lab.view import RegionTable, View
 
@@ -294,6 +294,7 @@ def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
             stopped = True
             break
         studies.append(study)
+        records = list(study.records)  # of long data with the stretches where the model did worst
         found = study.diagnosis
         refitted = current is model and (
             found.verdict != "insufficient_data" or not found.coverage.blocking
@@ -323,15 +324,27 @@ def _improved(studies: list[Study], model: Model, records: list[Record], ask: Re
         result |= explained_by(first.diagnosis, last.diagnosis)
         view = replace(view, headline=headline(result["rmse"]["held_out"], result["noise_floor"]))
         after = last.problem.force - last.diagnosis.best.fit.residual
-        before = first.problem.force - first.diagnosis.base.fit.residual
-        view = replace(view, records=views(last.problem, before, after))
+        view = replace(view, records=views(last.problem, _before(first, last), after))
+    if first.long is not None and last.long is not None:
+        told, now = long_note(first.long), long_note(last.long)
+        result["notes"] = [now if note == told else note for note in result["notes"]]
+        view = replace(view, notes=tuple(now if note == told else note for note in view.notes))
     return Outcome(result, replace(view, result=result), model, outcome.complete)
+
+
+def _before(first: Study, last: Study) -> Array:
+    """What the model before all passes predicts of the samples of the last one (n,) [N]."""
+    fitted = first.diagnosis.base.fit
+    if np.array_equal(first.problem.force, last.problem.force):
+        return np.asarray(first.problem.force - fitted.residual)
+    return last.problem.predict(as_searched(fitted))
 
 
 def _later(study: Study, model: Model, records: list[Record]) -> dict[str, Any]:
     """The JSON of a pass after the first."""
     left = by_record(study.diagnosis, study.problem, study.records or records)
-    found: dict[str, Any] = clean(diagnosis_json(study, model) | {"by_record": left})
+    told = diagnosis_json(study, model) | {"by_record": left}
+    found: dict[str, Any] = clean(told | ({"long": study.long} if study.long else {}))
     return found
 
 
@@ -363,7 +376,9 @@ def _outcome(
     if study.problem.fused:
         result["fusion"] = fusion_json(originals(records), study.problem)
     if ask.level == "damper":
-        result["next"] = suggestions(result, ask.model_file, ask.data, ask.effects_from)
+        result["next"] = suggestions(
+            result, ask.model_file, ask.data, ask.effects_from, anyway=ask.anyway
+        )
     result = clean(result)
     return Outcome(
         result,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from er_model_lab.diagnose.search import MOST_EFFECTS
@@ -19,7 +19,7 @@ OF_THE_LAST = (
     "confounded",
 )
 """What holds of the model that the last pass made."""
-AFTER = {"by_record": ("rmse_after", "rmse_left_out"), "channels": ("rmse_after", "noise_floor")}
+OF_RECORDS, OF_CHANNELS = ("rmse_after", "rmse_left_out"), ("rmse_after", "noise_floor")
 """The same of each record, and of each output of a car."""
 
 
@@ -44,16 +44,17 @@ def told_together(results: Sequence[Result]) -> Result:
 
 
 def _after(before: Result, more: Result) -> Result:
-    """Errors of each record and of each output before, with those that a later pass left."""
+    """Errors of each record and of each output before, and of all of long data, with those that a later pass left."""
     out: Result = {}
-    for key, names in AFTER.items():
-        if not before.get(key) or not more.get(key):
-            continue
-        old, new = before[key], more[key]
-        if isinstance(old, Mapping):
-            out[key] = {k: old[k] | {n: new[k][n] for n in names} for k in old}
-        else:
-            out[key] = [a | {n: b[n] for n in names} for a, b in zip(old, new, strict=True)]
+    if before.get("channels") and more.get("channels"):
+        old, new = before["channels"], more["channels"]
+        out["channels"] = {k: old[k] | {n: new[k][n] for n in OF_CHANNELS} for k in old}
+    if before.get("by_record") and more.get("by_record"):
+        left = {each["record"]: {n: each[n] for n in OF_RECORDS} for each in more["by_record"]}
+        out["by_record"] = [each | left.get(each["record"], {}) for each in before["by_record"]]
+    if before.get("long") and more.get("long"):
+        kept = {"before": before["long"]["rmse"]["before"]}
+        out["long"] = more["long"] | {"rmse": more["long"]["rmse"] | kept}
     return out
 
 

@@ -133,10 +133,32 @@ def test_identify_says_what_it_used_and_names_all_data(short, file, tmp_path):
 
 def test_plan_says_what_it_used_and_names_all_data(short, file):
     ask = question.ask(load_model(GUO), (), "preload")
-    problem, origin, long = plan.measurements(Request([file], GUO), ask)
+    problem, origin, long = plan.measurements(Request([file], GUO), ask, load_model(GUO))
     assert problem.notes[0].startswith("30 of 100 s searched")
     assert long["long"]["seconds"] == pytest.approx(100.0)
     assert origin == {"data": fingerprint(load([file])), "records": ["run"]}
+
+
+def test_a_plan_undoes_the_gain_that_the_model_knows(tmp_path):
+    record, model = made(12.0), load_model(GUO)
+    odd = {**record.channels, "deflection_velocity": 1.1 * record.channels["deflection_velocity"]}
+    write_parquet(record, tmp_path / "true.parquet")
+    write_parquet(Record("run", record.t, odd), tmp_path / "odd.parquet")
+    ask = question.ask(model, (), "preload")
+    known = model.with_effect("velocity_gain", {"g_v": 1.1})
+    true, _, _ = plan.measurements(Request([tmp_path / "true.parquet"], GUO), ask, model)
+    problem, _, _ = plan.measurements(Request([tmp_path / "odd.parquet"], GUO), ask, known)
+    assert problem.motion.v == pytest.approx(true.motion.v, abs=1e-9)
+
+
+def test_stretches_searched_before_stay_when_more_join_them(short):
+    record = made(200.0)
+    pieces, _ = choose.shortened([record])
+    seen = {p.part_of.first for p in pieces}
+    fresh = [p for p in choose.places_of([record]) if p.i not in seen]
+    more, _ = choose.with_more(pieces, fresh[:1])
+    last, _ = choose.with_more(more, fresh[1:2])
+    assert {p.part_of.first for p in last} == seen | {fresh[0].i, fresh[1].i}
 
 
 def test_standstill_at_the_beginning_does_not_spoil_the_motion():

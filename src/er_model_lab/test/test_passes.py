@@ -72,6 +72,36 @@ def test_what_is_left_after_all_passes_is_told_of_each_record_and_output_too():
     assert (whole["confounded"], whole["noise_floor_train"]) == ([["0.5"]], 0.5)
 
 
+def test_passes_over_other_stretches_of_long_data_are_told_by_record():
+    def long(before, after):
+        return {
+            "rmse": {"before": {"all": before}, "after": {"all": after}},
+            "searched_again": after < 1,
+        }
+
+    def records(names, left):
+        return [
+            {"record": n, "rmse_before": 9.0, "rmse_after": left, "rmse_left_out": left}
+            for n in names
+        ]
+
+    first = FIRST | {"by_record": records("abc", 1.0), "long": long(9.0, 1.0)}
+    later = found(["cavitation"], rmse=0.5) | {
+        "by_record": records("bcde", 0.5),
+        "long": long(1.0, 0.5),
+    }
+    whole = told_together([first, later])
+    assert [(r["record"], r["rmse_after"]) for r in whole["by_record"]] == [
+        ("a", 1.0),
+        ("b", 0.5),
+        ("c", 0.5),
+    ]
+    assert whole["long"] == {
+        "rmse": {"before": {"all": 9.0}, "after": {"all": 0.5}},
+        "searched_again": True,
+    }
+
+
 def test_what_all_passes_explain_is_counted_from_the_first_model_to_the_last():
     def pass_(before, after, floor):
         made = SimpleNamespace

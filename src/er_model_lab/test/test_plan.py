@@ -12,6 +12,7 @@ from er_model_lab.plan.bench import run_all
 from er_model_lab.plan.decide import NOTHING, TIED, decision, measured
 from er_model_lab.plan.finalist import finalist
 from er_model_lab.plan.limits import Asked, Limits, Sensors, limits_of, sensors_of
+from er_model_lab.plan.linear import Triangle
 from er_model_lab.plan.planner import Plan, plan
 from er_model_lab.plan.present import plan_json
 from er_model_lab.plan.question import Question, ask
@@ -331,6 +332,59 @@ def test_a_diagnosis_suggests_the_plan_for_what_it_could_not_decide() -> None:
         "./er lab plan --model m.yaml --reveal end_stop --out next.yaml"
     ]
     assert suggestions({"candidates": []}, Path("m.yaml"), []) == []
+    (anyway,) = suggestions(hidden, Path("m.yaml"), [Path("d.csv")], anyway=True)
+    assert "--data d.csv --anyway --reveal" in anyway
+
+
+@pytest.mark.parametrize("model", [damper(), car()], ids=["machine", "car"])
+def test_limits_are_those_of_the_damper_whatever_its_sensors_read(model: Model) -> None:
+    """A deflection sensor that is zeroed at one end of the stroke, and a velocity sensor that is out of scale."""
+    odd = model.with_effect("deflection_zero", {"x_0": -0.0125})
+    odd = odd.with_effect("velocity_gain", {"g_v": 1.3})
+    limits = limits_of(model, Asked(), DT)
+    program = program_of(menu.rich(limits)[:1], limits, seed=0, car=model.is_vehicle, once=True)
+    plain, read = (run_all({"": m}, program, DT)[""] for m in (model, odd))
+    for name, peak in plain.used().items():
+        assert read.used()[name] == pytest.approx(peak, rel=1e-6)
+    moved = read.channels["deflection"] - plain.channels["deflection"]
+    assert moved == pytest.approx(np.full_like(moved, 0.0125), abs=1e-9)
+
+
+def test_a_set_of_pieces_is_no_longer_than_the_program() -> None:
+    """What does not run tells nothing, and is not counted as motion of several frequencies."""
+    motions = [m for m in menu.motions(Limits(0.012, 0.15, 0.3, 0.036)) if len(m.tones) == 1][:6]
+
+    def tried(motion: Segment, worth: float, *tones: float) -> piece.Tried:
+        told, none = (Triangle(np.array([[w]]), 1) for w in (worth, 0.0))
+        return piece.Tried(replace(motion, seconds=9.0, tones=tones), {"": (told,)}, {"": none})
+
+    two = [tried(m, 1.0 + 0.001 * k, 1.0 + k, 1.5 + k) for k, m in enumerate(motions)]
+    assert search.best_sets(two, ("",), 3, 17.0) == []  # two sines are a single tone for the lab
+    for longest in (18.0, 30.0):
+        found = search.best_sets(two, ("",), 3, longest)
+        assert found
+        assert all(9.0 * len(c) <= longest and piece.broad(c) for c in found)
+    three = [tried(m, 1.0 + 0.001 * k, 1.0, 2.0, 3.0 + k) for k, m in enumerate(motions)]
+    assert {len(chosen) for chosen in search.best_sets(three, ("",), 3, 10.0)} == {1}
+    assert search.best_sets(three, ("",), 3, 8.0) == []
+    told, none = (Triangle(np.array([[w]]), 1) for w in (1.0, 0.0))
+    halves = [  # each tells one of two truths, so that two tell more
+        replace(
+            p,
+            parts={n: (told if n == "ab"[k % 2] else none,) for n in "ab"},
+            own={n: none for n in "ab"},
+        )
+        for k, p in enumerate(three)
+    ]
+    for longest, most in ((10.0, 1), (20.0, 2)):
+        found = search.best_sets(halves, ("a", "b"), 3, longest)
+        assert max(len(chosen) for chosen in found) == most
+
+
+def test_where_nothing_fits_the_limits_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(menu, "rich", lambda limits: [])
+    with pytest.raises(InputError, match=r"limits \(--stroke.*found 12 mm, 0.15 m/s, 30 s"):
+        bench(damper(), "coulomb_friction", "gas_spring")
 
 
 @pytest.mark.slow
@@ -339,7 +393,7 @@ def test_the_whole_lab_names_the_truth_from_the_planned_program_only(truth: str)
     """All effects compete; a gentle drive at one duty, whose noise is the same, leaves the two tied."""
     found = bench(car(), "dead_time", "amplifier_lag")
     pieces = search.tried_menu(found)
-    chosen = search.best_sets(pieces, ("dead_time", "amplifier_lag"), 1)[0]
+    chosen = search.best_sets(pieces, ("dead_time", "amplifier_lag"), 1, 30.0)[0]
     program = finalist("program", [p.segment for p in chosen], found)
     assert program is not None
     for made, right in ((program.runs, True), (poor(found).runs, False)):

@@ -65,10 +65,15 @@ def shortened(
 
 
 def with_more(records: Sequence[Record], also: Sequence[Place]) -> tuple[list[Record], int]:
-    """The stretches chosen again with some more of them; see `shortened`."""
+    """The stretches with some more of them; see `shortened`."""
     part = records[0].part_of
     assert part is not None
-    return shortened(part.data, len(part.data) - part.learn, also)
+    now = [
+        Place(r.part_of.record, r.part_of.first, r.part_of.first + len(r))
+        for r in records
+        if r.part_of is not None and r.part_of.record < part.learn
+    ]
+    return shortened(part.data, len(part.data) - part.learn, [*now, *also])
 
 
 def _cut(data: tuple[Record, ...], learn: int, place: Place) -> Record:

@@ -26,10 +26,15 @@ EPSILON = 2e-4
 
 @dataclass(frozen=True)
 class Run:
-    """The contract's channels of one run, each (n,), and the sample time [s]."""
+    """The contract's channels of one run, each (n,), and the sample time [s].
+
+    travel: gain and offset [m] by which the deflection read is that of the damper; speed: those of its velocity [m/s].
+    """
 
     dt: float
     channels: dict[str, Array]
+    travel: tuple[float, float] = (1.0, 0.0)
+    speed: tuple[float, float] = (1.0, 0.0)
 
     @property
     def motion(self) -> Motion:
@@ -44,10 +49,15 @@ class Run:
         return bool(np.isfinite(self.channels["damper_force"]).all())
 
     def used(self) -> dict[str, float]:
-        """Peaks of deflection [m], velocity [m/s], duty and road [m]."""
-        names = {"stroke": "deflection", "velocity": "deflection_velocity"}
-        names |= {"duty": "duty", "road": "road"}
-        return {k: float(np.max(np.abs(self.channels[c]))) for k, c in names.items()}
+        """Peaks of the damper's deflection [m] and velocity [m/s], whatever its sensors read, of duty and road [m]."""
+        c = self.channels
+        moved = {
+            "stroke": self.travel[0] * c["deflection"] + self.travel[1],
+            "velocity": self.speed[0] * c["deflection_velocity"] + self.speed[1],
+            "duty": c["duty"],
+            "road": c["road"],
+        }
+        return {k: float(np.max(np.abs(y))) for k, y in moved.items()}
 
     def share(self, limits: Limits) -> float:
         """How much of the tightest limit of the motion is used; 1 is all of it."""
@@ -64,9 +74,15 @@ def run_all(models: Mapping[str, Model], program: Program, dt: float) -> dict[st
     road, duty = program.signals(t)
     if next(iter(models.values())).is_vehicle:
         runs = {name: simulate(model, dt, road, duty) for name, model in models.items()}
-        return {name: Run(dt, _contract(out)) for name, out in runs.items()}
+        return {name: _read(models[name], dt, _contract(out)) for name, out in runs.items()}
     imposed = _imposed(program, t, duty)
     return {name: _machine(model, imposed, t, road, duty) for name, model in models.items()}
+
+
+def _read(model: Model, dt: float, channels: dict[str, Array]) -> Run:
+    """A run whose channels are as the sensors of a model report them."""
+    gain_x, offset_x, gain_v, _, offset_v = (float(c) for c in reading(model))
+    return Run(dt, channels, (gain_x, offset_x), (gain_v, offset_v))
 
 
 def _contract(out: dict[str, Array]) -> dict[str, Array]:
@@ -94,4 +110,4 @@ def _machine(model: Model, imposed: Motion, t: Array, road: Array, duty: Array) 
         "duty": duty, "damper_force": force, "sprung_acceleration": np.zeros(t.size),
         "unsprung_acceleration": -imposed.a[::FINER],
     }  # fmt: skip
-    return Run(float(t[1] - t[0]), channels)
+    return _read(model, float(t[1] - t[0]), channels)

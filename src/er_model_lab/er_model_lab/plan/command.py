@@ -44,10 +44,11 @@ class Wanted:
 @on_one_thread
 def run(request: Request, wanted: Wanted, tick: Tick | None = None) -> Outcome:
     """Plan the experiment; request.data may be empty."""
-    model = on_fused(_on_vehicle(request, wanted.vehicle))
+    given = _on_vehicle(request, wanted.vehicle)
+    model = on_fused(given)
     question = ask(model, wanted.between, wanted.reveal)
     limits = limits_of(model, wanted.limits, Limits.dt)
-    problem, origin, long = measurements(request, question)
+    problem, origin, long = measurements(request, question, given)
     if (
         problem is not None
     ):  # finer than the rig's own rate is not planned: it would only take longer
@@ -82,13 +83,16 @@ def _on_vehicle(request: Request, vehicle: Path | None) -> Model:
 
 
 def measurements(
-    request: Request, question: Question
+    request: Request, question: Question, given: Model
 ) -> tuple[Problem | None, dict[str, Any], dict[str, Any]]:
-    """What is already measured, if anything is; where it comes from; and for the JSON what was used of long data."""
+    """What is already measured, if anything is; where it comes from; and for the JSON what was used of long data.
+
+    given: the model with the lag and gain of its velocity channel, which are undone in the data.
+    """
     if not request.data:
         return None, {}, {}
     records, _ = read(request)
-    problem, _ = open_problem(records, question.base)
+    problem, _ = open_problem(records, given)
     problem, long = told(problem, as_given(question.base, problem), given=question.base)
     data = originals(records)
     return problem, {"data": fingerprint(data), "records": [r.name for r in data]}, long

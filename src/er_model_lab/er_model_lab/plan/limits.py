@@ -56,6 +56,15 @@ class Asked:
     duration: float | None = None
 
 
+def nothing_fits(limits: Limits) -> InputError:
+    """What is said where no motion of the menu can be run."""
+    expected = (
+        "limits (--stroke, --velocity, --duration) within which some motion of the menu can be run"
+    )
+    found = f"{1e3 * limits.stroke:.3g} mm, {limits.velocity:.3g} m/s, {limits.duration:g} s"
+    return InputError("plan", "limits", expected, found)
+
+
 def limits_of(model: Model, asked: Asked, dt: float) -> Limits:
     """Limits of a model's rig, or of its envelope where the rig says nothing, and what was asked.
 

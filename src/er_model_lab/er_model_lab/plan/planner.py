@@ -10,7 +10,7 @@ from er_model_lab.forward import free_parameters
 from er_model_lab.plan import menu
 from er_model_lab.plan.decide import Outcome, outcomes
 from er_model_lab.plan.finalist import Finalist, finalist
-from er_model_lab.plan.limits import Limits, Sensors
+from er_model_lab.plan.limits import Limits, Sensors, nothing_fits
 from er_model_lab.plan.piece import Bench, Tried, judged, scaled, separations
 from er_model_lab.plan.question import Question
 from er_model_lab.plan.rig import bench_for
@@ -80,6 +80,8 @@ def plan(
     """
     bench = bench_for(question, limits, sensors, problem, seed)
     pieces = tried_menu(bench, tick)
+    if not any(p.segment.seconds <= limits.duration for p in pieces):
+        raise nothing_fits(limits)
     counted = directions(pieces)
     ranked = sorted(_finalists(pieces, counted, bench, tick), key=lambda f: -f.separation(counted))
     everyday = _everyday(bench)
@@ -110,7 +112,7 @@ def _finalists(
     pieces: Sequence[Tried], counted: Sequence[str], bench: Bench, tick: Tick | None
 ) -> Iterator[Finalist]:
     """The best sets of pieces, the first ones refined, as whole programs within the limits."""
-    sets = best_sets(pieces, counted, SETS)
+    sets = best_sets(pieces, counted, SETS, bench.limits.duration)
     better = [refined(s, bench, counted, tick) for s in sets[:REFINED]]
     for chosen in [*better, *sets[REFINED:]]:
         found = finalist("program", [p.segment for p in chosen], bench)
@@ -153,7 +155,7 @@ def _raised(
         limits = bench.limits.raised(name, factor)
         if limits != bench.limits:
             other = replace(bench, limits=limits)
-            sets = best_sets(typical(other, tick), counted, 1)
+            sets = best_sets(typical(other, tick), counted, 1, limits.duration)
             if sets:
                 yield Raised(
                     name, getattr(limits, name) / getattr(bench.limits, name), separations(sets[0])

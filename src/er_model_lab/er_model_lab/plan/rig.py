@@ -10,7 +10,7 @@ from er_models.scales import Scales
 from er_model_lab.plan import menu
 from er_model_lab.plan.bench import Run
 from er_model_lab.plan.decide import measured
-from er_model_lab.plan.limits import Limits, Sensors
+from er_model_lab.plan.limits import Limits, Sensors, nothing_fits
 from er_model_lab.plan.linear import floor_of
 from er_model_lab.plan.piece import Bench, scaled
 from er_model_lab.plan.question import Question
@@ -28,6 +28,8 @@ def bench_for(
     bare = Bench(Rivals(question, {}, {}, {}, {}), limits, sensors, 0.0, seed)
     pieces = [piece for segment in menu.rich(limits) if (piece := scaled(segment, bare))]
     runs = [made[""] for _, made in pieces]
+    if not runs:
+        raise nothing_fits(limits)
     sd = _fused_velocity(runs[0], sensors, problem, seed)
     rich = [(r, floor_of(question.base, r, sensors, sd, seed)) for r in runs]
     rivals = standing_out(question, rich, sensors)

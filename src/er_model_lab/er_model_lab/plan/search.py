@@ -70,27 +70,34 @@ def directions(pieces: Sequence[Tried]) -> tuple[str, ...]:
 
 
 def best_sets(
-    pieces: Sequence[Tried], directions: Sequence[str], most: int
+    pieces: Sequence[Tried], directions: Sequence[str], most: int, longest: float
 ) -> list[tuple[Tried, ...]]:
-    """The most separating programs of a few pieces, best first, broad enough for the lab."""
+    """The most separating programs of a few pieces, best first, broad enough for the lab; longest: of them all [s]."""
+    pieces = [p for p in pieces if p.segment.seconds <= longest]
     pool = sorted(pieces, key=lambda p: -score([p], directions))[: 3 * most]
     for name in directions:
         pool += sorted(pieces, key=lambda p: -separations([p])[name])[:most]
     found = []
     for seed in dict.fromkeys(pool):
-        chosen = _broadened(_grown((seed,), pool, directions), pieces, directions)
+        grown = _grown((seed,), pool, directions, longest)
+        chosen = _broadened(grown, pieces, directions, longest)
         if chosen is not None:
             found.append(chosen)
     found.sort(key=lambda c: -score(c, directions))
     return _different(found)[:most]
 
 
+def _fits(chosen: Sequence[Tried], longest: float) -> bool:
+    """Whether pieces are no longer together than allowed [s]: what does not run tells nothing."""
+    return sum(p.segment.seconds for p in chosen) <= longest
+
+
 def _grown(
-    chosen: tuple[Tried, ...], pool: Sequence[Tried], directions: Sequence[str]
+    chosen: tuple[Tried, ...], pool: Sequence[Tried], directions: Sequence[str], longest: float
 ) -> tuple[Tried, ...]:
-    """Pieces added while they raise the score."""
+    """Pieces added while they raise the score, and fit."""
     while len(chosen) < MOST_PIECES:
-        options = [(*chosen, p) for p in pool if p not in chosen]
+        options = [(*chosen, p) for p in pool if p not in chosen and _fits((*chosen, p), longest)]
         if not options:
             break
         more = max(options, key=lambda c: score(c, directions))
@@ -101,13 +108,19 @@ def _grown(
 
 
 def _broadened(
-    chosen: tuple[Tried, ...], pieces: Sequence[Tried], directions: Sequence[str]
+    chosen: tuple[Tried, ...], pieces: Sequence[Tried], directions: Sequence[str], longest: float
 ) -> tuple[Tried, ...] | None:
-    """The pieces with one more where their motion is a single tone; None if none would do."""
+    """The pieces with one more where their motion is a single tone; None if none would do.
+
+    Where there is no time for one more, the last piece makes room.
+    """
     if broad(chosen):
         return chosen
-    options = [(*chosen, p) for p in pieces if broad((*chosen, p))]
-    return max(options, key=lambda c: score(c, directions), default=None)
+    for kept in (chosen, chosen[:-1]):
+        options = [(*kept, p) for p in pieces if broad((*kept, p)) and _fits((*kept, p), longest)]
+        if options:
+            return max(options, key=lambda c: score(c, directions))
+    return None
 
 
 def refined(
@@ -121,7 +134,8 @@ def refined(
             for other in _judged(options, bench, tick):
                 trial = (*chosen[:place], other, *chosen[place + 1 :])
                 new = all(p.segment != other.segment for p in chosen)
-                if new and broad(trial) and score(trial, directions) > score(chosen, directions):
+                able = new and broad(trial) and _fits(trial, bench.limits.duration)
+                if able and score(trial, directions) > score(chosen, directions):
                     chosen = trial
         if score(chosen, directions) < 1.02 * before:
             break

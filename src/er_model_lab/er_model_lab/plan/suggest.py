@@ -18,11 +18,17 @@ def suggestions(
     model_file: Path,
     data: Sequence[Path],
     effects_from: Sequence[Path] = (),
+    *,
+    anyway: bool = False,
 ) -> list[str]:
-    """Commands that plan what the data could not decide: tied effects first, else one not excited."""
+    """Commands that plan what the data could not decide: tied effects first, else one not excited.
+
+    anyway: the data are used although they fail the preflight.
+    """
     words = ["./er", "lab", "plan", "--model", str(model_file)]
     words += [w for f in data for w in ("--data", str(f))]
     words += [w for f in effects_from for w in ("--effects-from", str(f))]
+    words += ["--anyway"] * anyway
     groups = [[e for e in g if e != KINEMATIC] for g in result.get("alternatives") or ()]
     asked = [["--between", *group[:2]] for group in groups if len(group) > 1]
     if not asked:
