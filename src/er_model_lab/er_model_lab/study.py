@@ -195,6 +195,8 @@ def _added(
         named = sure(lag, problem.motion.dt)
         found = _with_lag(inner, base, lag, RULE) if named else _beside_lag(inner, base, lag)
         return Study(found, problem, model, lag, base, given)
+    if lag:
+        problem = replace(problem, notes=(_undone(lag), *problem.notes))
     found = _restored(diagnose_one(bare, problem, effect, seed), model)
     if tick:
         tick(effect)
@@ -261,10 +263,19 @@ def _with_lag(
         verdict = "ambiguous"
     elif verdict == "unknown_effect" and whole.explained >= rule.helps:
         verdict = "partial"
-    reason = f"the velocity channel lags deflection and accelerometers by {lag[0] * 1e3:.2f} +- {lag[1] * 1e3:.2f} ms"
     return replace(
-        whole, verdict=verdict, effects=("velocity_lag", *found.effects), reasons=(reason, *found.reasons),
+        whole, verdict=verdict, effects=("velocity_lag", *found.effects), reasons=(_lagging(lag), *found.reasons),
     )  # fmt: skip
+
+
+def _lagging(lag: tuple[float, float]) -> str:
+    """What the sensors show of a lag with its standard deviation [s]."""
+    return f"the velocity channel lags deflection and accelerometers by {lag[0] * 1e3:.2f} +- {lag[1] * 1e3:.2f} ms"
+
+
+def _undone(lag: tuple[float, float]) -> str:
+    """What is said where another effect was asked for."""
+    return f"{_lagging(lag)}: that is undone here, and the model does not hold it (lab add velocity_lag)"
 
 
 def _restored(found: Diagnosis, model: Model) -> Diagnosis:

@@ -61,6 +61,13 @@ def test_the_lag_can_be_added_whether_it_is_there_or_not(lag):
     assert np.std(as_given(found, problem)[problem.used]) < 1.1 * FORCE_NOISE
 
 
+def test_another_effect_added_says_that_a_lag_was_undone():
+    study = add_effect([record(lag=0.004)], load_model(GUO), "preload", seed=0)
+    assert any("lags deflection and accelerometers by 3.9" in n for n in study.problem.notes)
+    plain = add_effect([record()], load_model(GUO), "preload", seed=0)
+    assert not any("lags" in n for n in plain.problem.notes)
+
+
 def test_of_a_velocity_alone_the_lag_is_read_off_the_force():
     only = record(lag=0.004, without=("deflection", *ACCELERATIONS))
     found = final_model(add_effect([only], load_model(GUO), "velocity_lag", seed=0))
