@@ -205,8 +205,8 @@ def _compared(
 
 def _centre(record: Record, model: Model) -> tuple[str, ...]:
     """What is said of a deflection whose middle lies beyond what the model is made for."""
-    middle, reach = off_centre(record, model)
-    if abs(middle) <= reach:
+    middle, reach = off_centre(record, model), model.scales.deflection
+    if not middle:
         return ()
     return (
         f"the deflection's middle is at {1e3 * middle:.3g} mm, the model is made for {1e3 * reach:.3g} mm to either "

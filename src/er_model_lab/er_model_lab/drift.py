@@ -9,6 +9,12 @@ BENDS = 60.0
 """Time from bend to bend [s]: what an offset of a velocity makes of a deflection is as good as straight between."""
 
 
+def without_drift(x: Array, v: Array, dt: float) -> tuple[Array, Array]:
+    """Deflection [m] and velocity [m/s] (n,) without the drift of the deflection."""
+    line, slope = drift(x, dt)
+    return x - line, v - slope
+
+
 def drift(x: Array, dt: float) -> tuple[Array, Array]:
     """Drift (n,) [m] of a deflection (n,) [m] and its slope (n,) [m/s]: the nearest continuous line with such bends."""
     n = x.size

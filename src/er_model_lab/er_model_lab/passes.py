@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from er_model_lab.diagnose.search import MOST_EFFECTS
-from er_model_lab.diagnose.verdict import VISIBLE, Diagnosis, Name
+from er_model_lab.diagnose.verdict import VISIBLE, Diagnosis, Name, shares
 from er_model_lab.view import CandidateView
 
 Result = dict[str, Any]
@@ -60,11 +60,8 @@ def _after(before: Result, more: Result) -> Result:
 
 def explained_by(first: Diagnosis, last: Diagnosis) -> dict[str, float]:
     """What the first of several passes left to explain, over the floor of the last, and what all have explained."""
-    limit, base = last.floor.floor**2, first.base.mse
-    return {
-        "explainable": max(1.0 - limit / base, 0.0),
-        "explained": float((base - last.best.mse) / max(base - limit, 1e-12 * base)),
-    }
+    found = shares(first.base.mse, last.best.mse, last.floor)
+    return dict(zip(("explainable", "explained"), found, strict=True))
 
 
 def too_many(whole: Result) -> bool:

@@ -14,11 +14,11 @@ import numpy as np
 from er_models.errors import InputError, MissingChannel
 from er_models.model import Model
 from er_models.predict import Motion, join
-from er_models.scales import Scales
+from er_models.scales import Scales, peak
 from numpy.typing import NDArray
 
 from er_model_lab.cycle import Cycle, cycles
-from er_model_lab.drift import drift
+from er_model_lab.drift import without_drift
 from er_model_lab.forward import DAMPER, Forward
 from er_model_lab.fuse import (
     WITHOUT_A,
@@ -134,6 +134,11 @@ class Problem:
         return self.fold >= 0
 
     @property
+    def measures_velocity(self) -> bool:
+        """Whether the velocity was measured in some record."""
+        return any(c.has[1] for c in self.raw)
+
+    @property
     def kinematic_lag(self) -> bool:
         """Whether deflection and accelerometers can show a lag of the velocity channel by themselves."""
         return any(c.shows_lag for c in self.raw)
@@ -149,9 +154,6 @@ class Problem:
         m, known = self.motion, self.forward.scales(self)
         if known is not None:
             return known
-
-        def peak(y: Array) -> float:
-            return float(max(np.quantile(np.abs(y - np.median(y)), 0.995), 1e-9))
 
         return Scales(peak(self.force), peak(m.x), peak(m.v), float(max(m.u.max(), 1e-3)))
 
@@ -367,5 +369,5 @@ def _centred(fused: Fused, channels: Channels) -> Fused:
     """The motion about its middle where no deflection was measured: an offset of the velocity would carry it away."""
     if channels.has[0]:
         return fused
-    line, slope = drift(fused.x, channels.dt)
-    return replace(fused, x=fused.x - line, v=fused.v - slope)
+    x, v = without_drift(fused.x, fused.v, channels.dt)
+    return replace(fused, x=x, v=v)

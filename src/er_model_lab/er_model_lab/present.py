@@ -16,7 +16,7 @@ from er_model_lab.diagnose.candidates import Candidate, effect_size
 from er_model_lab.diagnose.coverage import Coverage
 from er_model_lab.diagnose.search import Round
 from er_model_lab.diagnose.told import told
-from er_model_lab.diagnose.verdict import VISIBLE, Diagnosis
+from er_model_lab.diagnose.verdict import VISIBLE, Diagnosis, shares
 from er_model_lab.excess import noise_at, region_tables
 from er_model_lab.fit import with_deviations
 from er_model_lab.floors import floors
@@ -83,8 +83,7 @@ def entry(
         "status": status,
         "confounded_with": rivals,
         "kept_fraction": candidate.kept,
-        "explains": (step.base.mse - candidate.mse)
-        / max(step.base.mse - found.floor.floor**2, 1e-12 * step.base.mse),
+        "explains": shares(step.base.mse, candidate.mse, found.floor)[1],
     }
 
 

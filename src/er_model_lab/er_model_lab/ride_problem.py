@@ -9,7 +9,7 @@ import numpy as np
 from er_models.errors import InputError, MissingChannel
 from er_models.model import Array, Model
 from er_models.predict import Motion
-from er_models.scales import Scales
+from er_models.scales import Scales, peak
 from numpy.typing import NDArray
 
 from er_model_lab.fit import Fit, fit
@@ -179,7 +179,7 @@ def _envelope(data: Measured, seen: Array) -> Scales:
     for name in ("damper_force", "deflection", "deflection_velocity"):
         known = name in data.names
         y = data.outputs[:, data.names.index(name)] if known else seen[:, CHANNELS[name]]
-        peaks[name] = float(max(np.quantile(np.abs(y - np.median(y)), 0.995), 1e-9))
+        peaks[name] = peak(y)
     duty = max(float(u.max()) for u in data.duties)
     return Scales(
         peaks["damper_force"], peaks["deflection"], peaks["deflection_velocity"], max(duty, 1e-3)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -60,13 +59,13 @@ def overlaid(rivals: Sequence[Rival]) -> tuple[RecordView, ...]:
 
 def table(rivals: Sequence[Rival], floor: float, seed: int) -> list[dict[str, Any]]:
     """One entry per model: errors, share of its error that is the model's, and the fall against the first."""
-    first = _squares(rivals[0])
-    span = _span(rivals[0])
+    runs = [_runs(rival) for rival in rivals]
+    first, span = _squares(runs[0]), _span(runs[0])
     rng = np.random.default_rng(seed)
     picks = rng.integers(0, first.shape[0], (BOOTSTRAPS, first.shape[0]))
     out = []
-    for called, rival in zip(names(rivals), rivals, strict=True):
-        sums = _squares(rival)
+    for called, rival, own in zip(names(rivals), rivals, runs, strict=True):
+        sums = _squares(own)
         mse = float(sums[:, 0].sum() / sums[:, 1].sum())
         again = _rms(sums, picks) - _rms(first, picks)
         low, high = np.quantile(again, [0.05, 0.95])
@@ -76,7 +75,7 @@ def table(rivals: Sequence[Rival], floor: float, seed: int) -> list[dict[str, An
             "explainable": max(1.0 - floor**2 / mse, 0.0) if mse > 0.0 else 0.0,
             "against_first": {"change": float(rmse - np.sqrt(first[:, 0].sum() / first[:, 1].sum())),
                               "band": [float(low), float(high)]},
-            "rmse_by_record": {run.name: _error(run) for run in _runs(rival)},
+            "rmse_by_record": {run.name: _error(run) for run in own},
             "fitted_to_these_data": rival.fitted_here, "effects": list(rival.model.effects),
         })  # fmt: skip
     return out
@@ -101,17 +100,17 @@ def _runs(rival: Rival) -> list[_Run]:
             for r in rival.records
         ]  # fmt: skip
     found, whole = rival.whole, rival.whole.whole
-    cuts = [slice(int(i), int(j)) for i, j in pairwise(whole.motion.starts)]
+    left, used = found.left_now, found.used
     return [
-        _Run(record.name, whole.motion.dt, whole.force[cut], found.left_now[cut], found.used[cut])
-        for record, cut in zip(whole.data, cuts, strict=True)
+        _Run(name, whole.motion.dt, whole.force[cut], left[cut], used[cut])
+        for name, cut in found.records
     ]
 
 
-def _squares(rival: Rival) -> Array:
+def _squares(runs: Sequence[_Run]) -> Array:
     """Sum of squares and number of samples (blocks, 2) of one-second blocks of the scored samples."""
     parts = []
-    for r in _runs(rival):
+    for r in runs:
         block = np.arange(r.left.size) // max(round(1.0 / r.dt), 1)
         squared = np.where(r.scored, r.left**2, 0.0)
         parts.append(np.stack([np.bincount(block, squared), np.bincount(block, r.scored)], axis=1))
@@ -130,7 +129,7 @@ def _error(r: _Run) -> float:
     return float(np.sqrt(np.mean(r.left[r.scored] ** 2))) if r.scored.any() else 0.0
 
 
-def _span(rival: Rival) -> float:
+def _span(runs: Sequence[_Run]) -> float:
     """Range of the measured force over the scored samples [N]."""
-    force = np.concatenate([r.measured[r.scored] for r in _runs(rival)])
+    force = np.concatenate([r.measured[r.scored] for r in runs])
     return float(np.ptp(force)) if force.size else 0.0

@@ -16,7 +16,7 @@ from er_model_lab.diagnose.candidates import Candidate, baseline, refit
 from er_model_lab.diagnose.floor import Floor, noise_floor
 from er_model_lab.diagnose.null import Null, simulate_null
 from er_model_lab.diagnose.search import Round, passes, threshold
-from er_model_lab.diagnose.verdict import Diagnosis, diagnose, judge
+from er_model_lab.diagnose.verdict import Diagnosis, diagnose, judge, shares
 from er_model_lab.envelope import with_unfelt
 from er_model_lab.estimate import estimated
 from er_model_lab.fit import fit, with_deviations
@@ -184,7 +184,7 @@ def _added(
     problem, lag = open_problem(records, model, sealed, any_lag=asked)
     bare = on_fused(model)
     given = as_given(model, problem)
-    if asked and not any(c.has[1] for c in problem.raw):
+    if asked and not problem.measures_velocity:
         first = records[0]
         raise MissingChannel(
             first.source or first.name, "deflection_velocity", "to see that it lags", tuple(first.channels)
@@ -238,11 +238,10 @@ def _beside_lag(found: Diagnosis, before: Candidate, lag: tuple[float, float]) -
     best = found.best
     model = best.fit.model.with_effect("velocity_lag", {"T_v": lag[0]})
     model = replace(model, deviations={**model.deviations, "velocity_lag": {"T_v": lag[1]}})
-    floor2 = found.floor.floor**2
+    explainable, explained = shares(before.mse, best.mse, found.floor)
     return replace(
         found, base=before, best=replace(best, fit=replace(best.fit, model=model)),
-        explainable=max(1.0 - floor2 / before.mse, 0.0),
-        explained=float((before.mse - best.mse) / max(before.mse - floor2, 1e-12 * before.mse)),
+        explainable=explainable, explained=explained,
     )  # fmt: skip
 
 

@@ -8,7 +8,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from er_models.errors import InputError
+
+
+def peak(y: NDArray[np.float64]) -> float:
+    """Robust peak of a signal (n,) about its middle, in its unit; above zero."""
+    return float(max(np.quantile(np.abs(y - np.median(y)), 0.995), 1e-9))
 
 
 @dataclass(frozen=True, slots=True)

@@ -88,8 +88,7 @@ def missing(model: Model, problem: Problem) -> tuple[Effect, ...]:
     a lag of the fused velocity would only imitate its noise. Where no velocity was measured none can lag.
     """
     core = () if model.has_response else (model.catalogue["response"],)
-    measured = not problem.raw or any(c.has[1] for c in problem.raw)
-    from_force = measured and not problem.kinematic_lag
+    from_force = (problem.measures_velocity or not problem.raw) and not problem.kinematic_lag
     held = set(model.effects) if from_force else {*model.effects, "velocity_lag"}
     return tuple(e for e in core + problem.forward.candidates(model) if e.name not in held)
 

@@ -42,8 +42,8 @@ def coverage(problem: Problem) -> Coverage:
     u = m.u
     steps = int(np.sum(np.abs(np.diff(u)) > STEP))
     tones = _tones(problem)
-    rows = np.concatenate([np.arange(i, j) for i, j in problem.learnt])
-    seconds = float(problem.used[:: problem.forward.outputs][rows].sum() * m.dt)
+    used = problem.used[:: problem.forward.outputs]
+    seconds = sum(int(used[i:j].sum()) for i, j in problem.learnt) * m.dt
     blocking, hints = [], []
     if seconds < 5.0:
         blocking.append(f"only {seconds:.1f} s of usable data: record at least 20 s")

@@ -109,6 +109,15 @@ def _searched(
     return best, floor, ties
 
 
+def shares(before: float, after: float, floor: Floor) -> tuple[float, float]:
+    """Share [1] of a mean square [N2] that is explainable, and how much of that a later model explains."""
+    limit = floor.floor**2
+    return (
+        max(1.0 - limit / before, 0.0),
+        float((before - after) / max(before - limit, 1e-12 * before)),
+    )
+
+
 def _standing(best: Candidate, first: Round) -> Candidate:
     """What is left of several effects; where one is, only if it passes by itself, else what the first round took."""
     if len(best.effects) > 1 or passes(first.base, best, first.threshold):
@@ -123,15 +132,14 @@ def judge(
     """The verdict on what a search found; ties: groups that the data cannot tell apart."""
     cover = coverage(problem)
     limit = floor.floor**2
-    explainable = max(1.0 - limit / base.mse, 0.0)
-    explained = (base.mse - best.mse) / max(base.mse - limit, 1e-12 * base.mse)
+    explainable, explained = shares(base.mse, best.mse, floor)
     beyond_fit = max(1.0 - limit / min(base.mse, base.fit.mse(problem.train)), 0.0)
     name, reasons = _decide(base, best, rounds, floor, beyond_fit, explained, ties, cover, rule)
     if name in ("adequate", "insufficient_data", "unknown_effect"):
         best, ties = base, ()
     return Diagnosis(
         name, best.effects, ties, base, best, tuple(rounds), floor, rounds[0].null, explainable,
-        float(explained) if best is not base else 0.0, cover, tuple(reasons),
+        explained if best is not base else 0.0, cover, tuple(reasons),
     )  # fmt: skip
 
 

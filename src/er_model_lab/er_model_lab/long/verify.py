@@ -52,6 +52,12 @@ class Checked:
         return used
 
     @property
+    def records(self) -> list[tuple[str, slice]]:
+        """Name and rows of every record."""
+        cuts = (slice(int(i), int(j)) for i, j in pairwise(self.whole.motion.starts))
+        return list(zip((r.name for r in self.whole.data), cuts, strict=True))
+
+    @property
     def elsewhere(self) -> NDArray[np.bool_]:
         """Samples (N,) that count and were not searched."""
         mask = self.used
@@ -141,7 +147,7 @@ def long_json(found: Checked, *, again: bool) -> dict[str, Any]:
 
 def errors_json(found: Checked, floor: float) -> dict[str, Any]:
     """Errors [N] of the last model on all of long data, as `compare` gives them; floor [N]: what noise leaves."""
-    left, used, m = found.left_now, found.used, found.whole.motion
+    left, used = found.left_now, found.used
     force = found.whole.force[used]
     rmse, span = float(np.sqrt(np.mean(left[used] ** 2))), float(np.ptp(force))
     return {
@@ -149,8 +155,7 @@ def errors_json(found: Checked, floor: float) -> dict[str, Any]:
         "nrmse": rmse / span if span > 0.0 else float("nan"),
         "explainable": max(1.0 - floor**2 / rmse**2, 0.0) if rmse > 0.0 else 0.0,
         "rmse_by_record": {
-            record.name: float(np.sqrt(np.mean(left[i:j][used[i:j]] ** 2)))
-            for record, (i, j) in zip(found.whole.data, pairwise(m.starts), strict=True)
+            name: float(np.sqrt(np.mean(left[cut][used[cut]] ** 2))) for name, cut in found.records
         },
     }
 

@@ -13,7 +13,7 @@ from er_models.model import Array, Model
 from er_models.predict import Motion, join, predict_many
 from numpy.typing import NDArray
 
-from er_model_lab.drift import drift
+from er_model_lab.drift import without_drift
 from er_model_lab.forward import DamperForward
 from er_model_lab.fuse import WITHOUT_A, Channels, Noise, adapt, channels_of, fuse
 from er_model_lab.prepare import (
@@ -134,8 +134,7 @@ def _fused(
     x, v, a = _pieces(channels, noise)
     n = x.size
     if not channels.has[0]:
-        line, slope = drift(x, dt)
-        x, v = x - line, v - slope
+        x, v = without_drift(x, v, dt)
     if channels.measured_a and not channels.has[2]:
         a = channels.z[:, 2].copy()
     u = resampled(record, "duty", dt) if record.has("duty") else np.zeros(n)

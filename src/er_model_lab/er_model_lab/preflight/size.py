@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 from er_models.model import Array, Model
+from er_models.scales import peak
 
 from er_model_lab.compare import ANOTHER_SIZE
 from er_model_lab.preflight.finding import Finding
@@ -16,36 +17,32 @@ def size_findings(records: Sequence[Record], model: Model) -> Iterator[Finding]:
     """Warnings where the data are another damper's, of another unit, or off centre."""
     forces = _all(records, "damper_force")
     if forces.size:
-        peak, expected = _peak(forces), model.scales.force
-        if not expected / ANOTHER_SIZE < peak < expected * ANOTHER_SIZE:
+        size, expected = peak(forces), model.scales.force
+        if not expected / ANOTHER_SIZE < size < expected * ANOTHER_SIZE:
             yield Finding(
                 "size", "warning", records[0].name, "damper_force",
-                f"forces of about {expected:.3g} N, which the model '{model.name}' is made for", f"{peak:.3g} N",
+                f"forces of about {expected:.3g} N, which the model '{model.name}' is made for", f"{size:.3g} N",
                 "another damper (lab identify), or another unit: state it, as in 'damper_force [kN]'",
                 records[0].source,
             )  # fmt: skip
     for record in records:
-        middle, reach = off_centre(record, model)
-        if abs(middle) > reach:
+        if middle := off_centre(record, model):
+            reach = model.scales.deflection
             yield Finding(
                 "size", "warning", record.name, "deflection", f"a middle within {1e3 * reach:.3g} mm of zero",
                 f"{1e3 * middle:.4g} mm", "set the sensor's zero, or ask lab diagnose (deflection_zero)", record.source,
             )  # fmt: skip
 
 
-def off_centre(record: Record, model: Model) -> tuple[float, float]:
-    """Middle of the deflection of a record, and how far out it may be with this model [m]."""
+def off_centre(record: Record, model: Model) -> float:
+    """Middle of the deflection of a record [m] where it lies beyond what a model is made for; 0 where it does not."""
     if not record.has("deflection"):
-        return 0.0, model.scales.deflection
-    return float(np.nanmedian(record.channels["deflection"])), model.scales.deflection
+        return 0.0
+    middle = float(np.nanmedian(record.channels["deflection"]))
+    return middle if abs(middle) > model.scales.deflection else 0.0
 
 
 def _all(records: Sequence[Record], channel: str) -> Array:
     parts = [r.channels[channel] for r in records if r.has(channel)]
     found = np.concatenate(parts) if parts else np.empty(0)
     return np.asarray(found[np.isfinite(found)])
-
-
-def _peak(y: Array) -> float:
-    """Robust peak about the middle, as in the envelope of the data."""
-    return float(np.quantile(np.abs(y - np.median(y)), 0.995))
