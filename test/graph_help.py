@@ -29,7 +29,7 @@ MODULES = NODES | {
     "inject": "er_bringup.ros_inject",
     "up": "er_bringup.up",
     "doctor": "er_bringup.doctor",
-    "record": "er_model_lab.record_command",
+    "record": "er_model_lab.cli.record_command",
 }
 DOMAINS = range(10, 100)
 """Of the 101 domains that are safe on every system, those that people rarely use."""

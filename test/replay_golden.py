@@ -19,7 +19,7 @@ import yaml
 from er_bringup.cores import cores, entry
 from er_bringup.played import core_of, play
 from er_bringup.recording import opened
-from er_model_lab.bag_writer import BagWriter
+from er_model_lab.recording.bag_writer import BagWriter
 from er_models.files import load_model
 from er_plant_sim.build import build
 from er_plant_sim.duty_gate import Command

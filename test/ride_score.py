@@ -11,7 +11,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from er_model_lab.commands import Request, diagnose
+from er_model_lab.commands.ask import Request
+from er_model_lab.commands.diagnose import diagnose
 
 from test.blind.catalogue import VEHICLE
 from test.blind.generator import make_case

@@ -7,8 +7,8 @@ import pytest
 from er_model_lab.diagnose.candidates import baseline, refit
 from er_model_lab.diagnose.null import simulate_null
 from er_model_lab.diagnose.search import passes, threshold
-from er_model_lab.load import load
-from er_model_lab.study import open_problem
+from er_model_lab.diagnose.study import open_problem
+from er_model_lab.records.load import load
 from er_models.files import load_model
 
 from test.blind.calibrate import clean_records

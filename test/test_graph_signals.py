@@ -12,10 +12,10 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from er_model_lab.load import load
-from er_model_lab.message_count import header_of
-from er_model_lab.readers.mcap_salvage import salvage
-from er_model_lab.repair import SHORT_GAP
+from er_model_lab.recording.message_count import header_of
+from er_model_lab.records.load import load
+from er_model_lab.records.readers.mcap_salvage import salvage
+from er_model_lab.records.repair import SHORT_GAP
 from er_ros_common.stamps import SECOND
 from rosbags.highlevel import AnyReader
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.cli import app
+from er_model_lab.cli.app import app
 from er_model_lab.identify import identify
 from er_model_lab.identify.findings import findings, missing
 from er_model_lab.identify.present import parameters

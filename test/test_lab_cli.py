@@ -5,8 +5,10 @@ import shutil
 
 import numpy as np
 import pytest
-from er_model_lab.cli import app
-from er_model_lab.commands import MOST_PASSES, Request, diagnose
+from er_model_lab.cli.app import app
+from er_model_lab.commands.ask import Request
+from er_model_lab.commands.diagnose import diagnose
+from er_model_lab.commands.improve import MOST_PASSES
 from er_models.files import load_model
 from er_models.seed import LARGEST
 from typer import TyperException

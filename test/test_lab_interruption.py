@@ -6,18 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from er_model_lab.cli import app, missing, running
 from er_model_lab.diagnose import verdict
 from er_model_lab.diagnose.candidates import baseline, refit
-from er_model_lab.forward import DamperForward
-from er_model_lab.load import load
-from er_model_lab.noted import packed, unpacked
-from er_model_lab.resume import resume
-from er_model_lab.ride_problem import open_ride
-from er_model_lab.study import open_problem
+from er_model_lab.diagnose.resume import resume
+from er_model_lab.diagnose.study import open_problem
+from er_model_lab.fitting import fit
+from er_model_lab.problem.forward import DamperForward
+from er_model_lab.problem.noted import packed, unpacked
+from er_model_lab.records.load import load
+from er_model_lab.vehicle.ride_problem import open_ride
 from er_models.files import load_model
 from typer.testing import CliRunner
 
-from er_model_lab import cli, cli_missing, cli_running, fit
 from test.conftest import ROOT
 from test.sample import with_friction, write_ride, write_sample
 
@@ -48,7 +49,7 @@ def improve(data, folder, stop_in_round, monkeypatch):
     def progress(*_):
         yield tick
 
-    monkeypatch.setattr(cli_missing, "progress", progress)
+    monkeypatch.setattr(missing, "progress", progress)
     words = [
         "improve",
         data,
@@ -59,7 +60,7 @@ def improve(data, folder, stop_in_round, monkeypatch):
         "--json",
         folder / "r.json",
     ]
-    return CliRunner().invoke(cli.app, [str(w) for w in words])
+    return CliRunner().invoke(app.app, [str(w) for w in words])
 
 
 def test_what_was_done_is_kept_and_gone_on_from(data, tmp_path, monkeypatch):
@@ -183,7 +184,7 @@ def test_an_interruption_after_the_work_says_what_is_written(data, tmp_path, mon
     def stopped(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli_running, "_write_report", stopped)
+    monkeypatch.setattr(running, "_write_report", stopped)
     out, told = tmp_path / "m.yaml", tmp_path / "r.json"
     words = [
         "add",
@@ -198,7 +199,7 @@ def test_an_interruption_after_the_work_says_what_is_written(data, tmp_path, mon
         "--report",
         tmp_path / "r",
     ]
-    done = CliRunner().invoke(cli.app, [str(w) for w in words])
+    done = CliRunner().invoke(app.app, [str(w) for w in words])
     assert done.exit_code == 130
     assert f"interrupted: {out} and {told} written, no more" in done.output
     assert "preload" in load_model(out).effects

@@ -167,4 +167,32 @@ def test_an_observer_waits_for_no_linear_algebra_of_scipy():
 
 def test_the_lab_says_what_it_can_do_at_once():
     """Its help, a list of effects and a wrong usage wait for nothing that only a command needs."""
-    assert imported_with("er_model_lab.cli") & HEAVY == {"typer", "rich"}
+    assert imported_with("er_model_lab.cli.app") & HEAVY == {"typer", "rich"}
+
+
+def blocks(package):
+    """Which blocks of a package, folders and files at its top, each block imports."""
+    home = ROOT / "src" / package / package
+    graph = {}
+    for path in sorted(home.rglob("*.py")):
+        block = path.relative_to(home).parts[0].removesuffix(".py")
+        inner = (n.split(".")[1] for n in imports(path) if n.startswith(f"{package}."))
+        known = {i for i in inner if (home / i).is_dir() or (home / f"{i}.py").exists()}
+        graph.setdefault(block, set()).update(known - {block})
+    return graph
+
+
+def circle(graph):
+    """What is left of a graph once blocks that import nothing left are taken away again and again."""
+    while free := {b for b, seen in graph.items() if not seen & graph.keys()}:
+        graph = {b: seen for b, seen in graph.items() if b not in free}
+    return graph
+
+
+@pytest.mark.parametrize("package", sorted(ALLOWED))
+def test_blocks_of_a_package_import_one_way(package):
+    assert circle(blocks(package)) == {}
+
+
+def test_a_circle_is_found():
+    assert circle({"a": {"b"}, "b": {"c", "d"}, "c": {"b"}, "d": set()}).keys() == {"a", "b", "c"}

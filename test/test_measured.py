@@ -7,9 +7,9 @@ that are here, shows what it means for them.
 
 import numpy as np
 import pytest
-from er_model_lab.importers import import_data
-from er_model_lab.prepare import prepare
-from er_model_lab.readers.mts import split
+from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.importers import import_data
+from er_model_lab.records.readers.mts import split
 from er_models.files import load_model
 from er_models.predict import predict
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from er_model_lab.diagnose import verdict
-from er_model_lab.forward import DamperForward
-from er_model_lab.importers import import_data
-from er_model_lab.study import investigate
+from er_model_lab.diagnose.study import investigate
+from er_model_lab.problem.forward import DamperForward
+from er_model_lab.records.importers import import_data
 from er_models.files import load_model
 
 from test.conftest import ROOT

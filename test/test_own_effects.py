@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from er_model_lab.cli import app
+from er_model_lab.cli.app import app
 from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.errors import InputError
 from er_models.files import load_model, save_model

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.cli import app
+from er_model_lab.cli.app import app
 from er_model_lab.plan import menu, planner, search
 from er_model_lab.plan.bench import run_all
 from er_model_lab.plan.decide import measured
 from er_model_lab.plan.limits import Sensors
-from er_model_lab.write import write_csv
+from er_model_lab.records.write import write_csv
 from er_models.files import load_model
 from er_models.program import Program, document_of, load_program
 from er_plant_sim.build import build

@@ -16,7 +16,7 @@ pytest.importorskip("rclpy")
 
 
 from er_bringup.recording import opened
-from er_model_lab.readers.bag_names import custom_data
+from er_model_lab.records.readers.bag_names import custom_data
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from er_bringup import played
@@ -86,8 +86,8 @@ def test_the_answers_are_golden(bag: Path) -> None:
 
 def changed(bag: Path, out: Path, change: Callable[[str, Any], Any]) -> Path:
     """A copy of a recording; change: topic and message to what is written, None for nothing."""
-    from er_model_lab.bag_writer import BagWriter
     from er_model_lab.nodes.selection import message_class
+    from er_model_lab.recording.bag_writer import BagWriter
     from rclpy.serialization import deserialize_message, serialize_message
     from rosbags.highlevel import AnyReader
 
@@ -105,7 +105,7 @@ def changed(bag: Path, out: Path, change: Callable[[str, Any], Any]) -> Path:
 
 def in_a_car(bag: Path, out: Path, space: str, names: dict[str, str]) -> Path:
     """A copy of a recording as one of a corner, some topics of which have other names."""
-    from er_model_lab.bag_writer import BagWriter
+    from er_model_lab.recording.bag_writer import BagWriter
     from rosbags.highlevel import AnyReader
 
     writer, made = BagWriter(out), {}
@@ -229,8 +229,8 @@ def test_an_observer_takes_the_deflection_sensor_its_gains_ask_for(
 ) -> None:
     """Played, it says bit for bit what its pure step says; the deflection of a tick comes after its accelerations."""
     from er_models.files import load_model
-    from er_observers.observers import runtime as observer
-    from er_observers.observers.ready import ready
+    from er_observers.running import runtime as observer
+    from er_observers.running.ready import ready
 
     heard = (topics.ACCELERATION, topics.DEFLECTION, topics.PWM_APPLIED)
     ticks: dict[int, dict[str, Any]] = {}
@@ -515,7 +515,7 @@ def test_a_clock_that_was_set_forward_costs_some_steps_and_changes_no_answer(
 def test_notes_that_are_none_are_refused_in_one_line(
     replay: Replay, tmp_path: Path, key: str, noted: str
 ) -> None:
-    from er_model_lab.bag_writer import BagWriter
+    from er_model_lab.recording.bag_writer import BagWriter
 
     BagWriter(tmp_path / "bag").close({key: noted})
     status, text, _ = replay(tmp_path / "bag")
@@ -527,7 +527,7 @@ def test_notes_that_are_none_are_refused_in_one_line(
 def test_what_a_recorder_that_was_held_up_wrote_is_played_as_the_node_had_it(
     replay: Replay, bag: Path, tmp_path: Path
 ) -> None:
-    from er_model_lab.bag_writer import BagWriter
+    from er_model_lab.recording.bag_writer import BagWriter
     from rosbags.highlevel import AnyReader
 
     held, written = (1_500_000_000, 1_800_000_000), []

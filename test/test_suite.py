@@ -62,7 +62,8 @@ def test_the_suite_fails_where_any_test_fails(
         f"import pytest\n\n\ndef test_first():\n    {first}\n\n\n"
         f"@pytest.mark.alone\ndef test_second():\n    {second}\n"
     )
-    assert whole(Path(sys.executable), args, [str(tmp_path)], os.environ) == status
+    found = whole(Path(sys.executable), args, [str(tmp_path)], os.environ, wait=0.5)
+    assert found == status
 
 
 CONFTEST = """

@@ -33,7 +33,7 @@ setup(
     entry_points={
         "console_scripts": [
             "recorder = er_model_lab.executables:recorder",
-            "er-lab = er_model_lab.cli:main",
+            "er-lab = er_model_lab.cli.app:main",
         ],
     },
 )

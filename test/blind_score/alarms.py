@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 from er_model_lab.diagnose.candidates import baseline, effect_size, refit_all
 from er_model_lab.diagnose.null import simulate_null
+from er_model_lab.diagnose.rule import RULE, Rule
 from er_model_lab.diagnose.search import passes, threshold
-from er_model_lab.load import load
-from er_model_lab.rule import RULE, Rule
-from er_model_lab.study import open_problem
-from er_model_lab.velocity_channel import on_fused
+from er_model_lab.diagnose.study import open_problem
+from er_model_lab.fitting.velocity_channel import on_fused
+from er_model_lab.records.load import load
 from er_models.files import load_model
 from matplotlib import rc_context
 from matplotlib.backends.backend_svg import FigureCanvasSVG

@@ -6,9 +6,9 @@ import itertools
 from pathlib import Path
 
 import numpy as np
-from er_model_lab.learnt import beyond
-from er_model_lab.load import load
-from er_model_lab.study import as_given, open_problem
+from er_model_lab.diagnose.study import as_given, open_problem
+from er_model_lab.fitting.learnt import beyond
+from er_model_lab.records.load import load
 from er_models.model import Model
 
 from test.blind.along import force_along

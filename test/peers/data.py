@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 from er_model_lab.diagnose.candidates import baseline
-from er_model_lab.fit import Fit
-from er_model_lab.load import load
-from er_model_lab.prepare import Problem
-from er_model_lab.study import open_problem
-from er_model_lab.velocity_channel import on_fused
+from er_model_lab.diagnose.study import open_problem
+from er_model_lab.fitting.fit import Fit
+from er_model_lab.fitting.velocity_channel import on_fused
+from er_model_lab.problem.prepare import Problem
+from er_model_lab.records.load import load
 from er_models.model import Model
 
 

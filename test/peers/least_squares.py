@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 from er_model_lab.diagnose.candidates import missing, starts
-from er_model_lab.fit import Box
+from er_model_lab.fitting.fit import Box
 from er_models.model import Model
 from scipy.optimize import least_squares
 

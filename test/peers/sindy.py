@@ -14,8 +14,8 @@ from dataclasses import replace
 
 import numpy as np
 from er_model_lab.diagnose.candidates import additions, cross_judged, missing, starts
-from er_model_lab.fit import Box
-from er_model_lab.prepare import Problem
+from er_model_lab.fitting.fit import Box
+from er_model_lab.problem.prepare import Problem
 
 from test.peers.data import Answer, Given
 

@@ -37,11 +37,11 @@ COMMANDS: dict[str, tuple[str, str, str | None]] = {
         "start the whole graph, as `ros2 launch er_bringup` does",
         "er_bringup.up",
     ),
-    "record": ("OUT [ARGS]", "record a bag until Ctrl-C", "er_model_lab.record_command"),
+    "record": ("OUT [ARGS]", "record a bag until Ctrl-C", "er_model_lab.cli.record_command"),
     "lab": (
         "COMMAND ...",
         "model lab: compare, diagnose, add, improve, plan, ...",
-        "er_model_lab.cli",
+        "er_model_lab.cli.app",
     ),
     "doctor": (
         "[ARGS]",

@@ -44,9 +44,15 @@ def runs(args: Sequence[str], cores: int) -> list[list[str]]:
 
 
 def whole(
-    python: Path, args: Sequence[str], folders: Sequence[str], env: Mapping[str, str]
+    python: Path,
+    args: Sequence[str],
+    folders: Sequence[str],
+    env: Mapping[str, str],
+    wait: float = WAIT,
 ) -> int:
     """Run the suite; returns the first exit status that is not success.
+
+    wait: how long a calm machine is waited for where tests failed while others had it [s].
 
     A stop on request (Ctrl-C, a failure under `-x`) ends it at once.
     """
@@ -61,7 +67,7 @@ def whole(
         if run[-1].endswith(f"not {ALONE}") or run == list(args):
             status = tested(*run, *folders)
         else:
-            status = timed(tested, [*run, *folders])
+            status = timed(tested, [*run, *folders], wait)
         if worst in (0, NOTHING_SELECTED) and status != NOTHING_SELECTED:
             worst = status
         if status < 0 or status == 2 or (status and "-x" in args):

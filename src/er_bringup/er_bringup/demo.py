@@ -64,7 +64,8 @@ class Verdict:
 
 def play(demo: Demo, console: Console) -> Verdict:
     """Record, compare, diagnose, add, and judge."""
-    from er_model_lab.commands import Request, improve
+    from er_model_lab.commands.ask import Request
+    from er_model_lab.commands.improve import improve
     from er_model_lab.report.page import write_report
 
     began = time.monotonic()
@@ -110,8 +111,8 @@ def repeated(bag: Path) -> str:
 
 def reach(truth: Model, bags: list[Path]) -> float:
     """Error of the true model itself on the check run [N]: what only the sensors leave."""
-    from er_model_lab.load import load
-    from er_model_lab.study import as_given, open_problem
+    from er_model_lab.diagnose.study import as_given, open_problem
+    from er_model_lab.records.load import load
 
     problem, _ = open_problem(load(bags), truth, sealed=1)
     residual = as_given(truth, problem)

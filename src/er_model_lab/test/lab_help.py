@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import numpy as np
-from er_model_lab.prepare import prepare
-from er_model_lab.record import Record
+from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.record import Record
 from er_models.files import load_model
 from er_models.predict import motion, predict
 

@@ -9,8 +9,8 @@ import pytest
 pytest.importorskip("rclpy")
 
 import yaml
-from er_model_lab.bag_writer import BagWriter
-from er_model_lab.message_definitions import full_definition
+from er_model_lab.recording.bag_writer import BagWriter
+from er_model_lab.recording.message_definitions import full_definition
 from er_models.errors import ErError, InputError
 from rclpy.serialization import serialize_message
 from rosbags.highlevel import AnyReader

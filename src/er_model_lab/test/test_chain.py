@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from er_model_lab.chain import LAGGING, STATES, diffusion, filtered, smoothed, transition
+from er_model_lab.motion.chain import LAGGING, STATES, diffusion, filtered, smoothed, transition
 
 DT, N = 0.1, 25
 VARIANCES = np.array([0.02, 0.1, 0.3]) ** 2

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_model_lab.diagnose.candidates import baseline, effect_size, refit
-from er_model_lab.fit import cross_validated, fit
-from er_model_lab.held_out import FOLDS
+from er_model_lab.fitting.fit import cross_validated, fit
+from er_model_lab.problem.held_out import FOLDS
 from lab_help import FORCE_NOISE, problem_of
 
 

@@ -5,14 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.cycle import cycle
 from er_model_lab.diagnose.candidates import baseline, refit
 from er_model_lab.diagnose.null import simulate_null
+from er_model_lab.diagnose.study import open_problem
 from er_model_lab.diagnose.verdict import diagnose
+from er_model_lab.motion.cycle import cycle
 from er_model_lab.plan.suggest import suggestions
 from er_model_lab.preflight.check import preflight
-from er_model_lab.record import Record
-from er_model_lab.study import open_problem
+from er_model_lab.records.record import Record
 from er_models.files import load_model
 from er_models.predict import motion, predict
 from lab_help import DT, GUO, imposed

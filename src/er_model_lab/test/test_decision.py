@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.compare import size_notes
 from er_model_lab.diagnose.candidates import (
     baseline,
     cross_judged,
@@ -16,6 +15,7 @@ from er_model_lab.diagnose.coverage import coverage
 from er_model_lab.diagnose.floor import Floor, noise_floor
 from er_model_lab.diagnose.left import burst_shares, bursts, filtered
 from er_model_lab.diagnose.null import Null, simulate_null
+from er_model_lab.diagnose.rule import RULE, Rule
 from er_model_lab.diagnose.search import (
     DOUBT,
     Round,
@@ -30,14 +30,14 @@ from er_model_lab.diagnose.search import (
     threshold,
     tied,
 )
+from er_model_lab.diagnose.study import Study, as_given, diagnose_one
 from er_model_lab.diagnose.verdict import _alternatives, _standing, judge
-from er_model_lab.fit import fit
-from er_model_lab.motion_error import drawn
-from er_model_lab.prepare import prepare
-from er_model_lab.present import diagnosis_json
-from er_model_lab.record import Record
-from er_model_lab.rule import RULE, Rule
-from er_model_lab.study import Study, as_given, diagnose_one
+from er_model_lab.fitting.fit import fit
+from er_model_lab.present.diagnosis import diagnosis_json
+from er_model_lab.problem.motion_error import drawn
+from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.record import Record
+from er_model_lab.residual.errors import size_notes
 from er_models.errors import InputError
 from lab_help import FORCE_NOISE, imposed, problem_of
 from scipy.signal import lfilter

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from er_model_lab.drift import drift
-from er_model_lab.long import choose
 from er_model_lab.long.whole import on_whole
-from er_model_lab.prepare import prepare
-from er_model_lab.record import Record
+from er_model_lab.motion.drift import drift
+from er_model_lab.problem import stretches
+from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.record import Record
 from lab_help import DT, imposed
 
 
@@ -29,14 +29,14 @@ def test_of_longer_records_it_bends_once_a_minute_and_its_slope_is_that_of_the_l
 
 @pytest.mark.parametrize("offset", [0.0, 5e-4])
 def test_an_offset_of_the_velocity_carries_no_long_record_away(offset, monkeypatch):
-    monkeypatch.setattr(choose, "LONG", 8000)
-    monkeypatch.setattr(choose, "USED", 6000)
+    monkeypatch.setattr(stretches, "LONG", 8000)
+    monkeypatch.setattr(stretches, "USED", 6000)
     rng, n = np.random.default_rng(3), round(200.0 / DT)
     x, v, _, u = imposed(rng, n)
     channels = {
         "deflection_velocity": v + offset + 1e-3 * rng.standard_normal(n), "duty": u, "damper_force": 60.0 * v
     }  # fmt: skip
-    pieces, _ = choose.shortened([Record("run", np.arange(n) * DT, channels)])
+    pieces, _ = stretches.shortened([Record("run", np.arange(n) * DT, channels)])
     problem = on_whole(prepare(pieces), pieces)
     whole = problem.forward.whole.motion
     missed = whole.x - x
@@ -46,8 +46,8 @@ def test_an_offset_of_the_velocity_carries_no_long_record_away(offset, monkeypat
 
 
 def test_each_long_record_keeps_its_own_channels(monkeypatch):
-    monkeypatch.setattr(choose, "LONG", 3000)
-    monkeypatch.setattr(choose, "USED", 2900)
+    monkeypatch.setattr(stretches, "LONG", 3000)
+    monkeypatch.setattr(stretches, "USED", 2900)
     rng, n = np.random.default_rng(4), round(12.0 / DT)
     x, v, _, u = imposed(rng, n)
     force = {"duty": u, "damper_force": 60.0 * v}
@@ -55,7 +55,7 @@ def test_each_long_record_keeps_its_own_channels(monkeypatch):
         Record("x", np.arange(n) * DT, {"deflection": x + 2e-5 * rng.standard_normal(n), **force}),
         Record("v", np.arange(n) * DT, {"deflection_velocity": v + 1e-3 * rng.standard_normal(n), **force}),
     ]  # fmt: skip
-    pieces, _ = choose.shortened(records)
+    pieces, _ = stretches.shortened(records)
     problem = on_whole(prepare(pieces), pieces)
     moved = problem.forward.whole.motion
     for i, j in ((0, n), (n, 2 * n)):

@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import pytest
-from er_model_lab.envelope import in_bounds, with_unfelt
-from er_model_lab.fit import Box, fit
+from er_model_lab.fitting.envelope import in_bounds, with_unfelt
+from er_model_lab.fitting.fit import Box, fit
 from er_models.errors import InputError
 from er_models.files import load_model, save_model
 from lab_help import GUO, problem_of

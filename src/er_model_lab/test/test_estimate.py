@@ -1,8 +1,8 @@
 """Estimates: the bias of noisy motion is taken off, and deviations hold where forces jump."""
 
 import numpy as np
-from er_model_lab.estimate import estimated
-from er_model_lab.fit import fit, with_deviations
+from er_model_lab.fitting.estimate import estimated
+from er_model_lab.fitting.fit import fit, with_deviations
 from lab_help import problem_of
 
 TRUE = {"F_c": 1.0, "v_0": 0.003}

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from er_model_lab.diagnose.floor import Floor
-from er_model_lab.excess import noise_at, region_tables
-from er_model_lab.floors import floors
-from er_model_lab.prepare import prepare
-from er_model_lab.record import Record
+from er_model_lab.diagnose.floors import floors
+from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.record import Record
+from er_model_lab.residual.excess import noise_at, region_tables
 from er_models.files import load_model
 from er_models.predict import motion, predict
 from lab_help import DT, FORCE_NOISE, GUO, imposed, problem_of

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from er_model_lab.diagnose.coverage import _different, coverage
-from er_model_lab.prepare import prepare
-from er_model_lab.record import Record
+from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.record import Record
 from lab_help import DT, imposed
 
 

@@ -7,20 +7,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.commands import Request, compare
+from er_model_lab.commands import identify, plan
+from er_model_lab.commands.ask import Request
+from er_model_lab.commands.compare import compare
 from er_model_lab.diagnose.by_record import by_record
 from er_model_lab.diagnose.candidates import baseline
-from er_model_lab.fit import fit
-from er_model_lab.identify import command as identify
-from er_model_lab.load import fingerprint, load
-from er_model_lab.long import choose
+from er_model_lab.fitting.fit import fit
 from er_model_lab.long.verify import checked, long_json
 from er_model_lab.long.whole import on_whole
-from er_model_lab.plan import command as plan
 from er_model_lab.plan import question
-from er_model_lab.prepare import prepare
-from er_model_lab.record import Record
-from er_model_lab.write import write_parquet
+from er_model_lab.problem import stretches
+from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.load import fingerprint, load
+from er_model_lab.records.record import Record
+from er_model_lab.records.write import write_parquet
 from er_models.files import load_model
 from er_models.predict import motion, predict
 from lab_help import DT, GUO, imposed
@@ -49,13 +49,13 @@ def made(seconds, truth=None, seed=1, still=0.0, name="run"):
 @pytest.fixture
 def short(monkeypatch):
     """Three minutes count as long, and half a minute of them is searched."""
-    monkeypatch.setattr(choose, "LONG", 8000)
-    monkeypatch.setattr(choose, "USED", 6000)
+    monkeypatch.setattr(stretches, "LONG", 8000)
+    monkeypatch.setattr(stretches, "USED", 6000)
 
 
 def test_ordinary_data_are_searched_whole():
     records = [made(20.0), made(20.0, seed=2)]
-    assert choose.shortened(records, 1) == (records, 1)
+    assert stretches.shortened(records, 1) == (records, 1)
 
 
 def test_the_one_visit_to_a_corner_is_among_what_is_searched(short):
@@ -65,16 +65,16 @@ def test_the_one_visit_to_a_corner_is_among_what_is_searched(short):
     x[rows] *= 3.0
     u[rows] = 0.3
     record = Record("run", record.t, {**record.channels, "deflection": x, "duty": u})
-    pieces, _ = choose.shortened([record])
+    pieces, _ = stretches.shortened([record])
     assert sum(map(len, pieces)) <= 6000
     firsts = [p.part_of.first for p in pieces]
     assert any(i <= 26500 and i + 2500 >= 26600 for i in firsts), firsts
-    assert choose.shortened([record])[0][0].name == pieces[0].name
+    assert stretches.shortened([record])[0][0].name == pieces[0].name
 
 
 def test_what_heats_remembers_the_whole_record(short):
     truth = load_model(GUO).with_effect("self_heating", HEAT)
-    pieces, _ = choose.shortened([made(200.0, truth)])
+    pieces, _ = stretches.shortened([made(200.0, truth)])
     alone = prepare(pieces)
     problem = on_whole(alone, pieces)
     late = problem.used & (problem.extra[-1][1] > 100.0)
@@ -85,19 +85,19 @@ def test_what_heats_remembers_the_whole_record(short):
 
 def test_a_stretch_that_was_not_searched_and_fails_is_searched_next(short):
     model, record = load_model(GUO), made(200.0)
-    places = choose.places_of([record])
-    unseen = next(p for p in places if p not in choose.chosen([record], 6000))
+    places = stretches.places_of([record])
+    unseen = next(p for p in places if p not in stretches.chosen([record], 6000))
     force = record.channels["damper_force"].copy()
     force[unseen.i : unseen.j] += 4.0
     record = Record("run", record.t, {**record.channels, "damper_force": force})
-    pieces, _ = choose.shortened([record])
+    pieces, _ = stretches.shortened([record])
     problem = on_whole(prepare(pieces), pieces)
     found = checked(problem, problem.force - problem.predict(model), given=model)
     assert found.missed == [unseen]
     said = long_json(found, again=False)
     assert said["worst"][0]["from"] == pytest.approx(unseen.i * DT)
     assert said["rmse"]["given"]["elsewhere"] > 2.0 * np.sqrt(found.held_out)
-    more, sealed = choose.with_more(pieces, found.missed)
+    more, sealed = stretches.with_more(pieces, found.missed)
     assert sealed == 0
     assert {p.part_of.first for p in more} == {p.part_of.first for p in pieces} | {unseen.i}
 
@@ -153,11 +153,11 @@ def test_a_plan_undoes_the_gain_that_the_model_knows(tmp_path):
 
 def test_stretches_searched_before_stay_when_more_join_them(short):
     record = made(200.0)
-    pieces, _ = choose.shortened([record])
+    pieces, _ = stretches.shortened([record])
     seen = {p.part_of.first for p in pieces}
-    fresh = [p for p in choose.places_of([record]) if p.i not in seen]
-    more, _ = choose.with_more(pieces, fresh[:1])
-    last, _ = choose.with_more(more, fresh[1:2])
+    fresh = [p for p in stretches.places_of([record]) if p.i not in seen]
+    more, _ = stretches.with_more(pieces, fresh[:1])
+    last, _ = stretches.with_more(more, fresh[1:2])
     assert {p.part_of.first for p in last} == seen | {fresh[0].i, fresh[1].i}
 
 
@@ -206,7 +206,7 @@ def test_an_hour_takes_less_than_two_gigabytes(tmp_path):
     truth = load_model(GUO).with_effect("coulomb_friction", {"F_c": 1.0, "v_0": 0.003})
     write_parquet(made(3600.0, truth, still=20.0), tmp_path / "hour.parquet")
     code = (
-        "import sys; from er_model_lab.cli import app; app(sys.argv[1:], standalone_mode=False); "
+        "import sys; from er_model_lab.cli.app import app; app(sys.argv[1:], standalone_mode=False); "
         "print('peak', open('/proc/self/status').read().split('VmHWM:')[1].split()[0])"
     )
     words = [

@@ -3,7 +3,7 @@
 import struct
 
 import pytest
-from er_model_lab.message_count import Count, count, header_of
+from er_model_lab.recording.message_count import Count, count, header_of
 
 
 def serialized(seq: int, frame: str = "", order: str = "<") -> bytes:

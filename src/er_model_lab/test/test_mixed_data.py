@@ -5,11 +5,11 @@ import re
 
 import numpy as np
 import pytest
-from er_model_lab.cli import app
-from er_model_lab.driven import driven
+from er_model_lab.cli.app import app
 from er_model_lab.preflight.check import preflight
-from er_model_lab.record import Record
-from er_model_lab.write import write_csv
+from er_model_lab.records.driven import driven
+from er_model_lab.records.record import Record
+from er_model_lab.records.write import write_csv
 from er_models.errors import MissingChannel
 from er_models.files import load_model
 from er_models.predict import motion, predict

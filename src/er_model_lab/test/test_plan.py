@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from er_model_lab.diagnose.study import investigate
 from er_model_lab.plan import menu, piece, planner, search
 from er_model_lab.plan.bench import run_all
 from er_model_lab.plan.decide import NOTHING, TIED, decision, measured
@@ -20,8 +21,7 @@ from er_model_lab.plan.rig import bench_for
 from er_model_lab.plan.segment import Segment, in_words, program_of
 from er_model_lab.plan.suggest import suggestions
 from er_model_lab.plan.why import sentences
-from er_model_lab.prepare import prepare
-from er_model_lab.study import investigate
+from er_model_lab.problem.prepare import prepare
 from er_models.errors import ErError, InputError
 from er_models.files import load_model
 from er_models.model import Model

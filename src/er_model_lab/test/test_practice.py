@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from er_model_lab.diagnose import candidates
 from er_model_lab.diagnose.candidates import baseline, refit_all
-from er_model_lab.forward import DamperForward
-from er_model_lab.prepare import Problem, prepare
-from er_model_lab.record import Record
+from er_model_lab.problem import practice
+from er_model_lab.problem.forward import DamperForward
+from er_model_lab.problem.prepare import Problem, prepare
+from er_model_lab.records.record import Record
 from er_models.files import load_model
 from er_models.predict import motion, predict
 from lab_help import DT, GUO, imposed
-
-from er_model_lab import practice
 
 SECONDS, RUNS = 12.0, 6
 TRIED = ("coulomb_friction", "preload", "quadratic_damping", "gas_spring", "force_delay", "end_stop",

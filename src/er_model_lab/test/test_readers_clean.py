@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.clean import clean
-from er_model_lab.record import Array, Record
+from er_model_lab.records.clean import clean
+from er_model_lab.records.record import Array, Record
 from er_models.errors import InputError
 
 N, DT = 2000, 0.005

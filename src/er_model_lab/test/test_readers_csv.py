@@ -9,11 +9,11 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from er_model_lab.load import fingerprint, load, read
-from er_model_lab.provenance import digest_bytes
-from er_model_lab.readers.columns import UNITS
-from er_model_lab.record import CHANNELS, Array, Record
-from er_model_lab.write import write_csv, write_parquet
+from er_model_lab.records.load import fingerprint, load, read
+from er_model_lab.records.provenance import digest_bytes
+from er_model_lab.records.readers.columns import UNITS
+from er_model_lab.records.record import CHANNELS, Array, Record
+from er_model_lab.records.write import write_csv, write_parquet
 from er_models.errors import ErError, InputError, MissingChannel
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

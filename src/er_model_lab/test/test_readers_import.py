@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.import_app import KINDS, app
-from er_model_lab.importers import IMPORTERS, import_data, part_of
-from er_model_lab.load import fingerprint, load
-from er_model_lab.readers import mts, shaking_table
-from er_model_lab.readers.imported import dissipated
-from er_model_lab.record import Array, Record
+from er_model_lab.cli.import_data import KINDS, app
+from er_model_lab.records.importers import IMPORTERS, import_data, part_of
+from er_model_lab.records.load import fingerprint, load
+from er_model_lab.records.readers import mts, shaking_table
+from er_model_lab.records.readers.imported import dissipated
+from er_model_lab.records.record import Array, Record
 from er_models.errors import ErError, InputError
 from scipy.io import savemat
 from typer.testing import CliRunner

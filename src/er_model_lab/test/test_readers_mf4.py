@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from asammdf import MDF, Signal
-from er_model_lab.load import load
-from er_model_lab.record import Array
+from er_model_lab.records.load import load
+from er_model_lab.records.record import Array
 from er_models.errors import InputError
 
 N, DT = 800, 0.005

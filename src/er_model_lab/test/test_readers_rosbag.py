@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from er_model_lab.load import load
-from er_model_lab.record import Record
+from er_model_lab.records.load import load
+from er_model_lab.records.record import Record
 from er_models.errors import InputError, MissingChannel
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore

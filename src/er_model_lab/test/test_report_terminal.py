@@ -8,9 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from er_model_lab.report.words import TITLES
-from er_model_lab.terminal import summary
+from er_model_lab.terminal.summary import summary
 from er_model_lab.view import View
+from er_model_lab.wording.words import TITLES
 from report_views import (
     HISTORY,
     IDENTIFIED,

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import pytest
 from er_model_lab.report.palette import VERDICT
-from er_model_lab.report.ranking import effect_size, largest, limit, ranked
-from er_model_lab.report.regions import worst
 from er_model_lab.report.sections import headline
-from er_model_lab.report.units import gain, newtons, parameter, percent, short, ticks, where
-from er_model_lab.report.words import TITLES, verdict_sentence, verdict_title
+from er_model_lab.wording.ranking import effect_size, largest, limit, ranked
+from er_model_lab.wording.regions import worst
+from er_model_lab.wording.units import gain, newtons, parameter, percent, short, ticks, where
+from er_model_lab.wording.words import TITLES, verdict_sentence, verdict_title
 from report_views import PLANNED, PREFLIGHT, TABLES, compared, entry, table, view
 
 SAID = {

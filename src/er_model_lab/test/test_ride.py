@@ -5,16 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.cli import app
+from er_model_lab.cli.app import app
 from er_model_lab.diagnose.candidates import baseline, refit
 from er_model_lab.diagnose.floor import noise_floor
 from er_model_lab.diagnose.null import simulate_null
-from er_model_lab.held_out import FOLDS
-from er_model_lab.long import choose
-from er_model_lab.record import Record
-from er_model_lab.ride import CHANNELS, SETTLE
-from er_model_lab.ride_problem import open_ride
-from er_model_lab.ride_result import confounded
+from er_model_lab.present.ride_result import confounded
+from er_model_lab.problem import stretches
+from er_model_lab.problem.held_out import FOLDS
+from er_model_lab.records.record import Record
+from er_model_lab.vehicle.ride import CHANNELS, SETTLE
+from er_model_lab.vehicle.ride_problem import open_ride
 from er_models.errors import InputError
 from er_models.files import load_model, save_model
 from er_models.simulate import simulate
@@ -79,10 +79,10 @@ def test_a_ride_too_short_for_its_blocks_to_settle_is_refused():
 
 
 def test_what_of_long_and_uneven_rides_is_not_used_is_said(monkeypatch):
-    monkeypatch.setattr(choose, "LONG", 4000)
-    monkeypatch.setattr(choose, "USED", 5200)
+    monkeypatch.setattr(stretches, "LONG", 4000)
+    monkeypatch.setattr(stretches, "USED", 5200)
     rides = [ride(seconds=14.0), ride(seed=2, seconds=14.0, without=("deflection",))]
-    pieces, _ = choose.shortened(rides)
+    pieces, _ = stretches.shortened(rides)
     problem, _ = open_ride(pieces, load_model(CAR))
     assert any("of 28 s searched, in" in note for note in problem.notes)
     assert "deflection is not used: 1 of 2 records lack it" in problem.notes
@@ -105,7 +105,7 @@ def test_starts_suit_every_model_and_are_not_scored(opened):
 
 
 def test_a_known_car_comes_back_with_its_deviations(opened):
-    from er_model_lab.fit import with_deviations
+    from er_model_lab.fitting.fit import with_deviations
 
     problem, fitted = opened
     model, truth = with_deviations(fitted, problem), load_model(CAR)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from er_model_lab.cli import app
+from er_model_lab.cli.app import app
 from er_model_lab.identify.law import response_time
 from er_model_lab.thesis import cases
 from er_model_lab.thesis.bench import measure

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.cli import app
+from er_model_lab.cli.app import app
 from er_model_lab.thesis.faults import SEQUENCES, Chapter6, chapter_6
 from typer.testing import CliRunner
 

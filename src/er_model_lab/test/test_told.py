@@ -9,10 +9,11 @@ from er_model_lab.diagnose.candidates import baseline, effect_size, refit
 from er_model_lab.diagnose.floor import Floor
 from er_model_lab.diagnose.null import Null
 from er_model_lab.diagnose.search import Round
+from er_model_lab.diagnose.study import Study, as_given
 from er_model_lab.diagnose.verdict import judge
-from er_model_lab.present import candidate_views, diagnosis_json
-from er_model_lab.report.ranking import limit
-from er_model_lab.study import Study, as_given
+from er_model_lab.present.diagnosis import diagnosis_json
+from er_model_lab.present.views import candidate_views
+from er_model_lab.wording.ranking import limit
 from lab_help import problem_of
 
 NAMES = ("field_exponent", "coulomb_friction", "preload")

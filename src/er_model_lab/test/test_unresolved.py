@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from er_model_lab.diagnose.study import open_problem
 from er_model_lab.diagnose.verdict import diagnose
-from er_model_lab.record import Record
-from er_model_lab.study import open_problem
-from er_model_lab.velocity_channel import on_fused
+from er_model_lab.fitting.velocity_channel import on_fused
+from er_model_lab.records.record import Record
 from er_models.files import load_model
 from er_models.program import load_program, resolve, times
 from er_models.simulate import simulate

@@ -5,12 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_model_lab.diagnose.candidates import baseline, missing
-from er_model_lab.long import choose
-from er_model_lab.prepare import prepare
-from er_model_lab.present import diagnosis_json
-from er_model_lab.record import Record
-from er_model_lab.rule import RULE
-from er_model_lab.study import (
+from er_model_lab.diagnose.rule import RULE
+from er_model_lab.diagnose.study import (
     Study,
     _as_measured,
     _with_lag,
@@ -20,7 +16,11 @@ from er_model_lab.study import (
     final_model,
     open_problem,
 )
-from er_model_lab.velocity_channel import put_back
+from er_model_lab.fitting.velocity_channel import put_back
+from er_model_lab.present.diagnosis import diagnosis_json
+from er_model_lab.problem import stretches
+from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.record import Record
 from er_models.errors import MissingChannel
 from er_models.files import load_model
 from er_models.predict import motion, predict
@@ -102,10 +102,10 @@ def test_a_model_that_is_written_keeps_gain_and_lag_of_the_velocity(heat, monkey
     given = put_back(given, given.with_effect("velocity_lag", {"T_v": 0.004}))
     effect, data = "coulomb_friction", record(lag=0.004, gain=1.1)
     if heat:
-        monkeypatch.setattr(choose, "LONG", 2500)
-        monkeypatch.setattr(choose, "USED", 2400)
+        monkeypatch.setattr(stretches, "LONG", 2500)
+        monkeypatch.setattr(stretches, "USED", 2400)
         effect = "self_heating"
-    pieces, _ = choose.shortened([data])
+    pieces, _ = stretches.shortened([data])
     found = final_model(add_effect(pieces, given, effect, seed=0))
     for name in ("velocity_gain", "velocity_lag"):
         assert found.effects[name] == given.effects[name]

@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.table import Table
 
 from er_observers.compare.estimators import Estimator, estimators_of
-from er_observers.observers.runtime import Sample
+from er_observers.running.runtime import Sample
 from er_observers.scenarios.drive import drive
 from er_observers.scenarios.files import choose_scenarios, load_scenarios
 from er_observers.scenarios.scenario import Scenario

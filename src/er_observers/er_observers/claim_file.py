@@ -10,8 +10,8 @@ from er_models.gain_file import Document, flat
 from er_models.linear import LinearForm
 
 from er_observers.law import RESIDUAL, Law, luenberger
+from er_observers.scaling import Scaling
 from er_observers.synthesis.proof import Claim
-from er_observers.synthesis.scaling import Scaling
 from er_observers.synthesis.spec import SECTORS, Output, Solution, Spec
 
 _MATRICES = ("M", "J", "T", "R", "S")

@@ -26,9 +26,9 @@ from er_observers.observers.kernel import SUBSTEP
 from er_observers.observers.matrices import Plan, bridge_plan, plan_of
 from er_observers.observers.payload import numbers_of
 from er_observers.observers.sample import Layout, book_of, layout_of
-from er_observers.observers.start_phase import Opening, opening_of, spread_of
 from er_observers.observers.status import LIMITS, Limits
 from er_observers.observers.watch import Watch, rules_of, watch_of
+from er_observers.start.phase import Opening, opening_of, spread_of
 from er_observers.synthesis.proof import Claim, prove
 
 SCHEMA = "er_gains 1"

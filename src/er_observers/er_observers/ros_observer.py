@@ -1,6 +1,6 @@
 """An observer on messages: no node, no clock. Live and in replay the same messages give the same.
 
-The estimate itself is `er_observers.observers.runtime`.
+The estimate itself is `er_observers.running.runtime`.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import DamperForce
 from er_observers.feed import Feed, Joined, Motion, feed_of, on_deflection, on_duty, on_motion
-from er_observers.observers import runtime as observer
-from er_observers.observers.ready import ready
 from er_observers.observers.status import LIMITS, Status
+from er_observers.running import runtime as observer
+from er_observers.running.ready import ready
 from er_observers.settings import ObserverParameters
 from er_ros_common import builders, topics
 

@@ -26,8 +26,8 @@ from er_observers.faults.command import register as register_faults
 from er_observers.forms import COORDINATES
 from er_observers.frequency.command import register as register_figures
 from er_observers.gains import observer_of, save_gains
-from er_observers.observers.evaluate import SCENARIOS, evaluate
-from er_observers.observers.ready import ready
+from er_observers.running.evaluate import SCENARIOS, evaluate
+from er_observers.running.ready import ready
 from er_observers.synth_tables import certificate_table, figures, plain, score_table
 from er_observers.synth_variants import register as register_variants
 from er_observers.synthesis.make import (

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from er_observers.observers.evaluate import Score
 from er_observers.observers.kernel import SUBSTEP
+from er_observers.running.evaluate import Score
 from er_observers.synthesis.certify import Certificate
 from er_observers.synthesis.proof import Claim
 

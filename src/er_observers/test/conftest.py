@@ -12,8 +12,8 @@ from er_models.files import load_model
 from er_models.model import Model
 from er_models.simulate import simulate
 from er_observers.gains import Gains
-from er_observers.observers.ready import ready
-from er_observers.observers.runtime import Sample
+from er_observers.running.ready import ready
+from er_observers.running.runtime import Sample
 from er_observers.synthesis.certify import Certificate
 from er_observers.synthesis.make import Wish, make
 from er_observers.synthesis.proof import Claim

@@ -12,7 +12,7 @@ from er_observers.frequency import command
 from er_observers.frequency.figures import FIGURES, responses
 from er_observers.frequency.responses import HERTZ, outputs, respond
 from er_observers.gains import Gains
-from er_observers.observers.ready import ready
+from er_observers.running.ready import ready
 from er_observers.synth import app
 from er_ros_common.topic_names import OBSERVERS
 from typer.testing import CliRunner

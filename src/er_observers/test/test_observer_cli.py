@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from er_models.model import Model
-from er_observers.observers.ready import ready
+from er_observers.running.ready import ready
 from er_observers.synth import app
 from typer.testing import CliRunner
 

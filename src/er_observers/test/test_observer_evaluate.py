@@ -13,7 +13,8 @@ from er_models.road.peak import factor_for_peak_velocity
 from er_models.simulate import initial_state, prepare
 from er_models.simulate import step as plant_step
 from er_observers.gains import Gains, save_gains
-from er_observers.observers.evaluate import (
+from er_observers.observers.status import Status
+from er_observers.running.evaluate import (
     DT,
     SCENARIOS,
     Scenario,
@@ -21,8 +22,7 @@ from er_observers.observers.evaluate import (
     noisy,
     replay,
 )
-from er_observers.observers.ready import ready
-from er_observers.observers.status import Status
+from er_observers.running.ready import ready
 from er_observers.synth_tables import figures
 from er_observers.synthesis.make import Wish, make
 

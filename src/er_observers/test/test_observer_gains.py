@@ -15,10 +15,10 @@ from er_models.gain_file import digest
 from er_models.model import Model
 from er_observers.forms import form_of
 from er_observers.gains import Gains, observer_of, save_gains
-from er_observers.observers.evaluate import SCENARIOS, evaluate
-from er_observers.observers.ready import ready
 from er_observers.observers.status import LIMITS
 from er_observers.observers.watch import decay_rate, rules_of, watch_of
+from er_observers.running.evaluate import SCENARIOS, evaluate
+from er_observers.running.ready import ready
 from er_observers.synth_tables import figures
 from er_observers.synthesis.certify import Certificate
 from er_observers.synthesis.proof import Claim

@@ -10,11 +10,11 @@ import pytest
 from er_models.model import Model
 from er_observers.forms import form_of
 from er_observers.law import luenberger
-from er_observers.observers.ready import ready
+from er_observers.running.ready import ready
+from er_observers.scaling import scaling_of
 from er_observers.synthesis import lmi, nlpv_gridding
 from er_observers.synthesis.family import luenberger_family
 from er_observers.synthesis.proof import Claim, gaps, prove
-from er_observers.synthesis.scaling import scaling_of
 from er_observers.synthesis.spec import Spec, SynthesisFailed, force_output
 from er_observers.synthesis.vertices import vertex_gain
 

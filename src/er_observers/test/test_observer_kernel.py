@@ -12,8 +12,8 @@ from er_observers.observers.compiled import compiled, digest_of
 from er_observers.observers.gate import gate_of, mean_gate, slopes_of, solve_gate
 from er_observers.observers.kernel import SUBSTEP, advance, substeps
 from er_observers.observers.phi import phi_functions
-from er_observers.observers.ready import ready
 from er_observers.observers.table import NEARLY, substep_matrix, table_of
+from er_observers.running.ready import ready
 from er_observers.synthesis.discrete import looked_up
 from er_ros_common.topic_names import OBSERVERS
 from scipy.integrate import quad, solve_ivp

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from er_models.linear import LinearForm, relative_form, thesis_form
 from er_models.model import Model
+from er_observers.scaling import Scaling
 from er_observers.synthesis import make
 from er_observers.synthesis.conditioning import RESOLVED, least_condition
 from er_observers.synthesis.family import luenberger_family
@@ -19,7 +20,6 @@ from er_observers.synthesis.necessary import (
     violated,
 )
 from er_observers.synthesis.scaled import scale
-from er_observers.synthesis.scaling import Scaling
 from er_observers.synthesis.spec import (
     LIPSCHITZ,
     SLOPE,

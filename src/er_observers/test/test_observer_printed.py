@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from er_models.model import Model
 from er_observers.forms import form_of
+from er_observers.scaling import scaling_of
 from er_observers.synthesis import lmi, unified
 from er_observers.synthesis.certify import certify
 from er_observers.synthesis.make import Wish, solve
 from er_observers.synthesis.proof import Claim, prove
-from er_observers.synthesis.scaling import scaling_of
 from er_observers.synthesis.spec import LIPSCHITZ, Solution, Spec, SynthesisFailed, state_output
 from printed_gains import laws
 

@@ -10,8 +10,8 @@ PROGRAM = """
 import gc, sys
 from numba.core.dispatcher import Dispatcher
 from er_models.files import load_model
-from er_observers.observers.ready import ready
-from er_observers.observers.runtime import Sample, lose, start, step
+from er_observers.running.ready import ready
+from er_observers.running.runtime import Sample, lose, start, step
 
 gains = ready(sys.argv[1], load_model(sys.argv[2]), "nlpv_polytopic")
 nan = float("nan")

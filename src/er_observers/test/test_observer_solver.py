@@ -7,7 +7,7 @@ import sys
 import cvxpy as cp
 import numpy as np
 import pytest
-from er_observers.observers.ready import ready
+from er_observers.running.ready import ready
 from er_observers.synthesis import solver
 from er_observers.synthesis.solver import ATTEMPTS, SOLVER, run
 

@@ -13,9 +13,9 @@ from er_models.model import Array, Model
 from er_models.road import profile
 from er_models.simulate import simulate
 from er_observers.gains import Gains
-from er_observers.observers.evaluate import replay
-from er_observers.observers.runtime import Estimate, Sample, State, start, step
 from er_observers.observers.status import LIMITS, Status
+from er_observers.running.evaluate import replay
+from er_observers.running.runtime import Estimate, Sample, State, start, step
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -9,11 +9,11 @@ import pytest
 from er_models.linear import relative_form, thesis_form
 from er_models.model import Model
 from er_models.scales import Scales
+from er_observers.scaling import scaling_of
 from er_observers.synthesis import nlpv_polytopic
 from er_observers.synthesis.certify import Certificate
 from er_observers.synthesis.make import Wish, make
 from er_observers.synthesis.proof import Claim, prove
-from er_observers.synthesis.scaling import scaling_of
 from er_observers.synthesis.spec import (
     LIPSCHITZ,
     Spec,

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from er_models.model import Model
 from er_observers.forms import form_of
+from er_observers.scaling import scaling_of
 from er_observers.synthesis import unified
 from er_observers.synthesis.make import Wish, solve
 from er_observers.synthesis.proof import Claim, prove
-from er_observers.synthesis.scaling import scaling_of
 from er_observers.synthesis.spec import Spec, SynthesisFailed, force_output
 from er_observers.synthesis.sweep import peak_gain
 from er_observers.synthesis.vertices import vertex_gain

@@ -15,8 +15,8 @@ from er_observers.forms import form_of
 from er_observers.gains import Gains
 from er_observers.observers import payload
 from er_observers.observers.payload import Payload, Verdict
-from er_observers.observers.ready import ready
-from er_observers.observers.runtime import Estimate, Sample, State, payload_of, start, step
+from er_observers.running.ready import ready
+from er_observers.running.runtime import Estimate, Sample, State, payload_of, start, step
 from er_observers.scenarios.drive import drive
 from er_observers.scenarios.files import load_scenario
 from er_observers.scenarios.scenario import Plant

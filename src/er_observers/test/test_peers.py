@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from er_models.linear import LinearForm, relative_form
 from er_models.model import Model
-from er_observers.observers.runtime import Sample
+from er_observers.filters.flow import flow, jacobian, noise_covariance, substep_matrices
+from er_observers.filters.unscented import predict_unscented
 from er_observers.observers.status import Status
 from er_observers.peers import kalman
-from er_observers.peers.flow import flow, jacobian, noise_covariance, substep_matrices
-from er_observers.peers.unscented import predict_unscented
+from er_observers.running.runtime import Sample
 from scipy.integrate import solve_ivp
 
 X = np.array([0.002, 0.01, 0.001, 3.0])

@@ -12,14 +12,16 @@ from er_models.errors import InputError
 from er_observers.compare.estimators import estimators_of
 from er_observers.compare.nrmse import nrmse, settling_time
 from er_observers.compare.run import follow as follow_record
-from er_observers.observers import runtime, start_filter, start_phase
+from er_observers.filters.flow import flow
 from er_observers.observers.phi import phi_functions
-from er_observers.observers.runtime import Sample
 from er_observers.observers.status import Status
-from er_observers.peers.flow import flow
+from er_observers.running import runtime
+from er_observers.running.runtime import Sample
 from er_observers.scenarios.drive import drive
 from er_observers.scenarios.files import choose_scenarios, load_scenarios
 from er_observers.scenarios.starts import NLPV
+from er_observers.start import filter as start_filter
+from er_observers.start import phase as start_phase
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 

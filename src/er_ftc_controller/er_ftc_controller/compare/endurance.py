@@ -10,7 +10,7 @@ from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model, Values
 from er_models.program import Program, resolve, times
 
-from er_ftc_controller.closed_loop import Sensors, drive
+from er_ftc_controller.closed_loop import Sensors, drive, known
 from er_ftc_controller.compare.run import Setup, WatchOf
 from er_ftc_controller.rivals import passive
 
@@ -61,7 +61,8 @@ def ride(setup: Setup, watch: WatchOf, r: Ride) -> Verdict:
     p = replace(setup.parameters, u_max=r.duty_max, latency=r.latency * DT)
     sensors, source = Sensors(latency=r.latency), watch(setup.model, car)
     ours = drive(car, road, DT, setup.built(p), source, sensors, r.seed)
-    bare = drive(car, road, DT, passive(p.u_min), source, sensors, r.seed)
+    untold = known(setup.model, car)  # a passive car's faults need no estimate
+    bare = drive(car, road, DT, passive(p.u_min), untold, sensors, r.seed)
     return judge(ours, bare)
 
 

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from er_model_lab.diagnose.verdict import Diagnosis
-from er_model_lab.fit import cross_validated
-from er_model_lab.prepare import Problem
-from er_model_lab.record import Record, originals
+from er_model_lab.fitting.fit import cross_validated
+from er_model_lab.problem.prepare import Problem
+from er_model_lab.records.record import Record, originals
 
 FEWEST = 3
 """Records from which on one of them can be left out."""

@@ -17,10 +17,10 @@ from er_models.parallel import in_turn
 
 from er_model_lab.diagnose.starts import amplitudes, gaps, is_gap, is_limit, scaled, starts
 from er_model_lab.diagnose.valleys import profiled, scanned
-from er_model_lab.fit import FIRST_ITERATIONS, Fit, cross_validated, fit, practised
-from er_model_lab.forward import free_parameters
-from er_model_lab.practice import Practice
-from er_model_lab.prepare import Problem
+from er_model_lab.fitting.fit import FIRST_ITERATIONS, Fit, cross_validated, fit, practised
+from er_model_lab.problem.forward import free_parameters
+from er_model_lab.problem.practice import Practice
+from er_model_lab.problem.prepare import Problem
 
 FOREIGN = 0.25
 """Share of the force left unexplained above which a model's own values are taken to be another damper's."""

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from er_model_lab.diagnose.candidates import Candidate, additions
 from er_model_lab.diagnose.starts import starts
-from er_model_lab.held_out import FOLDS
-from er_model_lab.prepare import Problem
+from er_model_lab.problem.held_out import FOLDS
+from er_model_lab.problem.prepare import Problem
 
 Mask = NDArray[np.bool_]
 

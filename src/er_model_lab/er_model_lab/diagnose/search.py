@@ -20,8 +20,8 @@ from er_model_lab.diagnose.candidates import (
     without,
 )
 from er_model_lab.diagnose.null import Null, simulate_null
-from er_model_lab.prepare import Problem
-from er_model_lab.rule import RULE, Rule
+from er_model_lab.diagnose.rule import RULE, Rule
+from er_model_lab.problem.prepare import Problem
 
 PAIRS_OF = 6
 """Pairs are tried among this many best singles."""

@@ -13,6 +13,7 @@ from er_model_lab.diagnose.candidates import Candidate, baseline, effect_size
 from er_model_lab.diagnose.coverage import Coverage, coverage
 from er_model_lab.diagnose.floor import Floor, noise_floor
 from er_model_lab.diagnose.null import Null
+from er_model_lab.diagnose.rule import RULE, Rule
 from er_model_lab.diagnose.search import (
     MOST_EFFECTS,
     Round,
@@ -24,8 +25,7 @@ from er_model_lab.diagnose.search import (
     threshold,
     try_pairs,
 )
-from er_model_lab.prepare import Problem
-from er_model_lab.rule import RULE, Rule
+from er_model_lab.problem.prepare import Problem
 
 Name = Literal[
     "adequate", "missing_effect", "ambiguous", "partial", "unknown_effect", "insufficient_data"

@@ -11,10 +11,10 @@ from er_models.effect import Effect
 from er_models.model import Array, Model
 from er_models.sensitivity import steps
 
-from er_model_lab.fit import Box
-from er_model_lab.forward import Free
+from er_model_lab.fitting.fit import Box
 from er_model_lab.identify.levels import Table
-from er_model_lab.prepare import Problem
+from er_model_lab.problem.forward import Free
+from er_model_lab.problem.prepare import Problem
 
 
 @dataclass(frozen=True)

@@ -15,11 +15,11 @@ from er_models.predict import predict_many
 from er_models.sensitivity import steps
 from scipy.optimize import least_squares
 
-from er_model_lab.fit import Box, Fit, covariance
-from er_model_lab.forward import Free
+from er_model_lab.fitting.fit import Box, Fit, covariance
 from er_model_lab.identify.part import among, records_of
 from er_model_lab.identify.stretches import Level
-from er_model_lab.prepare import Problem
+from er_model_lab.problem.forward import Free
+from er_model_lab.problem.prepare import Problem
 
 GRID = 12
 """Response times tried first, geometrically from a fifth of a sample to `LONGEST`."""

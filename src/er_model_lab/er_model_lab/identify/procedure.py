@@ -9,20 +9,20 @@ from itertools import pairwise
 import numpy as np
 from er_models.model import Array, Model
 
-from er_model_lab.envelope import with_unfelt
-from er_model_lab.fit import with_deviations
-from er_model_lab.forward import Free
-from er_model_lab.held_out import WARM_UP
+from er_model_lab.diagnose.study import as_given, open_problem
+from er_model_lab.fitting.envelope import with_unfelt
+from er_model_lab.fitting.fit import with_deviations
+from er_model_lab.fitting.velocity_channel import on_fused, put_back
 from er_model_lab.identify.law import Quadratic, quadratic
 from er_model_lab.identify.levels import Table
 from er_model_lab.identify.refine import Refined, refine
 from er_model_lab.identify.roles import roles
 from er_model_lab.identify.stages import FOLLOWED, Stage, linear, response, yield_force
 from er_model_lab.identify.stretches import Level, levels, stretches
-from er_model_lab.prepare import Problem
-from er_model_lab.record import Record
-from er_model_lab.study import as_given, open_problem
-from er_model_lab.velocity_channel import on_fused, put_back
+from er_model_lab.problem.forward import Free
+from er_model_lab.problem.held_out import WARM_UP
+from er_model_lab.problem.prepare import Problem
+from er_model_lab.records.record import Record
 
 FADED, GONE = 4.0, 5.0
 """Response times after which a change of the duty has faded to 2 %, which will do, and to under a hundredth."""

@@ -10,9 +10,9 @@ from er_models.model import Array, Model
 from er_models.predict import Motion, predict, predict_many
 from numpy.typing import NDArray
 
-from er_model_lab.fit import Box
-from er_model_lab.forward import Free, free_parameters
-from er_model_lab.prepare import Problem
+from er_model_lab.fitting.fit import Box
+from er_model_lab.problem.forward import Free, free_parameters
+from er_model_lab.problem.prepare import Problem
 
 SEEN = 1e-6
 """Change of the force over its size from which a parameter counts as having an influence."""

@@ -10,14 +10,14 @@ from er_models.model import Model
 from er_models.predict import predict_many
 
 from er_model_lab.diagnose.starts import starts
-from er_model_lab.fit import Box, Fit, fit, with_deviations
-from er_model_lab.forward import Free
+from er_model_lab.fitting.fit import Box, Fit, fit, with_deviations
 from er_model_lab.identify.law import follow_table
 from er_model_lab.identify.levels import Table, response_times
 from er_model_lab.identify.part import among, only
 from er_model_lab.identify.roles import static
 from er_model_lab.identify.stretches import Level
-from er_model_lab.prepare import Problem
+from er_model_lab.problem.forward import Free
+from er_model_lab.problem.prepare import Problem
 
 MOST_STARTS = 16
 """Starting points of the yield force that are looked at."""

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from er_models.model import Array
 
-from er_model_lab.fit import Box, Fit, covariance
-from er_model_lab.forward import Free
-from er_model_lab.prepare import Problem
+from er_model_lab.fitting.fit import Box, Fit, covariance
+from er_model_lab.problem.forward import Free
+from er_model_lab.problem.prepare import Problem
 
 UNKNOWN = 0.5
 """Standard deviation, over the parameter's size, from which the data do not say the parameter."""

@@ -11,10 +11,10 @@ from er_models.model import Array, Model
 from er_models.predict import predict
 from numpy.typing import NDArray
 
-from er_model_lab.held_out import WARM_UP
-from er_model_lab.long.choose import Place, places_of
 from er_model_lab.long.whole import LongForward, Whole, first_row
-from er_model_lab.prepare import Problem
+from er_model_lab.problem.held_out import WARM_UP
+from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.stretches import Place, places_of
 
 WORSE = 1.15
 """Error elsewhere, over that on the held-out stretches, from which the search is repeated with the worst of it."""

@@ -13,10 +13,10 @@ from er_models.model import Array, Model
 from er_models.predict import Motion, join, predict_many
 from numpy.typing import NDArray
 
-from er_model_lab.drift import without_drift
-from er_model_lab.forward import DamperForward
-from er_model_lab.fuse import WITHOUT_A, Channels, Noise, adapt, channels_of, fuse
-from er_model_lab.prepare import (
+from er_model_lab.motion.drift import without_drift
+from er_model_lab.motion.fuse import WITHOUT_A, Channels, Noise, adapt, channels_of, fuse
+from er_model_lab.problem.forward import DamperForward
+from er_model_lab.problem.prepare import (
     FOR_NOISE,
     Problem,
     measured_channels,
@@ -24,7 +24,7 @@ from er_model_lab.prepare import (
     resampled,
     warmth,
 )
-from er_model_lab.record import Record, originals
+from er_model_lab.records.record import Record, originals
 
 PIECE = 60.0
 """Length of what is fused at once [s]; its noise model is its own."""

@@ -11,10 +11,10 @@ from rclpy.serialization import deserialize_message
 from rosbags.interfaces import Connection
 
 from er_damper_msgs.msg import NodeStatus
-from er_model_lab.bag_writer import BagWriter
-from er_model_lab.message_count import Count, count, header_of
 from er_model_lab.nodes.own import own
 from er_model_lab.nodes.selection import offers
+from er_model_lab.recording.bag_writer import BagWriter
+from er_model_lab.recording.message_count import Count, count, header_of
 from er_ros_common import topics
 
 OURS = "er_damper_msgs/msg/"

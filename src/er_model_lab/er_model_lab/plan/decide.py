@@ -12,12 +12,12 @@ from er_models.predict import Motion
 from er_model_lab.diagnose.candidates import Candidate, baseline, refit
 from er_model_lab.diagnose.null import simulate_null
 from er_model_lab.diagnose.search import nested, passes, threshold, tied
-from er_model_lab.fuse import channels_of, fuse
+from er_model_lab.motion.fuse import channels_of, fuse
 from er_model_lab.plan.bench import Run
 from er_model_lab.plan.limits import Sensors
 from er_model_lab.plan.question import Question
-from er_model_lab.prepare import Problem, prepare
-from er_model_lab.record import Record
+from er_model_lab.problem.prepare import Problem, prepare
+from er_model_lab.records.record import Record
 
 REPLICATES = 8
 TIED, NOTHING = "tied", "nothing"

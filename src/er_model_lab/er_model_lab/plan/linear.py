@@ -17,12 +17,12 @@ from er_models.predict import predict
 from er_models.scales import Scales
 from numpy.typing import NDArray
 
-from er_model_lab.fit import fit
-from er_model_lab.fuse import Noise
+from er_model_lab.fitting.fit import fit
+from er_model_lab.motion.fuse import Noise
 from er_model_lab.plan.bench import Run
 from er_model_lab.plan.limits import Sensors
 from er_model_lab.plan.segment import FADE
-from er_model_lab.prepare import Problem
+from er_model_lab.problem.prepare import Problem
 
 RANK = 1e-8
 """Directions weaker than this share of the strongest are not told from nothing."""

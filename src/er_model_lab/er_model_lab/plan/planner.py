@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from er_model_lab.forward import free_parameters
 from er_model_lab.plan import menu
 from er_model_lab.plan.decide import Outcome, outcomes
 from er_model_lab.plan.finalist import Finalist, finalist
@@ -15,7 +14,8 @@ from er_model_lab.plan.piece import Bench, Tried, judged, scaled, separations
 from er_model_lab.plan.question import Question
 from er_model_lab.plan.rig import bench_for
 from er_model_lab.plan.search import Tick, best_sets, directions, refined, tried_menu, typical
-from er_model_lab.prepare import Problem
+from er_model_lab.problem.forward import free_parameters
+from er_model_lab.problem.prepare import Problem
 
 SETS = 4
 REFINED = 2

@@ -15,7 +15,7 @@ from er_model_lab.plan.finalist import Direction, Finalist
 from er_model_lab.plan.planner import Plan
 from er_model_lab.plan.segment import in_words
 from er_model_lab.plan.why import rival, sentences, title
-from er_model_lab.present import parameters
+from er_model_lab.present.values import parameters
 from er_model_lab.view import ImitationView, ProgramView, View
 
 LEVEL = 0.9

@@ -15,7 +15,7 @@ from er_model_lab.plan.linear import floor_of
 from er_model_lab.plan.piece import Bench, scaled
 from er_model_lab.plan.question import Question
 from er_model_lab.plan.strength import Rivals, from_data, standing_out
-from er_model_lab.prepare import Problem, prepare
+from er_model_lab.problem.prepare import Problem, prepare
 
 
 def bench_for(

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
+from er_model_lab.diagnose.rule import RULE
 from er_model_lab.plan import menu
 from er_model_lab.plan.piece import Bench, Tried, broad, judged, score, separations
 from er_model_lab.plan.segment import Segment
-from er_model_lab.rule import RULE
 
 MOST_PIECES = 3
 MOTIONS_KEPT = 5

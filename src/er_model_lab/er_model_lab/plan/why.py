@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from er_model_lab.excess import region_tables
 from er_model_lab.plan.finalist import Direction, Finalist, clean_problem
 from er_model_lab.plan.planner import RAISED, SURE, Plan
 from er_model_lab.plan.segment import in_words
-from er_model_lab.report.units import discrete, percent, where
+from er_model_lab.residual.excess import region_tables
 from er_model_lab.view import Region
+from er_model_lab.wording.units import discrete, percent, where
 
 WOULD_DO = 0.3
 """Separation that is enough for a limit to be worth raising."""

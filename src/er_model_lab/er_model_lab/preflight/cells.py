@@ -14,7 +14,7 @@ from er_models.catalogue import Catalogue
 from er_models.effect import Effect
 from numpy.typing import NDArray
 
-from er_model_lab.record import Array, Record
+from er_model_lab.records.record import Array, Record
 
 Mask = NDArray[np.bool_]
 

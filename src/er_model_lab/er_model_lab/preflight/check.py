@@ -16,7 +16,7 @@ from er_model_lab.preflight.maps import CoverMap, maps
 from er_model_lab.preflight.motion import motion_findings
 from er_model_lab.preflight.size import size_findings
 from er_model_lab.preflight.use import use_findings
-from er_model_lab.record import Record
+from er_model_lab.records.record import Record
 
 Verdict = Literal["usable", "not_usable"]
 

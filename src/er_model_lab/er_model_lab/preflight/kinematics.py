@@ -10,7 +10,7 @@ import numpy as np
 
 from er_model_lab.preflight.finding import Finding, Level
 from er_model_lab.preflight.relation import Relation, relate
-from er_model_lab.record import CHANNELS, Array, Record
+from er_model_lab.records.record import CHANNELS, Array, Record
 from er_models import constants
 
 LENGTHS: dict[str, float] = {"mm": 1e3, "cm": 1e2, "inches": 1.0 / 0.0254, "feet": 1.0 / 0.3048}

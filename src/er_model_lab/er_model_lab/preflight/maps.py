@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from er_model_lab.preflight.cells import Course, Reach
-from er_model_lab.record import Array
+from er_model_lab.records.record import Array
 
 PARTS, LINE = 12, 9
 """Parts of each axis of a plane, and of a line."""

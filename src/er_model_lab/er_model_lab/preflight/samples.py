@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from er_model_lab.preflight.finding import Finding, Level
-from er_model_lab.record import HELD, Array, Record, is_core
+from er_model_lab.records.record import HELD, Array, Record, is_core
 
 JITTERY = 0.1
 """Jitter over the sample time that is worth a word."""

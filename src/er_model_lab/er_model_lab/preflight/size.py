@@ -8,9 +8,9 @@ import numpy as np
 from er_models.model import Array, Model
 from er_models.scales import peak
 
-from er_model_lab.compare import ANOTHER_SIZE
 from er_model_lab.preflight.finding import Finding
-from er_model_lab.record import Record
+from er_model_lab.records.record import Record
+from er_model_lab.residual.errors import ANOTHER_SIZE
 
 
 def size_findings(records: Sequence[Record], model: Model) -> Iterator[Finding]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from er_model_lab.preflight.finding import Finding, Level
-from er_model_lab.record import Record
+from er_model_lab.records.record import Record
 
 MOTION = ("deflection", "deflection_velocity")
 OUTPUTS = ("damper_force", "sprung_acceleration", "unsprung_acceleration", *MOTION)

@@ -9,15 +9,15 @@ from pathlib import Path
 from er_models.errors import InputError
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from er_model_lab.records.write import finished_only
 from er_model_lab.report.embed import compact, inflatable, picture, plotting_library
 from er_model_lab.report.figure import Figure
 from er_model_lab.report.live import live
 from er_model_lab.report.section import Section
 from er_model_lab.report.sections import SECTIONS
 from er_model_lab.report.still import still
-from er_model_lab.report.units import percent
 from er_model_lab.view import View
-from er_model_lab.write import finished_only
+from er_model_lab.wording.units import percent
 
 Stills = dict[str, tuple[bytes, bytes]]
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from er_model_lab.commands import command_line
+from er_model_lab.command_line import command_line
 from er_model_lab.report.figure import Axis, Dash, Figure, Line, Panel, Points
 from er_model_lab.report.palette import AFTER, BEFORE, FLOOR, MEASURED, MUTED
 from er_model_lab.report.section import Section

@@ -13,7 +13,7 @@ from er_models.simulate import simulate
 from er_model_lab.plan.bench import Run
 from er_model_lab.plan.decide import measured
 from er_model_lab.plan.limits import sensors_of
-from er_model_lab.record import CHANNELS, Record
+from er_model_lab.records.record import CHANNELS, Record
 
 
 def measure(vehicle: Model, program: Program, seed: int) -> Record:

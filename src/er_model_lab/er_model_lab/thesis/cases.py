@@ -17,11 +17,11 @@ from er_models.program import load_program
 from er_models.scales import Scales
 from numpy.typing import NDArray
 
-from er_model_lab.held_out import WARM_UP
 from er_model_lab.identify import Identified, identify
 from er_model_lab.identify.roles import static
-from er_model_lab.prepare import prepare
-from er_model_lab.record import Record
+from er_model_lab.problem.held_out import WARM_UP
+from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.record import Record
 from er_model_lab.thesis.bench import measure
 
 LAWS = {

@@ -11,9 +11,9 @@ from er_models.linear import LinearForm
 from er_models.model import Array, Model
 from er_ros_common.topic_names import OBSERVERS
 
-from er_observers.observers.ready import ready
-from er_observers.observers.runtime import Estimate, Sample, start, step
 from er_observers.peers import kalman
+from er_observers.running.ready import ready
+from er_observers.running.runtime import Estimate, Sample, start, step
 
 Start = Callable[[Any, Sample, Array | None], Any]
 Step = Callable[[Any, Any, Sample], tuple[Any, Estimate]]

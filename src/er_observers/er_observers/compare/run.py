@@ -15,8 +15,8 @@ from er_models.parallel import cores
 from er_observers.compare.estimators import Estimator, estimators_of, gains_alone
 from er_observers.compare.floor import floor_of
 from er_observers.compare.nrmse import SETTLED, nrmse, settling_time
-from er_observers.observers.runtime import Estimate, Sample
 from er_observers.observers.status import Status
+from er_observers.running.runtime import Estimate, Sample
 from er_observers.scenarios.drive import drive
 from er_observers.scenarios.scenario import Plant, Scenario
 from er_observers.scenarios.starts import first_state

@@ -14,8 +14,8 @@ from er_ros_common.spin import Executable
 from std_msgs.msg import String
 
 from er_damper_msgs.msg import NodeStatus
-from er_observers.observers.runtime import payload_of
 from er_observers.ros_observer import ON_THE_WIRE, ObserverCore
+from er_observers.running.runtime import payload_of
 from er_observers.settings import ObserverParameters
 from er_ros_common import qos, topics
 

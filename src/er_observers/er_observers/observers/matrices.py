@@ -11,7 +11,7 @@ from er_models.model import Array
 from er_observers.law import Law, luenberger
 from er_observers.observers.kernel import HEAD, scratch_of
 from er_observers.observers.table import table_of
-from er_observers.synthesis.scaling import Scaling
+from er_observers.scaling import Scaling
 
 FORGET = 0.02
 """Time in which the tyre deflection is forgotten while no measurement tells about the road [s]."""

@@ -19,13 +19,13 @@ from er_models.constants import SAMPLE_TIME
 from er_models.linear import LinearForm, relative_form
 from er_models.model import Array, Model
 
-from er_observers.observers.runtime import Estimate, Sample
+from er_observers.filters.extended import extended_sample
+from er_observers.filters.flow import noise_covariance, substep_matrices
+from er_observers.filters.unscented import unscented_sample
 from er_observers.observers.status import Status
-from er_observers.peers.extended import extended_sample
-from er_observers.peers.flow import noise_covariance, substep_matrices
-from er_observers.peers.unscented import unscented_sample
+from er_observers.running.runtime import Estimate, Sample
+from er_observers.scaling import road_density
 from er_observers.scenarios.starts import SPREAD
-from er_observers.synthesis.scaling import road_density
 
 
 class Kind(NamedTuple):

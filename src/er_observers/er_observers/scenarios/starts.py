@@ -11,8 +11,8 @@ import numpy as np
 from er_models.linear import LinearForm
 from er_models.model import Array
 
-from er_observers.observers.start_phase import FARTHEST
 from er_observers.scenarios.scenario import Scenario
+from er_observers.start.phase import FARTHEST
 
 NLPV = np.array([0.01, -0.1, 0.001, -0.1, 5.0])
 _Z_0 = np.array([0.01, -0.4, 0.001, -0.15, 2.0])

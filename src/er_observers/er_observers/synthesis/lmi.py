@@ -37,11 +37,11 @@ from er_models.linear import LinearForm
 from er_models.model import Array
 
 from er_observers.law import Law
+from er_observers.scaling import Scaling
 from er_observers.synthesis.conditioning import reason_of_condition
 from er_observers.synthesis.family import Family
 from er_observers.synthesis.necessary import violated
 from er_observers.synthesis.scaled import Scaled, law_of, rounded, scale, storage_of, units
-from er_observers.synthesis.scaling import Scaling
 from er_observers.synthesis.solver import SOLVER, blocks, run
 from er_observers.synthesis.spec import Output, Solution, Spec, SynthesisFailed
 

@@ -13,11 +13,11 @@ from er_models.model import Model
 from er_ros_common.topic_names import OBSERVERS
 
 from er_observers.forms import COORDINATES, form_of
+from er_observers.scaling import Scaling, scaling_of
 from er_observers.synthesis import lmi, proportional_integral, unified
 from er_observers.synthesis.certify import Certificate, certify
 from er_observers.synthesis.lower_bound import lower_bound
 from er_observers.synthesis.proof import Claim
-from er_observers.synthesis.scaling import Scaling, scaling_of
 from er_observers.synthesis.spec import (
     Output,
     Spec,

@@ -23,10 +23,10 @@ from er_models.linear import LinearForm
 from er_models.model import Array
 
 from er_observers.law import Law, luenberger
+from er_observers.scaling import Scaling
 from er_observers.synthesis import lmi
 from er_observers.synthesis.family import luenberger_family
 from er_observers.synthesis.proof import Claim, gaps
-from er_observers.synthesis.scaling import Scaling
 from er_observers.synthesis.spec import Output, Solution, Spec
 
 THEOREM = "nlpv_gridding (Theorem 4.3.2)"

@@ -20,10 +20,10 @@ from __future__ import annotations
 import numpy as np
 from er_models.linear import LinearForm
 
+from er_observers.scaling import Scaling
 from er_observers.synthesis import lmi
 from er_observers.synthesis.family import luenberger_family
 from er_observers.synthesis.proof import Claim
-from er_observers.synthesis.scaling import Scaling
 from er_observers.synthesis.spec import Output, Spec
 
 THEOREM = "nlpv_polytopic (Theorem 4.3.1)"

@@ -26,7 +26,7 @@ from er_models.exact import exact, is_positive_definite
 from er_models.linear import LinearForm
 from er_models.model import Array
 
-from er_observers.synthesis.scaling import Scaling
+from er_observers.scaling import Scaling
 from er_observers.synthesis.spec import Output, Solution, Spec
 
 Convert = Callable[[object], Any]

@@ -19,9 +19,9 @@ import numpy as np
 from er_models.linear import LinearForm
 
 from er_observers.law import Law
+from er_observers.scaling import Scaling
 from er_observers.synthesis import lmi
 from er_observers.synthesis.family import luenberger_family
-from er_observers.synthesis.scaling import Scaling
 from er_observers.synthesis.spec import Output, Solution, Spec
 from er_observers.synthesis.unified import solve_proportional
 

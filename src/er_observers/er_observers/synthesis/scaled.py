@@ -9,8 +9,8 @@ from er_models.linear import LinearForm
 from er_models.model import Array
 
 from er_observers.law import Law, luenberger
+from er_observers.scaling import Scaling
 from er_observers.synthesis.family import Family
-from er_observers.synthesis.scaling import Scaling
 from er_observers.synthesis.spec import Output, Spec
 
 _DIGITS = 12

@@ -31,11 +31,11 @@ from er_models.linear import LinearForm
 from er_models.model import Array
 from scipy.linalg import null_space, qr
 
+from er_observers.scaling import Scaling
 from er_observers.synthesis import lmi
 from er_observers.synthesis.family import Family
 from er_observers.synthesis.necessary import decoupling_ranks
 from er_observers.synthesis.proof import Claim
-from er_observers.synthesis.scaling import Scaling
 from er_observers.synthesis.spec import Output, Solution, Spec, SynthesisFailed
 
 THEOREM = "unified (Theorem 3.3.1)"

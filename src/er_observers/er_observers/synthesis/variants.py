@@ -11,10 +11,10 @@ from er_models.model import Array, Model
 from er_ros_common.topic_names import OBSERVERS
 
 from er_observers.forms import form_of
+from er_observers.scaling import scaling_of
 from er_observers.synthesis import nlpv_gridding
 from er_observers.synthesis.make import Wish, output_of, solve
 from er_observers.synthesis.proof import prove
-from er_observers.synthesis.scaling import scaling_of
 from er_observers.synthesis.spec import LIPSCHITZ, SLOPE, Spec, SynthesisFailed
 from er_observers.synthesis.vertices import vertex_gain
 

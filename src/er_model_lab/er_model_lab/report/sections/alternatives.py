@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from er_model_lab.report.section import Section
-from er_model_lab.report.words import joined, title_of
 from er_model_lab.view import CandidateView, View
+from er_model_lab.wording.words import joined, title_of
 
 
 def section(view: View) -> Section | None:

@@ -9,12 +9,12 @@ import numpy as np
 
 from er_model_lab.report.figure import Axis, Bars, Figure, Level, Mark, Panel
 from er_model_lab.report.palette import INK, STATUS
-from er_model_lab.report.ranking import effect_size, largest, limit, ranked
 from er_model_lab.report.section import Section
-from er_model_lab.report.units import gain, newtons, parameter, percent, short
-from er_model_lab.report.words import STATUS as SAID
-from er_model_lab.report.words import title_of, unknowable
 from er_model_lab.view import Array, View
+from er_model_lab.wording.ranking import effect_size, largest, limit, ranked
+from er_model_lab.wording.units import gain, newtons, parameter, percent, short
+from er_model_lab.wording.words import STATUS as SAID
+from er_model_lab.wording.words import title_of, unknowable
 
 MOST_BARS = 14
 FIRST_ROWS = 8

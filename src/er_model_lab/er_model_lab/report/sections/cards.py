@@ -9,13 +9,13 @@ import numpy as np
 
 from er_model_lab.report.figure import Axis, Figure, Line, Panel, Points
 from er_model_lab.report.palette import AFTER, INK, RESIDUAL, STATUS
-from er_model_lab.report.ranking import effect_size, largest
 from er_model_lab.report.samples import binned_mean
 from er_model_lab.report.section import Section
-from er_model_lab.report.units import gain, newtons, parameter, percent, short
-from er_model_lab.report.words import STATUS as SAID
-from er_model_lab.report.words import joined, rmse, title_of
 from er_model_lab.view import CandidateView, View
+from er_model_lab.wording.ranking import effect_size, largest
+from er_model_lab.wording.units import gain, newtons, parameter, percent, short
+from er_model_lab.wording.words import STATUS as SAID
+from er_model_lab.wording.words import joined, rmse, title_of
 
 PLANES: dict[str, tuple[str, float]] = {
     "force-velocity": ("velocity [mm/s]", 1e3),

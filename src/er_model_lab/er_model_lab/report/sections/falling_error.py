@@ -7,9 +7,9 @@ import numpy as np
 from er_model_lab.report.figure import Axis, Bars, Figure, Level, Panel
 from er_model_lab.report.palette import AFTER, BEFORE, FLOOR
 from er_model_lab.report.section import Section
-from er_model_lab.report.units import newtons, percent
-from er_model_lab.report.words import title_of
 from er_model_lab.view import Array, View
+from er_model_lab.wording.units import newtons, percent
+from er_model_lab.wording.words import title_of
 
 TAKEN = "#f2c9a8"
 """Colour of what an effect takes off the error."""

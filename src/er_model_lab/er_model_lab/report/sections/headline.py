@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from er_model_lab.report.palette import AFTER, VERDICT
 from er_model_lab.report.section import Section
-from er_model_lab.report.words import verdict_sentence, verdict_title
 from er_model_lab.view import View
+from er_model_lab.wording.words import verdict_sentence, verdict_title
 
 
 def section(view: View) -> Section:

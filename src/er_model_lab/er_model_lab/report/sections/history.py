@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from er_model_lab.report.section import Section
-from er_model_lab.report.units import newtons
-from er_model_lab.report.words import title_of
 from er_model_lab.view import View
+from er_model_lab.wording.units import newtons
+from er_model_lab.wording.words import title_of
 
 
 def section(view: View) -> Section | None:

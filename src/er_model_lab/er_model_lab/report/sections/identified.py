@@ -10,8 +10,8 @@ import numpy as np
 from er_model_lab.report.figure import Axis, Figure, Line, Mark, Panel, Points, Scale, Tiles
 from er_model_lab.report.palette import AFTER, BEFORE, CORRELATION, MEASURED, STATUS
 from er_model_lab.report.section import Section
-from er_model_lab.report.units import newtons, parameter, short
 from er_model_lab.view import Array, View
+from er_model_lab.wording.units import newtons, parameter, short
 
 SAID: dict[str, tuple[str, str]] = {
     "identified": ("identified", STATUS["present"]),

@@ -10,8 +10,8 @@ import numpy as np
 from er_model_lab.report.figure import Axis, Bars, Figure, Line, Mark, Panel, Points
 from er_model_lab.report.palette import MODELS
 from er_model_lab.report.section import Section
-from er_model_lab.report.units import discrete, newtons, percent, shown, ticks
 from er_model_lab.view import RegionTable, View
+from er_model_lab.wording.units import discrete, newtons, percent, shown, ticks
 
 SHOWN = ("velocity", "deflection", "duty", "frequency")
 """Quantities over which the models are compared."""

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from er_model_lab.report.section import Section
-from er_model_lab.report.units import factor, short, shown
 from er_model_lab.view import View
+from er_model_lab.wording.units import factor, short, shown
 
 UNITS = {"deflection": "m", "velocity": "m/s", "acceleration": "m/s2"}
 BIAS = {

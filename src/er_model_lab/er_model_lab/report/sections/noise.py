@@ -10,9 +10,9 @@ import numpy as np
 from er_model_lab.report.figure import Axis, Bars, Figure, Level, Panel
 from er_model_lab.report.palette import BEFORE, FLOOR, RESIDUAL
 from er_model_lab.report.section import Section
-from er_model_lab.report.units import newtons
-from er_model_lab.report.words import rmse
 from er_model_lab.view import View
+from er_model_lab.wording.units import newtons
+from er_model_lab.wording.words import rmse
 
 NAMES: dict[str, str] = {
     "standstill": "at standstill",

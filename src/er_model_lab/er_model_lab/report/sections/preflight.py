@@ -10,10 +10,10 @@ import numpy as np
 from er_model_lab.report.figure import Axis, Bars, Figure, Panel, Scale, Tiles
 from er_model_lab.report.palette import COVER, LEVELS, RESIDUAL
 from er_model_lab.report.section import Section
-from er_model_lab.report.units import factor, labelled, short
-from er_model_lab.report.words import joined, title_of
-from er_model_lab.terminal_preflight import grouped, place_of
 from er_model_lab.view import View
+from er_model_lab.wording.findings import grouped, place_of
+from er_model_lab.wording.units import factor, labelled, short
+from er_model_lab.wording.words import joined, title_of
 
 
 def section(view: View) -> Section | None:

@@ -8,8 +8,8 @@ from typing import Any
 from er_model_lab.report.figure import Axis, Band, Figure, Line, Mark, Panel
 from er_model_lab.report.palette import AFTER, BEFORE, FLOOR, MEASURED
 from er_model_lab.report.section import Section
-from er_model_lab.report.units import short
 from er_model_lab.view import ImitationView, ProgramView, View
+from er_model_lab.wording.units import short
 
 SHOWN = 12.0
 """Seconds of a program that are seen first, at most."""

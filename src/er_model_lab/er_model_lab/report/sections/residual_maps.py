@@ -9,8 +9,8 @@ from er_model_lab.report.palette import AFTER, BEFORE, ERROR, FLOOR
 from er_model_lab.report.samples import Samples, binned_mean, margin, rms_map, samples
 from er_model_lab.report.section import Section
 from er_model_lab.report.thin import every
-from er_model_lab.report.units import newtons
 from er_model_lab.view import Array, View
+from er_model_lab.wording.units import newtons
 
 MOST_DOTS = 1500
 """Dots per curve of the residual loops."""

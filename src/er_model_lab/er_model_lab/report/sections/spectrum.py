@@ -10,8 +10,8 @@ from scipy.signal import welch
 from er_model_lab.report.figure import Axis, Figure, Level, Line, Mark, Panel
 from er_model_lab.report.palette import AFTER, BEFORE, FLOOR
 from er_model_lab.report.section import Section
-from er_model_lab.report.units import newtons, short
 from er_model_lab.view import Array, RecordView, View
+from er_model_lab.wording.units import newtons, short
 
 LENGTH = 1024
 """Samples per segment of Welch's method."""

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from er_model_lab.report.section import Section
-from er_model_lab.report.units import change as relative_change
-from er_model_lab.report.units import newtons, percent
 from er_model_lab.view import RecordView, View
+from er_model_lab.wording.units import change as relative_change
+from er_model_lab.wording.units import newtons, percent
 
 MOST_RECORDS = 25
 """Records listed; beyond, the worst of them."""

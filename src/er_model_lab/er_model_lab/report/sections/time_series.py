@@ -12,8 +12,8 @@ from er_model_lab.report.figure import Axis, Band, Figure, Label, Line, Mark, Pa
 from er_model_lab.report.palette import AFTER, BEFORE, FLOOR, HELD_OUT, MEASURED, MODELS, MUTED
 from er_model_lab.report.section import Section
 from er_model_lab.report.thin import end_to_end, stretches, timeline, worst_stretch
-from er_model_lab.report.units import newtons, short
 from er_model_lab.view import Array, RecordView, View
+from er_model_lab.wording.units import newtons, short
 
 SECONDS = 5.0
 """Length of the stretch that is shown first."""

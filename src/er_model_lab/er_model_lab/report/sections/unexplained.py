@@ -21,9 +21,9 @@ from er_model_lab.report.figure import (
 )
 from er_model_lab.report.palette import BEFORE, FLOOR, INK, SIGNED
 from er_model_lab.report.section import Section
-from er_model_lab.report.units import factor, labelled, newtons, percent, short
-from er_model_lab.unexplained import skeleton
+from er_model_lab.residual.unexplained import skeleton
 from er_model_lab.view import View
+from er_model_lab.wording.units import factor, labelled, newtons, percent, short
 
 CURVES = 3
 """Curves that are drawn."""

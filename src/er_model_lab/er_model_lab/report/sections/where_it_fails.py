@@ -6,10 +6,10 @@ import numpy as np
 
 from er_model_lab.report.figure import Axis, Bars, Figure, Mark, Panel, Points
 from er_model_lab.report.palette import BEFORE, FLOOR, RESIDUAL
-from er_model_lab.report.regions import NOTABLE, worst
 from er_model_lab.report.section import Section
-from er_model_lab.report.units import newtons, percent, shown, ticks, where
 from er_model_lab.view import Region, RegionTable, View
+from er_model_lab.wording.regions import NOTABLE, worst
+from er_model_lab.wording.units import newtons, percent, shown, ticks, where
 
 COLUMNS = 3
 

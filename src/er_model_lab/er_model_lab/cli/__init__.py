@@ -1,0 +1,1 @@
+"""How the lab is called: arguments, progress, exit status."""

@@ -1,0 +1,126 @@
+"""Commands without data of their own: plan, and the catalogue of effects."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from er_models.errors import ErError
+
+from er_model_lab.cli.options import (
+    Anyway,
+    EffectsFrom,
+    Json,
+    Level,
+    ModelFile,
+    Report,
+    Seed,
+    seed_option,
+)
+from er_model_lab.cli.places import writable
+from er_model_lab.cli.running import (
+    asked,
+    console,
+    damper_only,
+    fail,
+    known_level,
+    read_by,
+    run,
+    stages,
+    write_json,
+)
+
+if TYPE_CHECKING:
+    from er_model_lab.commands.ask import Outcome
+
+
+def plan(
+    model: ModelFile,
+    between: Annotated[
+        tuple[str, str] | None, typer.Option(help="Two effects to tell apart.")
+    ] = None,
+    reveal: Annotated[
+        str | None, typer.Option(help="One effect to tell from its absence.")
+    ] = None,
+    data: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--data",
+            metavar="PATH",
+            help="What is already measured; effects as fitted to it. Repeatable.",
+        ),
+    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", help="Program file to write.")] = None,
+    vehicle: Annotated[
+        Path | None, typer.Option(help="Vehicle file, where the model is a damper alone.")
+    ] = None,
+    stroke: Annotated[
+        float | None, typer.Option(help="Largest |deflection| [m]; else the model's rig.")
+    ] = None,
+    velocity: Annotated[
+        float | None,
+        typer.Option(help="Largest |deflection velocity| [m/s]; else the model's rig."),
+    ] = None,
+    duty_max: Annotated[
+        float | None, typer.Option(help="Largest duty; else the model's rig.")
+    ] = None,
+    duration: Annotated[
+        float | None, typer.Option(help="Length of the program [s]; else 30.")
+    ] = None,
+    json_file: Json = None,
+    report: Report = None,
+    effects_from: EffectsFrom = None,
+    level: Level = "damper",
+    seed: Seed = 0,
+    anyway: Anyway = False,
+) -> None:
+    """The road and duty that would tell two effects apart best, within the rig's limits."""
+    from er_model_lab.commands import plan as command
+    from er_model_lab.plan.limits import Asked
+
+    def work() -> Outcome:
+        damper_only(level, "plan")
+        limits = Asked(stroke, velocity, duty_max, duration)
+        wanted = command.Wanted(between or (), reveal, vehicle, limits, out)
+        with stages("planning", command.STEPS) as tick:
+            ask = asked(data or [], model, seed, None, effects_from, anyway=anyway)
+            return command.run(ask, wanted, tick)
+
+    read = read_by(None, [model], effects_from)
+    read |= {"--data": data or (), "--vehicle": [vehicle] if vehicle else ()}
+    run(work, json_file, report, read=read, program=out)
+
+
+def effects(
+    effect: Annotated[str | None, typer.Argument(help="Show the card of this effect.")] = None,
+    json_file: Json = None,
+    report: Report = None,
+    effects_from: EffectsFrom = None,
+    level: Annotated[
+        str, typer.Option(help="damper: without the effects of the car; vehicle: all.")
+    ] = "vehicle",
+    seed: Annotated[int, seed_option("As of the other commands; nothing here is random.")] = 0,
+) -> None:
+    """The catalogue of effects, or the card of one."""
+    from er_models.own import catalogue_with
+
+    from er_model_lab.cli.effects import card, shown, table
+
+    try:
+        known_level(level)
+        writable({"--json": json_file}, report, read_by(None, (), effects_from))
+        catalogue = catalogue_with(effects_from or ())
+        wanted = shown(catalogue, level)
+        result, text = card(effect, catalogue) if effect else table(wanted)
+        result |= {"seed": seed}
+        write_json(json_file, result)
+        console().print(text, soft_wrap=bool(effect))
+        if report:
+            from er_model_lab.report.effects import write_cards
+
+            cards = [catalogue[effect]] if effect else wanted
+            page = write_cards(cards, catalogue, result, report)
+            typer.echo(f"report: {page}")
+    except ErError as error:
+        fail(error)

@@ -1,0 +1,1 @@
+"""Bounded least squares, estimates with their uncertainty, and within which bounds a model is valid."""

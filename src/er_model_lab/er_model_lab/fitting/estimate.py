@@ -1,0 +1,220 @@
+r"""From a fit to estimates: values freed of the bias that noisy motion causes, and standard deviations.
+
+Least squares on measured motion is biased, since the noise of the motion enters the model and its derivatives
+alike (errors in variables): a gate 2 mm/s wide looks wider. The bias is simulated: with the fitted model as the
+truth along motions x that the sensors may have meant, one Gauss-Newton step says how far the fit along the
+fused motion \hat x would move,
+
+.. math:: \delta = (J^T J)^{-1} J^T [f(x) - f(\hat x)]
+
+and the mean of a few draws is taken off (regression calibration: Carroll et al. 2006, ch. 4).
+Derivatives are secants over a few hundredths of each value: where a gap closes or a void collapses, the tangent
+sees every event by itself and not what many of them do together. There the sum of squares is rough, too: what
+two lengths of the secant make of it differs, and that difference is part of the uncertainty. Of a bias beyond what
+one step can be trusted with the rest is not taken off: it is part of the uncertainty, too.
+
+Values that switch (a play of the piston) have many narrow valleys, and several of one effect share a long one: a play
+that is narrower and less damped is crossed in nearly the same time. They are looked for about the fit, each by itself
+and together, while all else follows in a straight line.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from er_models.effect import SWITCH
+from er_models.model import Array, Model
+from er_models.predict import Motion, predict, predict_many
+from er_models.sensitivity import quotients, steps
+from numpy.typing import NDArray
+
+from er_model_lab.fitting.fit import Box, Fit, covariance
+from er_model_lab.problem.motion_error import drawn
+from er_model_lab.problem.prepare import Problem, colour_of
+
+SECANTS = (0.01, 0.03)
+"""Steps of a derivative, as shares of the value."""
+DRAWS = 6
+"""Draws of the motion."""
+MOST_BIAS = 4.0
+"""Bias that one step can be trusted with, in standard deviations."""
+POLISH = 6
+"""Most Gauss-Newton steps along secants."""
+ABOUT = (0.75, 0.85, 0.92, 0.96, 0.98, 0.99, 1.01, 1.02, 1.04, 1.08, 1.18, 1.33)
+"""Shares of values that switch, looked at about a fit."""
+LOOKS, TRIED, LIKELIER = 8, 3, 4.0
+"""How often that is done at most, how many are polished, and the gain of twice the logarithm of the likelihood that is
+worth a move."""
+NEAR = 3.0
+"""Standard deviations within which the likelihood about a fit is looked at."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Scaled values (p,), their bias that was taken off (p,), and covariance (p, p) [SI]."""
+
+    theta: Array
+    bias: Array
+    covariance: Array
+
+
+def secants(
+    box: Box, theta: Array, motion: Motion, share: float = SECANTS[0]
+) -> tuple[Array, Array]:
+    """Force (n,) and its derivative (n, p) by scaled parameters, over a share of each value."""
+
+    def forces(points: Array) -> Array:
+        return predict_many(box.model, box.vectors(points), motion)
+
+    here = forces(theta[None])[0]
+    return here, quotients(forces, theta, steps(box.parameters, theta, share), here)
+
+
+def _step(j: Array, e: Array, inner: NDArray[np.bool_]) -> Array:
+    """Gauss-Newton step (p,) of the parameters that are not at a bound."""
+    out = np.zeros(inner.size)
+    out[inner] = np.linalg.lstsq(j[:, inner], e, rcond=1e-10)[0]
+    return out
+
+
+def polished(fitted: Fit, problem: Problem, share: float) -> Fit:
+    """The fit moved along secants while that lowers the error, with those derivatives."""
+    box, train, theta = Box(fitted.model, fitted.free, problem.scales), problem.train, fitted.theta
+    f, j = secants(box, theta, problem.motion, share)
+    inner = ~fitted.at_bound
+    for _ in range(POLISH):
+        e = problem.force - f
+        step = _step(j[train], e[train], inner)
+        points = np.clip(theta + np.outer((1.0, 0.5, 0.2), step), box.low, box.high)
+        forces = predict_many(box.model, box.vectors(points), problem.motion)
+        costs = np.mean((problem.force - forces)[:, train] ** 2, axis=1)
+        best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
+        if not costs[best] < np.mean(e[train] ** 2) * (1.0 - 1e-6):
+            break
+        theta = points[best]
+        f, j = secants(box, theta, problem.motion, share)
+    edge = (theta <= box.low) | (theta >= box.high)
+    return replace(
+        fitted, model=box.model_at(theta), theta=theta, residual=problem.force - f, jacobian=j,
+        at_bound=fitted.at_bound | edge,
+    )  # fmt: skip
+
+
+def moved(fitted: Fit, problem: Problem, share: float) -> Fit:
+    """A polished fit moved to likelier valleys of the values that switch, as long as there is one."""
+    box, train = Box(fitted.model, fitted.free, problem.scales), problem.train
+    least = 1.0 - LIKELIER / _independent(fitted, problem)
+    for _ in range(LOOKS):
+        points, costs = _looked(fitted, problem)
+        begun = [
+            replace(fitted, model=box.model_at(x), theta=x)
+            for x in points[np.argsort(costs)[:TRIED]]
+        ]
+        tried = [polished(f, problem, share) for f in begun]
+        best = min(tried, key=lambda f: f.mse(train), default=fitted)
+        if not best.mse(train) < least * fitted.mse(train):
+            break
+        fitted = best
+    return fitted
+
+
+def breadth(fitted: Fit, problem: Problem) -> Array:
+    """Standard deviations (p,) as the likelihood falls off about the values that switch; scaled, zero for others.
+
+    Where valleys are many the curvature in one of them says too little: each point that was looked at is as many
+    standard deviations away as the root of what it lacks in twice the logarithm of the likelihood.
+    """
+    points, costs = _looked(fitted, problem)
+    lacks = _independent(fitted, problem) * (costs / max(fitted.mse(problem.train), 1e-300) - 1.0)
+    near = lacks < NEAR**2
+    away = np.abs(points - fitted.theta)[near] / np.sqrt(np.maximum(lacks[near], 1.0))[:, None]
+    wide = away.max(axis=0, initial=0.0)
+    return np.where(_switching(fitted, problem), wide, 0.0)
+
+
+def _independent(fitted: Fit, problem: Problem) -> float:
+    """Samples of noise that tell as much as those that are fitted: what one leaves goes on in the next (AR(1))."""
+    e = fitted.residual[problem.train]
+    colour = min(max(colour_of(e), 0.0), 0.99)
+    return max(e.size * (1.0 - colour) / (1.0 + colour), 1.0)
+
+
+def _switching(fitted: Fit, problem: Problem) -> NDArray[np.bool_]:
+    """Which free values (p,) switch events on and off, and are not at a bound."""
+    box = Box(fitted.model, fitted.free, problem.scales)
+    return np.array([q.step == SWITCH for q in box.parameters], bool) & ~fitted.at_bound
+
+
+def _looked(fitted: Fit, problem: Problem) -> tuple[Array, Array]:
+    """Points (m, p) about a fit along the values that switch, all else following, and mean squares (m,) there.
+
+    Where the model has no finite force there is no point.
+    """
+    box, train = Box(fitted.model, fitted.free, problem.scales), problem.train
+    switching = _switching(fitted, problem)
+    if not switching.any():
+        return np.empty((0, fitted.theta.size)), np.empty(0)
+    points = fitted.theta * _about(box, switching)
+    points = points[((points >= box.low) & (points <= box.high)).all(axis=1)]
+    left = (problem.force - predict_many(box.model, box.vectors(points), problem.motion)).T[train]
+    finite = np.isfinite(left).all(axis=0)
+    points, left = points[finite], left[:, finite]
+    others = ~switching & ~fitted.at_bound
+    j = fitted.jacobian[train][:, others]
+    follow = np.linalg.lstsq(j, left, rcond=1e-10)[0]
+    points[:, others] += follow.T
+    return np.clip(points, box.low, box.high), np.mean((left - j @ follow) ** 2, axis=0)
+
+
+def _about(box: Box, switching: NDArray[np.bool_]) -> Array:
+    """Factors (m, p) of the values: of each one that switches, of all of an effect, and of them against each other."""
+    rows = []
+    for effect in dict.fromkeys(e for (e, _), s in zip(box.free, switching, strict=True) if s):
+        own = switching & np.array([e == effect for e, _ in box.free])
+        places = np.flatnonzero(own)
+        ways = [*np.eye(own.size)[places], own.astype(float)]
+        if places.size == 2:
+            ways += [ways[0] - ways[1]]
+        rows += [np.power(about, way) for way in ways for about in ABOUT]
+    return np.array(rows)
+
+
+def estimate(fitted: Fit, problem: Problem, seed: int) -> Estimate:
+    """Values without bias and their covariance, of a polished fit."""
+    box, rng, train = (
+        Box(fitted.model, fitted.free, problem.scales),
+        np.random.default_rng(seed),
+        problem.train,
+    )
+    seen, j = secants(box, fitted.theta, problem.motion)
+    inner, moves = ~fitted.at_bound, []
+    for _ in range(DRAWS):
+        f = predict(fitted.model, drawn(problem, rng))
+        moves.append(_step(j[train], (f - seen)[train], inner))
+    bias, spread = np.mean(moves, axis=0), np.std(moves, axis=0, ddof=1)
+    found = covariance(fitted, problem)
+    most = MOST_BIAS * np.nan_to_num(np.sqrt(np.maximum(np.diag(found), 0.0)) / fitted.scale)
+    taken = np.clip(bias, -most, most)
+    theta = np.clip(fitted.theta - taken, box.low, box.high)
+    doubt = spread**2 / DRAWS + (bias - taken) ** 2
+    return Estimate(theta, taken, found + np.diag(doubt * fitted.scale**2))
+
+
+def estimated(fitted: Fit, problem: Problem, seed: int) -> Model:
+    """The model with its estimates; a deviation is infinite where the data say nothing."""
+    tried = sorted(
+        (moved(polished(fitted, problem, share), problem, share) for share in SECANTS),
+        key=lambda f: f.mse(problem.train),
+    )
+    better = tried[0]
+    rough = (tried[1].theta - better.theta) * better.scale
+    found = estimate(better, problem, seed)
+    model = Box(better.model, better.free, problem.scales).model_at(found.theta)
+    deviations = {k: dict(v) for k, v in model.deviations.items()}
+    wide = breadth(better, problem) * better.scale
+    variances = np.maximum(np.diag(found.covariance), wide**2) + rough**2
+    for (effect, name), value in zip(better.free, variances, strict=True):
+        sd = float(np.sqrt(value)) if value >= 0 else float("inf")
+        deviations.setdefault(effect, {})[name] = sd
+    return replace(model, deviations=deviations)

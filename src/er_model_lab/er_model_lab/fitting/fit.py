@@ -1,0 +1,300 @@
+"""Bounded least squares of model parameters on the damper force (Levenberg-Marquardt, all cores).
+
+The Jacobian comes from one batch of predictions. Blocks of the normal equations are kept, so that
+cross-validation costs one linear solve per block instead of a refit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from er_models.model import Array, Model
+from er_models.scales import Scales
+from er_models.sensitivity import quotients, steps
+from numpy.typing import NDArray
+
+from er_model_lab.problem.forward import Free, Limits
+from er_model_lab.problem.noted import Noted, key
+from er_model_lab.problem.prepare import Problem
+
+FIRST_ITERATIONS = 10
+"""Iterations every candidate gets before the best are fitted to the end."""
+DOUBTFUL = 1.1
+"""Mean square without each block, over that of the fit, above which a straight line is not believed."""
+DAMPINGS = (0.1, 1.0, 10.0)
+"""Multiples of the damping that are tried at once."""
+SHARES = np.array([0.0, 0.1, 0.3, 1.0])
+"""Shares of a step that are tried where it is not."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted model.
+
+    residual (n,): measured minus predicted [N]; jacobian (n, p): force per scaled parameter; scale (p,);
+    covariance (p, p) of the scaled parameters from blocks; at_bound (p,) mask.
+    """
+
+    model: Model
+    free: Free
+    theta: Array
+    scale: Array
+    residual: Array
+    jacobian: Array
+    at_bound: NDArray[np.bool_]
+    iterations: int
+
+    def mse(self, mask: NDArray[np.bool_]) -> float:
+        """Mean squared residual over a mask [N2]."""
+        return float(np.mean(self.residual[mask] ** 2))
+
+
+class Box:
+    """Scaled box of the free parameters of a model; limits [SI] of some of them replace the catalogue's."""
+
+    def __init__(
+        self, model: Model, free: Free, scales: Scales, limits: Limits | None = None
+    ) -> None:
+        self.model, self.free = model, free
+        c = model.catalogue
+        params = self.parameters = [c[e].parameter(p) for e, p in free]
+        self.columns = np.array([c.column(e, p) for e, p in free], int)
+        self.scale = np.array([scales.of(q.unit) for q in params])
+        self.low = np.array([q.low for q in params])
+        self.high = np.array([q.high for q in params])
+        for k, name in enumerate(free):
+            if limits and name in limits:
+                self.low[k], self.high[k] = np.array(limits[name]) / self.scale[k]
+        self.size = np.array([q.size for q in params])
+
+    def start(self) -> Array:
+        """Scaled values of the model, moved into the box."""
+        values = np.array([self.model.effects[e][p] for e, p in self.free], float) / self.scale
+        return np.clip(np.where(np.isfinite(values), values, self.high), self.low, self.high)
+
+    def vectors(self, thetas: Array) -> Array:
+        """Flat parameter vectors (m, n_parameters) of scaled points (m, p)."""
+        base = self.model.compiled().p
+        out = np.tile(base, (thetas.shape[0], 1))
+        out[:, self.columns] = thetas * self.scale
+        return out
+
+    def model_at(self, theta: Array) -> Model:
+        """The model with these scaled values."""
+        effects = {k: dict(v) for k, v in self.model.effects.items()}
+        for (e, p), value in zip(self.free, theta * self.scale, strict=True):
+            effects[e][p] = float(value)
+        return replace(self.model, effects=effects)
+
+
+def fit(
+    model: Model,
+    problem: Problem,
+    free: Free | None = None,
+    *,
+    known: Array | None = None,
+    target: float = np.inf,
+    max_iter: int = 20,
+    tol: float = 1e-4,
+) -> Fit:
+    """Fit the free parameters (all by default) to the training samples, from the model's values.
+
+    known (n, k): derivatives by the first k free parameters near the start, from the model before it
+    grew; they serve the first step, and the last too where an effect turns out to change nothing. target: mean
+    square [N2] that this first step must reach, or no more is done. What the problem has noted is not fitted again.
+    """
+    forward = problem.forward
+    box = Box(
+        model, free if free is not None else forward.free(model), problem.scales, forward.limits
+    )
+    start = box.start()
+    f = problem.predict(box.model_at(start))
+    if problem.noted is None:
+        return _fitted(box, start, f, problem, known, target, max_iter, tol)[0]
+    begun = key(
+        (start, box.scale, box.low, box.high, f, problem.force, problem.fold, known),
+        (box.free, target, max_iter, tol),
+    )
+    if begun in problem.noted:
+        return _again(problem.noted[begun], box, start, f, problem, known)
+    found, problem.noted[begun] = _fitted(box, start, f, problem, known, target, max_iter, tol)
+    return found
+
+
+def _fitted(
+    box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, target: float, max_iter: int, tol: float
+) -> tuple[Fit, Noted]:  # fmt: skip
+    """A fit from scaled values theta (p,), where the prediction is f (n,), and what makes it again."""
+    train, y = problem.train, problem.force
+    cost = float(np.mean((y - f)[train] ** 2))
+    damping, exact, at = 1e-3, known is None, theta
+    jacobian = _jacobian(box, theta, f, problem, known)
+    rounds = 0
+    while rounds < max_iter and np.isfinite(cost):
+        rounds += 1
+        trials = _trials(jacobian[train], (y - f)[train], theta, box, damping)
+        forces = problem.predict_many(box.model, box.vectors(trials))
+        costs = np.mean((y - forces)[:, train] ** 2, axis=1)
+        best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
+        if not costs[best] < cost * (1.0 - 1e-9):
+            if exact and damping > 1e3:
+                break
+            if exact:
+                damping *= 30.0
+            elif cost > target:
+                break
+            else:
+                jacobian, exact, at = _jacobian(box, theta, f, problem, None), True, theta
+            continue
+        gain = 1.0 - costs[best] / cost
+        theta, f, cost = trials[best], forces[best], float(costs[best])
+        damping = max(damping * DAMPINGS[best], 1e-7)
+        if gain < tol or (cost > target and not exact):
+            break
+        jacobian, exact, at = _jacobian(box, theta, f, problem, None), True, theta
+    note = Noted(theta.tolist(), at.tolist(), exact, rounds)
+    return _made(box, theta, f, jacobian, rounds, problem), note
+
+
+def _again(
+    note: Noted, box: Box, start: Array, f: Array, problem: Problem, known: Array | None
+) -> Fit:
+    """A fit that was made before from scaled values start (p,), where the prediction is f (n,).
+
+    Others are predicted as trials are, as many at once: last digits of linear algebra depend on how many they are.
+    """
+
+    def predicted(theta: Array) -> Array:
+        if np.array_equal(theta, start):
+            return f
+        points = np.tile(theta, (len(DAMPINGS), 1))
+        return np.asarray(problem.predict_many(box.model, box.vectors(points))[0])
+
+    theta, at = np.array(note.theta), np.array(note.at)
+    jacobian = _jacobian(box, at, predicted(at), problem, None if note.exact else known)
+    return _made(box, theta, predicted(theta), jacobian, note.iterations, problem)
+
+
+def _made(box: Box, theta: Array, f: Array, jacobian: Array, rounds: int, problem: Problem) -> Fit:
+    """The fit that ended at theta (p,) with the prediction f (n,)."""
+    edge = (theta <= box.low + 1e-9 * box.size) | (theta >= box.high - 1e-9 * np.abs(box.high))
+    residual = problem.force - f
+    return Fit(box.model_at(theta), box.free, theta, box.scale, residual, jacobian, edge, rounds)
+
+
+def practised(model: Model, problem: Problem) -> Model:
+    """The model with values from a few runs, where there are many: a start near the end for a fit to all."""
+    few = problem.practice
+    return model if few is None else fit(model, few.problem).model
+
+
+def _jacobian(box: Box, theta: Array, f: Array, problem: Problem, known: Array | None) -> Array:
+    """Derivative of the force (n, p) by scaled parameters, one batch of predictions.
+
+    Columns that are known already are taken over.
+    """
+    new = quotients(
+        lambda points: problem.predict_many(box.model, box.vectors(points)), theta,
+        steps(box.parameters, theta), f, 0 if known is None else known.shape[1],
+    )  # fmt: skip
+    return new if known is None else np.hstack([known, new])
+
+
+def _trials(j: Array, r: Array, theta: Array, box: Box, damping: float) -> Array:
+    """Three damped Gauss-Newton points inside the box; parameters pushed against a bound are held."""
+    h, g = j.T @ j / r.size, j.T @ r / r.size
+    held = ((theta <= box.low) & (g < 0)) | ((theta >= box.high) & (g > 0))
+    points = []
+    for factor in DAMPINGS:
+        a = h + np.diag(damping * factor * np.diag(h) + 1e-14 * np.trace(h) / len(g))
+        rhs = np.where(held, 0.0, g)
+        a = np.where(held[:, None] | held[None, :], np.diag(np.diag(a) + 1e-300), a)
+        step = np.linalg.lstsq(a, rhs, rcond=1e-13)[0]
+        limit = 5.0 * np.maximum(np.abs(theta), box.size)
+        points.append(np.clip(theta + np.clip(step, -limit, limit), box.low, box.high))
+    return np.array(points)
+
+
+def cross_validated(
+    fitted: Fit, problem: Problem, *, straight: bool = False
+) -> tuple[Array, Array]:
+    """Residual (n,) predicted without each block, and mean squared error per block (blocks,).
+
+    One Gauss-Newton step from the full fit leaves a block out: (H - H_b) d = g - g_b. Where the straight line
+    of that step would rather be a jump (a gap that closes, a void that collapses), the model itself predicts
+    the block, from as much of the step as lowers the error of the other blocks; straight: the line is believed.
+    """
+    steps = _leaving_out(fitted, problem)
+    r = fitted.residual.copy()
+    blocks = range(int(problem.fold.max()) + 1)
+    for b in blocks:
+        rows = problem.fold == b
+        r[rows] = fitted.residual[rows] - fitted.jacobian[rows] @ steps[b]
+    train = problem.train
+    if not straight and np.mean(r[train] ** 2) > DOUBTFUL * fitted.mse(train):
+        r = _truly_left_out(fitted, problem, steps)
+    losses = [float(np.mean(r[problem.fold == b] ** 2)) for b in blocks]
+    return r, np.array(losses)
+
+
+def _leaving_out(fitted: Fit, problem: Problem) -> Array:
+    """Change of the scaled parameters (blocks, p) when a block is left out."""
+    inner = ~fitted.at_bound
+    j_all, train = fitted.jacobian[:, inner], problem.train
+    h = j_all[train].T @ j_all[train]
+    ridge = 1e-10 * np.trace(h) / max(h.shape[0], 1) * np.eye(h.shape[0])
+    g = j_all[train].T @ fitted.residual[train]
+    steps = np.zeros((int(problem.fold.max()) + 1, inner.size))
+    for b in range(steps.shape[0]):
+        rows = problem.fold == b
+        j, e = j_all[rows], fitted.residual[rows]
+        if j.shape[1]:
+            steps[b, inner] = np.linalg.solve(h - j.T @ j + ridge, g - j.T @ e)
+    return steps
+
+
+def _truly_left_out(fitted: Fit, problem: Problem, steps: Array) -> Array:
+    """Residual (n,) predicted by the model itself without each block."""
+    box = Box(fitted.model, fitted.free, problem.scales, problem.forward.limits)
+    r, train = fitted.residual.copy(), problem.train
+    for b in range(steps.shape[0]):
+        rows = problem.fold == b
+        points = fitted.theta + np.multiply.outer(SHARES, steps[b])
+        points = np.clip(points, box.low, box.high)
+        left = problem.force - problem.predict_many(box.model, box.vectors(points))
+        rest = np.mean(left[:, train & ~rows] ** 2, axis=1)
+        best = int(np.argmin(np.where(np.isfinite(rest), rest, np.inf)))
+        r[rows] = left[best, rows]
+    return r
+
+
+def covariance(fitted: Fit, problem: Problem) -> Array:
+    """Covariance (p, p) of the parameters [SI], robust to correlated errors: sandwich over one-second blocks."""
+    train = np.flatnonzero(problem.train)
+    inner = np.flatnonzero(~fitted.at_bound)
+    j, r = fitted.jacobian[train][:, inner], fitted.residual[train]
+    h = j.T @ j
+    inverse = np.linalg.pinv(h, rcond=1e-12)
+    length = problem.second
+    blocks = train // length
+    edges = np.flatnonzero(np.diff(blocks)) + 1
+    scores = np.add.reduceat(j * r[:, None], np.concatenate([[0], edges]), axis=0)
+    m = scores.shape[0]
+    meat = scores.T @ scores * (m / max(m - inner.size, 1))
+    out = np.full((fitted.theta.size,) * 2, np.nan)
+    out[np.ix_(inner, inner)] = (
+        inverse @ meat @ inverse * np.outer(fitted.scale[inner], fitted.scale[inner])
+    )
+    return out
+
+
+def with_deviations(fitted: Fit, problem: Problem) -> Model:
+    """The fitted model with standard deviations; infinite where the data say nothing."""
+    variance = np.diag(covariance(fitted, problem))
+    deviations = {k: dict(v) for k, v in fitted.model.deviations.items()}
+    for (effect, name), value in zip(fitted.free, variance, strict=True):
+        deviations.setdefault(effect, {})[name] = (
+            float(np.sqrt(value)) if value >= 0 else float("inf")
+        )
+    return replace(fitted.model, deviations=deviations)

@@ -1,0 +1,139 @@
+"""What a model was fitted to: the reach of its data, kept in its history, and how far other data go beyond it.
+
+Forms that agree where the data were may differ anywhere else, and nothing in the data says which of them is right.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from er_models.model import Array, Model
+from numpy.typing import NDArray
+
+from er_model_lab.problem.prepare import Problem
+
+REACH = "reach"
+"""Key in an entry of a model's history."""
+MARGIN = 0.1
+"""Share of a reach by which data may pass its ends: as much as two records of one road differ."""
+HEAT = 1.5
+"""Factor of a record's mean power that counts as more heat than was there."""
+FEW, LITTLE = 0.01, 0.05
+"""Share of the samples, and of the squared error, below which there is nothing to say."""
+_SHOWN = {
+    "deflection": (1e3, "mm"),
+    "velocity": (1.0, "m/s"),
+    "duty": (1.0, ""),
+    "power": (1.0, "W"),
+}
+
+
+@dataclass(frozen=True)
+class Beyond:
+    """Scored samples whose motion or duty lies beyond what a model was fitted to.
+
+    share: of the samples; of_error: of the squared error; rms_inside, rms_beyond: errors [N], nan where there are no
+    such samples; reach: `(from, to)` of the data and of what was fitted to [SI], of each quantity that goes beyond,
+    the power of whole records among them.
+    """
+
+    share: float
+    of_error: float
+    rms_inside: float
+    rms_beyond: float
+    reach: Mapping[str, tuple[tuple[float, float], tuple[float, float]]]
+
+    @property
+    def matters(self) -> bool:
+        """Whether there is something to say."""
+        return self.share >= FEW or self.of_error >= LITTLE or "power" in self.reach
+
+    def as_json(self) -> dict[str, Any]:
+        """Plain data."""
+        reach = {k: {"data": list(d), "fitted": list(f)} for k, (d, f) in self.reach.items()}
+        return {
+            "share": self.share, "of_error": self.of_error, "rms_inside": self.rms_inside,
+            "rms_beyond": self.rms_beyond, "reach": reach,
+        }  # fmt: skip
+
+    def note(self, name: str) -> str:
+        """In words, for the model of this name."""
+        parts = "; ".join(_ranges(k, *ranges) for k, ranges in self.reach.items())
+        said = f"these data go beyond what '{name}' was fitted to ({parts})"
+        if not self.share:
+            return said
+        rest = f" and {self.rms_inside:.3g} N elsewhere" if self.share < 1.0 else ""
+        return f"{said}: {self.share:.0%} of the samples, with an error of {self.rms_beyond:.3g} N there{rest}"
+
+
+def reach(problem: Problem) -> dict[str, list[float]]:
+    """Ends of deflection [m], velocity [m/s], duty [1] and a record's mean power [W] over the training samples."""
+    samples = _samples(problem)
+    return {
+        k: [float(y[problem.train].min()), float(y[problem.train].max())]
+        for k, y in samples.items()
+    }
+
+
+def beyond(model: Model, problem: Problem, residual: Array) -> Beyond | None:
+    """How far data go beyond what the model was fitted to; residual (n,) of the model as it is [N].
+
+    None where its history does not say (a model that was never fitted here), or nothing goes beyond.
+    """
+    fitted = next((e[REACH] for e in reversed(model.history) if REACH in e), None)
+    if fitted is None:
+        return None
+    outside = np.zeros(problem.force.size, dtype=bool)
+    further = {}
+    for name, y in _samples(problem).items():
+        low, high = (float(v) for v in fitted[name])
+        mask = problem.used & _outside(name, y, low, high)
+        if mask.any():
+            seen = y[problem.used]
+            further[name] = ((float(seen.min()), float(seen.max())), (low, high))
+            outside |= mask & (name != "power")
+    if not further:
+        return None
+    square, inside = residual**2, problem.used & ~outside
+    return Beyond(
+        float(outside.sum() / problem.used.sum()),
+        float(square[outside].sum() / max(square[problem.used].sum(), 1e-300)),
+        _rms(square, inside), _rms(square, outside), further,
+    )  # fmt: skip
+
+
+def _samples(problem: Problem) -> dict[str, Array]:
+    """Each quantity at every sample; the power is the mean of its record."""
+    m, power = problem.motion, np.abs(problem.force * problem.motion.v)
+    mean = np.concatenate(
+        [np.full(j - i, power[i:j].mean()) for i, j in itertools.pairwise(m.starts)]
+    )
+    return {"deflection": m.x, "velocity": m.v, "duty": m.u, "power": mean}
+
+
+def _outside(name: str, y: Array, low: float, high: float) -> NDArray[np.bool_]:
+    """Samples beyond a reach: less power than before is nothing new."""
+    if name == "power":
+        return np.asarray(y > HEAT * high)
+    margin = MARGIN * (high - low)
+    return np.asarray((y < low - margin) | (y > high + margin))
+
+
+def _rms(square: Array, mask: NDArray[np.bool_]) -> float:
+    return float(np.sqrt(np.mean(square[mask]))) if mask.any() else float("nan")
+
+
+def _ranges(name: str, data: tuple[float, float], fitted: tuple[float, float]) -> str:
+    """`deflection -22 to 23 mm, fitted to -3.4 to 3.3 mm`."""
+    scale, unit = _SHOWN[name]
+
+    def words(ends: tuple[float, float]) -> str:
+        low, high = (scale * e for e in ends)
+        said = f"up to {high:.2g}" if name == "power" else f"{low:.2g} to {high:.2g}"
+        return f"{said} {unit}".rstrip()
+
+    return f"{name} {words(data)}, fitted to {words(fitted)}"

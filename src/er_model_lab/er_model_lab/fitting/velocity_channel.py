@@ -1,0 +1,61 @@
+"""Errors of the measured velocity, undone before the motion is fused, and put back into the model that is written."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from er_models.model import Model
+
+from er_model_lab.fitting.fit import Fit
+from er_model_lab.records.record import Record, originals
+
+KINEMATIC = ("velocity_lag", "velocity_gain")
+"""Errors of the velocity channel that are undone before the motion is fused."""
+
+
+def known_lag(model: Model) -> float | None:
+    """Lag of the velocity channel the model already holds [s]."""
+    return model.value("velocity_lag", "T_v") if "velocity_lag" in model.effects else None
+
+
+def on_fused(model: Model) -> Model:
+    """The model without lag and gain of the velocity channel, for a motion in which they are undone."""
+    for name in KINEMATIC:
+        model = model.without_effect(name) if name in model.effects else model
+    return model
+
+
+def as_searched(fitted: Fit) -> Model:
+    """The model of a fit as it was fitted: without what was undone before, with a lag that the force itself showed."""
+    free = {effect for effect, _ in fitted.free}
+    return put_back(on_fused(fitted.model), fitted.model, only=free)
+
+
+def put_back(found: Model, given: Model, only: set[str] | None = None) -> Model:
+    """A model with lag and gain of the velocity channel as a given one has them; only: of these effects."""
+    for name in KINEMATIC:
+        if name not in given.effects or (only is not None and name not in only):
+            continue
+        found = found.with_effect(name, dict(given.effects[name]))
+        if name in given.deviations:
+            deviations = {**found.deviations, name: given.deviations[name]}
+            found = replace(found, deviations=deviations)
+    return found
+
+
+def in_scale(records: list[Record], model: Model) -> list[Record]:
+    """The records with the gain of a measured velocity channel undone, where the model holds one."""
+    if "velocity_gain" not in model.effects:
+        return records
+    gain, name = model.value("velocity_gain", "g_v"), "deflection_velocity"
+
+    def scaled(r: Record) -> Record:
+        if not r.has(name) or name in r.derived:
+            return r
+        return replace(r, channels={**r.channels, name: r.channels[name] / gain})
+
+    data = tuple(map(scaled, originals(records)))
+    return [
+        replace(scaled(r), part_of=replace(r.part_of, data=data) if r.part_of else None)
+        for r in records
+    ]

@@ -1,0 +1,1 @@
+"""Results as the contract's JSON and as views that terminal and report draw."""

@@ -1,0 +1,1 @@
+"""What a fit is asked: fused motion, force, masks and folds, and how a model predicts it."""

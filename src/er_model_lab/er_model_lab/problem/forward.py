@@ -1,0 +1,129 @@
+"""What a problem predicts and how its data err: all that differs between the levels of the lab."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from er_models.effect import Effect
+from er_models.model import Array, Model
+from er_models.predict import predict, predict_many
+from er_models.scales import Scales
+from scipy.signal import lfilter
+
+from er_model_lab.problem.motion_error import drawn
+
+if TYPE_CHECKING:
+    from er_model_lab.problem.prepare import Problem
+
+Free = tuple[tuple[str, str], ...]
+Limits = Mapping[tuple[str, str], tuple[float, float]]
+
+
+class Forward(Protocol):
+    """A level of the lab: rows (n,) of data that a model predicts, `outputs` of them for each sample.
+
+    candidates: effects of the catalogue that may be tried; free: parameters that are fitted, (effect, name).
+    input_errors (m, n): errors [N] that draws of the input sensors' noise cause; output_errors (m, n): noise
+    as the residual (n,) of a fit shows it, `size` [N] and lag-one correlation `colour` of its training rows.
+    """
+
+    @property
+    def outputs(self) -> int:
+        """Rows of a sample."""
+
+    @property
+    def limits(self) -> Limits:
+        """Bounds [SI] of parameters by (effect, name), in place of the catalogue's."""
+
+    @property
+    def worth(self) -> float:
+        """Share of the mean square that the first step with an effect may leave; else no more are taken."""
+
+    def predict_many(self, problem: Problem, model: Model, vectors: Array) -> Array:
+        """Rows (m, n) of one model for m flat parameter vectors (m, n_parameters)."""
+
+    def predict(self, problem: Problem, model: Model) -> Array:
+        """Rows (n,) of a model."""
+
+    def free(self, model: Model) -> Free:
+        """Fitted parameters of a model."""
+
+    def candidates(self, model: Model) -> tuple[Effect, ...]:
+        """Effects of the catalogue that may be tried."""
+
+    def scales(self, problem: Problem) -> Scales | None:
+        """Envelope of the data; None where motion and force say it themselves."""
+
+    def input_errors(
+        self, problem: Problem, model: Model, rng: np.random.Generator, m: int
+    ) -> Array:
+        """Errors (m, n) that other draws of the input sensors' noise would have caused."""
+
+    def output_errors(
+        self, residual: Array, size: float, colour: float, rng: np.random.Generator, m: int
+    ) -> Array:
+        """Noise (m, n) of the outputs as it may have been."""
+
+
+class DamperForward:
+    """The force of the damper, from its measured motion."""
+
+    outputs = 1
+    limits: Limits = MappingProxyType({})
+    worth = np.inf
+
+    def predict_many(self, problem: Problem, model: Model, vectors: Array) -> Array:
+        """Forces (m, n) along the motion."""
+        return predict_many(model, vectors, problem.motion)
+
+    def predict(self, problem: Problem, model: Model) -> Array:
+        """Force (n,) along the motion."""
+        return predict(model, problem.motion)
+
+    def free(self, model: Model) -> Free:
+        """Fitted parameters of the damper.
+
+        What acts in the car is not fitted to a damper force, nor is a gain that it cannot show: these
+        keep the model's values.
+        """
+        return free_parameters(model)
+
+    def candidates(self, model: Model) -> tuple[Effect, ...]:
+        """Effects of the damper and its sensors."""
+        return model.catalogue.candidates()
+
+    def scales(self, problem: Problem) -> Scales | None:
+        """Nothing beyond motion and force."""
+        del problem
+        return None
+
+    def input_errors(
+        self, problem: Problem, model: Model, rng: np.random.Generator, m: int
+    ) -> Array:
+        """Forces along motions that the sensors may have meant, less that along the fused one."""
+        seen = predict(model, problem.motion)
+        return np.array([predict(model, drawn(problem, rng)) - seen for _ in range(m)])
+
+    def output_errors(
+        self, residual: Array, size: float, colour: float, rng: np.random.Generator, m: int
+    ) -> Array:
+        """First-order autoregressive noise of the force."""
+        white = rng.standard_normal((m, residual.size)) * np.sqrt(1.0 - colour**2)
+        return np.asarray(size * lfilter([1.0], [1.0, -colour], white))
+
+
+def free_parameters(model: Model) -> Free:
+    """Parameters of the damper's effects that channels can show."""
+    return tuple(
+        (name, q.name)
+        for name in model.effects
+        if model.catalogue[name].stage != "vehicle" and model.catalogue[name].knowable
+        for q in model.catalogue[name].parameters
+        if q.fitted
+    )
+
+
+DAMPER = DamperForward()

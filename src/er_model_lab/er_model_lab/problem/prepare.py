@@ -1,0 +1,373 @@
+"""From records to a fitting problem: fused motion, measured force, and who may see which sample.
+
+Held-out samples are never used for fitting or for choosing an effect; they only score the result.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from er_models.errors import InputError, MissingChannel
+from er_models.model import Model
+from er_models.predict import Motion, join
+from er_models.scales import Scales, peak
+from numpy.typing import NDArray
+
+from er_model_lab.motion.cycle import Cycle, cycles
+from er_model_lab.motion.drift import without_drift
+from er_model_lab.motion.fuse import (
+    WITHOUT_A,
+    Channels,
+    Fused,
+    Noise,
+    adapt,
+    channels_of,
+    estimate_lag,
+    estimate_noise,
+    fuse,
+)
+from er_model_lab.problem.forward import DAMPER, Forward
+from er_model_lab.problem.held_out import WARM_UP, split
+from er_model_lab.problem.noted import Notes
+from er_model_lab.problem.practice import Practice, practice
+from er_model_lab.records.losses import losses
+from er_model_lab.records.record import HELD, Record, originals
+from er_model_lab.records.sampling import ROUNDED, at
+
+Array = NDArray[np.float64]
+
+FOR_NOISE = 2500
+"""Samples from which the noise levels of the motion sensors and the intensity of a motion are estimated."""
+QUARTER_OF_NORMAL = 0.3186
+"""Quantile 0.25 of |z| for a normal z of standard deviation 1 [1]."""
+THIRD_DIFFERENCE = 20.0
+"""Variance of the third difference of white noise of variance 1: 1 + 9 + 9 + 1."""
+CONTRADICTION = 0.03
+"""Difference of two estimates of a lag, in samples, above which accelerometers contradict the other channels."""
+CONTRADICTION_SD = 4.0
+"""Standard deviations of such an estimate that the difference must exceed as well: less is its noise."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A data set ready for prediction and fitting; all arrays (n,), records laid end to end.
+
+    force: measured [N]; where `forward`, which predicts it, has several outputs, those of each sample in turn,
+    weighted to newtons, and motion and extra (what else moves, by name) have fewer rows; fold: block of each
+    training sample, -1 elsewhere; held_out: mask of samples that only score; raw: measured channels before
+    fusion; fused: per record, each with the noise model of its own motion; noise: that of the longest record
+    with most channels; sd_force: white noise of the force; noted: fits
+    that were made before, to which new ones are added.
+    """
+
+    motion: Motion
+    force: Array
+    fold: NDArray[np.int64]
+    held_out: NDArray[np.bool_]
+    raw: tuple[Channels, ...]
+    fused: tuple[Fused, ...]
+    noise: Noise
+    names: tuple[str, ...]
+    notes: tuple[str, ...]
+    complete: bool
+    sd_force: float
+    velocity_lag: tuple[float, float]
+    forward: Forward = DAMPER
+    extra: tuple[tuple[str, Array], ...] = ()
+    noted: Notes | None = None
+
+    def predict(self, model: Model) -> Array:
+        """What a model predicts (n,) [N]."""
+        return self.forward.predict(self, model)
+
+    def predict_many(self, model: Model, vectors: Array) -> Array:
+        """What a model predicts (m, n) [N] for m flat parameter vectors (m, n_parameters)."""
+        return self.forward.predict_many(self, model, vectors)
+
+    @property
+    def parts(self) -> tuple[Problem, ...]:
+        """One problem for each output, rows `c::outputs` of this one."""
+        n = self.forward.outputs
+        if n == 1:
+            return (self,)
+        return tuple(
+            replace(
+                self, force=self.force[c::n], fold=self.fold[c::n], held_out=self.held_out[c::n], forward=DAMPER
+            )
+            for c in range(n)
+        )  # fmt: skip
+
+    @property
+    def second(self) -> int:
+        """Rows of a second."""
+        return max(round(1.0 / self.motion.dt), 1) * self.forward.outputs
+
+    @cached_property
+    def learnt(self) -> tuple[tuple[int, int], ...]:
+        """Rows (from, to) of the motion of each record that is learnt from, be it in part."""
+        train = self.train[:: self.forward.outputs]
+        return tuple((i, j) for i, j in pairwise(self.motion.starts.tolist()) if train[i:j].any())
+
+    @cached_property
+    def cycles(self) -> tuple[Cycle, ...]:
+        """The cycle that each record learnt from repeats, of a damper; empty where one of them repeats none."""
+        m = self.motion
+        return cycles(m.v, m.dt, self.learnt) if self.forward.outputs == 1 else ()
+
+    @property
+    def rounded(self) -> bool:
+        """Whether a record's motion was made without accelerations, which alone show where it bends."""
+        return any(not c.has[2] for c in self.raw)
+
+    @cached_property
+    def practice(self) -> Practice | None:
+        """Stretches on which fits begin where there are many runs, else None."""
+        return practice(self, WARM_UP)
+
+    @property
+    def train(self) -> NDArray[np.bool_]:
+        """Mask of the training samples."""
+        return self.fold >= 0
+
+    @property
+    def measures_velocity(self) -> bool:
+        """Whether the velocity was measured in some record."""
+        return any(c.has[1] for c in self.raw)
+
+    @property
+    def kinematic_lag(self) -> bool:
+        """Whether deflection and accelerometers can show a lag of the velocity channel by themselves."""
+        return any(c.shows_lag for c in self.raw)
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """Mask of all scored samples."""
+        return self.train | self.held_out
+
+    @property
+    def scales(self) -> Scales:
+        """Envelope of the data: robust peaks of force, deflection, velocity and duty."""
+        m, known = self.motion, self.forward.scales(self)
+        if known is not None:
+            return known
+
+        return Scales(peak(self.force), peak(m.x), peak(m.v), float(max(m.u.max(), 1e-3)))
+
+
+def prepare(
+    records: list[Record],
+    *,
+    sealed: int = 0,
+    velocity_lag: float | None = None,
+    learn: Sequence[int] | None = None,
+) -> Problem:
+    """Fuse and split records; needs damper_force, and deflection or its velocity.
+
+    sealed: how many of the last records are held out whole; 0 lets `split` choose.
+    velocity_lag: known lag of the velocity channel [s]; None estimates it and keeps it as evidence only.
+    learn: records that noise levels and the lag may be read off; None: those that are not held out whole.
+
+    Raises:
+        MissingChannel: Without force, or without both deflection and velocity.
+        InputError: When there is not enough data to split.
+    """
+    if not records:
+        raise InputError("DATA", "", "at least one record", "none")
+    dt = max(r.dt for r in records)
+    measured = tuple(measured_channels(r, dt) for r in records)
+    able = range(len(records) - sealed) if learn is None else learn
+    longest = _most(measured, able)
+    part = measured[longest].telling(FOR_NOISE)
+    telling = _most(measured, [r for r in able if measured[r].shows_lag] or able)
+    lag, lag_sd = (
+        (velocity_lag, 0.0)
+        if velocity_lag is not None
+        else _lag_evidence(part if telling == longest else measured[telling].telling(FOR_NOISE))
+    )
+    raw, noise, unresolved = _usable(measured, part, lag, velocity_lag or 0.0)
+    noise = _completed(noise, part, raw)
+    fused = tuple(
+        _centred(fuse(c, noise if r == longest else adapt(c.telling(FOR_NOISE), noise)), c)
+        for r, c in enumerate(raw)
+    )
+    force = [resampled(r, "damper_force", dt) for r in records]
+    reference = reference_temperature(records, dt)
+    motion = join(
+        [_motion(r, f, c, dt, reference) for r, f, c in zip(records, fused, raw, strict=True)]
+    )
+    fold, held_out = split(motion, sealed)
+    learnt = [r for r, (i, j) in enumerate(pairwise(motion.starts)) if np.any(fold[i:j] >= 0)]
+    if learn is None and not {longest, telling} <= set(learnt):
+        return prepare(records, sealed=sealed, velocity_lag=velocity_lag, learn=learnt)
+    y = np.concatenate(force)
+    return Problem(
+        motion=motion, force=y, fold=fold, held_out=held_out, raw=raw, fused=fused, noise=noise,
+        names=tuple(r.name for r in records),
+        notes=tuple(dict.fromkeys(n for r in records for n in r.notes)) + unresolved + losses(records),
+        complete=all(r.complete for r in records), sd_force=white_noise(force), velocity_lag=(lag, lag_sd),
+    )  # fmt: skip
+
+
+def _most(measured: Sequence[Channels], able: Sequence[int]) -> int:
+    """The longest of the records with most channels."""
+    return max(able, key=lambda r: (int(measured[r].has.sum()), measured[r].z.shape[0]))
+
+
+def white_noise(parts: list[Array]) -> float:
+    """Standard deviation of the white noise of a signal in its unit, from its third differences; parts: (n,) each.
+
+    The signal itself is smooth and leaves little in them; where it is not, they are large, so that their smallest
+    quarter tells the noise. Differences with a lost sample (NaN) are left out; 0 where none remain.
+    """
+    d = np.abs(np.concatenate([np.diff(y, 3) for y in parts]))
+    d = d[np.isfinite(d)]
+    if not d.size:
+        return 0.0
+    return float(np.quantile(d, 0.25) / QUARTER_OF_NORMAL / np.sqrt(THIRD_DIFFERENCE))
+
+
+def colour_of(r: Array) -> float:
+    """Lag-one correlation of what a model leaves (n,)."""
+    return float(np.mean(r[1:] * r[:-1]) / max(float(np.mean(r**2)), 1e-300))
+
+
+def measured_channels(record: Record, dt: float) -> Channels:
+    """The motion channels a record has, on the common grid."""
+    both = record.has("sprung_acceleration") and record.has("unsprung_acceleration")
+    a = None
+    if both:
+        a = resampled(record, "sprung_acceleration", dt) - resampled(
+            record, "unsprung_acceleration", dt
+        )
+    if not (record.has("deflection") or record.has("deflection_velocity")):
+        path = record.source or record.name
+        raise MissingChannel(path, "deflection", _without_motion(a, dt), tuple(record.channels))
+    v = None
+    if record.has("deflection_velocity") and "deflection_velocity" not in record.derived:
+        v = resampled(record, "deflection_velocity", dt)
+    x = resampled(record, "deflection", dt) if record.has("deflection") else None
+    return channels_of(dt, x, v, a)
+
+
+def _without_motion(a: Array | None, dt: float) -> str:
+    """Why the accelerations (n,) [m/s2] do not stand in for the motion: their noise, integrated over the record."""
+    if a is None:
+        return "(or deflection_velocity) to know the motion"
+    drift = 1e3 * white_noise([a]) * np.sqrt(dt * a.size * dt)
+    return (
+        "(or deflection_velocity) to know the motion, since the velocity that the accelerations give may drift by "
+        f"{float(f'{drift:.2g}'):g} mm/s in {a.size * dt:.3g} s"
+    )
+
+
+def resampled(record: Record, channel: str, dt: float) -> Array:
+    """A channel on the common grid; averaged over the longer step when the grid is coarser."""
+    y = record.need(channel, "to compare the damper force")
+    ratio = dt / record.dt
+    if abs(ratio - 1.0) <= ROUNDED:
+        return np.asarray(y)
+    grid = np.arange(record.t[0], record.t[-1], dt)
+    smooth = y if channel in HELD else _averaged(y, max(round(ratio), 1))
+    return at(record.t, smooth, grid, channel)
+
+
+def _averaged(y: Array, width: int) -> Array:
+    """Mean of as many samples (n,) about each; of an even number, the outermost two count half.
+
+    Beyond its ends a channel goes on point-symmetrically, so that neither a rest nor a steady motion is shifted there.
+    """
+    half = width // 2
+    window = np.ones(2 * half + 1) / width
+    window[[0, -1]] *= 1.0 if width % 2 else 0.5
+    padded = np.pad(y, half, mode="reflect", reflect_type="odd")
+    return np.asarray(np.convolve(padded, window, "valid"))
+
+
+def reference_temperature(records: Sequence[Record], dt: float) -> float:
+    """First temperature [K] of the data set, which `theta` of all its records, and stretches of them, counts from."""
+    measured = (r for r in originals(records) if r.has("temperature"))
+    first = next(measured, None)
+    return 0.0 if first is None else float(resampled(first, "temperature", dt)[0])
+
+
+def warmth(record: Record, dt: float, n: int, reference: float) -> Array:
+    """Measured temperature above the reference (n,) [K]; zeros where none was measured."""
+    if not record.has("temperature"):
+        return np.zeros(n)
+    return np.asarray(resampled(record, "temperature", dt) - reference)
+
+
+def _motion(
+    record: Record, fused: Fused, channels: Channels, dt: float, reference: float
+) -> Motion:
+    """Inputs of the damper model of one record; reference: temperature at which theta is 0 [K]."""
+    n = fused.x.shape[0]
+    u = resampled(record, "duty", dt) if record.has("duty") else np.zeros(n)
+    theta = warmth(record, dt, n, reference)
+    a = fused.a if channels.has[2] or not channels.measured_a else channels.z[:, 2].copy()
+    return Motion(dt, fused.x, fused.v, a, np.ascontiguousarray(u), theta, np.array([0, n]))
+
+
+def _lag_evidence(channels: Channels) -> tuple[float, float]:
+    """Lag of the velocity channel with its standard deviation [s].
+
+    The deflection decides where there is one: what an accelerometer does between two samples is a guess,
+    and a wrong guess looks like a lag. Without it, a lag below a fifth of a sample is not believed.
+    """
+    if channels.has[0] and channels.has[1]:
+        without = channels.only(WITHOUT_A)
+        found = estimate_lag(without, estimate_noise(without))
+        return found.lag, found.lag_sd
+    if channels.has[1] and channels.has[2]:
+        found = estimate_lag(channels, estimate_noise(channels))
+        return found.lag, max(found.lag_sd, 0.025 * channels.dt)
+    return 0.0, float("inf")
+
+
+def _usable(
+    measured: tuple[Channels, ...], part: Channels, lag: float, undone: float
+) -> tuple[tuple[Channels, ...], Noise, tuple[str, ...]]:
+    """Channels to fuse, their noise levels, and what was left out.
+
+    Accelerations that change faster than the sampling resolves contradict the other channels: fused
+    with them, the velocity seems to lag where deflection and velocity alone say that it does not. They are
+    then kept as accelerations, but the velocity is not made from them. How noisy deflection and velocity are is still
+    read off all three: without them rough motion and noise of the velocity look alike, and the velocity is believed
+    three times too much. undone: lag of the velocity channel that fusion takes out, in the noise returned.
+    """
+    noise = estimate_noise(part, undone)
+    if not (part.has[0] and part.has[1] and part.has[2]):
+        return measured, noise, ()
+    seen = estimate_lag(part, noise)
+    if abs(seen.lag - lag) < max(CONTRADICTION * part.dt, CONTRADICTION_SD * seen.lag_sd):
+        return measured, noise, ()
+    note = (
+        "the accelerations change faster than the sampling resolves: "
+        "the velocity is fused from deflection and velocity only"
+    )
+    levels = adapt(part.only(WITHOUT_A), replace(seen, lag=undone))
+    return tuple(c.only(WITHOUT_A) for c in measured), levels, (note,)
+
+
+def _completed(noise: Noise, part: Channels, raw: tuple[Channels, ...]) -> Noise:
+    """Noise levels with those of channels that the record they are read off lacks, and another one has."""
+    for k, name in enumerate(("x", "v", "a")):
+        having = [c for c in raw if c.has[k]]
+        if part.has[k] or not having:
+            continue
+        longest = max(having, key=lambda c: c.z.shape[0])
+        own = estimate_noise(longest.telling(FOR_NOISE), noise.lag)
+        noise = replace(noise, **{name: getattr(own, name)})
+    return noise
+
+
+def _centred(fused: Fused, channels: Channels) -> Fused:
+    """The motion about its middle where no deflection was measured: an offset of the velocity would carry it away."""
+    if channels.has[0]:
+        return fused
+    x, v = without_drift(fused.x, fused.v, channels.dt)
+    return replace(fused, x=x, v=v)

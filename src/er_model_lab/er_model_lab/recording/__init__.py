@@ -1,0 +1,1 @@
+"""How a bag is written, without ROS: files, definitions, counts."""

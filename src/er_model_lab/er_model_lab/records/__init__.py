@@ -1,0 +1,1 @@
+"""Measured records: read, named, cleaned, told apart, with where they come from."""

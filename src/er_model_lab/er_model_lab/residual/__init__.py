@@ -1,0 +1,1 @@
+"""What a model leaves: its errors, where they are largest, and what they depend on."""

@@ -1,0 +1,1 @@
+"""The vehicle as a problem: all outputs of a car from road and duty."""

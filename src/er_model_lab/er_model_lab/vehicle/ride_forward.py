@@ -1,0 +1,206 @@
+"""The level of the vehicle: all outputs of the car, weighted to newtons, as the rows of a fitting problem.
+
+Row c of a sample is an output times `weights[c]`: its noise becomes that of the first output. So one newton is a
+newton of the damper force where it is measured, else of the force that the body's acceleration shows.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from er_models.effect import Effect
+from er_models.model import Array, Model
+from er_models.scales import Scales
+
+from er_model_lab.problem.forward import Free, Limits
+from er_model_lab.vehicle.ride import CHANNELS, SETTLE, Course, drive, drive_many, with_values
+
+if TYPE_CHECKING:
+    from er_model_lab.problem.prepare import Problem
+
+CAR = ("m_us", "k_s", "k_t")
+"""Parameters of the quarter car that are fitted. The sprung mass is what was weighed: its error is an effect."""
+UNSEEN = {
+    "damper_force": ("force_delay", "force_lag"),
+    "deflection": ("deflection_zero",),
+    "deflection_velocity": ("velocity_lag",),
+}
+"""Effects of a sensor that only its own channel shows."""
+ABSURD = 1e3
+"""Outputs beyond this multiple of the largest measured one are none: the car has fallen over."""
+FACTOR = 2.0
+"""By so much these may be off: with an effect missing, a fit would else pay with a wheel without mass."""
+NUDGE = 1e-3
+"""Change of a start for its sensitivity, as a share of the motion's size."""
+
+
+@dataclass(frozen=True)
+class RideForward:
+    """Records of a car, as `er_model_lab.problem.forward.Forward`.
+
+    names, weights, noise (c,): outputs, newtons per unit of each, and its white noise; measured (n c,); sizes (4,):
+    of the mechanical state; starts (blocks, 4); slopes: rows of each block by its start over `sizes`, (rows, 4);
+    pulls: that start from the errors of the first rows, (4, rows); car: values of the quarter car as given.
+    """
+
+    dt: float
+    courses: tuple[Course, ...]
+    names: tuple[str, ...]
+    weights: Array
+    noise: Array
+    measured: Array
+    envelope: Scales
+    car: Mapping[str, float]
+    sizes: Array
+    starts: Array
+    slopes: tuple[Array, ...] = ()
+    pulls: tuple[Array, ...] = ()
+
+    @property
+    def limits(self) -> Limits:
+        """What is fitted of the quarter car stays near what was given."""
+        return {
+            ("quarter_car", name): (self.car[name] / FACTOR, self.car[name] * FACTOR)
+            for name in CAR
+        }
+
+    @property
+    def worth(self) -> float:
+        """A third of what the smallest effect with a name gains: rides are long to simulate."""
+        return 1.0 - 0.3e-2
+
+    @property
+    def outputs(self) -> int:
+        """Rows of a sample."""
+        return len(self.names)
+
+    def blocks(self) -> Iterator[tuple[int, int]]:
+        """First sample and end of every block, all records laid end to end."""
+        offset = 0
+        for path in self.courses:
+            for i, j in itertools.pairwise(path.edges):
+                yield offset + i, offset + j
+            offset += path.edges[-1]
+
+    def predict_many(self, problem: Problem, model: Model, vectors: Array) -> Array:
+        """Rows (m, n) with the starts of the blocks that suit them."""
+        del problem
+        rows = np.full((vectors.shape[0], self.measured.size), np.nan)
+        able = ~np.isnan(vectors).any(axis=1)
+        jobs = [(with_values(model, v), self.starts) for v in vectors[able]]
+        found = self.weighted(drive_many(jobs, self.dt, self.courses))
+        found[~(np.abs(found) < ABSURD * np.abs(self.measured).max())] = np.nan
+        rows[able] = self.measured - self.settled(self.measured - found)
+        return rows
+
+    def predict(self, problem: Problem, model: Model) -> Array:
+        """Rows (n,) of a model."""
+        return np.asarray(self.predict_many(problem, model, model.compiled().p[None])[0])
+
+    def ride(self, model: Model) -> tuple[Array, Array]:
+        """Mechanical states (n, 4) and outputs (n, 6) of all records."""
+        blocks = np.cumsum([0, *(len(p.edges) - 1 for p in self.courses)])
+        pairs = zip(self.courses, itertools.pairwise(blocks), strict=True)
+        runs = [drive(model, self.dt, path, self.starts[i:j]) for path, (i, j) in pairs]
+        return np.concatenate([q for q, _ in runs]), np.concatenate([o for _, o in runs])
+
+    def weighted(self, seen: Array) -> Array:
+        """Rows (m, n c) of outputs (m, n, 6)."""
+        columns = [CHANNELS[name] for name in self.names]
+        return np.asarray(
+            (seen[:, :, columns] * self.weights).reshape(len(seen), self.measured.size)
+        )
+
+    def settled(self, errors: Array) -> Array:
+        """Errors (m, n) less what other starts of the blocks explain."""
+        out, c = errors.copy(), self.outputs
+        for (i, j), slope, pull in zip(self.blocks(), self.slopes, self.pulls, strict=True):
+            first = errors[:, i * c : i * c + pull.shape[1]]
+            out[:, i * c : j * c] -= (first @ pull.T) @ slope.T
+        return out
+
+    def free(self, model: Model) -> Free:
+        """Parameters of damper and car; without the force only ratios are knowable: the body's mass is the measure."""
+        return tuple(
+            (name, q.name)
+            for name in model.effects
+            if model.catalogue[name].knowable
+            for q in model.catalogue[name].parameters
+            if q.fitted or (name == "quarter_car" and q.name in CAR)
+        )
+
+    def candidates(self, model: Model) -> tuple[Effect, ...]:
+        """Effects of damper, car and those sensors that were recorded."""
+        unseen = {e for name, effects in UNSEEN.items() if name not in self.names for e in effects}
+        car = [
+            e
+            for e in model.catalogue.effects
+            if e.stage == "vehicle" and any(q.fitted for q in e.parameters)
+        ]
+        return tuple(e for e in (*model.catalogue.candidates(), *car) if e.name not in unseen)
+
+    def scales(self, problem: Problem) -> Scales | None:
+        """Envelope of the ride."""
+        del problem
+        return self.envelope
+
+    def input_errors(
+        self, problem: Problem, model: Model, rng: np.random.Generator, m: int
+    ) -> Array:
+        """None: road and duty are taken as they are; their errors are part of what is left."""
+        del model, rng
+        return np.zeros((m, problem.force.size))
+
+    def output_errors(
+        self, residual: Array, size: float, colour: float, rng: np.random.Generator, m: int
+    ) -> Array:
+        """What is left, moved along the record by any time and with any sign: its spectra stay, its causes do not."""
+        del size, colour
+        left = residual.reshape(-1, self.outputs)
+        n = left.shape[0]
+        moves = rng.integers(round(1.0 / self.dt), n - round(1.0 / self.dt), m)
+        signs = rng.choice([-1.0, 1.0], m)
+        drawn = [sign * np.roll(left, k, axis=0).ravel() for k, sign in zip(moves, signs)]
+        return self.settled(np.array(drawn))
+
+
+def with_starts(forward: RideForward, model: Model, *, rounds: int = 6) -> RideForward:
+    """The forward model with fitted starts of all blocks (Gauss-Newton), and their sensitivities."""
+    kept = trial = forward.starts
+    best = np.full(trial.shape[0], np.inf)
+    for _ in range(rounds):
+        errors, slopes, pulls = _sensitivities(replace(forward, starts=trial), model)
+        cost = np.array([float(np.mean(e**2)) for e in errors])
+        better = cost < best
+        if not np.any(cost < 0.99 * best):
+            break
+        best, kept = np.minimum(cost, best), np.where(better[:, None], trial, kept)
+        step = np.array([pull @ e for pull, e in zip(pulls, errors, strict=True)]) * forward.sizes
+        trial = np.where(better[:, None], trial + step, 0.5 * (trial + kept))
+    _, slopes, pulls = _sensitivities(replace(forward, starts=kept), model)
+    return replace(forward, starts=kept, slopes=slopes, pulls=pulls)
+
+
+def _sensitivities(
+    forward: RideForward, model: Model
+) -> tuple[list[Array], tuple[Array, ...], tuple[Array, ...]]:
+    """Errors of each block's first rows, its slopes and its pulls; the starts of all blocks move at once."""
+    nudges = np.vstack([np.zeros(4), NUDGE * np.eye(4)]) * forward.sizes
+    jobs = [(model, forward.starts + nudge) for nudge in nudges]
+    rows = np.nan_to_num(forward.weighted(drive_many(jobs, forward.dt, forward.courses)))
+    errors: list[Array] = []
+    slopes: list[Array] = []
+    pulls: list[Array] = []
+    c, first = forward.outputs, round(SETTLE / forward.dt)
+    for i, j in forward.blocks():
+        part = slice(i * c, j * c)
+        slope = (rows[1:, part] - rows[0, part]).T / NUDGE
+        seen = slope[: first * c]
+        errors.append((forward.measured[part] - rows[0, part])[: seen.shape[0]])
+        slopes.append(slope)
+        pulls.append(np.asarray(np.linalg.pinv(seen, rcond=1e-3), float))
+    return errors, tuple(slopes), tuple(pulls)

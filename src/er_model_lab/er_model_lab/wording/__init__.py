@@ -1,0 +1,1 @@
+"""Words, units, order and pens that terminal and report share."""
