@@ -96,8 +96,11 @@ HEAD = (
 
 
 def _quiet() -> None:
-    """One thread a process."""
+    """One thread a process, which ends with the one that started it."""
     import numba
+    from er_models.orphan import end_with_parent
+
+    end_with_parent()
 
     numba.set_num_threads(1)
 

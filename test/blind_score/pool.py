@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from typing import TypeVar
 
+from er_models.orphan import end_with_parent
+
 J = TypeVar("J")
 R = TypeVar("R")
 ONE_THREAD = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
@@ -24,7 +26,8 @@ def spread(work: Callable[[J], R], jobs: Sequence[J], workers: int) -> Iterator[
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
     try:
-        with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
+        context = multiprocessing.get_context("spawn")
+        with ProcessPoolExecutor(workers, context, end_with_parent) as pool:
             futures = [pool.submit(work, job) for job in jobs]
             try:
                 for done in as_completed(futures):

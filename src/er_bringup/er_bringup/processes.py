@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
 import re
 import signal
@@ -16,6 +15,7 @@ from time import monotonic, sleep
 from typing import IO
 
 from er_models.errors import InputError
+from er_models.orphan import end_with_parent
 
 PATIENCE = 8.0
 """Time to end after SIGINT; a recorder may have to write its index [s]."""
@@ -24,7 +24,6 @@ LAST_PATIENCE = 2.0
 POLL = 0.02
 KILLED = 128
 """Exit status of a process ended by signal n is this plus n, as shells say it."""
-_PR_SET_PDEATHSIG = 1
 
 
 def say(line: str, out: IO[str]) -> None:
@@ -100,7 +99,7 @@ def _started(argv: Sequence[str]) -> subprocess.Popen[str]:
         text=True,
         errors="replace",
         start_new_session=True,
-        preexec_fn=_end_with_parent if sys.platform == "linux" else None,
+        preexec_fn=end_with_parent if sys.platform == "linux" else None,
     )
 
 
@@ -142,12 +141,3 @@ def _ended(children: Sequence[Child], patience: float) -> bool:
             return False
         sleep(POLL)
     return True
-
-
-_LIBC = ctypes.CDLL(None, use_errno=True) if sys.platform == "linux" else None
-
-
-def _end_with_parent() -> None:
-    """Runs in the child: have the kernel send SIGTERM when the parent ends, however it ends."""
-    if _LIBC is not None:
-        _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 from er_models.model import Array, Model
+from er_models.orphan import end_with_parent
 from er_models.parallel import cores
 
 from er_observers.compare.estimators import Estimator, estimators_of, gains_alone
@@ -118,6 +119,12 @@ def _prepare_worker(model: Model, gains: Path) -> None:
     _WORKER["here"] = (model, estimators_of(model, gains))
 
 
+def _begin_worker(model: Model, gains: Path) -> None:
+    """A worker of its own process, which ends with the one that started it."""
+    end_with_parent()
+    _prepare_worker(model, gains)
+
+
 def _work(job: _Job) -> list[Outcome]:
     """One road in a worker."""
     model, estimators = _WORKER["here"]
@@ -151,5 +158,5 @@ def _spread(jobs: list[_Job], model: Model, gains: Path) -> Iterator[list[Outcom
         yield from map(_work, jobs)
         return
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(cores(), context, _prepare_worker, (model, gains)) as pool:
+    with ProcessPoolExecutor(cores(), context, _begin_worker, (model, gains)) as pool:
         yield from pool.map(_work, jobs)
