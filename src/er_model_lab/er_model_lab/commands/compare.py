@@ -31,7 +31,7 @@ from er_model_lab.present.views import views
 from er_model_lab.problem.prepare import Problem
 from er_model_lab.records.load import fingerprint
 from er_model_lab.records.record import Record, originals
-from er_model_lab.residual.errors import size_notes
+from er_model_lab.residual.errors import explainable, size_notes
 from er_model_lab.residual.excess import noise_at, region_tables
 from er_model_lab.view import RegionTable, View
 
@@ -72,9 +72,7 @@ def _compared(
     further, data = beyond(model, problem, given), originals(records)
     mse = float(np.mean(given[problem.used] ** 2))
     sides = floors(problem, base.fit.residual, floor)
-    result = compare_json(
-        problem, given, floor.floor, max(1.0 - floor.floor**2 / mse, 0.0), tables
-    ) | {
+    result = compare_json(problem, given, floor.floor, explainable(mse, floor.floor), tables) | {
         "preflight": preflight(data, model, model.catalogue).as_json(),
         "command": "compare",
         "model": model.name,

@@ -18,6 +18,7 @@ from er_model_lab.present.views import views
 from er_model_lab.problem.prepare import Problem, white_noise
 from er_model_lab.records.load import fingerprint
 from er_model_lab.records.record import CHANNELS, originals
+from er_model_lab.residual.errors import explainable
 from er_model_lab.residual.excess import noise_at, region_tables
 from er_model_lab.vehicle.ride_forward import RideForward
 from er_model_lab.vehicle.ride_problem import ride_as_given
@@ -38,7 +39,7 @@ def compare(ask: Request) -> Outcome:
     result: dict[str, Any] = compare_json(problem, left, floor, 0.0, tables)
     result |= {
         "command": "compare", "level": "vehicle", "model": model.name,
-        "explainable": max(1.0 - floor**2 / result["rmse"] ** 2, 0.0), "channels": _channels(problem, left),
+        "explainable": explainable(result["rmse"] ** 2, floor), "channels": _channels(problem, left),
         "preflight": preflight(data, model, model.catalogue).as_json(),
     }  # fmt: skip
     view = View(

@@ -238,10 +238,10 @@ def _beside_lag(found: Diagnosis, before: Candidate, lag: tuple[float, float]) -
     best = found.best
     model = best.fit.model.with_effect("velocity_lag", {"T_v": lag[0]})
     model = replace(model, deviations={**model.deviations, "velocity_lag": {"T_v": lag[1]}})
-    explainable, explained = shares(before.mse, best.mse, found.floor)
+    to_explain, explained = shares(before.mse, best.mse, found.floor)
     return replace(
         found, base=before, best=replace(best, fit=replace(best.fit, model=model)),
-        explainable=explainable, explained=explained,
+        explainable=to_explain, explained=explained,
     )  # fmt: skip
 
 

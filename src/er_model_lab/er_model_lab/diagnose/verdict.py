@@ -26,6 +26,7 @@ from er_model_lab.diagnose.search import (
     try_pairs,
 )
 from er_model_lab.problem.prepare import Problem
+from er_model_lab.residual.errors import explainable
 
 Name = Literal[
     "adequate", "missing_effect", "ambiguous", "partial", "unknown_effect", "insufficient_data"
@@ -113,7 +114,7 @@ def shares(before: float, after: float, floor: Floor) -> tuple[float, float]:
     """Share [1] of a mean square [N2] that is explainable, and how much of that a later model explains."""
     limit = floor.floor**2
     return (
-        max(1.0 - limit / before, 0.0),
+        explainable(before, floor.floor),
         float((before - after) / max(before - limit, 1e-12 * before)),
     )
 
@@ -131,14 +132,13 @@ def judge(
 ) -> Diagnosis:  # fmt: skip
     """The verdict on what a search found; ties: groups that the data cannot tell apart."""
     cover = coverage(problem)
-    limit = floor.floor**2
-    explainable, explained = shares(base.mse, best.mse, floor)
-    beyond_fit = max(1.0 - limit / min(base.mse, base.fit.mse(problem.train)), 0.0)
+    to_explain, explained = shares(base.mse, best.mse, floor)
+    beyond_fit = explainable(min(base.mse, base.fit.mse(problem.train)), floor.floor)
     name, reasons = _decide(base, best, rounds, floor, beyond_fit, explained, ties, cover, rule)
     if name in ("adequate", "insufficient_data", "unknown_effect"):
         best, ties = base, ()
     return Diagnosis(
-        name, best.effects, ties, base, best, tuple(rounds), floor, rounds[0].null, explainable,
+        name, best.effects, ties, base, best, tuple(rounds), floor, rounds[0].null, to_explain,
         explained if best is not base else 0.0, cover, tuple(reasons),
     )  # fmt: skip
 

@@ -15,6 +15,7 @@ from er_model_lab.long.whole import LongForward, Whole, first_row
 from er_model_lab.problem.held_out import WARM_UP
 from er_model_lab.problem.prepare import Problem
 from er_model_lab.problem.stretches import Place, places_of
+from er_model_lab.residual.errors import explainable
 
 WORSE = 1.15
 """Error elsewhere, over that on the held-out stretches, from which the search is repeated with the worst of it."""
@@ -153,7 +154,7 @@ def errors_json(found: Checked, floor: float) -> dict[str, Any]:
     return {
         "rmse": rmse,
         "nrmse": rmse / span if span > 0.0 else float("nan"),
-        "explainable": max(1.0 - floor**2 / rmse**2, 0.0) if rmse > 0.0 else 0.0,
+        "explainable": explainable(rmse**2, floor),
         "rmse_by_record": {
             name: float(np.sqrt(np.mean(left[cut][used[cut]] ** 2))) for name, cut in found.records
         },

@@ -15,6 +15,7 @@ from er_models.model import Array, Model
 from numpy.typing import NDArray
 
 from er_model_lab.long.verify import Checked
+from er_model_lab.residual.errors import explainable
 from er_model_lab.residual.excess import BOOTSTRAPS
 from er_model_lab.view import RecordView, RegionTable
 
@@ -72,7 +73,7 @@ def table(rivals: Sequence[Rival], floor: float, seed: int) -> list[dict[str, An
         rmse = float(np.sqrt(mse))
         out.append({
             "model": called, "model_file": rival.file, "rmse": rmse, "nrmse": rmse / span if span > 0.0 else None,
-            "explainable": max(1.0 - floor**2 / mse, 0.0) if mse > 0.0 else 0.0,
+            "explainable": explainable(mse, floor),
             "against_first": {"change": float(rmse - np.sqrt(first[:, 0].sum() / first[:, 1].sum())),
                               "band": [float(low), float(high)]},
             "rmse_by_record": {run.name: _error(run) for run in own},

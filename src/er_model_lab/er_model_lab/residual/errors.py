@@ -25,6 +25,11 @@ class Errors:
     nrmse: float
 
 
+def explainable(mse: float, floor: float) -> float:
+    """Share [1] of a mean square error [N2] that is beyond the noise floor [N]."""
+    return max(1.0 - floor**2 / mse, 0.0) if mse > 0.0 else 0.0
+
+
 def errors(problem: Problem, residual: Array, mask: NDArray[np.bool_]) -> Errors:
     """RMSE [N] and NRMSE = RMSE / (max - min of the force), thesis (3.79)-(3.80); of the first output."""
     n = problem.forward.outputs
