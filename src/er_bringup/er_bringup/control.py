@@ -16,7 +16,7 @@ from er_ftc_controller.compare.table import markdown
 from er_models.errors import ErError, UnknownName
 from er_models.files import write_whole
 from er_models.places import writable
-from er_observers.compare.progress import roads_done
+from er_observers.compare.progress import progress_of
 from er_ros_common.usage import OneLineGroup
 from rich.console import Console
 
@@ -56,7 +56,7 @@ def compare_command(
     writable({"--out": out})
     config = configuration()
     scenarios = tuple(_with(s, fault) for s in _scenarios(only))
-    with roads_done() as tick:
+    with progress_of("roads") as tick:
         outcomes = compare(setup(config), scenarios, _watch(faults), seeds, tick=tick)
     text = markdown(scenarios, outcomes, faults)
     _print(text)
@@ -89,7 +89,7 @@ def tradeoff_command(
     if first is not None:
         chosen = replace(chosen, program=replace(chosen.program, seed=first))
     faults = ("healthy", "electrical", "leakage")
-    with roads_done() as tick:
+    with progress_of("roads") as tick:
         found = tradeoff.points(setup(configuration()), chosen, faults, seeds, tick=tick)
     _print(tradeoff.markdown(found))
 
@@ -109,9 +109,9 @@ def endurance_command(
     """A long ride with all three faults coming and going; exit status 1 where the loop is not stable."""
     from er_ftc_controller.compare.endurance import Ride, ride
 
-    found = ride(
-        setup(configuration()), _watch(faults), Ride(60.0 * minutes, seed=seed, latency=latency)
-    )
+    r = Ride(60.0 * minutes, seed=seed, latency=latency)
+    with progress_of("seconds driven") as tick:
+        found = ride(setup(configuration()), _watch(faults), r, tick)
     _print(f"{minutes:g} min, seed {seed}: {'stable' if found.stable else 'NOT STABLE'}")
     _print(f"peak deflection over the passive car's: {found.peak:.3f}, rms: {found.rms:.3f}")
     _print(

@@ -18,6 +18,7 @@ from er_ftc_controller.rivals import Law
 FAULTS = ("electrical_fault", "oil_leakage", "duct_deformation")
 """Effects of f1, f2, f3."""
 _NOISE = 7  # stream of random numbers beside the road's own
+_TICK = 200  # samples from one word of how far a drive is to the next
 
 
 @dataclass(frozen=True)
@@ -77,11 +78,13 @@ def known(_believed: Model, car: Model) -> Watch:
 
 
 def drive(
-    car: Model, road: Array, dt: float, law: Law, watch: Watch, sensors: Sensors, seed: int
-) -> dict[str, Array]:
+    car: Model, road: Array, dt: float, law: Law, watch: Watch, sensors: Sensors, seed: int,
+    tick: Callable[[float], None] | None = None,
+) -> dict[str, Array]:  # fmt: skip
     """The car on a road (n,) of samples dt [s] apart: `COLUMNS`, each (n,), and left, believed (n, 3).
 
     The duty of a sample acts until the next one, or `latency` samples later. No controller sees the road.
+    tick: told the time [s] every `_TICK` samples.
     """
     plant = prepare(car, dt)
     state, out = initial_state(plant, float(road[0])), Output(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -91,6 +94,8 @@ def drive(
     rows, left, believed = [], [], []
     for k, height in enumerate(road.tolist()):
         t = k * dt
+        if tick is not None and k % _TICK == 0:
+            tick(t)
         if k > 0:
             state, out = step_plant(plant, state, (height, told_duty))
         seen = _seen(out, noise[k])

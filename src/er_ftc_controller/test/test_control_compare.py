@@ -11,6 +11,7 @@ import pytest
 import yaml
 from er_ftc_controller.closed_loop import known
 from er_ftc_controller.compare import tradeoff
+from er_ftc_controller.compare.endurance import Ride, ride
 from er_ftc_controller.compare.measures import Measures, outside, w_k, weighted
 from er_ftc_controller.compare.run import Outcome, Setup, compare, judged, run, setup
 from er_ftc_controller.compare.scenarios import load_scenario, load_scenarios
@@ -114,6 +115,14 @@ def test_a_dead_zone_gives_deflection_for_comfort_and_an_electrical_fault_costs_
         shipped.moved["electrical"] > 0.0 == frozen.moved["electrical"]
     )  # an infinite mu keeps rho where it is
     assert tradeoff.markdown([bold, shipped]).count("\n") == 3
+
+
+def test_a_ride_says_how_far_it_has_come(of: Setup) -> None:
+    told: list[tuple[int, int]] = []
+    r = Ride(4.0)
+    found = ride(of, known, r, lambda done, total: told.append((done, total)))
+    assert told == [(second, 8) for second in range(8)]
+    assert found == ride(of, known, r)
 
 
 def test_a_run_repeats_bit_for_bit_and_another_road_does_not(of: Setup) -> None:

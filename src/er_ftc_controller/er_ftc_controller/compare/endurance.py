@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -50,8 +51,13 @@ class Verdict(NamedTuple):
     error: tuple[float, float, float]
 
 
-def ride(setup: Setup, watch: WatchOf, r: Ride) -> Verdict:
-    """Drive the controller and the passive car over the same road with the same faults."""
+def ride(
+    setup: Setup, watch: WatchOf, r: Ride, tick: Callable[[int, int], None] | None = None
+) -> Verdict:
+    """Drive the controller and the passive car over the same road with the same faults.
+
+    tick: told the seconds driven, of those that both drive.
+    """
     car = _faulty(setup.model)
     program = Program(
         {"kind": "iso8608", "road_class": "C", "peak_velocity": 0.15},
@@ -60,9 +66,10 @@ def ride(setup: Setup, watch: WatchOf, r: Ride) -> Verdict:
     road = resolve(program, setup.model, DT).signals(times(r.seconds, DT))[0]
     p = replace(setup.parameters, u_max=r.duty_max, latency=r.latency * DT)
     sensors, source = Sensors(latency=r.latency), watch(setup.model, car)
-    ours = drive(car, road, DT, setup.built(p), source, sensors, r.seed)
+    ours = drive(car, road, DT, setup.built(p), source, sensors, r.seed, _seconds(r, tick, 0))
     untold = known(setup.model, car)  # a passive car's faults need no estimate
-    bare = drive(car, road, DT, passive(p.u_min), untold, sensors, r.seed)
+    second = _seconds(r, tick, 1)
+    bare = drive(car, road, DT, passive(p.u_min), untold, sensors, r.seed, second)
     return judge(ours, bare)
 
 
@@ -78,6 +85,15 @@ def judge(ours: dict[str, Array], bare: dict[str, Array]) -> Verdict:
         int(np.count_nonzero(np.diff(modes))), float(ours["adapted"].mean()), float(ours["safe"].mean()),
         (float(error[0]), float(error[1]), float(error[2])),
     )  # fmt: skip
+
+
+def _seconds(
+    r: Ride, tick: Callable[[int, int], None] | None, before: int
+) -> Callable[[float], None] | None:
+    """What a car that drives after so many others tells of its time."""
+    if tick is None:
+        return None
+    return lambda t: tick(round(t + before * r.seconds), round(2 * r.seconds))
 
 
 def _faulty(model: Model) -> Model:

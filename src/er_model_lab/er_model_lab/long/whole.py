@@ -14,7 +14,8 @@ from er_models.predict import Motion, join, predict_many
 from numpy.typing import NDArray
 
 from er_model_lab.motion.drift import without_drift
-from er_model_lab.motion.fuse import WITHOUT_A, Channels, Noise, adapt, channels_of, fuse
+from er_model_lab.motion.fuse import WITHOUT_A, Channels, Noise, channels_of, fuse
+from er_model_lab.motion.levels import adapt
 from er_model_lab.problem.forward import DamperForward
 from er_model_lab.problem.prepare import (
     FOR_NOISE,

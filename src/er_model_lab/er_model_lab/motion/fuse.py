@@ -9,8 +9,7 @@ and is measured by whatever channels there are: x, v and a + b. A velocity chann
 one more state u, T_v u' + u = v; one that leads is v - T_v a. Between kinks the acceleration is smooth and
 can be integrated far better than by a straight line; at a kink (a gate that closes, a friction that
 reverses) the intensity q_k rises with the third difference of the data, so that nothing is smoothed away.
-Noise levels, intensity and lag are found by maximum likelihood; a Rauch-Tung-Striebel smoother gives motion
-and covariance.
+Noise levels, intensity and lag are those of `levels`; a Rauch-Tung-Striebel smoother gives motion and covariance.
 
 Why: the gate of an electrorheological damper is 2 mm/s wide. Velocity noise of 1 mm/s makes wrong
 effects look true; fused motion is five times cleaner.
@@ -18,15 +17,12 @@ effects look true; fused motion is five times cleaner.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from er_models.model import Array
-from er_models.parallel import in_turn
 from numpy.typing import NDArray
-from scipy.optimize import minimize, minimize_scalar
 from scipy.signal import lfilter
 
 from er_model_lab.motion.chain import LAGGING, STATES, filtered, ramps, smoothed
@@ -141,108 +137,6 @@ def _run(
 def likelihood(ch: Channels, noise: Noise) -> float:
     """Logarithm of the likelihood of the measurements."""
     return _run(ch, noise, keep=False)[0]
-
-
-def _cost(ch: Channels, noise: Noise) -> float:
-    """What a search for noise levels lowers: finite for whatever is tried."""
-    value = likelihood(ch, noise)
-    return -value if np.isfinite(value) else 1e30
-
-
-def _start(ch: Channels, order: int) -> Noise:
-    """Starting noise levels from the calm quarter of the third differences of each channel."""
-    rough = []
-    for c in range(3):
-        d = np.abs(np.diff(ch.z[:, c], 3))
-        rough.append(max(float(np.quantile(d, 0.25)) / 0.3186 / np.sqrt(20.0), 1e-9))
-    level = 2 if ch.has[2] else (1 if ch.has[1] else 0)
-    times = order - level
-    drive = float(np.mean(np.diff(ch.z[:, level], times) ** 2) / ch.dt ** (2 * times - 1))
-    return Noise(rough[0], rough[1], rough[2], max(drive, 1e-9), order=order)
-
-
-def _kinds(ch: Channels) -> list[tuple[int, bool]]:
-    """Orders of the chain, each with whether its intensity follows the data, that the motion may have."""
-    if ch.has[2]:
-        return [(4, True), (3, False), (4, False), (3, True)]
-    return [(4, False), (3, False)]
-
-
-def _likeliest(ch: Channels, under: Callable[[int, bool], Noise]) -> Noise:
-    """The likeliest of what is found under each model of the motion; the searches share the cores."""
-    found = in_turn(lambda kind: under(*kind), _kinds(ch))
-    return max(found, key=lambda noise: likelihood(ch, noise))
-
-
-def estimate_noise(ch: Channels, lag: float = 0.0) -> Noise:
-    """Maximum likelihood noise levels under the likeliest of the four motion models, at a known lag."""
-    return _likeliest(
-        ch,
-        lambda order, local: _estimate(
-            ch, replace(_start(ch, order), local=local, lag=lag), free_lag=False
-        ),
-    )
-
-
-def estimate_lag(ch: Channels, noise: Noise) -> Noise:
-    """Noise levels with the lag of the velocity channel free, under the motion model of `noise`."""
-    return _estimate(ch, noise, free_lag=True)
-
-
-def _estimate(ch: Channels, start: Noise, *, free_lag: bool) -> Noise:
-    """Maximum likelihood noise levels (and lag) from a starting point, under its motion model."""
-    names = [n for n, h in zip(("x", "v", "a"), ch.has, strict=True) if h] + ["drive"]
-    origin = np.log([getattr(start, n) for n in names])
-    with_lag = free_lag and bool(ch.has[1]) and bool(ch.has[0] or ch.has[2])
-    point = np.append(origin, start.lag / ch.dt) if with_lag else origin
-
-    def noise_at(theta: Array) -> Noise:
-        values = np.exp(np.clip(theta[: len(names)], -40, 40)).tolist()
-        lag = float(np.clip(theta[-1], -20, 20)) * ch.dt if with_lag else start.lag
-        return replace(start, lag=lag, **dict(zip(names, values, strict=True)))
-
-    def cost(theta: Array) -> float:
-        return _cost(ch, noise_at(theta))
-
-    simplex = np.vstack([point, point + 0.7 * np.eye(point.size)])
-    best = minimize(cost, point, method="Nelder-Mead", options={
-        "initial_simplex": simplex, "maxfev": 40 * point.size, "xatol": 0.02, "fatol": 0.5,
-    })  # fmt: skip
-    noise = noise_at(best.x)
-    return _with_lag_sd(best.x, cost, noise, ch.dt) if with_lag else noise
-
-
-def adapt(ch: Channels, noise: Noise) -> Noise:
-    """The same sensors on another record: its own motion model, with its intensity by maximum likelihood.
-
-    Sensors keep their noise from record to record; a fast sine is driven a hundred times harder than a slow one.
-    """
-    return _likeliest(
-        ch, lambda order, local: _intensity(ch, replace(noise, order=order, local=local))
-    )
-
-
-def _intensity(ch: Channels, noise: Noise) -> Noise:
-    """Likeliest intensity of the noise that drives the chain, the sensors' noise being known."""
-    start = float(np.log(_start(ch, noise.order).drive))
-
-    def cost(log_drive: float) -> float:
-        return _cost(ch, replace(noise, drive=float(np.exp(log_drive))))
-
-    found = minimize_scalar(
-        cost, bounds=(start - 25.0, start + 10.0), method="bounded", options={"xatol": 0.1}
-    )
-    return replace(noise, drive=float(np.exp(found.x)))
-
-
-def _with_lag_sd(
-    theta: Array, cost: Callable[[Array], float], noise: Noise, scale: float
-) -> Noise:
-    """Standard deviation of the lag from the curvature of the likelihood."""
-    step = np.zeros_like(theta)
-    step[-1] = 0.05
-    curvature = (cost(theta + step) - 2.0 * cost(theta) + cost(theta - step)) / 0.05**2
-    return replace(noise, lag_sd=scale / np.sqrt(curvature) if curvature > 0 else float("inf"))
 
 
 def channels_of(dt: float, x: Array | None, v: Array | None, a: Array | None) -> Channels:

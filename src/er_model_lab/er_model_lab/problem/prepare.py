@@ -19,17 +19,8 @@ from numpy.typing import NDArray
 
 from er_model_lab.motion.cycle import Cycle, cycles
 from er_model_lab.motion.drift import without_drift
-from er_model_lab.motion.fuse import (
-    WITHOUT_A,
-    Channels,
-    Fused,
-    Noise,
-    adapt,
-    channels_of,
-    estimate_lag,
-    estimate_noise,
-    fuse,
-)
+from er_model_lab.motion.fuse import WITHOUT_A, Channels, Fused, Noise, channels_of, fuse
+from er_model_lab.motion.levels import adapt, estimate_lag, estimate_noise
 from er_model_lab.problem.forward import DAMPER, Forward
 from er_model_lab.problem.held_out import WARM_UP, split
 from er_model_lab.problem.noted import Notes

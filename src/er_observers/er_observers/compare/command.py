@@ -15,7 +15,7 @@ from er_models.places import writable
 from rich.console import Console
 
 from er_observers.compare.estimators import Estimator, estimators_of
-from er_observers.compare.progress import roads_done
+from er_observers.compare.progress import progress_of
 from er_observers.compare.run import compare, follow
 from er_observers.compare.table import csv_lines, document
 from er_observers.compare.terminal import tables
@@ -68,7 +68,7 @@ def compare_command(
     gains = gains or config / "gains"
     estimators = estimators_of(car, gains)
     scenarios = choose_scenarios(load_scenarios(config / "scenarios"), only or [])
-    with roads_done() as tick:
+    with progress_of("roads") as tick:
         outcomes = compare(scenarios, car, gains, seeds, tick)
     titles = {e.name: e.title for e in estimators}
     ours = [e.name for e in estimators if e.ours]

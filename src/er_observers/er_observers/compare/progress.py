@@ -1,4 +1,4 @@
-"""The progress bar of a comparison."""
+"""The progress bar of long work: a comparison's roads, a ride's seconds."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 
 @contextmanager
-def roads_done() -> Iterator[Callable[[int, int], None] | None]:
-    """Roads done and of all, on a terminal only."""
+def progress_of(what: str) -> Iterator[Callable[[int, int], None] | None]:
+    """How many of `what` are done, of how many, and the time that is left, on a terminal only."""
     if not sys.stderr.isatty():
         yield None
         return
-    shown = (TextColumn("roads"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    shown = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*shown, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("roads", total=None)
+        task = bar.add_task(what, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
