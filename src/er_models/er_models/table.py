@@ -7,11 +7,9 @@ from importlib import import_module
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from er_models.arrow import Array, samples
 from er_models.errors import InputError
-
-Array = NDArray[np.float64]
 
 
 def read_columns(path: Path, time: str, signal: str) -> tuple[Array, Array]:
@@ -73,8 +71,8 @@ def _read_parquet(path: Path, names: tuple[str, str]) -> list[Array]:
     for name in names:
         _place(path, table.column_names, name)
         try:
-            columns.append(np.asarray(table[name].to_numpy(), float))
-        except (TypeError, ValueError) as error:
+            columns.append(samples(table[name]))
+        except (TypeError, ValueError, pyarrow.ArrowException) as error:
             raise InputError(path, name, "a column of numbers", str(table[name].type)) from error
     return columns
 

@@ -7,19 +7,24 @@ from io import BytesIO
 from typing import Any
 
 import matplotlib
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure as Canvas
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from PIL import Image
 
 from er_model_lab.report.figure import Figure, Panel, Scale
 from er_model_lab.report.palette import INK, MUTED, RULE
 from er_model_lab.report.still_marks import Pen, draw
 
-DPI = 100
+DPI, DPI_OF_PNG = 100, 150
+FAST = 4
+"""Compression of PNG files: two thirds of the time of the usual 6, for 2 % more bytes."""
 STYLE: dict[Any, Any] = {
     "font.family": "sans-serif", "font.sans-serif": ["DejaVu Sans", "Arial"], "font.size": 10.0,
     "text.color": INK, "axes.labelcolor": INK, "axes.edgecolor": MUTED, "axes.linewidth": 0.7,
@@ -36,18 +41,23 @@ def still(figure: Figure) -> tuple[bytes, bytes]:
     with matplotlib.rc_context(STYLE):
         canvas = _canvas(figure)
         svg, png = BytesIO(), BytesIO()
-        # the layout is found once, and left: with an engine each format would be drawn twice
+        # the layout is found once, and left; `savefig` would draw each format once more to find it
         ConstrainedLayoutEngine().execute(canvas)
         canvas.set_layout_engine("none")
-        canvas.savefig(svg, format="svg", metadata={"Date": None, "Creator": None}, dpi=DPI)
-        canvas.savefig(png, format="png", metadata={"Software": None}, dpi=150)
+        lines: Any = FigureCanvasSVG(canvas)
+        lines.print_svg(svg, metadata={"Date": None, "Creator": None})
+        canvas.set_dpi(DPI_OF_PNG)
+        pixels: Any = FigureCanvasAgg(canvas)
+        pixels.draw()
+    opaque = Image.fromarray(np.asarray(pixels.buffer_rgba())).convert("RGB")
+    opaque.save(png, "PNG", compress_level=FAST, dpi=(DPI_OF_PNG, DPI_OF_PNG))
     return png.getvalue(), svg.getvalue()
 
 
 def _canvas(figure: Figure) -> Canvas:
     """All panels, one legend, one colour scale."""
     size = (figure.width / DPI, figure.height / DPI)
-    canvas = Canvas(figsize=size, layout="constrained", facecolor="white")
+    canvas = Canvas(figsize=size, dpi=DPI, layout="constrained", facecolor="white")
     FigureCanvasAgg(canvas)
     grid = canvas.subplots(
         figure.rows, figure.columns, squeeze=False, sharex=figure.linked,

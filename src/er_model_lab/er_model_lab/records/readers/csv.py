@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+from er_models.arrow import samples
 from er_models.errors import InputError
 
 from er_model_lab.records.provenance import METADATA_KEY, digest_bytes, restore
@@ -129,7 +130,7 @@ def _numbers(
         )
     except (pa.ArrowInvalid, pa.ArrowKeyError) as error:
         raise _explain(path, rows, delimiter, decimal, columns, str(error)) from None
-    return [np.asarray(table.column(key).to_numpy(), dtype=np.float64) for key in wanted]
+    return [samples(table.column(key)) for key in wanted]
 
 
 def _explain(

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-import numpy as np
 from er_models.errors import InputError
 
 from er_model_lab.records.provenance import METADATA_KEY, digest_bytes, restore
 from er_model_lab.records.readers.columns import TIME, resolve, to_si
 from er_model_lab.records.record import Array, Record
+from er_models import arrow
 
 
 def read(path: Path, names: Mapping[str, str] | None = None) -> list[Record]:
@@ -42,7 +42,7 @@ def read(path: Path, names: Mapping[str, str] | None = None) -> list[Record]:
             pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_decimal(kind)
         ):
             raise InputError(path, f"column '{column.name}'", "numbers", str(kind))
-        raw = np.asarray(values.cast(pa.float64(), safe=False).to_numpy(), dtype=np.float64)
+        raw = arrow.samples(values)
         samples[column.name], how = to_si(column, raw)
         notes += how
     t = samples.pop(TIME)
