@@ -51,6 +51,20 @@ def test_the_project_names_no_machine():
     assert found.stdout == ""
 
 
+TOP = {
+    ".ci", ".gitignore", "ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "README.md", "config", "docs",
+    "er", "pyproject.toml", "requirements", "src", "test", "tools",
+}  # fmt: skip
+
+
+def test_the_top_level_holds_what_belongs_there():
+    """A report that a command wrote beside the sources was once committed with them."""
+    listed = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert {line.split("/")[0] for line in listed.stdout.splitlines()} == TOP
+
+
 NAMED = re.compile(r"`([\w/]+\.py)`")
 """A file of ours in a text: its name, or the end of its path."""
 
