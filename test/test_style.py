@@ -51,6 +51,14 @@ def test_the_project_names_no_machine():
     assert found.stdout == ""
 
 
+def kept_files():
+    """Names of all files that are kept."""
+    listed = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    return listed.stdout.splitlines()
+
+
 TOP = {
     ".ci", ".gitignore", "ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "README.md", "config", "docs",
     "er", "pyproject.toml", "requirements", "src", "test", "tools",
@@ -59,10 +67,7 @@ TOP = {
 
 def test_the_top_level_holds_what_belongs_there():
     """A report that a command wrote beside the sources was once committed with them."""
-    listed = subprocess.run(
-        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True
-    )
-    assert {line.split("/")[0] for line in listed.stdout.splitlines()} == TOP
+    assert {name.split("/")[0] for name in kept_files()} == TOP
 
 
 NAMED = re.compile(r"`([\w/]+\.py)`")
@@ -71,10 +76,7 @@ NAMED = re.compile(r"`([\w/]+\.py)`")
 
 def test_files_that_a_text_names_are_there():
     """A bare name in a package's file is of that package; in a document, or with a folder, it is any of ours."""
-    listed = subprocess.run(
-        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True
-    )
-    kept = listed.stdout.splitlines()
+    kept = kept_files()
     missing = []
     for path in kept:
         if not path.endswith((".py", ".md")):

@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from er_model_lab.motion.white import white_noise
 from er_model_lab.preflight.check import preflight
 from er_model_lab.preflight.use import use_findings
 from er_model_lab.present.fusion import biases, fusion_json
-from er_model_lab.problem.prepare import prepare, resampled, white_noise
+from er_model_lab.problem.prepare import prepare, resampled
 from er_model_lab.records.losses import losses
 from er_model_lab.records.record import Part, Record
 from er_model_lab.records.sampling import with_velocity

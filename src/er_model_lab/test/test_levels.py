@@ -66,4 +66,4 @@ def test_a_search_that_pauses_ends_where_it_would_have_ended(free_lag):
         paused.go_on(7)
     paused.go_on()
     assert asdict(once.noise) == asdict(paused.noise)
-    assert once.value == paused.value == -likelihood(ch, replace(once.noise))
+    assert once.value == paused.value == -likelihood(ch, once.noise)

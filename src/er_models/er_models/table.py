@@ -72,7 +72,7 @@ def _read_parquet(path: Path, names: tuple[str, str]) -> list[Array]:
         _place(path, table.column_names, name)
         try:
             columns.append(samples(table[name]))
-        except (TypeError, ValueError, pyarrow.ArrowException) as error:
+        except pyarrow.ArrowException as error:
             raise InputError(path, name, "a column of numbers", str(table[name].type)) from error
     return columns
 

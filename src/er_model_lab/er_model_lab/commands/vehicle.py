@@ -10,12 +10,13 @@ from er_models.model import Array
 
 from er_model_lab.commands.ask import Outcome, Request, provenance, read
 from er_model_lab.commands.compare import beside
+from er_model_lab.motion.white import white_noise
 from er_model_lab.preflight.check import preflight
 from er_model_lab.present.comparison import compare_json
 from er_model_lab.present.side_by_side import Rival, fitted_to
 from er_model_lab.present.values import clean, headline
 from er_model_lab.present.views import views
-from er_model_lab.problem.prepare import Problem, white_noise
+from er_model_lab.problem.prepare import Problem
 from er_model_lab.records.load import fingerprint
 from er_model_lab.records.record import CHANNELS, originals
 from er_model_lab.residual.errors import explainable

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from er_model_lab.motion.cycle import FEW_CURVES, REMEDY, curves, one_curve
-from er_model_lab.problem.prepare import Problem, white_noise
+from er_model_lab.motion.white import white_noise
+from er_model_lab.problem.prepare import Problem
 
 STEP = 0.01
 """Change of the duty from one sample to the next that is a step."""

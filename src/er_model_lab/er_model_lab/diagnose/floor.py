@@ -21,7 +21,8 @@ from threadpoolctl import threadpool_limits
 from er_model_lab.diagnose.candidates import Candidate
 from er_model_lab.diagnose.left import bursts, filtered
 from er_model_lab.diagnose.null import Null
-from er_model_lab.problem.prepare import Problem, white_noise
+from er_model_lab.motion.white import white_noise
+from er_model_lab.problem.prepare import Problem
 
 if TYPE_CHECKING:
     from sklearn.ensemble import HistGradientBoostingRegressor

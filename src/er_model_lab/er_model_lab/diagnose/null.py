@@ -18,7 +18,8 @@ from er_models.model import Array
 from er_model_lab.diagnose.candidates import Candidate
 from er_model_lab.diagnose.chance import largest
 from er_model_lab.diagnose.left import burst_shares
-from er_model_lab.problem.prepare import Problem, colour_of, white_noise
+from er_model_lab.motion.white import white_noise
+from er_model_lab.problem.prepare import Problem, colour_of
 
 MOTIONS = 6
 """Draws of the motion; each serves many draws of the force noise."""

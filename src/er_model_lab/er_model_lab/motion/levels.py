@@ -15,6 +15,7 @@ from er_models.parallel import in_turn
 from scipy.optimize import minimize, minimize_scalar
 
 from er_model_lab.motion.fuse import Channels, Noise, likelihood
+from er_model_lab.motion.white import white_noise
 
 FIRST, BEHIND = 25, 0.5
 """Steps of a search after which a model of the motion is given up that is so far behind another one, in the logarithm
@@ -29,15 +30,12 @@ def _cost(ch: Channels, noise: Noise) -> float:
 
 
 def _start(ch: Channels, order: int) -> Noise:
-    """Starting noise levels from the calm quarter of the third differences of each channel."""
-    rough = []
-    for c in range(3):
-        d = np.abs(np.diff(ch.z[:, c], 3))
-        rough.append(max(float(np.quantile(d, 0.25)) / 0.3186 / np.sqrt(20.0), 1e-9))
+    """Starting noise levels: the white noise of each channel by itself."""
+    x, v, a = (max(white_noise([y]), 1e-9) for y in ch.z.T)
     level = 2 if ch.has[2] else (1 if ch.has[1] else 0)
     times = order - level
     drive = float(np.mean(np.diff(ch.z[:, level], times) ** 2) / ch.dt ** (2 * times - 1))
-    return Noise(rough[0], rough[1], rough[2], max(drive, 1e-9), order=order)
+    return Noise(x, v, a, max(drive, 1e-9), order=order)
 
 
 def _kinds(ch: Channels) -> list[tuple[int, bool]]:

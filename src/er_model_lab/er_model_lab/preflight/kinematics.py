@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from er_model_lab.motion.white import white_noise
 from er_model_lab.preflight.finding import Finding, Level
 from er_model_lab.preflight.relation import Relation, relate
 from er_model_lab.records.record import CHANNELS, Array, Record
@@ -215,8 +216,7 @@ def offset_findings(record: Record) -> Iterator[Finding]:
     seconds = (len(record) - 1) * record.dt
     offset = float(np.mean(0.5 * (v[1:] + v[:-1])) - (x[-1] - x[0]) / seconds)
     moving = float(np.sqrt(np.mean((v - v.mean()) ** 2)))
-    noise = float(np.quantile(np.abs(np.diff(v, 3)), 0.25) / 0.3186 / np.sqrt(20.0))
-    sd = noise / np.sqrt(len(record)) + np.sqrt(2.0) * _small(x) / seconds
+    sd = white_noise([v]) / np.sqrt(len(record)) + np.sqrt(2.0) * _small(x) / seconds
     if abs(offset) > max(6.0 * sd, 2e-3 * moving):
         yield _finding(
             record, "bias", "warning", "deflection_velocity", "zero at standstill",
@@ -227,7 +227,7 @@ def offset_findings(record: Record) -> Iterator[Finding]:
 
 def _small(x: Array) -> float:
     """Noise of the ends of a deflection, not less than its resolution."""
-    return float(np.quantile(np.abs(np.diff(x, 3)), 0.25) / 0.3186 / np.sqrt(20.0)) + 1e-9
+    return white_noise([x]) + 1e-9
 
 
 def power_findings(record: Record) -> Iterator[Finding]:

@@ -21,6 +21,7 @@ from er_model_lab.motion.cycle import Cycle, cycles
 from er_model_lab.motion.drift import without_drift
 from er_model_lab.motion.fuse import WITHOUT_A, Channels, Fused, Noise, channels_of, fuse
 from er_model_lab.motion.levels import adapt, estimate_lag, estimate_noise
+from er_model_lab.motion.white import white_noise
 from er_model_lab.problem.forward import DAMPER, Forward
 from er_model_lab.problem.held_out import WARM_UP, split
 from er_model_lab.problem.noted import Notes
@@ -33,10 +34,6 @@ Array = NDArray[np.float64]
 
 FOR_NOISE = 2500
 """Samples from which the noise levels of the motion sensors and the intensity of a motion are estimated."""
-QUARTER_OF_NORMAL = 0.3186
-"""Quantile 0.25 of |z| for a normal z of standard deviation 1 [1]."""
-THIRD_DIFFERENCE = 20.0
-"""Variance of the third difference of white noise of variance 1: 1 + 9 + 9 + 1."""
 CONTRADICTION = 0.03
 """Difference of two estimates of a lag, in samples, above which accelerometers contradict the other channels."""
 CONTRADICTION_SD = 4.0
@@ -206,19 +203,6 @@ def prepare(
 def _most(measured: Sequence[Channels], able: Sequence[int]) -> int:
     """The longest of the records with most channels."""
     return max(able, key=lambda r: (int(measured[r].has.sum()), measured[r].z.shape[0]))
-
-
-def white_noise(parts: list[Array]) -> float:
-    """Standard deviation of the white noise of a signal in its unit, from its third differences; parts: (n,) each.
-
-    The signal itself is smooth and leaves little in them; where it is not, they are large, so that their smallest
-    quarter tells the noise. Differences with a lost sample (NaN) are left out; 0 where none remain.
-    """
-    d = np.abs(np.concatenate([np.diff(y, 3) for y in parts]))
-    d = d[np.isfinite(d)]
-    if not d.size:
-        return 0.0
-    return float(np.quantile(d, 0.25) / QUARTER_OF_NORMAL / np.sqrt(THIRD_DIFFERENCE))
 
 
 def colour_of(r: Array) -> float:

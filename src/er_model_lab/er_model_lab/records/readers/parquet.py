@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from er_models.arrow import samples
 from er_models.errors import InputError
 
 from er_model_lab.records.provenance import METADATA_KEY, digest_bytes, restore
 from er_model_lab.records.readers.columns import TIME, resolve, to_si
 from er_model_lab.records.record import Array, Record
-from er_models import arrow
 
 
 def read(path: Path, names: Mapping[str, str] | None = None) -> list[Record]:
@@ -34,7 +34,7 @@ def read(path: Path, names: Mapping[str, str] | None = None) -> list[Record]:
     except (pa.ArrowException, OSError) as error:
         raise InputError(path, "", "a Parquet file", str(error).splitlines()[0]) from None
     columns, notes = resolve(path, table.column_names, names)
-    samples: dict[str, Array] = {}
+    channels: dict[str, Array] = {}
     for column in columns:
         values = table.column(column.index)
         kind = values.type
@@ -42,10 +42,10 @@ def read(path: Path, names: Mapping[str, str] | None = None) -> list[Record]:
             pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_decimal(kind)
         ):
             raise InputError(path, f"column '{column.name}'", "numbers", str(kind))
-        raw = arrow.samples(values)
-        samples[column.name], how = to_si(column, raw)
+        raw = samples(values)
+        channels[column.name], how = to_si(column, raw)
         notes += how
-    t = samples.pop(TIME)
-    record = Record(path.stem, t, samples, tuple(notes), True, str(path), digest_bytes(data))
+    t = channels.pop(TIME)
+    record = Record(path.stem, t, channels, tuple(notes), True, str(path), digest_bytes(data))
     text = (table.schema.metadata or {}).get(METADATA_KEY.encode())
     return [restore(record, text.decode(), path) if text else record]
