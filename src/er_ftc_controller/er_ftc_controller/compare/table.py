@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from er_ftc_controller.compare.measures import NAMES, Measures
 from er_ftc_controller.compare.run import Outcome
@@ -51,7 +51,7 @@ def paired(outcomes: Sequence[Outcome], measure: str, one: str, other: str) -> P
     n = gap.size
     if n < 2:
         return Paired(float(gap.mean()) / size, math.nan)
-    half = float(student.ppf(0.5 + 0.5 * LEVEL, n - 1) * gap.std(ddof=1) / math.sqrt(n))
+    half = float(stdtrit(n - 1, 0.5 + 0.5 * LEVEL) * gap.std(ddof=1) / math.sqrt(n))
     return Paired(float(gap.mean()) / size, half / size)
 
 

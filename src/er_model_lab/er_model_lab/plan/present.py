@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 from er_models.program import Program, document_of
-from scipy.stats import beta
+from scipy.special import betaincinv
 
 from er_model_lab.plan.decide import Outcome
 from er_model_lab.plan.finalist import Direction, Finalist
@@ -81,7 +81,7 @@ def _measurements(outcomes: Mapping[str, Outcome]) -> dict[str, Any]:
     for name, o in outcomes.items():
         tail = (1.0 - LEVEL) / 2.0
         a, b = o.right + 0.5, o.runs - o.right + 0.5
-        interval = [float(beta.ppf(q, a, b)) for q in (tail, 1.0 - tail)]
+        interval = [float(betaincinv(a, b, q)) for q in (tail, 1.0 - tail)]
         out[name] = {
             "named": dict(o.named), "right": o.right, "runs": o.runs, "probability": o.right / o.runs,
             "interval": interval,

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.stats import binom
+from scipy.special import bdtr
 
 from er_observers.compare.run import Outcome
 from er_observers.scenarios.scenario import Scenario, Window
@@ -86,7 +86,7 @@ def paired(row: Row, ours: Sequence[str]) -> tuple[float, float, float] | None:
         return None
     mine, peer = (min(group, key=lambda n: row.errors[n]) for group in names)
     less = np.sort(np.subtract(row.each[mine], row.each[peer]))
-    skip = int(binom.ppf(0.025, less.size, 0.5))
+    skip = int(np.searchsorted(bdtr(np.arange(less.size + 1), less.size, 0.5), 0.025))
     if skip < 1:
         return None
     return float(np.median(less)), float(less[skip - 1]), float(less[less.size - skip])
