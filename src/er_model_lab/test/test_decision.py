@@ -18,6 +18,7 @@ from er_model_lab.diagnose.null import Null, simulate_null
 from er_model_lab.diagnose.rule import RULE, Rule
 from er_model_lab.diagnose.search import (
     DOUBT,
+    SURE,
     Round,
     block_gains,
     nested,
@@ -198,17 +199,32 @@ def test_a_small_difference_that_is_sure_is_no_tie(friction):
     assert [c.name for c in near] == ["stribeck_friction"]
 
 
+def scaled_by(factors, candidate, problem):
+    """The candidate with its residual times factors, one or (n,)."""
+    residual = candidate.residual * factors
+    folds = range(candidate.losses.size)
+    losses = np.array([np.mean(residual[problem.fold == k] ** 2) for k in folds])
+    mse = float(np.mean(residual[problem.train] ** 2))
+    return replace(candidate, residual=residual, losses=losses, mse=mse, seen=mse)
+
+
+def test_a_rival_of_as_many_parameters_that_hardly_errs_more_is_a_tie(friction):
+    """A lag of the force leaves 1 % more than a delay, surely so, where both take nearly all of the error."""
+    _, (best, *_), problem = friction
+    base, small, rival = (scaled_by(factor, best, problem) for factor in (8.0, 4.0, 1.2))
+    behind = float(np.sqrt(rival.mse - best.mse))
+    assert paired_t(block_gains(best, rival, problem)) > SURE
+    assert len(tied(base, [best, rival], problem, limit=behind / 1.4)) == 2  # 0.9965 of the size
+    assert tied(base, [best, rival], problem, limit=behind / 1.6) == [best]
+    assert tied(small, [best, rival], problem, limit=behind / 1.4) == [best]  # 0.985 of the size
+
+
 def test_a_rival_that_errs_in_a_few_blocks_and_is_better_in_none_is_no_tie(friction):
     """Where a stop is touched in three seconds of many, unequally hard, the paired t stays below 2."""
     _, (best, *_), problem = friction
 
     def worse(factors):
-        residual = best.residual * factors
-        losses = np.array(
-            [np.mean(residual[problem.fold == k] ** 2) for k in range(best.losses.size)]
-        )
-        mse = float(np.mean(residual[problem.train] ** 2))
-        return replace(best, residual=residual, losses=losses, mse=mse, seen=mse)
+        return scaled_by(factors, best, problem)
 
     second = (np.cumsum(problem.train) - 1) // problem.second
     few = np.select([second == 3, second == 6, second == 8], [9.0, 3.0, 2.5], 1.0)

@@ -41,9 +41,10 @@ DOUBT, SURE = 2.0, 4.5
 """Paired t below which two candidates are tied in any case, and from which on they never are."""
 NEARLY = 0.85
 """Share of the best one's effect size from which on a candidate comes near it."""
-FORM, SPARE = 0.997, 1.5
-"""Share of the best one's effect size that a form of fewer parameters has, and the most by which it is behind, over
-what counts as an effect, where the two are tied: what is real keeps to no equation so closely that it would decide."""
+FORM, TWIN, SPARE = 0.997, 0.99, 1.5
+"""Shares of the best one's effect size that a form of fewer parameters, which is named first then, and one of as many
+have, and the most by which either is behind, over what counts as an effect, where the two are tied: what is real keeps
+to no equation, and no sensor to its noise, so closely that it would decide."""
 NESTED, SAME = 1e-2, 1e-4
 """Mean square of the difference of two forces, over what is left, below which they are nearly, and wholly, the same."""
 
@@ -129,7 +130,8 @@ def tied(
     nowhere the other way, is not chance, however unevenly it is spread: a stop acts seldom. Where the motion
     repeats itself a difference comes back in every cycle, so that only its size counts. A form of fewer parameters
     that leaves next to nothing more is tied, too: turbulent damping as v^1.75 is met a little better by a power
-    law with a free exponent than by v^2.
+    law with a free exponent than by v^2. So is one of as many: beside errors of the motion, which smooth what is
+    predicted, a lag of 2 ms may meet a force that is 2 ms late a little better than the delay does.
     """
     best = candidates[0]
     size = effect_size(base, best)
@@ -140,8 +142,8 @@ def tied(
             continue
         gap, gains = np.sqrt(max(other.mse - best.mse, 0.0)), block_gains(best, other, problem)
         doubtful = paired_t(gains) < (SURE if gap < limit else DOUBT) and not seldom(gains, limit)
-        simpler = complexity(other)[0] < complexity(best)[0]
-        spare = simpler and gain > FORM * size and gap < SPARE * limit
+        more = complexity(other)[0] - complexity(best)[0]
+        spare = more <= 0 and gain > (FORM if more else TWIN) * size and gap < SPARE * limit
         if doubtful or spare or (problem.cycles and gap < limit):
             near.append(other)
     return sorted(near, key=lambda c: (*complexity(c), disguised(c, near, problem)))
