@@ -21,10 +21,13 @@ def imposed(rng, n):
     return x, v, a, np.repeat(rng.choice([0.0, 0.1, 0.2, 0.3], n // 150 + 1), 150)[:n]
 
 
-def problem_of(effect, values, seconds=24.0, seed=1, accelerometers=True, blur=1.0, early=False):
+def problem_of(
+    effect, values, seconds=24.0, seed=1, accelerometers=True, blur=1.0, early=False, bent=None
+):
     """The model without an effect (None: nothing is hidden), and measurements with it along an imposed motion.
 
     early: where the duty jumps at the instant of a sample, the force was read before.
+    bent: makes another force (n,) of the force and the deflection, where no effect of the catalogue is the truth.
     """
     model, rng = load_model(GUO), np.random.default_rng(seed)
     n = round(seconds / DT)
@@ -34,6 +37,8 @@ def problem_of(effect, values, seconds=24.0, seed=1, accelerometers=True, blur=1
     if early:
         later = np.concatenate([u[:1], u[:-1]])
         force = np.where(u != later, predict(truth, motion(DT, x, v, later, a)), force)
+    if bent is not None:
+        force = bent(force, x)
     channels = {
         "deflection": x + blur * 2e-5 * rng.standard_normal(n),
         "deflection_velocity": v + blur * 1e-3 * rng.standard_normal(n),

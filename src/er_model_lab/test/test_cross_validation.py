@@ -7,7 +7,8 @@ import pytest
 from er_model_lab.diagnose.candidates import baseline, effect_size, refit
 from er_model_lab.fitting.fit import cross_validated, fit
 from er_model_lab.problem.held_out import FOLDS
-from lab_help import FORCE_NOISE, problem_of
+from er_models.files import load_model
+from lab_help import FORCE_NOISE, GUO, problem_of
 
 
 def test_one_step_is_as_good_as_fitting_again():
@@ -45,3 +46,20 @@ def test_left_out_blocks_never_gain_more_than_the_fit():
         signed = np.sign(gained) * np.sqrt(abs(gained))
         assert effect_size(bad, found) == pytest.approx(signed, abs=1e-9)
         assert effect_size(base, found) <= effect_size(bad, found)
+
+
+@pytest.mark.parametrize("corner", [64, 8], ids=["sharp", "rounded"])
+def test_cavitation_is_also_a_force_that_is_only_cut_off(corner):
+    """The fluid cannot pull more than 8 N, and nothing comes back late: F / (1 + (F / 8 N)^n)^(1/n)."""
+
+    def cut(force, x):
+        pull = -(force - load_model(GUO).value("passive", "k0") * x)
+        lost = pull - pull / (1.0 + (np.maximum(pull, 0.0) / 8.0) ** corner) ** (1.0 / corner)
+        return force + lost
+
+    model, problem = problem_of(None, {}, bent=cut)
+    noise = np.sqrt(baseline(*problem_of(None, {})).fit.mse(problem.train))
+    base = baseline(model, problem)
+    found = refit(base, model.catalogue["cavitation"], problem)
+    assert np.sqrt(base.fit.mse(problem.train)) > 1.2 * noise
+    assert np.sqrt(found.fit.mse(problem.train)) < 1.04 * noise

@@ -236,7 +236,8 @@ def test_freeplay_is_a_rigid_gap() -> None:
     assert (predict(guo(), inputs) - force[:: round(DT / h)]).std() > 1e-2 * span(force)
 
 
-def test_cavitation_is_a_void_that_opens_and_closes() -> None:
+@pytest.mark.parametrize("r", [0.0, 400.0], ids=["lost motion", "nearly a bare cut-off"])
+def test_cavitation_is_a_void_that_opens_and_closes(r: float) -> None:
     """Against small explicit steps: the void begins where the fluid would pull harder than it can, and ends at zero."""
     F_v, w_s, u, h = 6.0, 2e-5, 0.2, 5e-6
     p, y = guo().effects["passive"], guo().effects["guo_yield"]
@@ -249,13 +250,13 @@ def test_cavitation_is_a_void_that_opens_and_closes() -> None:
         pull = p["c0"] * v[i] + f_y
         force[i] = p["k0"] * x[i] + pull + (F_v - pull) * w / (w + w_s)
         open_for += w > 0.0
-        w = max(w + h * (pull - F_v) / p["c0"], 0.0)
+        w = max(w + h * ((pull - F_v) / p["c0"] - r * w), 0.0)
         f_y += h / 0.0365 * (target[i] - f_y)
     assert 0.1 < open_for / fine.size < 0.9
     n = fine[:: round(DT / h)].size
     t = np.arange(n) * DT
     inputs = motion(DT, sine(t, 0), sine(t, 1), np.full(n, u), sine(t, 2))
-    model = guo().with_effect("cavitation", {"F_v": F_v, "w_s": w_s})
+    model = guo().with_effect("cavitation", {"F_v": F_v, "r": r, "w_s": w_s})
     error = predict(model, inputs) - force[:: round(DT / h)]
     assert error.std() < 2e-4 * span(force)
     assert (predict(guo(), inputs) - force[:: round(DT / h)]).std() > 1e-2 * span(force)

@@ -1,12 +1,16 @@
-"""Cavitation: beyond F_v a void of the stroke w opens, and holds the force there until it is closed again."""
+"""Cavitation: beyond F_v a void of the stroke w opens, and holds the force there until it is closed again.
+
+The stroke back closes it, or it fills by itself: with r = 0 all of it is lost motion, with r far above the
+frequencies of the motion nothing is, and the force is only cut off.
+"""
 
 from er_models.effect import CONTACT, INSTANT, LEAST_DAMPING, Effect, Param, Signature
 
 
-def relax(F_v: float, c_0: float, f_h: float, w: float) -> tuple[float, float]:
-    """Rate [1/s] and drive [m/s] of the void: the stroke less what the fluid follows at vapour pressure."""
+def relax(F_v: float, r: float, c_0: float, f_h: float, w: float) -> tuple[float, float]:
+    """Rate [1/s] at which the void fills by itself; drive [m/s]: the stroke less what follows at vapour pressure."""
     excess = f_h - F_v if F_v > 0.0 else F_v - f_h
-    return (0.0, excess / (c_0 + LEAST_DAMPING)) if w > 0.0 or excess > 0.0 else (INSTANT, 0.0)
+    return (r, excess / (c_0 + LEAST_DAMPING)) if w > 0.0 or excess > 0.0 else (INSTANT, 0.0)
 
 
 def limit(F_v: float, w_s: float, f_h: float, f_d: float, w: float) -> float:
@@ -19,7 +23,7 @@ EFFECT = Effect(
     stage="force",
     title="Cavitation",
     physics="A fast stroke draws one chamber to vapour pressure: the force cannot grow, "
-    "and stays until the stroke back has closed the void.",
+    "and stays until the stroke back has closed the void, or the fluid has filled it.",
     parameters=(
         Param(
             "F_v",
@@ -31,6 +35,7 @@ EFFECT = Effect(
             "force at vapour pressure; negative in compression",
             step=CONTACT,
         ),
+        Param("r", "1/s", 0.0, 2000.0, None, (50.0,), "rate at which the void fills by itself"),
         Param(
             "w_s",
             "m",
