@@ -195,9 +195,9 @@ SLOW = 1.0
 """Rate below which a state has no time to settle before a record begins [1/s]."""
 
 
-def _relaxations(effect: Effect) -> list[tuple[float, float]]:
-    """(rate, drive) of an effect's state all over the envelope of a damper."""
-    hook, model = effect.hooks["relax"], typical(started(SMALL), effect)
+def _relaxations(effect: Effect, values: dict[str, float]) -> list[tuple[float, float]]:
+    """(rate, drive) of an effect's state all over the envelope of a damper, with these values in place of starts."""
+    hook, model = effect.hooks["relax"], started(SMALL).with_effect(effect.name, values)
     levels = []
     for name in inspect.signature(hook).parameters:
         if name in effect.names:
@@ -215,9 +215,14 @@ STATES = [e for e in CATALOGUE.effects if e.has_state]
 
 @pytest.mark.parametrize("effect", STATES, ids=lambda e: e.name)
 def test_a_state_that_cannot_have_settled_begins_at_rest(effect: Effect) -> None:
-    """One that integrates or is slow has no equilibrium with the first sample; others have, perhaps at a bound."""
+    """One that may integrate or be slow has no equilibrium with the first sample; others have, perhaps at a bound."""
+    edges = [
+        {q.name: bound * SMALL.of(q.unit)} for q in effect.parameters for bound in (q.low, q.high)
+    ]
     slow = "bound" not in effect.hooks and any(
-        rate < SLOW and drive != 0.0 for rate, drive in _relaxations(effect)
+        rate < SLOW and drive != 0.0
+        for values in ({}, *edges)
+        for rate, drive in _relaxations(effect, values)
     )
     assert effect.initial == ("zero" if slow else "equilibrium")
 

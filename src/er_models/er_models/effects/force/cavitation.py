@@ -35,7 +35,16 @@ EFFECT = Effect(
             "force at vapour pressure; negative in compression",
             step=CONTACT,
         ),
-        Param("r", "1/s", 0.0, 2000.0, None, (50.0,), "rate at which the void fills by itself"),
+        Param(
+            "r",
+            "1/s",
+            0.0,
+            2000.0,
+            None,
+            (50.0,),
+            "rate at which the void fills by itself",
+            step=CONTACT,
+        ),
         Param(
             "w_s",
             "m",
