@@ -160,16 +160,12 @@ def _fitted(
 def _again(
     note: Noted, box: Box, start: Array, f: Array, problem: Problem, known: Array | None
 ) -> Fit:
-    """A fit that was made before from scaled values start (p,), where the prediction is f (n,).
-
-    Others are predicted as trials are, as many at once: last digits of linear algebra depend on how many they are.
-    """
+    """A fit that was made before from scaled values start (p,), where the prediction is f (n,)."""
 
     def predicted(theta: Array) -> Array:
         if np.array_equal(theta, start):
             return f
-        points = np.tile(theta, (len(DAMPINGS), 1))
-        return np.asarray(problem.predict_many(box.model, box.vectors(points))[0])
+        return np.asarray(problem.predict_many(box.model, box.vectors(theta[None]))[0])
 
     theta, at = np.array(note.theta), np.array(note.at)
     jacobian = _jacobian(box, at, predicted(at), problem, None if note.exact else known)

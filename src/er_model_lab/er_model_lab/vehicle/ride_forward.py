@@ -116,11 +116,15 @@ class RideForward:
         )
 
     def settled(self, errors: Array) -> Array:
-        """Errors (m, n) less what other starts of the blocks explain."""
+        """Errors (m, n) less what other starts of the blocks explain.
+
+        Sums in an order of their own: a matrix product rounds each row by how many there are and by its place.
+        """
         out, c = errors.copy(), self.outputs
         for (i, j), slope, pull in zip(self.blocks(), self.slopes, self.pulls, strict=True):
-            first = errors[:, i * c : i * c + pull.shape[1]]
-            out[:, i * c : j * c] -= (first @ pull.T) @ slope.T
+            starts = np.einsum("mk,sk->sm", errors[:, i * c : i * c + pull.shape[1]], pull)
+            for start, column in zip(starts, slope.T, strict=True):
+                out[:, i * c : j * c] -= start[:, None] * column
         return out
 
     def free(self, model: Model) -> Free:
