@@ -52,7 +52,7 @@ class CoreNode(ManagedNode):
             )
             for topic, limits in zip(self.core.inputs, self.core.limits, strict=True)
         }
-        self.every(self.watch_period, self.on_watch)
+        self.watch_every(self.watch_period, self.on_watch)
 
     def begin(self) -> None:
         """Know nothing yet."""

@@ -117,7 +117,21 @@ class IntraProcess:
         self.silent: set[Subscription] = set()
         self.turns, self.asked, self.thread = 0, False, get_ident()
         self.seen: dict[str, tuple[float, Ends]] = {}
-        clock.wall_timer(self.nodes[0], LOOK_PERIOD, self.look)
+        self.looks: dict[float, list[Callable[[], None]]] = {}
+        self.every(LOOK_PERIOD, self.look)
+
+    def every(self, period: float, due: Callable[[], None]) -> None:
+        """Call something each period [s], with all else of that period: each timer that is due wakes the executor."""
+        if period in self.looks:
+            self.looks[period].append(due)
+            return
+        looks = self.looks[period] = [due]
+
+        def call() -> None:
+            for look in looks:
+                look()
+
+        clock.wall_timer(self.nodes[0], period, call)
 
     def add_publisher(self, publisher: LocalPublisher) -> None:
         """Take in a new publisher."""

@@ -208,7 +208,18 @@ class ManagedNode(LifecycleNode):
 
     def every(self, period: float, due: Callable[[], None]) -> Timer:
         """Timer [s] on the steady clock that does nothing while the node is not active."""
+        call = self._in_turn(due)
+        return self._once(f"timer {due.__name__}", lambda: clock.wall_timer(self, period, call))
 
+    def watch_every(self, period: float, due: Callable[[], None]) -> None:
+        """The same for a look that needs no timer of its own: nodes of one process share one of that period."""
+        call, local = self._in_turn(due), self.local
+        if local is None:
+            self.every(period, due)
+        else:
+            self._once(f"timer {due.__name__}", lambda: local.every(period, call))
+
+    def _in_turn(self, due: Callable[[], None]) -> Callable[[], None]:
         def call() -> None:
             if not self.active:
                 return
@@ -217,7 +228,7 @@ class ManagedNode(LifecycleNode):
             else:
                 self.local.turn(due)
 
-        return self._once(f"timer {due.__name__}", lambda: clock.wall_timer(self, period, call))
+        return call
 
     def _once(self, key: str, make: Callable[[], Any]) -> Any:
         if key not in self._made:

@@ -245,6 +245,30 @@ class Between(deque[Any]):
         return first
 
 
+def test_looks_of_one_period_share_a_timer_and_stop_with_their_node(world: World) -> None:
+    """Each wakes the executor: a graph of six had 520 a second."""
+    counts = dict.fromkeys(("talker", "echo", "taker"), 0)
+
+    def timers() -> int:
+        return sum(len(list(node.timers)) for node in world.nodes)
+
+    before = timers()
+    for node in world.nodes:
+
+        def look(name: str = node.get_name()) -> None:
+            counts[name] += 1
+
+        node.watch_every(0.02, look)
+    assert timers() == before + 1
+    world.until(lambda: min(counts.values()) >= 3)
+    world.echo.trigger_deactivate()
+    counts["echo"] = 0
+    world.idle()
+    assert counts["echo"] == 0
+    assert counts["talker"] > 5
+    assert counts["talker"] == counts["taker"]
+
+
 @pytest.mark.parametrize("before", [0, 1, 3])
 @pytest.mark.parametrize("queue", ["waiting", "order"])
 @pytest.mark.parametrize("where", ["append", "popleft", "popped"])

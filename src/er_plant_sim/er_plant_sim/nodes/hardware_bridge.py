@@ -62,7 +62,7 @@ class BridgeNode(ManagedNode):
         self.limits = self.stamp_limits()
         self.health.model_id = built.model_id
         self.health.meter.deadline = 1e-9 * self.bridge.period
-        self.every(WATCH_PERIOD, self.on_watch)
+        self.watch_every(WATCH_PERIOD, self.on_watch)
         self.every(1.0, self.on_second)
 
     def stamp_limits(self) -> StampLimits:
