@@ -1,6 +1,9 @@
 """The score program judges, counts and resumes as stated."""
 
 import json
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 from er_models.errors import InputError
@@ -9,7 +12,7 @@ from test.blind_score import __main__ as program
 from test.blind_score.cases import Asked, Layout, layout, plan
 from test.blind_score.judge import false_names, judged
 from test.blind_score.pool import spread
-from test.blind_score.rows import append, digest, read
+from test.blind_score.rows import ROOT, SAYS, append, deciding, digest, read
 from test.blind_score.run import guarded
 from test.blind_score.summary import ordered, page, targets, wilson
 
@@ -157,6 +160,27 @@ def test_the_digest_follows_statements_not_words(tmp_path):
     (folder / "fit.py").write_text('"""Words."""\nx = 2\n')
     assert digest(tmp_path) != first
     assert len(digest()) == 16
+
+
+def test_the_digest_covers_what_a_search_runs():
+    """All that `improve` loads of models and lab, but for what only says; folders that moved were left out once."""
+    command = (
+        "import er_model_lab.commands.improve, sys\n"
+        "print(*(m.__file__ for m in sys.modules.values() if hasattr(m, '__file__')), sep='\\n')"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", command], capture_output=True, text=True, check=True
+    )
+    packages = ("/er_models/er_models/", "/er_model_lab/er_model_lab/")
+    own = [Path(p) for p in done.stdout.splitlines() if any(name in p for name in packages)]
+    counted = {p.name for p in deciding()}
+    assert len(own) > 100
+    missing = [
+        p for p in own if p.name not in counted and SAYS.isdisjoint((*p.parent.parts, p.stem))
+    ]
+    assert missing == []
+    assert ROOT / "src/er_model_lab/er_model_lab/fitting/fit.py" in deciding()
+    assert ROOT / "src/er_models/er_models/effects/force/cavitation.py" in deciding()
 
 
 def test_a_crash_is_an_answer():
