@@ -29,15 +29,8 @@ def _true_motion(case: Case, motion: Motion) -> Array:
     return np.stack([fine[:, OX], fine[:, OV], fine[:, OAS] - lower], axis=1)
 
 
-def force_along(case: Case, record: int, measured: Array) -> Array:
-    """Noiseless force channel [N] of the truth on a measured motion, (n,).
-
-    Args:
-        case: the truth and its inputs.
-        record: which record, from zero.
-        measured: deflection [m], velocity [m/s] and acceleration [m/s2] as measured or fused, (n, 3); the
-            deflection with the zero error of its sensor, which the truth knows and takes off.
-    """
+def imposed(case: Case, record: int, measured: Array) -> Motion:
+    """The inputs of a rig that imposes a motion as it was measured; arguments as of `force_along`."""
     motion = case.motions[record]
     knots = _true_motion(case, motion)
     rows = slice(LEAD_SAMPLES, LEAD_SAMPLES + measured.shape[0])
@@ -48,6 +41,18 @@ def force_along(case: Case, record: int, measured: Array) -> Array:
     curve = BPoly.from_derivatives(at, knots)
     grid = np.minimum(half_grid(n), at[-1])
     drive = np.stack([curve(grid, nu=order) for order in range(3)], axis=1)
-    imposed = replace(motion, rig="damper", drive=drive)
-    fine = trajectory(imposed, case.table, case.base)
-    return noiseless(fine, imposed, case.table, case.seconds)["damper_force"]
+    return replace(motion, rig="damper", drive=drive)
+
+
+def force_along(case: Case, record: int, measured: Array) -> Array:
+    """Noiseless force channel [N] of the truth on a measured motion, (n,).
+
+    Args:
+        case: the truth and its inputs.
+        record: which record, from zero.
+        measured: deflection [m], velocity [m/s] and acceleration [m/s2] as measured or fused, (n, 3); the
+            deflection with the zero error of its sensor, which the truth knows and takes off.
+    """
+    motion = imposed(case, record, measured)
+    fine = trajectory(motion, case.table, case.base)
+    return noiseless(fine, motion, case.table, case.seconds)["damper_force"]

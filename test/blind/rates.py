@@ -113,7 +113,7 @@ def field_rates(
     level = (
         base[FC] * h * effectiveness_fade.factor(t, rows[FADE, 0], rows[FADE, 1], rows[FADE, 2])
     )
-    level *= self_heating.yield_force(y[TF], rows[HEATING, 0], rows[HEATING, 1])
+    level *= self_heating.yield_force(y[TF], rows[HEATING, 0], rows[HEATING, 1], rows[HEATING, 6])
     target = level * math.tanh(base[K1] * x + base[C1] * v)
     tau = response.time_constant(base[TAU], u, y[FER], target, rows)
     dy[FER] = (target - y[FER]) / tau
