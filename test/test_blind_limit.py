@@ -39,6 +39,13 @@ def test_the_nearest_damper_of_another_form_is_nearer_than_the_same_values(case)
     assert near.case.hidden[0].row[BENT] == FORMS["line"]
 
 
+def test_a_known_car_tells_more_than_the_force(case):
+    """Its accelerometers weigh the force by the masses."""
+    assert (
+        rival(case, FORMS["line"], car=True).distance > 2.0 * rival(case, FORMS["line"]).distance
+    )
+
+
 def test_its_own_form_is_no_other_damper(case):
     same = rival(case, 0.0)
     assert same.distance == pytest.approx(0.0, abs=1e-6)

@@ -47,7 +47,7 @@ class Rival:
 
     Attributes:
         case: the case with the other damper in place of the hidden one.
-        distance: d, of all samples of the force, in standard deviations of its noise.
+        distance: d, of all samples of what is seen, in standard deviations of its noise.
     """
 
     case: Case
@@ -75,20 +75,34 @@ def forces(damper: Case, rig: Case) -> Array:
     return np.concatenate([r["damper_force"] for r in records])
 
 
-def rival(case: Case, bend: float) -> Rival:
-    """The damper of another form whose force comes nearest, by least squares in logarithms of its values."""
+def rival(case: Case, bend: float, *, car: bool = False) -> Rival:
+    """The damper of another form that comes nearest, by least squares in logarithms of its values.
+
+    car: whether all channels of the car on its road are seen, else the force along the motion alone.
+    """
     (one,) = case.hidden
     used, split = one.row != 0.0, case.base.size
-    start, rig = np.concatenate([case.base, one.row[used]]), true_motion(case)
-    truth = forces(case, rig)
+    start, rig, noise = np.concatenate([case.base, one.row[used]]), true_motion(case), case.noise
+    sizes = {"damper_force": noise.force}
+    if car:
+        rig = case
+        sizes |= {"deflection": noise.deflection, "deflection_velocity": noise.velocity}
+        sizes |= dict.fromkeys(
+            ("sprung_acceleration", "unsprung_acceleration"), noise.acceleration
+        )
+
+    def seen(damper: Case) -> Array:
+        records = clean_records(rig.motions, damper.table, damper.base, rig.seconds)
+        return np.concatenate([r[name] / size for r in records for name, size in sizes.items()])
 
     def another(shift: Array) -> Case:
         values, row = start * np.exp(shift), one.row.copy()
         row[used], row[BENT] = values[split:], bend
         return replace(case, base=values[:split], hidden=(replace(one, row=row),))
 
+    truth = seen(case)
     best = least_squares(
-        lambda shift: (forces(another(shift), rig) - truth) / case.noise.force,
+        lambda shift: seen(another(shift)) - truth,
         np.zeros(start.size),
         bounds=(-FARTHEST, FARTHEST),
         diff_step=1e-4,
@@ -97,13 +111,13 @@ def rival(case: Case, bend: float) -> Rival:
     return Rival(another(best.x), math.sqrt(2.0 * best.cost))
 
 
-def score(seed: int, seconds: float) -> dict[str, Any]:
+def score(seed: int, seconds: float, car: bool) -> dict[str, Any]:
     """One row: the nearest damper of each other form, and how far apart fresh forces are."""
-    row = {"key": f"limit/{seed}", "seed": seed, "seconds": seconds}
-    return row | guarded(partial(_limits, seed, seconds))
+    row = {"key": f"limit/{seed}", "seed": seed, "seconds": seconds, "car": car}
+    return row | guarded(partial(_limits, seed, seconds, car))
 
 
-def _limits(seed: int, seconds: float) -> dict[str, Any]:
+def _limits(seed: int, seconds: float, car: bool) -> dict[str, Any]:
     """The case as the score draws it, and its fresh record."""
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
@@ -113,7 +127,7 @@ def _limits(seed: int, seconds: float) -> dict[str, Any]:
     rig, found = true_motion(fresh), {}
     here = forces(case, rig)
     for name, bend in FORMS.items():
-        other = rival(case, bend)
+        other = rival(case, bend, car=car)
         gap = rms(forces(other.case, rig) - here)
         found[name] = {
             "distance": other.distance,
@@ -154,12 +168,15 @@ def main(argv: list[str] | None = None) -> int:
     """Command line."""
     parser = parser_of("limit", __doc__)
     parser.add_argument("--seconds", type=float, default=60.0, help="length of a record")
+    parser.add_argument("--car", action="store_true", help="all channels, road and car known")
     given = parser.parse_args(argv)
+
+    def fits(row: dict[str, Any]) -> bool:
+        return (row["seconds"], row["car"]) == (given.seconds, given.car)
 
     def make() -> str:
         jobs = {f"limit/{s}": s for s in seeds_of(given.seeds)}
-        work = partial(score, seconds=given.seconds)
-        rows = collect(given, jobs, work, lambda r: r.get("seconds") == given.seconds)
+        rows = collect(given, jobs, partial(score, seconds=given.seconds, car=given.car), fits)
         rows = [r for r in rows if "failed" not in r]
         return page(rows, heading(given, rows))
 
