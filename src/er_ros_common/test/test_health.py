@@ -55,7 +55,7 @@ def test_a_step_is_late_at_the_rate_the_node_is_made_for(
     node: Any = SimpleNamespace(
         make=lambda: core,
         health=SimpleNamespace(meter=meter),
-        every=lambda *_: None,
+        watch_every=lambda *_: None,
         watch_period=0.01,
         on_watch=None,
     )
