@@ -69,6 +69,20 @@ def test_an_adequate_model_is_not_said_to_lack_what_the_data_do_not_show() -> No
     assert "show" not in verdict_sentence(view(verdict="adequate", candidates=told[2:]))
 
 
+def test_more_is_missing_where_only_the_data_learnt_from_show_it() -> None:
+    """Few held-out runs: what is left there lies below the floor, and nobody would believe that more is missing."""
+    found = {"noise_floor": 0.21, "rmse_after": {"train": 0.5, "held_out": 0.2}}
+    said = verdict_sentence(view(verdict="partial", noise_floor_train=0.1, **found))
+    assert "to 0.200 N. That is noise there (0.210 N)" in said
+    assert "of the 0.500 N left in the data that were learnt from it is 0.100 N: more is" in said
+    usual = verdict_sentence(view(verdict="partial", noise_floor_train=0.1, noise_floor=0.15))
+    assert "to 0.200 N, but noise alone is 0.150 N: more is missing" in usual
+    alike = {**found, "rmse_after": {"train": 0.1, "held_out": 0.2}}
+    assert "learnt" not in verdict_sentence(
+        view(verdict="partial", noise_floor_train=0.1, **alike)
+    )
+
+
 def test_what_is_not_noise_is_not_called_noise_where_no_input_predicts_it() -> None:
     """A hum is in what is left whatever the model, and so in the floor."""
     sentence = verdict_sentence(view(verdict="unknown_effect", noise_floor=0.599))

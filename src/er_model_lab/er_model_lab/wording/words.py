@@ -113,9 +113,7 @@ def _of_one(view: View) -> str:
         said = f"The error on held-out data was {before} and is {after} with it"
         return f"{said}; noise alone is {_floor(view)}; {others}."
     if view.command == "add" and view.result.get("verdict") == "partial":
-        return (
-            f"With it {_fall(view)}, but noise alone is {_floor(view)}: more is missing; {others}."
-        )
+        return f"With it {_fall(view)}{_more(view)}; {others}."
     return ""
 
 
@@ -153,6 +151,20 @@ def _fall(view: View) -> str:
 
 def _floor(view: View) -> str:
     return newtons(view.result.get("noise_floor"))
+
+
+def _more(view: View) -> str:
+    """That more is missing, in a clause: held-out data show it, or where they are few, those that were learnt from."""
+    after, floor = left_after(view), view.result.get("noise_floor")
+    left, noise = view.result.get("rmse_after"), view.result.get("noise_floor_train")
+    learnt = left.get("train") if isinstance(left, Mapping) else None
+    within = after is not None and floor is not None and after <= ALIKE * floor
+    if within and learnt is not None and noise is not None and learnt > ALIKE * noise:
+        return (
+            f". That is noise there ({_floor(view)}), but of the {newtons(learnt)} left in the data that were learnt "
+            f"from it is {newtons(noise)}: more is missing"
+        )
+    return f", but noise alone is {_floor(view)}: more is missing"
 
 
 def _adequate(view: View) -> str:
@@ -195,10 +207,7 @@ def _rivals(view: View) -> str:
 
 def _partial(view: View) -> str:
     them = "it" if len(_names(view)) == 1 else "them"
-    return (
-        f"With {them} {_fall(view)}, but noise alone is {_floor(view)}: more is missing, and no known "
-        "effect explains it."
-    )
+    return f"With {them} {_fall(view)}{_more(view)}, and no known effect explains it."
 
 
 def _unknown(view: View) -> str:
