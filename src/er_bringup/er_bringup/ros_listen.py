@@ -9,7 +9,7 @@ from typing import Any
 
 import rclpy
 from er_ros_common.clock import from_stamp
-from er_ros_common.graph_check import Ends, compatible, endpoints
+from er_ros_common.graph_check import UNNAMED, Ends, compatible, endpoints
 from er_ros_common.parameter_reader import ParameterReader
 from er_ros_common.stamps import StampLimits
 from er_ros_common.topics import Topic
@@ -25,7 +25,7 @@ DEPTH = 500
 DISCOVERY, SETTLE = 8.0, 1.0
 """Longest wait until the graph is known, and for how long nothing new must have come up until it is [s]."""
 ANSWERS = 3.0
-"""Longest wait for parameters that nodes have not sent by the end of listening [s]."""
+"""Longest wait for parameters and names that nodes have not sent by the end of listening [s]."""
 LOOK = 0.25
 STATUS_ENDING = "/status"
 TASKS = ("input rate", "stamps", "values", "timing")
@@ -140,7 +140,7 @@ class _Listener:
         for log in self.logs.values():
             log.clear()
         self._turn(seconds)
-        heard = tuple(self._heard(log) for log in self.logs.values())
+        heard = self._all_named()
         self._wait_for_answers()
         said = tuple((name, *rest) for name, rest in sorted(self.said.items()))
         nodes, times = tuple(self._nodes()), clocks(self._clocks(), self.namespace)
@@ -151,6 +151,16 @@ class _Listener:
         known = self.node.get_topic_names_and_types()
         names = [name for name, kinds in known if topics.CLOCK.type_name in kinds]
         return {name: endpoints(self.node, name) for name in names}
+
+    def _all_named(self) -> tuple[Heard, ...]:
+        """What was heard, once every end has a name: of a process that has just come the ends are known before it."""
+        until = monotonic() + ANSWERS
+        while True:
+            heard = tuple(self._heard(log) for log in self.logs.values())
+            ends = [end for each in heard for end in (*each.publishers, *each.subscribers)]
+            if all(end.node != UNNAMED for end in ends) or monotonic() >= until:
+                return heard
+            self._turn(LOOK)
 
     def _wait_for_answers(self) -> None:
         """Give nodes that were asked for their parameters late some time to answer."""

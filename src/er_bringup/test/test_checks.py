@@ -20,10 +20,11 @@ from er_bringup.ros_checks import (
     namespaces,
     problems,
 )
-from er_ros_common.graph_check import Endpoint
+from er_ros_common.graph_check import UNNAMED, Endpoint
 from er_ros_common.topics import Topic
 from rich.console import Console
 
+from er_bringup import ros_listen
 from er_damper_msgs.msg import NodeStatus
 from er_ros_common import topics
 
@@ -238,3 +239,26 @@ def test_a_car_with_sensors_of_its_own_has_no_force_sensor_and_no_road() -> None
     assert kinds(foreign((topics.FORCE, topics.ROAD))) == []
     found = kinds(foreign((topics.FORCE, topics.ROAD, topics.DEFLECTION)))
     assert found == [("/sensors/deflection", "missing topic")]
+
+
+@pytest.mark.parametrize(("after", "said"), [(3, "/late"), (10**9, UNNAMED)])
+def test_ends_whose_name_comes_late_are_waited_for_a_while(
+    after: int, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A process that starts beside the doctor: its ends are known before its name."""
+    listener: Any = ros_listen._Listener.__new__(ros_listen._Listener)
+    clock, looks = [0.0], []
+    monkeypatch.setattr(ros_listen, "monotonic", lambda: clock[0])
+
+    def turned(seconds: float) -> None:
+        clock[0] += seconds
+
+    def heard(log: str) -> Heard:
+        looks.append(log)
+        node = "/late" if len(looks) > after else UNNAMED
+        return Heard(topics.ROAD, log, (end(node, topics.ROAD),), ())
+
+    listener.logs, listener._turn, listener._heard = {"road": "/sensors/road"}, turned, heard
+    (found,) = listener._all_named()
+    assert found.publishers[0].node == said
+    assert clock[0] <= ros_listen.ANSWERS + ros_listen.LOOK
