@@ -82,10 +82,9 @@ def rival(case: Case, bend: float, *, car: bool = False) -> Rival:
     """
     (one,) = case.hidden
     used, split = one.row != 0.0, case.base.size
-    start, rig, noise = np.concatenate([case.base, one.row[used]]), true_motion(case), case.noise
-    sizes = {"damper_force": noise.force}
+    start, noise = np.concatenate([case.base, one.row[used]]), case.noise
+    rig, sizes = case if car else true_motion(case), {"damper_force": noise.force}
     if car:
-        rig = case
         sizes |= {"deflection": noise.deflection, "deflection_velocity": noise.velocity}
         sizes |= dict.fromkeys(
             ("sprung_acceleration", "unsprung_acceleration"), noise.acceleration

@@ -213,11 +213,11 @@ class ManagedNode(LifecycleNode):
 
     def watch_every(self, period: float, due: Callable[[], None]) -> None:
         """The same for a look that needs no timer of its own: nodes of one process share one of that period."""
-        call, local = self._in_turn(due), self.local
+        local = self.local
         if local is None:
             self.every(period, due)
         else:
-            self._once(f"timer {due.__name__}", lambda: local.every(period, call))
+            self._once(f"timer {due.__name__}", lambda: local.every(period, self._in_turn(due)))
 
     def _in_turn(self, due: Callable[[], None]) -> Callable[[], None]:
         def call() -> None:
