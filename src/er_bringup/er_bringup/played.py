@@ -15,7 +15,7 @@ from time import process_time
 from typing import Any
 
 from er_models.errors import ErError, InputError, MissingChannel
-from er_ros_common.clock import from_stamp
+from er_ros_common.builders import tick_of
 from er_ros_common.common_parameters import STANDSTILL, NodeParameters, deaf_after
 from er_ros_common.core import Core, Said, When
 from er_ros_common.parameter_table import REQUIRED, build, specs
@@ -246,7 +246,7 @@ def difference(recorded: Any, said: Any) -> str:
 
 
 def _key(message: Any) -> Key:
-    return from_stamp(message.header.stamp), int(message.seq)
+    return tick_of(message)
 
 
 def _is_answer(message: Any) -> bool:

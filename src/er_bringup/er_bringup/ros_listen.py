@@ -8,7 +8,7 @@ from time import monotonic, sleep, time_ns
 from typing import Any
 
 import rclpy
-from er_ros_common.clock import from_stamp
+from er_ros_common.builders import tick_of
 from er_ros_common.graph_check import UNNAMED, Ends, compatible, endpoints
 from er_ros_common.parameter_reader import ParameterReader
 from er_ros_common.stamps import StampLimits
@@ -55,7 +55,7 @@ class _Log:
 
     def on_message(self, message: Any) -> None:
         """Note one message."""
-        stamp, seq = from_stamp(message.header.stamp), int(message.seq)
+        stamp, seq = tick_of(message)
         self.arrivals.append(monotonic())
         if stamp == 0:
             self.zero += 1

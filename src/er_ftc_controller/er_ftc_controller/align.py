@@ -6,9 +6,8 @@ ARCHITECTURE.md compares this with the other two ways to join a tick.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 A = TypeVar("A")
 B = TypeVar("B")
@@ -17,15 +16,17 @@ DEPTH = 20
 """Ticks kept while their partner is missing: 0.1 s at 200 Hz."""
 
 
-@dataclass(frozen=True)
-class Aligner(Generic[A, B]):
+_NONE: Mapping[int, Any] = MappingProxyType({})
+
+
+class Aligner(NamedTuple, Generic[A, B]):
     """Values that wait for their partner, by stamp [ns]; and how many never met it.
 
     Where the time of a side has jumped back, what waits there is of another past and forgotten.
     """
 
-    left: Mapping[int, A] = field(default_factory=lambda: MappingProxyType({}))
-    right: Mapping[int, B] = field(default_factory=lambda: MappingProxyType({}))
+    left: Mapping[int, A] = _NONE
+    right: Mapping[int, B] = _NONE
     unmatched: int = 0
 
     def with_left(

@@ -7,8 +7,9 @@ A sample is deflection and acceleration of one tick, whichever comes first. A fa
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from operator import itemgetter
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from er_models.files import load_model
 from er_ros_common.builders import Tick
@@ -28,8 +29,10 @@ from er_ros_common import builders, topics
 
 SETTLED = 0.02
 """Age at which a fault estimate acts [s]: above what messages are late by, far below what faults take."""
+_SETTLED = round(1e9 * SETTLED)
 WAITING = 64
 """Fault estimates kept until they act."""
+Waiting: TypeAlias = tuple[tuple[int, Faults], ...]
 _SOURCE = {
     Mode.NOMINAL: PwmDuty.SOURCE_NOMINAL,
     Mode.FAULT_TOLERANT: PwmDuty.SOURCE_FTC,
@@ -38,8 +41,12 @@ _SOURCE = {
 _USABLE = (FaultEstimate.STATUS_OK, FaultEstimate.STATUS_DEGRADED)
 
 
+_NEW = tuple.__new__
+"""Makes a state from all its fields by place, at a quarter of the time of its own constructor or `_replace`."""
+
+
 class State(NamedTuple):
-    """What the controller knows; halves of samples; estimates that wait, by stamp [ns]; checks of each input's stamps.
+    """What the controller knows; halves of samples; estimates that wait, oldest first, by stamp [ns]; checks of each input's stamps.
 
     body, strut: whether a sensor is stuck; last: the last sample; heard: when the last usable one came [ns, steady];
     base: stamp of the first one; counts; silent: how `mind` goes on while samples stay away. The next sample finds
@@ -51,7 +58,7 @@ class State(NamedTuple):
     pairs: Aligner[tuple[float, float], tuple[float, float]]
     body: Watched = Watched()
     strut: Watched = Watched()
-    waiting: tuple[tuple[int, Faults], ...] = ()
+    waiting: Waiting = ()
     checks: Checks = (StampState(),) * 3
     last: Tick = Tick(0, 0)
     heard: int = 0
@@ -108,7 +115,8 @@ class FtcCore:
         """Take a message of one of the inputs, if its stamp is good; what is to be published for it."""
         checks, verdict, (stamp, seq) = judged(self, state.checks, topic, message, when)
         if topic is topics.FAULT:
-            return _waiting(state._replace(checks=checks), stamp, message, verdict), []
+            waiting = _waiting(state.waiting, stamp, message, verdict)
+            return state._replace(checks=checks, waiting=waiting), []
         if not verdict.use:
             return state._replace(checks=checks), []
         back = verdict is Verdict.JUMPED_BACK
@@ -175,45 +183,30 @@ class FtcCore:
         good = mind.heard == t
         heard, unusable = when.steady if good else state.heard, state.unusable + (not good)
         told = state.told + (waiting is not state.waiting)
-        # all fields by name: with so many new ones that costs less than `_replace`
-        state = State(
-            mind=mind,
-            pairs=state.pairs,
-            body=state.body,
-            strut=state.strut,
-            waiting=waiting,
-            checks=state.checks,
-            last=tick,
-            heard=heard,
-            base=base,
-            unusable=unusable,
-            told=told,
-            # what was said while samples stayed away ends with the sample
-            silent=None,
-            unused=state.unused,
-        )
-        return state, [_command(tick, command)]
+        silent = None  # what was said while samples stayed away ends with the sample
+        come = (state.pairs, state.body, state.strut, waiting, state.checks)
+        rest = (tick, heard, base, unusable, told, silent, state.unused)
+        return _NEW(State, (mind, *come, *rest)), [_command(tick, command)]
 
     def _heard(
         self, state: State, base: int, stamp: int
-    ) -> tuple[control.State, tuple[tuple[int, Faults], ...]]:
+    ) -> tuple[control.State, Waiting]:
         """The controller told the newest estimate that is old enough for a sample, and the later ones, which wait."""
-        limit = stamp - round(1e9 * SETTLED)
-        due = [each for each in state.waiting if each[0] <= limit]
+        due = bisect_right(state.waiting, stamp - _SETTLED, key=itemgetter(0))
         if not due:
             return state.mind, state.waiting
-        newest, faults = max(reversed(due), key=itemgetter(0))  # of equal ones what was said last
+        newest, faults = state.waiting[due - 1]  # of equal ones what was said last
         faults = Faults(1e-9 * (newest - base), *faults[1:])
-        rest = tuple(each for each in state.waiting if each[0] > limit)
-        return control.hear(self.controller, state.mind, faults), rest
+        return control.hear(self.controller, state.mind, faults), state.waiting[due:]
 
 
-def _waiting(state: State, stamp: int, message: FaultEstimate, verdict: Verdict) -> State:
-    """The state with one more estimate that waits; one of the same tick may take back what was said."""
+def _waiting(before: Waiting, stamp: int, message: FaultEstimate, verdict: Verdict) -> Waiting:
+    """Estimates that wait, oldest first, with one more; one of the same tick may take back what was said."""
     if not (verdict.use or verdict is Verdict.DUPLICATE):
-        return state
-    before = () if verdict is Verdict.JUMPED_BACK else state.waiting
-    return state._replace(waiting=(*before, (stamp, faults_of(message)))[-WAITING:])
+        return before
+    if verdict is Verdict.JUMPED_BACK:
+        before = ()
+    return (*before, (stamp, faults_of(message)))[-WAITING:]
 
 
 def faults_of(message: FaultEstimate) -> Faults:

@@ -64,29 +64,17 @@ def on_motion(feed: Feed, motion: Motion) -> tuple[Feed, list[Joined]]:
             lost=feed.lost + (stamp not in feed.duties),
             blind=feed.blind + (sees and stamp not in (feed.deflections or _NONE)),
         )
-    feed = Feed(
-        waiting=motion,
-        duties=feed.duties,
-        deflections=feed.deflections,
-        lost=feed.lost,
-        blind=feed.blind,
-    )
-    return _given_on(feed, ready)
+    _, *rest = feed
+    return _given_on(Feed(motion, *rest), ready)
 
 
 def on_duty(
     feed: Feed, stamp: int, duty: float, *, back: bool = False
 ) -> tuple[Feed, list[Joined]]:
     """Take a duty; the accelerations it completes. back: time has jumped back, those kept are of another past."""
-    kept = _with(_NONE if back else feed.duties, stamp, duty)
-    feed = Feed(
-        waiting=feed.waiting,
-        duties=kept,
-        deflections=feed.deflections,
-        lost=feed.lost,
-        blind=feed.blind,
-    )
-    return _given_on(feed, [])
+    waiting, duties, *rest = feed
+    kept = _with(_NONE if back else duties, stamp, duty)
+    return _given_on(Feed(waiting, kept, *rest), [])
 
 
 def on_deflection(
@@ -99,21 +87,14 @@ def on_deflection(
 
 def _given_on(feed: Feed, ready: list[Joined]) -> tuple[Feed, list[Joined]]:
     """Give on what waits when it is complete, after what is ready already."""
-    motion, seen = feed.waiting, feed.deflections
-    if motion is None or motion.stamp not in feed.duties:
+    motion, duties, seen, lost, blind = feed
+    if motion is None or motion.stamp not in duties:
         return feed, ready
     if seen is not None and motion.stamp not in seen:
         return feed, ready
     ready.append(_joined(feed, motion))
     left = None if seen is None else _after(seen, motion.stamp)
-    feed = Feed(
-        waiting=None,
-        duties=_after(feed.duties, motion.stamp),
-        deflections=left,
-        lost=feed.lost,
-        blind=feed.blind,
-    )
-    return feed, ready
+    return Feed(None, _after(duties, motion.stamp), left, lost, blind), ready
 
 
 def _joined(feed: Feed, motion: Motion) -> Joined:

@@ -42,6 +42,10 @@ _PARTS = {
 }
 
 
+_NEW = tuple.__new__
+"""Makes a state from all its fields by place, at a quarter of the time of its own constructor or `_replace`."""
+
+
 class State(NamedTuple):
     """Ticks that wait for a part, checks of each input's stamps, the estimator's state (None before a sample).
 
@@ -116,20 +120,8 @@ class FaultCore:
             mind, last, said = self._estimated(mind, base, ticks)
             # samples come again: the next silence is to be said anew
             heard, silent = when.steady, False
-        # all fields by name: with so many new ones that costs less than `_replace`
-        state = State(
-            gathered=gathered,
-            checks=checks,
-            body=body,
-            strut=strut,
-            unusable=unusable,
-            mind=mind,
-            base=base,
-            last=last,
-            heard=heard,
-            silent=silent,
-        )
-        return state, said
+        come = (gathered, checks, body, strut, unusable)
+        return _NEW(State, (*come, mind, base, last, heard, silent)), said
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Say once that the estimate is no longer valid when the samples stay away."""

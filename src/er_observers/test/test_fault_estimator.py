@@ -275,19 +275,24 @@ def test_the_derivatives_of_a_sample_are_those_of_its_end(car: Model) -> None:
             assert T[:, j] == pytest.approx((ends[0] - ends[1]) / (2.0 * size), rel=1e-3, abs=1e-6)
 
 
-def test_a_sample_is_that_of_the_simulated_car(car: Model) -> None:
-    """The noise-free car one sample on, from any of its states; the two integrators differ by their own errors."""
-    plant = prepare(car, DT)
+@pytest.mark.parametrize(("dt", "pieces"), [(DT, 16), (4.99e-3, 16), (1e-3, 4), (2e-4, 1)])
+def test_a_sample_is_that_of_the_simulated_car(car: Model, dt: float, pieces: int) -> None:
+    """The noise-free car one sample on, from any of its states; the two integrators differ by their own errors.
+
+    A shorter sample has fewer pieces, none of them longer.
+    """
+    plant = prepare(car, dt)
     state, p = initial_state(plant), estimator(car)
     law, turn, T = np.empty(passage.LAW), np.empty((sums.N, passage.TURNED)), np.eye(5, 13)
     random, duty, gone = np.random.default_rng(3), 0.3, []
     for _ in range(400):
-        height = state.road + 1e-3 * random.standard_normal()
+        height = state.road + dt / DT * 1e-3 * random.standard_normal()
         c, q, force = car.effects["quarter_car"], state.q, float(state.w[0])
         z = np.array([
-            q[0], q[1] - q[3], force, -c["k_t"] * q[2] / c["m_us"], (height - state.road) / DT - q[1]
+            q[0], q[1] - q[3], force, -c["k_t"] * q[2] / c["m_us"], (height - state.road) / dt - q[1]
         ])  # fmt: skip
-        passage.prescribe(p.p, p.first[: sums.N], duty, DT, math.nan, law, turn)
+        passage.prescribe(p.p, p.first[: sums.N], duty, dt, math.nan, law, turn)
+        assert int(law[passage.COUNT]) == pieces
         passage.sample(law, turn, z, T, 0)
         state, _ = step_car(plant, state, (height, duty))
         gone.append((z[0] - state.q[0], z[1] - (state.q[1] - state.q[3])))

@@ -10,8 +10,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from er_ros_common.builders import Tick
-from er_ros_common.clock import from_stamp
+from er_ros_common.builders import Tick, tick_of
 from er_ros_common.stamps import (
     RENUMBERED,
     SECOND,
@@ -53,7 +52,7 @@ def judged(
         last: the newest sample.
         now: time on the clock of the samples [ns].
     """
-    stamp, seq = from_stamp(message.header.stamp), int(message.seq)
+    stamp, seq = tick_of(message)
     # as if no stamp came before: order, and two answers to one sample, are the gate's concern
     counted, verdict = check_stamp(limits, state.stamps._replace(stamp=0), stamp, seq, now)
     if not verdict.use:

@@ -1,4 +1,4 @@
-"""Builders from plain values to messages: the only way to publish.
+"""Builders from plain values to messages: the only way to publish. What a message is of is read here, too.
 
 A wrong Python type in a field is not refused by ROS 2 Jazzy: a wheel sends garbage, an apt build
 aborts. Here a text or None is a TypeError, an integer becomes a number, and a number that is not
@@ -23,7 +23,7 @@ from er_damper_msgs.msg import (
     SuspensionAcceleration,
     SuspensionDeflection,
 )
-from er_ros_common.clock import split
+from er_ros_common.clock import joined, split
 from er_ros_common.makers import maker
 from er_ros_common.stamps import StampState
 
@@ -69,6 +69,19 @@ class Tick(NamedTuple):
 
     stamp: int
     seq: int
+
+
+_PARTS = operator.attrgetter("_header._stamp._sec", "_header._stamp._nanosec", "_seq")
+
+
+def tick_of(message: Any) -> Tick:
+    """The tick of a message of any of our types; of a recording's reader, too, whose messages have no slots."""
+    try:
+        sec, nanosec, seq = _PARTS(message)  # as `makers.reader` does
+    except AttributeError:
+        stamp = message.header.stamp
+        sec, nanosec, seq = stamp.sec, stamp.nanosec, int(message.seq)
+    return Tick(joined(sec, nanosec), seq)
 
 
 def number(name: str, value: Any) -> float:

@@ -58,7 +58,10 @@ def split(nanoseconds: int) -> tuple[int, int]:
 
 
 def from_stamp(stamp: Time) -> int:
-    """Time of a stamp [ns]; 0, as where it is not set, where its seconds are negative or its nanoseconds a second."""
-    sec: int = stamp.sec
-    nanosec: int = stamp.nanosec
+    """Time of a stamp [ns]; 0 as in `joined`."""
+    return joined(stamp.sec, stamp.nanosec)
+
+
+def joined(sec: int, nanosec: int) -> int:
+    """Time of a stamp's parts [ns]; 0, as where it is not set, where seconds are negative or nanoseconds a second."""
     return sec * SECOND + nanosec if sec >= 0 and nanosec < SECOND else 0

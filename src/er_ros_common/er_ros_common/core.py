@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple, Protocol
 
-from er_ros_common.builders import Tick
-from er_ros_common.clock import from_stamp
+from er_ros_common.builders import Tick, tick_of
 from er_ros_common.common_parameters import Listening
 from er_ros_common.stamps import Checks, StampLimits, Verdict, check_input
 from er_ros_common.topics import Topic
@@ -88,7 +87,7 @@ def judged(
     core: Judging, checks: Checks, topic: Topic, message: Any, when: When
 ) -> tuple[Checks, Verdict, Tick]:
     """The stamp of a message of one of the inputs, judged before anything is kept of it."""
-    tick = Tick(from_stamp(message.header.stamp), int(message.seq))
+    tick = tick_of(message)
     arrival, which = when.system if core.p.max_age else None, core.inputs.index(topic)
     checks, verdict = check_input(core.limits, checks, which, *tick, arrival)
     return checks, verdict, tick

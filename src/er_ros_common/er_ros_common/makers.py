@@ -1,13 +1,15 @@
-"""Makers of messages, without their constructors, which take longer than all else that is done to a message.
+"""Makers and readers of messages, without what is generated for them, which takes longer than all else that is done.
 
 A generated constructor imports its parts anew each time, makes each default twice and sends every value through a
 setter. Here a function is written out for a type, as `dataclasses` does, that sets the slots of a message and of its
 header one by one: a sixth of the time. Where ROS 2 is asked to check fields it goes by the setters, which do.
+A field is read through a property, a call in Python each time; the slots behind them are read in one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from operator import attrgetter
 from typing import Any
 
 _PLAIN = (bool, int, float, str, bytes)
@@ -56,3 +58,15 @@ def written(first: Any, fields: Sequence[str]) -> Callable[..., Any]:
     exec("\n    ".join(text), known)
     make: Callable[..., Any] = known["make"]
     return make
+
+
+def reader(kind: type[Any], fields: Sequence[str]) -> Callable[[Any], tuple[Any, ...]]:
+    """Reads seconds and nanoseconds of the stamp of messages of a type, then the values of these fields in order.
+
+    Raises:
+        AttributeError: There is no such field, or no header.
+    """
+    slots = [f"_header._stamp._{part}" for part in _STAMP]
+    read = attrgetter(*slots, *(f"_{field}" for field in fields))
+    read(kind())
+    return read

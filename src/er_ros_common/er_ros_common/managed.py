@@ -9,7 +9,7 @@ through the states; else `run` does.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from operator import attrgetter
+from functools import cached_property
 from time import monotonic, monotonic_ns, time_ns
 from typing import Any
 
@@ -31,6 +31,7 @@ from er_ros_common.graph_check import Problem, endpoints, watch
 from er_ros_common.health import Health, Report
 from er_ros_common.inputs import Input
 from er_ros_common.intra_process import IntraProcess, LocalPublisher, passable
+from er_ros_common.makers import reader
 from er_ros_common.stamps import StampLimits
 from er_ros_common.topics import Topic
 
@@ -131,16 +132,16 @@ class ManagedNode(LifecycleNode):
         made = Input(name, limits, monotonic(), needed=needed, steady=steady, rate=rate)
         self.incoming[topic.name] = made
 
-        values = attrgetter("valid", *topic.numbers)
+        read = reader(topic.type, ("seq", "valid", *topic.numbers))
         lacking = topic.lacking if whole else None
 
         def noted(message: Any) -> None:
             each = self.incoming.get(topic.name) if self.active else None
             if each is not None:  # else it is of an earlier configuration, or nothing is heard
                 self.came = came = self.when()
-                stamp, arrival = clock.from_stamp(message.header.stamp), 1e-9 * came.steady
-                each.note(stamp, int(message.seq), arrival, self.stamp_clock())
-                valid, *numbers = values(message)
+                sec, nanosec, seq, valid, *numbers = read(message)
+                arrival = 1e-9 * came.steady
+                each.note(clock.joined(sec, nanosec), seq, arrival, self.stamp_clock())
                 each.read(numbers, arrival, valid=valid, lacks=lacking(message) if lacking else "")
                 self._heard[topic.name](message)
 
@@ -169,7 +170,7 @@ class ManagedNode(LifecycleNode):
             return When(monotonic_ns(), clock.now(self))
         return When(monotonic_ns(), time_ns() if self.aged else None)
 
-    @property
+    @cached_property
     def aged(self) -> bool:
         """Whether the age of a sample means anything: not in simulated time."""
         return bool(getattr(self.p, "max_age", True))

@@ -22,9 +22,9 @@ from er_damper_msgs.msg import (
 from er_ros_common import qos, topic_names
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Topic:
-    """One topic: what it carries, how often [Hz], and the quality of service of either end.
+    """One topic: what it carries, how often [Hz], and the quality of service of either end; equal only to itself.
 
     every_tick: whether every tick of the plant has one; others may be slower. parts: numbers of its messages that
     need not be there, each beside a field ``PART_valid``.

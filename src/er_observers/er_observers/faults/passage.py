@@ -25,15 +25,15 @@ from er_observers.observers.gate import gate_of, slopes_of, solve_gate
 X, V, F_ER, W, R = range(5)
 """Places in the state (5,)."""
 STATES = 5
-PIECES = 16
-"""Pieces of a sample."""
+LONGEST, PIECES = 0.3125e-3, 16
+"""Longest piece of a sample [s], and the most pieces of one: as many as a sample of 200 Hz has."""
 (
-    STIFF, VISCOUS, FIELD, OFFSET, LAG, BY_X, BY_V, PER_MASS, BODY, PUSH, TYRE, HEIGHT, KEPT, MEAN, PIECE, HALF,
-) = range(16)  # fmt: skip
-"""Places in the law (16,): f = STIFF x + VISCOUS v + FIELD F_er + OFFSET; response time and gate; mu, what a force
+    STIFF, VISCOUS, FIELD, OFFSET, LAG, BY_X, BY_V, PER_MASS, BODY, PUSH, TYRE, HEIGHT, KEPT, MEAN, PIECE, HALF, COUNT,
+) = range(17)  # fmt: skip
+"""Places in the law (17,): f = STIFF x + VISCOUS v + FIELD F_er + OFFSET; response time and gate; mu, what a force
 gives the body, what the body has besides; tyre over wheel; height of the gate; what a piece leaves of F_er, and the
-share of it that acts in the mean; length of a piece; what half a piece takes from v."""
-LAW = 16
+share of it that acts in the mean; length of a piece; what half a piece takes from v; number of pieces."""
+LAW = 17
 TURNED = 7
 """Columns of `turn` (N, 7): derivatives of the law's first seven places by the unknowns."""
 _LEAST = 0.02
@@ -61,7 +61,8 @@ def prescribe(
     law[PER_MASS] = law[BODY] + 1.0 / p[M_US]
     law[TYRE] = p[K_T] / p[M_US]
     law[HEIGHT] = p[SIGMA] * duty ** p[BETA] if duty > 0.0 else 0.0
-    h = dt / PIECES
+    law[COUNT] = min(max(math.ceil(dt / LONGEST), 1), PIECES)
+    h = dt / law[COUNT]
     law[PIECE], law[KEPT], law[MEAN] = h, 0.0, 0.0
     if p[TAU] > 0.0:
         law[KEPT] = math.exp(-h / law[LAG])
@@ -92,7 +93,7 @@ def sample(law: Array, turn: Array, z: Array, T: Array, columns: int) -> None:
 
     T: by the state at the begin of the sample, then by the unknowns.
     """
-    for _ in range(PIECES):
+    for _ in range(int(law[COUNT])):
         _piece(law, turn, z, T, columns)
 
 

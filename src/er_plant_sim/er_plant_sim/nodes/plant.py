@@ -11,6 +11,7 @@ import math
 import signal
 import sys
 from collections.abc import Sequence
+from functools import cached_property
 from time import monotonic, perf_counter
 
 from er_ros_common.builders import Tick
@@ -93,7 +94,7 @@ class PlantNode(ManagedNode):
         self.timer = self.every(period, self.on_time)
         self.every(1.0, self.on_second)
 
-    @property
+    @cached_property
     def aged(self) -> bool:
         """Whether the age of a command means anything."""
         return bool(self.p.mode == "realtime")
