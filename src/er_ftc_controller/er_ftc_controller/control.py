@@ -245,9 +245,9 @@ def _controlled(p: Ftc, state: State, sample: Sample, dt: float) -> Moved:
     if not _believed(p, *then):
         then = (x, v)
     control, asked = lpv.step(p.law, state.control, x, then, left, p.rules.restore)
-    gate = float(p.loop.damper.gate(*then))
-    loop, _ = force_loop.duty_for(p.loop, loop, asked.given - asked.passive, gate, dt, left)
-    return control, loop, asked.wanted, asked.given, asked.rho, then
+    wanted, given, passive, gate, rho = asked
+    loop, _ = force_loop.duty_for(p.loop, loop, given - passive, gate, dt, left)
+    return control, loop, wanted, given, rho, then
 
 
 @lru_cache(maxsize=4)

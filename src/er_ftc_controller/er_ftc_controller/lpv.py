@@ -60,11 +60,12 @@ class State(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """Force asked for and nearest that can be given [N], passive force left in the damper [N], rho."""
+    """Force asked for and nearest that can be given [N], passive force left in the damper [N], its gate, rho."""
 
     wanted: float
     given: float
     passive: float
+    gate: float
     rho: float
 
 
@@ -121,11 +122,11 @@ def step(
     restore: share of the passive force lost to the faults that the field is to give back.
     """
     A, B, C, E = _between(p, state.rho)
-    passive = float(p.damper.passive(*then, left))
-    lost = float(p.damper.passive(*then)) - passive
+    passive, gate = float(p.damper.passive(*then, left)), float(p.damper.gate(*then))
+    lost = float(p.damper.passive(*then)) - passive if restore else 0.0
     wanted = passive + float(C @ state.x) + restore * lost
-    ends = p.damper.ends(*then, p.duties, left)
+    ends = p.damper.ends(passive, gate, p.duties, left)
     given, distance = project(wanted, Domain(*sorted(ends)))  # type: ignore[arg-type]
-    asked = Asked(wanted, given, passive, state.rho)
+    asked = Asked(wanted, given, passive, gate, state.rho)
     x_c = A @ state.x + B * x + E * (given - wanted)
     return State(x_c, scheduling(p.schedule, distance)), asked

@@ -188,9 +188,7 @@ class FtcCore:
         rest = (tick, heard, base, unusable, told, silent, state.unused)
         return _NEW(State, (mind, *come, *rest)), [_command(tick, command)]
 
-    def _heard(
-        self, state: State, base: int, stamp: int
-    ) -> tuple[control.State, Waiting]:
+    def _heard(self, state: State, base: int, stamp: int) -> tuple[control.State, Waiting]:
         """The controller told the newest estimate that is old enough for a sample, and the later ones, which wait."""
         due = bisect_right(state.waiting, stamp - _SETTLED, key=itemgetter(0))
         if not due:

@@ -72,10 +72,9 @@ class StaticDamper:
         return self.passive(x, v, left) + size * self.gate(x, v)
 
     def ends(
-        self, x: N, v: N, duties: tuple[float, float], left: Factors = HEALTHY
+        self, passive: N, gate: N, duties: tuple[float, float], left: Factors = HEALTHY
     ) -> tuple[N, N]:
-        """Forces [N] at two duties, in their order, (n,) each."""
-        passive, gate = self.passive(x, v, left), self.gate(x, v)
+        """Forces [N] at two duties, in their order, (n,) each, for the motion's `passive` and `gate`."""
         first, second = (passive + self.height(duty, left) * gate for duty in duties)
         return first, second
 
@@ -83,7 +82,7 @@ class StaticDamper:
         self, x: Array, v: Array, duties: tuple[float, float], left: Factors = HEALTHY
     ) -> Domain:
         """Forces between the least and the greatest duty (6.14), low before high whatever the motion."""
-        ends = self.ends(x, v, duties, left)
+        ends = self.ends(self.passive(x, v, left), self.gate(x, v), duties, left)
         return Domain(np.minimum(*ends), np.maximum(*ends))
 
     def duty_for(

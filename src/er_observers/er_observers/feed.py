@@ -73,6 +73,8 @@ def on_duty(
 ) -> tuple[Feed, list[Joined]]:
     """Take a duty; the accelerations it completes. back: time has jumped back, those kept are of another past."""
     waiting, duties, *rest = feed
+    if waiting is not None and waiting.stamp == stamp and not duties and feed.deflections is None:
+        return Feed(None, _NONE, *rest), [Joined(waiting, duty)]  # nearly always
     kept = _with(_NONE if back else duties, stamp, duty)
     return _given_on(Feed(waiting, kept, *rest), [])
 

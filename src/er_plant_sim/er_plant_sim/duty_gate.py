@@ -100,13 +100,10 @@ def receive(
         return state._replace(refused=state.refused + 1)
     again = 0 < command.seq == state.answered
     ahead = max(state.ahead - max(newest - state.newest, 0), 0) + (not again)
-    return state._replace(
-        command=command,
-        repeated=state.repeated + (again or ahead > BURST),
-        answered=command.seq or state.answered,
-        newest=newest,
-        ahead=min(ahead, BURST),
-    )
+    duty, t, _, refused, limited, repeated, answered, *_ = state
+    repeated += again or ahead > BURST
+    counts = (refused, limited, repeated, command.seq or answered, newest, min(ahead, BURST))
+    return GateState(duty, t, command, *counts)
 
 
 def step(

@@ -32,9 +32,9 @@ class Errors(NamedTuple):
 PERFECT = Errors(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Noise:
-    """Standard deviations and biases of the sensors, and the seed of the draw."""
+    """Standard deviations and biases of the sensors, and the seed of the draw; equal only to itself."""
 
     deviation: Errors = PERFECT
     bias: Errors = PERFECT

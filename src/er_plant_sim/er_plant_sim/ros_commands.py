@@ -17,6 +17,7 @@ from er_ros_common.stamps import (
     StampLimits,
     StampState,
     check_stamp,
+    judge,
 )
 
 from er_damper_msgs.msg import PwmDuty
@@ -54,8 +55,8 @@ def judged(
     """
     stamp, seq = tick_of(message)
     # as if no stamp came before: order, and two answers to one sample, are the gate's concern
-    counted, verdict = check_stamp(limits, state.stamps._replace(stamp=0), stamp, seq, now)
-    if not verdict.use:
+    if not judge(limits, 0, stamp, now).use:
+        counted, _ = check_stamp(limits, state.stamps._replace(stamp=0), stamp, seq, now)
         return state._replace(stamps=counted), None
     if seq > last.seq:
         seq = 0  # it was meant for a plant that was here before
@@ -66,16 +67,17 @@ def judged(
 
 def passed_on(state: Commands, message: PwmDuty, seq: int, *, refused: bool) -> Commands:
     """Count a command with a good stamp after the duty gate had it; refused: whether it did not take it."""
-    stamps = state.stamps._replace(received=state.stamps.received + 1)
+    stamps, received = state.stamps, state.stamps.received + 1
     if not message.valid:
-        return Commands(stamps, state.invalid + 1)
+        return Commands(stamps._replace(received=received), state.invalid + 1)
     if refused:
-        late = math.isfinite(message.duty)
-        return state._replace(stamps=stamps._replace(out_of_order=stamps.out_of_order + late))
+        late = stamps.out_of_order + math.isfinite(message.duty)
+        return Commands(stamps._replace(received=received, out_of_order=late), state.invalid)
     ahead = seq - stamps.seq if seq and stamps.seq else 0
-    lost = ahead - 1 if 1 < ahead <= RENUMBERED else 0
-    stamps = stamps._replace(seq=seq or stamps.seq, used=stamps.used + 1, lost=stamps.lost + lost)
-    return state._replace(stamps=stamps)
+    lost = stamps.lost + (ahead - 1 if 1 < ahead <= RENUMBERED else 0)
+    last, used = seq or stamps.seq, stamps.used + 1
+    stamps = stamps._replace(seq=last, received=received, used=used, lost=lost)
+    return Commands(stamps, state.invalid)
 
 
 def command(message: PwmDuty, answer: Answer, last: Tick, dt: float) -> Command:

@@ -13,7 +13,7 @@ pytest.importorskip("rclpy")
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from er_plant_sim.nodes import drive, recording
 from er_plant_sim.nodes import plant as plant_node
-from er_plant_sim.nodes.drive import Lockstep
+from er_plant_sim.nodes.drive import Lockstep, Timed
 from er_plant_sim.nodes.plant import PlantNode
 from er_plant_sim.nodes.recording import Recording
 from er_ros_common.builders import Tick
@@ -41,10 +41,11 @@ class Rig:
         self.done: list[str] = []
         self.tick, self.may, self.hopeless, self.ready = 0, True, False, 0
         pace: Any = SimpleNamespace(ticks=lambda: range(self.ready))
-        self.drive = Lockstep(
+        self.drive: Lockstep | Timed = Lockstep(
             pace,
             self.sense,
             self.act,
+            lambda: self.done.append("pass on"),
             lambda: self.may,
             paced=paced,
             answered=answered,
@@ -99,7 +100,29 @@ def test_nothing_goes_on_until_the_recording_follows(clock: Clock) -> None:
     assert rig.done == []
     rig.may, rig.ready = True, 0
     rig.drive.on_recorded()
-    assert rig.done == ["sense 1", "act 1", "sense 2", "act 2", "sense 3", "act 3"]
+    one, two, three = (["sense " + k, "act " + k, "pass on"] for k in "123")
+    assert rig.done == [*one, *two, *three]
+
+
+def test_samples_that_are_due_at_once_are_heard_one_by_one(clock: Clock) -> None:
+    """All in one go they were lost to whoever shares the process, but for as many as its queue holds."""
+    rig = Rig()
+    rig.drive = Timed(rig.drive.pace, rig.sense, rig.act, rig.drive.between)
+    for rig.ready in (1, 3):
+        rig.drive.on_time()
+    assert rig.done[:2] == ["sense 1", "act 1"]
+    assert rig.done[2:] == [
+        "sense 2",
+        "act 2",
+        "pass on",
+        "sense 3",
+        "act 3",
+        "pass on",
+        "sense 4",
+        "act 4",
+    ]
+    rig.drive.on_time()
+    assert rig.done[10:] == ["sense 5", "act 5"]  # the last of all
 
 
 @pytest.fixture
@@ -147,7 +170,14 @@ def begun(node: Any) -> None:
     """The plant is activated, and its timer fires."""
     node.running = False
     node.drive = Lockstep(
-        node.pace, node.sense, node.act, lambda: True, paced=False, answered=True, hopeless=bool
+        node.pace,
+        node.sense,
+        node.act,
+        bool,
+        lambda: True,
+        paced=False,
+        answered=True,
+        hopeless=bool,
     )
     PlantNode.on_time(node)
 

@@ -71,7 +71,8 @@ class CoreNode(ManagedNode):
     def take(self, state: Any, said: list[Said]) -> bool:
         """Go over to a state, and publish what was said on the way; whether anything was."""
         self.state = state
-        self.publish(said)
+        if said:
+            self.publish(said)
         return bool(said)
 
     def publish(self, said: Sequence[Said]) -> None:

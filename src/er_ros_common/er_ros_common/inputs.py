@@ -123,7 +123,7 @@ class Input:
         """Look at the values of a message; lacks: a part that it comes without and the node needs."""
         if not valid:
             self.invalid, self._refused = self.invalid + 1, arrival
-        elif not all(map(math.isfinite, numbers)):
+        elif not math.isfinite(sum(numbers)) and not all(map(math.isfinite, numbers)):
             self.non_finite, self._strange = self.non_finite + 1, arrival
         elif lacks:
             self.incomplete, self._lacks, self._lacked = self.incomplete + 1, lacks, arrival

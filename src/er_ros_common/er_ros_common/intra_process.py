@@ -10,8 +10,10 @@ A message that was published is given to several nodes: nobody may change it.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from threading import get_ident
 from time import monotonic
 from typing import Any
@@ -26,6 +28,7 @@ from rclpy.qos import (
     qos_check_compatible,
 )
 from rclpy.subscription import Subscription
+from rclpy.timer import Timer
 
 from er_ros_common import clock
 from er_ros_common.graph_check import Ends, endpoints
@@ -34,8 +37,19 @@ LOOK_PERIOD = 0.1
 """How often it is looked whether somebody outside has come or gone [s]."""
 SEEN = 0.5
 """How long what one node has seen of a topic in the graph serves the others [s]."""
+SLACK = 1e-6
+"""What a multiple of a period may lack, rounded as periods are."""
 MOST = 200
 """Messages in one go; then timers and signals get their turn."""
+
+
+@dataclass(slots=True)
+class Look:
+    """Something to be called each period [s]; left: calls of the timer until then."""
+
+    due: Callable[[], None]
+    period: float
+    left: int = 1
 
 
 class LocalPublisher(Publisher):
@@ -117,21 +131,26 @@ class IntraProcess:
         self.silent: set[Subscription] = set()
         self.turns, self.asked, self.thread = 0, False, get_ident()
         self.seen: dict[str, tuple[float, Ends]] = {}
-        self.looks: dict[float, list[Callable[[], None]]] = {}
+        self.looks: list[Look] = []
+        self.timer: Timer | None = None
+        self.period = math.inf
         self.every(LOOK_PERIOD, self.look)
 
     def every(self, period: float, due: Callable[[], None]) -> None:
-        """Call something each period [s], with all else of that period: each timer that is due wakes the executor."""
-        if period in self.looks:
-            self.looks[period].append(due)
-            return
-        looks = self.looks[period] = [due]
+        """Call something each period [s] or sooner, on one timer with all else: each that is due wakes the executor."""
+        self.looks.append(Look(due, period))
+        if period < self.period:
+            if self.timer is not None:
+                self.nodes[0].destroy_timer(self.timer)
+            self.period = period
+            self.timer = clock.wall_timer(self.nodes[0], period, self._looked)
 
-        def call() -> None:
-            for look in looks:
-                look()
-
-        clock.wall_timer(self.nodes[0], period, call)
+    def _looked(self) -> None:
+        for each in self.looks:
+            each.left -= 1
+            if each.left <= 0:
+                each.left = int(each.period / self.period + SLACK)
+                each.due()
 
     def add_publisher(self, publisher: LocalPublisher) -> None:
         """Take in a new publisher."""

@@ -220,6 +220,11 @@ class ManagedNode(LifecycleNode):
         else:
             self._once(f"timer {due.__name__}", lambda: local.every(period, self._in_turn(due)))
 
+    def pass_on(self) -> None:
+        """Let nodes of this process hear now what was published so far: queues are short, and this goes on for long."""
+        if self.local is not None:
+            self.local.drain()
+
     def _in_turn(self, due: Callable[[], None]) -> Callable[[], None]:
         def call() -> None:
             if not self.active:

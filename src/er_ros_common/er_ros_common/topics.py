@@ -41,8 +41,10 @@ class Topic:
 
     def lacking(self, message: Any) -> str:
         """The first part that a message comes without; empty where it is whole."""
-        without = (part for part in self.parts if not getattr(message, f"{part}_valid"))
-        return next(without, "")
+        for part in self.parts:
+            if not getattr(message, f"{part}_valid"):
+                return part
+        return ""
 
     @property
     def numbers(self) -> tuple[str, ...]:

@@ -16,21 +16,26 @@ Sense = Callable[[int], int]
 """Publishes the sample of a place in the schedule; returns its seq."""
 Act = Callable[[], bool]
 """Decides the duty of the last sample and goes on to the next; false when it was the last."""
+Between = Callable[[], None]
+"""Called between two samples of one go, as where the machine stood still: what hears them has a queue of five."""
 
 
 class Timed:
     """A sample whenever one is due, acted upon at once with the newest command."""
 
-    def __init__(self, pace: Pace, sense: Sense, act: Act) -> None:
-        self.pace, self.sense, self.act = pace, sense, act
+    def __init__(self, pace: Pace, sense: Sense, act: Act, between: Between) -> None:
+        self.pace, self.sense, self.act, self.between = pace, sense, act, between
         self.timeouts = 0
 
     def on_time(self) -> None:
         """Run the ticks that are due."""
-        for place in self.pace.ticks():
+        places = self.pace.ticks()
+        for place in places:
             self.sense(place)
             if not self.act():
                 return
+            if place < places[-1]:
+                self.between()
 
     def on_command(self, seq: int) -> None:
         """A command waits for the next tick."""
@@ -42,7 +47,7 @@ class Timed:
 class Lockstep:
     """A sample, then nothing until it is answered or the wait is over; nor before the recording follows.
 
-    may: whether the recording follows; paced: the next sample is also not sent before it is due; answered: whether
+    between: see `Between`; may: whether the recording follows; paced: the next sample is also not sent before it is due; answered: whether
     anybody answers (else the duty comes from a program); hopeless: whether the answer may be missing on purpose.
     """
 
@@ -51,13 +56,15 @@ class Lockstep:
         pace: Pace,
         sense: Sense,
         act: Act,
+        between: Between,
         may: Callable[[], bool],
         *,
         paced: bool,
         answered: bool,
         hopeless: Callable[[], bool],
     ) -> None:
-        self.pace, self.sense, self.act, self.may = pace, sense, act, may
+        self.pace, self.sense, self.act = pace, sense, act
+        self.between, self.may = between, may
         self.paced, self.answered, self.hopeless = paced, answered, hopeless
         self.timeouts, self.due, self.asked, self.asked_at = 0, 0, 0, 0.0
         self.silent = False
@@ -99,3 +106,4 @@ class Lockstep:
                 return
             if not self.act():
                 return
+            self.between()

@@ -119,11 +119,12 @@ class PlantNode(ManagedNode):
 
     def _drive(self) -> Timed | Lockstep:
         if self.p.mode != "lockstep":
-            return Timed(self.pace, self.sense, self.act)
+            return Timed(self.pace, self.sense, self.act, self.pass_on)
         return Lockstep(
             self.pace,
             self.sense,
             self.act,
+            self.pass_on,
             lambda: self.recording.follows(self.state.sim.tick),
             paced=self.p.rate_factor > 0.0,
             answered=not self.rig.programmed,
