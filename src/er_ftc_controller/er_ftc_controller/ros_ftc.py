@@ -46,12 +46,12 @@ _NEW = tuple.__new__
 
 
 class State(NamedTuple):
-    """What the controller knows; halves of samples; estimates that wait, oldest first, by stamp [ns]; checks of each input's stamps.
+    """What the controller knows; halves of samples; estimates that wait, oldest first, by stamp [ns].
 
-    body, strut: whether a sensor is stuck; last: the last sample; heard: when the last usable one came [ns, steady];
-    base: stamp of the first one; counts; silent: how `mind` goes on while samples stay away. The next sample finds
-    `mind` as the last one left it, so that answers to samples do not depend on when somebody looked. unused: why an
-    acceleration was not used, and the stamp of the last such.
+    checks: of each input's stamps; body, strut: whether a sensor is stuck; last: the last sample; heard: when the last
+    usable one came [ns, steady]; base: stamp of the first one; counts; silent: how `mind` goes on while samples stay
+    away. The next sample finds `mind` as the last one left it, so that answers to samples do not depend on when
+    somebody looked. unused: why an acceleration was not used, and the stamp of the last such.
     """
 
     mind: control.State

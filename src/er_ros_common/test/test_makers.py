@@ -1,10 +1,12 @@
-"""Messages made without their constructors are those that the constructors make."""
+"""Messages made without their constructors are those that the constructors make; what is read is what they hold."""
 
 from __future__ import annotations
 
 import inspect
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 pytest.importorskip("rclpy")
@@ -13,7 +15,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.serialization import deserialize_message, serialize_message
 
 from er_damper_msgs import msg
-from er_ros_common import makers
+from er_ros_common import builders, makers
 
 KINDS = [kind for _, kind in inspect.getmembers(msg, inspect.isclass)]
 
@@ -49,6 +51,32 @@ def test_every_field_arrives_in_its_place(kind: type[Any], checked: bool) -> Non
     expected.header.stamp.sec, expected.header.stamp.nanosec = 5, 6
     make = makers.written(kind(check_fields=checked), tuple(values))
     assert deserialize_message(serialize_message(make(5, 6, *values.values())), kind) == expected
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda k: k.__name__)
+def test_what_is_read_is_what_was_written(kind: type[Any]) -> None:
+    fields = _fields(kind)
+    values = [getattr(kind(), name) for name in fields]
+    message = makers.maker(kind, ("seq", "valid"))(5, 6, 7, True)
+    seen = dict(zip(fields, makers.reader(kind, fields)(message)[2:], strict=True))
+    assert seen == {**dict(zip(fields, values, strict=True)), "seq": 7, "valid": True}
+    assert makers.reader(kind, ("seq",))(message) == (5, 6, 7)
+    with pytest.raises(AttributeError):
+        makers.reader(kind, ("nothing",))
+
+
+def test_the_tick_of_a_message_is_read_from_whoever_made_it() -> None:
+    """A recording's reader makes messages of its own, without slots and with numbers of NumPy."""
+    tick = builders.Tick(5_000_000_006, 7)
+    made = builders.pwm_duty(tick, 0.1)
+    stamp = SimpleNamespace(sec=5, nanosec=6)
+    read = SimpleNamespace(header=SimpleNamespace(stamp=stamp), seq=np.uint64(7))
+    for message in (made, read):
+        found = builders.tick_of(message)
+        assert found == tick
+        assert type(found.seq) is int
+    made.header.stamp.nanosec = 1_000_000_000  # no stamp at all
+    assert builders.tick_of(made) == (0, 7)
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda k: k.__name__)

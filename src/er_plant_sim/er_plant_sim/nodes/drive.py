@@ -47,8 +47,9 @@ class Timed:
 class Lockstep:
     """A sample, then nothing until it is answered or the wait is over; nor before the recording follows.
 
-    between: see `Between`; may: whether the recording follows; paced: the next sample is also not sent before it is due; answered: whether
-    anybody answers (else the duty comes from a program); hopeless: whether the answer may be missing on purpose.
+    between: see `Between`; may: whether the recording follows; paced: the next sample is also not sent before it is
+    due; answered: whether anybody answers (else the duty comes from a program); hopeless: whether the answer may be
+    missing on purpose.
     """
 
     def __init__(
