@@ -64,19 +64,19 @@ def on_motion(feed: Feed, motion: Motion) -> tuple[Feed, list[Joined]]:
             lost=feed.lost + (stamp not in feed.duties),
             blind=feed.blind + (sees and stamp not in (feed.deflections or _NONE)),
         )
-    _, *rest = feed
-    return _given_on(Feed(motion, *rest), ready)
+    _, duties, seen, lost, blind = feed
+    return _given_on(Feed(motion, duties, seen, lost, blind), ready)
 
 
 def on_duty(
     feed: Feed, stamp: int, duty: float, *, back: bool = False
 ) -> tuple[Feed, list[Joined]]:
     """Take a duty; the accelerations it completes. back: time has jumped back, those kept are of another past."""
-    waiting, duties, *rest = feed
-    if waiting is not None and waiting.stamp == stamp and not duties and feed.deflections is None:
-        return Feed(None, _NONE, *rest), [Joined(waiting, duty)]  # nearly always
+    waiting, duties, seen, lost, blind = feed
+    if waiting is not None and waiting.stamp == stamp and not duties and seen is None:
+        return Feed(None, _NONE, None, lost, blind), [Joined(waiting, duty)]  # nearly always
     kept = _with(_NONE if back else duties, stamp, duty)
-    return _given_on(Feed(waiting, kept, *rest), [])
+    return _given_on(Feed(waiting, kept, seen, lost, blind), [])
 
 
 def on_deflection(
