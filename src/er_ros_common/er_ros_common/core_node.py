@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import partial
 from time import perf_counter
@@ -10,6 +11,7 @@ from typing import Any, ClassVar
 from er_models.constants import SAMPLE_TIME
 from rclpy.qos import QoSProfile
 
+from er_ros_common.common_parameters import deaf_after
 from er_ros_common.core import Core, Said
 from er_ros_common.graph_check import connected
 from er_ros_common.managed import ManagedNode
@@ -19,12 +21,14 @@ from er_ros_common.topics import Topic
 class CoreNode(ManagedNode):
     """A node around a core; subclasses fill `make` and `report`.
 
-    watch_period: how often the silence of the inputs is looked at [s]; profile: of the subscriptions, None for that
-    of each topic; whole: inputs of no use without all of their parts.
+    watch_period: how often the silence of the inputs is looked at [s]; watch_patience: how long the core has nothing to
+    say of it, where that is less than until they count as dead [s]; profile: of the subscriptions, None for that of
+    each topic; whole: inputs of no use without all of their parts.
     p holds ``listeners``: how many of each output there must be before the node is ready.
     """
 
     watch_period: ClassVar[float] = 0.01
+    watch_patience: ClassVar[float] = math.inf
     profile: ClassVar[QoSProfile | None] = None
     whole: ClassVar[tuple[Topic, ...]] = ()
     core: Any
@@ -52,7 +56,8 @@ class CoreNode(ManagedNode):
             )
             for topic, limits in zip(self.core.inputs, self.core.limits, strict=True)
         }
-        self.watch_every(self.watch_period, self.on_watch)
+        patience = min(self.watch_patience, deaf_after(self.core.p))
+        self.watch_every(self.watch_period, self.on_watch, patience)
 
     def begin(self) -> None:
         """Know nothing yet."""

@@ -39,16 +39,22 @@ SEEN = 0.5
 """How long what one node has seen of a topic in the graph serves the others [s]."""
 SLACK = 1e-6
 """What a multiple of a period may lack, rounded as periods are."""
+EARLY = 0.9
+"""Part of a period after which messages that come once a period make a round, a little sooner now and then."""
 MOST = 200
 """Messages in one go; then timers and signals get their turn."""
 
 
 @dataclass(slots=True)
 class Look:
-    """Something to be called each period [s]; left: calls of the timer until then."""
+    """Something to be called each period [s]; patience: how long after a message it has nothing to say [s].
+
+    left: rounds until it is called.
+    """
 
     due: Callable[[], None]
     period: float
+    patience: float
     left: int = 1
 
 
@@ -121,6 +127,9 @@ class IntraProcess:
 
     order: whose turn it is. Without a lock every message has its turn, as `hand` and `drain` count too few rather than
     too many turns to come: one without a message costs nothing, a message without one would make all after it late.
+
+    looks: what is called each period, all of it on one timer, as each that is due wakes the executor. While messages
+    come they make the rounds on the way, and the timer only has to be there before any look is out of patience.
     """
 
     def __init__(self, nodes: Iterable[Node]) -> None:
@@ -133,24 +142,43 @@ class IntraProcess:
         self.seen: dict[str, tuple[float, Ends]] = {}
         self.looks: list[Look] = []
         self.timer: Timer | None = None
-        self.period = math.inf
+        self.period = self.calm = self.pace = math.inf
+        self.moved, self.next_round, self.looking = monotonic(), 0.0, False
         self.every(LOOK_PERIOD, self.look)
 
-    def every(self, period: float, due: Callable[[], None]) -> None:
-        """Call something each period [s] or sooner, on one timer with all else: each that is due wakes the executor."""
-        self.looks.append(Look(due, period))
+    def every(self, period: float, due: Callable[[], None], patience: float = 0.0) -> None:
+        """Call something each period [s] or sooner; patience: how long after a message it has nothing to say [s]."""
+        self.looks.append(Look(due, period, patience))
+        self.calm = min(max(each.period, each.patience) for each in self.looks)
         if period < self.period:
             if self.timer is not None:
                 self.nodes[0].destroy_timer(self.timer)
-            self.period = period
-            self.timer = clock.wall_timer(self.nodes[0], period, self._looked)
+            self.period = self.pace = period
+            self.timer = clock.wall_timer(self.nodes[0], period, self._awake)
 
-    def _looked(self) -> None:
-        for each in self.looks:
-            each.left -= 1
-            if each.left <= 0:
-                each.left = int(each.period / self.period + SLACK)
-                each.due()
+    def _awake(self) -> None:
+        """Make a round where messages stay away, and be back when it may be needed."""
+        now = monotonic()
+        quiet = now - self.moved >= self.period
+        pace = self.period if quiet else self.calm
+        if pace != self.pace and self.timer is not None:
+            self.pace = pace
+            self.timer.timer_period_ns = round(1e9 * pace)
+            self.timer.reset()
+        if quiet or now >= self.next_round:
+            self._look_around(now)
+
+    def _look_around(self, now: float) -> None:
+        """Make a round at a time [s]."""
+        self.next_round, self.looking = now + EARLY * self.period, True
+        try:
+            for each in self.looks:
+                each.left -= 1
+                if each.left <= 0:
+                    each.left = int(each.period / self.period + SLACK)
+                    each.due()
+        finally:
+            self.looking = False
 
     def add_publisher(self, publisher: LocalPublisher) -> None:
         """Take in a new publisher."""
@@ -221,8 +249,14 @@ class IntraProcess:
             call(*given)
         finally:
             self.turns -= 1
-        if self.order and not self.turns:
+        if self.turns:
+            return
+        if self.order:
             self.drain()
+        if not self.looking:
+            self.moved = now = monotonic()
+            if now >= self.next_round:
+                self._look_around(now)
 
     def drain(self) -> None:
         """Hear what waits, and what is published meanwhile."""

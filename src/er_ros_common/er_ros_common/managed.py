@@ -212,13 +212,16 @@ class ManagedNode(LifecycleNode):
         call = self._in_turn(due)
         return self._once(f"timer {due.__name__}", lambda: clock.wall_timer(self, period, call))
 
-    def watch_every(self, period: float, due: Callable[[], None]) -> None:
-        """The same for a look that needs no timer of its own: nodes of one process share one of that period."""
-        local = self.local
+    def watch_every(self, period: float, due: Callable[[], None], patience: float = 0.0) -> None:
+        """The same for a look that needs no timer of its own: nodes of one process share one.
+
+        patience: how long after a message the look has nothing to say [s].
+        """
+        local, call = self.local, self._in_turn(due)
         if local is None:
             self.every(period, due)
         else:
-            self._once(f"timer {due.__name__}", lambda: local.every(period, self._in_turn(due)))
+            self._once(f"timer {due.__name__}", lambda: local.every(period, call, patience))
 
     def pass_on(self) -> None:
         """Let nodes of this process hear now what was published so far: queues are short, and this goes on for long."""

@@ -49,14 +49,16 @@ def test_a_step_is_late_at_the_rate_the_node_is_made_for(
     parameters: dict[str, float], late: int
 ) -> None:
     core = SimpleNamespace(
-        p=SimpleNamespace(**parameters), model_id="", gains_id="", inputs=(), outputs=(), limits=()
-    )
+        p=SimpleNamespace(timeout=0.05, max_age=0.02, **parameters),
+        model_id="", gains_id="", inputs=(), outputs=(), limits=(),
+    )  # fmt: skip
     meter = Meter(deadline=1.0)
     node: Any = SimpleNamespace(
         make=lambda: core,
         health=SimpleNamespace(meter=meter),
         watch_every=lambda *_: None,
         watch_period=0.01,
+        watch_patience=0.02,
         on_watch=None,
     )
     CoreNode.configure(node)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import deque
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -17,7 +18,12 @@ import rclpy
 from er_ros_common.builders import Tick
 from er_ros_common.common_parameters import NodeParameters
 from er_ros_common.health import Report
-from er_ros_common.intra_process import IntraProcess, LocalPublisher, LocalSubscription
+from er_ros_common.intra_process import (
+    LOOK_PERIOD,
+    IntraProcess,
+    LocalPublisher,
+    LocalSubscription,
+)
 from er_ros_common.managed import ManagedNode
 from er_ros_common.spin import make_executor
 from er_ros_common.topics import ACCELERATION, PWM_COMMAND
@@ -289,6 +295,36 @@ def test_all_looks_share_a_timer_and_stop_with_their_node(world: World) -> None:
     counts["echo"] = 0
     world.idle()
     assert counts["echo"] == 0
+
+
+def test_while_messages_come_looks_ride_on_them(world: World) -> None:
+    """Nobody is woken for them, and soon after the last message they come by themselves again."""
+    looks: list[float] = []
+    woken: list[float] = []
+    local, awake = world.local, world.local._awake
+
+    def counted() -> None:
+        woken.append(monotonic())
+        awake()
+
+    local._awake = counted  # type: ignore[method-assign]
+    world.taker.watch_every(0.02, lambda: looks.append(monotonic()), patience=0.3)
+    world.idle()
+    counts = itertools.count(1)
+    world.talker.every(0.005, lambda: world.talker.say(next(counts)) and None)
+    world.idle()
+    for each in (looks, woken):
+        each.clear()
+    world.idle(1.0)
+    # by the look at who is outside, which waits for no silence
+    assert len(woken) <= 1.0 / LOOK_PERIOD + 2
+    assert len(looks) > 3 * len(woken)
+    world.talker.trigger_deactivate()
+    last = monotonic()
+    world.until(lambda: len([each for each in looks if each > last]) >= 5)
+    first, *_, fifth = (each for each in looks if each > last)
+    assert first - last < LOOK_PERIOD + 0.1
+    assert fifth - first < 0.2
 
 
 @pytest.mark.parametrize("before", [0, 1, 3])

@@ -14,6 +14,7 @@ from er_ros_common.spin import Executable
 from std_msgs.msg import String
 
 from er_damper_msgs.msg import NodeStatus
+from er_observers.observers.status import LIMITS
 from er_observers.ros_observer import ON_THE_WIRE, ObserverCore
 from er_observers.running.runtime import payload_of
 from er_observers.settings import ObserverParameters
@@ -35,6 +36,7 @@ class ObserverNode(CoreNode):
     """
 
     profile = qos.FOLLOWER
+    watch_patience = LIMITS.bridge
 
     def __init__(self, name: str, argv: Sequence[str] | None = None) -> None:
         super().__init__(f"{name}_observer", argv)
