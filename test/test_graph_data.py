@@ -301,7 +301,12 @@ def launch_module(monkeypatch: pytest.MonkeyPatch, given: dict[str, str]) -> typ
 RIG = ("hardware:=udp:rig:5005", "calibration:=device_emulator")
 OTHER = {
     "namespace": ("namespace:=vehicle/suspension/fl",),
-    "corners": ("corners:=4", "namespace:=car", "record:=/tmp/x", "composed:=true"),
+    "corners": (
+        "corners:=4",
+        "namespace:=car",
+        "record:=/tmp/er_recording_to_come",
+        "composed:=true",
+    ),
     "model": ("model:=inove_stand_in",),
     "damper": ("damper:=inove_bingham",),
     "effects_from": (f"effects_from:={LAUNCH}",),
@@ -320,8 +325,8 @@ OTHER = {
     "gains": ("observers:=unified", "gains:=unified"),
     "fault_estimator": ("fault_estimator:=true",),
     "priority": ("priority:=40",),
-    "record": ("record:=/tmp/x",),
-    "storage": ("record:=/tmp/x", "storage:=sqlite3"),
+    "record": ("record:=/tmp/er_recording_to_come",),
+    "storage": ("record:=/tmp/er_recording_to_come", "storage:=sqlite3"),
     "composed": ("composed:=true",),
     "plant_params": (f"plant_params:={CONFIG / 'nodes/plant.yaml'}",),
 }
@@ -428,7 +433,13 @@ def test_a_car_has_four_corners_and_one_recorder(tmp_path: Path) -> None:
 
 def test_a_stack_has_sensors_of_its_own_under_its_own_names() -> None:
     names = "remap:=sensors/acceleration=/chassis/{corner}/imu, pwm/command=/chassis/{corner}/duty"
-    pairs = ("hardware:=stack", "corners:=4", "namespace:=car", names, "record:=/tmp/x")
+    pairs = (
+        "hardware:=stack",
+        "corners:=4",
+        "namespace:=car",
+        names,
+        "record:=/tmp/er_recording_to_come",
+    )
     recorder, *found = nodes(parse(pairs), CONFIG)
     assert {spec.executable for spec in found} == {
         "skyhook_controller", "unified_observer", "nlpv_polytopic_observer", "nlpv_gridding_observer"
@@ -447,19 +458,25 @@ def test_a_stack_has_sensors_of_its_own_under_its_own_names() -> None:
 
 
 def test_the_recorder_notes_the_names_of_topics_that_have_others() -> None:
-    pairs = ("remap:=sensors/force=/{corner}/x, sensors/road=y, /diagnostics=/z", "record:=/tmp/x")
+    pairs = (
+        "remap:=sensors/force=/{corner}/x, sensors/road=y, /diagnostics=/z",
+        "record:=/tmp/er_recording_to_come",
+    )
     recorder, *_ = nodes(parse((*pairs, "namespace:=car", "corners:=a,b")), CONFIG)
     assert recorder.parameters["names"] == [
         "/car/a/sensors/force=/a/x", "/car/a/sensors/road=/car/a/y",
         "/car/b/sensors/force=/b/x", "/car/b/sensors/road=/car/b/y",
     ]  # fmt: skip
-    alone = specs("remap:=sensors/force=/x", "record:=/tmp/x")["recorder"]
+    alone = specs("remap:=sensors/force=/x", "record:=/tmp/er_recording_to_come")["recorder"]
     assert alone.parameters["names"] == ["/sensors/force=/x"]
-    assert "names" not in specs("record:=/tmp/x")["recorder"].parameters
+    assert "names" not in specs("record:=/tmp/er_recording_to_come")["recorder"].parameters
 
 
 def test_a_new_name_within_a_corner_is_recorded_where_the_corner_says_it() -> None:
-    pairs = ("remap:=sensors/force=x, /diagnostics=y, sensors/road=/z/{corner}", "record:=/tmp/x")
+    pairs = (
+        "remap:=sensors/force=x, /diagnostics=y, sensors/road=/z/{corner}",
+        "record:=/tmp/er_recording_to_come",
+    )
     recorder, *_ = nodes(parse((*pairs, "namespace:=car", "corners:=a,b")), CONFIG)
     for names in (recorder.parameters["topics"], recorder.parameters["sources"]):
         assert isinstance(names, list)
@@ -482,7 +499,7 @@ def test_each_of_several_plants_has_a_simulated_time_of_its_own() -> None:
     own = {"car/a": {"/car/a/clock"}, "car/b": {"/car/b/clock"}}
     assert clocks("corners:=a,b", "namespace:=car") == own
     assert clocks("corners:=a,b", "namespace:=car", "composed:=true") == own
-    more = ("record:=/tmp/x", "remap:=sensors/force=x")
+    more = ("record:=/tmp/er_recording_to_come", "remap:=sensors/force=x")
     assert clocks("corners:=a,b", "namespace:=car", *more) == own | {"car": {""}}
     assert clocks("corners:=a,b", "remap:=/clock=/t/{corner}") == {"a": {"/t/a"}, "b": {"/t/b"}}
     assert clocks("corners:=a,b", "remap:=/clock=t") == {"a": {"t"}, "b": {"t"}}
