@@ -299,12 +299,14 @@ def launch_module(monkeypatch: pytest.MonkeyPatch, given: dict[str, str]) -> typ
 
 
 RIG = ("hardware:=udp:rig:5005", "calibration:=device_emulator")
+RECORD = "record:=/tmp/er_recording_to_come"
+"""A recording in a place that nobody has."""
 OTHER = {
     "namespace": ("namespace:=vehicle/suspension/fl",),
     "corners": (
         "corners:=4",
         "namespace:=car",
-        "record:=/tmp/er_recording_to_come",
+        RECORD,
         "composed:=true",
     ),
     "model": ("model:=inove_stand_in",),
@@ -325,8 +327,8 @@ OTHER = {
     "gains": ("observers:=unified", "gains:=unified"),
     "fault_estimator": ("fault_estimator:=true",),
     "priority": ("priority:=40",),
-    "record": ("record:=/tmp/er_recording_to_come",),
-    "storage": ("record:=/tmp/er_recording_to_come", "storage:=sqlite3"),
+    "record": (RECORD,),
+    "storage": (RECORD, "storage:=sqlite3"),
     "composed": ("composed:=true",),
     "plant_params": (f"plant_params:={CONFIG / 'nodes/plant.yaml'}",),
 }
@@ -438,7 +440,7 @@ def test_a_stack_has_sensors_of_its_own_under_its_own_names() -> None:
         "corners:=4",
         "namespace:=car",
         names,
-        "record:=/tmp/er_recording_to_come",
+        RECORD,
     )
     recorder, *found = nodes(parse(pairs), CONFIG)
     assert {spec.executable for spec in found} == {
@@ -460,22 +462,22 @@ def test_a_stack_has_sensors_of_its_own_under_its_own_names() -> None:
 def test_the_recorder_notes_the_names_of_topics_that_have_others() -> None:
     pairs = (
         "remap:=sensors/force=/{corner}/x, sensors/road=y, /diagnostics=/z",
-        "record:=/tmp/er_recording_to_come",
+        RECORD,
     )
     recorder, *_ = nodes(parse((*pairs, "namespace:=car", "corners:=a,b")), CONFIG)
     assert recorder.parameters["names"] == [
         "/car/a/sensors/force=/a/x", "/car/a/sensors/road=/car/a/y",
         "/car/b/sensors/force=/b/x", "/car/b/sensors/road=/car/b/y",
     ]  # fmt: skip
-    alone = specs("remap:=sensors/force=/x", "record:=/tmp/er_recording_to_come")["recorder"]
+    alone = specs("remap:=sensors/force=/x", RECORD)["recorder"]
     assert alone.parameters["names"] == ["/sensors/force=/x"]
-    assert "names" not in specs("record:=/tmp/er_recording_to_come")["recorder"].parameters
+    assert "names" not in specs(RECORD)["recorder"].parameters
 
 
 def test_a_new_name_within_a_corner_is_recorded_where_the_corner_says_it() -> None:
     pairs = (
         "remap:=sensors/force=x, /diagnostics=y, sensors/road=/z/{corner}",
-        "record:=/tmp/er_recording_to_come",
+        RECORD,
     )
     recorder, *_ = nodes(parse((*pairs, "namespace:=car", "corners:=a,b")), CONFIG)
     for names in (recorder.parameters["topics"], recorder.parameters["sources"]):
@@ -499,7 +501,7 @@ def test_each_of_several_plants_has_a_simulated_time_of_its_own() -> None:
     own = {"car/a": {"/car/a/clock"}, "car/b": {"/car/b/clock"}}
     assert clocks("corners:=a,b", "namespace:=car") == own
     assert clocks("corners:=a,b", "namespace:=car", "composed:=true") == own
-    more = ("record:=/tmp/er_recording_to_come", "remap:=sensors/force=x")
+    more = (RECORD, "remap:=sensors/force=x")
     assert clocks("corners:=a,b", "namespace:=car", *more) == own | {"car": {""}}
     assert clocks("corners:=a,b", "remap:=/clock=/t/{corner}") == {"a": {"/t/a"}, "b": {"/t/b"}}
     assert clocks("corners:=a,b", "remap:=/clock=t") == {"a": {"t"}, "b": {"t"}}

@@ -14,7 +14,7 @@ from er_models.files import load_model
 from er_models.model import Model
 from er_ros_common.builders import Tick
 from er_ros_common.common_parameters import silence
-from er_ros_common.core import Said, When, judged
+from er_ros_common.core import Said, When, by_place, judged
 from er_ros_common.stamps import Checks, StampLimits, StampState, counted
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
@@ -40,10 +40,6 @@ _PARTS = {
     topics.DEFLECTION.name: gather.DEFLECTION,
     topics.PWM_APPLIED.name: gather.DUTY,
 }
-
-
-_NEW = tuple.__new__
-"""Makes a state from all its fields by place, at a quarter of the time of its own constructor or `_replace`."""
 
 
 class State(NamedTuple):
@@ -121,7 +117,7 @@ class FaultCore:
             # samples come again: the next silence is to be said anew
             heard, silent = when.steady, False
         come = (gathered, checks, body, strut, unusable)
-        return _NEW(State, (*come, mind, base, last, heard, silent)), said
+        return by_place(State, (*come, mind, base, last, heard, silent)), said
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Say once that the estimate is no longer valid when the samples stay away."""

@@ -24,7 +24,7 @@ from er_damper_msgs.msg import (
     SuspensionDeflection,
 )
 from er_ros_common.clock import joined, split
-from er_ros_common.makers import maker
+from er_ros_common.makers import maker, reader
 from er_ros_common.stamps import StampState
 
 OK, FAULT = SuspensionDeflection.STATUS_OK, SuspensionDeflection.STATUS_FAULT
@@ -71,13 +71,14 @@ class Tick(NamedTuple):
     seq: int
 
 
-_PARTS = operator.attrgetter("_header._stamp._sec", "_header._stamp._nanosec", "_seq")
+_PARTS = reader(PwmDuty, ("seq",))
+"""Reads the tick of messages of any of our types: these slots have the same names in all of them."""
 
 
 def tick_of(message: Any) -> Tick:
     """The tick of a message of any of our types; of a recording's reader, too, whose messages have no slots."""
     try:
-        sec, nanosec, seq = _PARTS(message)  # as `makers.reader` does
+        sec, nanosec, seq = _PARTS(message)
     except AttributeError:
         stamp = message.header.stamp
         sec, nanosec, seq = stamp.sec, stamp.nanosec, int(message.seq)

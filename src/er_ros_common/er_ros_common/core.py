@@ -17,6 +17,10 @@ Said = tuple[Topic, Any]
 """A message to be published, and where."""
 
 
+by_place = tuple.__new__
+"""Makes a named tuple from all its fields in order, at a quarter of the time of its own constructor or `_replace`."""
+
+
 class When(NamedTuple):
     """When something came: on the steady clock [ns], and on the node's own [ns], None where ages mean nothing."""
 
