@@ -11,8 +11,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from er_model_lab.commands.ask import Request
-from er_model_lab.commands.diagnose import diagnose
+from er_model_lab.verbs.ask import Request
+from er_model_lab.verbs.diagnose import diagnose
 
 from test.blind.catalogue import VEHICLE
 from test.blind.generator import make_case

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.diagnose.candidates import baseline, refit
-from er_model_lab.diagnose.null import simulate_null
-from er_model_lab.diagnose.search import passes, threshold
-from er_model_lab.diagnose.study import open_problem
+from er_model_lab.diagnosis.candidates import baseline, refit
+from er_model_lab.diagnosis.null import simulate_null
+from er_model_lab.diagnosis.search import passes, threshold
+from er_model_lab.diagnosis.study import open_problem
 from er_model_lab.records.load import load
 from er_models.files import load_model
 

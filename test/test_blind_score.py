@@ -164,7 +164,7 @@ def test_the_digest_follows_statements_not_words(tmp_path):
 def test_the_digest_covers_what_a_search_runs():
     """All that `improve` loads of models and lab, but for what only says; folders that moved were left out once."""
     command = (
-        "import er_model_lab.commands.improve, sys\n"
+        "import er_model_lab.verbs.improve, sys\n"
         "print(*(m.__file__ for m in sys.modules.values() if hasattr(m, '__file__')), sep='\\n')"
     )
     done = subprocess.run(

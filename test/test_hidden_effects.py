@@ -3,9 +3,9 @@
 import json
 
 import pytest
-from er_model_lab.commands.ask import Request
-from er_model_lab.commands.compare import compare
-from er_model_lab.commands.improve import improve
+from er_model_lab.verbs.ask import Request
+from er_model_lab.verbs.compare import compare
+from er_model_lab.verbs.improve import improve
 from er_models.files import load_model
 
 from test.blind.generator import make_case

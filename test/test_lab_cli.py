@@ -6,9 +6,9 @@ import shutil
 import numpy as np
 import pytest
 from er_model_lab.cli.app import app
-from er_model_lab.commands.ask import Request
-from er_model_lab.commands.diagnose import diagnose
-from er_model_lab.commands.improve import MOST_PASSES
+from er_model_lab.verbs.ask import Request
+from er_model_lab.verbs.diagnose import diagnose
+from er_model_lab.verbs.improve import MOST_PASSES
 from er_models.files import load_model
 from er_models.seed import LARGEST
 from typer import TyperException

@@ -3,10 +3,10 @@
 import math
 
 import pytest
-from er_model_lab.commands.ask import Request
-from er_model_lab.commands.compare import compare
-from er_model_lab.commands.diagnose import diagnose
-from er_model_lab.commands.improve import improve
+from er_model_lab.verbs.ask import Request
+from er_model_lab.verbs.compare import compare
+from er_model_lab.verbs.diagnose import diagnose
+from er_model_lab.verbs.improve import improve
 from er_models.files import load_model
 
 from test.conftest import ROOT

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_model_lab.cli.app import app
-from er_model_lab.diagnose.candidates import baseline, missing, restarts
-from er_model_lab.diagnose.study import as_given, open_problem
+from er_model_lab.diagnosis.candidates import baseline, missing, restarts
+from er_model_lab.diagnosis.study import as_given, open_problem
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.problem.forward import free_parameters
 from er_model_lab.records.load import load

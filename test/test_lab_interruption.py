@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_model_lab.cli import app, missing, running
-from er_model_lab.diagnose import verdict
-from er_model_lab.diagnose.candidates import baseline, refit
-from er_model_lab.diagnose.resume import resume
-from er_model_lab.diagnose.study import open_problem
+from er_model_lab.diagnosis import verdict
+from er_model_lab.diagnosis.candidates import baseline, refit
+from er_model_lab.diagnosis.resume import resume
+from er_model_lab.diagnosis.study import open_problem
 from er_model_lab.fitting import fit
+from er_model_lab.problem.fit_store import packed, unpacked
 from er_model_lab.problem.forward import DamperForward
-from er_model_lab.problem.noted import packed, unpacked
 from er_model_lab.records.load import load
 from er_model_lab.vehicle.ride_problem import open_ride
 from er_models.files import load_model

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from er_model_lab.diagnose import verdict
-from er_model_lab.diagnose.study import investigate
+from er_model_lab.diagnosis import verdict
+from er_model_lab.diagnosis.study import investigate
 from er_model_lab.problem.forward import DamperForward
 from er_model_lab.records.importers import import_data
 from er_models.files import load_model

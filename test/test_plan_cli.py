@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from er_model_lab.cli.app import app
-from er_model_lab.plan import menu, planner, search
-from er_model_lab.plan.bench import run_all
-from er_model_lab.plan.decide import measured
+from er_model_lab.plan import motions_and_duties, planner, search
 from er_model_lab.plan.limits import Sensors
+from er_model_lab.plan.simulated_decision import measured
+from er_model_lab.plan.virtual_rig import run_all
 from er_model_lab.records.write import write_csv
 from er_models.files import load_model
 from er_models.program import Program, document_of, load_program
@@ -31,7 +31,7 @@ DAMPER = "config/dampers/inove_guo.yaml"
 def quick():
     """A search of a few pieces and few simulated measurements."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(menu, "SPEEDS", (1.0, 4.0))
+        patch.setattr(motions_and_duties, "SPEEDS", (1.0, 4.0))
         patch.setattr(search, "MOTIONS_KEPT", 1)
         patch.setattr(search, "SWEEPS", 0)
         patch.setattr(planner, "SETS", 1)

@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from er_model_lab.diagnose.candidates import baseline, effect_size, refit_all
-from er_model_lab.diagnose.null import simulate_null
-from er_model_lab.diagnose.rule import RULE, Rule
-from er_model_lab.diagnose.search import passes, threshold
-from er_model_lab.diagnose.study import open_problem
+from er_model_lab.diagnosis.candidates import baseline, effect_size, refit_all
+from er_model_lab.diagnosis.null import simulate_null
+from er_model_lab.diagnosis.rule import RULE, Rule
+from er_model_lab.diagnosis.search import passes, threshold
+from er_model_lab.diagnosis.study import open_problem
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.records.load import load
 from er_models.files import load_model

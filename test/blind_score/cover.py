@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from er_model_lab.commands.add import add
-from er_model_lab.commands.ask import Request
+from er_model_lab.verbs.add import add
+from er_model_lab.verbs.ask import Request
 from er_models.catalogue import CATALOGUE
 from er_models.errors import InputError
 

@@ -6,8 +6,8 @@ import itertools
 from pathlib import Path
 
 import numpy as np
-from er_model_lab.diagnose.study import as_given, open_problem
-from er_model_lab.fitting.learnt import beyond
+from er_model_lab.diagnosis.study import as_given, open_problem
+from er_model_lab.fitting.data_reach import beyond
 from er_model_lab.records.load import load
 from er_models.model import Model
 

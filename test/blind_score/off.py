@@ -14,8 +14,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from er_model_lab.commands.ask import Request
-from er_model_lab.commands.improve import improve
+from er_model_lab.verbs.ask import Request
+from er_model_lab.verbs.improve import improve
 from er_models.files import load_model
 
 from test.blind.case import excess_after_refit

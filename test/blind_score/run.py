@@ -8,8 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from er_model_lab.commands.ask import Request
-from er_model_lab.commands.improve import improve
+from er_model_lab.verbs.ask import Request
+from er_model_lab.verbs.improve import improve
 from er_models.errors import ErError
 from er_models.files import load_model
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from er_model_lab.diagnose.candidates import baseline
-from er_model_lab.diagnose.study import open_problem
+from er_model_lab.diagnosis.candidates import baseline
+from er_model_lab.diagnosis.study import open_problem
 from er_model_lab.fitting.fit import Fit
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.problem.prepare import Problem

@@ -7,7 +7,7 @@ all parameters of base and effect free within the catalogue's bounds.
 from __future__ import annotations
 
 import numpy as np
-from er_model_lab.diagnose.candidates import missing, starts
+from er_model_lab.diagnosis.candidates import missing, starts
 from er_model_lab.fitting.fit import Box
 from er_models.model import Model
 from scipy.optimize import least_squares

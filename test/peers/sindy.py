@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from er_model_lab.diagnose.candidates import additions, cross_judged, missing, starts
+from er_model_lab.diagnosis.candidates import additions, cross_judged, missing, starts
 from er_model_lab.fitting.fit import Box
 from er_model_lab.problem.prepare import Problem
 

@@ -64,9 +64,9 @@ class Verdict:
 
 def play(demo: Demo, console: Console) -> Verdict:
     """Record, compare, diagnose, add, and judge."""
-    from er_model_lab.commands.ask import Request
-    from er_model_lab.commands.improve import improve
-    from er_model_lab.report.page import write_report
+    from er_model_lab.output.report.page import write_report
+    from er_model_lab.verbs.ask import Request
+    from er_model_lab.verbs.improve import improve
 
     began = time.monotonic()
     config = configuration()
@@ -111,7 +111,7 @@ def repeated(bag: Path) -> str:
 
 def reach(truth: Model, bags: list[Path]) -> float:
     """Error of the true model itself on the check run [N]: what only the sensors leave."""
-    from er_model_lab.diagnose.study import as_given, open_problem
+    from er_model_lab.diagnosis.study import as_given, open_problem
     from er_model_lab.records.load import load
 
     problem, _ = open_problem(load(bags), truth, sealed=1)

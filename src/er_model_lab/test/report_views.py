@@ -6,7 +6,7 @@ import itertools
 from dataclasses import replace
 
 import numpy as np
-from er_model_lab.view import (
+from er_model_lab.results.view import (
     Array,
     CandidateView,
     ImitationView,

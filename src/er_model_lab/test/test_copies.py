@@ -4,13 +4,13 @@ import shutil
 
 import numpy as np
 import pytest
-from er_model_lab.commands.ask import Request, read
-from er_model_lab.commands.compare import compare
 from er_model_lab.records import copies
 from er_model_lab.records.copies import used_once
 from er_model_lab.records.load import load
 from er_model_lab.records.record import Record
 from er_model_lab.records.write import write_csv, write_parquet
+from er_model_lab.verbs.ask import Request, read
+from er_model_lab.verbs.compare import compare
 from er_models.errors import InputError
 from lab_help import DT, GUO, imposed
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.diagnose.candidates import baseline, effect_size, refit
+from er_model_lab.diagnosis.candidates import baseline, effect_size, refit
 from er_model_lab.fitting.fit import cross_validated, fit
 from er_model_lab.problem.held_out import FOLDS
 from er_models.files import load_model

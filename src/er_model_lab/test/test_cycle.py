@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.diagnose.candidates import baseline, refit
-from er_model_lab.diagnose.null import simulate_null
-from er_model_lab.diagnose.study import open_problem
-from er_model_lab.diagnose.verdict import diagnose
-from er_model_lab.motion.cycle import cycle
+from er_model_lab.diagnosis.candidates import baseline, refit
+from er_model_lab.diagnosis.null import simulate_null
+from er_model_lab.diagnosis.study import open_problem
+from er_model_lab.diagnosis.verdict import diagnose
+from er_model_lab.motion.repetition import cycle
 from er_model_lab.plan.suggest import suggestions
 from er_model_lab.preflight.check import preflight
 from er_model_lab.records.record import Record

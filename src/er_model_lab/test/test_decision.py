@@ -4,19 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.diagnose.candidates import (
+from er_model_lab.diagnosis.candidates import (
     baseline,
     cross_judged,
     effect_size,
     finished,
     refit,
 )
-from er_model_lab.diagnose.coverage import coverage
-from er_model_lab.diagnose.floor import Floor, noise_floor
-from er_model_lab.diagnose.left import burst_shares, bursts, filtered
-from er_model_lab.diagnose.null import Null, simulate_null
-from er_model_lab.diagnose.rule import RULE, Rule
-from er_model_lab.diagnose.search import (
+from er_model_lab.diagnosis.coverage import coverage
+from er_model_lab.diagnosis.leftover_structure import burst_shares, bursts, filtered
+from er_model_lab.diagnosis.noise_floor import Floor, noise_floor
+from er_model_lab.diagnosis.null import Null, simulate_null
+from er_model_lab.diagnosis.rule import RULE, Rule
+from er_model_lab.diagnosis.search import (
     DOUBT,
     SURE,
     Round,
@@ -31,14 +31,14 @@ from er_model_lab.diagnose.search import (
     threshold,
     tied,
 )
-from er_model_lab.diagnose.study import Study, as_given, diagnose_one
-from er_model_lab.diagnose.verdict import _alternatives, _standing, judge
+from er_model_lab.diagnosis.study import Study, as_given, diagnose_one
+from er_model_lab.diagnosis.verdict import _alternatives, _standing, judge
 from er_model_lab.fitting.fit import fit
-from er_model_lab.present.diagnosis import diagnosis_json
 from er_model_lab.problem.motion_error import drawn
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.record import Record
 from er_model_lab.residual.errors import size_notes
+from er_model_lab.results.diagnosis import diagnosis_json
 from er_models.errors import InputError
 from lab_help import FORCE_NOISE, imposed, problem_of
 from scipy.signal import lfilter

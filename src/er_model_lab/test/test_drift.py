@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from er_model_lab.long.whole import on_whole
+from er_model_lab.long.whole_record import on_whole
 from er_model_lab.motion.drift import drift
 from er_model_lab.problem import stretches
 from er_model_lab.problem.prepare import prepare

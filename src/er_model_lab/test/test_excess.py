@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from er_model_lab.diagnose.floor import Floor
-from er_model_lab.diagnose.floors import floors
+from er_model_lab.diagnosis.floor_estimates import floors
+from er_model_lab.diagnosis.noise_floor import Floor
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.record import Record
 from er_model_lab.residual.excess import noise_at, region_tables

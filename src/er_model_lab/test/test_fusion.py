@@ -4,15 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.motion.white import white_noise
+from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.preflight.check import preflight
-from er_model_lab.preflight.use import use_findings
-from er_model_lab.present.fusion import biases, fusion_json
+from er_model_lab.preflight.usable_channels import use_findings
 from er_model_lab.problem.prepare import prepare, resampled
-from er_model_lab.records.losses import losses
+from er_model_lab.records.missing_channels import losses
 from er_model_lab.records.record import Part, Record
 from er_model_lab.records.sampling import with_velocity
 from er_model_lab.residual.excess import quantities
+from er_model_lab.results.fusion import biases, fusion_json
 from er_models.errors import MissingChannel
 from er_models.files import load_model
 from er_models.predict import motion, predict

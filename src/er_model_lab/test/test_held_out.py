@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from er_model_lab.present.diagnosis import unseen
 from er_model_lab.problem.held_out import STRETCHES, every_third, spared_stretches, split
+from er_model_lab.results.diagnosis import unseen
 from er_models.predict import Motion, motion
 from lab_help import problem_of
 

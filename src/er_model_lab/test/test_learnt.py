@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.fitting.learnt import REACH, beyond, reach
+from er_model_lab.fitting.data_reach import REACH, beyond, reach
 from lab_help import problem_of
 
 

@@ -4,9 +4,9 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
-from er_model_lab.motion import levels
+from er_model_lab.motion import noise_levels
 from er_model_lab.motion.fuse import channels_of, likelihood
-from er_model_lab.motion.levels import BEHIND, FIRST, estimate_noise
+from er_model_lab.motion.noise_levels import BEHIND, FIRST, estimate_noise
 
 DT, N = 0.005, 1500
 TRUE = {"x": 2e-5, "v": 1e-3, "a": 0.025}
@@ -28,7 +28,7 @@ def sines(rough, seed=4):
 def test_what_was_given_up_early_would_not_have_won(rough, monkeypatch):
     ch = sines(rough)
     found = estimate_noise(ch)
-    monkeypatch.setattr(levels, "BEHIND", np.inf)
+    monkeypatch.setattr(noise_levels, "BEHIND", np.inf)
     whole = estimate_noise(ch)
     assert asdict(found) == asdict(whole)
 
@@ -40,7 +40,7 @@ def test_a_hopeless_model_of_the_motion_is_given_up(monkeypatch):
         asked.append((noise.order, noise.local))
         return likelihood(ch, noise)
 
-    monkeypatch.setattr(levels, "likelihood", told)
+    monkeypatch.setattr(noise_levels, "likelihood", told)
     ch = sines(0.0)
     best = estimate_noise(ch)
     kinds = {kind: asked.count(kind) for kind in asked}
@@ -59,8 +59,8 @@ def test_the_levels_are_those_of_the_sensors():
 @pytest.mark.parametrize("free_lag", [False, True])
 def test_a_search_that_pauses_ends_where_it_would_have_ended(free_lag):
     ch = sines(0.3)
-    start = replace(levels._start(ch, 4), lag=0.003)
-    once, paused = (levels._Search(ch, start, free_lag=free_lag) for _ in range(2))
+    start = replace(noise_levels._start(ch, 4), lag=0.003)
+    once, paused = (noise_levels._Search(ch, start, free_lag=free_lag) for _ in range(2))
     once.go_on()
     for _ in range(4):
         paused.go_on(7)

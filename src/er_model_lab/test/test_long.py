@@ -7,20 +7,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.commands import identify, plan
-from er_model_lab.commands.ask import Request
-from er_model_lab.commands.compare import compare
-from er_model_lab.diagnose.by_record import by_record
-from er_model_lab.diagnose.candidates import baseline
+from er_model_lab.diagnosis.by_record import by_record
+from er_model_lab.diagnosis.candidates import baseline
 from er_model_lab.fitting.fit import fit
-from er_model_lab.long.verify import checked, long_json
-from er_model_lab.long.whole import on_whole
+from er_model_lab.long.check import checked, long_json
+from er_model_lab.long.whole_record import on_whole
 from er_model_lab.plan import question
 from er_model_lab.problem import stretches
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.load import fingerprint, load
 from er_model_lab.records.record import Record
 from er_model_lab.records.write import write_parquet
+from er_model_lab.verbs import identify, plan
+from er_model_lab.verbs.ask import Request
+from er_model_lab.verbs.compare import compare
 from er_models.files import load_model
 from er_models.predict import motion, predict
 from lab_help import DT, GUO, imposed

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from er_model_lab.cli.app import app
 from er_model_lab.preflight.check import preflight
-from er_model_lab.records.driven import driven
+from er_model_lab.records.duty_known import driven
 from er_model_lab.records.record import Record
 from er_model_lab.records.write import write_csv
 from er_models.errors import MissingChannel

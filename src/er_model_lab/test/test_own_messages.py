@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("rclpy")
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from er_model_lab.nodes.own import own
+from er_model_lab.nodes.own_messages import own
 from rcl_interfaces.msg import Log, ParameterEvent
 from rclpy.serialization import serialize_message
 from std_msgs.msg import String

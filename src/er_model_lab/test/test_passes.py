@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 import pytest
-from er_model_lab.present.passes import explained_by, overall, taken_last, told_together
+from er_model_lab.results.passes import explained_by, overall, taken_last, told_together
 from report_views import card, record
 
 

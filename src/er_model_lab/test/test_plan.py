@@ -7,20 +7,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.diagnose.study import investigate
-from er_model_lab.plan import menu, piece, planner, search
-from er_model_lab.plan.bench import run_all
-from er_model_lab.plan.decide import NOTHING, TIED, decision, measured
+from er_model_lab.diagnosis.study import investigate
+from er_model_lab.plan import motions_and_duties, piece, planner, search
+from er_model_lab.plan.explanation import sentences
 from er_model_lab.plan.finalist import finalist
 from er_model_lab.plan.limits import Asked, Limits, Sensors, limits_of, sensors_of
 from er_model_lab.plan.linear import Triangle
 from er_model_lab.plan.planner import Plan, plan
 from er_model_lab.plan.present import plan_json
 from er_model_lab.plan.question import Question, ask
-from er_model_lab.plan.rig import bench_for
 from er_model_lab.plan.segment import Segment, in_words, program_of
+from er_model_lab.plan.setup import bench_for
+from er_model_lab.plan.simulated_decision import NOTHING, TIED, decision, measured
 from er_model_lab.plan.suggest import suggestions
-from er_model_lab.plan.why import sentences
+from er_model_lab.plan.virtual_rig import run_all
 from er_model_lab.problem.prepare import prepare
 from er_models.errors import ErError, InputError
 from er_models.files import load_model
@@ -58,7 +58,7 @@ def planned(model: Model, *names: str, **limits: float) -> Plan:
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """A search of a few pieces and few simulated measurements."""
-    monkeypatch.setattr(menu, "SPEEDS", (1.0, 4.0))
+    monkeypatch.setattr(motions_and_duties, "SPEEDS", (1.0, 4.0))
     monkeypatch.setattr(search, "MOTIONS_KEPT", 1)
     monkeypatch.setattr(search, "SWEEPS", 0)
     monkeypatch.setattr(planner, "SETS", 1)
@@ -112,7 +112,9 @@ def test_the_program_separates_where_others_do_not(stops: Plan) -> None:
 
 def poor(found: piece.Bench) -> planner.Finalist:
     """A gentle motion at one duty."""
-    several = next(m for m in menu.motions(found.limits) if m.road["kind"] == "multisine")
+    several = next(
+        m for m in motions_and_duties.motions(found.limits) if m.road["kind"] == "multisine"
+    )
     segment = replace(several, duty={"kind": "constant", "level": 0.15}, level=0.2)
     ready = piece.scaled(segment, found)
     assert ready is not None
@@ -175,7 +177,9 @@ def test_without_stroke_the_end_stop_stays_hidden_and_the_plan_says_so() -> None
 def test_what_contains_another_imitates_it_and_that_does_not_count() -> None:
     """Stribeck friction without its peak is Coulomb friction."""
     found = bench(damper(), "coulomb_friction", "stribeck_friction")
-    several = [m for m in menu.motions(found.limits) if m.road["kind"] == "multisine"][:1]
+    several = [
+        m for m in motions_and_duties.motions(found.limits) if m.road["kind"] == "multisine"
+    ][:1]
     pieces = [p for m in several if (p := piece.judged(m, found)) is not None]
     apart = piece.separations(pieces)
     assert apart["coulomb_friction"] < 0.02
@@ -193,7 +197,7 @@ def test_the_lab_names_ties_and_nothing_as_it_does_elsewhere() -> None:
     }
     named = {}
     for level in (0.0, 0.3):
-        duty = menu.square(level, 0.3, 11.0)
+        duty = motions_and_duties.square(level, 0.3, 11.0)
         ready = piece.scaled(Segment(road, duty, 15.0, tones=(1.3, 3.1, 7.7)), found)
         assert ready is not None
         record = measured(ready[1]["dead_time"], found.sensors, np.random.default_rng(1), "r")
@@ -309,14 +313,20 @@ def test_every_piece_of_the_menu_is_sized_by_the_limits_alone() -> None:
     """A rig of ten times the stroke and velocity gets the same frequencies and ten times the size."""
     small = Limits(0.012, 0.15, 0.3, 0.036)
     large = Limits(0.12, 1.5, 0.3, 0.36)
-    pairs = list(zip(menu.motions(small), menu.motions(large), strict=True))
+    pairs = list(
+        zip(motions_and_duties.motions(small), motions_and_duties.motions(large), strict=True)
+    )
     assert len(pairs) > 15
     for one, other in pairs:
         assert one.road.get("frequency") == other.road.get("frequency")
         if "amplitude" in one.road:
             assert other.road["amplitude"] == pytest.approx(10.0 * one.road["amplitude"])
         assert one.seconds == other.seconds
-        kinds = zip(menu.duties(small, one), menu.duties(large, other), strict=True)
+        kinds = zip(
+            motions_and_duties.duties(small, one),
+            motions_and_duties.duties(large, other),
+            strict=True,
+        )
         assert all(a == b for a, b in kinds)
         assert in_words(one)
 
@@ -342,7 +352,9 @@ def test_limits_are_those_of_the_damper_whatever_its_sensors_read(model: Model) 
     odd = model.with_effect("deflection_zero", {"x_0": -0.0125})
     odd = odd.with_effect("velocity_gain", {"g_v": 1.3})
     limits = limits_of(model, Asked(), DT)
-    program = program_of(menu.rich(limits)[:1], limits, seed=0, car=model.is_vehicle, once=True)
+    program = program_of(
+        motions_and_duties.rich(limits)[:1], limits, seed=0, car=model.is_vehicle, once=True
+    )
     plain, read = (run_all({"": m}, program, DT)[""] for m in (model, odd))
     for name, peak in plain.used().items():
         assert read.used()[name] == pytest.approx(peak, rel=1e-6)
@@ -352,7 +364,9 @@ def test_limits_are_those_of_the_damper_whatever_its_sensors_read(model: Model) 
 
 def test_a_set_of_pieces_is_no_longer_than_the_program() -> None:
     """What does not run tells nothing, and is not counted as motion of several frequencies."""
-    motions = [m for m in menu.motions(Limits(0.012, 0.15, 0.3, 0.036)) if len(m.tones) == 1][:6]
+    motions = [
+        m for m in motions_and_duties.motions(Limits(0.012, 0.15, 0.3, 0.036)) if len(m.tones) == 1
+    ][:6]
 
     def tried(motion: Segment, worth: float, *tones: float) -> piece.Tried:
         told, none = (Triangle(np.array([[w]]), 1) for w in (worth, 0.0))
@@ -382,7 +396,7 @@ def test_a_set_of_pieces_is_no_longer_than_the_program() -> None:
 
 
 def test_where_nothing_fits_the_limits_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(menu, "rich", lambda limits: [])
+    monkeypatch.setattr(motions_and_duties, "rich", lambda limits: [])
     with pytest.raises(InputError, match=r"limits \(--stroke.*found 12 mm, 0.15 m/s, 30 s"):
         bench(damper(), "coulomb_friction", "gas_spring")
 

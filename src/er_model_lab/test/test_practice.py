@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.diagnose import candidates
-from er_model_lab.diagnose.candidates import baseline, refit_all
-from er_model_lab.problem import practice
+from er_model_lab.diagnosis import candidates
+from er_model_lab.diagnosis.candidates import baseline, refit_all
+from er_model_lab.problem import subset
 from er_model_lab.problem.forward import DamperForward
 from er_model_lab.problem.prepare import Problem, prepare
 from er_model_lab.records.record import Record
@@ -45,9 +45,9 @@ def prepared():
 @pytest.fixture
 def many(prepared, monkeypatch):
     """A minute counts as many runs, and a quarter of it is practised on; two effects are fitted to all."""
-    monkeypatch.setattr(practice, "MANY", 60.0)
-    monkeypatch.setattr(practice, "PRACTISED", 18.0)
-    monkeypatch.setattr(practice, "STRETCH", (3.0, 3.0))
+    monkeypatch.setattr(subset, "MANY", 60.0)
+    monkeypatch.setattr(subset, "PRACTISED", 18.0)
+    monkeypatch.setattr(subset, "STRETCH", (3.0, 3.0))
     monkeypatch.setattr(candidates, "FINALISTS", 2)
     return replace(prepared)
 
@@ -63,7 +63,7 @@ def test_stretches_are_training_samples_that_hold_what_all_runs_hold(many):
 
 
 def test_runs_held_out_are_never_practised_on(many, monkeypatch):
-    monkeypatch.setattr(practice, "PRACTISED", 1000.0)
+    monkeypatch.setattr(subset, "PRACTISED", 1000.0)
     few = many.practice
     assert few is not None
     assert few.rows.size == many.motion.n - round(SECONDS / DT)  # one run of six is held out
@@ -72,9 +72,9 @@ def test_runs_held_out_are_never_practised_on(many, monkeypatch):
 
 def test_few_or_single_runs_are_fitted_as_they_are(prepared, monkeypatch):
     assert prepared.practice is None
-    monkeypatch.setattr(practice, "MANY", 10.0)
+    monkeypatch.setattr(subset, "MANY", 10.0)
     alone = prepare(runs()[:1])
-    assert alone.motion.n * alone.motion.dt > practice.MANY
+    assert alone.motion.n * alone.motion.dt > subset.MANY
     assert alone.practice is None
 
 

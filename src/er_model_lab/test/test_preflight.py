@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_model_lab.cli.app import app
-from er_model_lab.preflight.cells import CELLS, NEEDS, needs
 from er_model_lab.preflight.check import findings, gate, preflight
-from er_model_lab.preflight.relation import relate
+from er_model_lab.preflight.derivative import relate
+from er_model_lab.preflight.excitation import CELLS, NEEDS, needs
 from er_model_lab.records.load import load
 from er_model_lab.records.record import Record
 from er_model_lab.records.timing import timing_of

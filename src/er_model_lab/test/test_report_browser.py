@@ -10,8 +10,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from er_model_lab.report import page as page_module
-from er_model_lab.report.page import write_report
+from er_model_lab.output.report import page as page_module
+from er_model_lab.output.report.page import write_report
 from report_views import view
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")

@@ -10,9 +10,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from er_model_lab.report import live_marks, still_marks
-from er_model_lab.report.embed import picture
-from er_model_lab.report.figure import (
+from er_model_lab.output.report import live_marks, still_marks
+from er_model_lab.output.report.embed import picture
+from er_model_lab.output.report.figure import (
     Axis,
     Band,
     Bars,
@@ -27,11 +27,11 @@ from er_model_lab.report.figure import (
     Spans,
     Tiles,
 )
-from er_model_lab.report.live import live
-from er_model_lab.report.page import figures
-from er_model_lab.report.palette import ERROR
-from er_model_lab.report.samples import binned_mean, rms_map
-from er_model_lab.report.sections import (
+from er_model_lab.output.report.live import live
+from er_model_lab.output.report.page import figures
+from er_model_lab.output.report.palette import ERROR
+from er_model_lab.output.report.samples import binned_mean, rms_map
+from er_model_lab.output.report.sections import (
     candidates,
     cards,
     falling_error,
@@ -39,7 +39,7 @@ from er_model_lab.report.sections import (
     spectrum,
     time_series,
 )
-from er_model_lab.report.still import still
+from er_model_lab.output.report.still import still
 from PIL import Image
 from report_views import NOISE, card, compared, record, rms, view
 

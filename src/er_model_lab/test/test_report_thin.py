@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.report.live_marks import packed
-from er_model_lab.report.thin import (
+from er_model_lab.output.report.live_marks import packed
+from er_model_lab.output.report.thin import (
     MOST_POINTS,
     end_to_end,
     every,
@@ -16,7 +16,7 @@ from er_model_lab.report.thin import (
     timeline,
     worst_stretch,
 )
-from er_model_lab.view import Array
+from er_model_lab.results.view import Array
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from report_views import record, rms

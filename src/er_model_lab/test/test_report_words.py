@@ -6,12 +6,12 @@ import re
 from dataclasses import replace
 
 import pytest
-from er_model_lab.report.palette import VERDICT
-from er_model_lab.report.sections import headline
-from er_model_lab.wording.ranking import effect_size, largest, limit, ranked
-from er_model_lab.wording.regions import worst
-from er_model_lab.wording.units import gain, newtons, parameter, percent, short, ticks, where
-from er_model_lab.wording.words import TITLES, verdict_sentence, verdict_title
+from er_model_lab.output.report.palette import VERDICT
+from er_model_lab.output.report.sections import headline
+from er_model_lab.output.text.ranking import effect_size, largest, limit, ranked
+from er_model_lab.output.text.regions import worst
+from er_model_lab.output.text.units import gain, newtons, parameter, percent, short, ticks, where
+from er_model_lab.output.text.verdict_text import TITLES, verdict_sentence, verdict_title
 from report_views import PLANNED, PREFLIGHT, TABLES, compared, entry, table, view
 
 SAID = {
@@ -104,7 +104,7 @@ def test_tied_effects_that_leave_different_errors_are_not_said_to_explain_it_ali
 def test_the_words_cover_the_verdicts_of_the_lab() -> None:
     from typing import get_args
 
-    from er_model_lab.diagnose.verdict import Name
+    from er_model_lab.diagnosis.verdict import Name
     from er_model_lab.identify.findings import Verdict
     from er_model_lab.plan.present import Verdict as Planned
     from er_model_lab.preflight.check import Verdict as Checked

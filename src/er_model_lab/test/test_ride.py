@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from er_model_lab.cli.app import app
-from er_model_lab.diagnose.candidates import baseline, refit
-from er_model_lab.diagnose.floor import noise_floor
-from er_model_lab.diagnose.null import simulate_null
-from er_model_lab.present.ride_result import confounded
+from er_model_lab.diagnosis.candidates import baseline, refit
+from er_model_lab.diagnosis.noise_floor import noise_floor
+from er_model_lab.diagnosis.null import simulate_null
 from er_model_lab.problem import stretches
 from er_model_lab.problem.held_out import FOLDS
 from er_model_lab.records.record import Record
+from er_model_lab.results.ride_result import confounded
 from er_model_lab.vehicle.ride import CHANNELS, SETTLE
 from er_model_lab.vehicle.ride_problem import open_ride
 from er_models.errors import InputError
@@ -126,7 +126,7 @@ def test_two_springs_are_one_where_the_force_is_not_measured(opened):
 
 
 def test_the_floor_has_a_part_for_every_output(opened):
-    from er_model_lab.diagnose.candidates import Candidate
+    from er_model_lab.diagnosis.candidates import Candidate
 
     problem, fitted = opened
     base = Candidate(

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from er_model_lab.cli.app import app
-from er_model_lab.report.page import write_report
-from er_model_lab.report.thesis_quarter_car import sections, view
+from er_model_lab.output.report.page import write_report
+from er_model_lab.output.report.thesis_quarter_car import sections, view
 from er_model_lab.thesis.present_quarter_car import lines, peaks, rates, result, ride, zeros
 from er_model_lab.thesis.quarter_car import FINE, FORMS, Chapter2, chapter_2, departures, recorded
 from typer.testing import CliRunner

@@ -5,15 +5,15 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from er_model_lab.diagnose.candidates import baseline, effect_size, refit
-from er_model_lab.diagnose.floor import Floor
-from er_model_lab.diagnose.null import Null
-from er_model_lab.diagnose.search import Round
-from er_model_lab.diagnose.study import Study, as_given
-from er_model_lab.diagnose.verdict import judge
-from er_model_lab.present.diagnosis import diagnosis_json
-from er_model_lab.present.views import candidate_views
-from er_model_lab.wording.ranking import limit
+from er_model_lab.diagnosis.candidates import baseline, effect_size, refit
+from er_model_lab.diagnosis.noise_floor import Floor
+from er_model_lab.diagnosis.null import Null
+from er_model_lab.diagnosis.search import Round
+from er_model_lab.diagnosis.study import Study, as_given
+from er_model_lab.diagnosis.verdict import judge
+from er_model_lab.output.text.ranking import limit
+from er_model_lab.results.diagnosis import diagnosis_json
+from er_model_lab.results.views import candidate_views
 from lab_help import problem_of
 
 NAMES = ("field_exponent", "coulomb_friction", "preload")

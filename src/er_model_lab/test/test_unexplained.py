@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.report.page import figures
-from er_model_lab.report.sections import unexplained
+from er_model_lab.output.report.page import figures
+from er_model_lab.output.report.sections import unexplained
 from er_model_lab.residual.unexplained import describe, sentences, skeleton
 from er_models.own import catalogue_with
 from lab_help import problem_of

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.diagnose.study import open_problem
-from er_model_lab.diagnose.verdict import diagnose
+from er_model_lab.diagnosis.study import open_problem
+from er_model_lab.diagnosis.verdict import diagnose
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.records.record import Record
 from er_models.files import load_model

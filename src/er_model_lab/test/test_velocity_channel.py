@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.diagnose.candidates import baseline, missing
-from er_model_lab.diagnose.rule import RULE
-from er_model_lab.diagnose.study import (
+from er_model_lab.diagnosis.candidates import baseline, missing
+from er_model_lab.diagnosis.rule import RULE
+from er_model_lab.diagnosis.study import (
     Study,
     _as_measured,
     _with_lag,
@@ -17,10 +17,10 @@ from er_model_lab.diagnose.study import (
     open_problem,
 )
 from er_model_lab.fitting.velocity_channel import put_back
-from er_model_lab.present.diagnosis import diagnosis_json
 from er_model_lab.problem import stretches
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.record import Record
+from er_model_lab.results.diagnosis import diagnosis_json
 from er_models.errors import MissingChannel
 from er_models.files import load_model
 from er_models.predict import motion, predict

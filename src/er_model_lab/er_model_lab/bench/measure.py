@@ -14,13 +14,13 @@ from er_models.files import load_model
 from er_models.model import Model
 
 from er_model_lab.bench.data import record
-from er_model_lab.commands.ask import Request
-from er_model_lab.commands.diagnose import diagnose
-from er_model_lab.commands.improve import improve
-from er_model_lab.diagnose.study import open_problem
-from er_model_lab.diagnose.verdict import diagnose as search
+from er_model_lab.diagnosis.study import open_problem
+from er_model_lab.diagnosis.verdict import diagnose as search
 from er_model_lab.problem.forward import DamperForward
 from er_model_lab.records.write import write_parquet
+from er_model_lab.verbs.ask import Request
+from er_model_lab.verbs.diagnose import diagnose
+from er_model_lab.verbs.improve import improve
 
 MINUTE = 60.0
 LENGTHS = (15.0, 30.0, 60.0, 120.0, 240.0, 1200.0, 3600.0)

@@ -24,7 +24,7 @@ from er_model_lab.cli.options import (
 from er_model_lab.cli.running import asked, damper_only, read_by, run, stages
 
 if TYPE_CHECKING:
-    from er_model_lab.commands.ask import Outcome
+    from er_model_lab.verbs.ask import Outcome
 
 
 def check(
@@ -38,7 +38,7 @@ def check(
     effects_from: EffectsFrom = None,
 ) -> None:
     """Check measurements before anything is fitted: sampling, clipping, units, clocks, and what they cover."""
-    from er_model_lab.commands import check as command
+    from er_model_lab.verbs import check as command
 
     outcome = run(
         lambda: command.run(data, model, tuple(effects_from or ())),
@@ -63,8 +63,8 @@ def compare(
     anyway: Anyway = False,
 ) -> None:
     """Predict and compare: errors, and where the model fails; several models side by side."""
-    from er_model_lab.commands import compare as damper
-    from er_model_lab.commands import vehicle
+    from er_model_lab.verbs import compare as damper
+    from er_model_lab.verbs import vehicle
 
     def work() -> Outcome:
         ask = asked(data, model[0], seed, hold_out, effects_from, level, anyway)
@@ -87,7 +87,7 @@ def identify(
     anyway: Anyway = False,
 ) -> None:
     """Identify every parameter in stages, as in chapter 1 of the thesis, and say what the data cannot tell."""
-    from er_model_lab.commands import identify as command
+    from er_model_lab.verbs import identify as command
 
     def work() -> Outcome:
         damper_only(level, "identify")

@@ -23,10 +23,10 @@ from er_model_lab.cli.options import (
     Smallest,
 )
 from er_model_lab.cli.running import asked, progress, read_by, run
-from er_model_lab.diagnose.rule import RULE, Rule
+from er_model_lab.diagnosis.rule import RULE, Rule
 
 if TYPE_CHECKING:
-    from er_model_lab.commands.ask import Outcome
+    from er_model_lab.verbs.ask import Outcome
 
 
 def diagnose(
@@ -44,7 +44,7 @@ def diagnose(
     anyway: Anyway = False,
 ) -> None:
     """Refit the model, then say which effect is missing, with evidence."""
-    from er_model_lab.commands import diagnose as command
+    from er_model_lab.verbs import diagnose as command
 
     def work() -> Outcome:
         with progress("trying effects", effects_from) as tick:
@@ -70,7 +70,7 @@ def add(
     anyway: Anyway = False,
 ) -> None:
     """Add one effect, refit everything, and show the error before and after."""
-    from er_model_lab.commands import add as command
+    from er_model_lab.verbs import add as command
 
     def work() -> Outcome:
         with progress(f"adding {effect}", effects_from) as tick:
@@ -97,7 +97,7 @@ def improve(
     anyway: Anyway = False,
 ) -> None:
     """Diagnose and add, again and again, until the model is adequate or nothing known helps."""
-    from er_model_lab.commands import improve as command
+    from er_model_lab.verbs import improve as command
 
     def work() -> Outcome:
         with progress("trying effects", effects_from) as tick:

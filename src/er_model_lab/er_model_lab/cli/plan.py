@@ -32,7 +32,7 @@ from er_model_lab.cli.running import (
 )
 
 if TYPE_CHECKING:
-    from er_model_lab.commands.ask import Outcome
+    from er_model_lab.verbs.ask import Outcome
 
 
 def plan(
@@ -76,8 +76,8 @@ def plan(
     anyway: Anyway = False,
 ) -> None:
     """The road and duty that would tell two effects apart best, within the rig's limits."""
-    from er_model_lab.commands import plan as command
     from er_model_lab.plan.limits import Asked
+    from er_model_lab.verbs import plan as command
 
     def work() -> Outcome:
         damper_only(level, "plan")
@@ -117,7 +117,7 @@ def effects(
         write_json(json_file, result)
         console().print(text, soft_wrap=bool(effect))
         if report:
-            from er_model_lab.report.effects import write_cards
+            from er_model_lab.output.report.effects import write_cards
 
             cards = [catalogue[effect]] if effect else wanted
             page = write_cards(cards, catalogue, result, report)

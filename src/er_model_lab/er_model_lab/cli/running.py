@@ -18,8 +18,8 @@ from er_model_lab.cli.places import writable
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from er_model_lab.commands.ask import Outcome, Request
-    from er_model_lab.diagnose.study import Tick
+    from er_model_lab.diagnosis.study import Tick
+    from er_model_lab.verbs.ask import Outcome, Request
 
 
 def asked(
@@ -32,7 +32,7 @@ def asked(
     anyway: bool = False,
 ) -> Request:
     """The request of a command line."""
-    from er_model_lab.commands.ask import Request
+    from er_model_lab.verbs.ask import Request
 
     known_level(level)
     return Request(
@@ -124,7 +124,7 @@ def run(
 
 def _print(outcome: Outcome, page: Path | None, out: Path | None) -> None:
     """One screen of summary."""
-    from er_model_lab.terminal.summary import summary
+    from er_model_lab.output.terminal.summary import summary
 
     console().print(summary(outcome.view), crop=False)
     if out:
@@ -142,7 +142,7 @@ def _write_report(folder: Path | None, outcome: Outcome) -> Path | None:
     """The HTML report, when asked for."""
     if folder is None:
         return None
-    from er_model_lab.report.page import write_report
+    from er_model_lab.output.report.page import write_report
 
     return write_report(outcome.view, folder)
 

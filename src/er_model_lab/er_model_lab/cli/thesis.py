@@ -17,8 +17,8 @@ from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from er_model_lab.cli.options import seed_option
 
 if TYPE_CHECKING:
-    from er_model_lab.report.section import Section
-    from er_model_lab.view import View
+    from er_model_lab.output.report.section import Section
+    from er_model_lab.results.view import View
 
 Tick = Callable[[str], None] | None
 
@@ -57,7 +57,7 @@ def thesis_command(
             write_whole(json_file, json.dumps(made.data, indent=1, allow_nan=False) + "\n")
         typer.echo("\n".join(made.lines))
         if report is not None:
-            from er_model_lab.report.page import write_report
+            from er_model_lab.output.report.page import write_report
 
             view, sections = made.page()
             typer.echo(f"report: {write_report(view, report, sections)}")
@@ -83,7 +83,7 @@ def _chapter_1(config: Path, seed: int, tick: Tick) -> _Made:
     data = result(found, seed)
 
     def page() -> tuple[View, list[Section]]:
-        from er_model_lab.report.thesis import sections, view
+        from er_model_lab.output.report.thesis import sections, view
 
         return view(found, data), sections(found, data)
 
@@ -99,7 +99,7 @@ def _chapter_2(config: Path, _seed: int, tick: Tick) -> _Made:
     data = result(found)
 
     def page() -> tuple[View, list[Section]]:
-        from er_model_lab.report.thesis_quarter_car import sections, view
+        from er_model_lab.output.report.thesis_quarter_car import sections, view
 
         return view(found, data), sections(found, data)
 
@@ -115,7 +115,7 @@ def _chapter_6(config: Path, _seed: int, tick: Tick) -> _Made:
     data = result(found)
 
     def page() -> tuple[View, list[Section]]:
-        from er_model_lab.report.thesis_faults import sections, view
+        from er_model_lab.output.report.thesis_faults import sections, view
 
         return view(found, data), sections(found, data)
 

@@ -14,8 +14,8 @@ from er_models.scales import Scales
 from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
 
+from er_model_lab.problem.fit_store import Noted, key
 from er_model_lab.problem.forward import Free, Limits
-from er_model_lab.problem.noted import Noted, key
 from er_model_lab.problem.prepare import Problem
 
 FIRST_ITERATIONS = 10

@@ -10,8 +10,8 @@ from er_models.model import Model
 from er_model_lab.identify.law import response_time
 from er_model_lab.identify.procedure import Identified
 from er_model_lab.identify.visibility import CHANGE, TIED
-from er_model_lab.wording.units import newtons, percent, short
-from er_model_lab.wording.words import joined
+from er_model_lab.output.text.units import newtons, percent, short
+from er_model_lab.output.text.verdict_text import joined
 
 Verdict = Literal["identified", "identified_in_part"]
 """Whether the data say every parameter that was to be found."""

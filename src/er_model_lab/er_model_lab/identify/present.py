@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 from er_models.model import Model
 
+from er_model_lab.fitting.data_reach import REACH, reach
 from er_model_lab.fitting.envelope import in_bounds
-from er_model_lab.fitting.learnt import REACH, reach
 from er_model_lab.identify.findings import findings, missing, verdict
 from er_model_lab.identify.law import response_time
 from er_model_lab.identify.procedure import Identified
 from er_model_lab.identify.stages import Stage
-from er_model_lab.present.values import clean, headline
-from er_model_lab.present.views import views
 from er_model_lab.residual.errors import errors
 from er_model_lab.residual.excess import region_tables
-from er_model_lab.view import View
+from er_model_lab.results.values import clean, headline
+from er_model_lab.results.view import View
+from er_model_lab.results.views import views
 
 CURVE = 61
 """Points of the law of the response time."""

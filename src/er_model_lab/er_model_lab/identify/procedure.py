@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from er_models.model import Array, Model
 
-from er_model_lab.diagnose.study import as_given, open_problem
+from er_model_lab.diagnosis.study import as_given, open_problem
 from er_model_lab.fitting.envelope import with_unfelt
 from er_model_lab.fitting.fit import with_deviations
 from er_model_lab.fitting.velocity_channel import on_fused, put_back

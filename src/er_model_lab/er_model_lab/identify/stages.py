@@ -9,7 +9,7 @@ import numpy as np
 from er_models.model import Model
 from er_models.predict import predict_many
 
-from er_model_lab.diagnose.starts import starts
+from er_model_lab.diagnosis.starts import starts
 from er_model_lab.fitting.fit import Box, Fit, fit, with_deviations
 from er_model_lab.identify.law import follow_table
 from er_model_lab.identify.levels import Table, response_times

@@ -29,9 +29,9 @@ from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
 from er_damper_msgs.msg import NodeStatus
-from er_model_lab.nodes.heard import Heard
 from er_model_lab.nodes.receipt import Receipt
 from er_model_lab.nodes.selection import Selection, message_class
+from er_model_lab.nodes.topic_writer import Heard
 from er_model_lab.recording.bag_writer import STORAGES, BagWriter
 from er_model_lab.recording.message_count import Count
 from er_model_lab.recording.message_definitions import full_definition

@@ -9,14 +9,14 @@ import numpy as np
 from er_models.model import Array
 from er_models.program import Program
 
-from er_model_lab.diagnose.candidates import Candidate, cross_judged, refit
+from er_model_lab.diagnosis.candidates import Candidate, cross_judged, refit
 from er_model_lab.fitting.fit import Fit, fit
 from er_model_lab.motion.fuse import Noise
-from er_model_lab.plan.bench import Run
 from er_model_lab.plan.limits import Sensors
 from er_model_lab.plan.linear import floor_of
 from er_model_lab.plan.piece import MARGIN, Bench
 from er_model_lab.plan.segment import Segment
+from er_model_lab.plan.virtual_rig import Run
 from er_model_lab.problem.held_out import split
 from er_model_lab.problem.prepare import Problem
 

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from er_model_lab.fitting.fit import fit
 from er_model_lab.motion.fuse import Noise
-from er_model_lab.plan.bench import Run
 from er_model_lab.plan.limits import Sensors
 from er_model_lab.plan.segment import FADE
+from er_model_lab.plan.virtual_rig import Run
 from er_model_lab.problem.prepare import Problem
 
 RANK = 1e-8

@@ -9,11 +9,11 @@ import numpy as np
 from er_models.model import Model
 from er_models.program import Program
 
-from er_model_lab.plan.bench import Run, run_all
 from er_model_lab.plan.limits import Limits, Sensors
 from er_model_lab.plan.linear import Triangle, design, floor_of, left, triangle
 from er_model_lab.plan.segment import Segment, program_of
 from er_model_lab.plan.strength import Rivals
+from er_model_lab.plan.virtual_rig import Run, run_all
 
 MARGIN = 0.97
 """Share of a limit that is used, so that another run does not exceed it."""

@@ -6,14 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from er_model_lab.plan import menu
-from er_model_lab.plan.decide import Outcome, outcomes
+from er_model_lab.plan import motions_and_duties
 from er_model_lab.plan.finalist import Finalist, finalist
 from er_model_lab.plan.limits import Limits, Sensors, nothing_fits
 from er_model_lab.plan.piece import Bench, Tried, judged, scaled, separations
 from er_model_lab.plan.question import Question
-from er_model_lab.plan.rig import bench_for
 from er_model_lab.plan.search import Tick, best_sets, directions, refined, tried_menu, typical
+from er_model_lab.plan.setup import bench_for
+from er_model_lab.plan.simulated_decision import Outcome, outcomes
 from er_model_lab.problem.forward import free_parameters
 from er_model_lab.problem.prepare import Problem
 
@@ -124,7 +124,7 @@ def _finalists(
 
 def _everyday(bench: Bench) -> Finalist | None:
     """The program by which a damper is identified, as large as the limits allow."""
-    ready = scaled(menu.everyday(bench.limits), bench)
+    ready = scaled(motions_and_duties.everyday(bench.limits), bench)
     return None if ready is None else finalist(EVERYDAY, [ready[0]], bench)
 
 
@@ -161,7 +161,7 @@ def _raised(
                     name, getattr(limits, name) / getattr(bench.limits, name), separations(sets[0])
                 )
     if ranked:
-        segments = [menu.longer(s, LONGER) for s in ranked[0].segments]
+        segments = [motions_and_duties.longer(s, LONGER) for s in ranked[0].segments]
         pieces = [p for s in segments if (p := judged(s, bench)) is not None]
         if pieces:
             yield Raised("duration", LONGER, separations(pieces))

@@ -10,13 +10,13 @@ import numpy as np
 from er_models.program import Program, document_of
 from scipy.special import betaincinv
 
-from er_model_lab.plan.decide import Outcome
+from er_model_lab.plan.explanation import rival, sentences, title
 from er_model_lab.plan.finalist import Direction, Finalist
 from er_model_lab.plan.planner import Plan
 from er_model_lab.plan.segment import in_words
-from er_model_lab.plan.why import rival, sentences, title
-from er_model_lab.present.values import parameters
-from er_model_lab.view import ImitationView, ProgramView, View
+from er_model_lab.plan.simulated_decision import Outcome
+from er_model_lab.results.values import parameters
+from er_model_lab.results.view import ImitationView, ProgramView, View
 
 LEVEL = 0.9
 """Probability of the interval of a share."""

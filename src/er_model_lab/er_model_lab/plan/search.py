@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
-from er_model_lab.diagnose.rule import RULE
-from er_model_lab.plan import menu
+from er_model_lab.diagnosis.rule import RULE
+from er_model_lab.plan import motions_and_duties
 from er_model_lab.plan.piece import Bench, Tried, broad, judged, score, separations
 from er_model_lab.plan.segment import Segment
 
@@ -24,8 +24,8 @@ Tick = Callable[[str], None]
 def typical(bench: Bench, tick: Tick | None = None) -> list[Tried]:
     """All motions of the menu with the typical duties."""
     found = []
-    for motion in menu.motions(bench.limits):
-        kinds = list(menu.duties(bench.limits, motion))
+    for motion in motions_and_duties.motions(bench.limits):
+        kinds = list(motions_and_duties.duties(bench.limits, motion))
         found += _judged((replace(motion, duty=kinds[k]) for k in TYPICAL), bench, tick)
     return found
 
@@ -34,7 +34,7 @@ def tried_menu(bench: Bench, tick: Tick | None = None) -> list[Tried]:
     """All motions with the typical duties, then the most telling motions with all duties."""
     found = typical(bench, tick)
     for motion in _most_telling(found, tuple(bench.rivals.mimics)):
-        kinds = list(menu.duties(bench.limits, motion))
+        kinds = list(motions_and_duties.duties(bench.limits, motion))
         more = (replace(motion, duty=k) for i, k in enumerate(kinds) if i not in TYPICAL)
         found += _judged(more, bench, tick)
     return found
@@ -130,7 +130,7 @@ def refined(
     for _ in range(SWEEPS):
         before = score(chosen, directions)
         for place in range(len(chosen)):
-            options = menu.variants(chosen[place].segment, bench.limits)
+            options = motions_and_duties.variants(chosen[place].segment, bench.limits)
             for other in _judged(options, bench, tick):
                 trial = (*chosen[:place], other, *chosen[place + 1 :])
                 new = all(p.segment != other.segment for p in chosen)

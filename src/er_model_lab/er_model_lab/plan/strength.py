@@ -18,13 +18,13 @@ from er_models.model import Model
 from er_models.predict import predict
 from er_models.scales import Scales
 
-from er_model_lab.diagnose.candidates import baseline, effect_size, refit
-from er_model_lab.diagnose.rule import RULE
+from er_model_lab.diagnosis.candidates import baseline, effect_size, refit
+from er_model_lab.diagnosis.rule import RULE
 from er_model_lab.fitting.fit import with_deviations
-from er_model_lab.plan.bench import Run
 from er_model_lab.plan.limits import Sensors
 from er_model_lab.plan.linear import design, left, triangle
 from er_model_lab.plan.question import Question
+from er_model_lab.plan.virtual_rig import Run
 from er_model_lab.problem.prepare import Problem
 
 STANDS_OUT = 1.0

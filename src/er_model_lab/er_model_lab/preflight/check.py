@@ -10,12 +10,12 @@ from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.errors import InputError
 from er_models.model import Model
 
-from er_model_lab.preflight import cells, kinematics, samples
+from er_model_lab.preflight import excitation, kinematics, samples
 from er_model_lab.preflight.finding import ORDER, Finding
-from er_model_lab.preflight.maps import CoverMap, maps
 from er_model_lab.preflight.motion import motion_findings
+from er_model_lab.preflight.occupancy import CoverMap, maps
 from er_model_lab.preflight.size import size_findings
-from er_model_lab.preflight.use import use_findings
+from er_model_lab.preflight.usable_channels import use_findings
 from er_model_lab.records.record import Record
 
 Verdict = Literal["usable", "not_usable"]
@@ -29,7 +29,7 @@ class Preflight:
     """
 
     findings: tuple[Finding, ...]
-    reach: cells.Reach
+    reach: excitation.Reach
     have: dict[str, float]
     missing: dict[str, tuple[str, ...]]
     maps: tuple[CoverMap, ...]
@@ -68,7 +68,7 @@ class Preflight:
                     "covered": self.have[name] >= cell.need,
                     "effects": sorted(e for e, lack in self.missing.items() if name in lack),
                 }
-                for name, cell in cells.CELLS.items()
+                for name, cell in excitation.CELLS.items()
             ],
             "missing": {effect: list(lack) for effect, lack in self.missing.items()},
             "maps": [m.as_json() for m in self.maps],
@@ -116,16 +116,16 @@ def preflight(
         found += [f for record in records for f in use_findings(record)]
     found += motion_findings(records)
     found += size_findings(records, model) if model is not None else ()
-    courses = [cells.course_of(r) for r in records]
-    reach = _reach(model, cells.reach_of(courses))
-    have = cells.counts(courses, reach)
+    courses = [excitation.course_of(r) for r in records]
+    reach = _reach(model, excitation.reach_of(courses))
+    have = excitation.counts(courses, reach)
     return Preflight(
         tuple(sorted(found, key=lambda f: ORDER[f.level])), reach, have,
-        cells.missing(catalogue, have), maps(courses, reach),
+        excitation.missing(catalogue, have), maps(courses, reach),
     )  # fmt: skip
 
 
-def _reach(model: Model | None, seen: cells.Reach) -> cells.Reach:
+def _reach(model: Model | None, seen: excitation.Reach) -> excitation.Reach:
     """Reach of the model's rig where it says one, else of the data."""
     rig = {} if model is None else model.rig
     known = {

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from er_model_lab.motion.white import white_noise
+from er_model_lab.motion.white_noise import white_noise
+from er_model_lab.preflight.derivative import Relation, relate
 from er_model_lab.preflight.finding import Finding, Level
-from er_model_lab.preflight.relation import Relation, relate
 from er_model_lab.records.record import CHANNELS, Array, Record
 from er_models import constants
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from er_model_lab.motion.cycle import FEW_CURVES, REMEDY, curves, cycles, one_curve
+from er_model_lab.motion.repetition import FEW_CURVES, REMEDY, curves, cycles, one_curve
 from er_model_lab.preflight.finding import Finding
 from er_model_lab.records.record import Record
 

@@ -17,16 +17,16 @@ from er_models.predict import Motion, join
 from er_models.scales import Scales, peak
 from numpy.typing import NDArray
 
-from er_model_lab.motion.cycle import Cycle, cycles
 from er_model_lab.motion.drift import without_drift
 from er_model_lab.motion.fuse import WITHOUT_A, Channels, Fused, Noise, channels_of, fuse
-from er_model_lab.motion.levels import adapt, estimate_lag, estimate_noise
-from er_model_lab.motion.white import white_noise
+from er_model_lab.motion.noise_levels import adapt, estimate_lag, estimate_noise
+from er_model_lab.motion.repetition import Cycle, cycles
+from er_model_lab.motion.white_noise import white_noise
+from er_model_lab.problem.fit_store import Notes
 from er_model_lab.problem.forward import DAMPER, Forward
 from er_model_lab.problem.held_out import WARM_UP, split
-from er_model_lab.problem.noted import Notes
-from er_model_lab.problem.practice import Practice, practice
-from er_model_lab.records.losses import losses
+from er_model_lab.problem.subset import Practice, practice
+from er_model_lab.records.missing_channels import losses
 from er_model_lab.records.record import HELD, Record, originals
 from er_model_lab.records.sampling import ROUNDED, at
 

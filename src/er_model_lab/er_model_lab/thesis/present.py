@@ -9,7 +9,7 @@ import numpy as np
 from er_models.model import Model
 
 from er_model_lab.identify import Identified
-from er_model_lab.present.values import clean, parameters
+from er_model_lab.results.values import clean, parameters
 from er_model_lab.thesis.cases import ADDED, LAWS, PUBLISHED, ROADS, Case, Chapter1
 
 STAND_IN = "The real damper is replaced by a simulated one that holds more than the models: compare orders, not digits."

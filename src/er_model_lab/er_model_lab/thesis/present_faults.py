@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from er_model_lab.present.values import clean
+from er_model_lab.results.values import clean
 from er_model_lab.thesis.faults import LEAK, SEQUENCES, Chapter6
 from er_model_lab.thesis.present import columns
 

@@ -9,7 +9,7 @@ from er_models.forms.passive import OUTPUTS
 from er_models.forms.ride import SIGNALS
 from er_models.forms.sensing import Sensing
 
-from er_model_lab.present.values import clean
+from er_model_lab.results.values import clean
 from er_model_lab.thesis.present import columns
 from er_model_lab.thesis.quarter_car import PUBLISHED, Chapter2, departures
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from er_model_lab.fitting.fit import Fit, fit
 from er_model_lab.motion.fuse import Noise
-from er_model_lab.motion.white import white_noise
+from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.problem.held_out import FOLDS, TO_FIT, TO_HOLD_OUT, split
 from er_model_lab.problem.prepare import Problem, resampled
 from er_model_lab.records.record import Record, originals

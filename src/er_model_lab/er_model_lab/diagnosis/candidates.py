@@ -1,0 +1,287 @@
+"""Every effect of the catalogue, refitted together with the model, and what it gains on data left out.
+
+Screening only chooses where the refit starts. It never ranks: the direction most correlated with the
+residual is often an impostor.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from er_models.effect import Effect
+from er_models.model import Array, Model
+from er_models.parallel import in_turn
+
+from er_model_lab.diagnosis.size_scan import profiled, scanned
+from er_model_lab.diagnosis.starts import amplitudes, gaps, is_gap, is_limit, scaled, starts
+from er_model_lab.fitting.fit import FIRST_ITERATIONS, Fit, cross_validated, fit, practised
+from er_model_lab.problem.forward import free_parameters
+from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.subset import Practice
+
+FOREIGN = 0.25
+"""Share of the force left unexplained above which a model's own values are taken to be another damper's."""
+MOST_RESTARTS = 16
+FINALISTS = 4
+"""Candidates that are fitted to the end; of many runs these are fitted to all."""
+WORTH_AN_END = 2.0
+"""Mean square, over that of the best, up to which such a fit to many runs is brought to its end."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One effect added to the model and refitted.
+
+    residual (n,): predicted without each sample's block; losses (folds,): mean square per block; mse: of
+    all blocks; seen: mean square of the fit itself;
+    kept: share of the effect's direction that the model cannot absorb; reach: size of the change
+    it makes at its start value over the white noise.
+    """
+
+    effects: tuple[str, ...]
+    fit: Fit
+    residual: Array
+    losses: Array
+    mse: float
+    seen: float
+    kept: float
+    reach: float
+
+    @property
+    def name(self) -> str:
+        """The effect added last."""
+        return self.effects[-1]
+
+
+def baseline(model: Model, problem: Problem) -> Candidate:
+    """The model as it is, refitted; from several starts when its own values are far from the data."""
+    few = problem.practice
+    where = few.problem if few else problem
+    fitted = fit(model, where)
+    size = float(np.std(where.force[where.train]))
+    if np.sqrt(fitted.mse(where.train)) > FOREIGN * size:
+        others = in_turn(lambda other: fit(other, where), restarts(model, problem))
+        fitted = min([fitted, *others], key=lambda f: f.mse(where.train))
+    return cross_judged((), fit(fitted.model, problem) if few else fitted, problem)
+
+
+def restarts(model: Model, problem: Problem) -> list[Model]:
+    """The model with the starting values of its terms, scaled to the data: for a damper of another size."""
+    grids = {
+        name: starts(model.catalogue[name], problem)
+        for name in dict.fromkeys(effect for effect, _ in free_parameters(model))
+    }
+    combinations = itertools.islice(itertools.product(*grids.values()), MOST_RESTARTS)
+    return [
+        replace(model, effects={**model.effects, **dict(zip(grids, values, strict=True))})
+        for values in combinations
+    ]
+
+
+def missing(model: Model, problem: Problem) -> tuple[Effect, ...]:
+    """Effects that could be added: all candidates of the catalogue the model does not hold.
+
+    Where the motion sensors themselves show a lag of the velocity channel, the force must not be asked:
+    a lag of the fused velocity would only imitate its noise. Where no velocity was measured none can lag.
+    """
+    core = () if model.has_response else (model.catalogue["response"],)
+    from_force = (problem.measures_velocity or not problem.raw) and not problem.kinematic_lag
+    held = set(model.effects) if from_force else {*model.effects, "velocity_lag"}
+    return tuple(e for e in core + problem.forward.candidates(model) if e.name not in held)
+
+
+def additions(
+    base: Candidate, effect: Effect, points: list[dict[str, float]], problem: Problem
+) -> Array:
+    """What an effect adds to the prediction of a fitted model (n, k) with each of these values."""
+    model = base.fit.model
+    grown = model.with_effect(effect.name, points[0])
+    offset = model.catalogue.offsets[effect.name]
+    vectors = np.tile(grown.compiled().p, (len(points), 1))
+    for row, point in zip(vectors, points, strict=True):
+        row[offset : offset + len(effect.names)] = [point[n] for n in effect.names]
+    predicted = problem.force - base.fit.residual
+    return np.asarray(np.nan_to_num(problem.predict_many(grown, vectors) - predicted).T)
+
+
+@dataclass(frozen=True)
+class Screen:
+    """What a straight line says of an effect: starting values, most promising first; kept and reach as in `Candidate`.
+
+    gain: root of the fall of the mean square from the best start [N].
+    """
+
+    points: list[dict[str, float]]
+    kept: float
+    reach: float
+    gain: float
+
+
+def screen(base: Candidate, effect: Effect, problem: Problem) -> Screen:
+    """An effect beside a fitted model, in a straight line.
+
+    Where amplitudes switch the effect on, a start promises what it gains once they are scaled; where none
+    does (a limit whose neutral value is infinite), what it gains as it is.
+    """
+    train, points = problem.train, gaps(effect, problem) or starts(effect, problem)
+    switched = bool(amplitudes(effect)) and not is_gap(effect)
+    directions = additions(base, effect, points, problem)[train]
+    j, r = base.fit.jacobian[train], base.fit.residual[train]
+    absorbed = j @ np.linalg.lstsq(j, directions, rcond=1e-10)[0]
+    outside = directions - absorbed
+    power = np.sum(outside**2, axis=0)
+    size = np.sum(directions**2, axis=0)
+    along = outside.T @ r
+    seen = power > 1e-12 * np.maximum(size, 1e-300)
+    factors = np.where(seen, along / np.maximum(power, 1e-300), 0.0)
+    if not switched:
+        factors = np.where(seen, 1.0, 0.0)
+    gains = 2.0 * factors * along - factors**2 * power
+    kept = float(np.sqrt(np.max(power / np.maximum(size, 1e-300))))
+    reach = float(np.sqrt(np.max(power) / train.sum()) / max(problem.sd_force, 1e-12))
+    ranked = [
+        scaled(points[k], effect, float(factors[k]), problem) if switched else points[k]
+        for k in np.argsort(-gains, kind="stable")
+    ]
+    gain = float(np.sqrt(max(float(gains.max()), 0.0) / train.sum()))
+    return Screen(ranked, kept, reach, gain)
+
+
+def refit(
+    base: Candidate, effect: Effect, problem: Problem, *, max_iter: int = FIRST_ITERATIONS
+) -> Candidate:
+    """Add one effect to a fitted model, refit everything, and cross-validate; of many runs on stretches first."""
+    few, effects = problem.practice, (*base.effects, effect.name)
+    if few is None:
+        fitted, seen = _fitted_with(base, effect, problem, max_iter)
+    else:
+        begun, seen = _fitted_with(part_of(base, few), effect, few.problem, max_iter)
+        fitted = _on_all(base, begun, problem, max_iter)
+    return cross_judged(effects, fitted, problem, seen.kept, seen.reach)
+
+
+def part_of(whole: Candidate, few: Practice) -> Candidate:
+    """A fitted model on the stretches to practise on."""
+    fitted = replace(
+        whole.fit, residual=whole.fit.residual[few.rows], jacobian=whole.fit.jacobian[few.rows]
+    )
+    return replace(whole, fit=fitted)
+
+
+def _on_all(base: Candidate, begun: Fit, problem: Problem, max_iter: int) -> Fit:
+    """A fit to stretches, fitted further to all runs; base: the model on all runs before it grew."""
+    return fit(begun.model, problem, known=base.fit.jacobian, max_iter=max_iter)
+
+
+def _fitted_with(
+    base: Candidate, effect: Effect, problem: Problem, max_iter: int
+) -> tuple[Fit, Screen]:
+    """A fitted model with one effect more, everything refitted, and what a straight line said of it.
+
+    Where no amplitude switches the effect on, a straight line promises little: the two best starts are tried.
+    """
+    seen = screen(base, effect, problem)
+    target = base.fit.mse(problem.train) * problem.forward.worth
+
+    def begun(values: dict[str, float]) -> Fit:
+        grown = base.fit.model.with_effect(effect.name, values)
+        return fit(grown, problem, known=base.fit.jacobian, target=target, max_iter=max_iter)
+
+    fits = [begun(values) for values in seen.points[: 1 if amplitudes(effect) else 2]]
+    fits = [f for f in fits if np.isfinite(f.mse(problem.train))]
+    fits = fits or [begun(starts(effect, problem)[0])]
+    fitted = min(fits, key=lambda f: f.mse(problem.train))
+    return (scanned(fitted, effect, problem) if is_limit(effect) else fitted), seen
+
+
+def finished(candidate: Candidate, problem: Problem, max_iter: int = 30) -> Candidate:
+    """A candidate fitted on where its iterations were used up, and with its gaps looked for more closely."""
+    fitted = candidate.fit
+    unfitted = problem.practice is not None and fitted.iterations == 0
+    if unfitted or fitted.iterations >= FIRST_ITERATIONS:
+        fitted = fit(fitted.model, problem, max_iter=max_iter)
+    for name in candidate.effects:
+        if is_gap(fitted.model.catalogue[name]):
+            fitted = profiled(fitted, name, problem)
+    if not fitted.mse(problem.train) < candidate.fit.mse(problem.train):
+        return candidate
+    return cross_judged(candidate.effects, fitted, problem, candidate.kept, candidate.reach)
+
+
+def cross_judged(
+    effects: tuple[str, ...],
+    fitted: Fit,
+    problem: Problem,
+    kept: float = 1.0,
+    reach: float = np.inf,
+    *,
+    straight: bool = False,
+) -> Candidate:
+    """A fitted model with its cross-validation, where `straight` in a straight line whatever that is worth."""
+    residual, losses = cross_validated(fitted, problem, straight=straight)
+    mse = float(np.mean(residual[problem.train] ** 2))
+    seen = fitted.mse(problem.train)
+    return Candidate(effects, fitted, residual, losses, mse, seen, kept, reach)
+
+
+def refit_all(
+    base: Candidate,
+    problem: Problem,
+    effects: Iterable[Effect] | None = None,
+    tick: Callable[[str], None] | None = None,
+) -> list[Candidate]:
+    """Every missing effect refitted, best held-out error first; the best few are fitted to the end."""
+    tried = list(missing(base.fit.model, problem) if effects is None else effects)
+    few = problem.practice
+    if few:
+        return _refit_many(base, problem, few, tried, tick)
+    found = in_turn(lambda effect: refit(base, effect, problem), tried, _named(tick))
+    found.sort(key=lambda c: c.mse)
+    ahead = in_turn(lambda c: finished(c, problem), found[:FINALISTS])
+    return sorted([*ahead, *found[FINALISTS:]], key=lambda c: c.mse)
+
+
+def _refit_many(
+    base: Candidate, problem: Problem, few: Practice, effects: list[Effect], tick: Callable[[str], None] | None
+) -> list[Candidate]:  # fmt: skip
+    """Of many runs: every effect fitted to stretches, the best few to all; the others are judged as they are there."""
+    part = part_of(base, few)
+    fits = in_turn(
+        lambda effect: _fitted_with(part, effect, few.problem, FIRST_ITERATIONS), effects, _named(tick)
+    )  # fmt: skip
+    begun = [(effect, *found) for effect, found in zip(effects, fits, strict=True)]
+    begun.sort(key=lambda b: b[1].mse(few.problem.train))
+    found = []
+    for k, (effect, fitted, seen) in enumerate(begun):
+        ahead, names = k < FINALISTS, (*base.effects, effect.name)
+        on_all = _on_all(base, fitted, problem, FIRST_ITERATIONS if ahead else 0)
+        judged = cross_judged(names, on_all, problem, seen.kept, seen.reach, straight=not ahead)
+        found.append(judged)
+    found.sort(key=lambda c: max(c.mse, c.seen))
+    near = WORTH_AN_END * found[0].mse
+    ended = [finished(c, problem) if c.mse < near else c for c in found[:FINALISTS]]
+    return sorted([*ended, *found[FINALISTS:]], key=lambda c: c.mse)
+
+
+def _named(tick: Callable[[str], None] | None) -> Callable[[Effect], None] | None:
+    """What is told of an effect that was tried: its name."""
+    return (lambda effect: tick(effect.name)) if tick else None
+
+
+def effect_size(base: Candidate, candidate: Candidate) -> float:
+    """Root of the fall of the mean squared error on left-out data [N]; negative where it rises.
+
+    No more than the fit itself gains: what goes beyond is what a straight line makes of leaving a block out.
+    """
+    fall = min(base.mse - candidate.mse, base.seen - candidate.seen)
+    return float(np.sign(fall) * np.sqrt(abs(fall)))
+
+
+def without(candidate: Candidate, name: str, problem: Problem) -> Candidate:
+    """A fitted model with one of its added effects taken out again and refitted."""
+    fitted = fit(practised(candidate.fit.model.without_effect(name), problem), problem)
+    kept = tuple(e for e in candidate.effects if e != name)
+    return cross_judged(kept, fitted, problem)

@@ -1,0 +1,120 @@
+"""What the data exercise: the ranges visited, and what cannot be learnt for want of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from er_model_lab.motion.repetition import FEW_CURVES, REMEDY, curves, one_curve
+from er_model_lab.motion.white_noise import white_noise
+from er_model_lab.problem.prepare import Problem
+
+STEP = 0.01
+"""Change of the duty from one sample to the next that is a step."""
+Line = tuple[float, float]
+"""Frequency of a spectral line, and the width that it is known to [Hz]."""
+MOVED = 1.2
+"""Ratio of a channel's deviation to its white noise above which something moved."""
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Ranges of the data, what blocks a verdict, and hints on what to record next.
+
+    tones: number of frequencies that carry 95 % of the motion; curves: number of closed curves that the motion runs
+    through again and again, 0 where it does not repeat itself.
+    """
+
+    deflection: float
+    velocity: float
+    duty: tuple[float, float]
+    tones: int
+    seconds: float
+    temperature: float
+    blocking: tuple[str, ...]
+    hints: tuple[str, ...]
+    curves: int = 0
+
+
+def coverage(problem: Problem) -> Coverage:
+    """Measure what the records exercise."""
+    m = problem.motion
+    u = m.u
+    steps = int(np.sum(np.abs(np.diff(u)) > STEP))
+    tones = _tones(problem)
+    used = problem.used[:: problem.forward.outputs]
+    seconds = sum(int(used[i:j].sum()) for i, j in problem.learnt) * m.dt
+    blocking, hints = [], []
+    if seconds < 5.0:
+        blocking.append(f"only {seconds:.1f} s of usable data: record at least 20 s")
+    many = curves(problem.cycles, m.v, problem.learnt)
+    if still(problem):
+        blocking.append(
+            f"the damper stands still: its motion is not above the noise of its sensors; {REMEDY}"
+        )
+    elif 0 < many <= FEW_CURVES:
+        blocking.append(f"{one_curve(problem.cycles[0].frequency)}; {REMEDY}")
+    elif tones <= 2:
+        blocking.append(
+            "the motion is a single tone: effects of velocity, deflection and acceleration cannot be told apart; "
+            f"{REMEDY}"
+        )
+    if np.ptp(u) <= STEP:
+        hints.append(
+            "the duty never changes: effects of the actuation cannot be seen; record steps of the duty"
+        )
+    elif steps == 0:
+        hints.append(
+            "the duty changes without steps: delay and lag of the actuation are hardly seen; record steps of the duty"
+        )
+    if np.max(np.abs(m.v)) > 0 and np.std(u) > 0:
+        correlation = abs(float(np.corrcoef(u, np.abs(m.v))[0, 1]))
+        if correlation > 0.9:
+            hints.append(
+                "the duty follows the velocity: record with a duty that does not depend on the motion"
+            )
+    return Coverage(
+        float(np.max(np.abs(m.x))), float(np.max(np.abs(m.v))), (float(u.min()), float(u.max())),
+        tones, seconds, float(np.ptp(m.theta)), tuple(blocking), tuple(hints), many,
+    )  # fmt: skip
+
+
+def still(problem: Problem) -> bool:
+    """Whether deflection [m] and velocity [m/s], as measured in every record, are white noise and nothing else."""
+    measured = [
+        c.z[:, k] for c in problem.raw for k in (0, 1) if c.has[k] and np.isfinite(c.z[:, k]).all()
+    ]
+    return bool(measured) and all(np.std(y) <= MOVED * white_noise([y]) for y in measured)
+
+
+def _tones(problem: Problem) -> int:
+    """Number of spectral lines that carry 95 % of the velocity, over all records learnt from.
+
+    Lines of different records are one where they are no further apart than either resolves.
+    """
+    m, found = problem.motion, list[list[Line]]()
+    for i, j in problem.learnt:
+        v = m.v[i:j] - m.v[i:j].mean()
+        power = np.abs(np.fft.rfft(v * np.hanning(v.size))) ** 2
+        frequency = np.fft.rfftfreq(v.size, m.dt)
+        width = max(4.0 / (v.size * m.dt), 0.1)
+        place = (frequency / width).astype(int)
+        bins, centre = np.bincount(place, power), np.bincount(place, power * frequency)
+        order = np.argsort(bins)[::-1]
+        share = np.cumsum(bins[order]) / max(bins.sum(), 1e-300)
+        needed = int(np.searchsorted(share, 0.95)) + 1
+        lines = order[: 1 if needed <= 2 else needed]
+        found.append([(float(centre[k] / max(bins[k], 1e-300)), width) for k in lines])
+    return _different(found)
+
+
+def _different(records: list[list[Line]]) -> int:
+    """How many lines there are of which no earlier record has one."""
+    count, known = 0, list[Line]()
+    for lines in records:
+        new = [
+            (f, width) for f, width in lines if all(abs(f - g) >= max(width, w) for g, w in known)
+        ]
+        count, known = count + len(new), known + new
+    return count

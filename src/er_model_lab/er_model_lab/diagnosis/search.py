@@ -1,0 +1,319 @@
+"""Which effects to add: forward one at a time, pairs where one is not enough, backward, and ties."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from er_models.model import Array
+from er_models.parallel import in_turn
+
+from er_model_lab.diagnosis.candidates import (
+    Candidate,
+    effect_size,
+    finished,
+    refit,
+    refit_all,
+    screen,
+    without,
+)
+from er_model_lab.diagnosis.null import Null, simulate_null
+from er_model_lab.diagnosis.rule import RULE, Rule
+from er_model_lab.problem.prepare import Problem
+
+PAIRS_OF = 6
+"""Pairs are tried among this many best singles."""
+MOST_EFFECTS = 3
+FAR_BEYOND = 3.0
+"""Size, over what chance gives, of an effect that is there however unevenly its gains are spread, and of what a
+generalised form must gain over its special case: the name then rests on one number alone."""
+STEADY = 3.0
+"""Paired t of gains over blocks [1] above which chance does not make them: three standard errors."""
+NEARLY_ALL, HALF = 0.8, 0.5
+"""Shares of blocks that gain: from the first on an effect is steady, below the second it is none, however large."""
+HARMLESS = 0.05
+"""Share of its gains that an effect which acts seldom may lose elsewhere."""
+PROMISE = 1.5
+"""Size, over what chance gives, from which a candidate left over is worth another round."""
+DOUBT, SURE = 2.0, 4.5
+"""Paired t below which two candidates are tied in any case, and from which on they never are."""
+NEARLY = 0.85
+"""Share of the best one's effect size from which on a candidate comes near it."""
+FORM, TWIN, SPARE = 0.997, 0.99, 1.5
+"""Shares of the best one's effect size that a form of fewer parameters, which is named first then, and one of as many
+have, and the most by which either is behind, over what counts as an effect, where the two are tied: what is real keeps
+to no equation, and no sensor to its noise, so closely that it would decide."""
+NESTED, SAME = 1e-2, 1e-4
+"""Mean square of the difference of two forces, over what is left, below which they are nearly, and wholly, the same."""
+
+
+@dataclass(frozen=True)
+class Round:
+    """One step of the search: where it began, every candidate, the null, and what was taken."""
+
+    base: Candidate
+    candidates: list[Candidate]
+    null: Null
+    threshold: float
+    taken: Candidate | None
+    ties: list[str]
+
+
+def threshold(null: Null, floor: float, rule: Rule = RULE) -> float:
+    """Smallest effect size that counts [N]."""
+    return max(null.threshold(rule.false_alarm), rule.smallest * floor)
+
+
+def passes(base: Candidate, candidate: Candidate, limit: float) -> bool:
+    """Whether an effect is there: large, and steady over blocks.
+
+    The fall must exceed the limit and be positive in half of the blocks at least. Unless it is far beyond
+    the limit (records of different kind, where some cannot show the effect), it must also be steady: by its
+    paired t, or positive in nearly all blocks, or seldom at work and harmless else.
+    """
+    size = effect_size(base, candidate)
+    if size <= limit:
+        return False
+    gains = base.losses - candidate.losses
+    positive = float(np.mean(gains > 0))
+    steady = paired_t(gains) > STEADY or positive >= NEARLY_ALL or seldom(gains, limit)
+    return positive >= HALF and (size > FAR_BEYOND * limit or steady)
+
+
+def seldom(gains: Array, limit: float) -> bool:
+    """Whether an effect acts in few blocks, but in more than one, and harms nowhere; gains: falls of mean squares.
+
+    What it gains without its best block must still exceed the limit, and what the other blocks lose be next to nothing.
+    """
+    rest = float(gains.sum() - gains.max()) / gains.size
+    lost = -float(gains[gains < 0.0].sum())
+    return rest > limit**2 and lost < HARMLESS * float(gains[gains > 0.0].sum())
+
+
+def block_gains(better: Candidate, worse: Candidate, problem: Problem) -> Array:
+    """Differences of the mean squared errors of two candidates in blocks of a second; positive: `better` is.
+
+    Of less than four seconds the blocks are quarters.
+    """
+    rows = problem.train
+    d = worse.residual[rows] ** 2 - better.residual[rows] ** 2
+    length = min(problem.second, max(d.size // 4, 1))
+    means: Array = d[: d.size // length * length].reshape(-1, length).mean(axis=1)
+    return means
+
+
+def paired_t(gains: Array) -> float:
+    """Mean of differences over its standard error."""
+    return float(gains.mean() / max(float(gains.std(ddof=1)) / np.sqrt(gains.size), 1e-300))
+
+
+def complexity(candidate: Candidate) -> tuple[int, int]:
+    """Parameters in use, and whether it is physics (1) or a sensor (0): fewer and sensor first."""
+    model = candidate.fit.model
+    inner = sum(
+        1
+        for (effect, _), bound in zip(candidate.fit.free, candidate.fit.at_bound, strict=True)
+        if effect in candidate.effects and not bound
+    )
+    return inner, 0 if model.catalogue[candidate.name].stage == "sensing" else 1
+
+
+def tied(
+    base: Candidate, candidates: list[Candidate], problem: Problem, limit: float
+) -> list[Candidate]:
+    """Candidates the data cannot tell from the best one, simplest first.
+
+    A tie needs nearly the same effect size, and a paired difference within `DOUBT` standard errors, or within
+    `SURE` and too small to count as an effect of its own. A difference that would count, in several blocks and
+    nowhere the other way, is not chance, however unevenly it is spread: a stop acts seldom. Where the motion
+    repeats itself a difference comes back in every cycle, so that only its size counts. A form of fewer parameters
+    that leaves next to nothing more is tied, too: turbulent damping as v^1.75 is met a little better by a power
+    law with a free exponent than by v^2. So is one of as many: beside errors of the motion, which smooth what is
+    predicted, a lag of 2 ms may meet a force that is 2 ms late a little better than the delay does.
+    """
+    best = candidates[0]
+    size = effect_size(base, best)
+    near = [best]
+    for other in candidates[1:]:
+        gain = effect_size(base, other)
+        if not passes(base, other, limit) or gain < NEARLY * size:
+            continue
+        gap, gains = np.sqrt(max(other.mse - best.mse, 0.0)), block_gains(best, other, problem)
+        doubtful = paired_t(gains) < (SURE if gap < limit else DOUBT) and not seldom(gains, limit)
+        more = complexity(other)[0] - complexity(best)[0]
+        spare = more <= 0 and gain > (FORM if more else TWIN) * size and gap < SPARE * limit
+        if doubtful or spare or (problem.cycles and gap < limit):
+            near.append(other)
+    return sorted(near, key=lambda c: (*complexity(c), disguised(c, near, problem)))
+
+
+def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
+    """Whether two candidates make nearly the same force, so that one contains the other.
+
+    What acts in the car and what acts in the damper are no forms of one another, however alike; nor are two
+    effects of as many parameters in use: neither is the simpler, unless bounds make the one the very same as the other.
+    """
+    alike = NESTED
+    if complexity(simple) == complexity(rich):
+        alike = SAME
+        if len(simple.fit.free) >= len(rich.fit.free):
+            return False
+    stages = [c.fit.model.catalogue[c.name].stage == "vehicle" for c in (simple, rich)]
+    if stages[0] != stages[1]:
+        return False
+    rows = problem.train
+    change = simple.fit.residual[rows] - rich.fit.residual[rows]
+    return bool(
+        np.mean(change**2) < alike * max(float(np.mean(simple.residual[rows] ** 2)), 1e-300)
+    )
+
+
+def disguised(rich: Candidate, others: list[Candidate], problem: Problem) -> bool:
+    """Whether bounds make a form into a simpler one of these: Stribeck without breakaway is Coulomb friction."""
+    return any(
+        complexity(other) == complexity(rich) and nested(other, rich, problem) for other in others
+    )
+
+
+def rivals(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
+    """Whether a tie is worth telling: of nested forms the simpler stands for both, unless the data ask for more."""
+    return (
+        not nested(simple, rich, problem) or paired_t(block_gains(rich, simple, problem)) >= DOUBT
+    )
+
+
+def one_round(
+    base: Candidate,
+    problem: Problem,
+    seed: int,
+    rule: Rule = RULE,
+    tick: Callable[[str], None] | None = None,
+) -> Round:
+    """Refit every missing effect, calibrate, and choose the best or nothing."""
+    candidates = refit_all(base, problem, tick=tick)
+    null = simulate_null(base, candidates, problem, seed)
+    limit = threshold(null, np.sqrt(min(candidates[0].mse, base.mse)), rule)
+    able = _without_refinements(base, [c for c in candidates if passes(base, c, limit)], limit)
+    if not able:
+        return Round(base, candidates, null, limit, None, [])
+    group = tied(base, able, problem, limit)
+    taken = group[0]
+    ties = [c.name for c in group if c is taken or rivals(taken, c, problem)]
+    return Round(base, candidates, null, limit, taken, ties)
+
+
+def promising(best: Candidate, step: Round, problem: Problem) -> bool:
+    """Whether another candidate of a round gains beside what was taken there, in a straight line.
+
+    Regressions do not see everything: a gap that is crossed within a sample is lost in their noise.
+    """
+    limit = PROMISE * step.threshold
+    others = [
+        c for c in step.candidates if c is not step.taken and effect_size(step.base, c) > limit
+    ]
+    catalogue = best.fit.model.catalogue
+    return any(screen(best, catalogue[c.name], problem).gain > limit for c in others)
+
+
+def _without_refinements(base: Candidate, able: list[Candidate], limit: float) -> list[Candidate]:
+    """Leave out a generalised form unless it is better than its special case far beyond the limit."""
+    sizes = {c.name: c for c in able}
+    kept = []
+    for c in able:
+        special = [sizes[n] for n in base.fit.model.catalogue[c.name].generalises if n in sizes]
+        if all(effect_size(s, c) > FAR_BEYOND * limit for s in special):
+            kept.append(c)
+    return kept
+
+
+def try_pairs(step: Round, problem: Problem, target: float) -> Candidate | None:
+    """Best pair among the best singles, when it reaches the target mean square and beats the best single."""
+    model = step.base.fit.model
+    singles = {c.name: c for c in step.candidates}
+    pairs = in_turn(
+        lambda two: refit(singles[two[0]], model.catalogue[two[1]], problem),
+        list(itertools.combinations(partners(step), 2)),
+    )
+    best = min(pairs, key=lambda c: c.mse, default=None)
+    top = step.taken or step.candidates[0]
+    if best is None or best.mse > target or effect_size(top, best) < step.threshold:
+        return None
+    return best
+
+
+def swapped(
+    best: Candidate, rounds: list[Round], problem: Problem
+) -> tuple[Candidate, tuple[tuple[str, ...], ...]]:
+    """The best model once every effect was exchanged for its rivals, and the groups still tied then.
+
+    A tie of the first round is one beside all that was still missing, and so is a lead there (`close`); what
+    counts is the tie in the whole model. What came as one of a pair is exchanged for what pairs were tried of.
+    """
+    groups = []
+    for name, step in [*_taken(rounds), *_paired(best, rounds)]:
+        if name not in best.effects:
+            continue
+        others = [n for n in _near(name, step, best) if n not in best.effects]
+        if not others:
+            continue
+        place, rest = best.effects.index(name), without(best, name, problem)
+        trials = in_turn(lambda n: exchanged(rest, place, n, problem), others)  # noqa: B023
+        alike = tied(rest, sorted([best, *trials], key=lambda c: c.mse), problem, step.threshold)
+        best = alike[0]
+        groups.append(
+            tuple(c.effects[place] for c in alike if c is best or rivals(best, c, problem))
+        )
+    return best, tuple(g for g in groups if len(g) > 1)
+
+
+def _taken(rounds: list[Round]) -> list[tuple[str, Round]]:
+    """Effects that were taken, each with its round."""
+    return [(step.taken.name, step) for step in rounds if step.taken is not None]
+
+
+def _paired(best: Candidate, rounds: list[Round]) -> list[tuple[str, Round]]:
+    """Effects of a model that no round took: those of a pair, with the round whose singles the pairs are of."""
+    alone = {name for name, _ in _taken(rounds)}
+    return [(name, rounds[0]) for name in best.effects if name not in alone]
+
+
+def _near(name: str, step: Round, best: Candidate) -> list[str]:
+    """Effects that an effect of a model may be exchanged for."""
+    if step.taken is None or step.taken.name != name:
+        return partners(step)
+    near = step.ties if len(best.effects) < 2 else [*step.ties, *close(step)]
+    return list(dict.fromkeys(near))
+
+
+def partners(step: Round) -> list[str]:
+    """The best singles of a round, of which pairs are tried."""
+    return [c.name for c in step.candidates if effect_size(step.base, c) > 0][:PAIRS_OF]
+
+
+def close(step: Round) -> list[str]:
+    """Effects that came near the one that a round took: what was missing beside them may have decided."""
+    assert step.taken is not None
+    least = NEARLY * effect_size(step.base, step.taken)
+    able = [c for c in step.candidates if passes(step.base, c, step.threshold)]
+    near = _without_refinements(step.base, able, step.threshold)
+    return [c.name for c in near if effect_size(step.base, c) >= least]
+
+
+def exchanged(rest: Candidate, place: int, name: str, problem: Problem) -> Candidate:
+    """A model with another effect in the place of the one that was taken out."""
+    found = finished(refit(rest, rest.fit.model.catalogue[name], problem, max_iter=20), problem)
+    return replace(found, effects=(*rest.effects[:place], name, *rest.effects[place:]))
+
+
+def prune(candidate: Candidate, problem: Problem, limit: float) -> Candidate:
+    """Take out every added effect that is no longer needed, weakest first."""
+    current = candidate
+    while len(current.effects) > 1:
+        trials = in_turn(lambda name: without(current, name, problem), current.effects)  # noqa: B023
+        easiest = min(trials, key=lambda c: c.mse)
+        if effect_size(easiest, current) > limit:
+            return current
+        current = easiest
+    return current

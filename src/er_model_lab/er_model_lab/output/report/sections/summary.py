@@ -1,0 +1,114 @@
+"""The errors before and after as a table, and record by record."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from er_model_lab.output.report.section import Section
+from er_model_lab.output.text.units import change as relative_change
+from er_model_lab.output.text.units import newtons, percent
+from er_model_lab.results.view import RecordView, View
+
+MOST_RECORDS = 25
+"""Records listed; beyond, the worst of them."""
+
+
+def section(view: View) -> Section | None:
+    """Table of errors; None when the result holds none."""
+    result = view.result
+    if result.get("rmse") is None:
+        return None
+    return Section(
+        "summary",
+        "Errors",
+        facts={
+            "rows": _rows(result),
+            "compared": "rmse_after" in result,
+            "split": isinstance(result["rmse"], Mapping),
+            "floor": newtons(result.get("noise_floor")),
+            "explainable": percent(result.get("explainable")),
+            "explained": percent(result["explained"]) if result.get("explained") else "",
+            "as_given": newtons(result["rmse_as_given"]) if result.get("rmse_as_given") else "",
+            "noise": _noise(result),
+            "records": _records(view),
+            "channels": _channels(result),
+        },
+    )
+
+
+def _rows(result: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
+    """Name, before, after and change of each error."""
+    before, after, relative = (
+        _split(result["rmse"]),
+        _split(result.get("rmse_after")),
+        _split(result.get("nrmse")),
+    )
+    names = {"train": "training data", "held_out": "held-out data", "all": "all data"}
+    rows = []
+    for part, value in before.items():
+        then = after.get(part)
+        change = relative_change(value, then) if then is not None and value else ""
+        rows.append((f"rms error, {names[part]}", newtons(value), newtons(then), change))
+    for part, value in relative.items():
+        # both have the same range of the measured force below them
+        then = after.get(part)
+        scaled = value * then / before[part] if then is not None and before.get(part) else None
+        rows.append((f"NRMSE, {names[part]}", percent(value), percent(scaled), ""))
+    return rows
+
+
+def _split(value: object) -> dict[str, float]:
+    """An error as the result states it: by part, or one number for all data."""
+    if value is None:
+        return {}
+    parts: Mapping[Any, Any] = value if isinstance(value, Mapping) else {"all": value}
+    return {str(k): float(v) for k, v in parts.items() if v is not None}
+
+
+def _noise(result: Mapping[str, Any]) -> str:
+    """Where the noise comes from, in a clause."""
+    noise = result.get("noise") or {}
+    force, inputs = noise.get("force_white"), noise.get("input_error")
+    if force is None or inputs is None:
+        return ""
+    force, inputs = newtons(force), newtons(inputs)
+    return f"white noise of the force {force}, errors of the motion sensors {inputs}"
+
+
+def _channels(result: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Error of each simulated channel over its own size, where a command compares several."""
+    channels = result.get("channels") or {}
+    return [(name.replace("_", " "), percent(c.get("relative"))) for name, c in channels.items()]
+
+
+def _records(view: View) -> list[tuple[str, str, str, str]]:
+    """Name, role, error before and after of each record; nothing when there is only one."""
+    if len(view.records) < 2:
+        return []
+    rows = (
+        sorted(view.records, key=lambda r: -_rms(r, r.before))
+        if len(view.records) > MOST_RECORDS
+        else view.records
+    )
+    return [
+        (r.name, _role(r), newtons(_rms(r, r.before)), newtons(_rms(r, r.after)))
+        for r in rows[:MOST_RECORDS]
+    ]
+
+
+def _rms(
+    record: RecordView, model: np.ndarray[tuple[int, ...], np.dtype[np.float64]] | None
+) -> float:
+    """Root mean square error over the scored samples [N]."""
+    if model is None or not record.scored.any():
+        return float("nan")
+    return float(np.sqrt(np.mean((record.measured - model)[record.scored] ** 2)))
+
+
+def _role(record: RecordView) -> str:
+    """What the record was used for."""
+    held = record.held_out[record.scored]
+    return "held out" if held.all() else "fitted, parts held out" if held.any() else "fitted"

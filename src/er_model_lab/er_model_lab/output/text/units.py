@@ -1,0 +1,131 @@
+"""Numbers as an engineer reads them: display units, significant digits, ranges."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from er_model_lab.results.view import Array, Region
+
+MINUS = "\N{MINUS SIGN}"
+MILLI = {"m": "mm", "m/s": "mm/s"}
+"""SI units that are shown in thousandths, because a damper moves by millimetres."""
+
+
+def factor(unit: str) -> float:
+    """Multiplier from SI to the unit shown."""
+    return 1e3 if unit in MILLI else 1.0
+
+
+def shown(unit: str) -> str:
+    """Name of the unit shown; empty for pure numbers."""
+    return "" if unit in ("1", "") else MILLI.get(unit, unit)
+
+
+def labelled(quantity: str, unit: str) -> str:
+    """Axis label: quantity and the unit shown."""
+    return f"{quantity} [{shown(unit)}]" if shown(unit) else quantity
+
+
+def short(value: float | None, digits: int = 3) -> str:
+    """A number with significant digits, plain where it can be; a dash when there is none."""
+    if value is None or not math.isfinite(value):
+        return "-"
+    if value != 0.0 and not 1e-4 <= abs(value) < 10.0 ** (digits + 2):
+        return f"{value:.{digits - 1}e}".replace("-", MINUS)
+    places = digits - 1 - math.floor(math.log10(abs(value))) if value else 0
+    text = f"{value:.{max(places, 0)}f}"
+    return text.replace("-", MINUS)
+
+
+def newtons(value: float | None) -> str:
+    """A force with its unit."""
+    return f"{short(value)} N"
+
+
+def gain(size: float | None, largest: float) -> str:
+    """An effect size in newtons; in words where it is nothing beside the largest one."""
+    if size is None or not math.isfinite(size):
+        return "-"
+    return newtons(size) if size > 0.005 * largest else "no gain"
+
+
+def percent(value: float | None) -> str:
+    """A share as a percentage, with a decimal only where it is small."""
+    if value is None or not math.isfinite(value):
+        return "-"
+    if abs(value) < 5e-4:
+        return "0 %"
+    text = f"{100.0 * value:.1f} %" if abs(value) < 0.0995 else f"{100.0 * value:.0f} %"
+    return text.replace("-", MINUS)
+
+
+def change(before: float, after: float) -> str:
+    """Relative change with its sign."""
+    return f"{100.0 * (after / before - 1.0):+.0f} %".replace("-", MINUS)
+
+
+def parameter(triple: Sequence[Any], digits: int = 2) -> str:
+    """Value, standard deviation with `digits` significant digits, and unit."""
+    value, sd, unit = float(triple[0]), triple[1], str(triple[2])
+    name = "" if unit == "1" else f" {unit}"
+    if sd is None or not math.isfinite(float(sd)):
+        return f"{short(value)}{name} (not determined by these data)"
+    if float(sd) == 0.0:
+        return f"{short(value)}{name}"
+    places = digits - 1 - math.floor(math.log10(abs(float(sd))))
+    if places > 6 or abs(float(sd)) >= 1e7:
+        return f"{short(value, 4)} \N{PLUS-MINUS SIGN} {short(float(sd), digits)}{name}"
+    shown_places = max(places, 0)
+    text = f"{value:.{shown_places}f} \N{PLUS-MINUS SIGN} {float(sd):.{shown_places}f}{name}"
+    return text.replace("-", MINUS)
+
+
+def discrete(regions: Sequence[Region]) -> bool:
+    """Whether the bins are single values, like duties held, not ranges."""
+    return regions[-1].edges[0] == regions[-1].edges[1]
+
+
+def where(region: Region, *, single: bool) -> str:
+    """The range of a region in words: "velocity -12 to 3.4 mm/s", "direction: extension"."""
+    if region.quantity == "direction" and single:
+        return f"direction: {_direction(region.edges[0])}"
+    low, high = (e * factor(region.unit) for e in region.edges)
+    unit = f" {shown(region.unit)}" if shown(region.unit) else ""
+    if single:
+        return f"{region.quantity} {short(low)}{unit}"
+    return f"{region.quantity} {short(low, 2)} to {short(high, 2)}{unit}"
+
+
+def _direction(sign: float) -> str:
+    """Direction of the motion by the sign of the velocity."""
+    return "rest" if sign == 0 else "extension" if sign > 0 else "compression"
+
+
+def ticks(regions: Sequence[Region]) -> tuple[tuple[float, str], ...]:
+    """Ticks for bars at 0, 1, 2...: single values under the bars, or the edges between them."""
+    single = discrete(regions)
+    if single and regions[0].quantity == "direction":
+        return tuple((float(k), _direction(r.edges[0])) for k, r in enumerate(regions))
+    values = [r.edges[0] for r in regions] + ([] if single else [regions[-1].edges[1]])
+    texts = _apart([v * factor(regions[0].unit) for v in values])
+    return tuple((k - (0.0 if single else 0.5), text) for k, text in enumerate(texts))
+
+
+def _apart(values: Sequence[float]) -> list[str]:
+    """Numbers with two digits of the largest, or with as many as tell them apart; no digit is wasted on small ones."""
+    scale = max(abs(v) for v in values) or 1.0
+    first = max(1 - math.floor(math.log10(scale)), 0)
+    texts: list[str] = []
+    for places in range(first, first + 3):
+        texts = [f"{v:.{places}f}".replace("-", MINUS) for v in values]
+        if len(set(texts)) == len(texts):
+            break
+    # what rounding left of zero is zero
+    return ["0" if not text.strip("0." + MINUS) else text for text in texts]
+
+
+def scaled(y: Array, unit: str) -> Array:
+    """Array y (n,) in the unit shown."""
+    return y * factor(unit)

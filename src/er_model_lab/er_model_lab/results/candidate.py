@@ -1,0 +1,117 @@
+"""One candidate: its entry in the contract's JSON, its status, and why it was taken or not."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from er_models.model import Model
+
+from er_model_lab.diagnosis.candidates import Candidate, effect_size
+from er_model_lab.diagnosis.decisive_round import told
+from er_model_lab.diagnosis.search import Round
+from er_model_lab.diagnosis.study import Study
+from er_model_lab.diagnosis.verdict import Diagnosis, shares
+from er_model_lab.fitting.fit import with_deviations
+from er_model_lab.problem.prepare import Problem
+from er_model_lab.residual.errors import errors
+from er_model_lab.results.values import parameters
+
+LEAST_KEPT = 0.02
+"""Share of an effect's direction [1] that the model must leave it: below, no strength of it would show."""
+LEAST_REACH = 0.02
+"""Change of the force by an effect, over the noise of the force [1]: below, nothing of it can be seen, or missed."""
+
+
+def entry(
+    candidate: Candidate, step: Round, found: Diagnosis, problem: Problem, after: Model
+) -> dict[str, Any]:
+    """One entry of `candidates` in the contract's JSON; an effect that was kept has the final model's values."""
+    name = candidate.name
+    kept = name in found.effects and name in after.effects
+    model = after if kept else with_deviations(candidate.fit, problem)
+    size = effect_size(step.base, candidate)
+    status, rivals = _status(candidate, found)
+    return {
+        "effect": name,
+        "rmse_held_out": errors(problem, candidate.fit.residual, problem.held_out).rmse,
+        "rmse_before": errors(problem, step.base.fit.residual, problem.held_out).rmse,
+        "rmse_cross_validated": float(np.sqrt(candidate.mse)),
+        "evidence": size,
+        "threshold": step.threshold,
+        "p_value": step.null.p_value(size),
+        "parameters": parameters(model, name),
+        "status": status,
+        "confounded_with": rivals,
+        "kept_fraction": candidate.kept,
+        "explains": shares(step.base.mse, candidate.mse, found.floor)[1],
+    }
+
+
+def _lag_entry(study: Study) -> dict[str, Any]:
+    """Entry of the velocity channel's lag, whose evidence is kinematic."""
+    assert study.lag is not None
+    lag, sd = study.lag
+    found, problem = study.diagnosis, study.problem
+    return {
+        "effect": "velocity_lag",
+        "rmse_held_out": errors(problem, found.rounds[0].base.fit.residual, problem.held_out).rmse,
+        "rmse_cross_validated": float(np.sqrt(found.rounds[0].base.mse)),
+        "evidence": abs(lag) / max(sd, 1e-12),
+        "p_value": float(math.erfc(min(abs(lag) / max(sd, 1e-12), 30.0) / math.sqrt(2.0))),
+        "parameters": {"T_v": [lag, sd, "s"]},
+        "status": "present" if "velocity_lag" in found.effects else "absent",
+        "confounded_with": [],
+        "basis": "deflection and accelerometers against the velocity channel",
+    }
+
+
+def candidates(study: Study, model_after: Model) -> list[dict[str, Any]]:
+    """Entries of all candidates: those that were taken, in their order, then the others by their error."""
+    found = study.diagnosis
+    entries = [entry(c, step, found, study.problem, model_after) for c, step in told(found)]
+    if study.lag:
+        entries = [e for e in entries if e["effect"] != "velocity_lag"]
+        entries.insert(0, _lag_entry(study))
+    order = {name: i for i, name in enumerate(found.effects)}
+    entries.sort(key=lambda e: (order.get(e["effect"], len(order)), e["rmse_cross_validated"]))
+    return entries
+
+
+def _status(candidate: Candidate, found: Diagnosis) -> tuple[str, list[str]]:
+    """Status of a candidate, and what it cannot be told from."""
+    name = candidate.name
+    for group in found.alternatives:
+        if name in group:
+            return "confounded", [other for other in group if other != name]
+    if name in found.effects:
+        return "present", []
+    if _absorbed(candidate) or _out_of_reach(candidate):
+        return "not_excited", []
+    return "absent", []
+
+
+def _absorbed(candidate: Candidate) -> bool:
+    """Whether the other parameters of the model can make what the effect makes."""
+    return candidate.kept < LEAST_KEPT
+
+
+def _out_of_reach(candidate: Candidate) -> bool:
+    """Whether the effect changes next to nothing on these data."""
+    return candidate.reach < LEAST_REACH
+
+
+def reason(candidate: Candidate, step: Round, found: Diagnosis) -> str:
+    """Why a candidate was taken or not, in one sentence."""
+    size = effect_size(step.base, candidate)
+    if candidate.name in found.effects:
+        return f"taken: lowers the error on unseen data by {size:.3g} N, chance reaches {step.threshold:.3g} N"
+    if _absorbed(candidate):
+        return "these data cannot show it: the model absorbs it completely"
+    if _out_of_reach(candidate):
+        return "not excited: in these data it would change the force by less than the noise"
+    if size <= step.threshold:
+        return f"not needed: {max(size, 0.0):.3g} N, chance alone reaches {step.threshold:.3g} N"
+    taken = step.taken.name if step.taken else "none"
+    return f"helps by {size:.3g} N, but {taken} explains the error better"

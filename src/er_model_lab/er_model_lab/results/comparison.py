@@ -1,0 +1,34 @@
+"""The contract's JSON of `compare`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from er_models.model import Array
+
+from er_model_lab.problem.prepare import Problem
+from er_model_lab.residual.errors import errors, regions_json, worst
+from er_model_lab.results.view import RegionTable
+
+
+def compare_json(
+    problem: Problem,
+    given: Array,
+    floor: float,
+    explainable: float,
+    tables: tuple[RegionTable, ...],
+) -> dict[str, Any]:
+    """The contract's JSON of `compare`."""
+    whole = errors(problem, given, problem.used)
+    m, rows = problem.motion, problem.forward.outputs
+    by_record = {}
+    for name, i, j in zip(problem.names, m.starts[:-1], m.starts[1:], strict=True):
+        mask = np.zeros(problem.force.size, bool)
+        mask[i * rows : j * rows] = True
+        by_record[name] = errors(problem, given, mask & problem.used).rmse
+    return {
+        "rmse": whole.rmse, "nrmse": whole.nrmse, "noise_floor": floor, "explainable": explainable,
+        "worst": worst(tables), "regions": regions_json(tables), "rmse_by_record": by_record,
+        "notes": list(problem.notes), "complete": problem.complete,
+    }  # fmt: skip

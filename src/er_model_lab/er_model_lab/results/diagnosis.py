@@ -1,0 +1,183 @@
+"""The contract's JSON of `diagnose`, `add` and `improve`."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from er_models.model import Model
+
+from er_model_lab.diagnosis.candidates import Candidate, effect_size
+from er_model_lab.diagnosis.coverage import Coverage
+from er_model_lab.diagnosis.floor_estimates import floors
+from er_model_lab.diagnosis.search import Round
+from er_model_lab.diagnosis.study import Study
+from er_model_lab.diagnosis.verdict import VISIBLE
+from er_model_lab.problem.prepare import Problem
+from er_model_lab.residual.errors import errors, size_notes
+from er_model_lab.residual.unexplained import describe
+from er_model_lab.results.candidate import candidates
+from er_model_lab.results.ride_result import ride_json
+
+MOST_INPUTS, LEAST_WEIGHT = 5, 0.01
+"""Inputs that the unexplained part is said to depend on, at most, and the share of it that each must carry [1]."""
+MUCH_MORE = 1.5
+"""Held-out error over that of the data learnt from, from which a note says so."""
+
+
+def unseen(study: Study) -> tuple[str, ...]:
+    """A note where the model leaves much more of the held-out data than of those it was made with."""
+    after, problem = study.diagnosis.best.fit.residual, study.problem
+    train, held = (errors(problem, after, rows).rmse for rows in (problem.train, problem.held_out))
+    if not held > MUCH_MORE * train:
+        return ()
+    return (
+        f"{held:.3g} N are left of the held-out data, {train:.3g} N of those learnt from: "
+        "something may act there that the others do not show; more records would tell",
+    )
+
+
+def notes(study: Study) -> tuple[str, ...]:
+    """What to know of the data and of the model as it was given: a force in kN fits a model as well as one in N."""
+    problem = study.problem
+    size = size_notes(problem, study.given) if problem.fused else ()
+    return (*size, *unseen(study), *problem.notes)
+
+
+def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
+    """The contract's JSON of `diagnose`, `add` and `improve`."""
+    found, problem = study.diagnosis, study.problem
+    return {
+        "verdict": found.verdict,
+        "effects": list(found.effects),
+        "alternatives": [list(group) for group in found.alternatives],
+        **_errors(study),
+        "explainable": found.explainable,
+        "explained": found.explained,
+        "candidates": candidates(study, model_after),
+        "unknowable": [
+            {"effect": e.name, "because": e.unknowable_because} for e in model_after.catalogue.unknowable()
+        ],
+        "steps": steps(study),
+        "reasons": list(found.reasons),
+        "unexplained": _unexplained(study),
+        "noise": _noise(study),
+        "floors": {
+            name: side.as_json()
+            for name, side in floors(problem, found.best.fit.residual, found.floor.first).items()
+        },
+        "coverage": _coverage(found.coverage),
+        "model": model_after.name,
+        "notes": list(notes(study)),
+        "complete": problem.complete,
+        **ride_json(study),
+    }  # fmt: skip
+
+
+def _errors(study: Study) -> dict[str, Any]:
+    """Errors of the model as given, refitted and after, on both kinds of data, and the floors under them [N]."""
+    found, problem = study.diagnosis, study.problem
+    floor, after = found.floor.first, found.best.fit.residual
+    train, held = (
+        errors(problem, found.base.fit.residual, rows)
+        for rows in (problem.train, problem.held_out)
+    )
+    return {
+        "noise_floor": floor.held_out,
+        "noise_floor_train": floor.floor,
+        "rmse": {"train": train.rmse, "held_out": held.rmse},
+        "nrmse": {"train": train.nrmse, "held_out": held.nrmse},
+        "rmse_as_given": errors(problem, study.given, problem.held_out).rmse,
+        "rmse_after": {
+            "train": errors(problem, after, problem.train).rmse,
+            "held_out": errors(problem, after, problem.held_out).rmse,
+        },
+    }
+
+
+def _unexplained(study: Study) -> dict[str, Any]:
+    """What is known of the part that no known effect explains; shares of the mean square [1], frequency [Hz]."""
+    floor = study.diagnosis.floor
+    heaviest = list(floor.importance.items())[:MOST_INPUTS]
+    return {
+        **_rest(study),
+        "share": floor.explained,
+        "bursts": floor.bursts,
+        "depends_on": {name: weight for name, weight in heaviest if weight > LEAST_WEIGHT},
+        "line": dict(zip(("frequency", "amplitude", "share"), floor.line, strict=True)),
+    }
+
+
+def _noise(study: Study) -> dict[str, Any]:
+    """Noise of the force, and of the motion in it [N], of the motion sensors, and of the fused velocity [m/s]."""
+    found, problem = study.diagnosis, study.problem
+    noise, fused = problem.noise, problem.fused
+    return {
+        "force_white": found.floor.first.white,
+        "input_error": found.floor.input_error,
+        "motion": {"deflection": noise.x, "velocity": noise.v, "acceleration": noise.a},
+        "fused_velocity_sd": float(np.mean([f.sd_v for f in fused])) if fused else None,
+    }
+
+
+def _coverage(found: Coverage) -> dict[str, Any]:
+    """What the data hold: hints, what stands against a verdict, and the reach of motion and duty."""
+    return {
+        "hints": list(found.hints), "blocking": list(found.blocking), "velocity": found.velocity,
+        "deflection": found.deflection, "duty": list(found.duty), "tones": found.tones,
+    }  # fmt: skip
+
+
+def _rest(study: Study) -> dict[str, Any]:
+    """What is left depends on, where something is left that could be explained."""
+    found = study.diagnosis
+    unsaid = found.verdict in ("unknown_effect", "partial") or found.floor.explained > VISIBLE
+    if not unsaid:
+        return {}
+    return {"rest": describe(study.problem, found.best.fit.residual).as_json()}
+
+
+def steps(study: Study) -> list[dict[str, Any]]:
+    """The falling error on held-out data, one entry per effect taken, with the evidence for it."""
+    problem, found = study.problem, study.diagnosis
+    held = problem.held_out
+    base = study.lag_base or found.rounds[0].base
+    out: list[dict[str, Any]] = [
+        {"added": None, "rmse_held_out": errors(problem, base.fit.residual, held).rmse}
+    ]
+    if study.lag:
+        rmse = errors(problem, found.rounds[0].base.fit.residual, held).rmse
+        out.append({"added": "velocity_lag", "rmse_held_out": rmse})
+    for step in found.rounds:
+        taken = step.taken
+        if taken is not None and set(taken.effects) <= set(found.effects):
+            rmse = errors(problem, taken.fit.residual, held).rmse
+            out.append(
+                {"added": taken.name, "rmse_held_out": rmse, **_evidence(step, taken, problem)}
+            )
+    named = {s["added"] for s in out}
+    left = [e for e in found.effects if e not in named]
+    if left:
+        rmse = errors(problem, found.best.fit.residual, held).rmse
+        out.append({"added": " + ".join(left), "rmse_held_out": rmse})
+    tried = found.rounds[0].candidates
+    if len(out) == 1 and len(tried) == 1:
+        # one effect was asked for: it is in the model, whether it helps or not
+        rmse = errors(problem, tried[0].fit.residual, held).rmse
+        out.append({"added": tried[0].name, "rmse_held_out": rmse})
+    return out
+
+
+def _evidence(step: Round, taken: Candidate, problem: Problem) -> dict[str, float]:
+    """Effect size and its threshold [N], and the shares of blocks left out and of records whose error fell."""
+    base, used = step.base, problem.used
+    starts = problem.motion.starts * problem.forward.outputs
+    runs = [slice(int(i), int(j)) for i, j in pairwise(starts) if used[i:j].any()]
+    falls = used * (base.fit.residual**2 - taken.fit.residual**2)
+    return {
+        "evidence": float(effect_size(base, taken)),
+        "threshold": float(step.threshold),
+        "blocks": float(np.mean(base.losses > taken.losses)),
+        "records": float(np.mean([falls[run].sum() > 0.0 for run in runs])),
+    }

@@ -1,0 +1,118 @@
+"""What the passes of `improve` found, told as one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from er_model_lab.diagnosis.search import MOST_EFFECTS
+from er_model_lab.diagnosis.verdict import VISIBLE, Diagnosis, Name, shares
+from er_model_lab.results.view import CandidateView
+
+Result = dict[str, Any]
+OF_THE_LAST = (
+    "rmse_after",
+    "noise_floor",
+    "noise_floor_train",
+    "floors",
+    "unexplained",
+    "confounded",
+)
+"""What holds of the model that the last pass made."""
+OF_RECORDS, OF_CHANNELS = ("rmse_after", "rmse_left_out"), ("rmse_after", "noise_floor")
+"""The same of each record, and of each output of a car."""
+
+
+def told_together(results: Sequence[Result]) -> Result:
+    """The contract's JSON of all passes: candidates as the first saw them, `spoken_of` by a later one as that did."""
+    whole = dict(results[0])
+    for more in results[1:]:
+        whole["steps"] = whole["steps"] + more["steps"][1:]
+        whole["effects"] = _with(whole["effects"], more["effects"])
+        whole["alternatives"] = _with(whole["alternatives"], more["alternatives"])
+        whole["candidates"] = _candidates(whole["candidates"], more, whole["effects"])
+        whole |= {key: more[key] for key in OF_THE_LAST if key in more}
+        whole |= _after(whole, more)
+    last = results[-1]
+    adequate = last["verdict"] in ("adequate", "missing_effect", "ambiguous")
+    whole["final_verdict"] = "adequate" if adequate else last["verdict"]
+    if len(results) > 1 and results[0]["verdict"] == "partial":
+        tied, many = bool(whole["alternatives"]), too_many(whole)
+        whole["verdict"] = overall(last["verdict"], tied=tied, many=many)
+        whole["reasons"] = _with(whole["reasons"], last["reasons"])
+    return whole
+
+
+def _after(before: Result, more: Result) -> Result:
+    """Errors of each record and of each output before, and of all of long data, with those that a later pass left."""
+    out: Result = {}
+    if before.get("channels") and more.get("channels"):
+        old, new = before["channels"], more["channels"]
+        out["channels"] = {k: old[k] | {n: new[k][n] for n in OF_CHANNELS} for k in old}
+    if before.get("by_record") and more.get("by_record"):
+        left = {each["record"]: {n: each[n] for n in OF_RECORDS} for each in more["by_record"]}
+        out["by_record"] = [each | left.get(each["record"], {}) for each in before["by_record"]]
+    if before.get("long") and more.get("long"):
+        kept = {"before": before["long"]["rmse"]["before"]}
+        out["long"] = more["long"] | {"rmse": more["long"]["rmse"] | kept}
+    return out
+
+
+def explained_by(first: Diagnosis, last: Diagnosis) -> dict[str, float]:
+    """What the first of several passes left to explain, over the floor of the last, and what all have explained."""
+    found = shares(first.base.mse, last.best.mse, last.floor)
+    return dict(zip(("explainable", "explained"), found, strict=True))
+
+
+def too_many(whole: Result) -> bool:
+    """Whether so many effects were added that they describe the data and are no cause, as a search says of its own."""
+    if len(whole["effects"]) < MOST_EFFECTS:
+        return False
+    after, floor = whole["rmse_after"]["held_out"], whole["noise_floor"]
+    return len(whole["effects"]) > MOST_EFFECTS or after**2 - floor**2 > VISIBLE * after**2
+
+
+def spoken_of(result: Result) -> set[str]:
+    """Effects that a pass took, and those that it cannot tell from them."""
+    taken = set(result["effects"])
+    return taken.union(*(group for group in result["alternatives"] if taken & set(group)))
+
+
+def _with(before: list[Any], more: list[Any]) -> list[Any]:
+    return before + [each for each in more if each not in before]
+
+
+def _candidates(before: list[Result], more: Result, order: list[str]) -> list[Result]:
+    """Those taken first, in the order in which they were."""
+    spoken = spoken_of(more)
+    taken = {e["effect"]: e for e in more["candidates"] if e["effect"] in spoken}
+    others = [e for e in before if e["effect"] not in taken]
+    place = {name: i for i, name in enumerate(order)}
+    return sorted([*others, *taken.values()], key=lambda e: place.get(e["effect"], len(place)))
+
+
+def taken_last(
+    cards: Sequence[tuple[CandidateView, ...]], results: Sequence[Result]
+) -> tuple[CandidateView, ...]:
+    """Evidence cards of the first pass, with those of what a later one took, or is unsure of, as it saw them."""
+    later = {
+        card.effect: card
+        for more, result in zip(cards[1:], results[1:], strict=True)
+        for card in more
+        if card.effect in spoken_of(result)
+    }
+    kept = [card for card in cards[0] if card.effect not in later]
+    lead = sum(card.effect in results[0]["effects"] for card in kept)
+    return (*kept[:lead], *later.values(), *kept[lead:])
+
+
+def overall(last: Name, *, tied: bool, many: bool = False) -> Name:
+    """Verdict on all that several passes added, from that of the last: a tie of any of them leaves the whole unsure.
+
+    many: see `too_many`.
+    """
+    if many:
+        return "partial"
+    if last in ("adequate", "missing_effect"):
+        return "ambiguous" if tied else "missing_effect"
+    return "ambiguous" if last == "ambiguous" else "partial"
