@@ -8,9 +8,9 @@ import sys
 import time
 from pathlib import Path
 
-from er_model_lab.plan.limits import Asked, Limits, limits_of, sensors_of
-from er_model_lab.plan.planner import Plan, plan
-from er_model_lab.plan.question import KINEMATIC, ask
+from er_model_lab.planning.limits import Asked, Limits, limits_of, sensors_of
+from er_model_lab.planning.planner import Plan, plan
+from er_model_lab.planning.question import KINEMATIC, ask
 from er_models.files import load_model
 from er_models.model import Model
 from threadpoolctl import threadpool_limits

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_model_lab.cli.app import app
-from er_model_lab.identify import identify
-from er_model_lab.identify.findings import findings, missing
-from er_model_lab.identify.present import parameters
+from er_model_lab.identification import identify
+from er_model_lab.identification.findings import findings, missing
+from er_model_lab.identification.present import parameters
 from er_models.files import load_model
 from er_plant_sim.build import build
 from er_plant_sim.settings import PlantParameters

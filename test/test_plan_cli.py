@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from er_model_lab.cli.app import app
-from er_model_lab.plan import motions_and_duties, planner, search
-from er_model_lab.plan.limits import Sensors
-from er_model_lab.plan.simulated_decision import measured
-from er_model_lab.plan.virtual_rig import run_all
+from er_model_lab.planning import motions_and_duties, planner, search
+from er_model_lab.planning.limits import Sensors
+from er_model_lab.planning.simulated_decision import measured
+from er_model_lab.planning.virtual_rig import run_all
 from er_model_lab.records.write import write_csv
 from er_models.files import load_model
 from er_models.program import Program, document_of, load_program

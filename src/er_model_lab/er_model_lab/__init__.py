@@ -1,1 +1,83 @@
-"""The model lab: reads measurements, compares a damper model with them and finds what is missing."""
+"""The model lab: compare a damper model with measurements, see where it fails, learn what is missing, add it.
+
+    import er_model_lab as lab
+
+    data = lab.load("run1.mcap", "run2.csv")        # or from_arrays(...), from_frame(...)
+    model = lab.load_model("inove_guo")             # a shipped name, or a path
+    result = lab.diagnose(data, model)
+    result.verdict, result.effects, result.rmse
+    better = lab.improve(data, model).model
+
+SI units throughout: m, m/s, m/s2, N, s; duty 0 to 1. Deflection and damper force are positive in extension. Nothing
+here needs ROS. A plot library is imported when a figure or a report is asked for, and not before.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from er_models.errors import ErError, InputError, MissingChannel, UnknownName
+    from er_models.files import save_model
+    from er_models.version import __version__
+
+    from er_model_lab.diagnosis.rule import Rule
+    from er_model_lab.records.dataset import Dataset
+    from er_model_lab.records.in_memory import from_arrays, from_frame
+    from er_model_lab.records.record import Record
+    from er_model_lab.results.records import CandidateResult, Errors, Parameter, Step
+    from er_model_lab.results.result import (
+        CheckResult,
+        ComparisonResult,
+        DiagnosisResult,
+        IdentificationResult,
+        PlanResult,
+    )
+    from er_model_lab.verbs.add import add
+    from er_model_lab.verbs.check import check
+    from er_model_lab.verbs.compare import compare
+    from er_model_lab.verbs.diagnose import diagnose
+    from er_model_lab.verbs.identify import identify
+    from er_model_lab.verbs.improve import improve
+    from er_model_lab.verbs.load import load, load_model
+    from er_model_lab.verbs.plan import plan
+
+_HOME = {
+    "ErError": "er_models.errors", "InputError": "er_models.errors", "MissingChannel": "er_models.errors",
+    "UnknownName": "er_models.errors", "save_model": "er_models.files", "__version__": "er_models.version",
+    "Rule": "er_model_lab.diagnosis.rule", "Dataset": "er_model_lab.records.dataset",
+    "Record": "er_model_lab.records.record",
+    **dict.fromkeys(("from_arrays", "from_frame"), "er_model_lab.records.in_memory"),
+    **dict.fromkeys(
+        ("CandidateResult", "Errors", "Parameter", "Step"), "er_model_lab.results.records"
+    ),
+    **dict.fromkeys(
+        ("CheckResult", "ComparisonResult", "DiagnosisResult", "IdentificationResult", "PlanResult"),
+        "er_model_lab.results.result",
+    ),
+    **dict.fromkeys(("load", "load_model"), "er_model_lab.verbs.load"),
+    **{
+        verb: f"er_model_lab.verbs.{verb}"
+        for verb in ("add", "check", "compare", "diagnose", "identify", "improve", "plan")
+    },
+}  # fmt: skip
+"""Where each name lives: it is imported when it is first asked for."""
+
+__all__ = [
+    "CandidateResult", "CheckResult", "ComparisonResult", "Dataset", "DiagnosisResult", "ErError", "Errors",
+    "IdentificationResult", "InputError", "MissingChannel", "Parameter", "PlanResult", "Record", "Rule",
+    "Step", "UnknownName", "__version__", "add", "check", "compare", "diagnose", "from_arrays", "from_frame",
+    "identify", "improve", "load", "load_model", "plan", "save_model",
+]  # fmt: skip
+
+
+def __getattr__(name: str) -> Any:
+    """A name of the interface, from its home."""
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_HOME[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -6,16 +6,8 @@ import itertools
 from dataclasses import replace
 
 import numpy as np
-from er_model_lab.results.view import (
-    Array,
-    CandidateView,
-    ImitationView,
-    ProgramView,
-    RecordView,
-    Region,
-    RegionTable,
-    View,
-)
+from er_model_lab.residual.region import Region, RegionTable
+from er_model_lab.view import Array, CandidateView, ImitationView, ProgramView, RecordView, View
 
 NOISE = 0.2
 

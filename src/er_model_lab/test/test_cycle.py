@@ -10,7 +10,7 @@ from er_model_lab.diagnosis.null import simulate_null
 from er_model_lab.diagnosis.study import open_problem
 from er_model_lab.diagnosis.verdict import diagnose
 from er_model_lab.motion.repetition import cycle
-from er_model_lab.plan.suggest import suggestions
+from er_model_lab.planning.suggest import suggestions
 from er_model_lab.preflight.check import preflight
 from er_model_lab.records.record import Record
 from er_models.files import load_model

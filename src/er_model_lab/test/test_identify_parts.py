@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from er_model_lab.fitting.fit import Box, fit
-from er_model_lab.identify.law import follow_table, quadratic, response_time
-from er_model_lab.identify.levels import Table, _LevelsFit, response_times
-from er_model_lab.identify.part import among
-from er_model_lab.identify.procedure import learn_from_all
-from er_model_lab.identify.roles import roles, static
-from er_model_lab.identify.stretches import levels, stretches
-from er_model_lab.identify.visibility import imitators, visibility
+from er_model_lab.identification.law import follow_table, quadratic, response_time
+from er_model_lab.identification.levels import Table, _LevelsFit, response_times
+from er_model_lab.identification.part import among
+from er_model_lab.identification.procedure import learn_from_all
+from er_model_lab.identification.roles import roles, static
+from er_model_lab.identification.stretches import levels, stretches
+from er_model_lab.identification.visibility import imitators, visibility
 from er_model_lab.problem.prepare import Problem, prepare
 from er_model_lab.records.record import Record
 from er_models.files import load_model

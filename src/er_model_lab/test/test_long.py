@@ -10,14 +10,14 @@ import pytest
 from er_model_lab.diagnosis.by_record import by_record
 from er_model_lab.diagnosis.candidates import baseline
 from er_model_lab.fitting.fit import fit
-from er_model_lab.long.check import checked, long_json
-from er_model_lab.long.whole_record import on_whole
-from er_model_lab.plan import question
+from er_model_lab.planning import question
 from er_model_lab.problem import stretches
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.load import fingerprint, load
 from er_model_lab.records.record import Record
 from er_model_lab.records.write import write_parquet
+from er_model_lab.span.check import checked, long_json
+from er_model_lab.span.whole_record import on_whole
 from er_model_lab.verbs import identify, plan
 from er_model_lab.verbs.ask import Request
 from er_model_lab.verbs.compare import compare

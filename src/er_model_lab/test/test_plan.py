@@ -8,19 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 from er_model_lab.diagnosis.study import investigate
-from er_model_lab.plan import motions_and_duties, piece, planner, search
-from er_model_lab.plan.explanation import sentences
-from er_model_lab.plan.finalist import finalist
-from er_model_lab.plan.limits import Asked, Limits, Sensors, limits_of, sensors_of
-from er_model_lab.plan.linear import Triangle
-from er_model_lab.plan.planner import Plan, plan
-from er_model_lab.plan.present import plan_json
-from er_model_lab.plan.question import Question, ask
-from er_model_lab.plan.segment import Segment, in_words, program_of
-from er_model_lab.plan.setup import bench_for
-from er_model_lab.plan.simulated_decision import NOTHING, TIED, decision, measured
-from er_model_lab.plan.suggest import suggestions
-from er_model_lab.plan.virtual_rig import run_all
+from er_model_lab.planning import motions_and_duties, piece, planner, search
+from er_model_lab.planning.explanation import sentences
+from er_model_lab.planning.finalist import finalist
+from er_model_lab.planning.limits import Asked, Limits, Sensors, limits_of, sensors_of
+from er_model_lab.planning.linear import Triangle
+from er_model_lab.planning.planner import Plan, plan
+from er_model_lab.planning.present import plan_json
+from er_model_lab.planning.question import Question, ask
+from er_model_lab.planning.segment import Segment, in_words, program_of
+from er_model_lab.planning.setup import bench_for
+from er_model_lab.planning.simulated_decision import NOTHING, TIED, decision, measured
+from er_model_lab.planning.suggest import suggestions
+from er_model_lab.planning.virtual_rig import run_all
 from er_model_lab.problem.prepare import prepare
 from er_models.errors import ErError, InputError
 from er_models.files import load_model

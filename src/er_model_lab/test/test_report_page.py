@@ -17,7 +17,7 @@ import pytest
 from er_model_lab.output.report import page as page_module
 from er_model_lab.output.report.page import figures, render, write_report
 from er_model_lab.output.report.sections import SECTIONS
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 from er_models.errors import InputError
 from PIL import Image
 from report_views import (

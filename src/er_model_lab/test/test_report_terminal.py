@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from er_model_lab.output.terminal.summary import summary
 from er_model_lab.output.text.verdict_text import TITLES
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 from report_views import (
     HISTORY,
     IDENTIFIED,

@@ -16,7 +16,7 @@ from er_model_lab.output.report.thin import (
     timeline,
     worst_stretch,
 )
-from er_model_lab.results.view import Array
+from er_model_lab.view import Array
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from report_views import record, rms

@@ -105,8 +105,8 @@ def test_the_words_cover_the_verdicts_of_the_lab() -> None:
     from typing import get_args
 
     from er_model_lab.diagnosis.verdict import Name
-    from er_model_lab.identify.findings import Verdict
-    from er_model_lab.plan.present import Verdict as Planned
+    from er_model_lab.identification.findings import Verdict
+    from er_model_lab.planning.present import Verdict as Planned
     from er_model_lab.preflight.check import Verdict as Checked
 
     known = {*get_args(Name), *get_args(Verdict), *get_args(Planned), *get_args(Checked)}

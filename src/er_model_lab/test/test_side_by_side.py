@@ -9,7 +9,7 @@ from er_model_lab.cli.app import app
 from er_model_lab.output.report.page import figures
 from er_model_lab.output.report.sections import history, models
 from er_model_lab.results.side_by_side import Rival, fitted_to, names, overlaid, table
-from er_model_lab.results.view import RecordView
+from er_model_lab.view import RecordView
 from er_models.files import load_model, save_model
 from lab_help import GUO, problem_of
 from report_views import HISTORY, TABLES, compared

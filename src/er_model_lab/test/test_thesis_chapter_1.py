@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from er_model_lab.cli.app import app
-from er_model_lab.identify.law import response_time
+from er_model_lab.identification.law import response_time
 from er_model_lab.thesis import cases
 from er_model_lab.thesis.bench import measure
 from er_model_lab.thesis.cases import LAWS, PUBLISHED, ROADS, Case, Chapter1, case, chapter_1

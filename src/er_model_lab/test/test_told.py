@@ -13,7 +13,7 @@ from er_model_lab.diagnosis.study import Study, as_given
 from er_model_lab.diagnosis.verdict import judge
 from er_model_lab.output.text.ranking import limit
 from er_model_lab.results.diagnosis import diagnosis_json
-from er_model_lab.results.views import candidate_views
+from er_model_lab.results.draw import candidate_views
 from lab_help import problem_of
 
 NAMES = ("field_exponent", "coulomb_friction", "preload")

@@ -55,6 +55,7 @@ def load_model(path: str | Path, catalogue: Catalogue = CATALOGUE) -> Model:
         history=_history(path, text.get("history")) or (base.history if base else ()),
         rig=_numbers(path, "rig", text.get("rig") or (base.rig if base else {})),
         catalogue=catalogue,
+        file=str(path),
     )
 
 

@@ -40,7 +40,8 @@ class Compiled:
 class Model:
     """Effects and their parameter values [SI], the envelope of use, and provenance.
 
-    `deviations` holds standard deviations of fitted values; `history` one entry per change the lab made.
+    `deviations` holds standard deviations of fitted values; `history` one entry per change the lab made;
+    `file` is where it was read from, empty where it was not.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Model:
     history: tuple[Mapping[str, Any], ...] = ()
     rig: Mapping[str, float] = field(default_factory=dict)
     catalogue: Catalogue = CATALOGUE
+    file: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
         for name, values in self.effects.items():

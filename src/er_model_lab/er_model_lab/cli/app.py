@@ -7,22 +7,22 @@ from collections.abc import Callable
 import typer
 from er_ros_common.usage import OneLineGroup
 
-from er_model_lab.cli.data import check, compare, identify
+from er_model_lab.cli.data import check_command, compare_command, identify_command
 from er_model_lab.cli.import_data import register as register_import
-from er_model_lab.cli.missing import add, diagnose, improve
-from er_model_lab.cli.plan import effects, plan
+from er_model_lab.cli.missing import add_command, diagnose_command, improve_command
+from er_model_lab.cli.plan import effects_command, plan_command
 from er_model_lab.cli.thesis import register as register_thesis
 from er_model_lab.command_line import by_er
 
-COMMANDS: dict[Callable[..., None], str] = {
-    check: "Check measurements before anything is fitted.",
-    compare: "Say where a model fails; several side by side.",
-    diagnose: "Say which effect is missing, with evidence.",
-    add: "Add one effect and refit everything.",
-    improve: "Diagnose and add until nothing is missing.",
-    plan: "Plan the run that tells two effects apart.",
-    identify: "Identify every parameter in stages.",
-    effects: "The catalogue of effects, or one effect's card.",
+COMMANDS: dict[str, tuple[Callable[..., None], str]] = {
+    "check": (check_command, "Check measurements before anything is fitted."),
+    "compare": (compare_command, "Say where a model fails; several side by side."),
+    "diagnose": (diagnose_command, "Say which effect is missing, with evidence."),
+    "add": (add_command, "Add one effect and refit everything."),
+    "improve": (improve_command, "Diagnose and add until nothing is missing."),
+    "plan": (plan_command, "Plan the run that tells two effects apart."),
+    "identify": (identify_command, "Identify every parameter in stages."),
+    "effects": (effects_command, "The catalogue of effects, or one effect's card."),
 }
 """In the order in which they are used, with one line each that fits a terminal."""
 
@@ -34,8 +34,8 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     help="Compare a damper model with measurements, find the missing effect, add it, watch the error fall.",
 )
-for command, line in COMMANDS.items():
-    app.command(short_help=line)(command)
+for name, (command, line) in COMMANDS.items():
+    app.command(name, short_help=line)(command)
 register_import(app)
 register_thesis(app)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,13 +20,13 @@ from er_model_lab.cli.options import (
     Report,
     Seed,
 )
-from er_model_lab.cli.running import asked, damper_only, read_by, run, stages
+from er_model_lab.cli.running import damper_only, loaded, read_by, run
 
 if TYPE_CHECKING:
-    from er_model_lab.verbs.ask import Outcome
+    from er_model_lab.results.result import Result
 
 
-def check(
+def check_command(
     data: Data,
     model: Annotated[
         Path | None,
@@ -38,20 +37,20 @@ def check(
     effects_from: EffectsFrom = None,
 ) -> None:
     """Check measurements before anything is fitted: sampling, clipping, units, clocks, and what they cover."""
-    from er_model_lab.verbs import check as command
 
-    outcome = run(
-        lambda: command.run(data, model, tuple(effects_from or ())),
-        json_file,
-        report,
-        read=read_by(data, [model] if model else (), effects_from),
-        strict=False,
-    )
-    if outcome.result["verdict"] != "usable":
+    def work() -> Result:
+        from er_model_lab.verbs.check import check
+        from er_model_lab.verbs.load import load, load_model
+
+        return check(load(*data), load_model(model, effects_from or ()) if model else None)
+
+    read = read_by(data, [model] if model else (), effects_from)
+    result = run(work, json_file, report, read=read, strict=False)
+    if result.view.result["verdict"] != "usable":
         raise typer.Exit(2)
 
 
-def compare(
+def compare_command(
     data: Data,
     model: ModelFiles,
     json_file: Json = None,
@@ -63,18 +62,20 @@ def compare(
     anyway: Anyway = False,
 ) -> None:
     """Predict and compare: errors, and where the model fails; several models side by side."""
-    from er_model_lab.verbs import compare as damper
-    from er_model_lab.verbs import vehicle
 
-    def work() -> Outcome:
-        ask = asked(data, model[0], seed, hold_out, effects_from, level, anyway)
-        ask = replace(ask, rivals=tuple(model[1:]))
-        return vehicle.compare(ask) if level == "vehicle" else damper.compare(ask)
+    def work() -> Result:
+        from er_model_lab.verbs.compare import compare
+        from er_model_lab.verbs.load import load, load_model
+
+        models = [load_model(file, effects_from or ()) for file in model]
+        return compare(
+            load(*data), *models, held_out=loaded(hold_out), level=level, seed=seed, anyway=anyway
+        )
 
     run(work, json_file, report, read=read_by(data, model, effects_from, hold_out))
 
 
-def identify(
+def identify_command(
     data: Data,
     model: ModelFile,
     out: Out,
@@ -87,13 +88,15 @@ def identify(
     anyway: Anyway = False,
 ) -> None:
     """Identify every parameter in stages, as in chapter 1 of the thesis, and say what the data cannot tell."""
-    from er_model_lab.verbs import identify as command
 
-    def work() -> Outcome:
+    def work() -> Result:
         damper_only(level, "identify")
-        with stages("identifying", command.STEPS) as tick:
-            return command.run(
-                asked(data, model, seed, hold_out, effects_from, anyway=anyway), out, tick
-            )
+        from er_model_lab.verbs.identify import identify
+        from er_model_lab.verbs.load import load, load_model
 
-    run(work, json_file, report, out, read=read_by(data, [model], effects_from, hold_out))
+        return identify(
+            load(*data), load_model(model, effects_from or ()), name=out.stem,
+            held_out=loaded(hold_out), seed=seed, anyway=anyway,
+        )  # fmt: skip
+
+    run(work, json_file, report, out=out, read=read_by(data, [model], effects_from, hold_out))

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from er_models.errors import ErError
 
 from er_model_lab.cli.options import (
     Anyway,
@@ -22,14 +23,16 @@ from er_model_lab.cli.options import (
     Seed,
     Smallest,
 )
-from er_model_lab.cli.running import asked, progress, read_by, run
+from er_model_lab.cli.running import loaded, read_by, run
 from er_model_lab.diagnosis.rule import RULE, Rule
 
 if TYPE_CHECKING:
-    from er_model_lab.verbs.ask import Outcome
+    from er_models.model import Model
+
+    from er_model_lab.results.result import Result
 
 
-def diagnose(
+def diagnose_command(
     data: Data,
     model: ModelFile,
     json_file: Json = None,
@@ -44,17 +47,20 @@ def diagnose(
     anyway: Anyway = False,
 ) -> None:
     """Refit the model, then say which effect is missing, with evidence."""
-    from er_model_lab.verbs import diagnose as command
 
-    def work() -> Outcome:
-        with progress("trying effects", effects_from) as tick:
-            ask = asked(data, model, seed, hold_out, effects_from, level, anyway)
-            return command.diagnose(replace(ask, rule=Rule(false_alarm, smallest, helps)), tick)
+    def work() -> Result:
+        from er_model_lab.verbs.diagnose import diagnose
+        from er_model_lab.verbs.load import load, load_model
+
+        return diagnose(
+            load(*data), load_model(model, effects_from or ()), held_out=loaded(hold_out), level=level,
+            seed=seed, rule=Rule(false_alarm, smallest, helps), anyway=anyway,
+        )  # fmt: skip
 
     run(work, json_file, report, read=read_by(data, [model], effects_from, hold_out))
 
 
-def add(
+def add_command(
     effect: Annotated[
         str, typer.Argument(help="Effect of the catalogue; `lab effects` lists them.")
     ],
@@ -70,18 +76,20 @@ def add(
     anyway: Anyway = False,
 ) -> None:
     """Add one effect, refit everything, and show the error before and after."""
-    from er_model_lab.verbs import add as command
 
-    def work() -> Outcome:
-        with progress(f"adding {effect}", effects_from) as tick:
-            return command.add(
-                asked(data, model, seed, hold_out, effects_from, level, anyway), effect, out, tick
-            )
+    def work() -> Result:
+        from er_model_lab.verbs.add import add
+        from er_model_lab.verbs.load import load, load_model
 
-    run(work, json_file, report, out, read=read_by(data, [model], effects_from, hold_out))
+        return add(
+            load(*data), load_model(model, effects_from or ()), effect, name=out.stem,
+            held_out=loaded(hold_out), level=level, seed=seed, anyway=anyway,
+        )  # fmt: skip
+
+    run(work, json_file, report, out=out, read=read_by(data, [model], effects_from, hold_out))
 
 
-def improve(
+def improve_command(
     data: Data,
     model: ModelFile,
     out: Out,
@@ -97,13 +105,26 @@ def improve(
     anyway: Anyway = False,
 ) -> None:
     """Diagnose and add, again and again, until the model is adequate or nothing known helps."""
-    from er_model_lab.verbs import improve as command
 
-    def work() -> Outcome:
-        with progress("trying effects", effects_from) as tick:
-            ask = asked(data, model, seed, hold_out, effects_from, level, anyway)
-            return command.improve(
-                replace(ask, rule=Rule(false_alarm, smallest, helps)), out, tick
-            )
+    def work() -> Result:
+        from er_model_lab.verbs.improve import improve
+        from er_model_lab.verbs.load import load, load_model
 
-    run(work, json_file, report, out, read=read_by(data, [model], effects_from, hold_out))
+        begun = load_model(model, effects_from or ())
+        return improve(
+            load(*data), begun, name=out.stem, interrupted=_left(out, effects_from),
+            held_out=loaded(hold_out), level=level, seed=seed,
+            rule=Rule(false_alarm, smallest, helps), anyway=anyway,
+        )  # fmt: skip
+
+    run(work, json_file, report, out=out, read=read_by(data, [model], effects_from, hold_out))
+
+
+def _left(out: Path, effects_from: list[Path] | None) -> Model | None:
+    """What an earlier call left where the new model shall go, where it is a model."""
+    from er_model_lab.verbs.load import load_model
+
+    try:
+        return load_model(out, effects_from or ()) if out.is_file() else None
+    except ErError:
+        return None

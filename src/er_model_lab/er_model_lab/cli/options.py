@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from er_models.errors import ErError, InputError
 from er_models.seed import seed_reader
 
 
@@ -93,3 +94,27 @@ EffectsFrom = Annotated[
         "--effects-from", metavar="FILE", help="Python file with effects of your own. Repeatable."
     ),
 ]
+
+OPTIONS = {
+    "data": "DATA", "held_out": "--hold-out", "level": "--level", "report": "--report", "seed": "--seed",
+    "false_alarm": "--false-alarm", "smallest": "--smallest", "helps": "--helps", "stroke": "--stroke",
+    "velocity": "--velocity", "duty_max": "--duty-max", "duration": "--duration",
+}  # fmt: skip
+"""Arguments of the lab's functions and the options that stand for them."""
+PHRASES = {
+    "anyway=True": "--anyway",
+    "level='vehicle'": "--level vehicle",
+    "either between, two effects, or reveal, one,": "either --between EFFECT EFFECT or --reveal EFFECT,",
+    "between: expected": "--between: expected",
+}
+"""Arguments in sentences, as the command line writes them."""
+
+
+def in_options(error: ErError) -> str:
+    """An error in one line, in the words of the command line."""
+    said = " ".join(str(error).split())
+    if isinstance(error, InputError) and error.path in OPTIONS:
+        said = OPTIONS[error.path] + said.removeprefix(error.path)
+    for argument, option in PHRASES.items():
+        said = said.replace(argument, option)
+    return said

@@ -20,22 +20,21 @@ from er_model_lab.cli.options import (
 )
 from er_model_lab.cli.places import writable
 from er_model_lab.cli.running import (
-    asked,
     console,
     damper_only,
     fail,
     known_level,
+    loaded,
     read_by,
     run,
-    stages,
     write_json,
 )
 
 if TYPE_CHECKING:
-    from er_model_lab.verbs.ask import Outcome
+    from er_model_lab.results.result import Result
 
 
-def plan(
+def plan_command(
     model: ModelFile,
     between: Annotated[
         tuple[str, str] | None, typer.Option(help="Two effects to tell apart.")
@@ -76,23 +75,26 @@ def plan(
     anyway: Anyway = False,
 ) -> None:
     """The road and duty that would tell two effects apart best, within the rig's limits."""
-    from er_model_lab.plan.limits import Asked
-    from er_model_lab.verbs import plan as command
 
-    def work() -> Outcome:
+    def work() -> Result:
         damper_only(level, "plan")
-        limits = Asked(stroke, velocity, duty_max, duration)
-        wanted = command.Wanted(between or (), reveal, vehicle, limits, out)
-        with stages("planning", command.STEPS) as tick:
-            ask = asked(data or [], model, seed, None, effects_from, anyway=anyway)
-            return command.run(ask, wanted, tick)
+        from er_model_lab.verbs.load import load_model
+        from er_model_lab.verbs.plan import plan
+
+        return plan(
+            load_model(model, effects_from or ()), between=between or (), reveal=reveal, data=loaded(data),
+            vehicle=load_model(vehicle, effects_from or ()) if vehicle else None,
+            stroke=stroke, velocity=velocity, duty_max=duty_max, duration=duration,
+            name=out.stem if out else "next",
+            seed=seed, anyway=anyway,
+        )  # fmt: skip
 
     read = read_by(None, [model], effects_from)
     read |= {"--data": data or (), "--vehicle": [vehicle] if vehicle else ()}
-    run(work, json_file, report, read=read, program=out)
+    run(work, json_file, report, read=read, out=out)
 
 
-def effects(
+def effects_command(
     effect: Annotated[str | None, typer.Argument(help="Show the card of this effect.")] = None,
     json_file: Json = None,
     report: Report = None,

@@ -1,11 +1,13 @@
-"""What every command of the lab does around its work: request, progress, results, exit status."""
+"""What every command of the lab does around its work: arguments, progress, results, exit status."""
 
 from __future__ import annotations
 
 import json
+import shlex
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,37 +15,21 @@ import typer
 from er_models.errors import ErError, InputError
 from rich.console import Console
 
+from er_model_lab.cli.options import in_options
 from er_model_lab.cli.places import writable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from er_model_lab.diagnosis.study import Tick
-    from er_model_lab.verbs.ask import Outcome, Request
+    from er_model_lab.records.dataset import Dataset
+    from er_model_lab.results.result import Result
 
 
-def asked(
-    data: list[Path],
-    model: Path,
-    seed: int,
-    hold_out: list[Path] | None,
-    effects_from: list[Path] | None,
-    level: str = "damper",
-    anyway: bool = False,
-) -> Request:
-    """The request of a command line."""
-    from er_model_lab.verbs.ask import Request
+def loaded(paths: Sequence[Path] | None) -> Dataset | None:
+    """The data of an option; None where it was not given."""
+    from er_model_lab.verbs.load import load
 
-    known_level(level)
-    return Request(
-        data,
-        model,
-        seed,
-        tuple(hold_out or ()),
-        tuple(effects_from or ()),
-        level=level,
-        anyway=anyway,
-    )
+    return load(*paths) if paths else None
 
 
 def read_by(
@@ -61,46 +47,40 @@ def read_by(
     }
 
 
-def known_level(level: str) -> None:
-    """A level that there is."""
-    if level not in ("damper", "vehicle"):
-        raise InputError("--level", "", "damper or vehicle", level)
-
-
 def damper_only(level: str, command: str) -> None:
     """Levels other than damper are refused in words."""
     if level == "vehicle":
-        raise InputError(
-            "--level", "", f"damper (lab {command} works on the damper force)", "vehicle"
-        )
+        raise InputError("level", "", f"damper (lab {command} works on the damper force)", level)
     known_level(level)
 
 
+def known_level(level: str) -> None:
+    """A level that there is."""
+    if level not in ("damper", "vehicle"):
+        raise InputError("level", "", "damper or vehicle", level)
+
+
 def run(
-    work: Callable[[], Outcome],
+    work: Callable[[], Result],
     json_file: Path | None,
     report: Path | None,
-    out: Path | None = None,
     *,
     read: Mapping[str, Sequence[Path]],
+    out: Path | None = None,
     strict: bool = True,
-    program: Path | None = None,
-) -> Outcome:
+) -> Result:
     """Do the work, write what was asked for, print one screen, and exit with the contract's status.
 
-    out: new model, announced; read: what the work reads, see `read_by`; program: another file that the work itself
-    writes and tells of.
+    out: where the new model or program goes; read: what the work reads, see `read_by`.
     """
     written: list[Path] = []
     try:
-        writable({"--out": out or program, "--json": json_file}, report, read)
-        outcome = work()
-        made = program if outcome.result.get("program_file") else out
-        written += [made] if made is not None else []
-        write_json(json_file, outcome.result)
+        writable({"--out": out, "--json": json_file}, report, read)
+        result = _with_next(_kept(work(), out, written), read)
+        write_json(json_file, result.view.result)
         written += [json_file] if json_file is not None else []
-        page = _write_report(report, outcome)
-        _print(outcome, page, out)
+        page = _write_report(report, result)
+        _print(result, page, out if result.model else None)
     except ErError as error:
         fail(error)
     except KeyboardInterrupt:
@@ -111,22 +91,61 @@ def run(
         )
         typer.echo(f"interrupted: {kept}", err=True)
         raise typer.Exit(130) from None
-    if outcome.interrupted:
+    if result.interrupted:
         typer.echo(
             "interrupted: what was done is written; the same command goes on from there", err=True
         )
         raise typer.Exit(130)
-    if strict and not outcome.complete:
+    if strict and not result.complete:
         typer.echo("the data were incomplete: see the notes", err=True)
         raise typer.Exit(3)
-    return outcome
+    return result
 
 
-def _print(outcome: Outcome, page: Path | None, out: Path | None) -> None:
+def _kept(result: Result, out: Path | None, written: list[Path]) -> Result:
+    """The result once its model or program is written; noted in `written`."""
+    program = getattr(result, "program", None)
+    if out is None or (result.model is None and program is None):
+        return result
+    if program is not None:
+        from er_models.program import save_program
+
+        save_program(program, out)
+        result = _with(result, program_file=str(out))
+    elif result.model is not None:
+        from er_models.files import save_model
+
+        save_model(result.model, out)
+    written.append(out)
+    return result
+
+
+def _with_next(result: Result, read: Mapping[str, Sequence[Path]]) -> Result:
+    """The result with its suggested plans as commands that are ready to be pasted."""
+    plans = result.view.result.get("next_plans")
+    if plans is None:
+        return result
+    words = ["./er", "lab", "plan", "--model", str(read["--model"][0])]
+    words += [w for f in read["DATA"] for w in ("--data", str(f))]
+    words += [w for f in read["--effects-from"] for w in ("--effects-from", str(f))]
+    words += ["--anyway"] * ("--anyway" in sys.argv)
+    asked = [
+        ["--between", *p["between"]] if "between" in p else ["--reveal", p["reveal"]]
+        for p in plans
+    ]
+    return _with(result, next=[shlex.join([*words, *a, "--out", "next.yaml"]) for a in asked])
+
+
+def _with(result: Result, **more: Any) -> Result:
+    """The result with more in its content."""
+    return replace(result, view=replace(result.view, result={**result.view.result, **more}))
+
+
+def _print(result: Result, page: Path | None, out: Path | None) -> None:
     """One screen of summary."""
     from er_model_lab.output.terminal.summary import summary
 
-    console().print(summary(outcome.view), crop=False)
+    console().print(summary(result.view), crop=False)
     if out:
         typer.echo(f"new model: {out}")
     if page:
@@ -138,13 +157,9 @@ def console() -> Console:
     return Console() if sys.stdout.isatty() else Console(width=100)
 
 
-def _write_report(folder: Path | None, outcome: Outcome) -> Path | None:
+def _write_report(folder: Path | None, result: Result) -> Path | None:
     """The HTML report, when asked for."""
-    if folder is None:
-        return None
-    from er_model_lab.output.report.page import write_report
-
-    return write_report(outcome.view, folder)
+    return None if folder is None else result.report(folder)
 
 
 def write_json(path: Path | None, result: Any) -> None:
@@ -156,23 +171,13 @@ def write_json(path: Path | None, result: Any) -> None:
 
 
 def fail(error: ErError) -> None:
-    """One clear line and the error's exit status."""
-    typer.echo(" ".join(str(error).split()), err=True)
+    """One clear line in the words of the command line, and the error's exit status."""
+    typer.echo(in_options(error), err=True)
     raise typer.Exit(error.exit_status) from None
 
 
 @contextmanager
-def progress(title: str, effects_from: list[Path] | None) -> Iterator[Tick | None]:
-    """A progress bar with the effect being tried, on a terminal only."""
-    from er_models.own import catalogue_with
-
-    total = len(catalogue_with(effects_from or ()).candidates()) if sys.stderr.isatty() else 0
-    with stages(title, total) as tick:
-        yield tick
-
-
-@contextmanager
-def stages(title: str, total: int) -> Iterator[Tick | None]:
+def stages(title: str, total: int) -> Iterator[Callable[[str], None] | None]:
     """A progress bar with what is being done, on a terminal only."""
     if not sys.stderr.isatty():
         yield None
@@ -187,12 +192,9 @@ def stages(title: str, total: int) -> Iterator[Tick | None]:
     )
 
     columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
         TimeRemainingColumn(),
-    )
+    )  # fmt: skip
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=total)
         done = [0]

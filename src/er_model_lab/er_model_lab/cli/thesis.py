@@ -18,7 +18,7 @@ from er_model_lab.cli.options import seed_option
 
 if TYPE_CHECKING:
     from er_model_lab.output.report.section import Section
-    from er_model_lab.results.view import View
+    from er_model_lab.view import View
 
 Tick = Callable[[str], None] | None
 

@@ -2,31 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from er_model_lab.diagnosis.verdict import Diagnosis
+from er_model_lab.diagnosis.investigation import Diagnosis
 from er_model_lab.fitting.fit import cross_validated
 from er_model_lab.problem.prepare import Problem
-from er_model_lab.records.record import Record, originals
+from er_model_lab.records.dataset import Dataset
 
 FEWEST = 3
 """Records from which on one of them can be left out."""
 
 
-def by_record(
-    found: Diagnosis, problem: Problem, records: Sequence[Record]
-) -> list[dict[str, Any]]:
+def by_record(found: Diagnosis, problem: Problem, data: Dataset) -> list[dict[str, Any]]:
     """Error [N] of each record: before, after, and after with the parameters that the other records give.
 
     The samples that were held out count as well. Empty for fewer than three records.
     """
-    place = _record_of(problem, records)
-    names, used = originals(records), problem.used
+    place = _record_of(problem, data)
+    names, used = data.originals, problem.used
     known = np.unique(place[used])
     if known.size < FEWEST or problem.forward.outputs > 1:
         return []
@@ -43,8 +40,7 @@ def by_record(
     ]
 
 
-def _record_of(problem: Problem, records: Sequence[Record]) -> NDArray[np.int64]:
+def _record_of(problem: Problem, data: Dataset) -> NDArray[np.int64]:
     """Number of the record that each sample (n,) belongs to; stretches of one record are one."""
-    numbers = [k if r.part_of is None else r.part_of.record for k, r in enumerate(records)]
     sizes = np.diff(problem.motion.starts)
-    return np.repeat(np.array(numbers, np.int64), sizes * problem.forward.outputs)
+    return np.repeat(np.array(data.numbers, np.int64), sizes * problem.forward.outputs)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from er_model_lab.diagnosis.candidates import Candidate
+from er_model_lab.diagnosis.investigation import Diagnosis
 from er_model_lab.diagnosis.search import Round, close
-from er_model_lab.diagnosis.verdict import Diagnosis
 
 
 def told(found: Diagnosis) -> list[tuple[Candidate, Round]]:

@@ -25,10 +25,10 @@ class Rule:
 
     def __post_init__(self) -> None:
         if not 0.0 < self.false_alarm < 1.0:
-            raise InputError("--false-alarm", "", "a rate above 0 and below 1", self.false_alarm)
-        for option, share in (("--smallest", self.smallest), ("--helps", self.helps)):
+            raise InputError("false_alarm", "", "a rate above 0 and below 1", self.false_alarm)
+        for name, share in (("smallest", self.smallest), ("helps", self.helps)):
             if not 0.0 <= share <= 1.0:
-                raise InputError(option, "", "a share from 0 to 1", share)
+                raise InputError(name, "", "a share from 0 to 1", share)
 
 
 RULE = Rule()

@@ -7,7 +7,8 @@ from dataclasses import replace
 from er_models.model import Model
 
 from er_model_lab.fitting.fit import Fit
-from er_model_lab.records.record import Record, originals
+from er_model_lab.records.dataset import Dataset
+from er_model_lab.records.record import Record
 
 KINEMATIC = ("velocity_lag", "velocity_gain")
 """Errors of the velocity channel that are undone before the motion is fused."""
@@ -43,10 +44,10 @@ def put_back(found: Model, given: Model, only: set[str] | None = None) -> Model:
     return found
 
 
-def in_scale(records: list[Record], model: Model) -> list[Record]:
-    """The records with the gain of a measured velocity channel undone, where the model holds one."""
+def in_scale(data: Dataset, model: Model) -> Dataset:
+    """The data with the gain of a measured velocity channel undone, where the model holds one."""
     if "velocity_gain" not in model.effects:
-        return records
+        return data
     gain, name = model.value("velocity_gain", "g_v"), "deflection_velocity"
 
     def scaled(r: Record) -> Record:
@@ -54,8 +55,4 @@ def in_scale(records: list[Record], model: Model) -> list[Record]:
             return r
         return replace(r, channels={**r.channels, name: r.channels[name] / gain})
 
-    data = tuple(map(scaled, originals(records)))
-    return [
-        replace(scaled(r), part_of=replace(r.part_of, data=data) if r.part_of else None)
-        for r in records
-    ]
+    return data.mapped(scaled)

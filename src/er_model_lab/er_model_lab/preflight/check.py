@@ -145,10 +145,10 @@ def gate(records: list[Record], *, anyway: bool) -> list[Record]:
         failures = [f for f in findings(record) if f.level == "fail"]
         if failures and not anyway:
             f = failures[0]
-            more = f" (and {len(failures) - 1} more; ./er lab check)" if len(failures) > 1 else ""
+            more = f" (and {len(failures) - 1} more; lab check)" if len(failures) > 1 else ""
             where = f"{f.source}: {f.channel}" if f.channel else f.source
             raise InputError(
-                where, f.check, f.expected, f"{f.found}{more}; {f.remedy}; --anyway goes on"
+                where, f.check, f.expected, f"{f.found}{more}; {f.remedy}; anyway=True goes on"
             )
         notes = [f"{f.channel}: expected {f.expected}, found {f.found}" for f in failures]
         out.append(replace(record, complete=False).noted(*notes) if failures else record)

@@ -25,5 +25,5 @@ def motion_findings(records: Sequence[Record]) -> Iterator[Finding]:
         return
     yield Finding(
         "motion", "warning", known[0].name, "deflection_velocity", "a motion of several frequencies or sizes",
-        one_curve(found[0].frequency), f"{REMEDY} (./er lab plan)", known[0].source,
+        one_curve(found[0].frequency), f"{REMEDY} (lab plan)", known[0].source,
     )  # fmt: skip

@@ -42,6 +42,18 @@ def off_centre(record: Record, model: Model) -> float:
     return middle if abs(middle) > model.scales.deflection else 0.0
 
 
+def centre_notes(records: Sequence[Record], model: Model) -> tuple[str, ...]:
+    """What is said of deflections whose middle lies beyond what the model is made for."""
+    reach = model.scales.deflection
+    middles = [middle for record in records if (middle := off_centre(record, model))]
+    said = (
+        f"the deflection's middle is at {1e3 * middle:.3g} mm, the model is made for {1e3 * reach:.3g} mm to either "
+        "side: the sensor's zero may be another (deflection_zero)"
+        for middle in middles
+    )
+    return tuple(dict.fromkeys(said))
+
+
 def _all(records: Sequence[Record], channel: str) -> Array:
     parts = [r.channels[channel] for r in records if r.has(channel)]
     found = np.concatenate(parts) if parts else np.empty(0)

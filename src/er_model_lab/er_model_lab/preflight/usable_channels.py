@@ -34,5 +34,5 @@ def use_findings(record: Record) -> Iterator[Finding]:
     yield Finding(
         "channels", level, record.name, lacking, "damper_force, and deflection or deflection_velocity",
         f"only {', '.join(record.channels) or 'the time'}",
-        "use --level vehicle" if other else "record them, or road and duty for --level vehicle", record.source,
+        "use level='vehicle'" if other else "record them, or road and duty for level='vehicle'", record.source,
     )  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Protocol
 
@@ -22,6 +23,15 @@ Free = tuple[tuple[str, str], ...]
 Limits = Mapping[tuple[str, str], tuple[float, float]]
 
 
+@dataclass(frozen=True)
+class Output:
+    """One output: the channel that measures it, newtons per unit of that channel, and its white noise in this unit."""
+
+    name: str
+    weight: float
+    noise: float = float("nan")
+
+
 class Forward(Protocol):
     """A level of the lab: rows (n,) of data that a model predicts, `outputs` of them for each sample.
 
@@ -33,6 +43,10 @@ class Forward(Protocol):
     @property
     def outputs(self) -> int:
         """Rows of a sample."""
+
+    @property
+    def channels(self) -> tuple[Output, ...]:
+        """What each row of a sample is."""
 
     @property
     def limits(self) -> Limits:
@@ -72,6 +86,7 @@ class DamperForward:
     """The force of the damper, from its measured motion."""
 
     outputs = 1
+    channels = (Output("damper_force", 1.0),)
     limits: Limits = MappingProxyType({})
     worth = np.inf
 

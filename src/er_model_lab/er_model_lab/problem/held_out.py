@@ -28,11 +28,11 @@ JUMP, SELDOM = 0.05, 0.05
 
 
 def split(
-    motion: Motion, sealed: int = 0, *, evenly: bool = False
+    motion: Motion, scored: int = 0, *, evenly: bool = False
 ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """Fold of each training sample (-1: not used) and mask of the held-out samples.
 
-    The last `sealed` records are held out whole, if any are. Otherwise, of three records or more, about a
+    The last `scored` records are held out whole, if any are. Otherwise, of three records or more, about a
     quarter is held out whole (`spared`); of fewer, a third of some ten stretches of each, of short records of
     fewer, but three (`spared_stretches`; every third where `evenly`, for a motion that is not measured), with a
     guard on both sides.
@@ -43,7 +43,7 @@ def split(
     held = np.zeros(n, bool)
     guard = round(GUARD / dt)
     unsure = switching(motion)
-    chosen = set(range(records - sealed, records)) if sealed else spared(motion)
+    chosen = set(range(records - scored, records)) if scored else spared(motion)
     for r in range(records):
         i, j = int(starts[r]) + round(WARM_UP / dt), int(starts[r + 1])
         if j - i < 8:
@@ -69,7 +69,7 @@ def split(
             f"at least {TO_FIT} samples to fit and {TO_HOLD_OUT} to hold out, {GUARD:g} s apart"
         )
         found = f"{order.size} and {int(held.sum())} in the {n * dt:.3g} s recorded"
-        raise InputError("DATA", "length", expected, found)
+        raise InputError("data", "length", expected, found)
     fold[order] = np.arange(order.size) * FOLDS // order.size
     return fold, held
 

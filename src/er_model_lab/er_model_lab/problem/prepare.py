@@ -26,8 +26,9 @@ from er_model_lab.problem.fit_store import Notes
 from er_model_lab.problem.forward import DAMPER, Forward
 from er_model_lab.problem.held_out import WARM_UP, split
 from er_model_lab.problem.subset import Practice, practice
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.missing_channels import losses
-from er_model_lab.records.record import HELD, Record, originals
+from er_model_lab.records.record import HELD, Record
 from er_model_lab.records.sampling import ROUNDED, at
 
 Array = NDArray[np.float64]
@@ -147,15 +148,15 @@ class Problem:
 
 
 def prepare(
-    records: list[Record],
+    data: Dataset,
     *,
-    sealed: int = 0,
     velocity_lag: float | None = None,
     learn: Sequence[int] | None = None,
 ) -> Problem:
     """Fuse and split records; needs damper_force, and deflection or its velocity.
 
-    sealed: how many of the last records are held out whole; 0 lets `split` choose.
+    Records that score are held out whole; without them `split` chooses what is.
+
     velocity_lag: known lag of the velocity channel [s]; None estimates it and keeps it as evidence only.
     learn: records that noise levels and the lag may be read off; None: those that are not held out whole.
 
@@ -163,11 +164,12 @@ def prepare(
         MissingChannel: Without force, or without both deflection and velocity.
         InputError: When there is not enough data to split.
     """
+    records = data.records
     if not records:
-        raise InputError("DATA", "", "at least one record", "none")
+        raise InputError("data", "", "at least one record", "none")
     dt = max(r.dt for r in records)
     measured = tuple(measured_channels(r, dt) for r in records)
-    able = range(len(records) - sealed) if learn is None else learn
+    able = range(len(data.learn)) if learn is None else learn
     longest = _most(measured, able)
     part = measured[longest].telling(FOR_NOISE)
     telling = _most(measured, [r for r in able if measured[r].shows_lag] or able)
@@ -183,14 +185,14 @@ def prepare(
         for r, c in enumerate(raw)
     )
     force = [resampled(r, "damper_force", dt) for r in records]
-    reference = reference_temperature(records, dt)
+    reference = reference_temperature(data.originals, dt)
     motion = join(
         [_motion(r, f, c, dt, reference) for r, f, c in zip(records, fused, raw, strict=True)]
     )
-    fold, held_out = split(motion, sealed)
+    fold, held_out = split(motion, len(data.score))
     learnt = [r for r, (i, j) in enumerate(pairwise(motion.starts)) if np.any(fold[i:j] >= 0)]
     if learn is None and not {longest, telling} <= set(learnt):
-        return prepare(records, sealed=sealed, velocity_lag=velocity_lag, learn=learnt)
+        return prepare(data, velocity_lag=velocity_lag, learn=learnt)
     y = np.concatenate(force)
     return Problem(
         motion=motion, force=y, fold=fold, held_out=held_out, raw=raw, fused=fused, noise=noise,
@@ -263,8 +265,8 @@ def _averaged(y: Array, width: int) -> Array:
 
 
 def reference_temperature(records: Sequence[Record], dt: float) -> float:
-    """First temperature [K] of the data set, which `theta` of all its records, and stretches of them, counts from."""
-    measured = (r for r in originals(records) if r.has("temperature"))
+    """First temperature [K] of whole records, which `theta` of all of them, and of stretches of them, counts from."""
+    measured = (r for r in records if r.has("temperature"))
     first = next(measured, None)
     return 0.0 if first is None else float(resampled(first, "temperature", dt)[0])
 

@@ -10,13 +10,14 @@ what is searched must not depend on where a model fails.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from er_model_lab.records.record import Array, Part, Record
+from er_model_lab.records.dataset import Dataset, Place
+from er_model_lab.records.record import Array, Record
 
 LONG = 120_000
 """Samples (ten minutes at 200 Hz) up to which everything is searched."""
@@ -34,55 +35,36 @@ PERIODS = 8
 """Cells of the time of a record."""
 
 
-@dataclass(frozen=True)
-class Place:
-    """A stretch: which record, and its rows i to j."""
-
-    record: int
-    i: int
-    j: int
-
-
-def shortened(
-    records: Sequence[Record], sealed: int = 0, also: Sequence[Place] = ()
-) -> tuple[list[Record], int]:
-    """Records, or of long ones the stretches to search; the last `sealed` only score.
+def shortened(data: Dataset, also: Sequence[Place] = ()) -> Dataset:
+    """The data, or of long ones the stretches to search.
 
     also: stretches to use whatever they cover.
-
-    Returns:
-        Records or stretches, in order, and how many of the last only score.
     """
-    if sum(map(len, records)) <= LONG:
-        return list(records), sealed
-    learn = len(records) - sealed
-    places = chosen(records[:learn], USED * 3 // 4 if sealed else USED)
+    if sum(map(len, data.records)) <= LONG:
+        return data
+    learn = len(data.learn)
+    places = chosen(data.learn, USED * 3 // 4 if data.score else USED)
     places = sorted({*places, *also}, key=lambda p: (p.record, p.i))
-    score = chosen(records[learn:], USED // 4) if sealed else []
-    places += [replace(p, record=p.record + learn) for p in score]
-    data = tuple(records)
-    return [_cut(data, learn, p) for p in places], len(score)
+    score = chosen(data.score, USED // 4) if data.score else []
+    cut = [*places, *(replace(p, record=p.record + learn) for p in score)]
+    pieces = [_cut(data.records[p.record], p) for p in cut]
+    return Dataset(tuple(pieces[: len(places)]), tuple(pieces[len(places) :]), data, tuple(cut))
 
 
-def with_more(records: Sequence[Record], also: Sequence[Place]) -> tuple[list[Record], int]:
+def with_more(data: Dataset, also: Sequence[Place]) -> Dataset:
     """The stretches with some more of them; see `shortened`."""
-    part = records[0].part_of
-    assert part is not None
-    now = [
-        Place(r.part_of.record, r.part_of.first, r.part_of.first + len(r))
-        for r in records
-        if r.part_of is not None and r.part_of.record < part.learn
-    ]
-    return shortened(part.data, len(part.data) - part.learn, [*now, *also])
+    assert data.whole is not None
+    return shortened(data.whole, [*data.places[: len(data.learn)], *also])
 
 
-def _cut(data: tuple[Record, ...], learn: int, place: Place) -> Record:
-    """One stretch, which knows where it comes from."""
-    record = data[place.record]
+def _cut(record: Record, place: Place) -> Record:
+    """One stretch, which bears the time at which it begins in its name."""
     since = record.t[place.i] - record.t[0]
-    name = record.name if place.j - place.i == len(record) else f"{record.name}@{since:.0f}s"
-    part = record.slice(place.i, place.j)
-    return replace(part, name=name, part_of=Part(data, learn, place.record, place.i))
+    whole = place.j - place.i == len(record)
+    return replace(
+        record.slice(place.i, place.j),
+        name=record.name if whole else f"{record.name}@{since:.0f}s",
+    )
 
 
 def places_of(records: Sequence[Record], longest: float = STRETCH[1]) -> list[Place]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from er_models.errors import InputError
 
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Array, Record
 
 SAME = 1e-6
@@ -32,17 +33,18 @@ def used_once(records: Sequence[Record]) -> list[Record]:
     return [r for k, r in enumerate(kept) if k not in found]
 
 
-def check_apart(records: Sequence[Record], sealed: Sequence[Record]) -> None:
-    """Refuse data that shall only score (`sealed`) and are learnt from as well.
+def check_apart(data: Dataset) -> None:
+    """Refuse data that shall only score and are learnt from as well.
 
     Raises:
         InputError: Both hold the same record.
     """
-    for k, first in copies([*records, *sealed]).items():
-        if first < len(records) <= k:
-            found = f"the samples of {_called(records[first])}"
-            file = sealed[k - len(records)].file
-            raise InputError(file, "--hold-out", "samples that DATA do not hold", found)
+    n = len(data.learn)
+    for k, first in copies(data.records).items():
+        if first < n <= k:
+            found = f"the samples of {_called(data.learn[first])}"
+            file = data.score[k - n].file
+            raise InputError(file, "held_out", "samples that are not learnt from", found)
 
 
 def copies(records: Sequence[Record]) -> dict[int, int]:

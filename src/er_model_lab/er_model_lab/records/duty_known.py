@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 from er_models.errors import MissingChannel
 
-from er_model_lab.records.record import Record
+from er_model_lab.records.dataset import Dataset
 
 
-def driven(records: Sequence[Record], sealed: int) -> tuple[list[Record], int]:
-    """The records without those that lack a duty where others are driven, and how many of the last only score.
+def driven(data: Dataset) -> Dataset:
+    """The data without records that lack a duty where others are driven.
 
     A record without duty is one without field where none has a duty. Beside driven ones its duty is more likely lost,
     and a duty of 0 would be learnt as an error of the model. What is left out is noted, and the data are incomplete.
@@ -19,13 +18,12 @@ def driven(records: Sequence[Record], sealed: int) -> tuple[list[Record], int]:
     Raises:
         MissingChannel: No record with a duty is left to learn from, or to score.
     """
-    moved = any(r.has("duty") and float(r.channels["duty"].max()) > 0.0 for r in records)
-    lacking = [r for r in records if not r.has("duty")]
+    moved = any(r.has("duty") and float(r.channels["duty"].max()) > 0.0 for r in data.records)
+    lacking = [r for r in data.records if not r.has("duty")]
     if not moved or not lacking:
-        return list(records), sealed
-    learn = len(records) - sealed
-    parts = [[r for r in part if r.has("duty")] for part in (records[:learn], records[learn:])]
-    if not parts[0] or (sealed and not parts[1]):
+        return data
+    learn, score = ([r for r in part if r.has("duty")] for part in (data.learn, data.score))
+    if not learn or (data.score and not score):
         r = lacking[0]
         why = "since others are driven (a column of zeros says that the field was off)"
         raise MissingChannel(r.source or r.name, "duty", why, tuple(r.channels))
@@ -34,5 +32,5 @@ def driven(records: Sequence[Record], sealed: int) -> tuple[list[Record], int]:
         f"{names}: left out, as the duty is missing and others are driven (a column of zeros says that the field "
         "was off)"
     )
-    first, *rest = parts[0]
-    return [replace(first, complete=False).noted(note), *rest, *parts[1]], len(parts[1])
+    first, *rest = learn
+    return Dataset.of([replace(first, complete=False).noted(note), *rest], score)

@@ -7,7 +7,7 @@ upwards.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -72,7 +72,6 @@ class Record:
         waits: Of a bag, time from stamp to arrival of each topic [s]: median and 90 % spread.
         timing: How it was sampled before any repair; None when it was not loaded.
         file: File or folder it was read from; empty where it was not.
-        part_of: The longer record this is a stretch of; None for a whole one.
     """
 
     name: str
@@ -88,7 +87,6 @@ class Record:
     timing: Timing | None = None
     waits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     file: str = ""
-    part_of: Part | None = None
 
     def __post_init__(self) -> None:
         t = _frozen(self.t)
@@ -135,28 +133,6 @@ class Record:
     def noted(self, *sentences: str) -> Record:
         """The same data with further notes."""
         return replace(self, notes=self.notes + sentences)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Part:
-    """Where a stretch comes from.
-
-    data: all records that were loaded, the first `learn` of which may be learnt from; record: which of them it
-    is a stretch of; first: row of that record it begins with.
-    """
-
-    data: tuple[Record, ...]
-    learn: int
-    record: int
-    first: int
-
-
-def originals(records: Sequence[Record]) -> list[Record]:
-    """The records as they were loaded, of which these may be stretches."""
-    for record in records:
-        if record.part_of is not None:
-            return list(record.part_of.data)
-    return list(records)
 
 
 def _frozen(samples: npt.ArrayLike) -> Array:

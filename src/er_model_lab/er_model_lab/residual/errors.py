@@ -9,7 +9,7 @@ from er_models.model import Array
 from numpy.typing import NDArray
 
 from er_model_lab.problem.prepare import Problem
-from er_model_lab.results.view import Region, RegionTable
+from er_model_lab.residual.region import Region, RegionTable
 
 ANOTHER_SIZE = 5.0
 """Factor between measured and predicted force beyond which the model is that of another damper, or a unit is wrong."""

@@ -10,10 +10,11 @@ from er_models.model import Model
 
 from er_model_lab.diagnosis.candidates import Candidate, effect_size
 from er_model_lab.diagnosis.decisive_round import told
+from er_model_lab.diagnosis.evidence import shares
+from er_model_lab.diagnosis.investigation import Diagnosis
 from er_model_lab.diagnosis.search import Round
-from er_model_lab.diagnosis.study import Study
-from er_model_lab.diagnosis.verdict import Diagnosis, shares
 from er_model_lab.fitting.fit import with_deviations
+from er_model_lab.level.study import Study
 from er_model_lab.problem.prepare import Problem
 from er_model_lab.residual.errors import errors
 from er_model_lab.results.values import parameters
@@ -51,8 +52,8 @@ def entry(
 
 def _lag_entry(study: Study) -> dict[str, Any]:
     """Entry of the velocity channel's lag, whose evidence is kinematic."""
-    assert study.lag is not None
-    lag, sd = study.lag
+    assert study.opened.lag is not None
+    lag, sd = study.opened.lag
     found, problem = study.diagnosis, study.problem
     return {
         "effect": "velocity_lag",
@@ -71,7 +72,7 @@ def candidates(study: Study, model_after: Model) -> list[dict[str, Any]]:
     """Entries of all candidates: those that were taken, in their order, then the others by their error."""
     found = study.diagnosis
     entries = [entry(c, step, found, study.problem, model_after) for c, step in told(found)]
-    if study.lag:
+    if study.opened.lag:
         entries = [e for e in entries if e["effect"] != "velocity_lag"]
         entries.insert(0, _lag_entry(study))
     order = {name: i for i, name in enumerate(found.effects)}

@@ -10,15 +10,14 @@ from er_models.model import Model
 
 from er_model_lab.diagnosis.candidates import Candidate, effect_size
 from er_model_lab.diagnosis.coverage import Coverage
+from er_model_lab.diagnosis.evidence import VISIBLE
 from er_model_lab.diagnosis.floor_estimates import floors
 from er_model_lab.diagnosis.search import Round
-from er_model_lab.diagnosis.study import Study
-from er_model_lab.diagnosis.verdict import VISIBLE
+from er_model_lab.level.study import Study
 from er_model_lab.problem.prepare import Problem
 from er_model_lab.residual.errors import errors, size_notes
 from er_model_lab.residual.unexplained import describe
 from er_model_lab.results.candidate import candidates
-from er_model_lab.results.ride_result import ride_json
 
 MOST_INPUTS, LEAST_WEIGHT = 5, 0.01
 """Inputs that the unexplained part is said to depend on, at most, and the share of it that each must carry [1]."""
@@ -41,7 +40,7 @@ def unseen(study: Study) -> tuple[str, ...]:
 def notes(study: Study) -> tuple[str, ...]:
     """What to know of the data and of the model as it was given: a force in kN fits a model as well as one in N."""
     problem = study.problem
-    size = size_notes(problem, study.given) if problem.fused else ()
+    size = size_notes(problem, study.opened.given) if problem.fused else ()
     return (*size, *unseen(study), *problem.notes)
 
 
@@ -71,7 +70,6 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         "model": model_after.name,
         "notes": list(notes(study)),
         "complete": problem.complete,
-        **ride_json(study),
     }  # fmt: skip
 
 
@@ -88,7 +86,7 @@ def _errors(study: Study) -> dict[str, Any]:
         "noise_floor_train": floor.floor,
         "rmse": {"train": train.rmse, "held_out": held.rmse},
         "nrmse": {"train": train.nrmse, "held_out": held.nrmse},
-        "rmse_as_given": errors(problem, study.given, problem.held_out).rmse,
+        "rmse_as_given": errors(problem, study.opened.given, problem.held_out).rmse,
         "rmse_after": {
             "train": errors(problem, after, problem.train).rmse,
             "held_out": errors(problem, after, problem.held_out).rmse,
@@ -142,11 +140,11 @@ def steps(study: Study) -> list[dict[str, Any]]:
     """The falling error on held-out data, one entry per effect taken, with the evidence for it."""
     problem, found = study.problem, study.diagnosis
     held = problem.held_out
-    base = study.lag_base or found.rounds[0].base
+    base = study.before or found.rounds[0].base
     out: list[dict[str, Any]] = [
         {"added": None, "rmse_held_out": errors(problem, base.fit.residual, held).rmse}
     ]
-    if study.lag:
+    if study.opened.lag:
         rmse = errors(problem, found.rounds[0].base.fit.residual, held).rmse
         out.append({"added": "velocity_lag", "rmse_held_out": rmse})
     for step in found.rounds:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
+from er_model_lab.diagnosis.evidence import leaves_more_than_noise, shares
+from er_model_lab.diagnosis.investigation import Diagnosis
+from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.search import MOST_EFFECTS
-from er_model_lab.diagnosis.verdict import VISIBLE, Diagnosis, Name, shares
-from er_model_lab.results.view import CandidateView
+from er_model_lab.diagnosis.verdict import SETTLED, Earlier, Evidence, decide
+from er_model_lab.view import CandidateView
 
 Result = dict[str, Any]
 OF_THE_LAST = (
@@ -23,8 +27,11 @@ OF_RECORDS, OF_CHANNELS = ("rmse_after", "rmse_left_out"), ("rmse_after", "noise
 """The same of each record, and of each output of a car."""
 
 
-def told_together(results: Sequence[Result]) -> Result:
-    """The contract's JSON of all passes: candidates as the first saw them, `spoken_of` by a later one as that did."""
+def told_together(results: Sequence[Result], seen: Evidence, rule: Rule = RULE) -> Result:
+    """The contract's JSON of all passes: candidates as the first saw them, `spoken_of` by a later one as that did.
+
+    seen: evidence of the last pass.
+    """
     whole = dict(results[0])
     for more in results[1:]:
         whole["steps"] = whole["steps"] + more["steps"][1:]
@@ -34,11 +41,10 @@ def told_together(results: Sequence[Result]) -> Result:
         whole |= {key: more[key] for key in OF_THE_LAST if key in more}
         whole |= _after(whole, more)
     last = results[-1]
-    adequate = last["verdict"] in ("adequate", "missing_effect", "ambiguous")
-    whole["final_verdict"] = "adequate" if adequate else last["verdict"]
+    whole["final_verdict"] = "adequate" if last["verdict"] in SETTLED else last["verdict"]
     if len(results) > 1 and results[0]["verdict"] == "partial":
-        tied, many = bool(whole["alternatives"]), too_many(whole)
-        whole["verdict"] = overall(last["verdict"], tied=tied, many=many)
+        earlier = Earlier(tied=bool(whole["alternatives"]), too_many=too_many(whole))
+        whole["verdict"] = decide(replace(seen, earlier=earlier), rule)
         whole["reasons"] = _with(whole["reasons"], last["reasons"])
     return whole
 
@@ -69,7 +75,7 @@ def too_many(whole: Result) -> bool:
     if len(whole["effects"]) < MOST_EFFECTS:
         return False
     after, floor = whole["rmse_after"]["held_out"], whole["noise_floor"]
-    return len(whole["effects"]) > MOST_EFFECTS or after**2 - floor**2 > VISIBLE * after**2
+    return len(whole["effects"]) > MOST_EFFECTS or leaves_more_than_noise(after**2, floor)
 
 
 def spoken_of(result: Result) -> set[str]:
@@ -104,15 +110,3 @@ def taken_last(
     kept = [card for card in cards[0] if card.effect not in later]
     lead = sum(card.effect in results[0]["effects"] for card in kept)
     return (*kept[:lead], *later.values(), *kept[lead:])
-
-
-def overall(last: Name, *, tied: bool, many: bool = False) -> Name:
-    """Verdict on all that several passes added, from that of the last: a tie of any of them leaves the whole unsure.
-
-    many: see `too_many`.
-    """
-    if many:
-        return "partial"
-    if last in ("adequate", "missing_effect"):
-        return "ambiguous" if tied else "missing_effect"
-    return "ambiguous" if last == "ambiguous" else "partial"

@@ -14,21 +14,21 @@ import numpy as np
 from er_models.model import Array, Model
 from numpy.typing import NDArray
 
-from er_model_lab.long.check import Checked
 from er_model_lab.residual.errors import explainable
 from er_model_lab.residual.excess import BOOTSTRAPS
-from er_model_lab.results.view import RecordView, RegionTable
+from er_model_lab.residual.region import RegionTable
+from er_model_lab.span.check import Checked
+from er_model_lab.view import RecordView
 
 
 @dataclass(frozen=True)
 class Rival:
-    """A model, its file, what it predicts (`before` of each record), and whether it was fitted to these data.
+    """A model, what it predicts (`before` of each record), and whether it was fitted to these data.
 
     whole: what it leaves of long data, of which `records` are stretches.
     """
 
     model: Model
-    file: str
     records: tuple[RecordView, ...]
     fitted_here: bool
     regions: tuple[RegionTable, ...] = ()
@@ -43,7 +43,10 @@ def fitted_to(model: Model, data: str) -> bool:
 def names(rivals: Sequence[Rival]) -> tuple[str, ...]:
     """Names of the models, those that share one told apart by their files, or by their number."""
     own = [r.model.name for r in rivals]
-    own = [f"{n} ({r.file})" if own.count(n) > 1 else n for n, r in zip(own, rivals, strict=True)]
+    own = [
+        f"{n} ({r.model.file})" if own.count(n) > 1 else n
+        for n, r in zip(own, rivals, strict=True)
+    ]
     return tuple(f"{n} #{k + 1}" if own.count(n) > 1 else n for k, n in enumerate(own))
 
 
@@ -72,7 +75,7 @@ def table(rivals: Sequence[Rival], floor: float, seed: int) -> list[dict[str, An
         low, high = np.quantile(again, [0.05, 0.95])
         rmse = float(np.sqrt(mse))
         out.append({
-            "model": called, "model_file": rival.file, "rmse": rmse, "nrmse": rmse / span if span > 0.0 else None,
+            "model": called, "model_file": rival.model.file, "rmse": rmse, "nrmse": rmse / span if span > 0.0 else None,
             "explainable": explainable(mse, floor),
             "against_first": {"change": float(rmse - np.sqrt(first[:, 0].sum() / first[:, 1].sum())),
                               "band": [float(low), float(high)]},

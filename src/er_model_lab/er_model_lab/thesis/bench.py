@@ -10,9 +10,9 @@ from er_models.model import Model
 from er_models.program import Program, resolve, times
 from er_models.simulate import simulate
 
-from er_model_lab.plan.limits import sensors_of
-from er_model_lab.plan.simulated_decision import measured
-from er_model_lab.plan.virtual_rig import Run
+from er_model_lab.planning.limits import sensors_of
+from er_model_lab.planning.simulated_decision import measured
+from er_model_lab.planning.virtual_rig import Run
 from er_model_lab.records.record import CHANNELS, Record
 
 

@@ -17,8 +17,8 @@ from er_models.program import load_program
 from er_models.scales import Scales
 from numpy.typing import NDArray
 
-from er_model_lab.identify import Identified, identify
-from er_model_lab.identify.roles import static
+from er_model_lab.identification import Identified, identify
+from er_model_lab.identification.roles import static
 from er_model_lab.problem.held_out import WARM_UP
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.record import Record

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from er_models.model import Model
 
-from er_model_lab.identify import Identified
+from er_model_lab.identification import Identified
 from er_model_lab.results.values import clean, parameters
 from er_model_lab.thesis.cases import ADDED, LAWS, PUBLISHED, ROADS, Case, Chapter1
 

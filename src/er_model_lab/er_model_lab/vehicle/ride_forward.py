@@ -16,7 +16,7 @@ from er_models.effect import Effect
 from er_models.model import Array, Model
 from er_models.scales import Scales
 
-from er_model_lab.problem.forward import Free, Limits
+from er_model_lab.problem.forward import Free, Limits, Output
 from er_model_lab.vehicle.ride import CHANNELS, SETTLE, Course, drive, drive_many, with_values
 
 if TYPE_CHECKING:
@@ -77,6 +77,12 @@ class RideForward:
     def outputs(self) -> int:
         """Rows of a sample."""
         return len(self.names)
+
+    @property
+    def channels(self) -> tuple[Output, ...]:
+        """What each row of a sample is."""
+        sizes = zip(self.names, self.weights, self.noise, strict=True)
+        return tuple(Output(name, float(weight), float(noise)) for name, weight, noise in sizes)
 
     def blocks(self) -> Iterator[tuple[int, int]]:
         """First sample and end of every block, all records laid end to end."""

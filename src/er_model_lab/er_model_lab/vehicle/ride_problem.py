@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +17,8 @@ from er_model_lab.motion.fuse import Noise
 from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.problem.held_out import FOLDS, TO_FIT, TO_HOLD_OUT, split
 from er_model_lab.problem.prepare import Problem, resampled
-from er_model_lab.records.record import Record, originals
+from er_model_lab.records.dataset import Dataset
+from er_model_lab.records.record import Record
 from er_model_lab.vehicle.ride import CHANNELS, SETTLE, Course, course, drive
 from er_model_lab.vehicle.ride_forward import RideForward, with_starts
 
@@ -42,7 +43,7 @@ class Measured:
     outputs: Array
 
 
-def open_ride(records: list[Record], model: Model, sealed: int = 0) -> tuple[Problem, Fit]:
+def open_ride(given: Dataset, model: Model) -> tuple[Problem, Fit]:
     """The problem that records of a car pose to a vehicle model, and the model fitted to it.
 
     The noise of every output is read off what a first fit leaves; so is whether the road between two samples is
@@ -52,35 +53,35 @@ def open_ride(records: list[Record], model: Model, sealed: int = 0) -> tuple[Pro
         MissingChannel: Without road or duty, or without any output.
         InputError: When the model has no quarter car, or there is not enough data.
     """
-    data = _opened(records, model)
+    data = _opened(given.records, model)
     size = _noise(data, data.outputs)
     first = _weighted(_ride(data, model), data, model, size)
-    problem = _problem(records, data, with_starts(first, model), model, sealed)
+    problem = _problem(given, data, with_starts(first, model), model)
     fitted = fit(model, problem)
     left = fitted.residual.reshape(-1, len(data.names)) / first.weights
     again = _weighted(first, data, model, _noise(data, left))
     found = [
         (problem, fit(fitted.model, problem))
-        for problem in _on_roads(records, data, again, fitted.model, sealed)
+        for problem in _on_roads(given, data, again, fitted.model)
     ]
     return min(found, key=lambda pf: pf[1].mse(pf[0].train))
 
 
-def ride_as_given(records: list[Record], model: Model, sealed: int = 0) -> tuple[Problem, Array]:
+def ride_as_given(given: Dataset, model: Model) -> tuple[Problem, Array]:
     """The same problem for a model as it is, and its residual (n,): nothing but the starts of the blocks is fitted.
 
     Raises as `open_ride`.
     """
-    data = _opened(records, model)
+    data = _opened(given.records, model)
     forward = _weighted(_ride(data, model), data, model, _noise(data, data.outputs))
     found = [
         (problem, problem.force - problem.predict(model))
-        for problem in _on_roads(records, data, forward, model, sealed)
+        for problem in _on_roads(given, data, forward, model)
     ]
     return min(found, key=lambda pr: float(np.mean(pr[1][pr[0].used] ** 2)))
 
 
-def _opened(records: list[Record], model: Model) -> Measured:
+def _opened(records: Sequence[Record], model: Model) -> Measured:
     """Inputs and outputs of a car for a model that has one."""
     if not model.is_vehicle:
         expected = "a vehicle model with quarter_car"
@@ -89,24 +90,25 @@ def _opened(records: list[Record], model: Model) -> Measured:
 
 
 def _on_roads(
-    records: list[Record], data: Measured, forward: RideForward, model: Model, sealed: int
+    given: Dataset, data: Measured, forward: RideForward, model: Model
 ) -> Iterator[Problem]:
     """The problem with each way in which the road may run between two samples."""
     for road, smooth in ROADS.items():
         moved = with_starts(replace(forward, courses=_courses(data, smooth=smooth)), model)
-        problem = _problem(records, data, moved, model, sealed)
-        said = (*problem.notes, road, _measure(data), *_not_used(records, data))
+        problem = _problem(given, data, moved, model)
+        said = (*problem.notes, road, _measure(data), *_not_used(given, data))
         yield replace(problem, notes=said)
 
 
-def _not_used(records: list[Record], data: Measured) -> Iterator[str]:
+def _not_used(given: Dataset, data: Measured) -> Iterator[str]:
     """What is there and not used: of long data what was not searched, and channels that some records lack."""
-    whole = originals(records)
-    if any(r.part_of is not None for r in records):
+    whole = given.originals
+    if given.whole is not None:
         seconds = sum(float(r.t[-1] - r.t[0]) + r.dt for r in whole)
         searched = sum(road.size for road in data.roads) * data.dt
         yield (
-            f"{searched:.0f} of {seconds:.0f} s searched, in {len(records)} stretches that cover what the data hold; "
+            f"{searched:.0f} of {seconds:.0f} s searched, in {len(given.records)} stretches that cover what the data "
+            "hold; "
             "what they give was not checked on the rest"
         )
     for c in CHANNELS:
@@ -120,10 +122,10 @@ def _measure(data: Measured) -> str:
     return f"sizes of effects are of all outputs together, each weighted by its noise to that of {data.names[0]}"
 
 
-def measured(records: list[Record]) -> Measured:
+def measured(records: Sequence[Record]) -> Measured:
     """Inputs and outputs of a car; outputs that not all records have are left out."""
     if not records:
-        raise InputError("DATA", "", "at least one record", "none")
+        raise InputError("data", "", "at least one record", "none")
     dt, why = max(r.dt for r in records), "to simulate the car"
     for channel in ("road", "duty"):
         for r in records:
@@ -213,12 +215,10 @@ def _check_rides(fold: NDArray[np.int64], held_out: NDArray[np.bool_], data: Mea
     seconds = fold.size * data.dt
     if fit < TO_FIT or score < TO_HOLD_OUT or seconds < SHORTEST_RIDE:
         expected = f"{SHORTEST_RIDE:g} s at least, with {TO_FIT} samples to fit and {TO_HOLD_OUT} to hold out"
-        raise InputError("DATA", "length", expected, f"{fit} and {score} in {seconds:.3g} s")
+        raise InputError("data", "length", expected, f"{fit} and {score} in {seconds:.3g} s")
 
 
-def _problem(
-    records: list[Record], data: Measured, forward: RideForward, model: Model, sealed: int
-) -> Problem:
+def _problem(given: Dataset, data: Measured, forward: RideForward, model: Model) -> Problem:
     """Rows and who may see them; nothing of a block's first part is scored."""
     states, seen = forward.ride(model)
     rows = np.cumsum([0, *(road.size for road in data.roads)])
@@ -226,7 +226,8 @@ def _problem(
         data.dt, states[:, 0], states[:, 1] - states[:, 3], seen[:, 0] - seen[:, 1],
         np.concatenate(data.duties), np.zeros(rows[-1]), rows,
     )  # fmt: skip
-    fold, held_out = split(motion, sealed, evenly=True)
+    records = given.records
+    fold, held_out = split(motion, len(given.score), evenly=True)
     for i, j in forward.blocks():
         first = slice(i, min(i + round(SETTLE / data.dt), j))
         fold[first], held_out[first] = -1, False

@@ -1,1 +1,1 @@
-"""What each command of the lab does, apart from how it is called; one file each."""
+"""The verbs of the lab, one file each: what `import er_model_lab` offers and every command calls."""

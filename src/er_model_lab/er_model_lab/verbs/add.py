@@ -1,36 +1,38 @@
-"""`lab add`: add one effect, refit everything, and write the new model."""
+"""Add one effect, refit everything, and show the error before and after."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from er_models.errors import ErError
-from er_models.files import save_model
 from er_models.model import Model
 
 from er_model_lab.blas import on_one_thread
-from er_model_lab.diagnosis.study import (
-    Tick,
-    add_effect,
-    final_model,
-)
-from er_model_lab.verbs.ask import Outcome, Request, read
-from er_model_lab.verbs.diagnose import outcome_of
+from er_model_lab.level.investigate import added
+from er_model_lab.records.dataset import Dataset
+from er_model_lab.results.result import DiagnosisResult
+from er_model_lab.verbs.asking import question
+from er_model_lab.verbs.diagnose import result_of
 from er_model_lab.verbs.history import with_history
 
 
 @on_one_thread
-def add(ask: Request, effect: str, out: Path, tick: Tick | None = None) -> Outcome:
-    """Add one effect, refit everything, and write the new model."""
-    model, (records, sealed) = ask.model(), read(ask)
-    _may_add(model, effect, ask.level)
-    study = add_effect(
-        records, model, effect, seed=ask.seed, sealed=sealed, tick=tick, level=ask.level
-    )
-    grown = with_history(final_model(study, ask.seed), model, study, records, ask.seed, out)
-    outcome = outcome_of("add", study, grown, records, ask)
-    save_model(grown, out)
-    return outcome
+def add(
+    data: Dataset,
+    model: Model,
+    effect: str,
+    *,
+    name: str | None = None,
+    held_out: Dataset | None = None,
+    level: str = "damper",
+    seed: int = 0,
+    anyway: bool = False,
+) -> DiagnosisResult:
+    """Add one effect and refit everything; the result holds the new model, under `name`."""
+    _may_add(model, effect, level)
+    asked = question(data, model, held_out=held_out, level=level, seed=seed, anyway=anyway)
+    study = added(asked, effect)
+    best = asked.level.finished(study, seed)
+    grown = with_history(best, model, study, seed, name or f"{model.name}_{effect}")
+    return result_of("add", study, grown, asked)
 
 
 def _may_add(model: Model, effect: str, level: str) -> None:
@@ -41,4 +43,4 @@ def _may_add(model: Model, effect: str, level: str) -> None:
     if effect in model.effects:
         raise ErError(f"{effect} is already part of the model '{model.name}'")
     if known.stage == "vehicle" and level != "vehicle":
-        raise ErError(f"{effect} acts in the vehicle, not in the damper: --level vehicle adds it")
+        raise ErError(f"{effect} acts in the vehicle, not in the damper: level='vehicle' adds it")

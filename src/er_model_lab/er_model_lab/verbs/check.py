@@ -1,34 +1,30 @@
-"""`lab check`: what is wrong with measurements, and what they cannot show, before anything is fitted."""
+"""What is wrong with measurements, and what they cannot show, before anything is fitted."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from er_models.files import load_model
-from er_models.own import catalogue_with
+from er_models.catalogue import CATALOGUE
+from er_models.model import Model
 
 from er_model_lab.command_line import command_line
 from er_model_lab.preflight.check import preflight
-from er_model_lab.records.load import fingerprint, load
+from er_model_lab.records.dataset import Dataset
+from er_model_lab.records.load import fingerprint
+from er_model_lab.results.result import CheckResult
 from er_model_lab.results.values import clean
-from er_model_lab.results.view import View
-from er_model_lab.verbs.ask import Outcome
 from er_model_lab.versions import versions
+from er_model_lab.view import View
 
 
-def run(data: list[Path], model_file: Path | None, effects_from: tuple[Path, ...] = ()) -> Outcome:
+def check(data: Dataset, model: Model | None = None) -> CheckResult:
     """Check all records; with a model, coverage is measured against the reach of its rig."""
-    catalogue = catalogue_with(effects_from)
-    model = load_model(model_file, catalogue) if model_file else None
-    records = load(data)
-    found = preflight(records, model, catalogue, levels=True)
+    records = data.records
+    found = preflight(records, model, model.catalogue if model else CATALOGUE, levels=True)
     seconds = sum(len(r) * r.dt for r in records)
     warnings = found.counted("warning")
-    complete = all(r.complete for r in records)
     notes = tuple(dict.fromkeys(n for r in records for n in r.notes))
     result = clean({
         "command": "check", "verdict": found.verdict, "preflight": found.as_json(),
-        "notes": list(notes), "complete": complete,
+        "notes": list(notes), "complete": all(r.complete for r in records),
     })  # fmt: skip
     what = records[0].name if len(records) == 1 else f"{len(records)} records"
     line = (
@@ -39,10 +35,11 @@ def run(data: list[Path], model_file: Path | None, effects_from: tuple[Path, ...
         "data": fingerprint(records), "records": [r.name for r in records], "versions": versions(),
         "command_line": command_line(),
     }  # fmt: skip
-    if model_file:
-        origin["model_file"] = str(model_file)
-    view = View(
-        command="check", model=model.name if model else what, headline=line, result=result, records=(),
-        notes=notes, provenance=origin,
+    if model and model.file:
+        origin["model_file"] = model.file
+    return CheckResult(
+        View(
+            command="check", model=model.name if model else what, headline=line, result=result, records=(),
+            notes=notes, provenance=origin,
+        )
     )  # fmt: skip
-    return Outcome(result, view, None, complete)

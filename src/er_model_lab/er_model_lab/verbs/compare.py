@@ -1,126 +1,106 @@
-"""`lab compare`: predict with the model as it is, and say where it fails; several models side by side."""
+"""Predict with a model as it is, and say where it fails; several models side by side."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 from er_models.model import Array, Model
 
 from er_model_lab.blas import on_one_thread
-from er_model_lab.diagnosis.candidates import Candidate, baseline
-from er_model_lab.diagnosis.floor_estimates import floors
-from er_model_lab.diagnosis.noise_floor import Floor, noise_floor
-from er_model_lab.diagnosis.null import simulate_null
-from er_model_lab.diagnosis.study import (
-    as_given,
-    open_problem,
-)
-from er_model_lab.fitting.data_reach import Beyond, beyond
-from er_model_lab.fitting.velocity_channel import on_fused
-from er_model_lab.long.check import Checked, checked, errors_json, long_json, long_note
+from er_model_lab.level.investigate import Question
+from er_model_lab.level.level import Judged
+from er_model_lab.level.study import Opened
 from er_model_lab.preflight.check import preflight
-from er_model_lab.preflight.size import off_centre
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.load import fingerprint
-from er_model_lab.records.record import Record, originals
-from er_model_lab.residual.errors import explainable, size_notes
-from er_model_lab.residual.excess import noise_at, region_tables
+from er_model_lab.residual.excess import region_tables
+from er_model_lab.residual.region import RegionTable
 from er_model_lab.results.comparison import compare_json
-from er_model_lab.results.fusion import fusion_json
+from er_model_lab.results.draw import views
+from er_model_lab.results.result import ComparisonResult
 from er_model_lab.results.side_by_side import Rival, fitted_to, names, overlaid, table
 from er_model_lab.results.values import clean, headline
-from er_model_lab.results.view import RegionTable, View
-from er_model_lab.results.views import views
-from er_model_lab.verbs.ask import Outcome, Request, provenance, read
+from er_model_lab.span.check import Checked
+from er_model_lab.verbs.asking import provenance, question
+from er_model_lab.view import View
 
 
 @on_one_thread
-def compare(ask: Request) -> Outcome:
-    """Predict with the model as it is, and say where it fails."""
-    model, (records, sealed) = ask.model(), read(ask)
-    problem, _ = open_problem(records, model, sealed)
-    given = as_given(model, problem)
-    base = baseline(on_fused(model), problem)
-    null = simulate_null(base, [], problem, ask.seed)
-    floor = noise_floor(problem, base, null, ask.seed)
-    noise = noise_at(problem, floor.floor, null.input_square)
-    tables = region_tables(problem, given, ask.seed, noise)
-    result, notes, on_all = _compared(records, model, problem, given, base, floor, tables)
-    others, theirs = _rivals(ask, records, sealed, noise)
-    result["notes"] = [*theirs, *notes]
+def compare(
+    data: Dataset,
+    model: Model,
+    *others: Model,
+    held_out: Dataset | None = None,
+    level: str = "damper",
+    seed: int = 0,
+    anyway: bool = False,
+) -> ComparisonResult:
+    """Predict the data with the model as it is, and with others beside it, and say where it fails."""
+    asked = question(data, model, held_out=held_out, level=level, seed=seed, anyway=anyway)
+    judged = asked.level.judged(asked.data, model, seed)
+    problem, given = judged.opened.problem, judged.opened.given
+    tables = region_tables(problem, given, seed, judged.noise)
+    whole = _on_all(judged.opened)
+    rivals, further = _rivals(asked, others, judged.noise)
+    content = _content(asked, judged, tables, whole)
+    notes = (*further, *_notes(asked, judged, whole))
     view = View(
-        command="compare", model=model.name, headline=headline(result["rmse"], floor.floor), result=clean(result),
-        records=views(problem, problem.force - given, None), regions=tables, notes=(*theirs, *notes),
-        provenance=provenance(records, model, ask),
+        command="compare", model=model.name, headline=headline(content["rmse"], judged.floor),
+        result=content | {"notes": list(notes)}, records=views(problem, problem.force - given, None), regions=tables,
+        notes=notes, provenance=provenance(asked.data, model, seed),
     )  # fmt: skip
-    data = fingerprint(originals(records))
-    first = Rival(model, str(ask.model_file), view.records, fitted_to(model, data), tables, on_all)
-    view = beside(view, [first, *others], floor.floor, ask.seed)
-    return Outcome(dict(view.result), view, None, problem.complete)
+    first = _rival(asked, model, judged.opened, tables, whole)
+    return ComparisonResult(beside(view, [first, *rivals], judged.floor, seed))
 
 
-def _compared(
-    records: list[Record], model: Model, problem: Problem, given: Array, base: Candidate, floor: Floor,
-    tables: tuple[RegionTable, ...],
-) -> tuple[dict[str, Any], tuple[str, ...], Checked | None]:  # fmt: skip
-    """The JSON of one model on its data, without notes, the notes, and what the model leaves of long data.
-
-    given (n,): what the model leaves [N]. Of long data the errors are those on all of them.
-    """
-    further, data = beyond(model, problem, given), originals(records)
-    mse = float(np.mean(given[problem.used] ** 2))
-    sides = floors(problem, base.fit.residual, floor)
-    result = compare_json(problem, given, floor.floor, explainable(mse, floor.floor), tables) | {
-        "preflight": preflight(data, model, model.catalogue).as_json(),
-        "command": "compare",
-        "model": model.name,
-        "floors": {name: side.as_json() for name, side in sides.items()},
-        "fusion": fusion_json(data, problem),
-        "rmse_refitted": float(np.sqrt(base.mse)),
-        "beyond": further.as_json() if further else None,
-    }
-    centre = tuple(dict.fromkeys(n for r in data for n in _centre(r, model)))
-    notes = (*size_notes(problem, given), *centre, *_further(model, further), *problem.notes)
-    on_all = checked(problem, given, given=on_fused(model))
-    if on_all is not None:
-        result["long"] = long_json(on_all, again=False)
-        result |= errors_json(on_all, floor.floor)
-        notes = (long_note(result["long"]), *notes)
-    return result, notes, on_all
+def _content(
+    asked: Question, judged: Judged, tables: tuple[RegionTable, ...], whole: Checked | None
+) -> dict[str, Any]:
+    """The result of one model without its notes; of long data the errors are those on all of them."""
+    records = asked.data.originals
+    content = compare_json(judged.opened.problem, judged.opened.given, judged.floor, tables)
+    content |= {"command": "compare", "model": asked.model.name, **judged.content}
+    content["preflight"] = preflight(records, asked.model, asked.model.catalogue).as_json()
+    if whole is not None:
+        content |= {"long": whole.as_json(again=False), **whole.errors(judged.floor)}
+    return content
 
 
-def _centre(record: Record, model: Model) -> tuple[str, ...]:
-    """What is said of a deflection whose middle lies beyond what the model is made for."""
-    middle, reach = off_centre(record, model), model.scales.deflection
-    if not middle:
-        return ()
-    return (
-        f"the deflection's middle is at {1e3 * middle:.3g} mm, the model is made for {1e3 * reach:.3g} mm to either "
-        "side: the sensor's zero may be another (deflection_zero)",
-    )
+def _notes(asked: Question, judged: Judged, whole: Checked | None) -> tuple[str, ...]:
+    """What to know of data and model, what was used of long data first."""
+    long = (whole.note(again=False),) if whole else ()
+    reach = asked.level.reach_notes(judged.opened)
+    return (*long, *judged.notes, *reach, *judged.opened.problem.notes)
+
+
+def _on_all(opened: Opened) -> Checked | None:
+    """What the model leaves of all of long data."""
+    return opened.span.checked(opened.problem, opened.given, given=opened.searched)
 
 
 def _rivals(
-    ask: Request, records: list[Record], sealed: int, noise: Array
+    asked: Question, others: tuple[Model, ...], noise: Array
 ) -> tuple[list[Rival], tuple[str, ...]]:
     """Further models on the same data, and what is to be said of them."""
-    data, found, notes = fingerprint(originals(records)), [], tuple[str, ...]()
-    for path, model in ask.others():
-        problem, _ = open_problem(records, model, sealed)
-        left = as_given(model, problem)
-        notes = (*_further(model, beyond(model, problem, left)), *notes)
-        regions = region_tables(problem, left, ask.seed, noise)
-        seen = views(problem, problem.force - left, None)
-        on_all = checked(problem, left, given=on_fused(model))
-        found.append(Rival(model, str(path), seen, fitted_to(model, data), regions, on_all))
+    found, notes = list[Rival](), tuple[str, ...]()
+    for model in others:
+        opened = asked.level.given(asked.data, model)
+        tables = region_tables(opened.problem, opened.given, asked.seed, noise)
+        found.append(_rival(asked, model, opened, tables, _on_all(opened)))
+        notes = (*asked.level.reach_notes(opened), *notes)
     return found, notes
 
 
-def _further(model: Model, found: Beyond | None) -> tuple[str, ...]:
-    """What is said of data that go beyond what a model was fitted to."""
-    return (found.note(model.name),) if found and found.matters else ()
+def _rival(
+    asked: Question, model: Model, opened: Opened, tables: tuple[RegionTable, ...],
+    whole: Checked | None,
+) -> Rival:  # fmt: skip
+    """A model as it stands beside others."""
+    problem = opened.problem
+    seen = views(problem, problem.force - opened.given, None)
+    here = fitted_to(model, fingerprint(asked.data.originals))
+    return Rival(model, seen, here, tables, whole)
 
 
 def beside(view: View, rivals: list[Rival], floor: float, seed: int) -> View:

@@ -1,4 +1,4 @@
-"""`lab diagnose`: refit, then say which effect is missing."""
+"""Refit a model, then say which effect it lacks, with evidence."""
 
 from __future__ import annotations
 
@@ -8,59 +8,59 @@ from er_models.model import Model
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.diagnosis.by_record import by_record
-from er_model_lab.diagnosis.study import (
-    Study,
-    Tick,
-    final_model,
-    investigate,
-)
-from er_model_lab.plan.suggest import suggestions
+from er_model_lab.diagnosis.rule import RULE, Rule
+from er_model_lab.level.investigate import Question, investigate
+from er_model_lab.level.study import Study
+from er_model_lab.planning.suggest import suggestions
 from er_model_lab.preflight.check import preflight
-from er_model_lab.records.record import Record, originals
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.residual.errors import regions_json, worst
 from er_model_lab.results.diagnosis import diagnosis_json
-from er_model_lab.results.fusion import fusion_json
+from er_model_lab.results.draw import study_regions, study_view
+from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.results.values import clean
-from er_model_lab.results.views import study_regions, study_view
-from er_model_lab.verbs.ask import Outcome, Request, provenance, read
+from er_model_lab.verbs.asking import provenance, question
 
 
 @on_one_thread
-def diagnose(ask: Request, tick: Tick | None = None) -> Outcome:
-    """Refit, then say which effect is missing."""
-    model, (records, sealed) = ask.model(), read(ask)
-    study = investigate(
-        records, model, seed=ask.seed, sealed=sealed, rule=ask.rule, tick=tick, level=ask.level
+def diagnose(
+    data: Dataset,
+    model: Model,
+    *,
+    held_out: Dataset | None = None,
+    level: str = "damper",
+    seed: int = 0,
+    rule: Rule = RULE,
+    anyway: bool = False,
+) -> DiagnosisResult:
+    """Refit the model, then say which effect is missing."""
+    asked = question(
+        data, model, held_out=held_out, level=level, seed=seed, rule=rule, anyway=anyway
     )
-    return outcome_of("diagnose", study, final_model(study, ask.seed), records, ask)
+    study = investigate(asked)
+    return result_of("diagnose", study, asked.level.finished(study, seed), asked)
 
 
-def outcome_of(
-    command: str, study: Study, model: Model, records: list[Record], ask: Request
-) -> Outcome:
-    """JSON and view of a study."""
-    result = {"command": command, **diagnosis_json(study, model)}
-    result["by_record"] = by_record(study.diagnosis, study.problem, study.records or records)
-    if study.long is not None:
-        result["long"] = study.long
-    origin = provenance(records, study.model, ask)
-    result["history"] = [dict(h) for h in model.history]
-    tables = study_regions(study, ask.seed)
-    result["regions"], result["worst"] = regions_json(tables), worst(tables)
-    result["preflight"] = preflight(
-        originals(records), study.model, study.model.catalogue
-    ).as_json()
-    result["provenance"] = origin
-    if study.problem.fused:
-        result["fusion"] = fusion_json(originals(records), study.problem)
-    if ask.level == "damper":
-        result["next"] = suggestions(
-            result, ask.model_file, ask.data, ask.effects_from, anyway=ask.anyway
-        )
-    result = clean(result)
-    return Outcome(
-        result,
-        replace(study_view(command, study, result, origin), regions=tables),
-        model,
-        study.problem.complete,
+def result_of(command: str, study: Study, model: Model, asked: Question) -> DiagnosisResult:
+    """The result of a study; model: the best one, with estimates."""
+    given, records = study.model, study.data.originals
+    origin = provenance(study.data, given, asked.seed)
+    tables = study_regions(study, asked.seed)
+    content = {
+        "command": command,
+        **diagnosis_json(study, model),
+        **asked.level.particulars(study),
+        "by_record": by_record(study.diagnosis, study.problem, study.data),
+        "history": [dict(h) for h in model.history],
+        "regions": regions_json(tables),
+        "worst": worst(tables),
+        "preflight": preflight(records, given, given.catalogue).as_json(),
+        "provenance": origin,
+    }
+    if study.checked is not None:
+        content["long"] = study.checked.as_json(again=study.again)
+    content["next_plans"] = suggestions(content) if asked.level.name == "damper" else []
+    view = study_view(command, study, clean(content), origin)
+    return DiagnosisResult(
+        replace(view, regions=tables), model, interrupted=study.diagnosis.interrupted
     )

@@ -1,39 +1,45 @@
-"""`lab identify`, apart from how it is called."""
+"""Identify every parameter of a model in stages, as in chapter 1 of the thesis."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
-from er_models.files import save_model
+from er_models.model import Model
 
 from er_model_lab.command_line import command_line
 from er_model_lab.fitting.velocity_channel import on_fused
-from er_model_lab.identify.present import identified_json, new_model, view
-from er_model_lab.identify.procedure import identify
-from er_model_lab.long.check import told
+from er_model_lab.identification.present import identified_json, new_model, view
+from er_model_lab.identification.procedure import identified
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.load import fingerprint
-from er_model_lab.records.record import originals
-from er_model_lab.verbs.ask import Outcome, Request, provenance, read
-
-STEPS = 4
-"""Ticks of the progress in most cases: three stages and the joint refinement."""
+from er_model_lab.results.result import IdentificationResult
+from er_model_lab.span.span import noted
+from er_model_lab.verbs.asking import provenance, question
 
 
-def run(ask: Request, out: Path, tick: Callable[[str], None] | None = None) -> Outcome:
-    """Identify the parameters of a model, and write the new model."""
-    model, (records, sealed) = ask.model(), read(ask)
-    found = identify(records, model, sealed=sealed, tick=tick)
+def identify(
+    data: Dataset,
+    model: Model,
+    *,
+    name: str | None = None,
+    held_out: Dataset | None = None,
+    seed: int = 0,
+    anyway: bool = False,
+) -> IdentificationResult:
+    """Identify the parameters of a model; the result holds the new model, under `name`."""
+    asked = question(data, model, held_out=held_out, seed=seed, anyway=anyway)
+    found = identified(asked.data, model)
     before, after = on_fused(found.before), on_fused(found.model)
-    problem, long = told(found.problem, found.residual, before=before, after=after)
-    found = replace(found, problem=problem)
-    result, data = identified_json(found) | long, originals(records)
+    whole = found.span.checked(found.problem, found.residual, before=before, after=after)
+    found = replace(found, problem=noted(found.problem, whole))
+    records = asked.data.originals
     entry = {
-        "command_line": command_line(), "data": fingerprint(data), "records": [r.name for r in data], "seed": ask.seed,
+        "command_line": command_line(), "data": fingerprint(records), "records": [r.name for r in records],
+        "seed": seed,
     }  # fmt: skip
-    grown = new_model(found, out.stem, entry)
-    result["model"] = grown.name
-    drawn = view(found, result, ask.seed, provenance(records, model, ask))
-    save_model(grown, out)
-    return Outcome(result, drawn, grown, bool(result["complete"]))
+    grown = new_model(found, name or f"{model.name}_identified", entry)
+    content = identified_json(found) | {"model": grown.name}
+    if whole is not None:
+        content["long"] = whole.as_json(again=False)
+    drawn = view(found, content, seed, provenance(asked.data, model, seed))
+    return IdentificationResult(drawn, grown)

@@ -1,97 +1,111 @@
-"""`lab improve`: diagnose and add, again and again, until the model is adequate or nothing known helps."""
+"""Diagnose and add, again and again, until the model is adequate or nothing known helps."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from er_models.files import save_model
 from er_models.model import Array, Model
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.diagnosis.by_record import by_record
-from er_model_lab.diagnosis.resume import Begun, finished, marked, resume, with_fits
-from er_model_lab.diagnosis.study import (
-    Study,
-    Tick,
-    final_model,
-    investigate,
-)
+from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.fitting.velocity_channel import as_searched
-from er_model_lab.long.check import long_note
-from er_model_lab.records.record import Record
+from er_model_lab.level.investigate import Question, investigate
+from er_model_lab.level.study import Study
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.results.diagnosis import diagnosis_json
+from er_model_lab.results.draw import candidate_views, views
 from er_model_lab.results.passes import explained_by, taken_last, told_together
+from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.results.values import clean, headline
-from er_model_lab.results.views import candidate_views, views
-from er_model_lab.verbs.ask import Outcome, Request, read
-from er_model_lab.verbs.diagnose import outcome_of
+from er_model_lab.verbs.asking import question
+from er_model_lab.verbs.diagnose import result_of
 from er_model_lab.verbs.history import with_history
+from er_model_lab.verbs.resume import Begun, finished, marked, resume, with_fits
 
 MOST_PASSES = 10
-"""How often `improve` diagnoses the model it has just improved."""
+"""How often the model that was just improved is diagnosed."""
 
 
 @on_one_thread
-def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
+def improve(
+    data: Dataset,
+    model: Model,
+    *,
+    name: str | None = None,
+    interrupted: Model | None = None,
+    held_out: Dataset | None = None,
+    level: str = "damper",
+    seed: int = 0,
+    rule: Rule = RULE,
+    anyway: bool = False,
+) -> DiagnosisResult:
     """Diagnose and add until the model is adequate or nothing known helps; the new model is refitted in any case.
 
-    Ctrl-C ends it with what was done until then, from which the same command goes on later to the same end.
+    Ctrl-C ends it with what was done until then. From the model of that result, given as `interrupted`, the same call
+    goes on to the same end. name: of the new model.
     """
-    model, (records, sealed) = ask.model(), read(ask)
-    begun = resume(out, model, records, ask.catalogue)
-    current, studies, stopped = model, list[Study](), False
+    asked = question(
+        data, model, held_out=held_out, level=level, seed=seed, rule=rule, anyway=anyway
+    )
+    begun = resume(interrupted, model, asked.data)
+    studies, current, stopped = _passes(asked, begun, name or f"{model.name}_improved")
+    current = finished(current, interrupted=stopped)
+    result = gone_on(_improved(studies, current, asked), begun)
+    content = dict(result.view.result) | {"interrupted": stopped}
+    kept = with_fits(current, begun.noted) if stopped else current
+    return replace(
+        result, view=replace(result.view, result=content), model=kept, interrupted=stopped
+    )
+
+
+def _passes(asked: Question, begun: Begun, name: str) -> tuple[list[Study], Model, bool]:
+    """One study after another, the model that they made, and whether Ctrl-C ended them."""
+    current, studies = asked.model, list[Study]()
     for n in range(MOST_PASSES):
+        now = replace(asked, model=current, seed=asked.seed + 1000 * n)
         try:
-            study = investigate(
-                records, current, seed=ask.seed + 1000 * n, sealed=sealed, rule=ask.rule, tick=tick, level=ask.level,
-                noted=begun.noted,
-            )  # fmt: skip
-            best = final_model(study, ask.seed)
+            study = investigate(now, begun.noted)
+            best = asked.level.finished(study, asked.seed)
         except KeyboardInterrupt:
             if not studies:
                 raise
-            stopped = True
-            break
+            return studies, current, True
         studies.append(study)
-        records = list(study.records)  # of long data with the stretches where the model did worst
+        # of long data with the stretches where the model did worst
+        asked = replace(asked, data=study.data)
         found = study.diagnosis
-        refitted = current is model and (
+        refitted = current is asked.model and (
             found.verdict != "insufficient_data" or not found.coverage.blocking
         )
-        if study.diagnosis.effects or refitted:
-            current = with_history(best, current, study, records, ask.seed, out)
-            current = marked(current, begun.digest)
-        stopped = study.diagnosis.interrupted
-        if stopped or study.diagnosis.verdict != "partial":
-            break
-    current = finished(current, interrupted=stopped)
-    outcome = gone_on(_improved(studies, current, records, ask), begun, out)
-    save_model(with_fits(current, begun.noted) if stopped else current, out)
-    return replace(outcome, interrupted=stopped, result=outcome.result | {"interrupted": stopped})
+        if found.effects or refitted:
+            current = marked(with_history(best, current, study, asked.seed, name), begun.digest)
+        if found.interrupted or found.verdict != "partial":
+            return studies, current, found.interrupted
+    return studies, current, False
 
 
-def _improved(studies: list[Study], model: Model, records: list[Record], ask: Request) -> Outcome:
-    """The outcome of several passes as one fall of the error."""
+def _improved(studies: list[Study], model: Model, asked: Question) -> DiagnosisResult:
+    """The result of several passes as one fall of the error."""
     first, last = studies[0], studies[-1]
-    outcome = outcome_of("improve", first, model, records, ask)
-    results = [outcome.result, *(_later(s, model, records) for s in studies[1:])]
-    cards = [outcome.view.candidates]
+    result = result_of("improve", first, model, asked)
+    results = [dict(result.view.result), *(_later(s, model, asked) for s in studies[1:])]
+    cards = [result.view.candidates]
     cards += [candidate_views(s, r) for s, r in zip(studies[1:], results[1:], strict=True)]
-    result = told_together(results)
-    view = replace(outcome.view, candidates=taken_last(cards, results))
+    whole = told_together(results, last.diagnosis.evidence, asked.rule)
+    view = replace(result.view, candidates=taken_last(cards, results))
     if len(studies) > 1:
-        result |= explained_by(first.diagnosis, last.diagnosis)
-        view = replace(view, headline=headline(result["rmse"]["held_out"], result["noise_floor"]))
+        whole |= explained_by(first.diagnosis, last.diagnosis)
+        view = replace(view, headline=headline(whole["rmse"]["held_out"], whole["noise_floor"]))
         after = last.problem.force - last.diagnosis.best.fit.residual
         view = replace(view, records=views(last.problem, _before(first, last), after))
-    if first.long is not None and last.long is not None:
-        told, now = long_note(first.long), long_note(last.long)
-        result["notes"] = [now if note == told else note for note in result["notes"]]
+    if first.checked is not None and last.checked is not None:
+        told, now = (s.checked.note(again=s.again) for s in (first, last) if s.checked)
+        whole["notes"] = [now if note == told else note for note in whole["notes"]]
         view = replace(view, notes=tuple(now if note == told else note for note in view.notes))
-    return Outcome(result, replace(view, result=result), model, outcome.complete)
+    return replace(result, view=replace(view, result=whole), model=model)
 
 
 def _before(first: Study, last: Study) -> Array:
@@ -102,18 +116,21 @@ def _before(first: Study, last: Study) -> Array:
     return last.problem.predict(as_searched(fitted))
 
 
-def _later(study: Study, model: Model, records: list[Record]) -> dict[str, Any]:
-    """The JSON of a pass after the first."""
-    left = by_record(study.diagnosis, study.problem, study.records or records)
-    told = diagnosis_json(study, model) | {"by_record": left}
-    found: dict[str, Any] = clean(told | ({"long": study.long} if study.long else {}))
+def _later(study: Study, model: Model, asked: Question) -> dict[str, Any]:
+    """The content of a pass after the first."""
+    told = diagnosis_json(study, model) | dict(asked.level.particulars(study))
+    told["by_record"] = by_record(study.diagnosis, study.problem, study.data)
+    if study.checked is not None:
+        told["long"] = study.checked.as_json(again=study.again)
+    found: dict[str, Any] = clean(told)
     return found
 
 
-def gone_on(outcome: Outcome, begun: Begun, out: Path) -> Outcome:
-    """The outcome with a note where an interruption had left something to go on from."""
+def gone_on(result: DiagnosisResult, begun: Begun) -> DiagnosisResult:
+    """The result with a note where an interruption had left something to go on from."""
     if begun.added is None:
-        return outcome
-    note = f"went on from {out}, which an interruption had left with {len(begun.added)} done"
-    outcome.result["notes"] = [note, *outcome.result["notes"]]
-    return replace(outcome, view=replace(outcome.view, notes=(note, *outcome.view.notes)))
+        return result
+    note = f"went on from where an interruption had left it, with {len(begun.added)} done"
+    view = result.view
+    content = dict(view.result) | {"notes": [note, *view.result["notes"]]}
+    return replace(result, view=replace(view, result=content, notes=(note, *view.notes)))

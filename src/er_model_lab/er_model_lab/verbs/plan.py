@@ -1,108 +1,115 @@
-"""`lab plan`, apart from how it is called."""
+"""Plan the run that would tell two effects apart, or reveal one, within the limits of the rig."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
-from pathlib import Path
+from dataclasses import asdict, replace
 from typing import Any
 
 from er_models.errors import InputError
 from er_models.model import Model
-from er_models.program import save_program
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.command_line import command_line
-from er_model_lab.diagnosis.study import as_given, open_problem
 from er_model_lab.fitting.velocity_channel import on_fused
-from er_model_lab.long.check import told
-from er_model_lab.plan.limits import Asked, Limits, limits_of, sensors_of
-from er_model_lab.plan.planner import plan
-from er_model_lab.plan.present import plan_json, plan_view, proposed
-from er_model_lab.plan.question import Question, ask
-from er_model_lab.plan.search import Tick
+from er_model_lab.level.damper import opened
+from er_model_lab.planning.limits import Asked, Limits, limits_of, sensors_of
+from er_model_lab.planning.planner import planned
+from er_model_lab.planning.present import plan_json, plan_view, proposed
+from er_model_lab.planning.question import Question, ask
 from er_model_lab.problem.prepare import Problem
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.load import fingerprint
-from er_model_lab.records.record import originals
+from er_model_lab.results.result import PlanResult
 from er_model_lab.results.values import clean
-from er_model_lab.verbs.ask import Outcome, Request, read
+from er_model_lab.span.span import noted
+from er_model_lab.verbs.asking import question
 from er_model_lab.versions import versions
-
-STEPS = 150
-"""Ticks of the progress in most cases."""
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """Effects to tell apart (`between`) or one to `reveal`, the vehicle, limits, and where to write."""
-
-    between: tuple[str, ...]
-    reveal: str | None
-    vehicle: Path | None
-    limits: Asked
-    out: Path | None
 
 
 @on_one_thread
-def run(request: Request, wanted: Wanted, tick: Tick | None = None) -> Outcome:
-    """Plan the experiment; request.data may be empty."""
-    given = _on_vehicle(request, wanted.vehicle)
-    model = on_fused(given)
-    question = ask(model, wanted.between, wanted.reveal)
-    limits = limits_of(model, wanted.limits, Limits.dt)
-    problem, origin, long = measurements(request, question, given)
-    if (
-        problem is not None
-    ):  # finer than the rig's own rate is not planned: it would only take longer
-        limits = replace(limits, dt=max(problem.motion.dt, Limits.dt))
-    sensors, noise_source = sensors_of(model, problem)
-    found = plan(question, limits, sensors, problem=problem, seed=request.seed, tick=tick)
-    result = plan_json(found, noise_source) | long
-    result["program_file"] = None
-    if wanted.out is not None and found.finalists:
-        save_program(proposed(found, wanted.out.stem, _source(question, request)), wanted.out)
-        result["program_file"] = str(wanted.out)
-    result["notes"] = _notes(found.bench.car, noise_source, problem)
-    result["complete"] = problem is None or problem.complete
-    result["provenance"] = origin | _origin(model, request)
-    result = clean(result)
-    view = plan_view(found, result, result["provenance"])
-    return Outcome(result, view, None, bool(result["complete"]))
+def plan(
+    model: Model,
+    *,
+    between: tuple[str, ...] = (),
+    reveal: str | None = None,
+    data: Dataset | None = None,
+    vehicle: Model | None = None,
+    stroke: float | None = None,
+    velocity: float | None = None,
+    duty_max: float | None = None,
+    duration: float | None = None,
+    name: str = "next",
+    seed: int = 0,
+    anyway: bool = False,
+) -> PlanResult:
+    """Plan the experiment; data: what is already measured, effects are then as strong as they are fitted to it.
+
+    vehicle: the car that holds the damper, where the model is a damper alone; stroke [m], velocity [m/s], duty_max [1],
+    duration [s]: limits of the rig, where they are not those of the model.
+    """
+    given = on_vehicle(model, vehicle)
+    base = on_fused(given)
+    asked = ask(base, between, reveal)
+    within = limits_of(base, Asked(stroke, velocity, duty_max, duration), Limits.dt)
+    problem, known = (None, {}) if data is None else _measured(data, asked, given, seed, anyway)
+    if problem is not None:
+        # finer than the rig's own rate is not planned: it would only take longer
+        within = replace(within, dt=max(problem.motion.dt, Limits.dt))
+    sensors, noise_source = sensors_of(base, problem)
+    found = planned(asked, within, sensors, problem=problem, seed=seed)
+    origin = known.pop("provenance", {}) | _origin(base, model, seed)
+    content = plan_json(found, noise_source) | known
+    content |= {
+        "program_file": None,
+        "notes": _notes(found.bench.car, noise_source, problem),
+        "complete": problem is None or problem.complete,
+        "provenance": origin,
+    }
+    view = plan_view(found, clean(content), origin)
+    program = proposed(found, name, _source(asked, seed)) if found.finalists else None
+    return PlanResult(view, program=program)
 
 
-def _on_vehicle(request: Request, vehicle: Path | None) -> Model:
-    """The model, its damper put into a vehicle where one is given."""
-    model = request.model()
+def on_vehicle(model: Model, vehicle: Model | None) -> Model:
+    """The model, its damper put into a vehicle where one is given.
+
+    Raises:
+        InputError: The vehicle holds no quarter car.
+    """
     if vehicle is None:
         return model
-    car = replace(request, model_file=vehicle).model()
-    if not car.is_vehicle:
+    if not vehicle.is_vehicle:
         raise InputError(
-            vehicle, "quarter_car", "a vehicle model with quarter_car", "a damper only"
-        )
-    parts = {k: v for k, v in car.effects.items() if car.catalogue[k].stage == "vehicle"}
-    return replace(model, effects={**model.effects, **parts}, rig=model.rig or car.rig)
+            vehicle.file or vehicle.name, "quarter_car", "a vehicle model with quarter_car", "a damper only"
+        )  # fmt: skip
+    parts = {k: v for k, v in vehicle.effects.items() if vehicle.catalogue[k].stage == "vehicle"}
+    return replace(model, effects={**model.effects, **parts}, rig=model.rig or vehicle.rig)
 
 
-def measurements(
-    request: Request, question: Question, given: Model
-) -> tuple[Problem | None, dict[str, Any], dict[str, Any]]:
-    """What is already measured, if anything is; where it comes from; and for the JSON what was used of long data.
+def _measured(
+    data: Dataset, asked: Question, given: Model, seed: int, anyway: bool
+) -> tuple[Problem, dict[str, Any]]:
+    """What is already measured, and what the result holds of it.
 
     given: the model with the lag and gain of its velocity channel, which are undone in the data.
     """
-    if not request.data:
-        return None, {}, {}
-    records, _ = read(request)
-    problem, _ = open_problem(records, given)
-    problem, long = told(problem, as_given(question.base, problem), given=question.base)
-    data = originals(records)
-    return problem, {"data": fingerprint(data), "records": [r.name for r in data]}, long
+    searched = question(data, given, seed=seed, anyway=anyway).data
+    found = opened(searched, given)
+    left = found.problem.force - found.problem.predict(on_fused(asked.base))
+    whole = found.span.checked(found.problem, left, given=asked.base)
+    records = searched.originals
+    known: dict[str, Any] = {
+        "provenance": {"data": fingerprint(records), "records": [r.name for r in records]}
+    }
+    if whole is not None:
+        known["long"] = whole.as_json(again=False)
+    return noted(found.problem, whole), known
 
 
-def _source(question: Question, request: Request) -> str:
+def _source(asked: Question, seed: int) -> str:
     """What the program is for, as its file says it."""
-    names = " or ".join(question.names) if question.second else f"{question.first} or not"
-    return f"lab plan: {names}, model {question.base.name}, seed {request.seed}"
+    names = " or ".join(asked.names) if asked.second else f"{asked.first} or not"
+    return f"lab plan: {names}, model {asked.base.name}, seed {seed}"
 
 
 def _notes(car: bool, noise_source: str, problem: Problem | None) -> list[str]:
@@ -111,17 +118,17 @@ def _notes(car: bool, noise_source: str, problem: Problem | None) -> list[str]:
     if not car:
         notes.append(
             "the model holds no vehicle: the program imposes the deflection (minus its road) in a test machine; "
-            "--vehicle FILE plans a road"
+            "with a vehicle beside it a road is planned"
         )
     if noise_source.startswith("assumed"):
         notes.append(f"noise of the sensors {noise_source}")
     return notes
 
 
-def _origin(model: Model, request: Request) -> dict[str, Any]:
+def _origin(base: Model, given: Model, seed: int) -> dict[str, Any]:
     """Where the plan comes from."""
     return {
-        "model_file": str(request.model_file), "model": model.digest(), "seed": request.seed,
-        "versions": versions(), "command_line": command_line(),
-        "effects_from": {name: asdict(o) for name, o in model.catalogue.origins.items()},
+        "model_file": given.file, "model": base.digest(), "seed": seed, "versions": versions(),
+        "command_line": command_line(),
+        "effects_from": {name: asdict(o) for name, o in base.catalogue.origins.items()},
     }  # fmt: skip

@@ -14,7 +14,7 @@ from er_models.effect import Effect
 from er_model_lab.output.report.embed import drawing
 from er_model_lab.output.report.page import write_report
 from er_model_lab.output.report.section import Section
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 
 
 def write_cards(

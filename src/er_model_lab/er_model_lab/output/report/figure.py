@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from er_model_lab.output.report.palette import Stops
-from er_model_lab.results.view import Array
+from er_model_lab.view import Array
 
 Dash = Literal["solid", "dash", "dot"]
 

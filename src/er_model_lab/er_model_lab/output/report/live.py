@@ -14,7 +14,7 @@ import numpy as np
 from er_model_lab.output.report.figure import Axis, Figure, Line, Panel
 from er_model_lab.output.report.live_marks import Place, draw
 from er_model_lab.output.report.palette import INK, MUTED, RULE
-from er_model_lab.results.view import Array
+from er_model_lab.view import Array
 
 Json = dict[str, Any]
 

@@ -11,7 +11,7 @@ import numpy as np
 from er_model_lab.output.report.figure import Band, Bars, Label, Level, Line, Points, Spans, Tiles
 from er_model_lab.output.report.palette import INK, MUTED
 from er_model_lab.output.report.thin import MOST_POINTS, min_max
-from er_model_lab.results.view import Array
+from er_model_lab.view import Array
 
 Json = dict[str, Any]
 

@@ -17,7 +17,7 @@ from er_model_lab.output.report.sections import SECTIONS
 from er_model_lab.output.report.still import still
 from er_model_lab.output.text.units import percent
 from er_model_lab.records.write import finished_only
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 
 Stills = dict[str, tuple[bytes, bytes]]
 
@@ -34,7 +34,7 @@ def write_report(view: View, folder: Path, sections: Sequence[Section] | None = 
         InputError: When the folder cannot be written, or the plotting library is not installed.
     """
     if sections is None:
-        sections = [s for make in SECTIONS if (s := make(view)) is not None]
+        sections = sections_of(view)
     stills = {f.name: still(f) for s in sections for f in s.figures}
     html = render(view, sections, stills)
     page = folder / "index.html"
@@ -51,9 +51,19 @@ def write_report(view: View, folder: Path, sections: Sequence[Section] | None = 
                 (folder / "figures" / f"{name}{suffix}").unlink(missing_ok=True)
     except OSError as error:
         raise InputError(
-            folder, "--report", "a folder that can be written", error.strerror or str(error)
+            folder, "report", "a folder that can be written", error.strerror or str(error)
         ) from None
     return page
+
+
+def sections_of(view: View) -> list[Section]:
+    """All sections that have something to show."""
+    return [s for make in SECTIONS if (s := make(view)) is not None]
+
+
+def figures_of(view: View) -> dict[str, Figure]:
+    """Every figure of the page, by name."""
+    return {f.name: f for s in sections_of(view) for f in s.figures}
 
 
 def render(view: View, sections: Sequence[Section], stills: Stills) -> str:

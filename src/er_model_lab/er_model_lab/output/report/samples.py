@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from er_model_lab.results.view import Array, RecordView
+from er_model_lab.view import Array, RecordView
 
 
 @dataclass(frozen=True, eq=False)

@@ -54,6 +54,12 @@ def still(figure: Figure) -> tuple[bytes, bytes]:
     return png.getvalue(), svg.getvalue()
 
 
+def canvas(figure: Figure) -> Canvas:
+    """The figure as one of Matplotlib's, to be shown or changed."""
+    with matplotlib.rc_context(STYLE):
+        return _canvas(figure)
+
+
 def _canvas(figure: Figure) -> Canvas:
     """All panels, one legend, one colour scale."""
     size = (figure.width / DPI, figure.height / DPI)

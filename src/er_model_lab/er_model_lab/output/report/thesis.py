@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 
 from er_model_lab.command_line import command_line
-from er_model_lab.identify.law import response_time as response_time_of
+from er_model_lab.identification.law import response_time as response_time_of
 from er_model_lab.output.report.figure import Axis, Figure, Line, Panel, Points
 from er_model_lab.output.report.palette import AFTER, BEFORE, FLOOR, MEASURED, MUTED
 from er_model_lab.output.report.samples import margin
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.report.sections import provenance
 from er_model_lab.output.report.thin import every
-from er_model_lab.results.view import Array, View
 from er_model_lab.thesis.cases import LAWS, Case, Chapter1
 from er_model_lab.thesis.present import (
     CASE_2_HEAD,
@@ -27,6 +26,7 @@ from er_model_lab.thesis.present import (
     ways,
 )
 from er_model_lab.versions import versions
+from er_model_lab.view import Array, View
 
 COLOURS = {"bingham": BEFORE, "guo": AFTER}
 NAMES = {"bingham": "extended Bingham", "guo": "extended Guo"}

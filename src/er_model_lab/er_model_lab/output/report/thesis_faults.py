@@ -12,10 +12,10 @@ from er_model_lab.output.report.figure import Axis, Dash, Figure, Line, Panel, P
 from er_model_lab.output.report.palette import AFTER, BEFORE, FLOOR, MEASURED, MUTED
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.report.sections import provenance
-from er_model_lab.results.view import View
 from er_model_lab.thesis import present_faults as present
 from er_model_lab.thesis.faults import LEAK, Case, Chapter6
 from er_model_lab.versions import versions
+from er_model_lab.view import View
 
 TITLES = {
     "electrical": "Electrical faults (figures 6.1 to 6.3)",

@@ -13,10 +13,10 @@ from er_model_lab.output.report.figure import Axis, Figure, Level, Line, Mark, P
 from er_model_lab.output.report.palette import AFTER, BEFORE, FLOOR, MEASURED, MUTED
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.report.sections import provenance
-from er_model_lab.results.view import Array, View
 from er_model_lab.thesis import present_quarter_car as present
 from er_model_lab.thesis.quarter_car import HERTZ, LEAK, SLOW, Chapter2
 from er_model_lab.versions import versions
+from er_model_lab.view import Array, View
 
 COLOURS = (MEASURED, AFTER, BEFORE, FLOOR, "#cc79a7")
 """One colour per curve of a panel, apart for colour-blind readers."""

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from er_model_lab.results.view import Array, RecordView
+from er_model_lab.view import Array, RecordView
 
 MOST_POINTS = 4000
 """Points of one curve that are drawn at once."""

@@ -9,7 +9,7 @@ from rich.console import RenderableType
 from er_model_lab.output.report.sections.identified import SAID, entries, value_of
 from er_model_lab.output.terminal.markup import Pen
 from er_model_lab.output.text.units import newtons, short
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 
 MOST_REASONS = 6
 

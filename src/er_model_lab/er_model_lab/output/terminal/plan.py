@@ -9,7 +9,7 @@ from rich.console import RenderableType
 
 from er_model_lab.output.report.sections.programs import head, row
 from er_model_lab.output.terminal.markup import Pen
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 
 MOST_PROGRAMS = 4
 

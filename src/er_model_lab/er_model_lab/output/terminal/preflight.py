@@ -11,7 +11,7 @@ from er_model_lab.output.terminal.markup import Pen
 from er_model_lab.output.text.findings import grouped, place_of
 from er_model_lab.output.text.units import short
 from er_model_lab.output.text.verdict_text import joined
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 
 MOST_FINDINGS = 12
 MOST_CELLS = 9

@@ -23,7 +23,7 @@ from er_model_lab.output.text.ranking import effect_size, largest, limit, ranked
 from er_model_lab.output.text.regions import worst
 from er_model_lab.output.text.units import gain, newtons, parameter, percent, short, where
 from er_model_lab.output.text.verdict_text import joined, title_of, verdict_sentence, verdict_title
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 
 WIDTH = 100
 MOST_CANDIDATES = 6

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 
 Entry = Mapping[str, Any]
 

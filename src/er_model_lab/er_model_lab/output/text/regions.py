@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from er_model_lab.output.text.units import discrete
-from er_model_lab.results.view import Region, RegionTable
+from er_model_lab.residual.region import Region, RegionTable
 
 NOTABLE = 1.3
 """Error over samples from which a region stands out."""

@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from er_model_lab.results.view import Array, Region
+from er_model_lab.residual.region import Region
+from er_model_lab.view import Array
 
 MINUS = "\N{MINUS SIGN}"
 MILLI = {"m": "mm", "m/s": "mm/s"}

@@ -8,7 +8,7 @@ from typing import Any
 from er_models.catalogue import CATALOGUE
 
 from er_model_lab.output.text.units import newtons, percent
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 
 TITLES: dict[str, str] = {
     "adequate": "The model is adequate",

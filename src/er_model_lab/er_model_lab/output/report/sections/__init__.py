@@ -27,7 +27,7 @@ from er_model_lab.output.report.sections import (
     unexplained,
     where_it_fails,
 )
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 
 SECTIONS: tuple[Callable[[View], Section | None], ...] = (
     headline.section,

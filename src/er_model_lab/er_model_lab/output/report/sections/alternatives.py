@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.verdict_text import joined, title_of
-from er_model_lab.results.view import CandidateView, View
+from er_model_lab.view import CandidateView, View
 
 
 def section(view: View) -> Section | None:

@@ -14,7 +14,7 @@ from er_model_lab.output.text.ranking import effect_size, largest, limit, ranked
 from er_model_lab.output.text.units import gain, newtons, parameter, percent, short
 from er_model_lab.output.text.verdict_text import STATUS as SAID
 from er_model_lab.output.text.verdict_text import title_of, unknowable
-from er_model_lab.results.view import Array, View
+from er_model_lab.view import Array, View
 
 MOST_BARS = 14
 FIRST_ROWS = 8

@@ -15,7 +15,7 @@ from er_model_lab.output.text.ranking import effect_size, largest
 from er_model_lab.output.text.units import gain, newtons, parameter, percent, short
 from er_model_lab.output.text.verdict_text import STATUS as SAID
 from er_model_lab.output.text.verdict_text import joined, rmse, title_of
-from er_model_lab.results.view import CandidateView, View
+from er_model_lab.view import CandidateView, View
 
 PLANES: dict[str, tuple[str, float]] = {
     "force-velocity": ("velocity [mm/s]", 1e3),

@@ -9,7 +9,7 @@ from er_model_lab.output.report.palette import AFTER, BEFORE, FLOOR
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.units import newtons, percent
 from er_model_lab.output.text.verdict_text import title_of
-from er_model_lab.results.view import Array, View
+from er_model_lab.view import Array, View
 
 TAKEN = "#f2c9a8"
 """Colour of what an effect takes off the error."""

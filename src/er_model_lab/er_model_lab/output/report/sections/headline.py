@@ -5,7 +5,7 @@ from __future__ import annotations
 from er_model_lab.output.report.palette import AFTER, VERDICT
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.verdict_text import verdict_sentence, verdict_title
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 
 
 def section(view: View) -> Section:

@@ -8,7 +8,7 @@ from typing import Any
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.units import newtons
 from er_model_lab.output.text.verdict_text import title_of
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 
 
 def section(view: View) -> Section | None:

@@ -11,7 +11,7 @@ from er_model_lab.output.report.figure import Axis, Figure, Line, Mark, Panel, P
 from er_model_lab.output.report.palette import AFTER, BEFORE, CORRELATION, MEASURED, STATUS
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.units import newtons, parameter, short
-from er_model_lab.results.view import Array, View
+from er_model_lab.view import Array, View
 
 SAID: dict[str, tuple[str, str]] = {
     "identified": ("identified", STATUS["present"]),

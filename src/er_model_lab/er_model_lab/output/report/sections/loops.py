@@ -7,7 +7,7 @@ from er_model_lab.output.report.palette import AFTER, BEFORE, DUTY, MEASURED
 from er_model_lab.output.report.samples import Samples, margin, samples
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.report.thin import every
-from er_model_lab.results.view import Array, View
+from er_model_lab.view import Array, View
 
 MOST_DOTS = 1600
 """Dots per panel."""

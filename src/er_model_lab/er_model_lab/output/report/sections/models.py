@@ -11,7 +11,8 @@ from er_model_lab.output.report.figure import Axis, Bars, Figure, Line, Mark, Pa
 from er_model_lab.output.report.palette import MODELS
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.units import discrete, newtons, percent, shown, ticks
-from er_model_lab.results.view import RegionTable, View
+from er_model_lab.residual.region import RegionTable
+from er_model_lab.view import View
 
 SHOWN = ("velocity", "deflection", "duty", "frequency")
 """Quantities over which the models are compared."""

@@ -7,7 +7,7 @@ from typing import Any
 
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.units import factor, short, shown
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 
 UNITS = {"deflection": "m", "velocity": "m/s", "acceleration": "m/s2"}
 BIAS = {

@@ -12,7 +12,7 @@ from er_model_lab.output.report.palette import BEFORE, FLOOR, RESIDUAL
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.units import newtons
 from er_model_lab.output.text.verdict_text import rmse
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 
 NAMES: dict[str, str] = {
     "standstill": "at standstill",

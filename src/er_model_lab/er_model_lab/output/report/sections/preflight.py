@@ -13,7 +13,7 @@ from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.findings import grouped, place_of
 from er_model_lab.output.text.units import factor, labelled, short
 from er_model_lab.output.text.verdict_text import joined, title_of
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 
 
 def section(view: View) -> Section | None:

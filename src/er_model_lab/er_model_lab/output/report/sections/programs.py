@@ -9,7 +9,7 @@ from er_model_lab.output.report.figure import Axis, Band, Figure, Line, Mark, Pa
 from er_model_lab.output.report.palette import AFTER, BEFORE, FLOOR, MEASURED
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.units import short
-from er_model_lab.results.view import ImitationView, ProgramView, View
+from er_model_lab.view import ImitationView, ProgramView, View
 
 SHOWN = 12.0
 """Seconds of a program that are seen first, at most."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from er_model_lab.output.report.section import Section
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 
 
 def section(view: View) -> Section | None:

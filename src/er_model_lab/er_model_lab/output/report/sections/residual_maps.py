@@ -20,7 +20,7 @@ from er_model_lab.output.report.samples import Samples, binned_mean, margin, rms
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.report.thin import every
 from er_model_lab.output.text.units import newtons
-from er_model_lab.results.view import Array, View
+from er_model_lab.view import Array, View
 
 MOST_DOTS = 1500
 """Dots per curve of the residual loops."""

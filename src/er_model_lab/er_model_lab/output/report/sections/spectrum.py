@@ -11,7 +11,7 @@ from er_model_lab.output.report.figure import Axis, Figure, Level, Line, Mark, P
 from er_model_lab.output.report.palette import AFTER, BEFORE, FLOOR
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.units import newtons, short
-from er_model_lab.results.view import Array, RecordView, View
+from er_model_lab.view import Array, RecordView, View
 
 LENGTH = 1024
 """Samples per segment of Welch's method."""

@@ -10,7 +10,7 @@ import numpy as np
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.units import change as relative_change
 from er_model_lab.output.text.units import newtons, percent
-from er_model_lab.results.view import RecordView, View
+from er_model_lab.view import RecordView, View
 
 MOST_RECORDS = 25
 """Records listed; beyond, the worst of them."""

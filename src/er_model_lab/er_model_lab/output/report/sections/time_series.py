@@ -21,7 +21,7 @@ from er_model_lab.output.report.palette import (
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.report.thin import end_to_end, stretches, timeline, worst_stretch
 from er_model_lab.output.text.units import newtons, short
-from er_model_lab.results.view import Array, RecordView, View
+from er_model_lab.view import Array, RecordView, View
 
 SECONDS = 5.0
 """Length of the stretch that is shown first."""

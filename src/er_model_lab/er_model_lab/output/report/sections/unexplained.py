@@ -23,7 +23,7 @@ from er_model_lab.output.report.palette import BEFORE, FLOOR, INK, SIGNED
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.units import factor, labelled, newtons, percent, short
 from er_model_lab.residual.unexplained import skeleton
-from er_model_lab.results.view import View
+from er_model_lab.view import View
 
 CURVES = 3
 """Curves that are drawn."""

@@ -9,7 +9,8 @@ from er_model_lab.output.report.palette import BEFORE, FLOOR, RESIDUAL
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.regions import NOTABLE, worst
 from er_model_lab.output.text.units import newtons, percent, shown, ticks, where
-from er_model_lab.results.view import Region, RegionTable, View
+from er_model_lab.residual.region import Region, RegionTable
+from er_model_lab.view import View
 
 COLUMNS = 3
 

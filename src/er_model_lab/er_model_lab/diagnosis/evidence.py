@@ -1,0 +1,148 @@
+"""What a search of effects found, as evidence for the verdict, and the same in plain sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from er_model_lab.diagnosis.candidates import Candidate, effect_size
+from er_model_lab.diagnosis.coverage import Coverage
+from er_model_lab.diagnosis.noise_floor import Floor
+from er_model_lab.diagnosis.rule import Rule
+from er_model_lab.diagnosis.search import MOST_EFFECTS, Round, passes, threshold
+from er_model_lab.diagnosis.verdict import Evidence, Verdict
+from er_model_lab.residual.errors import explainable
+
+VISIBLE = 0.05
+"""Share [1] of what is left, in mean square, that must lie above the floor, or that boosted trees must explain, before
+anything more is looked for or something unknown is claimed."""
+
+
+def shares(before: float, after: float, floor: Floor) -> tuple[float, float]:
+    """Share [1] of a mean square [N2] that is explainable, and how much of that a later model explains."""
+    limit = floor.floor**2
+    return (
+        explainable(before, floor.floor),
+        float((before - after) / max(before - limit, 1e-12 * before)),
+    )
+
+
+def leaves_more_than_noise(mse: float, floor: float) -> bool:
+    """Whether a mean square [N2] lies visibly above the floor [N]."""
+    return mse - floor**2 > VISIBLE * mse
+
+
+def evidence(
+    best: Candidate, first: Round, floor: Floor, beyond_fit: float, explained: float,
+    ties: Sequence[Sequence[str]], cover: Coverage, rule: Rule,
+) -> Evidence:  # fmt: skip
+    """What a search found of one model.
+
+    beyond_fit: share of what the refitted model leaves that is above the floor; explained: see `shares`.
+    """
+    added = len(best.effects)
+    return Evidence(
+        effects=added,
+        explained=explained,
+        without_lines=explained * (1.0 - floor.line[2]),
+        too_many=added >= MOST_EFFECTS and leaves_more_than_noise(best.mse, floor.floor),
+        tied=any(len(group) > 1 for group in ties),
+        blocking=cover.blocking,
+        remains=not added and _remains(first, floor, beyond_fit),
+        within_errors=not added and _within_errors(first, rule) is not None,
+    )
+
+
+def _remains(first: Round, floor: Floor, beyond_fit: float) -> bool:
+    """Whether what is left, of which no effect was taken, comes in bursts, can be predicted, or is above the floor."""
+    least, left = first.null.least, first.base.mse
+
+    def counts(share: float, visible: float) -> bool:
+        return share > visible and share * left > least**2
+
+    return bool(
+        counts(floor.bursts, 0.0)
+        or counts(floor.explained, VISIBLE)
+        or counts(beyond_fit, 2 * VISIBLE)
+        or floor.line[2] > VISIBLE
+    )
+
+
+def _within_errors(first: Round, rule: Rule) -> Candidate | None:
+    """The effect that gains more than noise does, but no more than the errors of the motion may cause."""
+    limit = _of_noise(first, rule)
+    able = [c for c in first.candidates if passes(first.base, c, limit)]
+    return max(able, key=lambda c: effect_size(first.base, c)) if able else None
+
+
+def _of_noise(first: Round, rule: Rule) -> float:
+    """Effect size [N] that counts if the motion is taken as exact."""
+    return threshold(replace(first.null, least=0.0), float(np.sqrt(first.base.mse)), rule)
+
+
+def reasons(
+    verdict: Verdict, seen: Evidence, base: Candidate, best: Candidate, first: Round, floor: Floor, rule: Rule
+) -> tuple[str, ...]:  # fmt: skip
+    """The evidence in plain sentences, as far as the verdict rests on it."""
+    left = f"root mean square error {np.sqrt(base.mse):.3g} N after refitting, noise floor {floor.floor:.3g} N"
+    if not seen.effects:
+        return (left, *_reasons_of_nothing(verdict, seen, first, floor, rule))
+    catalogue = best.fit.model.catalogue
+    fall = (
+        f"added: {', '.join(catalogue[e].title for e in best.effects)}; the error falls by "
+        f"{effect_size(base, best):.3g} N, {seen.explained:.0%} of what is explainable"
+    )
+    return (left, fall, *_reasons_of_effects(verdict, seen))
+
+
+def _reasons_of_effects(verdict: Verdict, seen: Evidence) -> tuple[str, ...]:
+    """Why what was taken is not all, or not certain."""
+    if seen.too_many:
+        return (
+            f"{seen.effects} effects together leave more than noise: they may stand for another",
+        )
+    if verdict == "ambiguous":
+        tie = ("the data cannot tell some effects apart",) if seen.tied else ()
+        return (*tie, *seen.blocking)
+    if verdict == "partial":
+        return ("a part remains that no known effect explains",)
+    if verdict == "unknown_effect":
+        return (
+            "what the known effects explain is too little to be the cause; to take what helps a little all the same, "
+            f"set helps to {_below(seen.explained):.2g}",
+        )
+    return ()
+
+
+def _reasons_of_nothing(
+    verdict: Verdict, seen: Evidence, first: Round, floor: Floor, rule: Rule
+) -> tuple[str, ...]:
+    """Why nothing was taken."""
+    if seen.blocking:
+        return seen.blocking
+    if seen.remains:
+        bursts = floor.bursts * first.base.mse > first.null.least**2
+        what = (
+            "comes in bursts that noise does not make"
+            if bursts
+            else "can be predicted from the inputs"
+        )
+        return (f"no known effect passes, yet the residual {what}",)
+    near = _within_errors(first, rule)
+    if verdict == "adequate" or near is None:
+        return (
+            f"no effect exceeds what chance gives in a complete model ({first.threshold:.3g} N)",
+        )
+    title = near.fit.model.catalogue[near.name].title
+    return (
+        f"{title} gains {effect_size(first.base, near):.3g} N, more than noise does ({_of_noise(first, rule):.3g} N), "
+        f"but the errors of the motion may cause {first.threshold:.3g} N: record both accelerations and motion that "
+        "does not repeat itself",
+    )
+
+
+def _below(share: float) -> float:
+    """A share in whole hundredths that is not above a given one."""
+    return max(int(100.0 * share), 0) / 100.0

@@ -1,0 +1,204 @@
+"""One question to one problem: which effects does a model lack? Search, noise floor, ties, and the verdict on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from er_models.model import Model
+
+from er_model_lab.diagnosis.candidates import Candidate, baseline, effect_size, refit
+from er_model_lab.diagnosis.coverage import Coverage, coverage
+from er_model_lab.diagnosis.evidence import VISIBLE, evidence, reasons, shares
+from er_model_lab.diagnosis.noise_floor import Floor, noise_floor
+from er_model_lab.diagnosis.null import Null, simulate_null
+from er_model_lab.diagnosis.rule import RULE, Rule
+from er_model_lab.diagnosis.search import (
+    MOST_EFFECTS,
+    Round,
+    one_round,
+    passes,
+    promising,
+    prune,
+    swapped,
+    threshold,
+    try_pairs,
+)
+from er_model_lab.diagnosis.verdict import ENOUGH, NOTHING_NAMED, Evidence, Verdict, decide
+from er_model_lab.problem.prepare import Problem
+from er_model_lab.residual.errors import explainable
+
+MOST, CLEAR = 0.5, 0.15
+"""Share of what is left that a further effect must explain, and the same where its size leaves no doubt."""
+BEYOND_DOUBT = 1.5
+"""Size, over what chance gives, of a further effect that no longer needs to explain most of what is left, and of
+one that is kept beside others: they may stand for what the form of a rightly named effect lacks."""
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Result of a diagnosis; `rounds` holds every step of the search, fewer where it was interrupted."""
+
+    verdict: Verdict
+    effects: tuple[str, ...]
+    alternatives: tuple[tuple[str, ...], ...]
+    base: Candidate
+    best: Candidate
+    rounds: tuple[Round, ...]
+    floor: Floor
+    null: Null
+    explainable: float
+    explained: float
+    coverage: Coverage
+    reasons: tuple[str, ...]
+    evidence: Evidence
+    interrupted: bool = False
+
+    @property
+    def model(self) -> Model:
+        """The model with the named effects, refitted."""
+        return self.best.fit.model
+
+
+def search_effects(
+    model: Model,
+    problem: Problem,
+    *,
+    seed: int = 0,
+    rule: Rule = RULE,
+    tick: Callable[[str], None] | None = None,
+) -> Diagnosis:
+    """Refit the model, then find which effects are missing and how sure that is.
+
+    Ctrl-C ends the search with the effects taken so far; before there is one it goes to the caller.
+    """
+    base = baseline(model, problem)
+    rounds = [one_round(base, problem, seed, rule, tick)]
+    best = rounds[0].taken or base
+    floor = noise_floor(problem, _leader(rounds[0]), rounds[0].null, seed)
+    try:
+        best, floor, ties = _searched(best, rounds, floor, problem, seed, rule, tick)
+    except KeyboardInterrupt:
+        taken = [step.taken for step in rounds if step.taken is not None]
+        if not taken:
+            raise
+        ties = _alternatives(taken[-1], rounds)
+        found = judge(base, taken[-1], rounds, floor, problem, ties, rule)
+        return replace(found, interrupted=True)
+    return judge(base, best, rounds, floor, problem, ties, rule)
+
+
+def one_effect(model: Model, problem: Problem, effect: str | None, seed: int) -> Diagnosis:
+    """Diagnosis that considers one effect (or none) only."""
+    base = baseline(model, problem)
+    tried = [refit(base, model.catalogue[effect], problem, max_iter=20)] if effect else []
+    null = simulate_null(base, tried, problem, seed)
+    floor = noise_floor(problem, min([base, *tried], key=lambda c: c.mse), null, seed)
+    limit = threshold(null, floor.floor)
+    able = [c for c in tried if passes(base, c, limit)]
+    step = Round(base, tried, null, limit, able[0] if able else None, [])
+    found = judge(base, able[0] if able else base, [step], floor, problem)
+    return replace(found, best=tried[0]) if tried else found
+
+
+def _searched(
+    best: Candidate, rounds: list[Round], floor: Floor, problem: Problem, seed: int, rule: Rule,
+    tick: Callable[[str], None] | None,
+) -> tuple[Candidate, Floor, tuple[tuple[str, ...], ...]]:  # fmt: skip
+    """Further effects beside the first, those still needed, and ties; `rounds` grows."""
+    best, floor = _grow(best, rounds, floor, problem, seed, rule, tick)
+    if len(best.effects) > 1:
+        best = _standing(prune(best, problem, BEYOND_DOUBT * rounds[0].threshold), rounds[0])
+    ties = _alternatives(best, rounds)
+    if len(best.effects) > 1:
+        best, ties = swapped(best, rounds, problem)
+    return best, floor, ties
+
+
+def _standing(best: Candidate, first: Round) -> Candidate:
+    """What is left of several effects; where one is, only if it passes by itself, else what the first round took."""
+    if len(best.effects) > 1 or passes(first.base, best, first.threshold):
+        return best
+    return first.taken or first.base
+
+
+def judge(
+    base: Candidate, best: Candidate, rounds: list[Round], floor: Floor, problem: Problem,
+    ties: tuple[tuple[str, ...], ...] = (), rule: Rule = RULE,
+) -> Diagnosis:  # fmt: skip
+    """The verdict on what a search found; ties: groups that the data cannot tell apart."""
+    cover = coverage(problem)
+    to_explain, explained = shares(base.mse, best.mse, floor)
+    beyond_fit = explainable(min(base.mse, base.fit.mse(problem.train)), floor.floor)
+    seen = evidence(best, rounds[0], floor, beyond_fit, explained, ties, cover, rule)
+    verdict = decide(seen, rule)
+    why = reasons(verdict, seen, base, best, rounds[0], floor, rule)
+    if verdict in NOTHING_NAMED:
+        best, ties = base, ()
+    return Diagnosis(
+        verdict, best.effects, ties, base, best, tuple(rounds), floor, rounds[0].null, to_explain,
+        explained if best is not base else 0.0, cover, why, seen,
+    )  # fmt: skip
+
+
+def _leader(step: Round) -> Candidate:
+    """The candidate that gains most in a round, or its beginning: no more than its fit gains is believed."""
+    return max([step.base, *step.candidates], key=lambda c: effect_size(step.base, c))
+
+
+def _grow(
+    best: Candidate, rounds: list[Round], floor: Floor, problem: Problem, seed: int, rule: Rule,
+    tick: Callable[[str], None] | None,
+) -> tuple[Candidate, Floor]:  # fmt: skip
+    """Add further effects while each explains most of what is left; `rounds` grows, also where it is interrupted."""
+    first = rounds[0]
+    while best.effects and len(best.effects) < MOST_EFFECTS:
+        left = best.mse - floor.floor**2
+        nothing = left < VISIBLE * best.mse and floor.explained <= VISIBLE
+        if nothing and not promising(best, rounds[-1], problem):
+            break
+        step = one_round(best, problem, seed + len(rounds), rule, tick)
+        leader = _leader(step)
+        deeper = noise_floor(problem, leader, step.null, seed)
+        floor = deeper if deeper.floor < floor.floor else floor
+        if step.taken is None:
+            break
+        if not worth(step, floor):
+            break
+        rounds.append(step)
+        best = step.taken
+    explained = (first.base.mse - best.mse) / max(first.base.mse - floor.floor**2, 1e-300)
+    if (
+        explained < ENOUGH
+        and explained >= 0.0
+        and len(best.effects) < 2
+        and floor.explained > VISIBLE
+    ):
+        target = first.base.mse - ENOUGH * (first.base.mse - floor.floor**2)
+        pair = try_pairs(first, problem, target)
+        if pair is not None:
+            best = pair
+    return best, floor
+
+
+def worth(step: Round, floor: Floor) -> bool:
+    """Whether what a round took explains enough of what was left to be named.
+
+    That is most of it, or a good part beyond any doubt: the floor is a lower bound, so that the share looks too small.
+    """
+    assert step.taken is not None
+    share = (step.base.mse - step.taken.mse) / max(step.base.mse - floor.floor**2, 1e-300)
+    sure = effect_size(step.base, step.taken) > BEYOND_DOUBT * step.threshold
+    return share >= (CLEAR if sure else MOST)
+
+
+def _alternatives(best: Candidate, rounds: list[Round]) -> tuple[tuple[str, ...], ...]:
+    """Groups the data cannot tell apart, for the effects that were kept; two that are both needed are no rivals."""
+    groups = []
+    for step in rounds:
+        if step.taken is None or step.taken.name not in best.effects:
+            continue
+        group = [n for n in step.ties if n == step.taken.name or n not in best.effects]
+        if len(group) > 1:
+            groups.append(tuple(group))
+    return tuple(groups)

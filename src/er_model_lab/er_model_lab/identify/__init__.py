@@ -1,4 +1,0 @@
-"""Identification of a damper model as in section 1.5 of the thesis."""
-
-from er_model_lab.identify.procedure import Identified as Identified
-from er_model_lab.identify.procedure import identify as identify

@@ -1,0 +1,231 @@
+"""The level of the damper: its force, predicted from measured motion and duty.
+
+Errors of the velocity channel are undone before anything is fitted, and put back into the model that is written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from er_models.errors import MissingChannel
+from er_models.model import Model
+
+from er_model_lab.diagnosis.candidates import Candidate, baseline
+from er_model_lab.diagnosis.evidence import shares
+from er_model_lab.diagnosis.floor_estimates import floors
+from er_model_lab.diagnosis.investigation import Diagnosis, one_effect, search_effects
+from er_model_lab.diagnosis.noise_floor import noise_floor
+from er_model_lab.diagnosis.null import simulate_null
+from er_model_lab.diagnosis.rule import RULE, Rule
+from er_model_lab.diagnosis.verdict import decide
+from er_model_lab.fitting.data_reach import beyond
+from er_model_lab.fitting.envelope import with_unfelt
+from er_model_lab.fitting.velocity_channel import (
+    KINEMATIC,
+    as_searched,
+    in_scale,
+    known_lag,
+    on_fused,
+    put_back,
+)
+from er_model_lab.level.level import Judged
+from er_model_lab.level.study import Lag, Opened, Study
+from er_model_lab.preflight.size import centre_notes
+from er_model_lab.problem.fit_store import Notes
+from er_model_lab.problem.fusion_facts import fusion_json
+from er_model_lab.problem.prepare import Problem, prepare
+from er_model_lab.records.dataset import Dataset
+from er_model_lab.records.duty_known import driven
+from er_model_lab.residual.errors import size_notes
+from er_model_lab.residual.excess import noise_at
+from er_model_lab.span.span import Span, spanned
+
+SMALLEST_LAG = 0.08
+"""Lag of the velocity channel that counts, in samples."""
+SURE_LAG = 8.0
+"""Standard deviations of a lag from which it is undone: they know of noise alone, and a wrong lag spoils all else."""
+
+
+class DamperLevel:
+    """The force of a damper along its measured motion."""
+
+    name = "damper"
+
+    def usable(self, data: Dataset) -> Dataset:
+        """Records whose duty is known, where others are driven."""
+        return driven(data)
+
+    def given(self, data: Dataset, model: Model) -> Opened:
+        """The data, fused, and what the model leaves of them."""
+        return opened(data, model)
+
+    def judged(self, data: Dataset, model: Model, seed: int) -> Judged:
+        """The same with the floor that the refitted model leaves, and what else is known of the data."""
+        asked = opened(data, model)
+        problem, given = asked.problem, asked.given
+        base = baseline(asked.searched, problem)
+        null = simulate_null(base, [], problem, seed)
+        floor = noise_floor(problem, base, null, seed)
+        further = beyond(model, problem, given)
+        sides = floors(problem, base.fit.residual, floor)
+        content = {
+            "floors": {name: side.as_json() for name, side in sides.items()},
+            "fusion": fusion_json(data.originals, problem),
+            "rmse_refitted": float(np.sqrt(base.mse)),
+            "beyond": further.as_json() if further else None,
+        }
+        notes = (*size_notes(problem, given), *centre_notes(data.originals, model))
+        return Judged(
+            asked, floor.floor, noise_at(problem, floor.floor, null.input_square), content, notes
+        )
+
+    def reach_notes(self, asked: Opened) -> tuple[str, ...]:
+        """What is said of motion and duty beyond those that the model was fitted to."""
+        found = beyond(asked.model, asked.problem, asked.given)
+        return (found.note(asked.model.name),) if found and found.matters else ()
+
+    def searched(
+        self, data: Dataset, model: Model, seed: int, rule: Rule, noted: Notes | None
+    ) -> Study:
+        """What the model lacks; a velocity channel that lags is undone first and named."""
+        asked = opened(data, model)
+        asked = replace(asked, problem=replace(asked.problem, noted=noted))
+        before = _as_measured(asked) if asked.lag else None
+        found = _restored(
+            search_effects(asked.searched, asked.problem, seed=seed, rule=rule), model
+        )
+        if asked.lag and before:
+            found = _with_lag(found, before, asked.lag, rule)
+        return Study(asked, found, before)
+
+    def added(self, data: Dataset, model: Model, effect: str, seed: int) -> Study:
+        """One effect judged alone; a lag of the velocity channel is undone whatever it is asked for."""
+        if effect == "velocity_lag":
+            return _with_asked_lag(data, model, seed)
+        asked = opened(data, model)
+        if asked.lag:
+            said = f"{_lagging(asked.lag)}: that is undone here, and the model does not hold it (add velocity_lag)"
+            asked = _noting(asked, said)
+        found = one_effect(asked.searched, asked.problem, effect, seed)
+        return Study(replace(asked, lag=None), _restored(found, model))
+
+    def finished(self, study: Study, seed: int) -> Model:
+        """Estimates free of the bias of noisy motion, with what was undone before put back."""
+        best, problem = study.diagnosis.best.fit, study.problem
+        bare = as_searched(best)
+        undone = set(KINEMATIC) - set(bare.effects)
+        found = study.opened.span.estimate(replace(best, model=bare), problem, seed)
+        found = with_unfelt(found, on_fused(study.model), problem)
+        return put_back(found, best.model, only=undone)
+
+    def particulars(self, study: Study) -> Mapping[str, Any]:
+        """On what the fused motion rests."""
+        return {"fusion": fusion_json(study.data.originals, study.problem)}
+
+
+def opened(data: Dataset, model: Model, *, any_lag: bool = False) -> Opened:
+    """The data fused, with the lag of the velocity channel undone where it is known, or certain.
+
+    any_lag: whatever lag deflection and accelerometers show is undone, however small or unsure.
+    """
+    scaled, bare = in_scale(data, model), on_fused(model)
+    problem, span, lag = _fused(scaled, known_lag(model), any_lag=any_lag)
+    given = np.asarray(problem.force - problem.predict(bare))
+    return Opened(data, model, bare, problem, span, given, lag)
+
+
+def _fused(
+    data: Dataset, known: float | None, *, any_lag: bool
+) -> tuple[Problem, Span, Lag | None]:
+    """The problem, and the lag that was found and undone; known: the lag that the model holds [s]."""
+    problem, found = prepare(data, velocity_lag=known), None
+    if known is None:
+        seen = problem.velocity_lag
+        if sure(seen, problem.motion.dt) or (any_lag and problem.kinematic_lag):
+            problem, found = prepare(data, velocity_lag=seen[0]), seen
+    return *spanned(problem, data), found
+
+
+def sure(lag: Lag, dt: float) -> bool:
+    """Whether a lag with its standard deviation [s] is there for certain, and counts at this sample time [s]."""
+    return abs(lag[0]) > max(SMALLEST_LAG * dt, SURE_LAG * lag[1])
+
+
+def _with_asked_lag(data: Dataset, model: Model, seed: int) -> Study:
+    """The lag of the velocity channel added, from the motion sensors where they show one, else from the force."""
+    asked = opened(data, model, any_lag=True)
+    if not asked.problem.measures_velocity:
+        first = data.records[0]
+        raise MissingChannel(
+            first.source or first.name, "deflection_velocity", "to see that it lags", tuple(first.channels)
+        )  # fmt: skip
+    if not asked.lag:
+        found = one_effect(asked.searched, asked.problem, "velocity_lag", seed)
+        return Study(asked, _restored(found, model))
+    before = _as_measured(asked)
+    found = _restored(one_effect(asked.searched, asked.problem, None, seed), model)
+    if sure(asked.lag, asked.problem.motion.dt):
+        return Study(asked, _with_lag(found, before, asked.lag, RULE), before)
+    return Study(asked, _beside_lag(found, before, asked.lag), before)
+
+
+def _noting(asked: Opened, note: str) -> Opened:
+    """The question with a note more."""
+    problem = replace(asked.problem, notes=(note, *asked.problem.notes))
+    return replace(asked, problem=problem)
+
+
+def _as_measured(asked: Opened) -> Candidate:
+    """The model refitted on the motion as the lagging channel shows it, where there is one: the error before."""
+    problem, m = asked.problem, asked.problem.motion
+    parts = [
+        c.z[:, 1] if c.has[1] else m.v[i:j]
+        for c, (i, j) in zip(problem.raw, pairwise(m.starts), strict=True)
+    ]
+    motion = replace(m, v=np.ascontiguousarray(np.concatenate(parts)))
+    return baseline(asked.searched, replace(problem, motion=motion))
+
+
+def _with_lag(found: Diagnosis, before: Candidate, lag: Lag, rule: Rule) -> Diagnosis:
+    """The diagnosis with the lag of the velocity channel as its first named effect."""
+    whole = _beside_lag(found, before, lag)
+    seen = replace(found.evidence, with_lag=whole.explained)
+    return replace(
+        whole, verdict=decide(seen, rule), evidence=seen, effects=("velocity_lag", *found.effects),
+        reasons=(_lagging(lag), *found.reasons),
+    )  # fmt: skip
+
+
+def _beside_lag(found: Diagnosis, before: Candidate, lag: Lag) -> Diagnosis:
+    """The diagnosis of a model that holds the lag of the velocity channel besides, whatever that is worth."""
+    best = found.best
+    model = best.fit.model.with_effect("velocity_lag", {"T_v": lag[0]})
+    model = replace(model, deviations={**model.deviations, "velocity_lag": {"T_v": lag[1]}})
+    to_explain, explained = shares(before.mse, best.mse, found.floor)
+    return replace(
+        found, base=before, best=replace(best, fit=replace(best.fit, model=model)),
+        explainable=to_explain, explained=explained,
+    )  # fmt: skip
+
+
+def _lagging(lag: Lag) -> str:
+    """What the sensors show of a lag with its standard deviation [s]."""
+    return f"the velocity channel lags deflection and accelerometers by {lag[0] * 1e3:.2f} +- {lag[1] * 1e3:.2f} ms"
+
+
+def _restored(found: Diagnosis, model: Model) -> Diagnosis:
+    """A diagnosis whose models hold again what `on_fused` left out."""
+    base = _kept(found.base, model)
+    return replace(
+        found, base=base, best=base if found.best is found.base else _kept(found.best, model)
+    )
+
+
+def _kept(candidate: Candidate, model: Model) -> Candidate:
+    """A candidate whose model still holds what `on_fused` left out."""
+    kept = put_back(candidate.fit.model, model)
+    return replace(candidate, fit=replace(candidate.fit, model=kept))

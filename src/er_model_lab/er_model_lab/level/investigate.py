@@ -1,0 +1,65 @@
+"""One question to one data set, whatever its level and its span: what does the model lack?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from er_models.errors import InputError
+from er_models.model import Model
+
+from er_model_lab.diagnosis.rule import RULE, Rule
+from er_model_lab.level.damper import DamperLevel
+from er_model_lab.level.level import Level
+from er_model_lab.level.study import Study, checked, told
+from er_model_lab.level.vehicle import VehicleLevel
+from er_model_lab.problem.fit_store import Notes
+from er_model_lab.problem.stretches import with_more
+from er_model_lab.records.dataset import Dataset
+
+LEVELS: dict[str, Level] = {level.name: level for level in (DamperLevel(), VehicleLevel())}
+
+
+def level_of(name: str) -> Level:
+    """The level of a name.
+
+    Raises:
+        InputError: There is none of that name.
+    """
+    if name not in LEVELS:
+        raise InputError("level", "", " or ".join(LEVELS), name)
+    return LEVELS[name]
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked: data, model and level, the seed of everything random, and when an effect is worth a name."""
+
+    data: Dataset
+    model: Model
+    level: Level
+    seed: int = 0
+    rule: Rule = RULE
+
+
+def investigate(asked: Question, noted: Notes | None = None) -> Study:
+    """What the model lacks; noted: fits made before, to which new ones are added.
+
+    What was found on stretches of long data is checked on all of them. Where the models do worse there, the worst
+    stretches join the others and the search is repeated, once.
+    """
+
+    def once(data: Dataset) -> Study:
+        level, model = asked.level, asked.model
+        return checked(level.searched(data, model, asked.seed, asked.rule, noted))
+
+    study = once(asked.data)
+    more = study.checked.missed if study.checked else []
+    if more and not study.diagnosis.interrupted:
+        study = once(with_more(asked.data, more))
+    return told(study, again=bool(more))
+
+
+def added(asked: Question, effect: str) -> Study:
+    """The model with one named effect, all refitted; of long data, checked on all of them."""
+    study = asked.level.added(asked.data, asked.model, effect, asked.seed)
+    return told(checked(study), again=False)

@@ -1,0 +1,61 @@
+"""All that differs between the levels of the lab: which data they take, how they open them, what they finish with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from er_models.model import Array, Model
+
+from er_model_lab.diagnosis.rule import Rule
+from er_model_lab.level.study import Opened, Study
+from er_model_lab.problem.fit_store import Notes
+from er_model_lab.records.dataset import Dataset
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A model as it is, held against data.
+
+    opened: the question, with what the model leaves; floor [N]; noise: mean square (n,) [N2] that noise makes of each
+    sample; content: what the result holds beyond errors and regions.
+    """
+
+    opened: Opened
+    floor: float
+    noise: Array
+    content: Mapping[str, Any]
+    notes: tuple[str, ...]
+
+
+class Level(Protocol):
+    """What is predicted of what."""
+
+    name: str
+
+    def usable(self, data: Dataset) -> Dataset:
+        """The records that this level can use."""
+
+    def given(self, data: Dataset, model: Model) -> Opened:
+        """The data and what a model leaves of them as it is."""
+
+    def judged(self, data: Dataset, model: Model, seed: int) -> Judged:
+        """The data and what a model leaves of them as it is, beside the noise."""
+
+    def reach_notes(self, asked: Opened) -> tuple[str, ...]:
+        """What is said of data that go beyond what the model was fitted to."""
+
+    def searched(
+        self, data: Dataset, model: Model, seed: int, rule: Rule, noted: Notes | None
+    ) -> Study:
+        """What a model lacks of the data; noted: fits made before, to which new ones are added."""
+
+    def added(self, data: Dataset, model: Model, effect: str, seed: int) -> Study:
+        """One named effect, judged alone."""
+
+    def finished(self, study: Study, seed: int) -> Model:
+        """The best model with estimates of everything that was fitted: values without bias, and deviations."""
+
+    def particulars(self, study: Study) -> Mapping[str, Any]:
+        """What the result of a diagnosis holds beside what every level tells."""

@@ -1,0 +1,88 @@
+"""The level of the vehicle: all outputs of a car, predicted from its road and duty."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from er_models.model import Model
+
+from er_model_lab.diagnosis.investigation import one_effect, search_effects
+from er_model_lab.diagnosis.rule import Rule
+from er_model_lab.fitting.envelope import with_unfelt
+from er_model_lab.fitting.fit import fit, with_deviations
+from er_model_lab.level.car_outputs import after, as_given, confounded, white
+from er_model_lab.level.level import Judged
+from er_model_lab.level.study import Opened, Study
+from er_model_lab.problem.fit_store import Notes
+from er_model_lab.problem.prepare import Problem
+from er_model_lab.records.dataset import Dataset
+from er_model_lab.residual.excess import noise_at
+from er_model_lab.span.span import All
+from er_model_lab.vehicle.ride_problem import open_ride, ride_as_given
+
+
+class VehicleLevel:
+    """Everything that was measured of a car."""
+
+    name = "vehicle"
+
+    def usable(self, data: Dataset) -> Dataset:
+        """All records."""
+        return data
+
+    def given(self, data: Dataset, model: Model) -> Opened:
+        """The data and what the model leaves of them; nothing but the starts of the blocks is fitted."""
+        problem, left = ride_as_given(data, model)
+        return Opened(data, model, model, problem, All(), left)
+
+    def judged(self, data: Dataset, model: Model, seed: int) -> Judged:
+        """The same with the white noise of the first output, and the errors of every output."""
+        del seed
+        asked = self.given(data, model)
+        problem, left = asked.problem, asked.given
+        floor = white(problem, left, 0)
+        content = {"level": self.name, "channels": as_given(problem, left)}
+        return Judged(asked, floor, noise_at(problem, floor, 0.0 * left), content, ())
+
+    def reach_notes(self, asked: Opened) -> tuple[str, ...]:
+        """Nothing: the reach of a car is not kept."""
+        del asked
+        return ()
+
+    def searched(
+        self, data: Dataset, model: Model, seed: int, rule: Rule, noted: Notes | None
+    ) -> Study:
+        """What the model lacks; sensors are simulated, nothing is undone before."""
+        problem, fitted = open_ride(data, model)
+        problem = replace(problem, noted=noted)
+        found = search_effects(fitted.model, problem, seed=seed, rule=rule)
+        return Study(_opened(data, model, problem), found)
+
+    def added(self, data: Dataset, model: Model, effect: str, seed: int) -> Study:
+        """One effect judged alone."""
+        problem, fitted = open_ride(data, model)
+        found = one_effect(fitted.model, problem, effect, seed)
+        return Study(_opened(data, model, problem), found)
+
+    def finished(self, study: Study, seed: int) -> Model:
+        """The fit brought to its end, with deviations."""
+        del seed
+        best, problem = study.diagnosis.best.fit, study.problem
+        found = with_deviations(fit(best.model, problem, tol=1e-7), problem)
+        return with_unfelt(found, study.model, problem)
+
+    def particulars(self, study: Study) -> Mapping[str, Any]:
+        """Errors of every output, and groups of parameters that the data cannot tell apart."""
+        return {
+            "level": self.name,
+            "channels": after(study),
+            "confounded": confounded(study.diagnosis.best.fit, study.problem),
+        }
+
+
+def _opened(data: Dataset, model: Model, problem: Problem) -> Opened:
+    """The question with what the model leaves as it was given."""
+    given = problem.force - problem.predict(model)
+    return Opened(data, model, model, problem, All(), given)

@@ -1,0 +1,111 @@
+"""What the lab would decide: noisy records of a program, and the lab's own decision on each."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from er_models.predict import Motion
+
+from er_model_lab.diagnosis.candidates import Candidate, baseline, refit
+from er_model_lab.diagnosis.null import simulate_null
+from er_model_lab.diagnosis.search import nested, passes, threshold, tied
+from er_model_lab.motion.fuse import channels_of, fuse
+from er_model_lab.planning.limits import Sensors
+from er_model_lab.planning.question import Question
+from er_model_lab.planning.virtual_rig import Run
+from er_model_lab.problem.prepare import Problem, prepare
+from er_model_lab.records.dataset import Dataset
+from er_model_lab.records.record import Record
+
+REPLICATES = 8
+TIED, NOTHING = "tied", "nothing"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How often the lab named which effect (or `tied`, `nothing`) where `truth` was true."""
+
+    truth: str
+    named: Mapping[str, int]
+
+    @property
+    def runs(self) -> int:
+        """Number of simulated measurements."""
+        return sum(self.named.values())
+
+    @property
+    def right(self) -> int:
+        """How often the truth alone was named."""
+        return self.named.get(self.truth, 0)
+
+
+def measured(made: Run, sensors: Sensors, rng: np.random.Generator, name: str) -> Record:
+    """A run as the rig's sensors would record it."""
+    sd = {
+        "deflection": sensors.deflection, "deflection_velocity": sensors.velocity,
+        "sprung_acceleration": sensors.acceleration, "unsprung_acceleration": sensors.acceleration,
+        "damper_force": sensors.force,
+    }  # fmt: skip
+    channels = {
+        k: y + sd.get(k, 0.0) * rng.standard_normal(y.size) for k, y in made.channels.items()
+    }
+    t = made.channels["t"]
+    return Record(name, t, {k: y for k, y in channels.items() if k != "t"})
+
+
+def again(problem: Problem, record: Record) -> Problem:
+    """The problem of another measurement of the same program, with the noise levels already found."""
+    c = record.channels
+    a = c["sprung_acceleration"] - c["unsprung_acceleration"]
+    raw = channels_of(record.dt, c["deflection"], c["deflection_velocity"], a).only(
+        problem.raw[0].has
+    )
+    fused = fuse(raw, problem.fused[0].noise)
+    m = problem.motion
+    motion = Motion(m.dt, fused.x, fused.v, fused.a if raw.has[2] else a, m.u, m.theta, m.starts)
+    return replace(problem, motion=motion, force=c["damper_force"], raw=(raw,), fused=(fused,))
+
+
+def decision(question: Question, problem: Problem, seed: int) -> str:
+    """The effect the lab names when it asks for these alone, or `tied`, or `nothing`."""
+    base = baseline(question.base, problem)
+    found = [refit(base, question.effect(n), problem) for n in question.names]
+    found.sort(key=lambda c: c.mse)
+    null = simulate_null(base, found, problem, seed, REPLICATES)
+    limit = threshold(null, float(np.sqrt(min(found[0].mse, base.mse))))
+    able = [c for c in found if passes(base, c, limit)]
+    return _named(base, able, problem, limit)
+
+
+def _named(base: Candidate, able: list[Candidate], problem: Problem, limit: float) -> str:
+    """One name, or a tie of forms that are not nested."""
+    if not able:
+        return NOTHING
+    group = tied(base, able, problem, limit)
+    apart = [c for c in group if c is group[0] or not nested(group[0], c, problem)]
+    return group[0].name if len(apart) == 1 else TIED
+
+
+def outcomes(
+    question: Question,
+    runs: Mapping[str, Run],
+    sensors: Sensors,
+    seeds: Iterable[int],
+    tick: Callable[[str], None] | None = None,
+) -> dict[str, Outcome]:
+    """The lab's decisions on measurements of every truth, one per seed."""
+    seeds, out, problem = list(seeds), dict[str, Outcome](), None
+    for truth, made in runs.items():
+        named = Counter[str]()
+        for seed in seeds:
+            rng = np.random.default_rng([seed, len(out)])
+            record = measured(made, sensors, rng, f"{truth} {seed}")
+            problem = prepare(Dataset.of([record])) if problem is None else again(problem, record)
+            named[decision(question, problem, seed)] += 1
+            if tick:
+                tick("simulated measurements")
+        out[truth] = Outcome(truth, dict(named))
+    return out

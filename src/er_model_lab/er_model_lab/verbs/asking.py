@@ -1,0 +1,54 @@
+"""What every verb is asked: from the user's data, model and wishes to a question that the lab can work on."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from er_models.model import Model
+
+from er_model_lab.command_line import command_line
+from er_model_lab.diagnosis.rule import RULE, Rule
+from er_model_lab.level.investigate import Question, level_of
+from er_model_lab.preflight.check import gate
+from er_model_lab.problem.stretches import shortened
+from er_model_lab.records.copies import check_apart
+from er_model_lab.records.dataset import Dataset
+from er_model_lab.records.load import fingerprint, told_apart
+from er_model_lab.versions import versions
+
+
+def question(
+    data: Dataset,
+    model: Model,
+    *,
+    held_out: Dataset | None = None,
+    level: str = "damper",
+    seed: int = 0,
+    rule: Rule = RULE,
+    anyway: bool = False,
+) -> Question:
+    """The question, on data that passed the preflight; of data too long to be searched whole, on stretches of them.
+
+    held_out: data that only score; anyway: data that fail the preflight are used all the same.
+
+    Raises:
+        InputError: data that fail it, that are learnt from and score, or a level that there is none of.
+        MissingChannel: a channel that the level needs.
+    """
+    chosen = level_of(level)
+    scored = () if held_out is None else held_out.records
+    both = Dataset.of(data.learn, (*data.score, *scored))
+    check_apart(both)
+    passed = both.with_records(gate(told_apart(list(both.records)), anyway=anyway))
+    return Question(shortened(chosen.usable(passed)), model, chosen, seed, rule)
+
+
+def provenance(data: Dataset, model: Model, seed: int) -> dict[str, Any]:
+    """Where a result comes from: data, model, seed and versions."""
+    records = data.originals
+    return {
+        "data": fingerprint(records), "records": [r.name for r in records], "model_file": model.file,
+        "model": model.digest(), "seed": seed, "versions": versions(), "command_line": command_line(),
+        "effects_from": {name: asdict(o) for name, o in model.catalogue.origins.items()},
+    }  # fmt: skip

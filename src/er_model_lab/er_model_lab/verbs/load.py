@@ -1,0 +1,38 @@
+"""Measurements and models from files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from er_models.model import Model
+from er_models.own import catalogue_with
+
+from er_model_lab.records import load as records
+from er_model_lab.records.dataset import Dataset
+from er_models import files
+
+
+def load(*paths: str | Path) -> Dataset:
+    """The records of files and folders: rosbag2 recordings, .csv, .parquet, .mf4; checked and repaired.
+
+    What was repaired, derived or left out stands in the notes of each record.
+
+    Raises:
+        InputError: A path that is absent, of unknown kind, empty, damaged, or implausible.
+        MissingChannel: A recording without any sensor topic.
+    """
+    return Dataset.of(records.load([Path(path) for path in paths]))
+
+
+def load_model(name: str | Path | Model, effects_from: Sequence[str | Path] = ()) -> Model:
+    """A model by its shipped name, or from a file; a model is returned as it is.
+
+    effects_from: Python files with effects of your own, which join the catalogue.
+
+    Raises:
+        InputError: No such model, or a file that holds none.
+    """
+    if isinstance(name, Model):
+        return name
+    return files.load_model(name, catalogue_with([Path(p) for p in effects_from]))
