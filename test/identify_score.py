@@ -16,6 +16,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.versions import versions
 from er_models.files import load_model
 from er_models.model import Model
@@ -61,7 +62,9 @@ def estimates(truth: Truth, seed: int, seconds: float, width: float = 0.0) -> li
     from er_model_lab.identification import identify
     from er_model_lab.identification.present import parameters
 
-    found = parameters(identify(program(truth, seed, seconds), started(truth, seed, width)))
+    found = parameters(
+        identify(Dataset.of(program(truth, seed, seconds)), started(truth, seed, width))
+    )
     flat = {name: entry for values in found.values() for name, entry in values.items()}
     return [
         Estimate(n, t, flat[n]["value"], np.nan if flat[n]["sd"] is None else flat[n]["sd"], flat[n]["status"])

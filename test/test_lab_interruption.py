@@ -10,10 +10,11 @@ from er_model_lab.cli import app, missing, running
 from er_model_lab.diagnosis import verdict
 from er_model_lab.diagnosis.candidates import baseline, refit
 from er_model_lab.diagnosis.resume import resume
-from er_model_lab.diagnosis.study import open_problem
 from er_model_lab.fitting import fit
+from er_model_lab.level.damper import opened
 from er_model_lab.problem.fit_store import packed, unpacked
 from er_model_lab.problem.forward import DamperForward
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.load import load
 from er_model_lab.vehicle.ride_problem import open_ride
 from er_models.files import load_model
@@ -145,7 +146,7 @@ def test_an_interruption_changes_nothing_in_the_end(
 
 def test_a_fit_is_made_once_and_is_the_same_again(stop_and_friction):
     model, noted = load_model(MODEL), {}
-    problem = replace(open_problem(load([stop_and_friction]), model)[0], noted=noted)
+    problem = replace(opened(Dataset.of(load([stop_and_friction])), model).problem, noted=noted)
     base = baseline(model, problem)
     stop = refit(base, model.catalogue["end_stop"], problem)
     made = dict(noted)
@@ -164,7 +165,7 @@ def test_a_fit_is_made_once_and_is_the_same_again(stop_and_friction):
 @pytest.mark.parametrize("more", [{}, {"max_iter": 3}, {"max_iter": 0}, {"target": 0.0}])
 def test_so_is_a_fit_to_a_car(tmp_path, more):
     data = load([write_ride(tmp_path / "ride.csv", seed=1, seconds=4.0)])
-    problem, base = open_ride(data, load_model(CAR))
+    problem, base = open_ride(Dataset.of(data), load_model(CAR))
     problem, grown = replace(problem, noted={}), base.model.with_effect("guide_friction")
     known = base.jacobian if more else None
     first, again = (fit.fit(grown, problem, known=known, **more) for _ in range(2))

@@ -8,6 +8,7 @@ that are here, shows what it means for them.
 import numpy as np
 import pytest
 from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.importers import import_data
 from er_model_lab.records.readers.mts import split
 from er_models.files import load_model
@@ -26,7 +27,9 @@ LEVELS = (0.0, 0.25, 0.5, 0.75, 1.0)
 def parts():
     records = import_data("mts", DATA)
     kinds = ("train", "held_out_sine", "held_out_sweep")
-    return {kind: prepare([r for r in records if split(r.name) == kind]) for kind in kinds}
+    return {
+        kind: prepare(Dataset.of([r for r in records if split(r.name) == kind])) for kind in kinds
+    }
 
 
 def dahl(x, z_y):

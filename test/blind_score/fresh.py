@@ -6,8 +6,9 @@ import itertools
 from pathlib import Path
 
 import numpy as np
-from er_model_lab.diagnosis.study import as_given, open_problem
+from er_model_lab.diagnosis.study import as_given
 from er_model_lab.fitting.data_reach import beyond
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.load import load
 from er_models.model import Model
 
@@ -28,7 +29,7 @@ def fresh_errors(case: Case, model: Model) -> dict[str, float | bool]:
     beyond: whether the lab would say that they go beyond what the model was fitted to.
     """
     records = load([Path(case.directory)])
-    problem, _ = open_problem(records, model)
+    problem = opened(Dataset.of(records), model).problem
     order = [int(name.rsplit("_", 1)[1]) - 1 for name in problem.names]
     motion = problem.motion
     channels = np.stack([motion.x, motion.v, motion.a], axis=1)

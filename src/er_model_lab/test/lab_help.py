@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_models.files import load_model
 from er_models.predict import motion, predict
@@ -48,4 +49,4 @@ def problem_of(
     if accelerometers:
         channels["sprung_acceleration"] = a + 0.025 * rng.standard_normal(n)
         channels["unsprung_acceleration"] = 0.025 * rng.standard_normal(n)
-    return model, prepare([Record("made", np.arange(n) * DT, channels)])
+    return model, prepare(Dataset.of([Record("made", np.arange(n) * DT, channels)]))

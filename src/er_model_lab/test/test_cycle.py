@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from er_model_lab.diagnosis.candidates import baseline, refit
 from er_model_lab.diagnosis.null import simulate_null
-from er_model_lab.diagnosis.study import open_problem
 from er_model_lab.diagnosis.verdict import diagnose
+from er_model_lab.level.damper import opened
 from er_model_lab.motion.repetition import cycle
 from er_model_lab.planning.suggest import suggestions
 from er_model_lab.preflight.check import preflight
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_models.files import load_model
 from er_models.predict import motion, predict
@@ -81,7 +82,7 @@ def sine_record(hidden=None, blur=1.0):
 
 def test_on_one_sine_nothing_is_certain():
     model, record = sine_record(("coulomb_friction", {"F_c": 0.8, "v_0": 0.01}))
-    problem, _ = open_problem([record], model)
+    problem = opened(Dataset.of([record]), model).problem
     found = diagnose(model, problem)
     assert found.coverage.curves == 1
     assert found.effects
@@ -93,7 +94,7 @@ def test_on_one_sine_nothing_is_certain():
 
 def test_what_fusion_misses_in_every_cycle_is_no_effect():
     model, record = sine_record(blur=5.0)
-    problem, _ = open_problem([record], model)
+    problem = opened(Dataset.of([record]), model).problem
     base, averaging = baseline(model, problem), replace(problem)
     vars(averaging)["cycles"] = ()
     rivals = [refit(base, model.catalogue["mount_compliance"], problem)]

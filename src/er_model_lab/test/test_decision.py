@@ -36,6 +36,7 @@ from er_model_lab.diagnosis.verdict import _alternatives, _standing, judge
 from er_model_lab.fitting.fit import fit
 from er_model_lab.problem.motion_error import drawn
 from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_model_lab.residual.errors import size_notes
 from er_model_lab.results.diagnosis import diagnosis_json
@@ -69,7 +70,7 @@ def test_without_a_deflection_drawn_motions_miss_the_true_one_about_its_middle()
         "duty": u,
         "damper_force": whole.force,
     }
-    problem = prepare([Record("velocity", np.arange(n) * 0.005, channels)])
+    problem = prepare(Dataset.of([Record("velocity", np.arange(n) * 0.005, channels)]))
     missed = np.std(x - problem.motion.x)
     shown = np.std([drawn(problem, rng).x - problem.motion.x for _ in range(4)])
     assert shown == pytest.approx(missed, rel=0.5)
@@ -162,7 +163,7 @@ def test_a_damper_that_stands_still_is_said_to_stand_still():
     rng, n = np.random.default_rng(0), 3000
     sizes = {"deflection": 2e-5, "deflection_velocity": 1e-3, "damper_force": FORCE_NOISE}
     noise = {name: size * rng.standard_normal(n) for name, size in sizes.items()}
-    still = prepare([Record("still", np.arange(n) * 0.005, noise)])
+    still = prepare(Dataset.of([Record("still", np.arange(n) * 0.005, noise)]))
     assert "stands still" in coverage(still).blocking[0]
     _, moving = problem_of(None, {}, seconds=6.0)
     assert not any("still" in text for text in coverage(moving).blocking)

@@ -5,6 +5,7 @@ import pytest
 from er_model_lab.diagnosis.floor_estimates import floors
 from er_model_lab.diagnosis.noise_floor import Floor
 from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_model_lab.residual.excess import noise_at, region_tables
 from er_models.files import load_model
@@ -99,7 +100,7 @@ def made(x, u, seed=0):
         "sprung_acceleration": a + 0.025 * rng.standard_normal(n),
         "unsprung_acceleration": 0.025 * rng.standard_normal(n),
     }
-    problem = prepare([Record("made", np.arange(n) * DT, channels)])
+    problem = prepare(Dataset.of([Record("made", np.arange(n) * DT, channels)]))
     return problem, problem.force - problem.predict(model)
 
 

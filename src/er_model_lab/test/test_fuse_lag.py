@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from er_model_lab.motion.fuse import as_measured
 from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 
 DT, N = 0.005, 3000
@@ -31,10 +32,10 @@ def lagging(lag, seed, noise=1.0):
 @pytest.mark.parametrize("lag", [0.0, 0.006, 0.02])
 def test_the_lag_and_the_motion_behind_it_are_found(lag):
     record, v, behind = lagging(lag, 3)
-    found, sd = prepare([record]).velocity_lag
+    found, sd = prepare(Dataset.of([record])).velocity_lag
     assert abs(found - lag) < 4.0 * sd
     assert sd < max(0.01 * lag, 5e-5)
-    problem = prepare([record], velocity_lag=lag)
+    problem = prepare(Dataset.of([record]), velocity_lag=lag)
     inner = slice(60, -60)
     assert np.std((problem.motion.v - v)[inner]) < 2.5e-4
     shown = as_measured(problem.fused[0], DT)[:, 1]

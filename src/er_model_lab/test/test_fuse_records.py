@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 
 DT = 0.005
@@ -31,7 +32,7 @@ def sine(frequency, amplitude, seed, seconds=6.0):
 def test_a_fast_record_beside_a_slow_one_keeps_its_velocity(slow_first):
     made = [sine(1.0, 0.009, 1), sine(4.0, 0.0055, 2), sine(2.0, 0.009, 3)]
     made = made if slow_first else made[::-1]
-    problem = prepare([record for record, _ in made])
+    problem = prepare(Dataset.of([record for record, _ in made]))
     for (i, j), (_, v) in zip(pairwise(problem.motion.starts), made, strict=True):
         inner = slice(20, -20)
         found, true = problem.motion.v[i:j][inner], v[inner]

@@ -8,6 +8,7 @@ from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.preflight.check import preflight
 from er_model_lab.preflight.usable_channels import use_findings
 from er_model_lab.problem.prepare import prepare, resampled
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.missing_channels import losses
 from er_model_lab.records.record import Part, Record
 from er_model_lab.records.sampling import with_velocity
@@ -69,7 +70,7 @@ def test_white_noise_is_that_beside_a_smooth_signal_and_knows_of_lost_samples():
 
 
 def test_each_bias_is_found_within_its_deviation_and_the_difference_far_better(rides):
-    found = biases(rides, prepare(rides).fused)
+    found = biases(rides, prepare(Dataset.of(rides)).fused)
     for name, truth in zip(ACCELERATIONS, BIAS, strict=True):
         value, sd = found[name]
         assert abs(value - truth) < 4.0 * sd
@@ -84,7 +85,7 @@ def test_each_bias_is_found_within_its_deviation_and_the_difference_far_better(r
 
 def test_what_cannot_be_known_is_said(rides):
     records = [without(r, ACCELERATIONS[1]) for r in rides]
-    said = fusion_json(records, prepare(records))
+    said = fusion_json(records, prepare(Dataset.of(records)))
     assert said["bias"]["relative"]["value"] is None
     assert said["bias"]["unsprung_acceleration"]["says"] == "channel absent"
     assert said["bias"]["sprung_acceleration"]["value"] == pytest.approx(BIAS[0], abs=0.03)
@@ -101,7 +102,7 @@ def test_what_cannot_be_known_is_said(rides):
 )  # fmt: skip
 def test_any_subset_gives_a_usable_motion(rides, gone, most):
     records = [without(r, *gone) for r in rides]
-    assert 0.9 < error(prepare(records)) < most
+    assert 0.9 < error(prepare(Dataset.of(records))) < most
     assert bool(losses(records)) is bool(gone)
 
 
@@ -109,7 +110,7 @@ def test_a_slow_record_beside_fast_ones_is_said_to_slow_them(rides):
     slow = Record("slow", rides[0].t[::2], {n: y[::2] for n, y in rides[0].channels.items()})
     (said,) = losses([*rides, slow])
     assert said.startswith("rates from 100 to 200 Hz")
-    assert prepare([*rides, slow]).motion.dt == pytest.approx(0.01)
+    assert prepare(Dataset.of([*rides, slow])).motion.dt == pytest.approx(0.01)
 
 
 @pytest.mark.parametrize("ratio", [2, 3, 4, 5])
@@ -139,27 +140,29 @@ def test_the_temperature_of_all_records_counts_from_one_reference(rides):
         replace(r, channels={**r.channels, "temperature": start + np.linspace(0.0, 1.0, n)})
         for r, start in zip(rides, (20.0, 60.0), strict=False)
     )
-    problem = prepare([rides[1], warm, hot])
+    problem = prepare(Dataset.of([rides[1], warm, hot]))
     assert [problem.motion.theta[k * n] for k in range(3)] == [0.0, 0.0, 40.0]
-    np.testing.assert_array_equal(prepare([hot]).motion.theta, hot.channels["temperature"] - 60.0)
+    np.testing.assert_array_equal(
+        prepare(Dataset.of([hot])).motion.theta, hot.channels["temperature"] - 60.0
+    )
     assert ("temperature", "K") in [
         (name, unit) for name, unit, _ in quantities(problem, problem.force)
     ]
     assert preflight([warm, hot]).have["warming"] == pytest.approx(41.0)
     late = replace(hot.slice(1000, n), part_of=Part((warm, hot), 2, 1, 1000))
-    assert prepare([late]).motion.theta[0] == pytest.approx(40.25, abs=1e-3)
+    assert prepare(Dataset.of([late])).motion.theta[0] == pytest.approx(40.25, abs=1e-3)
 
 
 def test_an_offset_of_the_velocity_does_not_carry_the_deflection_away():
-    problem = prepare([without(ride(3, offset=1e-3), "deflection")])
+    problem = prepare(Dataset.of([without(ride(3, offset=1e-3), "deflection")]))
     assert error(problem) < 2.2
     assert np.ptp(problem.motion.x) < 0.04
 
 
 def test_records_may_have_different_channels(rides):
-    whole = prepare(rides)
+    whole = prepare(Dataset.of(rides))
     poorer = without(ride(4, n=6000), *ACCELERATIONS)
-    mixed = prepare([*rides, poorer])
+    mixed = prepare(Dataset.of([*rides, poorer]))
     for own, other in zip(whole.fused, mixed.fused, strict=False):
         assert other.sd_v == pytest.approx(own.sd_v, rel=0.1)
         assert other.bias == pytest.approx(own.bias, abs=3e-3)
@@ -173,7 +176,7 @@ def test_accelerations_alone_are_not_enough_and_by_how_much(rides):
     with pytest.raises(
         MissingChannel, match=r"or deflection_velocity.* may drift by 1[0-9] mm/s in 20 s"
     ):
-        prepare(alone)
+        prepare(Dataset.of(alone))
     found = preflight(alone, levels=True)
     assert (found.verdict, found.failures[0].check) == ("not_usable", "channels")
     u = alone[0].channels["duty"]
@@ -186,7 +189,7 @@ def test_accelerations_alone_are_not_enough_and_by_how_much(rides):
 def test_records_that_each_lack_another_channel_know_the_noise_of_both(rides):
     slow = without(rides[0], "deflection_velocity")
     blind = without(rides[1], *ACCELERATIONS).slice(0, 3000)
-    mixed = prepare([slow, blind])
+    mixed = prepare(Dataset.of([slow, blind]))
     assert mixed.noise.v == pytest.approx(1e-3, rel=0.15)
-    alone = prepare([blind])
+    alone = prepare(Dataset.of([blind]))
     assert mixed.fused[1].sd_v == pytest.approx(alone.fused[0].sd_v, rel=0.15)

@@ -16,6 +16,7 @@ from er_model_lab.identification.roles import roles, static
 from er_model_lab.identification.stretches import levels, stretches
 from er_model_lab.identification.visibility import imitators, visibility
 from er_model_lab.problem.prepare import Problem, prepare
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_models.files import load_model
 from er_models.model import Model
@@ -44,7 +45,7 @@ def problem_of(model: Model, duty: np.ndarray) -> Problem:
     m = moved(duty)
     force = predict(model, m)
     channels = {"deflection": m.x, "deflection_velocity": m.v, "duty": duty, "damper_force": force}
-    made = prepare([Record("r", np.arange(m.n) * DT, channels)])
+    made = prepare(Dataset.of([Record("r", np.arange(m.n) * DT, channels)]))
     return learn_from_all(replace(made, motion=m), sealed=0)
 
 

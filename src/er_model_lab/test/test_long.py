@@ -13,6 +13,7 @@ from er_model_lab.fitting.fit import fit
 from er_model_lab.planning import question
 from er_model_lab.problem import stretches
 from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.load import fingerprint, load
 from er_model_lab.records.record import Record
 from er_model_lab.records.write import write_parquet
@@ -55,7 +56,7 @@ def short(monkeypatch):
 
 def test_ordinary_data_are_searched_whole():
     records = [made(20.0), made(20.0, seed=2)]
-    assert stretches.shortened(records, 1) == (records, 1)
+    assert stretches.shortened(Dataset.of(records), 1) == (records, 1)
 
 
 def test_the_one_visit_to_a_corner_is_among_what_is_searched(short):
@@ -65,17 +66,17 @@ def test_the_one_visit_to_a_corner_is_among_what_is_searched(short):
     x[rows] *= 3.0
     u[rows] = 0.3
     record = Record("run", record.t, {**record.channels, "deflection": x, "duty": u})
-    pieces, _ = stretches.shortened([record])
+    pieces, _ = stretches.shortened(Dataset.of([record]))
     assert sum(map(len, pieces)) <= 6000
     firsts = [p.part_of.first for p in pieces]
     assert any(i <= 26500 and i + 2500 >= 26600 for i in firsts), firsts
-    assert stretches.shortened([record])[0][0].name == pieces[0].name
+    assert stretches.shortened(Dataset.of([record]))[0][0].name == pieces[0].name
 
 
 def test_what_heats_remembers_the_whole_record(short):
     truth = load_model(GUO).with_effect("self_heating", HEAT)
-    pieces, _ = stretches.shortened([made(200.0, truth)])
-    alone = prepare(pieces)
+    pieces, _ = stretches.shortened(Dataset.of([made(200.0, truth)]))
+    alone = prepare(Dataset.of(pieces))
     problem = on_whole(alone, pieces)
     late = problem.used & (problem.extra[-1][1] > 100.0)
     here, rest = (float(np.std((p.force - p.predict(truth))[late])) for p in (problem, alone))
@@ -90,8 +91,8 @@ def test_a_stretch_that_was_not_searched_and_fails_is_searched_next(short):
     force = record.channels["damper_force"].copy()
     force[unseen.i : unseen.j] += 4.0
     record = Record("run", record.t, {**record.channels, "damper_force": force})
-    pieces, _ = stretches.shortened([record])
-    problem = on_whole(prepare(pieces), pieces)
+    pieces, _ = stretches.shortened(Dataset.of([record]))
+    problem = on_whole(prepare(Dataset.of(pieces)), pieces)
     found = checked(problem, problem.force - problem.predict(model), given=model)
     assert found.missed == [unseen]
     said = long_json(found, again=False)
@@ -153,7 +154,7 @@ def test_a_plan_undoes_the_gain_that_the_model_knows(tmp_path):
 
 def test_stretches_searched_before_stay_when_more_join_them(short):
     record = made(200.0)
-    pieces, _ = stretches.shortened([record])
+    pieces, _ = stretches.shortened(Dataset.of([record]))
     seen = {p.part_of.first for p in pieces}
     fresh = [p for p in stretches.places_of([record]) if p.i not in seen]
     more, _ = stretches.with_more(pieces, fresh[:1])
@@ -163,7 +164,7 @@ def test_stretches_searched_before_stay_when_more_join_them(short):
 
 def test_standstill_at_the_beginning_does_not_spoil_the_motion():
     model, record = load_model(GUO), made(40.0, still=20.0)
-    problem = prepare([record])
+    problem = prepare(Dataset.of([record]))
     moving = problem.used & (problem.motion.t > 21.0)
     assert np.std((problem.force - problem.predict(model))[moving]) < 0.2
 
@@ -176,7 +177,7 @@ def test_a_record_left_out_is_predicted_from_the_others():
         made(20.0, seed=2, name="b"),
         made(20.0, odd, seed=3, name="odd"),
     ]
-    problem = prepare(records)
+    problem = prepare(Dataset.of(records))
     base = baseline(model.with_effect("preload", {"F_0": 0.1}), problem)
 
     class Found:
@@ -191,7 +192,7 @@ def test_a_record_left_out_is_predicted_from_the_others():
     truly = np.sqrt(np.mean(alone.residual[last] ** 2))
     assert found["odd"]["rmse_left_out"] == pytest.approx(truly, rel=0.02)
     assert found["odd"]["rmse_left_out"] > 1.2 * found["odd"]["rmse_after"]
-    assert by_record(Found, prepare(records[:1]), records[:1]) == []
+    assert by_record(Found, prepare(Dataset.of(records[:1])), records[:1]) == []
 
 
 def problem_of_rows(problem, rows):

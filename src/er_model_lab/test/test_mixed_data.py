@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from er_model_lab.cli.app import app
 from er_model_lab.preflight.check import preflight
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.duty_known import driven
 from er_model_lab.records.record import Record
 from er_model_lab.records.write import write_csv
@@ -32,12 +33,12 @@ def record(name="run", seed=1, duty=1.0, without=(), force=1.0, zero=0.0, second
 
 def test_a_record_without_duty_beside_driven_ones_is_left_out():
     known, blind = record("known"), record("blind", 2, without=("duty",))
-    (kept,), sealed = driven([known, blind], 0)
+    (kept,), sealed = driven(Dataset.of([known, blind]), 0)
     assert (kept.name, kept.complete, sealed) == ("known", False, 0)
     assert kept.notes[-1].startswith(
         "blind: left out, as the duty is missing and others are driven"
     )
-    kept, sealed = driven([known, blind, record("more", 3), blind], 2)
+    kept, sealed = driven(Dataset.of([known, blind, record("more", 3), blind]), 2)
     assert ([r.name for r in kept], sealed) == (["known", "more"], 1)
 
 
@@ -45,7 +46,7 @@ def test_a_record_without_duty_beside_driven_ones_is_left_out():
 def test_where_no_record_is_driven_none_is_left_out(duty):
     off = record("off", duty=0.0) if duty is not None else record("off", without=("duty",))
     records = [off, record("blind", 2, without=("duty",))]
-    assert driven(records, 1) == (records, 1)
+    assert driven(Dataset.of(records), 1) == (records, 1)
 
 
 @pytest.mark.parametrize("sealed", [0, 1])
@@ -54,7 +55,7 @@ def test_without_a_duty_in_what_is_learnt_from_or_scores_nothing_can_be_said(sea
     if not sealed:
         records, sealed = records[::-1], 1
     with pytest.raises(MissingChannel, match="'duty' is needed since others are driven"):
-        driven(records, sealed)
+        driven(Dataset.of(records), sealed)
 
 
 def test_the_command_says_so_and_ends_with_incomplete(tmp_path):

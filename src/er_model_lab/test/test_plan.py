@@ -22,6 +22,7 @@ from er_model_lab.planning.simulated_decision import NOTHING, TIED, decision, me
 from er_model_lab.planning.suggest import suggestions
 from er_model_lab.planning.virtual_rig import run_all
 from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.dataset import Dataset
 from er_models.errors import ErError, InputError
 from er_models.files import load_model
 from er_models.model import Model
@@ -201,7 +202,7 @@ def test_the_lab_names_ties_and_nothing_as_it_does_elsewhere() -> None:
         ready = piece.scaled(Segment(road, duty, 15.0, tones=(1.3, 3.1, 7.7)), found)
         assert ready is not None
         record = measured(ready[1]["dead_time"], found.sensors, np.random.default_rng(1), "r")
-        named[level] = decision(found.rivals.question, prepare([record]), 0)
+        named[level] = decision(found.rivals.question, prepare(Dataset.of([record])), 0)
     assert named[0.0] == "dead_time"
     assert named[0.3] in (TIED, NOTHING)
 
@@ -249,7 +250,7 @@ def test_with_data_the_effects_are_as_they_are_fitted_to_them() -> None:
     program = program_of([Segment(road, {"kind": "steps"}, 15.0)], limits, seed=0, car=False)
     sensors, _ = sensors_of(base, None)
     made = run_all({"": truth}, program, DT)[""]
-    problem = prepare([measured(made, sensors, np.random.default_rng(0), "r")])
+    problem = prepare(Dataset.of([measured(made, sensors, np.random.default_rng(0), "r")]))
     known, source = sensors_of(base, problem)
     assert source == "the data"
     assert known.force == pytest.approx(0.15, rel=0.3)
@@ -417,4 +418,7 @@ def test_the_whole_lab_names_the_truth_from_the_planned_program_only(truth: str)
             assert diagnosis.verdict == "missing_effect"
             assert diagnosis.effects == (truth,)
         else:
-            assert decision(found.rivals.question, prepare([record]), 0) in (TIED, NOTHING)
+            assert decision(found.rivals.question, prepare(Dataset.of([record])), 0) in (
+                TIED,
+                NOTHING,
+            )

@@ -9,6 +9,7 @@ from er_model_lab.diagnosis.candidates import baseline, refit_all
 from er_model_lab.problem import subset
 from er_model_lab.problem.forward import DamperForward
 from er_model_lab.problem.prepare import Problem, prepare
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_models.files import load_model
 from er_models.predict import motion, predict
@@ -39,7 +40,7 @@ def runs():
 
 @pytest.fixture(scope="module")
 def prepared():
-    return prepare(runs())
+    return prepare(Dataset.of(runs()))
 
 
 @pytest.fixture
@@ -73,7 +74,7 @@ def test_runs_held_out_are_never_practised_on(many, monkeypatch):
 def test_few_or_single_runs_are_fitted_as_they_are(prepared, monkeypatch):
     assert prepared.practice is None
     monkeypatch.setattr(subset, "MANY", 10.0)
-    alone = prepare(runs()[:1])
+    alone = prepare(Dataset.of(runs()[:1]))
     assert alone.motion.n * alone.motion.dt > subset.MANY
     assert alone.practice is None
 

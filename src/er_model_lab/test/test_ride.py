@@ -11,6 +11,7 @@ from er_model_lab.diagnosis.noise_floor import noise_floor
 from er_model_lab.diagnosis.null import simulate_null
 from er_model_lab.problem import stretches
 from er_model_lab.problem.held_out import FOLDS
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_model_lab.results.ride_result import confounded
 from er_model_lab.vehicle.ride import CHANNELS, SETTLE
@@ -53,7 +54,7 @@ def hidden():
 
 @pytest.fixture(scope="module")
 def opened():
-    return open_ride([ride()], load_model(CAR))
+    return open_ride(Dataset.of([ride()]), load_model(CAR))
 
 
 def test_a_record_that_begins_in_motion_leaves_its_noise_alone(opened):
@@ -73,8 +74,8 @@ def test_a_record_that_begins_in_motion_leaves_its_noise_alone(opened):
 def test_a_ride_too_short_for_its_blocks_to_settle_is_refused():
     short = ride(seconds=2.0)
     with pytest.raises(InputError, match=r"expected 3 s at least, with 100 samples to fit"):
-        open_ride([short], load_model(CAR))
-    folds = open_ride([ride(seconds=3.5)], load_model(CAR))[0].fold
+        open_ride(Dataset.of([short]), load_model(CAR))
+    folds = open_ride(Dataset.of([ride(seconds=3.5)]), load_model(CAR))[0].fold
     assert np.unique(folds[folds >= 0]).size == FOLDS
 
 
@@ -82,8 +83,8 @@ def test_what_of_long_and_uneven_rides_is_not_used_is_said(monkeypatch):
     monkeypatch.setattr(stretches, "LONG", 4000)
     monkeypatch.setattr(stretches, "USED", 5200)
     rides = [ride(seconds=14.0), ride(seed=2, seconds=14.0, without=("deflection",))]
-    pieces, _ = stretches.shortened(rides)
-    problem, _ = open_ride(pieces, load_model(CAR))
+    pieces, _ = stretches.shortened(Dataset.of(rides))
+    problem, _ = open_ride(Dataset.of(pieces), load_model(CAR))
     assert any("of 28 s searched, in" in note for note in problem.notes)
     assert "deflection is not used: 1 of 2 records lack it" in problem.notes
     assert len(set(problem.notes)) == len(problem.notes)
@@ -100,7 +101,7 @@ def test_starts_suit_every_model_and_are_not_scored(opened):
         here, there = problem.predict(model), moved.predict(problem, model)
         assert np.std(here - there) < 0.05 * problem.sd_force
     assert len(list(problem.forward.blocks())) == 1
-    longer = open_ride([ride(seconds=21.0)], load_model(CAR))[0]
+    longer = open_ride(Dataset.of([ride(seconds=21.0)]), load_model(CAR))[0]
     assert len(list(longer.forward.blocks())) == 2
 
 
@@ -119,7 +120,7 @@ def test_a_known_car_comes_back_with_its_deviations(opened):
 def test_two_springs_are_one_where_the_force_is_not_measured(opened):
     problem, fitted = opened
     assert confounded(fitted, problem) == []
-    blind, fit = open_ride([ride(without=("damper_force",))], load_model(CAR))
+    blind, fit = open_ride(Dataset.of([ride(without=("damper_force",))]), load_model(CAR))
     groups = confounded(fit, blind)
     assert any({"passive.k0", "quarter_car.k_s"} <= set(group) for group in groups)
     assert blind.sd_force == pytest.approx(2.27 * 0.025, rel=0.1)
@@ -233,7 +234,7 @@ def test_a_damper_alone_cannot_ride(tmp_path):
 
 def test_a_wheel_that_leaves_the_road_is_found_in_its_narrow_valley():
     flying = load_model(CAR).with_effect("tyre_lift_off", {"r": 0.6})
-    problem, fitted = open_ride([ride(seconds=7.0, truth=flying)], load_model(CAR))
+    problem, fitted = open_ride(Dataset.of([ride(seconds=7.0, truth=flying)]), load_model(CAR))
     found = refit(
         baseline(fitted.model, problem), fitted.model.catalogue["tyre_lift_off"], problem
     )

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.diagnosis.study import open_problem
 from er_model_lab.diagnosis.verdict import diagnose
 from er_model_lab.fitting.velocity_channel import on_fused
+from er_model_lab.level.damper import opened
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_models.files import load_model
 from er_models.program import load_program, resolve, times
@@ -32,7 +33,7 @@ def rough():
     noisy = {name: run[name] + sd * rng.standard_normal(t.size) for name, sd in NOISE.items()}
     record = Record("rough", t, noisy | {"duty": duty})
     model = load_model(CONFIG / "dampers/inove_guo.yaml")
-    return run["deflection_velocity"], model, open_problem([record], model, 0)[0]
+    return run["deflection_velocity"], model, opened(Dataset.of([record]), model, 0).problem
 
 
 def test_the_velocity_is_as_uncertain_as_it_is_said_to_be(rough):

@@ -19,6 +19,7 @@ from er_model_lab.diagnosis.study import (
 from er_model_lab.fitting.velocity_channel import put_back
 from er_model_lab.problem import stretches
 from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_models.errors import MissingChannel
@@ -56,7 +57,7 @@ def test_the_lag_can_be_added_whether_it_is_there_or_not(lag):
     assert ("velocity_lag" in study.diagnosis.effects) is (lag > 0.0)
     (told,) = diagnosis_json(study, found)["candidates"]
     assert told["status"] == ("present" if lag else "absent")
-    problem, seen = open_problem([record(lag=lag)], found)
+    problem, seen = open_problem(Dataset.of([record(lag=lag)]), found)
     assert seen is None
     assert np.std(as_given(found, problem)[problem.used]) < 1.1 * FORCE_NOISE
 
@@ -72,8 +73,8 @@ def test_of_a_velocity_alone_the_lag_is_read_off_the_force():
     only = record(lag=0.004, without=("deflection", *ACCELERATIONS))
     found = final_model(add_effect([only], load_model(GUO), "velocity_lag", seed=0))
     assert found.value("velocity_lag", "T_v") == pytest.approx(0.004, rel=0.2)
-    problem, _ = open_problem([only], found)
-    plain, _ = open_problem([only], load_model(GUO))
+    problem = opened(Dataset.of([only]), found).problem
+    plain = opened(Dataset.of([only]), load_model(GUO)).problem
     left = [
         np.std(as_given(m, p)[p.used]) for m, p in ((found, problem), (load_model(GUO), plain))
     ]
@@ -82,7 +83,7 @@ def test_of_a_velocity_alone_the_lag_is_read_off_the_force():
 
 def test_a_channel_that_was_not_measured_does_not_lag():
     model, blind = load_model(GUO), record(without=("deflection_velocity", *ACCELERATIONS))
-    assert "velocity_lag" not in {e.name for e in missing(model, prepare([blind]))}
+    assert "velocity_lag" not in {e.name for e in missing(model, prepare(Dataset.of([blind])))}
     with pytest.raises(
         MissingChannel, match="'deflection_velocity' is needed to see that it lags"
     ):
@@ -91,7 +92,7 @@ def test_a_channel_that_was_not_measured_does_not_lag():
 
 def test_one_record_that_can_show_a_lag_is_enough():
     blind = record(without=("deflection_velocity",), seed=2, name="blind", seconds=20.0)
-    problem = prepare([blind, record(lag=0.004)])
+    problem = prepare(Dataset.of([blind, record(lag=0.004)]))
     assert problem.velocity_lag[0] == pytest.approx(0.004, rel=0.05)
     assert "velocity_lag" not in {e.name for e in missing(load_model(GUO), problem)}
 
@@ -105,7 +106,7 @@ def test_a_model_that_is_written_keeps_gain_and_lag_of_the_velocity(heat, monkey
         monkeypatch.setattr(stretches, "LONG", 2500)
         monkeypatch.setattr(stretches, "USED", 2400)
         effect = "self_heating"
-    pieces, _ = stretches.shortened([data])
+    pieces, _ = stretches.shortened(Dataset.of([data]))
     found = final_model(add_effect(pieces, given, effect, seed=0))
     for name in ("velocity_gain", "velocity_lag"):
         assert found.effects[name] == given.effects[name]
@@ -115,7 +116,7 @@ def test_a_model_that_is_written_keeps_gain_and_lag_of_the_velocity(heat, monkey
 def test_the_error_before_is_that_of_the_fused_motion_where_no_velocity_was_measured():
     model = load_model(GUO)
     blind = record(without=("deflection_velocity",), seed=2, name="blind")
-    problem, lag = open_problem([record(lag=0.006), blind], model)
+    problem, lag = open_problem(Dataset.of([record(lag=0.006), blind]), model)
     before, after = (
         _as_measured(model, problem).fit.residual,
         baseline(model, problem).fit.residual,
@@ -131,7 +132,7 @@ def test_the_error_before_is_that_of_the_fused_motion_where_no_velocity_was_meas
 def plain():
     """A model, six seconds of it, and a diagnosis that tried nothing."""
     model = load_model(GUO)
-    problem, _ = open_problem([record(seconds=6.0)], model)
+    problem = opened(Dataset.of([record(seconds=6.0)]), model).problem
     return model, problem, diagnose_one(model, problem, None, 0)
 
 
