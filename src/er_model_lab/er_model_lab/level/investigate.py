@@ -12,6 +12,7 @@ from er_model_lab.level.damper import DamperLevel
 from er_model_lab.level.level import Level
 from er_model_lab.level.study import Study, checked, told
 from er_model_lab.level.vehicle import VehicleLevel
+from er_model_lab.preflight.check import Preflight
 from er_model_lab.problem.fit_store import Notes
 from er_model_lab.problem.stretches import with_more
 from er_model_lab.records.dataset import Dataset
@@ -32,11 +33,16 @@ def level_of(name: str) -> Level:
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked: data, model and level, the seed of everything random, and when an effect is worth a name."""
+    """What is asked.
+
+    data: what is searched; preflight: what was found wrong with them, and what they cover; seed: of everything random;
+    rule: when an effect is worth a name.
+    """
 
     data: Dataset
     model: Model
     level: Level
+    preflight: Preflight
     seed: int = 0
     rule: Rule = RULE
 

@@ -135,21 +135,27 @@ def _reach(model: Model | None, seen: excitation.Reach) -> excitation.Reach:
     return replace(seen, **given, known_from="the model's rig") if given else seen  # type: ignore[arg-type]
 
 
-def gate(records: list[Record], *, anyway: bool) -> list[Record]:
+def gate(found: Preflight, records: Sequence[Record], *, anyway: bool) -> list[Record]:
     """The records when nothing is wrong with them; marked incomplete, with notes, when the user wants to go on.
 
-    Raises `InputError` at the first failure, with what to do.
+    Raises:
+        InputError: The first failure, with what to do.
     """
-    out = []
-    for record in records:
-        failures = [f for f in findings(record) if f.level == "fail"]
-        if failures and not anyway:
-            f = failures[0]
-            more = f" (and {len(failures) - 1} more; lab check)" if len(failures) > 1 else ""
-            where = f"{f.source}: {f.channel}" if f.channel else f.source
-            raise InputError(
-                where, f.check, f.expected, f"{f.found}{more}; {f.remedy}; anyway=True goes on"
-            )
-        notes = [f"{f.channel}: expected {f.expected}, found {f.found}" for f in failures]
-        out.append(replace(record, complete=False).noted(*notes) if failures else record)
-    return out
+    failures = found.failures
+    if failures and not anyway:
+        f = failures[0]
+        others = sum(each.record == f.record for each in failures) - 1
+        more = f" (and {others} more; lab check)" if others else ""
+        where = f"{f.source}: {f.channel}" if f.channel else f.source
+        raise InputError(
+            where, f.check, f.expected, f"{f.found}{more}; {f.remedy}; anyway=True goes on"
+        )
+    return [
+        _marked(record, [f for f in failures if f.record == record.name]) for record in records
+    ]
+
+
+def _marked(record: Record, failures: Sequence[Finding]) -> Record:
+    """A record with what is wrong with it in its notes."""
+    notes = [f"{f.channel}: expected {f.expected}, found {f.found}" for f in failures]
+    return replace(record, complete=False).noted(*notes) if failures else record

@@ -25,33 +25,15 @@ MUCH_MORE = 1.5
 """Held-out error over that of the data learnt from, from which a note says so."""
 
 
-def unseen(study: Study) -> tuple[str, ...]:
-    """A note where the model leaves much more of the held-out data than of those it was made with."""
-    after, problem = study.diagnosis.best.fit.residual, study.problem
-    train, held = (errors(problem, after, rows).rmse for rows in (problem.train, problem.held_out))
-    if not held > MUCH_MORE * train:
-        return ()
-    return (
-        f"{held:.3g} N are left of the held-out data, {train:.3g} N of those learnt from: "
-        "something may act there that the others do not show; more records would tell",
-    )
-
-
-def notes(study: Study) -> tuple[str, ...]:
-    """What to know of the data and of the model as it was given: a force in kN fits a model as well as one in N."""
-    problem = study.problem
-    size = size_notes(problem, study.opened.given) if problem.fused else ()
-    return (*size, *unseen(study), *problem.notes)
-
-
 def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
     """The contract's JSON of `diagnose`, `add` and `improve`."""
     found, problem = study.diagnosis, study.problem
+    left = _errors(study)
     return {
         "verdict": found.verdict,
         "effects": list(found.effects),
         "alternatives": [list(group) for group in found.alternatives],
-        **_errors(study),
+        **left,
         "explainable": found.explainable,
         "explained": found.explained,
         "candidates": candidates(study, model_after),
@@ -68,7 +50,7 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         },
         "coverage": _coverage(found.coverage),
         "model": model_after.name,
-        "notes": list(notes(study)),
+        "notes": [*_sizes(study), *_unseen(left["rmse_after"]), *problem.notes],
         "complete": problem.complete,
     }  # fmt: skip
 
@@ -76,22 +58,34 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
 def _errors(study: Study) -> dict[str, Any]:
     """Errors of the model as given, refitted and after, on both kinds of data, and the floors under them [N]."""
     found, problem = study.diagnosis, study.problem
-    floor, after = found.floor.first, found.best.fit.residual
-    train, held = (
-        errors(problem, found.base.fit.residual, rows)
-        for rows in (problem.train, problem.held_out)
+    rows = {"train": problem.train, "held_out": problem.held_out}
+    base, after = (
+        {name: errors(problem, fitted.fit.residual, mask) for name, mask in rows.items()}
+        for fitted in (found.base, found.best)
     )
     return {
-        "noise_floor": floor.held_out,
-        "noise_floor_train": floor.floor,
-        "rmse": {"train": train.rmse, "held_out": held.rmse},
-        "nrmse": {"train": train.nrmse, "held_out": held.nrmse},
+        "noise_floor": found.floor.first.held_out,
+        "noise_floor_train": found.floor.first.floor,
+        "rmse": {name: e.rmse for name, e in base.items()},
+        "nrmse": {name: e.nrmse for name, e in base.items()},
         "rmse_as_given": errors(problem, study.opened.given, problem.held_out).rmse,
-        "rmse_after": {
-            "train": errors(problem, after, problem.train).rmse,
-            "held_out": errors(problem, after, problem.held_out).rmse,
-        },
+        "rmse_after": {name: e.rmse for name, e in after.items()},
     }
+
+
+def _sizes(study: Study) -> tuple[str, ...]:
+    """A note where the model as it was given is of another size: a force in kN fits a model as well as one in N."""
+    return size_notes(study.problem, study.opened.given) if study.problem.fused else ()
+
+
+def _unseen(left: dict[str, float]) -> tuple[str, ...]:
+    """A note where the model leaves much more of the held-out data than of those it was made with."""
+    if not left["held_out"] > MUCH_MORE * left["train"]:
+        return ()
+    return (
+        f"{left['held_out']:.3g} N are left of the held-out data, {left['train']:.3g} N of those learnt from: "
+        "something may act there that the others do not show; more records would tell",
+    )
 
 
 def _unexplained(study: Study) -> dict[str, Any]:

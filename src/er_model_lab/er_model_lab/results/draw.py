@@ -18,7 +18,6 @@ from er_model_lab.problem.prepare import Problem
 from er_model_lab.residual.excess import noise_at, region_tables
 from er_model_lab.residual.region import RegionTable
 from er_model_lab.results.candidate import reason
-from er_model_lab.results.diagnosis import notes
 from er_model_lab.results.values import headline
 from er_model_lab.view import CandidateView, RecordView, View
 
@@ -106,5 +105,5 @@ def study_view(
     return View(
         command=command, model=study.model.name, headline=line, result=result, records=record_views(study),
         candidates=candidate_views(study, result),
-        notes=(*notes(study), *found.coverage.hints), provenance=provenance,
+        notes=(*result["notes"], *found.coverage.hints), provenance=provenance,
     )  # fmt: skip

@@ -10,7 +10,7 @@ from er_models.model import Model
 from er_model_lab.command_line import command_line
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.level.investigate import Question, level_of
-from er_model_lab.preflight.check import gate
+from er_model_lab.preflight.check import gate, preflight
 from er_model_lab.problem.stretches import shortened
 from er_model_lab.records.copies import check_apart
 from er_model_lab.records.dataset import Dataset
@@ -40,8 +40,10 @@ def question(
     scored = () if held_out is None else held_out.records
     both = Dataset.of(data.learn, (*data.score, *scored))
     check_apart(both)
-    passed = both.with_records(gate(told_apart(list(both.records)), anyway=anyway))
-    return Question(shortened(chosen.usable(passed)), model, chosen, seed, rule)
+    records = told_apart(list(both.records))
+    found = preflight(records, model, model.catalogue)
+    passed = both.with_records(gate(found, records, anyway=anyway))
+    return Question(shortened(chosen.usable(passed)), model, chosen, found, seed, rule)
 
 
 def provenance(data: Dataset, model: Model, seed: int) -> dict[str, Any]:

@@ -11,7 +11,6 @@ from er_model_lab.blas import on_one_thread
 from er_model_lab.level.investigate import Question
 from er_model_lab.level.level import Judged
 from er_model_lab.level.study import Opened
-from er_model_lab.preflight.check import preflight
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.load import fingerprint
 from er_model_lab.residual.excess import region_tables
@@ -58,10 +57,9 @@ def _content(
     asked: Question, judged: Judged, tables: tuple[RegionTable, ...], whole: Checked | None
 ) -> dict[str, Any]:
     """The result of one model without its notes; of long data the errors are those on all of them."""
-    records = asked.data.originals
     content = compare_json(judged.opened.problem, judged.opened.given, judged.floor, tables)
     content |= {"command": "compare", "model": asked.model.name, **judged.content}
-    content["preflight"] = preflight(records, asked.model, asked.model.catalogue).as_json()
+    content["preflight"] = asked.preflight.as_json()
     if whole is not None:
         content |= {"long": whole.as_json(again=False), **whole.errors(judged.floor)}
     return content

@@ -12,7 +12,6 @@ from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.level.investigate import Question, investigate
 from er_model_lab.level.study import Study
 from er_model_lab.planning.suggest import suggestions
-from er_model_lab.preflight.check import preflight
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.residual.errors import regions_json, worst
 from er_model_lab.results.diagnosis import diagnosis_json
@@ -43,8 +42,7 @@ def diagnose(
 
 def result_of(command: str, study: Study, model: Model, asked: Question) -> DiagnosisResult:
     """The result of a study; model: the best one, with estimates."""
-    given, records = study.model, study.data.originals
-    origin = provenance(study.data, given, asked.seed)
+    origin = provenance(study.data, study.model, asked.seed)
     tables = study_regions(study, asked.seed)
     content = {
         "command": command,
@@ -54,7 +52,7 @@ def result_of(command: str, study: Study, model: Model, asked: Question) -> Diag
         "history": [dict(h) for h in model.history],
         "regions": regions_json(tables),
         "worst": worst(tables),
-        "preflight": preflight(records, given, given.catalogue).as_json(),
+        "preflight": asked.preflight.as_json(),
         "provenance": origin,
     }
     if study.checked is not None:
