@@ -19,6 +19,8 @@ import yaml
 from er_bringup.cores import cores, entry
 from er_bringup.played import core_of, play
 from er_bringup.recording import opened
+from er_common.parameter_table import build as parameters_of
+from er_common.parameter_table import specs
 from er_model_lab.recording.bag_writer import BagWriter
 from er_models.files import load_model
 from er_plant_sim.build import build
@@ -26,8 +28,6 @@ from er_plant_sim.duty_gate import Command
 from er_plant_sim.settings import PlantParameters
 from er_ros_common.builders import Tick
 from er_ros_common.core import When
-from er_ros_common.parameter_table import build as parameters_of
-from er_ros_common.parameter_table import specs
 from rclpy.serialization import serialize_message
 
 from er_plant_sim import rig as plant

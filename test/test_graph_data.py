@@ -14,13 +14,13 @@ from er_bringup.arguments import ARGUMENTS, table
 from er_bringup.given import CAR, complete, parse
 from er_bringup.graph import NodeSpec, nodes
 from er_bringup.roles import PUBLISHED
+from er_common.parameter_table import build as parameters_of
+from er_common.parameter_table import specs as bounds_of
 from er_ftc_controller.ros_skyhook import SkyhookCore, SkyhookParameters
 from er_models.errors import InputError
 from er_plant_sim.settings import PlantParameters
 from er_ros_common.builders import Tick
 from er_ros_common.core import When
-from er_ros_common.parameter_table import build as parameters_of
-from er_ros_common.parameter_table import specs as bounds_of
 
 from er_bringup import up
 from er_ros_common import builders, topics

@@ -16,9 +16,9 @@ pytest.importorskip("rclpy")
 
 from er_bringup.played import core_of, play
 from er_bringup.recording import opened
+from er_common.stamps import SECOND
+from er_common.topic_names import OBSERVERS
 from er_models.files import load_model
-from er_ros_common.stamps import SECOND
-from er_ros_common.topic_names import OBSERVERS
 from rosbags.highlevel import AnyReader
 
 from test.graph_help import VEHICLE, Graph, own_domain

@@ -12,11 +12,11 @@ import pytest
 
 pytest.importorskip("rclpy")
 
+from er_common.stamps import SECOND
 from er_model_lab.recording.message_count import header_of
 from er_model_lab.records.load import load
 from er_model_lab.records.readers.mcap_salvage import salvage
 from er_model_lab.records.repair import SHORT_GAP
-from er_ros_common.stamps import SECOND
 from rosbags.highlevel import AnyReader
 
 from test.graph_help import (

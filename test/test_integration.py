@@ -18,9 +18,9 @@ from er_bringup.integration import foxglove, names, plotjuggler
 from er_bringup.integration.write import files
 from er_bringup.nodes.ros2_control_joint import JointNode
 from er_bringup.ros_joint import COMMANDS, STATES, JointCore, JointParameters, State
+from er_common.parameter_table import build
 from er_ros_common.builders import Tick
 from er_ros_common.core import When
-from er_ros_common.parameter_table import build
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 

@@ -9,16 +9,17 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 OURS = (
-    "er_models", "er_model_lab", "er_observers", "er_ftc_controller", "er_plant_sim",
+    "er_models", "er_common", "er_model_lab", "er_observers", "er_ftc_controller", "er_plant_sim",
     "er_ros_common", "er_bringup", "er_damper_msgs",
 )  # fmt: skip
 ALLOWED = {
     "er_models": set(),
-    "er_ros_common": {"er_models", "er_damper_msgs"},
-    "er_model_lab": {"er_models", "er_ros_common", "er_damper_msgs"},
-    "er_observers": {"er_models", "er_ros_common", "er_damper_msgs"},
-    "er_ftc_controller": {"er_models", "er_ros_common", "er_damper_msgs"},
-    "er_plant_sim": {"er_models", "er_ros_common", "er_damper_msgs"},
+    "er_common": {"er_models"},
+    "er_ros_common": {"er_models", "er_common", "er_damper_msgs"},
+    "er_model_lab": {"er_models", "er_common", "er_ros_common", "er_damper_msgs"},
+    "er_observers": {"er_models", "er_common", "er_ros_common", "er_damper_msgs"},
+    "er_ftc_controller": {"er_models", "er_common", "er_ros_common", "er_damper_msgs"},
+    "er_plant_sim": {"er_models", "er_common", "er_ros_common", "er_damper_msgs"},
     "er_bringup": set(OURS),
 }
 ROS = {
@@ -79,6 +80,9 @@ def breaches(package, path, names):
             yield f"{path} must not import {name}"
         if head in ROS and not is_ros_file(path):
             yield f"{path} imports ROS ({name}) outside nodes/ and ros_*.py"
+        shared = head == "er_ros_common" and package != "er_bringup"
+        if shared and not is_ros_file(path) and path.name not in STARTERS:
+            yield f"{path} imports what nodes share ({name}); without ROS there is er_common"
         if head == FINDS and path.name not in FINDERS and not is_ros_file(path):
             yield f"{path} looks for installed files"
         shell = (head in OURS or "?" in head) and inner[:1] == ["nodes"]
@@ -108,6 +112,8 @@ def test_imports_follow_the_arrows(package, path):
         ("import_module(f'{package}.nodes.{executable}')", "control.py"),
         ("program('er_observers.nodes.fault_estimator')", "executables.py"),
         ("from er_observers import law", "control.py"),
+        ("from er_ros_common import stuck", "control.py"),
+        ("from er_ros_common.entry import program", "control.py"),
         ("from sensor_msgs.msg import JointState", "control.py"),
         ("from builtin_interfaces.msg import Time", "control.py"),
         ("import rcl_interfaces", "control.py"),

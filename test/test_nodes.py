@@ -16,8 +16,8 @@ from er_bringup.arguments import ARGUMENTS
 from er_bringup.cores import cores
 from er_bringup.roles import Role
 from er_bringup.ros_checks import CONTRACT
+from er_common.parameter_table import specs
 from er_ros_common.core_node import CoreNode
-from er_ros_common.parameter_table import specs
 from er_ros_common.spin import Executable
 
 from er_bringup import roles

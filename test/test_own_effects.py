@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from er_common.parameter_table import build as checked
 from er_model_lab.cli.app import app
 from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.errors import InputError
@@ -20,7 +21,6 @@ from er_models.simulate import simulate
 from er_plant_sim.build import build
 from er_plant_sim.rig import advance, decide, sense, start
 from er_plant_sim.settings import table
-from er_ros_common.parameter_table import build as checked
 from typer.testing import CliRunner
 
 from test.conftest import ROOT

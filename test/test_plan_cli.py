@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from er_common.parameter_table import build as checked
 from er_model_lab.cli.app import app
 from er_model_lab.planning import motions_and_duties, planner, search
 from er_model_lab.planning.limits import Sensors
@@ -18,7 +19,6 @@ from er_models.files import load_model
 from er_models.program import Program, document_of, load_program
 from er_plant_sim.build import build
 from er_plant_sim.settings import table
-from er_ros_common.parameter_table import build as checked
 from typer.testing import CliRunner
 
 from er_plant_sim import rig

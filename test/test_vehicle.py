@@ -20,11 +20,11 @@ pytest.importorskip("rclpy")
 import rclpy
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from er_common.parameter_table import build as parameters_of
 from er_plant_sim.build import build
 from er_plant_sim.duty_gate import Command
 from er_plant_sim.settings import PlantParameters
 from er_ros_common.builders import Tick
-from er_ros_common.parameter_table import build as parameters_of
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 

@@ -246,7 +246,7 @@ def test_commands_see_the_messages_and_keep_ros_to_this_machine() -> None:
 
 
 def test_compiled_modules_are_kept_beside_no_source() -> None:
-    script = "import er_ros_common.stamps as s, sys; print(s.__cached__, sys.dont_write_bytecode)"
+    script = "import er_common.stamps as s, sys; print(s.__cached__, sys.dont_write_bytecode)"
     env = {k: v for k, v in os.environ.items() if k != "PYTHONPYCACHEPREFIX"}
     done = subprocess.run(
         [str(ROOT / "er"), "exec", "python", "-c", script],

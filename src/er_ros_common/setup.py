@@ -7,7 +7,7 @@ PACKAGE = "er_ros_common"
 setup(
     name=PACKAGE,
     version="0.1.0",
-    description="What every node shares: spinning, parameters, builders, clocks, stamps.",
+    description="What every node shares: spinning, quality of service, builders, clocks, health.",
     license="Apache-2.0",
     maintainer="ER damper developers",
     maintainer_email="maintainers@er-damper.invalid",

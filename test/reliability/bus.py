@@ -14,14 +14,14 @@ from typing import Any, NamedTuple
 
 import yaml
 from er_bringup.cores import entry
+from er_common.stamps import CLOCK_STEP
+from er_common.topic_names import OBSERVERS
 from er_plant_sim.build import build
 from er_plant_sim.duty_gate import Command
 from er_plant_sim.settings import PlantParameters
 from er_ros_common.builders import Tick
 from er_ros_common.core import Core, When
 from er_ros_common.injection import Channel, asked, taken_over, through
-from er_ros_common.stamps import CLOCK_STEP
-from er_ros_common.topic_names import OBSERVERS
 
 from er_plant_sim import rig as plant
 from er_plant_sim import ros_msgs

@@ -9,9 +9,9 @@ from random import Random
 from typing import Any
 
 from builtin_interfaces.msg import Time
+from er_common.stamps import StampLimits
 from er_ros_common.clock import LAST_SECOND, from_stamp, to_stamp
 from er_ros_common.core import When
-from er_ros_common.stamps import StampLimits
 
 from er_ros_common import builders, topics
 from test.reliability.bus import NAMES, SECOND, STEADY, SYSTEM, Bus, core

@@ -6,8 +6,8 @@ import math
 import re
 from dataclasses import dataclass
 
+from er_common.topic_names import OBSERVERS
 from er_models.seed import OF_A_PLANT
-from er_ros_common.topic_names import OBSERVERS
 
 
 @dataclass(frozen=True)

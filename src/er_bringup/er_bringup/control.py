@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from er_common.usage import OneLineGroup
 from er_ftc_controller.closed_loop import known
 from er_ftc_controller.compare import inner, tradeoff
 from er_ftc_controller.compare.run import WatchOf, compare, run, setup
@@ -17,7 +18,6 @@ from er_models.errors import ErError, UnknownName
 from er_models.files import write_whole
 from er_models.places import writable
 from er_observers.compare.progress import progress_of
-from er_ros_common.usage import OneLineGroup
 from rich.console import Console
 
 from er_bringup.estimated import estimated

@@ -10,14 +10,14 @@ from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 
+from er_common.topic_names import CLOCK
 from er_models.errors import InputError
 from er_models.seed import OF_A_PLANT
 from er_plant_sim.hardware.link import HOST_WIRES, Address
-from er_ros_common.topic_names import CLOCK
 
 from er_bringup.arguments import ARGUMENTS, NAME, NAMESPACE, Argument, is_name, is_namespace
 from er_bringup.roles import CONTROLLERS, FAULTS, OBSERVERS, PUBLISHED
-from er_ros_common import topic_names
+from er_common import topic_names
 
 STACK = "stack"
 """Stands for hardware that is not ours: a vehicle stack publishes the sensors."""

@@ -10,10 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from er_common.topic_names import DIAGNOSTICS
 from er_models.errors import InputError
 from er_ros_common.arguments import Value, ros_arguments
 from er_ros_common.parameter_files import given_in
-from er_ros_common.topic_names import DIAGNOSTICS
 
 from er_bringup.given import (
     STACK,

@@ -14,11 +14,11 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
+from er_common.common_parameters import STANDSTILL, NodeParameters, deaf_after
+from er_common.parameter_table import REQUIRED, build, specs
 from er_models.errors import ErError, InputError, MissingChannel
 from er_ros_common.builders import tick_of
-from er_ros_common.common_parameters import STANDSTILL, NodeParameters, deaf_after
 from er_ros_common.core import Core, Said, When
-from er_ros_common.parameter_table import REQUIRED, build, specs
 from er_ros_common.topics import Topic
 
 from er_bringup.cores import entry

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from er_ros_common import topic_names
+from er_common import topic_names
 
 PUBLISHED = {
     "acceleration": topic_names.ACCELERATION,

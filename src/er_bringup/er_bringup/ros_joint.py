@@ -12,13 +12,13 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
+from er_common.common_parameters import NodeParameters, oldest_sample, silence
+from er_common.parameter_table import param
+from er_common.stamps import SECOND, StampLimits, StampState, check_stamp
 from er_models.constants import SAMPLE_RATE
 from er_ros_common.builders import Tick
 from er_ros_common.clock import LAST_SECOND, from_stamp
-from er_ros_common.common_parameters import NodeParameters, oldest_sample, silence
 from er_ros_common.core import Said, When
-from er_ros_common.parameter_table import param
-from er_ros_common.stamps import SECOND, StampLimits, StampState, check_stamp
 from er_ros_common.topics import Topic
 from sensor_msgs.msg import JointState
 

@@ -8,10 +8,10 @@ from time import monotonic, sleep, time_ns
 from typing import Any
 
 import rclpy
+from er_common.stamps import StampLimits
 from er_ros_common.builders import tick_of
 from er_ros_common.graph_check import UNNAMED, Ends, compatible, endpoints
 from er_ros_common.parameter_reader import ParameterReader
-from er_ros_common.stamps import StampLimits
 from er_ros_common.topics import Topic
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node

@@ -11,11 +11,11 @@ from bisect import bisect_right
 from operator import itemgetter
 from typing import Any, NamedTuple, TypeAlias
 
+from er_common.common_parameters import silence
+from er_common.stamps import Checks, StampLimits, StampState, Verdict, counted
 from er_models.files import load_model
 from er_ros_common.builders import Tick
-from er_ros_common.common_parameters import silence
 from er_ros_common.core import Said, When, by_place, judged
-from er_ros_common.stamps import Checks, StampLimits, StampState, Verdict, counted
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import FaultEstimate, PwmDuty

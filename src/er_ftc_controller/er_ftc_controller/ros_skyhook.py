@@ -8,16 +8,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from er_ros_common.builders import Tick
-from er_ros_common.common_parameters import (
+from er_common.common_parameters import (
     NodeParameters,
     awaited_listeners,
     oldest_sample,
     silence,
 )
+from er_common.parameter_table import REQUIRED, param
+from er_common.stamps import Checks, StampLimits, StampState, Verdict, counted
+from er_ros_common.builders import Tick
 from er_ros_common.core import Said, When, judged
-from er_ros_common.parameter_table import REQUIRED, param
-from er_ros_common.stamps import Checks, StampLimits, StampState, Verdict, counted
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import PwmDuty

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from er_models.errors import InputError
-from er_models.model import Model
-from er_models.static_damper import static_damper
-from er_ros_common.common_parameters import (
+from er_common.common_parameters import (
     NodeParameters,
     awaited_listeners,
     oldest_sample,
     sample_rate,
 )
-from er_ros_common.parameter_table import REQUIRED, param
+from er_common.parameter_table import REQUIRED, param
+from er_models.errors import InputError
+from er_models.model import Model
+from er_models.static_damper import static_damper
 
 from er_ftc_controller import lpv
 from er_ftc_controller.control import Ftc, Rules

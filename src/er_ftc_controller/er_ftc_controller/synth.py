@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from er_common.usage import OneLineCommand
 from er_models.errors import ErError
 from er_models.files import load_model
 from er_models.places import writable
-from er_ros_common.usage import OneLineCommand
 from rich.console import Console
 from rich.table import Table
 

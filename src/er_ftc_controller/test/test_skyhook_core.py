@@ -10,10 +10,10 @@ import yaml
 
 pytest.importorskip("rclpy")
 
+from er_common.parameter_table import build
 from er_ftc_controller.ros_skyhook import SkyhookCore, SkyhookParameters
 from er_ros_common.builders import Tick
 from er_ros_common.core import When
-from er_ros_common.parameter_table import build
 
 from er_damper_msgs.msg import PwmDuty
 from er_ros_common import builders, topics

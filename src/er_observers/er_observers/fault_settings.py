@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from er_ros_common.common_parameters import (
+from er_common.common_parameters import (
     NodeParameters,
     awaited_listeners,
     oldest_sample,
     sample_rate,
 )
-from er_ros_common.parameter_table import REQUIRED, param
+from er_common.parameter_table import REQUIRED, param
 
-from er_ros_common import topic_names
+from er_common import topic_names
 
 NONE, MEASURED = "none", "measured"
 SOURCES = (NONE, MEASURED, *map(topic_names.estimated_force, topic_names.OBSERVERS))

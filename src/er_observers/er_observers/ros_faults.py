@@ -9,13 +9,13 @@ import math
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+from er_common.common_parameters import silence
+from er_common.stamps import Checks, StampLimits, StampState, counted
 from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Model
 from er_ros_common.builders import Tick
-from er_ros_common.common_parameters import silence
 from er_ros_common.core import Said, When, by_place, judged
-from er_ros_common.stamps import Checks, StampLimits, StampState, counted
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_damper_msgs.msg import FaultEstimate

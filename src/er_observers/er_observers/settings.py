@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from er_ros_common.common_parameters import NodeParameters, awaited_listeners, oldest_sample
-from er_ros_common.parameter_table import REQUIRED, param
+from er_common.common_parameters import NodeParameters, awaited_listeners, oldest_sample
+from er_common.parameter_table import REQUIRED, param
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from er_common.usage import OneLineGroup
 from er_models.errors import ErError
 from er_models.files import load_model
 from er_models.model import Model
 from er_models.places import writable
-from er_ros_common.usage import OneLineGroup
 from rich.console import Console
 
 from er_observers.compare.command import register as register_compare

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from er_common.topic_names import OBSERVERS
 from er_models.model import Model
 from er_observers.frequency import command
 from er_observers.frequency.figures import FIGURES, responses
@@ -14,7 +15,6 @@ from er_observers.frequency.responses import HERTZ, outputs, respond
 from er_observers.gains import Gains
 from er_observers.running.ready import ready
 from er_observers.synth import app
-from er_ros_common.topic_names import OBSERVERS
 from typer.testing import CliRunner
 
 

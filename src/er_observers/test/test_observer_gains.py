@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from er_common.topic_names import OBSERVERS
 from er_models.errors import InputError
 from er_models.gain_file import digest
 from er_models.model import Model
@@ -22,7 +23,6 @@ from er_observers.running.ready import ready
 from er_observers.synth_tables import figures
 from er_observers.synthesis.certify import Certificate
 from er_observers.synthesis.proof import Claim
-from er_ros_common.topic_names import OBSERVERS
 
 Made = tuple[Claim, Certificate]
 REMAKE = (

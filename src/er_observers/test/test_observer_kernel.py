@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from er_common.topic_names import OBSERVERS
 from er_models.model import Array, Model
 from er_observers.gains import Gains
 from er_observers.observers.compiled import compiled, digest_of
@@ -15,7 +16,6 @@ from er_observers.observers.phi import phi_functions
 from er_observers.observers.table import NEARLY, substep_matrix, table_of
 from er_observers.running.ready import ready
 from er_observers.synthesis.discrete import looked_up
-from er_ros_common.topic_names import OBSERVERS
 from scipy.integrate import quad, solve_ivp
 from scipy.linalg import expm
 

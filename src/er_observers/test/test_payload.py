@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from er_common.topic_names import OBSERVERS
 from er_models.model import Array, Model
 from er_observers.compare.nrmse import nrmse
 from er_observers.forms import form_of
@@ -20,7 +21,6 @@ from er_observers.running.runtime import Estimate, Sample, State, payload_of, st
 from er_observers.scenarios.drive import drive
 from er_observers.scenarios.files import load_scenario
 from er_observers.scenarios.scenario import Plant
-from er_ros_common.topic_names import OBSERVERS
 
 DT = 0.005
 CONFIG = Path(__file__).resolve().parents[3] / "config"

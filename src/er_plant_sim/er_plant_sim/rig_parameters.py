@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from er_common.common_parameters import NodeParameters, injection_allowed
+from er_common.parameter_table import REQUIRED, param
 from er_models.constants import SAMPLE_RATE
 from er_models.errors import InputError
 from er_models.model import Array, Model
 from er_models.program import Program, resolved
 from er_models.seed import OF_A_PLANT
-from er_ros_common.common_parameters import NodeParameters, injection_allowed
-from er_ros_common.parameter_table import REQUIRED, param
 
 from er_plant_sim.duty_gate import Gate
 

@@ -10,8 +10,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from er_ros_common.builders import Tick, tick_of
-from er_ros_common.stamps import (
+from er_common.stamps import (
     RENUMBERED,
     SECOND,
     StampLimits,
@@ -19,6 +18,7 @@ from er_ros_common.stamps import (
     check_stamp,
     judge,
 )
+from er_ros_common.builders import Tick, tick_of
 
 from er_damper_msgs.msg import PwmDuty
 from er_plant_sim.duty_gate import Command

@@ -7,12 +7,12 @@ from dataclasses import dataclass, fields, make_dataclass
 from difflib import get_close_matches
 from typing import Any
 
+from er_common.parameter_table import REQUIRED, param
 from er_models.duty import KINDS as DUTIES
 from er_models.errors import InputError
 from er_models.road import FACTOR
 from er_models.road import KINDS as ROADS
 from er_models.spec import Number, Parts, Series, Text
-from er_ros_common.parameter_table import REQUIRED, param
 
 from er_plant_sim.rig_parameters import RigParameters
 

@@ -6,11 +6,11 @@ import pytest
 
 pytest.importorskip("rclpy")
 
+from er_common.stamps import SECOND, StampLimits
 from er_plant_sim.duty_gate import Applied, Command, Gate, GateState, Reason, receive, step
 from er_plant_sim.ros_commands import Answer, Commands, command, judged, passed_on
 from er_ros_common.builders import Tick, pwm_duty
 from er_ros_common.clock import to_stamp
-from er_ros_common.stamps import SECOND, StampLimits
 
 from er_damper_msgs.msg import PwmDuty
 from er_plant_sim import ros_msgs

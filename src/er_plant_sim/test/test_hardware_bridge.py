@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from er_common.parameter_table import build as checked
 from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.program import load_program
@@ -25,7 +26,6 @@ from er_plant_sim.hardware.settings import BridgeParameters, build
 from er_plant_sim.noise import PERFECT, Noise
 from er_plant_sim.rig import Rig
 from er_plant_sim.simulator import simulator
-from er_ros_common.parameter_table import build as checked
 
 from er_plant_sim import rig as plant
 

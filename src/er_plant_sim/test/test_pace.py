@@ -5,8 +5,8 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import pytest
+from er_common.stamps import StampLimits, StampState, check_stamp
 from er_plant_sim.nodes import pace
-from er_ros_common.stamps import StampLimits, StampState, check_stamp
 
 MS, DT = 1_000_000, 5_000_000
 STEADY, SYSTEM = 1_000_000_000_000, 1_700_000_000_000_000_000

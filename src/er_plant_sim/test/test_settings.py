@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from er_common.parameter_table import build as checked
 from er_models.errors import InputError
 from er_models.program import load_program
 from er_plant_sim.build import build, load_given_program
 from er_plant_sim.duty_gate import Command, Reason
 from er_plant_sim.rig import Rig, advance, decide, finished, receive, road, sense, start, time
 from er_plant_sim.settings import table
-from er_ros_common.parameter_table import build as checked
 
 CONFIG = Path(__file__).parents[3] / "config"
 BASE = {"model_file": str(CONFIG / "vehicles/inove_quarter_car.yaml"), "safe_duty": 0.1}

@@ -5,8 +5,8 @@ from __future__ import annotations
 from time import monotonic_ns, time_ns
 
 import pytest
+from er_common.stamps import StampLimits, Verdict, judge
 from er_plant_sim.nodes.system_time import SystemTime
-from er_ros_common.stamps import StampLimits, Verdict, judge
 
 MS = 1_000_000
 OFFSET = 1_700_000_000_000_000_000

@@ -1,1 +1,1 @@
-"""What every node shares: spinning, parameters, quality of service, builders, clocks, stamps."""
+"""What every node shares: spinning, declared parameters, quality of service, builders, clocks, health."""

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from numbers import Real
 from typing import Any, NamedTuple
 
+from er_common.stamps import StampState
+
 from er_damper_msgs.msg import (
     DamperForce,
     FaultEstimate,
@@ -25,7 +27,6 @@ from er_damper_msgs.msg import (
 )
 from er_ros_common.clock import joined, split
 from er_ros_common.makers import maker, reader
-from er_ros_common.stamps import StampState
 
 OK, FAULT = SuspensionDeflection.STATUS_OK, SuspensionDeflection.STATUS_FAULT
 NO_STAMPS = StampState()

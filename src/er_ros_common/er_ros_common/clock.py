@@ -7,11 +7,10 @@ from time import time_ns
 from typing import Final
 
 from builtin_interfaces.msg import Time
+from er_common.stamps import SECOND
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.timer import Timer
-
-from er_ros_common.stamps import SECOND
 
 #: seconds of a stamp are a signed 32-bit integer
 LAST_SECOND: Final = 2**31 - 1

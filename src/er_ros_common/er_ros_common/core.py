@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple, Protocol
 
+from er_common.common_parameters import Listening
+from er_common.stamps import Checks, StampLimits, Verdict, check_input
+
 from er_ros_common.builders import Tick, tick_of
-from er_ros_common.common_parameters import Listening
-from er_ros_common.stamps import Checks, StampLimits, Verdict, check_input
 from er_ros_common.topics import Topic
 
 Said = tuple[Topic, Any]

@@ -8,10 +8,10 @@ from functools import partial
 from time import perf_counter
 from typing import Any, ClassVar
 
+from er_common.common_parameters import deaf_after
 from er_models.constants import SAMPLE_TIME
 from rclpy.qos import QoSProfile
 
-from er_ros_common.common_parameters import deaf_after
 from er_ros_common.core import Core, Said
 from er_ros_common.graph_check import connected
 from er_ros_common.managed import ManagedNode

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from time import monotonic
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from er_common.stamps import StampState
 from er_models.constants import SAMPLE_TIME
 from rclpy.node import Node
 
@@ -18,7 +19,6 @@ from er_ros_common import builders, clock, log, topics
 from er_ros_common.builders import Tick, Timing
 from er_ros_common.graph_check import Problem
 from er_ros_common.inputs import ERROR, OK, WARN, Finding, Input
-from er_ros_common.stamps import StampState
 
 NO_STAMPS = StampState()
 STATUS_PERIOD, DIAGNOSTICS_PERIOD = 0.1, 1.0

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from er_ros_common.parameter_table import REQUIRED, Spec, expectation, specs
+from er_common.parameter_table import REQUIRED, Spec, expectation, specs
+
 from er_ros_common.topics import Topic
 
 

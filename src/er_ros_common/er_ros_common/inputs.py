@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from er_ros_common.stamps import (
+from er_common.stamps import (
     SECOND,
     StampLimits,
     StampState,

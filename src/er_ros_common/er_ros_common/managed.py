@@ -13,6 +13,8 @@ from functools import cached_property
 from time import monotonic, monotonic_ns, time_ns
 from typing import Any
 
+from er_common.common_parameters import NodeParameters
+from er_common.stamps import StampLimits
 from er_models.errors import ErError
 from lifecycle_msgs.srv import ChangeState
 from rclpy._rclpy_pybind11 import RCLError
@@ -25,14 +27,12 @@ from rclpy.timer import Timer
 
 from er_damper_msgs.msg import NodeStatus
 from er_ros_common import clock, log, realtime
-from er_ros_common.common_parameters import NodeParameters
 from er_ros_common.core import When
 from er_ros_common.graph_check import Problem, endpoints, watch
 from er_ros_common.health import Health, Report
 from er_ros_common.inputs import Input
 from er_ros_common.intra_process import IntraProcess, LocalPublisher, passable
 from er_ros_common.makers import reader
-from er_ros_common.stamps import StampLimits
 from er_ros_common.topics import Topic
 
 NOT_READY = ("waiting", "unconfigured", "inactive")

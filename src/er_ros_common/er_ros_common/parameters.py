@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
+from er_common.parameter_table import REQUIRED, Spec, build, check, expectation, param, specs
 from er_models.errors import InputError
 from rcl_interfaces.msg import (
     FloatingPointRange,
@@ -19,7 +20,6 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from er_ros_common.parameter_files import dropped, origins
-from er_ros_common.parameter_table import REQUIRED, Spec, build, check, expectation, param, specs
 
 __all__ = ["REQUIRED", "declare", "param"]
 

@@ -10,6 +10,7 @@ from er_models.constants import SAMPLE_RATE
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 
+from er_common import topic_names
 from er_damper_msgs.msg import (
     DamperForce,
     FaultEstimate,
@@ -19,7 +20,7 @@ from er_damper_msgs.msg import (
     SuspensionAcceleration,
     SuspensionDeflection,
 )
-from er_ros_common import qos, topic_names
+from er_ros_common import qos
 
 
 @dataclass(frozen=True, slots=True, eq=False)

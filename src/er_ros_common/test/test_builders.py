@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from er_ros_common.stamps import StampState
+from er_common.stamps import StampState
 from rclpy.serialization import deserialize_message, serialize_message
 
 from er_damper_msgs.msg import FaultEstimate, NodeStatus, PwmDuty

@@ -6,8 +6,8 @@ from random import Random
 from typing import Any
 
 import pytest
+from er_common.stamps import StampLimits, StampState, check_stamp
 from er_ros_common.inputs import ERROR, OK, WARN, Input
-from er_ros_common.stamps import StampLimits, StampState, check_stamp
 
 MS = 1_000_000
 T0 = 1_000_000 * MS

@@ -15,8 +15,8 @@ import pytest
 pytest.importorskip("rclpy")
 
 import rclpy
+from er_common.common_parameters import NodeParameters
 from er_ros_common.builders import Tick
-from er_ros_common.common_parameters import NodeParameters
 from er_ros_common.health import Report
 from er_ros_common.intra_process import (
     LOOK_PERIOD,

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from er_common.parameter_table import build
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.files import load_model
 from er_models.model import Array, Model
 from er_models.yaml_file import read_yaml
-from er_ros_common.parameter_table import build
 
 from er_ftc_controller import rivals
 from er_ftc_controller.closed_loop import Sensors, Watch, drive, known

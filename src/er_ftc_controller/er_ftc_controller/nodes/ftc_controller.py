@@ -6,13 +6,13 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+from er_common.stamps import SECOND
 from er_ros_common.core import Said
 from er_ros_common.core_node import CoreNode
 from er_ros_common.health import Report
 from er_ros_common.help import Card
 from er_ros_common.parameters import declare
 from er_ros_common.spin import Executable, run
-from er_ros_common.stamps import SECOND
 
 from er_damper_msgs.msg import NodeStatus
 from er_ftc_controller.control import Mode

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import typer
-from er_ros_common.usage import OneLineGroup
+from er_common.usage import OneLineGroup
 
 from er_model_lab.cli.data import check_command, compare_command, identify_command
 from er_model_lab.cli.import_data import register as register_import

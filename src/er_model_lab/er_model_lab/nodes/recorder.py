@@ -15,8 +15,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import monotonic
 
+from er_common.common_parameters import NodeParameters
 from er_models.errors import ErError, MissingChannel
-from er_ros_common.common_parameters import NodeParameters
 from er_ros_common.graph_check import compatible, connected, offered
 from er_ros_common.health import Report
 from er_ros_common.help import Card

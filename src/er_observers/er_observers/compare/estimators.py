@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from er_common.topic_names import OBSERVERS
 from er_models.linear import LinearForm
 from er_models.model import Array, Model
-from er_ros_common.topic_names import OBSERVERS
 
 from er_observers.peers import kalman
 from er_observers.running.ready import ready

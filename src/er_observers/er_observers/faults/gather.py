@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-from er_ros_common.stamps import SECOND, StampLimits
+from er_common.stamps import SECOND, StampLimits
 
 from er_observers.faults.sample import Sample
 

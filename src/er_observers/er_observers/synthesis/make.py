@@ -7,10 +7,10 @@ from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import Protocol
 
+from er_common.topic_names import OBSERVERS
 from er_models.errors import ErError, UnknownName
 from er_models.linear import LinearForm
 from er_models.model import Model
-from er_ros_common.topic_names import OBSERVERS
 
 from er_observers.forms import COORDINATES, form_of
 from er_observers.scaling import Scaling, scaling_of

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from er_common.topic_names import OBSERVERS
 from er_models.model import Array, Model
-from er_ros_common.topic_names import OBSERVERS
 
 from er_observers.forms import form_of
 from er_observers.scaling import scaling_of

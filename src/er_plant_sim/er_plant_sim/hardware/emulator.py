@@ -16,12 +16,12 @@ from time import monotonic_ns
 from types import FrameType
 from typing import Any
 
+from er_common.parameter_table import build as checked
 from er_models.constants import SAMPLE_RATE
 from er_models.errors import ErError, InputError
 from er_models.one_line import OneLine
 from er_models.seed import seed_reader
 from er_models.yaml_file import read_yaml
-from er_ros_common.parameter_table import build as checked
 
 from er_plant_sim.build import build
 from er_plant_sim.hardware import device, impair, link

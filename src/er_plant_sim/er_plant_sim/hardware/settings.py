@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from er_common.parameter_table import REQUIRED, param
 from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Array
 from er_models.own import catalogue_with
 from er_models.program import Program, load_program, times
-from er_ros_common.parameter_table import REQUIRED, param
 
 from er_plant_sim.hardware import frame
 from er_plant_sim.hardware.bridge import Bridge, Sources

@@ -12,6 +12,7 @@ import threading
 from collections.abc import Sequence
 from time import monotonic_ns, perf_counter
 
+from er_common.stamps import SECOND, StampLimits
 from er_ros_common.builders import Tick
 from er_ros_common.fault_port import FaultPort
 from er_ros_common.health import Report
@@ -19,7 +20,6 @@ from er_ros_common.help import Card
 from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import declare
 from er_ros_common.spin import Executable, run
-from er_ros_common.stamps import SECOND, StampLimits
 
 from er_damper_msgs.msg import NodeStatus, PwmDuty
 from er_plant_sim import ros_commands, ros_hardware

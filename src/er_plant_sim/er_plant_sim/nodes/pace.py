@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from time import monotonic_ns, time_ns
 
-from er_ros_common.stamps import CLOCK_STEP
+from er_common.stamps import CLOCK_STEP
 
 from er_plant_sim.schedule import Progress, Schedule, due
 

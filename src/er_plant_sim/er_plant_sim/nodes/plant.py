@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from functools import cached_property
 from time import monotonic, perf_counter
 
+from er_common.stamps import StampLimits
 from er_ros_common.builders import Tick
 from er_ros_common.clock import until_next
 from er_ros_common.fault_port import FaultPort
@@ -21,7 +22,6 @@ from er_ros_common.health import Report
 from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import declare
 from er_ros_common.spin import Executable, run
-from er_ros_common.stamps import StampLimits
 
 from er_damper_msgs.msg import NodeStatus, PwmDuty
 from er_plant_sim import rig as plant

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from time import monotonic_ns, time_ns
 
-from er_ros_common.stamps import CLOCK_STEP
+from er_common.stamps import CLOCK_STEP
 
 READINGS = 3
 

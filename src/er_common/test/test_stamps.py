@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from er_ros_common.stamps import (
+from er_common.stamps import (
     StampLimits,
     StampState,
     Verdict,

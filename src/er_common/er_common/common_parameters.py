@@ -7,8 +7,8 @@ from typing import Any, Protocol
 
 from er_models.constants import SAMPLE_RATE
 
-from er_ros_common.parameter_table import param
-from er_ros_common.stamps import SECOND
+from er_common.parameter_table import param
+from er_common.stamps import SECOND
 
 
 def oldest_sample() -> Any:

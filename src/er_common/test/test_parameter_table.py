@@ -7,8 +7,8 @@ from dataclasses import FrozenInstanceError, dataclass
 from typing import Any
 
 import pytest
+from er_common.parameter_table import REQUIRED, build, param, specs
 from er_models.errors import InputError
-from er_ros_common.parameter_table import REQUIRED, build, param, specs
 
 
 @dataclass(frozen=True, kw_only=True)
