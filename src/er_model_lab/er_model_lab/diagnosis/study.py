@@ -32,7 +32,8 @@ from er_model_lab.fitting.velocity_channel import (
 from er_model_lab.long.check import Checked, checked, long_json, long_note
 from er_model_lab.long.whole_record import LongForward, on_whole, remembers
 from er_model_lab.problem.fit_store import Notes
-from er_model_lab.problem.prepare import Problem, prepare
+from er_model_lab.problem.prepare import prepare
+from er_model_lab.problem.problem import Problem
 from er_model_lab.problem.stretches import with_more
 from er_model_lab.records.record import Record
 from er_model_lab.vehicle.ride_forward import RideForward

@@ -25,7 +25,7 @@ from er_model_lab.diagnosis.search import (
     threshold,
     try_pairs,
 )
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import explainable
 
 Name = Literal[

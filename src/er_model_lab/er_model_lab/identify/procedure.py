@@ -21,7 +21,7 @@ from er_model_lab.identify.stages import FOLLOWED, Stage, linear, response, yiel
 from er_model_lab.identify.stretches import Level, levels, stretches
 from er_model_lab.problem.forward import Free
 from er_model_lab.problem.held_out import WARM_UP
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.record import Record
 
 FADED, GONE = 4.0, 5.0

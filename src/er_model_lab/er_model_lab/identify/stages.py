@@ -17,7 +17,7 @@ from er_model_lab.identify.part import among, only
 from er_model_lab.identify.roles import static
 from er_model_lab.identify.stretches import Level
 from er_model_lab.problem.forward import Free
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 MOST_STARTS = 16
 """Starting points of the yield force that are looked at."""

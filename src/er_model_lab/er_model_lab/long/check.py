@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from er_model_lab.long.whole_record import LongForward, Whole, first_row
 from er_model_lab.problem.held_out import WARM_UP
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.problem.stretches import Place, places_of
 from er_model_lab.residual.errors import explainable
 

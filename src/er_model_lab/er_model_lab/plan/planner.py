@@ -15,7 +15,7 @@ from er_model_lab.plan.search import Tick, best_sets, directions, refined, tried
 from er_model_lab.plan.setup import bench_for
 from er_model_lab.plan.simulated_decision import Outcome, outcomes
 from er_model_lab.problem.forward import free_parameters
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 SETS = 4
 REFINED = 2

@@ -14,7 +14,7 @@ from er_model_lab.diagnosis.search import Round
 from er_model_lab.diagnosis.study import Study
 from er_model_lab.diagnosis.verdict import Diagnosis, shares
 from er_model_lab.fitting.fit import with_deviations
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors
 from er_model_lab.results.values import parameters
 

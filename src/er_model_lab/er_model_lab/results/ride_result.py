@@ -9,7 +9,7 @@ from er_models.model import Array
 
 from er_model_lab.diagnosis.study import Study
 from er_model_lab.fitting.fit import Fit
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.record import CHANNELS
 from er_model_lab.vehicle.ride_forward import RideForward
 

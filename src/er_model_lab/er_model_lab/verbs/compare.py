@@ -22,7 +22,7 @@ from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.long.check import Checked, checked, errors_json, long_json, long_note
 from er_model_lab.preflight.check import preflight
 from er_model_lab.preflight.size import off_centre
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.load import fingerprint
 from er_model_lab.records.record import Record, originals
 from er_model_lab.residual.errors import explainable, size_notes

@@ -20,7 +20,7 @@ from er_model_lab.plan.planner import plan
 from er_model_lab.plan.present import plan_json, plan_view, proposed
 from er_model_lab.plan.question import Question, ask
 from er_model_lab.plan.search import Tick
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.load import fingerprint
 from er_model_lab.records.record import originals
 from er_model_lab.results.values import clean

@@ -10,7 +10,7 @@ from er_models.model import Array
 
 from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.preflight.check import preflight
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.load import fingerprint
 from er_model_lab.records.record import CHANNELS, originals
 from er_model_lab.residual.errors import explainable
