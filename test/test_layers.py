@@ -188,17 +188,69 @@ def blocks(package):
     return graph
 
 
+def files(package):
+    """Which files of a package each file imports, wherever in it: at its top, for types alone or inside a function."""
+    home = ROOT / "src" / package
+    found = {module_of(p.relative_to(home)): p for p in sorted((home / package).rglob("*.py"))}
+    return {
+        name: {m for m in (file_of(n, found) for n in imports(path)) if m not in {name, None}}
+        for name, path in found.items()
+    }
+
+
+def module_of(path):
+    """Name of the module that a file is."""
+    return ".".join(path.with_suffix("").parts).removesuffix(".__init__")
+
+
+def file_of(name, known):
+    """The file that holds what is imported: a module, or that from which a name is taken; None of another package."""
+    return (
+        name if name in known else next((m for m in [name.rpartition(".")[0]] if m in known), None)
+    )
+
+
 def circle(graph):
-    """What is left of a graph once blocks that import nothing left are taken away again and again."""
-    while free := {b for b, seen in graph.items() if not seen & graph.keys()}:
-        graph = {b: seen for b, seen in graph.items() if b not in free}
-    return graph
+    """What is left once whoever imports nothing left, or is imported by nobody left, is taken away again and again."""
+    while True:
+        graph = {b: seen & graph.keys() for b, seen in graph.items()}
+        wanted = set().union(*graph.values())
+        kept = {b: seen for b, seen in graph.items() if seen and b in wanted}
+        if len(kept) == len(graph):
+            return graph
+        graph = kept
 
 
 @pytest.mark.parametrize("package", sorted(ALLOWED))
-def test_blocks_of_a_package_import_one_way(package):
-    assert circle(blocks(package)) == {}
+@pytest.mark.parametrize("parts", [blocks, files])
+def test_what_a_package_is_made_of_imports_one_way(parts, package):
+    assert circle(parts(package)) == {}
 
 
 def test_a_circle_is_found():
-    assert circle({"a": {"b"}, "b": {"c", "d"}, "c": {"b"}, "d": set()}).keys() == {"a", "b", "c"}
+    assert circle({"a": {"b"}, "b": {"c", "d"}, "c": {"b"}, "d": set()}).keys() == {"b", "c"}
+
+
+@pytest.mark.parametrize(
+    "back",
+    [
+        "from er_models.one import x",
+        "import er_models.one",
+        "from er_models import one",
+        "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from er_models.one import x",
+        "def f():\n    from er_models.one import x",
+        "from importlib import import_module\nimport_module('er_models.one')",
+    ],
+)
+def test_no_circle_of_files_is_overlooked(back, tmp_path, monkeypatch):
+    monkeypatch.setitem(globals(), "ROOT", tmp_path)
+    home = tmp_path / "src/er_models/er_models"
+    home.mkdir(parents=True)
+    for name, code in {
+        "one": "from er_models.two import y",
+        "two": back,
+        "three": "x = 1",
+    }.items():
+        (home / f"{name}.py").write_text(code, encoding="utf-8")
+    (home / "__init__.py").touch()
+    assert circle(files("er_models")).keys() == {"er_models.one", "er_models.two"}

@@ -6,7 +6,7 @@ Features are the lab's own for its noise floor: motion, duty, their recent past 
 from __future__ import annotations
 
 from er_model_lab.diagnosis.noise_floor import features
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_models.model import Model
 from sklearn.ensemble import HistGradientBoostingRegressor
 

@@ -10,7 +10,7 @@ from er_model_lab.diagnosis.candidates import baseline
 from er_model_lab.fitting.fit import Fit
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.level.damper import opened
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.load import load
 from er_models.model import Model

@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 from er_model_lab.diagnosis.candidates import additions, cross_judged, missing, starts
 from er_model_lab.fitting.fit import Box
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 from test.peers.data import Answer, Given
 

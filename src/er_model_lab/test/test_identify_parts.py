@@ -15,7 +15,8 @@ from er_model_lab.identification.procedure import learn_from_all
 from er_model_lab.identification.roles import roles, static
 from er_model_lab.identification.stretches import levels, stretches
 from er_model_lab.identification.visibility import imitators, visibility
-from er_model_lab.problem.prepare import Problem, prepare
+from er_model_lab.problem.prepare import prepare
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_models.files import load_model

@@ -8,7 +8,8 @@ from er_model_lab.diagnosis import candidates
 from er_model_lab.diagnosis.candidates import baseline, refit_all
 from er_model_lab.problem import subset
 from er_model_lab.problem.forward import DamperForward
-from er_model_lab.problem.prepare import Problem, prepare
+from er_model_lab.problem.prepare import prepare
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_models.files import load_model

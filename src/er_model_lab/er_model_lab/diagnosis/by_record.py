@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from er_model_lab.diagnosis.investigation import Diagnosis
 from er_model_lab.fitting.fit import cross_validated
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.dataset import Dataset
 
 FEWEST = 3

@@ -19,8 +19,7 @@ from er_model_lab.diagnosis.size_scan import profiled, scanned
 from er_model_lab.diagnosis.starts import amplitudes, gaps, is_gap, is_limit, scaled, starts
 from er_model_lab.fitting.fit import FIRST_ITERATIONS, Fit, cross_validated, fit, practised
 from er_model_lab.problem.forward import free_parameters
-from er_model_lab.problem.prepare import Problem
-from er_model_lab.problem.subset import Practice
+from er_model_lab.problem.problem import Practice, Problem
 
 FOREIGN = 0.25
 """Share of the force left unexplained above which a model's own values are taken to be another damper's."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from er_model_lab.diagnosis.candidates import Candidate, additions
 from er_model_lab.diagnosis.starts import starts
 from er_model_lab.problem.held_out import FOLDS
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 Mask = NDArray[np.bool_]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from er_model_lab.motion.repetition import FEW_CURVES, REMEDY, curves, one_curve
 from er_model_lab.motion.white_noise import white_noise
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 STEP = 0.01
 """Change of the duty from one sample to the next that is a step."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from er_model_lab.diagnosis.noise_floor import Floor
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 REST = 0.3
 """Shortest rest that counts [s]."""

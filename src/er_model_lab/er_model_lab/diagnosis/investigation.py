@@ -25,7 +25,7 @@ from er_model_lab.diagnosis.search import (
     try_pairs,
 )
 from er_model_lab.diagnosis.verdict import ENOUGH, NOTHING_NAMED, Evidence, Verdict, decide
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import explainable
 
 MOST, CLEAR = 0.5, 0.15

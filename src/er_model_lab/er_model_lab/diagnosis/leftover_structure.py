@@ -6,7 +6,7 @@ import numpy as np
 from er_models.model import Array
 from numpy.typing import NDArray
 
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 LONGEST = 0.16
 """Memory of the filters [s]."""

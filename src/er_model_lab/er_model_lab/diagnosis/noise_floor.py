@@ -22,7 +22,7 @@ from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.leftover_structure import bursts, filtered
 from er_model_lab.diagnosis.null import Null
 from er_model_lab.motion.white_noise import white_noise
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 if TYPE_CHECKING:
     from sklearn.ensemble import HistGradientBoostingRegressor

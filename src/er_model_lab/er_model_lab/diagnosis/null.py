@@ -19,7 +19,8 @@ from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.chance_gain import largest
 from er_model_lab.diagnosis.leftover_structure import burst_shares
 from er_model_lab.motion.white_noise import white_noise
-from er_model_lab.problem.prepare import Problem, colour_of
+from er_model_lab.problem.forward import colour_of
+from er_model_lab.problem.problem import Problem
 
 MOTIONS = 6
 """Draws of the motion; each serves many draws of the force noise."""

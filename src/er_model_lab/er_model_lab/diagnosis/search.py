@@ -21,7 +21,7 @@ from er_model_lab.diagnosis.candidates import (
 )
 from er_model_lab.diagnosis.null import Null, simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 PAIRS_OF = 6
 """Pairs are tried among this many best singles."""

@@ -9,7 +9,7 @@ from er_models.effect import Effect
 from er_models.model import Array, Model
 
 from er_model_lab.fitting.fit import FIRST_ITERATIONS, Fit, fit
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 SCANNED, SCANS, WORTHWHILE = 25, 3, 0.01
 """Values of a limit of the car that are looked at, how often, and the gain that is worth another look."""

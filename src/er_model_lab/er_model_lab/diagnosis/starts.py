@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 from er_models.effect import SMOOTH, Effect
 
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 GAPS, NARROWEST, WIDEST = 9, 0.1, 3.0
 """Gaps that are looked at, and the first and the last of them as shares of the least and the largest start."""

@@ -14,7 +14,7 @@ import numpy as np
 from er_models.model import Array, Model
 from numpy.typing import NDArray
 
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 REACH = "reach"
 """Key in an entry of a model's history."""

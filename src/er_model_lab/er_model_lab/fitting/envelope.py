@@ -11,7 +11,7 @@ from er_models.model import Model
 from er_models.scales import Scales
 
 from er_model_lab.fitting.fit import Box
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 UNFELT = 1e-6
 """Change of the force, over its size, below which the data say nothing of a value."""

@@ -30,8 +30,9 @@ from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
 
 from er_model_lab.fitting.fit import Box, Fit, covariance
+from er_model_lab.problem.forward import colour_of
 from er_model_lab.problem.motion_error import drawn
-from er_model_lab.problem.prepare import Problem, colour_of
+from er_model_lab.problem.problem import Problem
 
 SECANTS = (0.01, 0.03)
 """Steps of a derivative, as shares of the value."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from er_model_lab.problem.fit_store import Noted, key
 from er_model_lab.problem.forward import Free, Limits
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 FIRST_ITERATIONS = 10
 """Iterations every candidate gets before the best are fitted to the end."""

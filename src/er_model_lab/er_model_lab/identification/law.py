@@ -14,7 +14,7 @@ from er_models.sensitivity import steps
 from er_model_lab.fitting.fit import Box
 from er_model_lab.identification.levels import Table
 from er_model_lab.problem.forward import Free
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from er_model_lab.fitting.fit import Box, Fit, covariance
 from er_model_lab.identification.part import among, records_of
 from er_model_lab.identification.stretches import Level
 from er_model_lab.problem.forward import Free
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 GRID = 12
 """Response times tried first, geometrically from a fifth of a sample to `LONGEST`."""

@@ -9,7 +9,7 @@ import numpy as np
 from er_models.predict import Motion
 from numpy.typing import NDArray
 
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 
 def among(problem: Problem, *masks: NDArray[np.bool_]) -> Problem:

@@ -20,7 +20,7 @@ from er_model_lab.identification.stretches import Level, levels, stretches
 from er_model_lab.level.damper import opened
 from er_model_lab.problem.forward import Free
 from er_model_lab.problem.held_out import WARM_UP
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.span.span import Span
 

@@ -12,7 +12,7 @@ from er_model_lab.fitting.fit import Box, Fit, fit
 from er_model_lab.identification.stages import taken_over
 from er_model_lab.identification.visibility import Visibility, imitators, visibility
 from er_model_lab.problem.forward import Free, free_parameters
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 MOST_ITERATIONS = 60
 TOLERANCE = 1e-7

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from er_model_lab.fitting.fit import Box
 from er_model_lab.problem.forward import Free, free_parameters
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 SEEN = 1e-6
 """Change of the force over its size from which a parameter counts as having an influence."""

@@ -17,7 +17,7 @@ from er_model_lab.identification.part import among, only
 from er_model_lab.identification.roles import static
 from er_model_lab.identification.stretches import Level
 from er_model_lab.problem.forward import Free
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 MOST_STARTS = 16
 """Starting points of the yield force that are looked at."""

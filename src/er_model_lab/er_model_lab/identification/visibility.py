@@ -14,7 +14,7 @@ from er_models.model import Array
 
 from er_model_lab.fitting.fit import Box, Fit, covariance
 from er_model_lab.problem.forward import Free
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 UNKNOWN = 0.5
 """Standard deviation, over the parameter's size, from which the data do not say the parameter."""

@@ -11,7 +11,7 @@ from er_models.model import Array
 from er_model_lab.fitting.fit import Fit
 from er_model_lab.level.study import Study
 from er_model_lab.motion.white_noise import white_noise
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.record import CHANNELS
 
 UNKNOWN = 1.0 / 3.0

@@ -37,7 +37,8 @@ from er_model_lab.level.study import Lag, Opened, Study
 from er_model_lab.preflight.size import centre_notes
 from er_model_lab.problem.fit_store import Notes
 from er_model_lab.problem.fusion_facts import fusion_json
-from er_model_lab.problem.prepare import Problem, prepare
+from er_model_lab.problem.prepare import prepare
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.duty_known import driven
 from er_model_lab.residual.errors import size_notes

@@ -16,7 +16,7 @@ from er_model_lab.level.car_outputs import after, as_given, confounded, white
 from er_model_lab.level.level import Judged
 from er_model_lab.level.study import Opened, Study
 from er_model_lab.problem.fit_store import Notes
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.residual.excess import noise_at
 from er_model_lab.span.span import All

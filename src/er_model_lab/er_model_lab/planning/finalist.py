@@ -18,7 +18,7 @@ from er_model_lab.planning.piece import MARGIN, Bench
 from er_model_lab.planning.segment import Segment
 from er_model_lab.planning.virtual_rig import Run
 from er_model_lab.problem.held_out import split
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 CORRECTIONS = 6
 

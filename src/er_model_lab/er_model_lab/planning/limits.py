@@ -9,7 +9,7 @@ from er_models.constants import SAMPLE_TIME
 from er_models.errors import InputError
 from er_models.model import Model
 
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 ROAD_PER_STROKE = 3.0
 """Height of the road over the stroke where the rig says nothing of its actuator under the wheel."""

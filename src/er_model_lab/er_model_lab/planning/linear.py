@@ -22,7 +22,7 @@ from er_model_lab.motion.fuse import Noise
 from er_model_lab.planning.limits import Sensors
 from er_model_lab.planning.segment import FADE
 from er_model_lab.planning.virtual_rig import Run
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 RANK = 1e-8
 """Directions weaker than this share of the strongest are not told from nothing."""

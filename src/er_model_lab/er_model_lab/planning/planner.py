@@ -15,7 +15,7 @@ from er_model_lab.planning.search import Tick, best_sets, directions, refined, t
 from er_model_lab.planning.setup import bench_for
 from er_model_lab.planning.simulated_decision import Outcome, outcomes
 from er_model_lab.problem.forward import free_parameters
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 SETS = 4
 REFINED = 2

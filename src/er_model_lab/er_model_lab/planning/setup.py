@@ -15,7 +15,8 @@ from er_model_lab.planning.question import Question
 from er_model_lab.planning.simulated_decision import measured
 from er_model_lab.planning.strength import Rivals, from_data, standing_out
 from er_model_lab.planning.virtual_rig import Run
-from er_model_lab.problem.prepare import Problem, prepare
+from er_model_lab.problem.prepare import prepare
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.dataset import Dataset
 
 

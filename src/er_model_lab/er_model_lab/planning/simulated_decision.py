@@ -16,7 +16,8 @@ from er_model_lab.motion.fuse import channels_of, fuse
 from er_model_lab.planning.limits import Sensors
 from er_model_lab.planning.question import Question
 from er_model_lab.planning.virtual_rig import Run
-from er_model_lab.problem.prepare import Problem, prepare
+from er_model_lab.problem.prepare import prepare
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 

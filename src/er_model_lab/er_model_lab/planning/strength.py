@@ -25,7 +25,7 @@ from er_model_lab.planning.limits import Sensors
 from er_model_lab.planning.linear import design, left, triangle
 from er_model_lab.planning.question import Question
 from er_model_lab.planning.virtual_rig import Run
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 
 STANDS_OUT = 1.0
 """Unexplained change of the force over the noise at the strength that is taken without data."""

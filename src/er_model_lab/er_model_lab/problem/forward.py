@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 from er_models.effect import Effect
@@ -14,10 +14,7 @@ from er_models.predict import predict, predict_many
 from er_models.scales import Scales
 from scipy.signal import lfilter
 
-from er_model_lab.problem.motion_error import drawn
-
-if TYPE_CHECKING:
-    from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.motion_error import Sensed, drawn
 
 Free = tuple[tuple[str, str], ...]
 Limits = Mapping[tuple[str, str], tuple[float, float]]
@@ -35,7 +32,8 @@ class Output:
 class Forward(Protocol):
     """A level of the lab: rows (n,) of data that a model predicts, `outputs` of them for each sample.
 
-    candidates: effects of the catalogue that may be tried; free: parameters that are fitted, (effect, name).
+    data: the motion, and what it was made from; candidates: effects of the catalogue that may be tried; free:
+    parameters that are fitted, (effect, name).
     input_errors (m, n): errors [N] that draws of the input sensors' noise cause; output_errors (m, n): noise
     as the residual (n,) of a fit shows it, `size` [N] and lag-one correlation `colour` of its training rows.
     """
@@ -56,10 +54,10 @@ class Forward(Protocol):
     def worth(self) -> float:
         """Share of the mean square that the first step with an effect may leave; else no more are taken."""
 
-    def predict_many(self, problem: Problem, model: Model, vectors: Array) -> Array:
+    def predict_many(self, data: Sensed, model: Model, vectors: Array) -> Array:
         """Rows (m, n) of one model for m flat parameter vectors (m, n_parameters)."""
 
-    def predict(self, problem: Problem, model: Model) -> Array:
+    def predict(self, data: Sensed, model: Model) -> Array:
         """Rows (n,) of a model."""
 
     def free(self, model: Model) -> Free:
@@ -68,12 +66,10 @@ class Forward(Protocol):
     def candidates(self, model: Model) -> tuple[Effect, ...]:
         """Effects of the catalogue that may be tried."""
 
-    def scales(self, problem: Problem) -> Scales | None:
+    def scales(self) -> Scales | None:
         """Envelope of the data; None where motion and force say it themselves."""
 
-    def input_errors(
-        self, problem: Problem, model: Model, rng: np.random.Generator, m: int
-    ) -> Array:
+    def input_errors(self, data: Sensed, model: Model, rng: np.random.Generator, m: int) -> Array:
         """Errors (m, n) that other draws of the input sensors' noise would have caused."""
 
     def output_errors(
@@ -90,13 +86,13 @@ class DamperForward:
     limits: Limits = MappingProxyType({})
     worth = np.inf
 
-    def predict_many(self, problem: Problem, model: Model, vectors: Array) -> Array:
+    def predict_many(self, data: Sensed, model: Model, vectors: Array) -> Array:
         """Forces (m, n) along the motion."""
-        return predict_many(model, vectors, problem.motion)
+        return predict_many(model, vectors, data.motion)
 
-    def predict(self, problem: Problem, model: Model) -> Array:
+    def predict(self, data: Sensed, model: Model) -> Array:
         """Force (n,) along the motion."""
-        return predict(model, problem.motion)
+        return predict(model, data.motion)
 
     def free(self, model: Model) -> Free:
         """Fitted parameters of the damper.
@@ -110,17 +106,14 @@ class DamperForward:
         """Effects of the damper and its sensors."""
         return model.catalogue.candidates()
 
-    def scales(self, problem: Problem) -> Scales | None:
+    def scales(self) -> Scales | None:
         """Nothing beyond motion and force."""
-        del problem
         return None
 
-    def input_errors(
-        self, problem: Problem, model: Model, rng: np.random.Generator, m: int
-    ) -> Array:
+    def input_errors(self, data: Sensed, model: Model, rng: np.random.Generator, m: int) -> Array:
         """Forces along motions that the sensors may have meant, less that along the fused one."""
-        seen = predict(model, problem.motion)
-        return np.array([predict(model, drawn(problem, rng)) - seen for _ in range(m)])
+        seen = predict(model, data.motion)
+        return np.array([predict(model, drawn(data, rng)) - seen for _ in range(m)])
 
     def output_errors(
         self, residual: Array, size: float, colour: float, rng: np.random.Generator, m: int
@@ -128,6 +121,22 @@ class DamperForward:
         """First-order autoregressive noise of the force."""
         white = rng.standard_normal((m, residual.size)) * np.sqrt(1.0 - colour**2)
         return np.asarray(size * lfilter([1.0], [1.0, -colour], white))
+
+
+@dataclass(frozen=True)
+class PartForward(DamperForward):
+    """The force along stretches, with bounds and starts in the scales of all runs."""
+
+    whole: Scales
+
+    def scales(self) -> Scales:
+        """Envelope of all runs."""
+        return self.whole
+
+
+def colour_of(r: Array) -> float:
+    """Lag-one correlation of what a model leaves (n,)."""
+    return float(np.mean(r[1:] * r[:-1]) / max(float(np.mean(r**2)), 1e-300))
 
 
 def free_parameters(model: Model) -> Free:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from er_model_lab.motion.fuse import Fused
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.missing_channels import ACCELEROMETERS, losses
 from er_model_lab.records.record import Array, Record
 

@@ -8,7 +8,7 @@ what it misses of the true motion, the noise between two samples included.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from er_models.model import Array
@@ -17,8 +17,21 @@ from er_models.predict import Motion, join
 from er_model_lab.motion.chain import compiled, diffusion, transition
 from er_model_lab.motion.fuse import Channels, Fused, as_measured, fuse
 
-if TYPE_CHECKING:
-    from er_model_lab.problem.prepare import Problem
+
+class Sensed(Protocol):
+    """A motion and what it was made from: per record the channels that were measured, and what fusion made of them."""
+
+    @property
+    def motion(self) -> Motion:
+        """All records, laid end to end."""
+
+    @property
+    def raw(self) -> tuple[Channels, ...]:
+        """Measured channels of each record."""
+
+    @property
+    def fused(self) -> tuple[Fused, ...]:
+        """Motion of each record, with the noise model it was fused by."""
 
 
 @compiled
@@ -67,10 +80,10 @@ def _about_its_middle(wrong: Array, dt: float) -> Array:
     )
 
 
-def drawn(problem: Problem, rng: np.random.Generator) -> Motion:
+def drawn(data: Sensed, rng: np.random.Generator) -> Motion:
     """A motion that the sensors may have meant; accelerations that were not fused stay as measured."""
-    m, parts = problem.motion, []
-    for r, (channels, fused) in enumerate(zip(problem.raw, problem.fused, strict=True)):
+    m, parts = data.motion, []
+    for r, (channels, fused) in enumerate(zip(data.raw, data.fused, strict=True)):
         i, j = m.starts[r], m.starts[r + 1]
         x, v, a = np.ascontiguousarray(missed(channels, fused, rng).T)
         if not channels.has[2] and channels.measured_a:

@@ -6,32 +6,24 @@ Held-out samples are never used for fitting or for choosing an effect; they only
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 from er_models.errors import InputError, MissingChannel
-from er_models.model import Model
+from er_models.model import Array
 from er_models.predict import Motion, join
-from er_models.scales import Scales, peak
-from numpy.typing import NDArray
 
 from er_model_lab.motion.drift import without_drift
 from er_model_lab.motion.fuse import WITHOUT_A, Channels, Fused, Noise, channels_of, fuse
 from er_model_lab.motion.noise_levels import adapt, estimate_lag, estimate_noise
-from er_model_lab.motion.repetition import Cycle, cycles
 from er_model_lab.motion.white_noise import white_noise
-from er_model_lab.problem.fit_store import Notes
-from er_model_lab.problem.forward import DAMPER, Forward
-from er_model_lab.problem.held_out import WARM_UP, split
-from er_model_lab.problem.subset import Practice, practice
+from er_model_lab.problem.held_out import split
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.missing_channels import losses
 from er_model_lab.records.record import HELD, Record
 from er_model_lab.records.sampling import ROUNDED, at
-
-Array = NDArray[np.float64]
 
 FOR_NOISE = 2500
 """Samples from which the noise levels of the motion sensors and the intensity of a motion are estimated."""
@@ -39,112 +31,6 @@ CONTRADICTION = 0.03
 """Difference of two estimates of a lag, in samples, above which accelerometers contradict the other channels."""
 CONTRADICTION_SD = 4.0
 """Standard deviations of such an estimate that the difference must exceed as well: less is its noise."""
-
-
-@dataclass(frozen=True)
-class Problem:
-    """A data set ready for prediction and fitting; all arrays (n,), records laid end to end.
-
-    force: measured [N]; where `forward`, which predicts it, has several outputs, those of each sample in turn,
-    weighted to newtons, and motion and extra (what else moves, by name) have fewer rows; fold: block of each
-    training sample, -1 elsewhere; held_out: mask of samples that only score; raw: measured channels before
-    fusion; fused: per record, each with the noise model of its own motion; noise: that of the longest record
-    with most channels; sd_force: white noise of the force; noted: fits
-    that were made before, to which new ones are added.
-    """
-
-    motion: Motion
-    force: Array
-    fold: NDArray[np.int64]
-    held_out: NDArray[np.bool_]
-    raw: tuple[Channels, ...]
-    fused: tuple[Fused, ...]
-    noise: Noise
-    names: tuple[str, ...]
-    notes: tuple[str, ...]
-    complete: bool
-    sd_force: float
-    velocity_lag: tuple[float, float]
-    forward: Forward = DAMPER
-    extra: tuple[tuple[str, Array], ...] = ()
-    noted: Notes | None = None
-
-    def predict(self, model: Model) -> Array:
-        """What a model predicts (n,) [N]."""
-        return self.forward.predict(self, model)
-
-    def predict_many(self, model: Model, vectors: Array) -> Array:
-        """What a model predicts (m, n) [N] for m flat parameter vectors (m, n_parameters)."""
-        return self.forward.predict_many(self, model, vectors)
-
-    @property
-    def parts(self) -> tuple[Problem, ...]:
-        """One problem for each output, rows `c::outputs` of this one."""
-        n = self.forward.outputs
-        if n == 1:
-            return (self,)
-        return tuple(
-            replace(
-                self, force=self.force[c::n], fold=self.fold[c::n], held_out=self.held_out[c::n], forward=DAMPER
-            )
-            for c in range(n)
-        )  # fmt: skip
-
-    @property
-    def second(self) -> int:
-        """Rows of a second."""
-        return max(round(1.0 / self.motion.dt), 1) * self.forward.outputs
-
-    @cached_property
-    def learnt(self) -> tuple[tuple[int, int], ...]:
-        """Rows (from, to) of the motion of each record that is learnt from, be it in part."""
-        train = self.train[:: self.forward.outputs]
-        return tuple((i, j) for i, j in pairwise(self.motion.starts.tolist()) if train[i:j].any())
-
-    @cached_property
-    def cycles(self) -> tuple[Cycle, ...]:
-        """The cycle that each record learnt from repeats, of a damper; empty where one of them repeats none."""
-        m = self.motion
-        return cycles(m.v, m.dt, self.learnt) if self.forward.outputs == 1 else ()
-
-    @property
-    def rounded(self) -> bool:
-        """Whether a record's motion was made without accelerations, which alone show where it bends."""
-        return any(not c.has[2] for c in self.raw)
-
-    @cached_property
-    def practice(self) -> Practice | None:
-        """Stretches on which fits begin where there are many runs, else None."""
-        return practice(self, WARM_UP)
-
-    @property
-    def train(self) -> NDArray[np.bool_]:
-        """Mask of the training samples."""
-        return self.fold >= 0
-
-    @property
-    def measures_velocity(self) -> bool:
-        """Whether the velocity was measured in some record."""
-        return any(c.has[1] for c in self.raw)
-
-    @property
-    def kinematic_lag(self) -> bool:
-        """Whether deflection and accelerometers can show a lag of the velocity channel by themselves."""
-        return any(c.shows_lag for c in self.raw)
-
-    @property
-    def used(self) -> NDArray[np.bool_]:
-        """Mask of all scored samples."""
-        return self.train | self.held_out
-
-    @property
-    def scales(self) -> Scales:
-        """Envelope of the data: robust peaks of force, deflection, velocity and duty."""
-        m, known = self.motion, self.forward.scales(self)
-        if known is not None:
-            return known
-
-        return Scales(peak(self.force), peak(m.x), peak(m.v), float(max(m.u.max(), 1e-3)))
 
 
 def prepare(
@@ -205,11 +91,6 @@ def prepare(
 def _most(measured: Sequence[Channels], able: Sequence[int]) -> int:
     """The longest of the records with most channels."""
     return max(able, key=lambda r: (int(measured[r].has.sum()), measured[r].z.shape[0]))
-
-
-def colour_of(r: Array) -> float:
-    """Lag-one correlation of what a model leaves (n,)."""
-    return float(np.mean(r[1:] * r[:-1]) / max(float(np.mean(r**2)), 1e-300))
 
 
 def measured_channels(record: Record, dt: float) -> Channels:

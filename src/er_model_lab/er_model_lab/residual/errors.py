@@ -8,7 +8,7 @@ import numpy as np
 from er_models.model import Array
 from numpy.typing import NDArray
 
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.region import Region, RegionTable
 
 ANOTHER_SIZE = 5.0

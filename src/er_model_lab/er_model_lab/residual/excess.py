@@ -15,7 +15,7 @@ from er_models.model import Array
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.region import Region, RegionTable
 
 QUANTILES = (0.0, 0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.98, 1.0)

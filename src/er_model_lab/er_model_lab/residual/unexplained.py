@@ -15,7 +15,7 @@ import numpy as np
 from er_models.model import Array
 from numpy.typing import NDArray
 
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.excess import quantities
 
 BINS = 24

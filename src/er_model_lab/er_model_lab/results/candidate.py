@@ -15,7 +15,7 @@ from er_model_lab.diagnosis.investigation import Diagnosis
 from er_model_lab.diagnosis.search import Round
 from er_model_lab.fitting.fit import with_deviations
 from er_model_lab.level.study import Study
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors
 from er_model_lab.results.values import parameters
 

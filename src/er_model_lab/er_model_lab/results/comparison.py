@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from er_models.model import Array
 
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors, explainable, regions_json, worst
 from er_model_lab.residual.region import RegionTable
 

@@ -14,7 +14,7 @@ from er_model_lab.diagnosis.evidence import VISIBLE
 from er_model_lab.diagnosis.floor_estimates import floors
 from er_model_lab.diagnosis.search import Round
 from er_model_lab.level.study import Study
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors, size_notes
 from er_model_lab.residual.unexplained import describe
 from er_model_lab.results.candidate import candidates

@@ -14,7 +14,7 @@ from er_model_lab.diagnosis.decisive_round import told
 from er_model_lab.diagnosis.investigation import Diagnosis
 from er_model_lab.diagnosis.search import Round
 from er_model_lab.level.study import Study
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.excess import noise_at, region_tables
 from er_model_lab.residual.region import RegionTable
 from er_model_lab.results.candidate import reason

@@ -17,14 +17,15 @@ from er_model_lab.motion.drift import without_drift
 from er_model_lab.motion.fuse import WITHOUT_A, Channels, Noise, channels_of, fuse
 from er_model_lab.motion.noise_levels import adapt
 from er_model_lab.problem.forward import DamperForward
+from er_model_lab.problem.motion_error import Sensed
 from er_model_lab.problem.prepare import (
     FOR_NOISE,
-    Problem,
     measured_channels,
     reference_temperature,
     resampled,
     warmth,
 )
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 
@@ -56,19 +57,19 @@ class LongForward(DamperForward):
 
     whole: WholeRecords
 
-    def predict_many(self, problem: Problem, model: Model, vectors: Array) -> Array:
+    def predict_many(self, data: Sensed, model: Model, vectors: Array) -> Array:
         """Forces (m, n) along the stretches."""
         if not remembers(model):
-            return predict_many(model, vectors, problem.motion)
+            return predict_many(model, vectors, data.motion)
         out = np.empty((vectors.shape[0], self.whole.rows.size))
         for k in range(0, vectors.shape[0], AT_ONCE):
             forces = predict_many(model, vectors[k : k + AT_ONCE], self.whole.motion)
             out[k : k + AT_ONCE] = forces[:, self.whole.rows]
         return out
 
-    def predict(self, problem: Problem, model: Model) -> Array:
+    def predict(self, data: Sensed, model: Model) -> Array:
         """Force (n,) along the stretches."""
-        return np.asarray(self.predict_many(problem, model, model.compiled().p[None])[0])
+        return np.asarray(self.predict_many(data, model, model.compiled().p[None])[0])
 
 
 def remembers(model: Model) -> bool:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from er_models.effect import Effect
@@ -17,10 +16,8 @@ from er_models.model import Array, Model
 from er_models.scales import Scales
 
 from er_model_lab.problem.forward import Free, Limits, Output
+from er_model_lab.problem.motion_error import Sensed
 from er_model_lab.vehicle.ride import CHANNELS, SETTLE, Course, drive, drive_many, with_values
-
-if TYPE_CHECKING:
-    from er_model_lab.problem.prepare import Problem
 
 CAR = ("m_us", "k_s", "k_t")
 """Parameters of the quarter car that are fitted. The sprung mass is what was weighed: its error is an effect."""
@@ -92,9 +89,9 @@ class RideForward:
                 yield offset + i, offset + j
             offset += path.edges[-1]
 
-    def predict_many(self, problem: Problem, model: Model, vectors: Array) -> Array:
+    def predict_many(self, data: Sensed, model: Model, vectors: Array) -> Array:
         """Rows (m, n) with the starts of the blocks that suit them."""
-        del problem
+        del data
         rows = np.full((vectors.shape[0], self.measured.size), np.nan)
         able = ~np.isnan(vectors).any(axis=1)
         jobs = [(with_values(model, v), self.starts) for v in vectors[able]]
@@ -103,9 +100,9 @@ class RideForward:
         rows[able] = self.measured - self.settled(self.measured - found)
         return rows
 
-    def predict(self, problem: Problem, model: Model) -> Array:
+    def predict(self, data: Sensed, model: Model) -> Array:
         """Rows (n,) of a model."""
-        return np.asarray(self.predict_many(problem, model, model.compiled().p[None])[0])
+        return np.asarray(self.predict_many(data, model, model.compiled().p[None])[0])
 
     def ride(self, model: Model) -> tuple[Array, Array]:
         """Mechanical states (n, 4) and outputs (n, 6) of all records."""
@@ -153,17 +150,14 @@ class RideForward:
         ]
         return tuple(e for e in (*model.catalogue.candidates(), *car) if e.name not in unseen)
 
-    def scales(self, problem: Problem) -> Scales | None:
+    def scales(self) -> Scales | None:
         """Envelope of the ride."""
-        del problem
         return self.envelope
 
-    def input_errors(
-        self, problem: Problem, model: Model, rng: np.random.Generator, m: int
-    ) -> Array:
+    def input_errors(self, data: Sensed, model: Model, rng: np.random.Generator, m: int) -> Array:
         """None: road and duty are taken as they are; their errors are part of what is left."""
-        del model, rng
-        return np.zeros((m, problem.force.size))
+        del data, model, rng
+        return np.zeros((m, self.measured.size))
 
     def output_errors(
         self, residual: Array, size: float, colour: float, rng: np.random.Generator, m: int

@@ -16,7 +16,8 @@ from er_model_lab.fitting.fit import Fit, fit
 from er_model_lab.motion.fuse import Noise
 from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.problem.held_out import FOLDS, TO_FIT, TO_HOLD_OUT, split
-from er_model_lab.problem.prepare import Problem, resampled
+from er_model_lab.problem.prepare import resampled
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_model_lab.vehicle.ride import CHANNELS, SETTLE, Course, course, drive

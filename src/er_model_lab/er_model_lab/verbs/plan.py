@@ -16,7 +16,7 @@ from er_model_lab.planning.limits import Asked, Limits, limits_of, sensors_of
 from er_model_lab.planning.planner import planned
 from er_model_lab.planning.present import plan_json, plan_view, proposed
 from er_model_lab.planning.question import Question, ask
-from er_model_lab.problem.prepare import Problem
+from er_model_lab.problem.problem import Problem
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.load import fingerprint
 from er_model_lab.results.result import PlanResult
