@@ -182,7 +182,7 @@ def test_accelerations_alone_are_not_enough_and_by_how_much(rides):
     u = alone[0].channels["duty"]
     whole = [replace(r, channels={**r.channels, "road": 0.0 * u}) for r in alone]
     assert preflight(whole, levels=True).passed
-    assert [f.remedy for f in use_findings(whole[0])] == ["use --level vehicle"]
+    assert [f.remedy for f in use_findings(whole[0])] == ["use level='vehicle'"]
     assert not list(use_findings(rides[0]))
 
 
