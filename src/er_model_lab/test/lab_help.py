@@ -1,16 +1,35 @@
 """Measurements of an imposed motion under a known model, for tests of fits."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from er_model_lab.diagnosis.verdict import Evidence
+from er_model_lab.fitting.velocity_channel import on_fused
+from er_model_lab.level.study import Opened
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
+from er_model_lab.span.span import All
 from er_models.files import load_model
 from er_models.predict import motion, predict
 
 GUO = Path(__file__).resolve().parents[3] / "config" / "dampers" / "inove_guo.yaml"
 DT, FORCE_NOISE = 0.005, 0.15
+NOTHING = Evidence(
+    effects=0, explained=0.0, without_lines=0.0, too_many=False, tied=False, blocking=(), remains=False,
+    within_errors=False,
+)  # fmt: skip
+"""Evidence of a model that lacks nothing."""
+NAMED = replace(NOTHING, effects=1, explained=0.9, without_lines=0.9)
+"""Evidence of one effect that explains nearly all."""
+EVIDENCE = {
+    "adequate": NOTHING, "missing_effect": NAMED, "ambiguous": replace(NAMED, tied=True),
+    "partial": replace(NAMED, explained=0.5, without_lines=0.5),
+    "unknown_effect": replace(NOTHING, remains=True),
+    "insufficient_data": replace(NOTHING, blocking=("too short",)),
+}  # fmt: skip
+"""Evidence for each verdict."""
 
 
 def imposed(rng, n):
@@ -50,3 +69,10 @@ def problem_of(
         channels["sprung_acceleration"] = a + 0.025 * rng.standard_normal(n)
         channels["unsprung_acceleration"] = 0.025 * rng.standard_normal(n)
     return model, prepare(Dataset.of([Record("made", np.arange(n) * DT, channels)]))
+
+
+def asked(model, problem, lag=None):
+    """A problem that was made by hand, as a question to a model."""
+    bare = on_fused(model)
+    given = problem.force - problem.predict(bare)
+    return Opened(Dataset.of([]), model, bare, problem, All(), given, lag)

@@ -4,15 +4,18 @@ import shutil
 
 import numpy as np
 import pytest
+from er_model_lab.cli.app import app
 from er_model_lab.records import copies
 from er_model_lab.records.copies import used_once
-from er_model_lab.records.load import load
 from er_model_lab.records.record import Record
 from er_model_lab.records.write import write_csv, write_parquet
-from er_model_lab.verbs.ask import Request, read
+from er_model_lab.verbs.asking import question
 from er_model_lab.verbs.compare import compare
+from er_model_lab.verbs.load import load
 from er_models.errors import InputError
+from er_models.files import load_model
 from lab_help import DT, GUO, imposed
+from typer.testing import CliRunner
 
 
 def record(seed, name="run", n=1200):
@@ -42,7 +45,7 @@ def folder(tmp_path):
 
 
 def test_two_runs_of_one_program_are_both_used(folder):
-    assert [r.notes for r in load([folder])] == [(), ()]
+    assert [r.notes for r in load(folder).records] == [(), ()]
 
 
 def again(folder, kind):
@@ -68,7 +71,7 @@ OTHERWISE = {
 @pytest.mark.parametrize("kind", ["copy", "parquet", *OTHERWISE])
 def test_a_run_given_twice_is_used_once_and_both_files_are_named(kind, folder):
     twin = again(folder, kind)
-    found = load([folder])
+    found = load(folder).records
     assert [r.file for r in found] == [str(folder / f"run{k}.csv") for k in (1, 2)]
     (note,) = found[0].notes
     assert str(twin) in note
@@ -78,7 +81,7 @@ def test_a_run_given_twice_is_used_once_and_both_files_are_named(kind, folder):
 
 
 def test_a_path_given_twice_is_used_once(folder):
-    assert [r.name for r in load([folder, folder / "run2.csv"])] == ["run1", "run2"]
+    assert [r.name for r in load(folder, folder / "run2.csv").records] == ["run1", "run2"]
 
 
 @pytest.mark.parametrize("kind", ["same file", "copy", "parquet", "seven digits"])
@@ -87,11 +90,16 @@ def test_what_only_scores_must_not_be_learnt_from(kind, folder, tmp_path):
     file = folder / "run2.csv" if kind == "same file" else again(folder, kind)
     if kind != "same file":
         file = shutil.move(file, tmp_path / "more" / file.name)
-    with pytest.raises(InputError, match="--hold-out: expected samples that DATA do not") as told:
-        compare(Request([folder], GUO, hold_out=(file,)))
+    with pytest.raises(InputError, match="held_out: expected samples that are not learnt") as told:
+        compare(load(folder), load_model(GUO), held_out=load(file))
+    words = ["compare", folder, "--model", GUO, "--hold-out", file]
+    done = CliRunner().invoke(app, [str(w) for w in words])
+    assert done.exit_code == 2
+    assert "--hold-out: expected samples that are not learnt from" in done.output
     first = "run2.csv" if kind == "same file" else "run1.csv"
-    assert str(file) in str(told.value)
-    assert str(folder / first) in str(told.value)
+    for said in (str(told.value), done.output):
+        assert str(file) in said
+        assert str(folder / first) in said
 
 
 def test_hundreds_of_runs_are_not_compared_each_with_each(monkeypatch):
@@ -116,6 +124,8 @@ def test_records_of_one_name_are_told_apart_wherever_they_come_from(tmp_path):
     for k, file in enumerate(files):
         file.parent.mkdir()
         write_csv(record(k), file)
-    records, sealed = read(Request(files[:1], GUO, hold_out=(files[1],)))
-    assert [r.name for r in records] == ["a/run", "b/run"]
-    assert sealed == 1
+    asked = question(load(files[0]), load_model(GUO), held_out=load(files[1]))
+    assert [r.name for r in asked.data.learn] == ["a/run"]
+    assert [r.name for r in asked.data.score] == ["b/run"]
+    both = question(load(*files), load_model(GUO)).data
+    assert [r.name for r in both.learn] == ["a/run", "b/run"]

@@ -1,13 +1,12 @@
 """A motion that repeats itself is known as such, and nothing is named with certainty on it."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from er_model_lab.diagnosis.candidates import baseline, refit
+from er_model_lab.diagnosis.investigation import search_effects
 from er_model_lab.diagnosis.null import simulate_null
-from er_model_lab.diagnosis.verdict import diagnose
 from er_model_lab.level.damper import opened
 from er_model_lab.motion.repetition import cycle
 from er_model_lab.planning.suggest import suggestions
@@ -83,7 +82,7 @@ def sine_record(hidden=None, blur=1.0):
 def test_on_one_sine_nothing_is_certain():
     model, record = sine_record(("coulomb_friction", {"F_c": 0.8, "v_0": 0.01}))
     problem = opened(Dataset.of([record]), model).problem
-    found = diagnose(model, problem)
+    found = search_effects(model, problem)
     assert found.coverage.curves == 1
     assert found.effects
     assert found.verdict == "ambiguous"
@@ -114,5 +113,4 @@ def test_a_name_that_is_unsure_asks_for_the_experiment():
         "alternatives": [],
         "candidates": candidates,
     }
-    (command,) = suggestions(result, Path("model.yaml"), [])
-    assert "--between coulomb_friction shear_thinning" in command
+    assert suggestions(result) == [{"between": ["coulomb_friction", "shear_thinning"]}]

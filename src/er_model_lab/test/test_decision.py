@@ -12,6 +12,7 @@ from er_model_lab.diagnosis.candidates import (
     refit,
 )
 from er_model_lab.diagnosis.coverage import coverage
+from er_model_lab.diagnosis.investigation import _alternatives, _standing, judge, one_effect
 from er_model_lab.diagnosis.leftover_structure import burst_shares, bursts, filtered
 from er_model_lab.diagnosis.noise_floor import Floor, noise_floor
 from er_model_lab.diagnosis.null import Null, simulate_null
@@ -31,9 +32,8 @@ from er_model_lab.diagnosis.search import (
     threshold,
     tied,
 )
-from er_model_lab.diagnosis.study import Study, as_given, diagnose_one
-from er_model_lab.diagnosis.verdict import _alternatives, _standing, judge
 from er_model_lab.fitting.fit import fit
+from er_model_lab.level.study import Study
 from er_model_lab.problem.motion_error import drawn
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.dataset import Dataset
@@ -41,7 +41,7 @@ from er_model_lab.records.record import Record
 from er_model_lab.residual.errors import size_notes
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_models.errors import InputError
-from lab_help import FORCE_NOISE, imposed, problem_of
+from lab_help import FORCE_NOISE, asked, imposed, problem_of
 from scipy.signal import lfilter
 
 
@@ -189,8 +189,8 @@ def test_a_force_of_another_size_is_said_and_one_that_a_term_is_missing_from_is_
 def test_a_diagnosis_says_so_too_although_its_refit_takes_any_unit():
     model, problem = problem_of(None, {}, seconds=6.0)
     other = replace(problem, force=1e-3 * problem.force)
-    found = diagnose_one(model, other, None, seed=0)
-    study = Study(found, other, model, None, None, as_given(model, other))
+    found = one_effect(model, other, None, seed=0)
+    study = Study(asked(model, other), found)
     assert any("another unit" in note for note in diagnosis_json(study, found.model)["notes"])
 
 
@@ -365,7 +365,7 @@ def test_what_explains_little_is_taken_where_that_is_asked_for(friction):
     step = Round(base, [weak], null, 0.01, weak, [weak.name])
     strict = judge(base, weak, [step], floor, problem)
     assert (strict.verdict, strict.effects) == ("unknown_effect", ())
-    assert "--helps 0.1" in strict.reasons[-1]
+    assert "set helps to 0.1" in strict.reasons[-1]
     asked = judge(base, weak, [step], floor, problem, rule=Rule(helps=0.1))
     assert (asked.verdict, asked.effects) == ("partial", weak.effects)
 

@@ -37,9 +37,9 @@ def test_an_offset_of_the_velocity_carries_no_long_record_away(offset, monkeypat
     channels = {
         "deflection_velocity": v + offset + 1e-3 * rng.standard_normal(n), "duty": u, "damper_force": 60.0 * v
     }  # fmt: skip
-    pieces, _ = stretches.shortened(Dataset.of([Record("run", np.arange(n) * DT, channels)]))
-    problem = on_whole(prepare(Dataset.of(pieces)), pieces)
-    whole = problem.forward.whole.motion
+    data = stretches.shortened(Dataset.of([Record("run", np.arange(n) * DT, channels)]))
+    _, found = on_whole(prepare(data), data)
+    whole = found.motion
     missed = whole.x - x
     assert np.std(missed) < 0.2 * np.std(x)
     assert np.max(np.abs(np.diff(missed))) < 2e-5  # no jump where two pieces meet
@@ -56,8 +56,8 @@ def test_each_long_record_keeps_its_own_channels(monkeypatch):
         Record("x", np.arange(n) * DT, {"deflection": x + 2e-5 * rng.standard_normal(n), **force}),
         Record("v", np.arange(n) * DT, {"deflection_velocity": v + 1e-3 * rng.standard_normal(n), **force}),
     ]  # fmt: skip
-    pieces, _ = stretches.shortened(Dataset.of(records))
-    problem = on_whole(prepare(Dataset.of(pieces)), pieces)
-    moved = problem.forward.whole.motion
+    data = stretches.shortened(Dataset.of(records))
+    _, whole = on_whole(prepare(data), data)
+    moved = whole.motion
     for i, j in ((0, n), (n, 2 * n)):
         assert np.std(moved.v[i:j] - v) < 0.1 * np.std(v)

@@ -7,13 +7,13 @@ import pytest
 from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.preflight.check import preflight
 from er_model_lab.preflight.usable_channels import use_findings
+from er_model_lab.problem.fusion_facts import biases, fusion_json
 from er_model_lab.problem.prepare import prepare, resampled
-from er_model_lab.records.dataset import Dataset
+from er_model_lab.records.dataset import Dataset, Place
 from er_model_lab.records.missing_channels import losses
-from er_model_lab.records.record import Part, Record
+from er_model_lab.records.record import Record
 from er_model_lab.records.sampling import with_velocity
 from er_model_lab.residual.excess import quantities
-from er_model_lab.results.fusion import biases, fusion_json
 from er_models.errors import MissingChannel
 from er_models.files import load_model
 from er_models.predict import motion, predict
@@ -149,8 +149,8 @@ def test_the_temperature_of_all_records_counts_from_one_reference(rides):
         (name, unit) for name, unit, _ in quantities(problem, problem.force)
     ]
     assert preflight([warm, hot]).have["warming"] == pytest.approx(41.0)
-    late = replace(hot.slice(1000, n), part_of=Part((warm, hot), 2, 1, 1000))
-    assert prepare(Dataset.of([late])).motion.theta[0] == pytest.approx(40.25, abs=1e-3)
+    late = Dataset((hot.slice(1000, n),), (), Dataset.of([warm, hot]), (Place(1, 1000, n),))
+    assert prepare(late).motion.theta[0] == pytest.approx(40.25, abs=1e-3)
 
 
 def test_an_offset_of_the_velocity_does_not_carry_the_deflection_away():
@@ -182,7 +182,7 @@ def test_accelerations_alone_are_not_enough_and_by_how_much(rides):
     u = alone[0].channels["duty"]
     whole = [replace(r, channels={**r.channels, "road": 0.0 * u}) for r in alone]
     assert preflight(whole, levels=True).passed
-    assert [f.remedy for f in use_findings(whole[0])] == ["use --level vehicle"]
+    assert [f.remedy for f in use_findings(whole[0])] == ["use level='vehicle'"]
     assert not list(use_findings(rides[0]))
 
 

@@ -47,7 +47,7 @@ def problem_of(model: Model, duty: np.ndarray) -> Problem:
     force = predict(model, m)
     channels = {"deflection": m.x, "deflection_velocity": m.v, "duty": duty, "damper_force": force}
     made = prepare(Dataset.of([Record("r", np.arange(m.n) * DT, channels)]))
-    return learn_from_all(replace(made, motion=m), sealed=0)
+    return learn_from_all(replace(made, motion=m), scored=0)
 
 
 def stairs(*duties: float, seconds: float = 2.0) -> np.ndarray:

@@ -27,7 +27,7 @@ def record(name, seconds=12.0, noise=1.0, lag=0.0, seed=1, sine=0.0):
 def test_noise_and_lag_are_those_of_the_data_learnt_from():
     learnt = record("learnt")
     sealed = record("sealed", 16.0, noise=4.0, lag=0.006, seed=2)
-    alone, beside = prepare(Dataset.of([learnt])), prepare(Dataset.of([learnt, sealed]), sealed=1)
+    alone, beside = prepare(Dataset.of([learnt])), prepare(Dataset.of([learnt], [sealed]))
     assert beside.noise.v == pytest.approx(alone.noise.v, rel=1e-9)
     assert beside.velocity_lag[0] == pytest.approx(alone.velocity_lag[0], abs=1e-9)
     assert prepare(Dataset.of([learnt, sealed])).velocity_lag[0] == pytest.approx(0.006, rel=0.1)
@@ -43,7 +43,7 @@ def test_of_records_that_are_spared_whole_no_noise_is_read_off():
 
 def test_a_rich_record_that_only_scores_makes_no_sine_rich():
     one, rich = record("sine", sine=2.0), record("rich", seed=2)
-    found = coverage(prepare(Dataset.of([one, rich]), sealed=1))
+    found = coverage(prepare(Dataset.of([one], [rich])))
     assert "repeats one closed curve" in found.blocking[0]
     assert found.seconds == pytest.approx(coverage(prepare(Dataset.of([one]))).seconds, abs=4.0)
     assert found.seconds < 13.0

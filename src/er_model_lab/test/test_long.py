@@ -10,19 +10,20 @@ import pytest
 from er_model_lab.diagnosis.by_record import by_record
 from er_model_lab.diagnosis.candidates import baseline
 from er_model_lab.fitting.fit import fit
-from er_model_lab.planning import question
+from er_model_lab.planning.question import ask
 from er_model_lab.problem import stretches
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.load import fingerprint, load
+from er_model_lab.records.load import fingerprint
 from er_model_lab.records.record import Record
 from er_model_lab.records.write import write_parquet
-from er_model_lab.span.check import checked, long_json
+from er_model_lab.span.span import spanned
 from er_model_lab.span.whole_record import on_whole
-from er_model_lab.verbs import identify, plan
-from er_model_lab.verbs.ask import Request
+from er_model_lab.verbs import plan
 from er_model_lab.verbs.compare import compare
-from er_models.files import load_model
+from er_model_lab.verbs.identify import identify
+from er_model_lab.verbs.load import load
+from er_models.files import load_model, save_model
 from er_models.predict import motion, predict
 from lab_help import DT, GUO, imposed
 
@@ -55,8 +56,8 @@ def short(monkeypatch):
 
 
 def test_ordinary_data_are_searched_whole():
-    records = [made(20.0), made(20.0, seed=2)]
-    assert stretches.shortened(Dataset.of(records), 1) == (records, 1)
+    data = Dataset.of([made(20.0)], [made(20.0, seed=2)])
+    assert stretches.shortened(data) is data
 
 
 def test_the_one_visit_to_a_corner_is_among_what_is_searched(short):
@@ -66,18 +67,19 @@ def test_the_one_visit_to_a_corner_is_among_what_is_searched(short):
     x[rows] *= 3.0
     u[rows] = 0.3
     record = Record("run", record.t, {**record.channels, "deflection": x, "duty": u})
-    pieces, _ = stretches.shortened(Dataset.of([record]))
-    assert sum(map(len, pieces)) <= 6000
-    firsts = [p.part_of.first for p in pieces]
+    data = stretches.shortened(Dataset.of([record]))
+    assert sum(map(len, data.records)) <= 6000
+    firsts = [p.i for p in data.places]
     assert any(i <= 26500 and i + 2500 >= 26600 for i in firsts), firsts
-    assert stretches.shortened(Dataset.of([record]))[0][0].name == pieces[0].name
+    again = stretches.shortened(Dataset.of([record]))
+    assert again.records[0].name == data.records[0].name
 
 
 def test_what_heats_remembers_the_whole_record(short):
     truth = load_model(GUO).with_effect("self_heating", HEAT)
-    pieces, _ = stretches.shortened(Dataset.of([made(200.0, truth)]))
-    alone = prepare(Dataset.of(pieces))
-    problem = on_whole(alone, pieces)
+    data = stretches.shortened(Dataset.of([made(200.0, truth)]))
+    alone = prepare(data)
+    problem, _ = on_whole(alone, data)
     late = problem.used & (problem.extra[-1][1] > 100.0)
     here, rest = (float(np.std((p.force - p.predict(truth))[late])) for p in (problem, alone))
     assert here < 0.2
@@ -91,16 +93,16 @@ def test_a_stretch_that_was_not_searched_and_fails_is_searched_next(short):
     force = record.channels["damper_force"].copy()
     force[unseen.i : unseen.j] += 4.0
     record = Record("run", record.t, {**record.channels, "damper_force": force})
-    pieces, _ = stretches.shortened(Dataset.of([record]))
-    problem = on_whole(prepare(Dataset.of(pieces)), pieces)
-    found = checked(problem, problem.force - problem.predict(model), given=model)
+    data = stretches.shortened(Dataset.of([record]))
+    problem, span = spanned(prepare(data), data)
+    found = span.checked(problem, problem.force - problem.predict(model), given=model)
     assert found.missed == [unseen]
-    said = long_json(found, again=False)
+    said = found.as_json(again=False)
     assert said["worst"][0]["from"] == pytest.approx(unseen.i * DT)
     assert said["rmse"]["given"]["elsewhere"] > 2.0 * np.sqrt(found.held_out)
-    more, sealed = stretches.with_more(pieces, found.missed)
-    assert sealed == 0
-    assert {p.part_of.first for p in more} == {p.part_of.first for p in pieces} | {unseen.i}
+    more = stretches.with_more(data, found.missed)
+    assert more.score == ()
+    assert {p.i for p in more.places} == {p.i for p in data.places} | {unseen.i}
 
 
 @pytest.fixture
@@ -113,14 +115,16 @@ def file(tmp_path):
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 def test_identify_says_what_it_used_and_names_all_data(short, file, tmp_path):
     out = tmp_path / "new.yaml"
-    outcome = identify.run(Request([file], GUO), out)
-    assert outcome.result["long"]["seconds"] == pytest.approx(100.0)
-    assert outcome.result["notes"][0].startswith("30 of 100 s searched")
-    assert outcome.result["notes"][0] in outcome.view.notes
+    result = identify(load(file), load_model(GUO), name="new")
+    content = result.to_dict()
+    assert content["long"]["seconds"] == pytest.approx(100.0)
+    assert content["notes"][0].startswith("30 of 100 s searched")
+    assert content["notes"][0] in result.notes
+    save_model(result.model, out)
     found = load_model(out)
     assert found.history[-1]["records"] == ["run"]
     assert found.source.startswith("identified from 1 records")
-    told = compare(Request([file], out, rivals=(GUO,))).result
+    told = compare(load(file), found, load_model(GUO)).to_dict()
     first, second = told["models"]
     assert (first["fitted_to_these_data"], second["fitted_to_these_data"]) == (True, False)
     assert first["rmse"] == pytest.approx(told["rmse"], rel=1e-12)
@@ -133,33 +137,31 @@ def test_identify_says_what_it_used_and_names_all_data(short, file, tmp_path):
 
 
 def test_plan_says_what_it_used_and_names_all_data(short, file):
-    ask = question.ask(load_model(GUO), (), "preload")
-    problem, origin, long = plan.measurements(Request([file], GUO), ask, load_model(GUO))
+    model, data = load_model(GUO), load(file)
+    problem, known = plan._measured(data, ask(model, (), "preload"), model, 0, anyway=False)
     assert problem.notes[0].startswith("30 of 100 s searched")
-    assert long["long"]["seconds"] == pytest.approx(100.0)
-    assert origin == {"data": fingerprint(load([file])), "records": ["run"]}
+    assert known["long"]["seconds"] == pytest.approx(100.0)
+    assert known["provenance"] == {"data": fingerprint(data.records), "records": ["run"]}
 
 
-def test_a_plan_undoes_the_gain_that_the_model_knows(tmp_path):
+def test_a_plan_undoes_the_gain_that_the_model_knows():
     record, model = made(12.0), load_model(GUO)
     odd = {**record.channels, "deflection_velocity": 1.1 * record.channels["deflection_velocity"]}
-    write_parquet(record, tmp_path / "true.parquet")
-    write_parquet(Record("run", record.t, odd), tmp_path / "odd.parquet")
-    ask = question.ask(model, (), "preload")
-    known = model.with_effect("velocity_gain", {"g_v": 1.1})
-    true, _, _ = plan.measurements(Request([tmp_path / "true.parquet"], GUO), ask, model)
-    problem, _, _ = plan.measurements(Request([tmp_path / "odd.parquet"], GUO), ask, known)
+    known, asked = model.with_effect("velocity_gain", {"g_v": 1.1}), ask(model, (), "preload")
+    true, _ = plan._measured(Dataset.of([record]), asked, model, 0, anyway=False)
+    out_of_scale = Dataset.of([Record("run", record.t, odd)])
+    problem, _ = plan._measured(out_of_scale, asked, known, 0, anyway=False)
     assert problem.motion.v == pytest.approx(true.motion.v, abs=1e-9)
 
 
 def test_stretches_searched_before_stay_when_more_join_them(short):
     record = made(200.0)
-    pieces, _ = stretches.shortened(Dataset.of([record]))
-    seen = {p.part_of.first for p in pieces}
+    data = stretches.shortened(Dataset.of([record]))
+    seen = {p.i for p in data.places}
     fresh = [p for p in stretches.places_of([record]) if p.i not in seen]
-    more, _ = stretches.with_more(pieces, fresh[:1])
-    last, _ = stretches.with_more(more, fresh[1:2])
-    assert {p.part_of.first for p in last} == seen | {fresh[0].i, fresh[1].i}
+    more = stretches.with_more(data, fresh[:1])
+    last = stretches.with_more(more, fresh[1:2])
+    assert {p.i for p in last.places} == seen | {fresh[0].i, fresh[1].i}
 
 
 def test_standstill_at_the_beginning_does_not_spoil_the_motion():
@@ -177,14 +179,15 @@ def test_a_record_left_out_is_predicted_from_the_others():
         made(20.0, seed=2, name="b"),
         made(20.0, odd, seed=3, name="odd"),
     ]
-    problem = prepare(Dataset.of(records))
+    data = Dataset.of(records)
+    problem = prepare(data)
     base = baseline(model.with_effect("preload", {"F_0": 0.1}), problem)
 
     class Found:
         best = base
 
     Found.base = base
-    found = {e["record"]: e for e in by_record(Found, problem, records)}
+    found = {e["record"]: e for e in by_record(Found, problem, data)}
     assert set(found) == {"a", "b", "odd"}
     rest = np.repeat([True, True, False], 4000) & problem.used
     alone = fit(base.fit.model, problem_of_rows(problem, rest))
@@ -192,7 +195,8 @@ def test_a_record_left_out_is_predicted_from_the_others():
     truly = np.sqrt(np.mean(alone.residual[last] ** 2))
     assert found["odd"]["rmse_left_out"] == pytest.approx(truly, rel=0.02)
     assert found["odd"]["rmse_left_out"] > 1.2 * found["odd"]["rmse_after"]
-    assert by_record(Found, prepare(Dataset.of(records[:1])), records[:1]) == []
+    first = Dataset.of(records[:1])
+    assert by_record(Found, prepare(first), first) == []
 
 
 def problem_of_rows(problem, rows):

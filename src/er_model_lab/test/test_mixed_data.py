@@ -33,29 +33,28 @@ def record(name="run", seed=1, duty=1.0, without=(), force=1.0, zero=0.0, second
 
 def test_a_record_without_duty_beside_driven_ones_is_left_out():
     known, blind = record("known"), record("blind", 2, without=("duty",))
-    (kept,), sealed = driven(Dataset.of([known, blind]), 0)
-    assert (kept.name, kept.complete, sealed) == ("known", False, 0)
+    found = driven(Dataset.of([known, blind]))
+    (kept,) = found.learn
+    assert (kept.name, kept.complete, found.score) == ("known", False, ())
     assert kept.notes[-1].startswith(
         "blind: left out, as the duty is missing and others are driven"
     )
-    kept, sealed = driven(Dataset.of([known, blind, record("more", 3), blind]), 2)
-    assert ([r.name for r in kept], sealed) == (["known", "more"], 1)
+    found = driven(Dataset.of([known, blind], [record("more", 3), blind]))
+    assert [[r.name for r in part] for part in (found.learn, found.score)] == [["known"], ["more"]]
 
 
 @pytest.mark.parametrize("duty", [0.0, None])
 def test_where_no_record_is_driven_none_is_left_out(duty):
     off = record("off", duty=0.0) if duty is not None else record("off", without=("duty",))
-    records = [off, record("blind", 2, without=("duty",))]
-    assert driven(Dataset.of(records), 1) == (records, 1)
+    data = Dataset.of([off], [record("blind", 2, without=("duty",))])
+    assert driven(data) is data
 
 
-@pytest.mark.parametrize("sealed", [0, 1])
-def test_without_a_duty_in_what_is_learnt_from_or_scores_nothing_can_be_said(sealed):
-    records = [record("known"), record("blind", 2, without=("duty",))]
-    if not sealed:
-        records, sealed = records[::-1], 1
+@pytest.mark.parametrize("order", [1, -1], ids=["score", "learn"])
+def test_without_a_duty_in_what_is_learnt_from_or_scores_nothing_can_be_said(order):
+    learnt, scoring = [record("known"), record("blind", 2, without=("duty",))][::order]
     with pytest.raises(MissingChannel, match="'duty' is needed since others are driven"):
-        driven(Dataset.of(records), sealed)
+        driven(Dataset.of([learnt], [scoring]))
 
 
 def test_the_command_says_so_and_ends_with_incomplete(tmp_path):

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from er_model_lab.diagnosis.study import investigate
+from er_model_lab.cli.running import _with_next
+from er_model_lab.level.damper import DamperLevel
+from er_model_lab.level.investigate import Question as Asking
+from er_model_lab.level.investigate import investigate
 from er_model_lab.planning import motions_and_duties, piece, planner, search
 from er_model_lab.planning.explanation import sentences
 from er_model_lab.planning.finalist import finalist
 from er_model_lab.planning.limits import Asked, Limits, Sensors, limits_of, sensors_of
 from er_model_lab.planning.linear import Triangle
-from er_model_lab.planning.planner import Plan, plan
+from er_model_lab.planning.planner import Plan
 from er_model_lab.planning.present import plan_json
 from er_model_lab.planning.question import Question, ask
 from er_model_lab.planning.segment import Segment, in_words, program_of
@@ -23,6 +28,8 @@ from er_model_lab.planning.suggest import suggestions
 from er_model_lab.planning.virtual_rig import run_all
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.dataset import Dataset
+from er_model_lab.results.result import DiagnosisResult
+from er_model_lab.view import View
 from er_models.errors import ErError, InputError
 from er_models.files import load_model
 from er_models.model import Model
@@ -53,7 +60,8 @@ def bench(model: Model, *names: str, **limits: float) -> piece.Bench:
 
 def planned(model: Model, *names: str, **limits: float) -> Plan:
     sensors, _ = sensors_of(model, None)
-    return plan(question(model, *names), limits_of(model, Asked(**limits), DT), sensors)
+    within = limits_of(model, Asked(**limits), DT)
+    return planner.planned(question(model, *names), within, sensors)
 
 
 @pytest.fixture
@@ -269,7 +277,7 @@ WRONG = {
     "of the vehicle": (("tyre_damping", "end_stop"), None, "tyre_damping acts in the vehicle"),
     "of the model itself": (("passive", "end_stop"), None, "passive is a term of the damper model"),
     "kinematic": ((), "velocity_lag", "velocity_lag needs no plan"),
-    "nothing": ((), None, "either --between EFFECT EFFECT or --reveal EFFECT, found neither"),
+    "nothing": ((), None, "either between, two effects, or reveal, one, found neither"),
     "both": (("gas_spring", "end_stop"), "end_stop", "found both"),
 }  # fmt: skip
 
@@ -287,11 +295,11 @@ def test_a_question_that_cannot_be_asked_is_one_line(mistake: str) -> None:
 @pytest.mark.parametrize(
     ("asked", "words"),
     [
-        (Asked(stroke=0.0), "--stroke: expected a number above 0 in m, found 0"),
-        (Asked(velocity=-1.0), "--velocity: expected a number above 0 in m/s, found -1"),
-        (Asked(duty=1.5), "--duty-max: expected a duty of at most 1, found 1.5"),
-        (Asked(duration=1.0), "--duration: expected 10 to 600 s, found 1"),
-        (Asked(stroke=float("nan")), "--stroke: expected a number above 0 in m, found nan"),
+        (Asked(stroke=0.0), "stroke: expected a number above 0 in m, found 0"),
+        (Asked(velocity=-1.0), "velocity: expected a number above 0 in m/s, found -1"),
+        (Asked(duty=1.5), "duty_max: expected a duty of at most 1, found 1.5"),
+        (Asked(duration=1.0), "duration: expected 10 to 600 s, found 1"),
+        (Asked(stroke=float("nan")), "stroke: expected a number above 0 in m, found nan"),
     ],
 )
 def test_limits_that_make_no_sense_are_named(asked: Asked, words: str) -> None:
@@ -334,17 +342,38 @@ def test_every_piece_of_the_menu_is_sized_by_the_limits_alone() -> None:
 
 def test_a_diagnosis_suggests_the_plan_for_what_it_could_not_decide() -> None:
     tied = {"alternatives": [["dead_time", "amplifier_lag", "rise_fall_asymmetry"]]}
-    assert suggestions(tied, Path("m.yaml"), [Path("a b.csv")]) == [
-        "./er lab plan --model m.yaml --data 'a b.csv' --between dead_time amplifier_lag --out next.yaml"
-    ]
+    assert suggestions(tied) == [{"between": ["dead_time", "amplifier_lag"]}]
     states = [("velocity_lag", "not_excited"), ("preload", "absent"), ("end_stop", "not_excited")]
     hidden = {"candidates": [{"effect": e, "status": s} for e, s in states]}
-    assert suggestions(hidden, Path("m.yaml"), []) == [
+    assert suggestions(hidden) == [{"reveal": "end_stop"}]
+    assert suggestions({"candidates": []}) == []
+
+
+def commands(read: dict[str, list[Path]], *plans: dict[str, Any]) -> list[str]:
+    """What the command line makes of suggested plans."""
+    content = {"next_plans": list(plans)}
+    view = View("diagnose", "m", "", content, ())
+    told: list[str] = _with_next(DiagnosisResult(view), read).view.result["next"]
+    return told
+
+
+def test_a_suggested_plan_is_a_command_that_is_ready_to_be_pasted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    read = {"--model": [Path("m.yaml")], "DATA": [Path("a b.csv")], "--effects-from": []}
+    tied, hidden = {"between": ["dead_time", "amplifier_lag"]}, {"reveal": "end_stop"}
+    monkeypatch.setattr(sys, "argv", ["lab"])
+    assert commands(read, tied) == [
+        "./er lab plan --model m.yaml --data 'a b.csv' --between dead_time amplifier_lag --out next.yaml"
+    ]
+    assert commands(read | {"DATA": []}, hidden) == [
         "./er lab plan --model m.yaml --reveal end_stop --out next.yaml"
     ]
-    assert suggestions({"candidates": []}, Path("m.yaml"), []) == []
-    (anyway,) = suggestions(hidden, Path("m.yaml"), [Path("d.csv")], anyway=True)
-    assert "--data d.csv --anyway --reveal" in anyway
+    assert commands(read) == []
+    own = read | {"DATA": [Path("d.csv")], "--effects-from": [Path("own.py")]}
+    monkeypatch.setattr(sys, "argv", ["lab", "--anyway"])
+    (anyway,) = commands(own, hidden)
+    assert "--data d.csv --effects-from own.py --anyway --reveal" in anyway
 
 
 @pytest.mark.parametrize("model", [damper(), car()], ids=["machine", "car"])
@@ -398,7 +427,9 @@ def test_a_set_of_pieces_is_no_longer_than_the_program() -> None:
 
 def test_where_nothing_fits_the_limits_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(motions_and_duties, "rich", lambda limits: [])
-    with pytest.raises(InputError, match=r"limits \(--stroke.*found 12 mm, 0.15 m/s, 30 s"):
+    with pytest.raises(
+        InputError, match=r"limits \(stroke, velocity, duration\).*found 12 mm, 0.15 m/s, 30 s"
+    ):
         bench(damper(), "coulomb_friction", "gas_spring")
 
 
@@ -414,7 +445,9 @@ def test_the_whole_lab_names_the_truth_from_the_planned_program_only(truth: str)
     for made, right in ((program.runs, True), (poor(found).runs, False)):
         record = measured(made[truth], found.sensors, np.random.default_rng(42), "r")
         if right:
-            diagnosis = investigate([record], found.rivals.question.base, seed=0).diagnosis
+            base = found.rivals.question.base
+            asking = Asking(Dataset.of([record]), base, DamperLevel())
+            diagnosis = investigate(asking).diagnosis
             assert diagnosis.verdict == "missing_effect"
             assert diagnosis.effects == (truth,)
         else:

@@ -226,7 +226,8 @@ def test_every_named_need_exists_and_names_an_effect():
 def test_the_gate_stops_unless_asked_to_go_on(sound):
     wrong = with_(sound, deflection=1e3 * sound.channels["deflection"])
     with pytest.raises(
-        InputError, match=r"run.csv: deflection: units: expected m, found .*mm .*--anyway goes on"
+        InputError,
+        match=r"run.csv: deflection: units: expected m, found .*mm .*anyway=True goes on",
     ):
         gate([sound, wrong], anyway=False)
     used = gate([sound, wrong], anyway=True)
@@ -266,3 +267,4 @@ def test_the_command_reports_and_ends_with_two_when_data_are_unusable(sound, tmp
     refused = CliRunner().invoke(app, [str(w) for w in words])
     assert refused.exit_code == 2
     assert len(refused.output.strip().splitlines()) == 1
+    assert refused.output.strip().endswith("--anyway goes on")

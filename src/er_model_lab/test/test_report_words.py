@@ -104,12 +104,12 @@ def test_tied_effects_that_leave_different_errors_are_not_said_to_explain_it_ali
 def test_the_words_cover_the_verdicts_of_the_lab() -> None:
     from typing import get_args
 
-    from er_model_lab.diagnosis.verdict import Name
+    from er_model_lab.diagnosis.verdict import Verdict as Diagnosed
     from er_model_lab.identification.findings import Verdict
     from er_model_lab.planning.present import Verdict as Planned
     from er_model_lab.preflight.check import Verdict as Checked
 
-    known = {*get_args(Name), *get_args(Verdict), *get_args(Planned), *get_args(Checked)}
+    known = {*get_args(Diagnosed), *get_args(Verdict), *get_args(Planned), *get_args(Checked)}
     assert set(TITLES) == set(VERDICT) == set(SAID) == known
 
 

@@ -9,11 +9,11 @@ from er_model_lab.cli.app import app
 from er_model_lab.diagnosis.candidates import baseline, refit
 from er_model_lab.diagnosis.noise_floor import noise_floor
 from er_model_lab.diagnosis.null import simulate_null
+from er_model_lab.level.car_outputs import confounded
 from er_model_lab.problem import stretches
 from er_model_lab.problem.held_out import FOLDS
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
-from er_model_lab.results.ride_result import confounded
 from er_model_lab.vehicle.ride import CHANNELS, SETTLE
 from er_model_lab.vehicle.ride_problem import open_ride
 from er_models.errors import InputError
@@ -83,8 +83,7 @@ def test_what_of_long_and_uneven_rides_is_not_used_is_said(monkeypatch):
     monkeypatch.setattr(stretches, "LONG", 4000)
     monkeypatch.setattr(stretches, "USED", 5200)
     rides = [ride(seconds=14.0), ride(seed=2, seconds=14.0, without=("deflection",))]
-    pieces, _ = stretches.shortened(Dataset.of(rides))
-    problem, _ = open_ride(Dataset.of(pieces), load_model(CAR))
+    problem, _ = open_ride(stretches.shortened(Dataset.of(rides)), load_model(CAR))
     assert any("of 28 s searched, in" in note for note in problem.notes)
     assert "deflection is not used: 1 of 2 records lack it" in problem.notes
     assert len(set(problem.notes)) == len(problem.notes)

@@ -6,15 +6,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from er_model_lab.diagnosis.candidates import baseline, effect_size, refit
+from er_model_lab.diagnosis.investigation import judge
 from er_model_lab.diagnosis.noise_floor import Floor
 from er_model_lab.diagnosis.null import Null
 from er_model_lab.diagnosis.search import Round
-from er_model_lab.diagnosis.study import Study, as_given
-from er_model_lab.diagnosis.verdict import judge
+from er_model_lab.level.study import Study
 from er_model_lab.output.text.ranking import limit
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import candidate_views
-from lab_help import problem_of
+from lab_help import asked, problem_of
 
 NAMES = ("field_exponent", "coulomb_friction", "preload")
 FIRST, LATER = 0.3, 0.1
@@ -47,7 +47,7 @@ def result_of(search, best, rounds, ties=()):
     model, problem, base, *_ = search
     floor = Floor(0.99 * np.sqrt(best.mse), 0.0, 0.0, 0.0, 0.0, {}, (0.0, 0.0, 0.0))
     found = judge(base, best, rounds, floor, problem, ties)
-    study = Study(found, problem, model, None, None, as_given(model, problem))
+    study = Study(asked(model, problem), found)
     result = diagnosis_json(study, found.model)
     cards = {card.effect: card for card in candidate_views(study, result)}
     return {e["effect"]: e for e in result["candidates"]}, cards, result

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.diagnosis.verdict import diagnose
+from er_model_lab.diagnosis.investigation import search_effects
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.level.damper import opened
 from er_model_lab.records.dataset import Dataset
@@ -33,7 +33,7 @@ def rough():
     noisy = {name: run[name] + sd * rng.standard_normal(t.size) for name, sd in NOISE.items()}
     record = Record("rough", t, noisy | {"duty": duty})
     model = load_model(CONFIG / "dampers/inove_guo.yaml")
-    return run["deflection_velocity"], model, opened(Dataset.of([record]), model, 0).problem
+    return run["deflection_velocity"], model, opened(Dataset.of([record]), model).problem
 
 
 def test_the_velocity_is_as_uncertain_as_it_is_said_to_be(rough):
@@ -47,5 +47,5 @@ def test_the_velocity_is_as_uncertain_as_it_is_said_to_be(rough):
 
 def test_a_complete_model_is_adequate_there_too(rough):
     _, model, problem = rough
-    found = diagnose(on_fused(model), problem)
+    found = search_effects(on_fused(model), problem)
     assert (found.verdict, found.effects, found.floor.bursts) == ("adequate", (), 0.0)

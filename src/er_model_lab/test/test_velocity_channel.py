@@ -5,18 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_model_lab.diagnosis.candidates import baseline, missing
+from er_model_lab.diagnosis.investigation import one_effect
 from er_model_lab.diagnosis.rule import RULE
-from er_model_lab.diagnosis.study import (
-    Study,
-    _as_measured,
-    _with_lag,
-    add_effect,
-    as_given,
-    diagnose_one,
-    final_model,
-    open_problem,
-)
 from er_model_lab.fitting.velocity_channel import put_back
+from er_model_lab.level.damper import DamperLevel, _as_measured, _with_lag, opened
+from er_model_lab.level.investigate import Question, added
+from er_model_lab.level.study import Study
 from er_model_lab.problem import stretches
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.dataset import Dataset
@@ -25,7 +19,7 @@ from er_model_lab.results.diagnosis import diagnosis_json
 from er_models.errors import MissingChannel
 from er_models.files import load_model
 from er_models.predict import motion, predict
-from lab_help import DT, FORCE_NOISE, GUO, imposed
+from lab_help import DT, EVIDENCE, FORCE_NOISE, GUO, asked, imposed
 
 ACCELERATIONS = ("sprung_acceleration", "unsprung_acceleration")
 
@@ -46,39 +40,44 @@ def record(seconds=14.0, lag=0.0, gain=1.0, without=(), seed=1, truth=None, name
     return Record(name, np.arange(n) * DT, kept)
 
 
+def add_effect(data, model, effect):
+    """The study of one effect, and the model that it ends with."""
+    study = added(Question(data, model, DamperLevel()), effect)
+    return study, DamperLevel().finished(study, 0)
+
+
+def rms_error(data, model):
+    """What is left of the data without any refit [N]."""
+    found = opened(data, model)
+    return np.std(found.given[found.problem.used])
+
+
 @pytest.mark.parametrize("lag", [0.0, 0.004])
 def test_the_lag_can_be_added_whether_it_is_there_or_not(lag):
-    model = load_model(GUO)
-    study = add_effect([record(lag=lag)], model, "velocity_lag", seed=0)
-    found = final_model(study)
+    data = Dataset.of([record(lag=lag)])
+    study, found = add_effect(data, load_model(GUO), "velocity_lag")
     value, sd = found.value("velocity_lag", "T_v"), found.deviations["velocity_lag"]["T_v"]
     assert sd < 5e-5
     assert abs(value - lag) < max(4.0 * sd, 0.03 * lag)
     assert ("velocity_lag" in study.diagnosis.effects) is (lag > 0.0)
     (told,) = diagnosis_json(study, found)["candidates"]
     assert told["status"] == ("present" if lag else "absent")
-    problem, seen = open_problem(Dataset.of([record(lag=lag)]), found)
-    assert seen is None
-    assert np.std(as_given(found, problem)[problem.used]) < 1.1 * FORCE_NOISE
+    assert opened(data, found).lag is None
+    assert rms_error(data, found) < 1.1 * FORCE_NOISE
 
 
 def test_another_effect_added_says_that_a_lag_was_undone():
-    study = add_effect([record(lag=0.004)], load_model(GUO), "preload", seed=0)
+    study, _ = add_effect(Dataset.of([record(lag=0.004)]), load_model(GUO), "preload")
     assert any("lags deflection and accelerometers by 3.9" in n for n in study.problem.notes)
-    plain = add_effect([record()], load_model(GUO), "preload", seed=0)
+    plain, _ = add_effect(Dataset.of([record()]), load_model(GUO), "preload")
     assert not any("lags" in n for n in plain.problem.notes)
 
 
 def test_of_a_velocity_alone_the_lag_is_read_off_the_force():
-    only = record(lag=0.004, without=("deflection", *ACCELERATIONS))
-    found = final_model(add_effect([only], load_model(GUO), "velocity_lag", seed=0))
+    only = Dataset.of([record(lag=0.004, without=("deflection", *ACCELERATIONS))])
+    _, found = add_effect(only, load_model(GUO), "velocity_lag")
     assert found.value("velocity_lag", "T_v") == pytest.approx(0.004, rel=0.2)
-    problem = opened(Dataset.of([only]), found).problem
-    plain = opened(Dataset.of([only]), load_model(GUO)).problem
-    left = [
-        np.std(as_given(m, p)[p.used]) for m, p in ((found, problem), (load_model(GUO), plain))
-    ]
-    assert left[0] < 0.8 * left[1]
+    assert rms_error(only, found) < 0.8 * rms_error(only, load_model(GUO))
 
 
 def test_a_channel_that_was_not_measured_does_not_lag():
@@ -87,7 +86,7 @@ def test_a_channel_that_was_not_measured_does_not_lag():
     with pytest.raises(
         MissingChannel, match="'deflection_velocity' is needed to see that it lags"
     ):
-        add_effect([blind], model, "velocity_lag", seed=0)
+        add_effect(Dataset.of([blind]), model, "velocity_lag")
 
 
 def test_one_record_that_can_show_a_lag_is_enough():
@@ -106,8 +105,7 @@ def test_a_model_that_is_written_keeps_gain_and_lag_of_the_velocity(heat, monkey
         monkeypatch.setattr(stretches, "LONG", 2500)
         monkeypatch.setattr(stretches, "USED", 2400)
         effect = "self_heating"
-    pieces, _ = stretches.shortened(Dataset.of([data]))
-    found = final_model(add_effect(pieces, given, effect, seed=0))
+    _, found = add_effect(stretches.shortened(Dataset.of([data])), given, effect)
     for name in ("velocity_gain", "velocity_lag"):
         assert found.effects[name] == given.effects[name]
     assert effect in found.effects
@@ -116,16 +114,14 @@ def test_a_model_that_is_written_keeps_gain_and_lag_of_the_velocity(heat, monkey
 def test_the_error_before_is_that_of_the_fused_motion_where_no_velocity_was_measured():
     model = load_model(GUO)
     blind = record(without=("deflection_velocity",), seed=2, name="blind")
-    problem, lag = open_problem(Dataset.of([record(lag=0.006), blind]), model)
-    before, after = (
-        _as_measured(model, problem).fit.residual,
-        baseline(model, problem).fit.residual,
-    )
+    seen = opened(Dataset.of([record(lag=0.006), blind]), model)
+    problem = seen.problem
+    before, after = _as_measured(seen).fit.residual, baseline(model, problem).fit.residual
     i = int(problem.motion.starts[1])
     used = problem.used
     assert np.std(before[:i][used[:i]]) > 1.5 * np.std(after[:i][used[:i]])
     assert np.std(before[i:][used[i:]]) < 3.0 * np.std(after[i:][used[i:]])
-    assert lag[0] == pytest.approx(0.006, rel=0.05)
+    assert seen.lag[0] == pytest.approx(0.006, rel=0.05)
 
 
 @pytest.fixture(scope="module")
@@ -133,7 +129,7 @@ def plain():
     """A model, six seconds of it, and a diagnosis that tried nothing."""
     model = load_model(GUO)
     problem = opened(Dataset.of([record(seconds=6.0)]), model).problem
-    return model, problem, diagnose_one(model, problem, None, 0)
+    return model, problem, one_effect(model, problem, None, 0)
 
 
 @pytest.mark.parametrize(
@@ -147,11 +143,11 @@ def test_a_lag_makes_up_for_nothing_else_that_is_unknown(before, explained, verd
     mse = found.best.mse
     limit = 0.5 * mse
     floor = replace(found.floor, floor=float(np.sqrt(limit)))
-    found = replace(found, verdict=before, floor=floor)
+    found = replace(found, verdict=before, evidence=EVIDENCE[before], floor=floor)
     wanted = replace(found.base, mse=(mse - explained * limit) / (1.0 - explained))
     whole = _with_lag(found, wanted, (0.004, 1e-5), RULE)
     assert whole.explained == pytest.approx(explained, abs=1e-6)
     assert whole.verdict == verdict
     assert whole.effects == ("velocity_lag",)
-    study = Study(whole, problem, model, (0.004, 1e-5), wanted, problem.force)
-    assert final_model(study).value("velocity_lag", "T_v") == 0.004
+    study = Study(asked(model, problem, (0.004, 1e-5)), whole, wanted)
+    assert DamperLevel().finished(study, 0).value("velocity_lag", "T_v") == 0.004

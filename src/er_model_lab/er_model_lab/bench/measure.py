@@ -7,20 +7,22 @@ import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from er_models.effect import Effect
-from er_models.files import load_model
+from er_models.files import load_model, save_model
 from er_models.model import Model
 
 from er_model_lab.bench.data import record
-from er_model_lab.diagnosis.study import open_problem
-from er_model_lab.diagnosis.verdict import diagnose as search
+from er_model_lab.diagnosis.investigation import search_effects
+from er_model_lab.level.damper import opened
 from er_model_lab.problem.forward import DamperForward
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.write import write_parquet
-from er_model_lab.verbs.ask import Request
 from er_model_lab.verbs.diagnose import diagnose
 from er_model_lab.verbs.improve import improve
+from er_model_lab.verbs.load import load
 
 MINUTE = 60.0
 LENGTHS = (15.0, 30.0, 60.0, 120.0, 240.0, 1200.0, 3600.0)
@@ -63,11 +65,11 @@ def timed(what: str, n: float, work: Callable[[], str]) -> Line:
 def minute(model_file: Path, *, seconds: float = MINUTE) -> list[Line]:
     """Diagnosis and improvement of a minute at 200 Hz over the full catalogue, null included; the first warms up."""
     with tempfile.TemporaryDirectory() as name:
-        ask, out = _asked(model_file, seconds, Path(name)), Path(name) / "better.yaml"
-        _diagnosed(ask)
+        file, out = _written(model_file, seconds, Path(name)), Path(name) / "better.yaml"
+        _diagnosed(file, model_file)
         return [
-            timed("diagnose", seconds, lambda: _diagnosed(ask)),
-            timed("improve", seconds, lambda: " ".join(improve(ask, out).result["effects"])),
+            timed("diagnose", seconds, lambda: _diagnosed(file, model_file)),
+            timed("improve", seconds, lambda: _improved(file, model_file, out)),
         ]
 
 
@@ -75,10 +77,10 @@ def length(model_file: Path, *, lengths: tuple[float, ...] = LENGTHS) -> list[Li
     """Diagnosis of ever longer records; the memory is the peak of the process so far."""
     lines = []
     with tempfile.TemporaryDirectory() as name:
-        _diagnosed(_asked(model_file, lengths[0], Path(name)))
+        _diagnosed(_written(model_file, lengths[0], Path(name)), model_file)
         for seconds in lengths:
-            ask = _asked(model_file, seconds, Path(name))
-            lines.append(timed(f"{seconds:g} s", seconds, lambda ask=ask: _diagnosed(ask)))  # type: ignore[misc]
+            work = partial(_diagnosed, _written(model_file, seconds, Path(name)), model_file)
+            lines.append(timed(f"{seconds:g} s", seconds, work))
     return lines
 
 
@@ -87,14 +89,14 @@ def number(
 ) -> list[Line]:
     """The search in a minute with ever more candidates, and with all."""
     model = load_model(model_file)
-    problem, _ = open_problem([record(model, seconds)], model)
+    problem = opened(Dataset.of([record(model, seconds)]), model).problem
     every = len(problem.forward.candidates(model))
     lines: list[Line] = []
     for n in (*(k for k in numbers if k < every), every):
         few = Few(n)
 
         def work(few: Few = few) -> str:
-            return " ".join(search(model, replace(problem, forward=few)).effects)
+            return " ".join(search_effects(model, replace(problem, forward=few)).effects)
 
         if not lines:
             work()
@@ -102,14 +104,22 @@ def number(
     return lines
 
 
-def _asked(model_file: Path, seconds: float, folder: Path) -> Request:
-    """A request on so many seconds of data in a file."""
+def _written(model_file: Path, seconds: float, folder: Path) -> Path:
+    """So many seconds of data in a file."""
     path = folder / f"{seconds:g}.parquet"
     write_parquet(record(load_model(model_file), seconds), path)
-    return Request([path], model_file)
+    return path
 
 
-def _diagnosed(ask: Request) -> str:
+def _diagnosed(data: Path, model_file: Path) -> str:
     """What the diagnosis says."""
-    result = diagnose(ask).result
-    return " ".join((str(result["verdict"]), *result["effects"]))
+    result = diagnose(load(data), load_model(model_file))
+    return " ".join((result.verdict, *result.effects))
+
+
+def _improved(data: Path, model_file: Path, out: Path) -> str:
+    """The effects of the new model, which is written."""
+    result = improve(load(data), load_model(model_file), name=out.stem)
+    assert result.model is not None
+    save_model(result.model, out)
+    return " ".join(result.effects)

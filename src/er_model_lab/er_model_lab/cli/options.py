@@ -106,6 +106,9 @@ PHRASES = {
     "level='vehicle'": "--level vehicle",
     "either between, two effects, or reveal, one,": "either --between EFFECT EFFECT or --reveal EFFECT,",
     "between: expected": "--between: expected",
+    "held_out: expected": "--hold-out: expected",
+    "limits (stroke, velocity, duration)": "limits (--stroke, --velocity, --duration)",
+    "set helps to": "set --helps to",
 }
 """Arguments in sentences, as the command line writes them."""
 
@@ -115,6 +118,16 @@ def in_options(error: ErError) -> str:
     said = " ".join(str(error).split())
     if isinstance(error, InputError) and error.path in OPTIONS:
         said = OPTIONS[error.path] + said.removeprefix(error.path)
-    for argument, option in PHRASES.items():
-        said = said.replace(argument, option)
-    return said
+    return str(worded(said))
+
+
+def worded(value: Any) -> Any:
+    """Plain data whose sentences are in the words of the command line."""
+    if isinstance(value, dict):
+        return {key: worded(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return type(value)(worded(each) for each in value)
+    if isinstance(value, str):
+        for argument, option in PHRASES.items():
+            value = value.replace(argument, option)
+    return value

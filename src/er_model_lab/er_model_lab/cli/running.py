@@ -15,7 +15,7 @@ import typer
 from er_models.errors import ErError, InputError
 from rich.console import Console
 
-from er_model_lab.cli.options import in_options
+from er_model_lab.cli.options import in_options, worded
 from er_model_lab.cli.places import writable
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def run(
     written: list[Path] = []
     try:
         writable({"--out": out, "--json": json_file}, report, read)
-        result = _with_next(_kept(work(), out, written), read)
+        result = _worded(_with_next(_kept(work(), out, written), read))
         write_json(json_file, result.view.result)
         written += [json_file] if json_file is not None else []
         page = _write_report(report, result)
@@ -139,6 +139,13 @@ def _with_next(result: Result, read: Mapping[str, Sequence[Path]]) -> Result:
 def _with(result: Result, **more: Any) -> Result:
     """The result with more in its content."""
     return replace(result, view=replace(result.view, result={**result.view.result, **more}))
+
+
+def _worded(result: Result) -> Result:
+    """The result with its sentences in the words of the command line."""
+    view = result.view
+    view = replace(view, result=worded(dict(view.result)), notes=worded(view.notes))
+    return replace(result, view=view)
 
 
 def _print(result: Result, page: Path | None, out: Path | None) -> None:

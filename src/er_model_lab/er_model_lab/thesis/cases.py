@@ -17,10 +17,11 @@ from er_models.program import load_program
 from er_models.scales import Scales
 from numpy.typing import NDArray
 
-from er_model_lab.identification import Identified, identify
+from er_model_lab.identification import Identified, procedure
 from er_model_lab.identification.roles import static
 from er_model_lab.problem.held_out import WARM_UP
 from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_model_lab.thesis.bench import measure
 
@@ -120,7 +121,8 @@ def _identified(
     model = Model(f"extended {law}", {}, _scales(tests))
     for effect in effects:
         model = model.with_effect(effect)
-    return identify(tests, model, tick=lambda what: say(f"{law}: {what}"))
+    say(law)
+    return procedure.identified(Dataset.of(tests), model)
 
 
 def _scales(records: list[Record]) -> Scales:
@@ -144,7 +146,7 @@ def case(name: str, record: Record, models: dict[str, Model]) -> Case:
 
     On the fused motion; those of the staged models also on the motion as measured, as `<law>_raw`.
     """
-    problem = prepare([record])
+    problem = prepare(Dataset.of([record]))
     forces = {key: predict(model, problem.motion) for key, model in models.items()}
     channels = (record.channels[n] for n in ("deflection", "deflection_velocity", "duty"))
     raw = motion(record.dt, *channels)

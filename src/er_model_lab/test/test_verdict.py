@@ -1,0 +1,102 @@
+"""The verdict on every kind of evidence."""
+
+from dataclasses import replace
+from typing import get_args
+
+import pytest
+from er_model_lab.diagnosis.rule import Rule
+from er_model_lab.diagnosis.verdict import (
+    ENOUGH,
+    NOTHING_NAMED,
+    SETTLED,
+    Earlier,
+    Verdict,
+    decide,
+)
+from lab_help import EVIDENCE, NAMED, NOTHING
+
+SHORT = ("too short",)
+WITHOUT_EFFECTS = [
+    ({}, "adequate"),
+    ({"within_errors": True}, "insufficient_data"),
+    ({"remains": True}, "unknown_effect"),
+    ({"remains": True, "within_errors": True}, "unknown_effect"),
+    ({"blocking": SHORT}, "insufficient_data"),
+    ({"blocking": SHORT, "remains": True}, "insufficient_data"),
+    ({"explained": 1.0, "without_lines": 1.0, "tied": True}, "adequate"),
+]
+"""What else is known where no effect was taken, and the verdict."""
+WITH_EFFECTS = [
+    ({"without_lines": ENOUGH}, "missing_effect"),
+    ({"remains": True, "within_errors": True}, "missing_effect"),
+    ({"tied": True}, "ambiguous"),
+    ({"blocking": SHORT}, "ambiguous"),
+    ({"without_lines": ENOUGH - 0.01}, "partial"),
+    ({"explained": 0.2, "without_lines": 0.2}, "partial"),
+    ({"explained": 0.5, "without_lines": 0.1}, "partial"),
+    ({"explained": 0.5, "without_lines": 0.5, "tied": True, "blocking": SHORT}, "partial"),
+    ({"explained": 0.19, "without_lines": 0.19}, "unknown_effect"),
+    ({"explained": 0.19, "without_lines": 0.19, "blocking": SHORT}, "unknown_effect"),
+    ({"effects": 3, "too_many": True}, "partial"),
+    ({"effects": 3, "too_many": True, "tied": True, "blocking": SHORT}, "partial"),
+    ({"effects": 3, "too_many": True, "explained": 0.1, "without_lines": 0.1}, "partial"),
+    ({"effects": 3}, "missing_effect"),
+]
+"""The same where effects were taken."""
+BESIDE_A_LAG = [
+    ("adequate", 0.0, "missing_effect"), ("insufficient_data", 1.0, "ambiguous"),
+    ("unknown_effect", 0.19, "unknown_effect"), ("unknown_effect", 0.2, "partial"),
+    ("partial", 1.0, "partial"), ("ambiguous", 1.0, "ambiguous"), ("missing_effect", 0.0, "missing_effect"),
+]  # fmt: skip
+"""The verdict without a lag of the velocity channel, the share explained with it, and the verdict."""
+AFTER_OTHERS = [
+    ("adequate", False, "missing_effect"), ("adequate", True, "ambiguous"),
+    ("missing_effect", False, "missing_effect"), ("missing_effect", True, "ambiguous"),
+    ("ambiguous", False, "ambiguous"), ("ambiguous", True, "ambiguous"), ("partial", False, "partial"),
+    ("unknown_effect", True, "partial"), ("insufficient_data", False, "partial"),
+]  # fmt: skip
+"""The verdict of the last of several searches, whether any of them left a tie, and the verdict on all."""
+
+
+@pytest.mark.parametrize(
+    ("seen", "said"),
+    [(replace(NOTHING, **more), said) for more, said in WITHOUT_EFFECTS]
+    + [(replace(NAMED, **more), said) for more, said in WITH_EFFECTS],
+)
+def test_one_search_is_judged_by_what_it_found(seen, said):
+    assert decide(seen) == said
+
+
+def test_each_verdict_can_be_reached_and_what_it_leads_to_is_known():
+    assert {name: decide(seen) for name, seen in EVIDENCE.items()} == {v: v for v in EVIDENCE}
+    assert set(EVIDENCE) == set(get_args(Verdict))
+    assert set(SETTLED) == {"adequate", "missing_effect", "ambiguous"}
+    assert set(NOTHING_NAMED) == {"adequate", "unknown_effect", "insufficient_data"}
+
+
+@pytest.mark.parametrize(("alone", "explained", "said"), BESIDE_A_LAG)
+def test_a_lag_is_certain_and_makes_up_for_nothing_else(alone, explained, said):
+    assert decide(replace(EVIDENCE[alone], with_lag=explained)) == said
+
+
+@pytest.mark.parametrize(("last", "tied", "said"), AFTER_OTHERS)
+def test_several_searches_are_no_surer_than_each(last, tied, said):
+    seen = EVIDENCE[last]
+    assert decide(replace(seen, earlier=Earlier(tied=tied, too_many=False))) == said
+    assert decide(replace(seen, earlier=Earlier(tied=tied, too_many=True))) == "partial"
+
+
+@pytest.mark.parametrize(
+    ("alone", "said"),
+    [("adequate", "missing_effect"), ("insufficient_data", "ambiguous"), ("unknown_effect", "partial")],
+)  # fmt: skip
+def test_a_lag_that_the_last_search_named_counts_before_the_earlier_ones(alone, said):
+    earlier = Earlier(tied=False, too_many=False)
+    assert decide(replace(EVIDENCE[alone], with_lag=0.5, earlier=earlier)) == said
+
+
+def test_what_explains_little_helps_where_that_is_asked_for():
+    weak = replace(NAMED, explained=0.15, without_lines=0.15)
+    assert (decide(weak), decide(weak, Rule(helps=0.1))) == ("unknown_effect", "partial")
+    lag = replace(EVIDENCE["unknown_effect"], with_lag=0.15)
+    assert (decide(lag), decide(lag, Rule(helps=0.1))) == ("unknown_effect", "partial")
