@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import ClassVar
 
 import typer
 from er_common.usage import OneLineGroup
 
 from er_model_lab.cli.data import check, compare, identify
-from er_model_lab.cli.import_data import register as register_import
 from er_model_lab.cli.missing import add, diagnose, improve
 from er_model_lab.cli.plan import effects, plan
-from er_model_lab.cli.thesis import register as register_thesis
 from er_model_lab.command_line import by_er
 
 COMMANDS: dict[Callable[..., None], str] = {
@@ -26,8 +25,15 @@ COMMANDS: dict[Callable[..., None], str] = {
 }
 """In the order in which they are used, with one line each that fits a terminal."""
 
+
+class _Lab(OneLineGroup):
+    """The lab's commands."""
+
+    moved: ClassVar = {"thesis": "./er study thesis", "import": "./er study import"}
+
+
 app = typer.Typer(
-    cls=OneLineGroup,
+    cls=_Lab,
     add_completion=False,
     no_args_is_help=True,
     rich_markup_mode=None,
@@ -36,8 +42,6 @@ app = typer.Typer(
 )
 for command, line in COMMANDS.items():
     app.command(short_help=line)(command)
-register_import(app)
-register_thesis(app)
 
 
 def main() -> None:
