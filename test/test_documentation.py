@@ -27,7 +27,7 @@ ELSEWHERE = {
     "bench": ("test_bench_command", "shorter: as documented they measure for minutes"),
     "demo": ("test_demo", "shorter, at the pace of the computer"),
     "replay": ("test_replay", "with a recording"),
-    "lab thesis chapter1": ("test_thesis_chapter_1", "which computes the chapter once"),
+    "study thesis chapter1": ("test_thesis_chapter_1", "which computes the chapter once"),
     "control compare thesis_6_4_1 --fault leakage": ("test_control_command", "the very words"),
     "exec python -m test.blind_score.alarms": ("test_blind_alarms", "the very words"),
     "exec python -m test.blind_score.limit": ("test_blind_limit", "with a shorter record"),
@@ -175,7 +175,7 @@ def test_the_command_works_as_written(words, place, domain, monkeypatch, tmp_pat
     allowed = (0, 1, 4) if words[0] in ("doctor", "record") else (0,)
     assert process.returncode in allowed, output[-3000:]
     assert "Traceback" not in output, output[-3000:]
-    if words[:2] == ("lab", "import"):
+    if words[:2] == ("study", "import"):
         thin(place / words[-1])
 
 

@@ -10,7 +10,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 OURS = (
     "er_models", "er_common", "er_model_lab", "er_observers", "er_ftc_controller", "er_plant_sim",
-    "er_ros_common", "er_bringup", "er_damper_msgs",
+    "er_ros_common", "er_bringup", "er_damper_msgs", "er_studies",
 )  # fmt: skip
 ALLOWED = {
     "er_models": set(),
@@ -20,7 +20,8 @@ ALLOWED = {
     "er_observers": {"er_models", "er_common", "er_ros_common", "er_damper_msgs"},
     "er_ftc_controller": {"er_models", "er_common", "er_ros_common", "er_damper_msgs"},
     "er_plant_sim": {"er_models", "er_common", "er_ros_common", "er_damper_msgs"},
-    "er_bringup": set(OURS),
+    "er_bringup": set(OURS) - {"er_studies"},
+    "er_studies": set(OURS),
 }
 ROS = {
     "builtin_interfaces", "diagnostic_msgs", "er_damper_msgs", "launch", "launch_ros", "lifecycle_msgs",

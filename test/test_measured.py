@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.importers import import_data
-from er_model_lab.records.readers.mts import split
 from er_models.files import load_model
 from er_models.predict import predict
+from er_studies.importers.data_sets import import_data
+from er_studies.importers.mts import split
 
 from test.conftest import ROOT
 

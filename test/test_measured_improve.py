@@ -5,8 +5,8 @@ import pytest
 from er_model_lab.diagnosis import verdict
 from er_model_lab.diagnosis.study import investigate
 from er_model_lab.problem.forward import DamperForward
-from er_model_lab.records.importers import import_data
 from er_models.files import load_model
+from er_studies.importers.data_sets import import_data
 
 from test.conftest import ROOT
 

@@ -17,6 +17,7 @@ TYPED = (
     "src/er_ftc_controller/er_ftc_controller",
     "src/er_ros_common/er_ros_common",
     "src/er_bringup/er_bringup",
+    "src/er_studies/er_studies",
 )
 
 

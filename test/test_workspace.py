@@ -160,6 +160,7 @@ def test_help_names_every_command_in_one_line_each(args: list[str]) -> None:
         "synth",
         "control",
         "bench",
+        "study",
     ]
     assert rows == [*wanted, "exec", "help"]
 

@@ -20,7 +20,7 @@ DECIDES = ("src/er_models/er_models", "src/er_model_lab/er_model_lab", "test/bli
 # fmt: off
 SAYS = frozenset((
     "bench", "card", "cards", "cli", "forms", "identify", "nodes", "plan", "recording", "report", "terminal",
-    "thesis", "versions", "view", "wording", "write",
+    "versions", "view", "wording", "write",
 ))
 # fmt: on
 """Folders and files there that only report, or do another task."""

@@ -64,7 +64,12 @@ COMMANDS: dict[str, tuple[str, str, str | None]] = {
         "compare the controllers in closed loop, with faults",
         "er_bringup.control",
     ),
-    "bench": ("[ARGS]", "measure speed and latency", "er_bringup.bench"),
+    "bench": ("[ARGS]", "measure speed and latency", "er_studies.bench"),
+    "study": (
+        "COMMAND ...",
+        "the thesis made again, measured data sets of others",
+        "er_studies.study",
+    ),
     "exec": ("PROGRAM [ARGS]", "any program in the workspace's environment", None),
     "help": ("", "this list", None),
 }

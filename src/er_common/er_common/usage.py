@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -14,10 +14,19 @@ from typer.core import TyperCommand, TyperGroup
 class OneLineGroup(TyperGroup):
     """Several commands; a wrong usage of any is one line and the exit status of bad usage."""
 
+    moved: ClassVar[Mapping[str, str]] = {}
+    """Commands that other programs have now: name to the words that start it there."""
+
     def main(self, *args: Any, **more: Any) -> Any:
         """Run a command and end the program; as `TyperGroup.main`."""
         words = (args[0] if args else more.get("args")) or sys.argv[1:]
         return _ended(super().main, args, more, *(w for w in words[:1] if w in self.commands))
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """The command that is asked for; as `TyperGroup.resolve_command`."""
+        if args[0] in self.moved:
+            ctx.fail(f"'{args[0]}' is now '{self.moved[args[0]]}'")
+        return super().resolve_command(ctx, args)
 
 
 class OneLineCommand(TyperCommand):

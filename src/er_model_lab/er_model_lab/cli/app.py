@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import ClassVar
 
 import typer
 from er_common.usage import OneLineGroup
 
 from er_model_lab.cli.data import check_command, compare_command, identify_command
-from er_model_lab.cli.import_data import register as register_import
 from er_model_lab.cli.missing import add_command, diagnose_command, improve_command
 from er_model_lab.cli.plan import effects_command, plan_command
-from er_model_lab.cli.thesis import register as register_thesis
 from er_model_lab.command_line import by_er
 
 COMMANDS: dict[str, tuple[Callable[..., None], str]] = {
@@ -26,8 +25,15 @@ COMMANDS: dict[str, tuple[Callable[..., None], str]] = {
 }
 """In the order in which they are used, with one line each that fits a terminal."""
 
+
+class _Lab(OneLineGroup):
+    """The lab's commands."""
+
+    moved: ClassVar = {"thesis": "./er study thesis", "import": "./er study import"}
+
+
 app = typer.Typer(
-    cls=OneLineGroup,
+    cls=_Lab,
     add_completion=False,
     no_args_is_help=True,
     rich_markup_mode=None,
@@ -36,8 +42,6 @@ app = typer.Typer(
 )
 for name, (command, line) in COMMANDS.items():
     app.command(name, short_help=line)(command)
-register_import(app)
-register_thesis(app)
 
 
 def main() -> None:

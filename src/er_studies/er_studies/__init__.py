@@ -1,0 +1,1 @@
+"""Studies: the thesis's tables made again, benchmarks, comparisons, importers of measured data sets."""

@@ -1,0 +1,125 @@
+"""Times of the lab's commands, from the file to the model, in wall and in processor time."""
+
+from __future__ import annotations
+
+import resource
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+from er_model_lab.diagnosis.investigation import search_effects
+from er_model_lab.level.damper import opened
+from er_model_lab.problem.forward import DamperForward
+from er_model_lab.records.dataset import Dataset
+from er_model_lab.records.write import write_parquet
+from er_model_lab.verbs.diagnose import diagnose
+from er_model_lab.verbs.improve import improve
+from er_model_lab.verbs.load import load
+from er_models.effect import Effect
+from er_models.files import load_model, save_model
+from er_models.model import Model
+
+from er_studies.bench.lab.data import record
+
+MINUTE = 60.0
+LENGTHS = (15.0, 30.0, 60.0, 120.0, 240.0, 1200.0, 3600.0)
+NUMBERS = (4, 8, 16, 24)
+
+
+@dataclass(frozen=True)
+class Line:
+    """One measurement: what; n of whatever is varied; wall and processor time [s]; what was found; peak memory [GB]."""
+
+    what: str
+    n: float
+    wall: float
+    processor: float
+    found: str
+    memory: float
+
+
+@dataclass(frozen=True)
+class Few(DamperForward):
+    """The force of the damper, with only the first effects of the catalogue as candidates."""
+
+    number: int
+
+    def candidates(self, model: Model) -> tuple[Effect, ...]:
+        """So many of them, the hidden one among them."""
+        every = sorted(super().candidates(model), key=lambda e: e.name != "coulomb_friction")
+        return tuple(every[: self.number])
+
+
+def timed(what: str, n: float, work: Callable[[], str]) -> Line:
+    """One run."""
+    wall, processor = time.perf_counter(), time.process_time()
+    found = work()
+    wall, processor = time.perf_counter() - wall, time.process_time() - processor
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
+    return Line(what, n, wall, processor, found, peak)
+
+
+def minute(model_file: Path, *, seconds: float = MINUTE) -> list[Line]:
+    """Diagnosis and improvement of a minute at 200 Hz over the full catalogue, null included; the first warms up."""
+    with tempfile.TemporaryDirectory() as name:
+        file, out = _written(model_file, seconds, Path(name)), Path(name) / "better.yaml"
+        _diagnosed(file, model_file)
+        return [
+            timed("diagnose", seconds, lambda: _diagnosed(file, model_file)),
+            timed("improve", seconds, lambda: _improved(file, model_file, out)),
+        ]
+
+
+def length(model_file: Path, *, lengths: tuple[float, ...] = LENGTHS) -> list[Line]:
+    """Diagnosis of ever longer records; the memory is the peak of the process so far."""
+    lines = []
+    with tempfile.TemporaryDirectory() as name:
+        _diagnosed(_written(model_file, lengths[0], Path(name)), model_file)
+        for seconds in lengths:
+            work = partial(_diagnosed, _written(model_file, seconds, Path(name)), model_file)
+            lines.append(timed(f"{seconds:g} s", seconds, work))
+    return lines
+
+
+def number(
+    model_file: Path, *, seconds: float = MINUTE, numbers: tuple[int, ...] = NUMBERS
+) -> list[Line]:
+    """The search in a minute with ever more candidates, and with all."""
+    model = load_model(model_file)
+    problem = opened(Dataset.of([record(model, seconds)]), model).problem
+    every = len(problem.forward.candidates(model))
+    lines: list[Line] = []
+    for n in (*(k for k in numbers if k < every), every):
+        few = Few(n)
+
+        def work(few: Few = few) -> str:
+            return " ".join(search_effects(model, replace(problem, forward=few)).effects)
+
+        if not lines:
+            work()
+        lines.append(timed(f"{n} effects", n, work))
+    return lines
+
+
+def _written(model_file: Path, seconds: float, folder: Path) -> Path:
+    """So many seconds of data in a file."""
+    path = folder / f"{seconds:g}.parquet"
+    write_parquet(record(load_model(model_file), seconds), path)
+    return path
+
+
+def _diagnosed(data: Path, model_file: Path) -> str:
+    """What the diagnosis says."""
+    result = diagnose(load(data), load_model(model_file))
+    return " ".join((result.verdict, *result.effects))
+
+
+def _improved(data: Path, model_file: Path, out: Path) -> str:
+    """The effects of the new model, which is written."""
+    result = improve(load(data), load_model(model_file), name=out.stem)
+    assert result.model is not None
+    save_model(result.model, out)
+    return " ".join(result.effects)

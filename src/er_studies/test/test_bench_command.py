@@ -1,0 +1,35 @@
+"""The command that measures speed names what it can measure and refuses the rest."""
+
+from __future__ import annotations
+
+import runpy
+import sys
+
+import pytest
+from er_studies.bench import __main__ as bench
+
+
+@pytest.mark.parametrize("given", [[], ["-h"]])
+def test_lists_what_can_be_measured(given, monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["er bench", *given])
+    with pytest.raises(SystemExit) as stop:
+        bench.main()
+    assert stop.value.code == 0
+    shown = capsys.readouterr().out
+    assert all(f"er bench {name}" in shown for name in bench.PARTS)
+
+
+def test_refuses_another_name(monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["er bench", "speed"])
+    with pytest.raises(SystemExit) as stop:
+        bench.main()
+    assert stop.value.code == 2
+    assert f"expected one of {', '.join(bench.PARTS)}, found 'speed'" in capsys.readouterr().err
+
+
+def test_hands_its_arguments_over(monkeypatch):
+    run = []
+    monkeypatch.setattr(runpy, "run_module", lambda module, **_: run.append(module))
+    monkeypatch.setattr("sys.argv", ["er bench", "models", "ride"])
+    bench.main()
+    assert (run, sys.argv) == (["er_models.bench"], ["er bench models", "ride"])
