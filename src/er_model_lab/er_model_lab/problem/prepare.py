@@ -5,10 +5,11 @@ Held-out samples are never used for fitting or for choosing an effect; they only
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import Any, TypeVar
 
 import numpy as np
 from er_models.errors import InputError, MissingChannel
@@ -29,8 +30,10 @@ from er_model_lab.problem.subset import Practice, practice
 from er_model_lab.records.missing_channels import losses
 from er_model_lab.records.record import HELD, Record, originals
 from er_model_lab.records.sampling import ROUNDED, at
+from er_model_lab.work import HERE, Leader, Work
 
 Array = NDArray[np.float64]
+Result = TypeVar("Result")
 
 FOR_NOISE = 2500
 """Samples from which the noise levels of the motion sensors and the intensity of a motion are estimated."""
@@ -48,8 +51,8 @@ class Problem:
     weighted to newtons, and motion and extra (what else moves, by name) have fewer rows; fold: block of each
     training sample, -1 elsewhere; held_out: mask of samples that only score; raw: measured channels before
     fusion; fused: per record, each with the noise model of its own motion; noise: that of the longest record
-    with most channels; sd_force: white noise of the force; noted: fits
-    that were made before, to which new ones are added.
+    with most channels; sd_force: white noise of the force; noted: fits that were made before, to which new ones are
+    added; work: how its jobs are done, in another process one after the other.
     """
 
     motion: Motion
@@ -67,6 +70,28 @@ class Problem:
     forward: Forward = DAMPER
     extra: tuple[tuple[str, Array], ...] = ()
     noted: Notes | None = None
+    work: Work = HERE
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "work": HERE}
+
+    def each(
+        self,
+        function: Callable[..., Result],
+        jobs: Sequence[Any],
+        *shared: Any,
+        stage: str = "",
+        best: Callable[[list[Result]], Sequence[Leader]] | None = None,
+    ) -> list[Result]:
+        """Results of function(job, self, *shared) as `Work.map` gives them; fits that were made elsewhere are noted."""
+
+        def told(done: list[tuple[Result, Notes]]) -> Sequence[Leader] | None:
+            if self.noted is not None:
+                self.noted.update(done[-1][1])
+            return best([result for result, _ in done]) if best else None
+
+        found = self.work.map(_with_notes, jobs, function, self, *shared, stage=stage, best=told)
+        return [result for result, _ in found]
 
     def predict(self, model: Model) -> Array:
         """What a model predicts (n,) [N]."""
@@ -152,12 +177,14 @@ def prepare(
     sealed: int = 0,
     velocity_lag: float | None = None,
     learn: Sequence[int] | None = None,
+    work: Work = HERE,
 ) -> Problem:
     """Fuse and split records; needs damper_force, and deflection or its velocity.
 
     sealed: how many of the last records are held out whole; 0 lets `split` choose.
     velocity_lag: known lag of the velocity channel [s]; None estimates it and keeps it as evidence only.
     learn: records that noise levels and the lag may be read off; None: those that are not held out whole.
+    work: how the jobs of this problem are done.
 
     Raises:
         MissingChannel: Without force, or without both deflection and velocity.
@@ -178,10 +205,8 @@ def prepare(
     )
     raw, noise, unresolved = _usable(measured, part, lag, velocity_lag or 0.0)
     noise = _completed(noise, part, raw)
-    fused = tuple(
-        _centred(fuse(c, noise if r == longest else adapt(c.telling(FOR_NOISE), noise)), c)
-        for r, c in enumerate(raw)
-    )
+    jobs = [(c, r == longest) for r, c in enumerate(raw)]
+    fused = tuple(work.map(_fused, jobs, noise, stage="fusing the sensors"))
     force = [resampled(r, "damper_force", dt) for r in records]
     reference = reference_temperature(records, dt)
     motion = join(
@@ -190,14 +215,31 @@ def prepare(
     fold, held_out = split(motion, sealed)
     learnt = [r for r, (i, j) in enumerate(pairwise(motion.starts)) if np.any(fold[i:j] >= 0)]
     if learn is None and not {longest, telling} <= set(learnt):
-        return prepare(records, sealed=sealed, velocity_lag=velocity_lag, learn=learnt)
+        return prepare(records, sealed=sealed, velocity_lag=velocity_lag, learn=learnt, work=work)
     y = np.concatenate(force)
     return Problem(
         motion=motion, force=y, fold=fold, held_out=held_out, raw=raw, fused=fused, noise=noise,
         names=tuple(r.name for r in records),
         notes=tuple(dict.fromkeys(n for r in records for n in r.notes)) + unresolved + losses(records),
         complete=all(r.complete for r in records), sd_force=white_noise(force), velocity_lag=(lag, lag_sd),
+        work=work,
     )  # fmt: skip
+
+
+def _with_notes(
+    job: Any, function: Callable[..., Result], problem: Problem, *shared: Any
+) -> tuple[Result, Notes]:
+    """What a job gives, and the fits that were noted meanwhile."""
+    before = set(problem.noted or ())
+    result = function(job, problem, *shared)
+    return result, {k: v for k, v in (problem.noted or {}).items() if k not in before}
+
+
+def _fused(job: tuple[Channels, bool], noise: Noise) -> Fused:
+    """Motion of a record from its channels; noise: whether its motion is that which the noise levels are read off."""
+    channels, known = job
+    own = noise if known else adapt(channels.telling(FOR_NOISE), noise)
+    return _centred(fuse(channels, own), channels)
 
 
 def _most(measured: Sequence[Channels], able: Sequence[int]) -> int:

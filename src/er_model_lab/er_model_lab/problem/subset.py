@@ -15,7 +15,7 @@ from er_models.predict import Motion
 from er_models.scales import Scales
 from numpy.typing import NDArray
 
-from er_model_lab.problem.forward import DAMPER, DamperForward
+from er_model_lab.problem.forward import DamperForward
 from er_model_lab.problem.stretches import STRETCH, chosen
 from er_model_lab.records.record import Record
 
@@ -54,7 +54,7 @@ def practice(problem: Problem, warm_up: float) -> Practice | None:
     motion = problem.motion
     edges = list(itertools.pairwise(motion.starts))
     runs = [(int(i), int(j)) for i, j in edges if problem.train[i:j].any()]
-    if motion.n * motion.dt <= MANY or len(runs) < 2 or problem.forward is not DAMPER:
+    if motion.n * motion.dt <= MANY or len(runs) < 2 or type(problem.forward) is not DamperForward:
         return None
     budget = round(PRACTISED / motion.dt)
     places = chosen([_as_record(motion, *run) for run in runs], budget, STRETCH[0])

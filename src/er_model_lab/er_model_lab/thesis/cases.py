@@ -23,6 +23,7 @@ from er_model_lab.problem.held_out import WARM_UP
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.record import Record
 from er_model_lab.thesis.bench import measure
+from er_model_lab.work import Work
 
 LAWS = {
     "bingham": ("passive_by_direction", "bingham_yield_by_direction", "response_table"),
@@ -120,7 +121,8 @@ def _identified(
     model = Model(f"extended {law}", {}, _scales(tests))
     for effect in effects:
         model = model.with_effect(effect)
-    return identify(tests, model, tick=lambda what: say(f"{law}: {what}"))
+    work = Work(progress=lambda stage, *_: say(f"{law}: {stage}"))
+    return identify(tests, model, work=work)
 
 
 def _scales(records: list[Record]) -> Scales:
