@@ -20,7 +20,7 @@ from er_model_lab.cli.options import (
     Report,
     Seed,
 )
-from er_model_lab.cli.running import damper_only, loaded, read_by, run
+from er_model_lab.cli.running import damper_only, loaded, progress, read_by, run
 
 if TYPE_CHECKING:
     from er_model_lab.results.result import Result
@@ -94,9 +94,10 @@ def identify_command(
         from er_model_lab.verbs.identify import identify
         from er_model_lab.verbs.load import load, load_model
 
-        return identify(
-            load(*data), load_model(model, effects_from or ()), name=out.stem,
-            held_out=loaded(hold_out), seed=seed, anyway=anyway,
-        )  # fmt: skip
+        with progress("identifying") as told:
+            return identify(
+                load(*data), load_model(model, effects_from or ()), name=out.stem,
+                held_out=loaded(hold_out), seed=seed, anyway=anyway, progress=told,
+            )  # fmt: skip
 
     run(work, json_file, report, out=out, read=read_by(data, [model], effects_from, hold_out))

@@ -23,7 +23,7 @@ from er_model_lab.cli.options import (
     Seed,
     Smallest,
 )
-from er_model_lab.cli.running import loaded, read_by, run
+from er_model_lab.cli.running import loaded, progress, read_by, run
 from er_model_lab.diagnosis.rule import RULE, Rule
 
 if TYPE_CHECKING:
@@ -52,10 +52,11 @@ def diagnose_command(
         from er_model_lab.verbs.diagnose import diagnose
         from er_model_lab.verbs.load import load, load_model
 
-        return diagnose(
-            load(*data), load_model(model, effects_from or ()), held_out=loaded(hold_out), level=level,
-            seed=seed, rule=Rule(false_alarm, smallest, helps), anyway=anyway,
-        )  # fmt: skip
+        with progress("diagnosing") as told:
+            return diagnose(
+                load(*data), load_model(model, effects_from or ()), held_out=loaded(hold_out), level=level,
+                seed=seed, rule=Rule(false_alarm, smallest, helps), anyway=anyway, progress=told,
+            )  # fmt: skip
 
     run(work, json_file, report, read=read_by(data, [model], effects_from, hold_out))
 
@@ -81,10 +82,11 @@ def add_command(
         from er_model_lab.verbs.add import add
         from er_model_lab.verbs.load import load, load_model
 
-        return add(
-            load(*data), load_model(model, effects_from or ()), effect, name=out.stem,
-            held_out=loaded(hold_out), level=level, seed=seed, anyway=anyway,
-        )  # fmt: skip
+        with progress(f"adding {effect}") as told:
+            return add(
+                load(*data), load_model(model, effects_from or ()), effect, name=out.stem,
+                held_out=loaded(hold_out), level=level, seed=seed, anyway=anyway, progress=told,
+            )  # fmt: skip
 
     run(work, json_file, report, out=out, read=read_by(data, [model], effects_from, hold_out))
 
@@ -111,11 +113,12 @@ def improve_command(
         from er_model_lab.verbs.load import load, load_model
 
         begun = load_model(model, effects_from or ())
-        return improve(
-            load(*data), begun, name=out.stem, interrupted=_left(out, effects_from),
-            held_out=loaded(hold_out), level=level, seed=seed,
-            rule=Rule(false_alarm, smallest, helps), anyway=anyway,
-        )  # fmt: skip
+        with progress("improving") as told:
+            return improve(
+                load(*data), begun, name=out.stem, interrupted=_left(out, effects_from),
+                held_out=loaded(hold_out), level=level, seed=seed,
+                rule=Rule(false_alarm, smallest, helps), anyway=anyway, progress=told,
+            )  # fmt: skip
 
     run(work, json_file, report, out=out, read=read_by(data, [model], effects_from, hold_out))
 

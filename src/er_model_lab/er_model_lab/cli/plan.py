@@ -25,6 +25,7 @@ from er_model_lab.cli.running import (
     fail,
     known_level,
     loaded,
+    progress,
     read_by,
     run,
     write_json,
@@ -81,13 +82,14 @@ def plan_command(
         from er_model_lab.verbs.load import load_model
         from er_model_lab.verbs.plan import plan
 
-        return plan(
-            load_model(model, effects_from or ()), between=between or (), reveal=reveal, data=loaded(data),
-            vehicle=load_model(vehicle, effects_from or ()) if vehicle else None,
-            stroke=stroke, velocity=velocity, duty_max=duty_max, duration=duration,
-            name=out.stem if out else "next",
-            seed=seed, anyway=anyway,
-        )  # fmt: skip
+        with progress("planning") as told:
+            return plan(
+                load_model(model, effects_from or ()), between=between or (), reveal=reveal, data=loaded(data),
+                vehicle=load_model(vehicle, effects_from or ()) if vehicle else None,
+                stroke=stroke, velocity=velocity, duty_max=duty_max, duration=duration,
+                name=out.stem if out else "next",
+                seed=seed, anyway=anyway, progress=told,
+            )  # fmt: skip
 
     read = read_by(None, [model], effects_from)
     read |= {"--data": data or (), "--vehicle": [vehicle] if vehicle else ()}

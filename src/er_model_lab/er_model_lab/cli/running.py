@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from er_model_lab.records.dataset import Dataset
     from er_model_lab.results.result import Result
+    from er_model_lab.work import Leader, Progress
 
 
 def loaded(paths: Sequence[Path] | None) -> Dataset | None:
@@ -184,32 +185,20 @@ def fail(error: ErError) -> None:
 
 
 @contextmanager
-def stages(title: str, total: int) -> Iterator[Callable[[str], None] | None]:
-    """A progress bar with what is being done, on a terminal only."""
+def progress(title: str) -> Iterator[Progress | None]:
+    """A progress bar on a terminal: the stage of the work, and which effect is ahead; None elsewhere."""
     if not sys.stderr.isatty():
         yield None
         return
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bar
 
-    columns = (
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
-        TimeRemainingColumn(),
-    )  # fmt: skip
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(title, total=total)
-        done = [0]
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+    with Bar(*columns, TimeElapsedColumn(), console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=None)
 
-        def tick(now: str) -> None:
-            done[0] += 1
-            if done[0] > total:
-                done[0] = 1
-            bar.update(task, completed=done[0], description=f"{title}: {now}")
+        def told(stage: str, done: int, total: int, best: tuple[Leader, ...]) -> None:
+            ahead = f" (ahead: {best[0].effect})" if best else ""
+            bar.update(task, completed=done, total=total, description=f"{title}: {stage}{ahead}")
 
-        yield tick
+        yield told

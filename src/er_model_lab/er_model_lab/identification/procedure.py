@@ -23,7 +23,10 @@ from er_model_lab.problem.held_out import WARM_UP
 from er_model_lab.problem.problem import Problem
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.span.span import Span
+from er_model_lab.work import HERE, Work
 
+STAGES = 4
+"""Three stages and the joint refinement."""
 FADED, GONE = 4.0, 5.0
 """Response times after which a change of the duty has faded to 2 %, which will do, and to under a hundredth."""
 AT_MOST = 0.5
@@ -64,7 +67,7 @@ class Identified:
         return self.refined.fit.residual
 
 
-def identified(data: Dataset, model: Model) -> Identified:
+def identified(data: Dataset, model: Model, work: Work = HERE) -> Identified:
     """Identify the parameters of a model; records that score are not learnt from.
 
     Nothing rests on the model's values but what the data do not say: starts come from the data.
@@ -75,10 +78,11 @@ def identified(data: Dataset, model: Model) -> Identified:
     """
     for record in data.records:
         record.need("duty", "to identify the yield force")
-    asked = opened(data, model)
+    asked = opened(data, model, work=work)
     problem = learn_from_all(asked.problem, len(data.score))
     bare = asked.searched
     stages, found, table = staged(bare, problem)
+    work.report("all parameters together", 3, STAGES)
     refined = refine(stages[-1].model, bare, problem)
     fitted = replace(refined.fit, model=replace(refined.fit.model, deviations=bare.deviations))
     final = put_back(with_unfelt(with_deviations(fitted, problem), bare, problem), model)
@@ -94,9 +98,12 @@ def staged(model: Model, problem: Problem) -> tuple[tuple[Stage, ...], list[Leve
     settle = WARM_UP
     for again in range(ROUNDS):
         found = levels(problem.motion, problem.train, settle)
+        problem.work.report("passive terms", 0, STAGES)
         first = linear(model, who.linear, problem, found)
         shape = who.shape if first.done else (*who.linear, *who.shape)
+        problem.work.report("yield force", 1, STAGES)
         second = yield_force(first.model, shape, problem, found, follow=0 if again else FOLLOWED)
+        problem.work.report("response time", 2, STAGES)
         third, table = response(second.model, shape, who.response, problem, found)
         longest = float(table.tau.max()) if table else 0.0
         if FADED * longest <= settle:

@@ -32,7 +32,7 @@ from er_model_lab.fitting.velocity_channel import (
     on_fused,
     put_back,
 )
-from er_model_lab.level.level import Judged
+from er_model_lab.level.level import Judged, Question
 from er_model_lab.level.study import Lag, Opened, Study
 from er_model_lab.preflight.size import centre_notes
 from er_model_lab.problem.fit_store import Notes
@@ -44,6 +44,7 @@ from er_model_lab.records.duty_known import driven
 from er_model_lab.residual.errors import size_notes
 from er_model_lab.residual.excess import noise_at
 from er_model_lab.span.span import Span, spanned
+from er_model_lab.work import HERE, Work
 
 SMALLEST_LAG = 0.08
 """Lag of the velocity channel that counts, in samples."""
@@ -60,15 +61,15 @@ class DamperLevel:
         """Records whose duty is known, where others are driven."""
         return driven(data)
 
-    def given(self, data: Dataset, model: Model) -> Opened:
+    def given(self, asked: Question) -> Opened:
         """The data, fused, and what the model leaves of them."""
-        return opened(data, model)
+        return opened(asked.data, asked.model, work=asked.work)
 
-    def judged(self, data: Dataset, model: Model, seed: int) -> Judged:
+    def judged(self, asked: Question) -> Judged:
         """The same with the floor that the refitted model leaves, and what else is known of the data."""
-        asked = opened(data, model)
-        problem, given = asked.problem, asked.given
-        base = baseline(asked.searched, problem)
+        data, model, seed, found = asked.data, asked.model, asked.seed, self.given(asked)
+        problem, given = found.problem, found.given
+        base = baseline(found.searched, problem)
         null = simulate_null(base, [], problem, seed)
         floor = noise_floor(problem, base, null, seed)
         further = beyond(model, problem, given)
@@ -81,38 +82,35 @@ class DamperLevel:
         }
         notes = (*size_notes(problem, given), *centre_notes(data.originals, model))
         return Judged(
-            asked, floor.floor, noise_at(problem, floor.floor, null.input_square), content, notes
+            found, floor.floor, noise_at(problem, floor.floor, null.input_square), content, notes
         )
 
-    def reach_notes(self, asked: Opened) -> tuple[str, ...]:
+    def reach_notes(self, opened: Opened) -> tuple[str, ...]:
         """What is said of motion and duty beyond those that the model was fitted to."""
-        found = beyond(asked.model, asked.problem, asked.given)
-        return (found.note(asked.model.name),) if found and found.matters else ()
+        found = beyond(opened.model, opened.problem, opened.given)
+        return (found.note(opened.model.name),) if found and found.matters else ()
 
-    def searched(
-        self, data: Dataset, model: Model, seed: int, rule: Rule, noted: Notes | None
-    ) -> Study:
+    def searched(self, asked: Question, noted: Notes | None) -> Study:
         """What the model lacks; a velocity channel that lags is undone first and named."""
-        asked = opened(data, model)
-        asked = replace(asked, problem=replace(asked.problem, noted=noted))
-        before = _as_measured(asked) if asked.lag else None
-        found = _restored(
-            search_effects(asked.searched, asked.problem, seed=seed, rule=rule), model
-        )
-        if asked.lag and before:
-            found = _with_lag(found, before, asked.lag, rule)
-        return Study(asked, found, before)
+        found, rule = self.given(asked), asked.rule
+        found = replace(found, problem=replace(found.problem, noted=noted))
+        before = _as_measured(found) if found.lag else None
+        seen = search_effects(found.searched, found.problem, seed=asked.seed, rule=rule)
+        seen = _restored(seen, asked.model)
+        if found.lag and before:
+            seen = _with_lag(seen, before, found.lag, rule)
+        return Study(found, seen, before)
 
-    def added(self, data: Dataset, model: Model, effect: str, seed: int) -> Study:
+    def added(self, asked: Question, effect: str) -> Study:
         """One effect judged alone; a lag of the velocity channel is undone whatever it is asked for."""
         if effect == "velocity_lag":
-            return _with_asked_lag(data, model, seed)
-        asked = opened(data, model)
-        if asked.lag:
-            said = f"{_lagging(asked.lag)}: that is undone here, and the model does not hold it (add velocity_lag)"
-            asked = _noting(asked, said)
-        found = one_effect(asked.searched, asked.problem, effect, seed)
-        return Study(replace(asked, lag=None), _restored(found, model))
+            return _with_asked_lag(asked)
+        found = self.given(asked)
+        if found.lag:
+            said = f"{_lagging(found.lag)}: that is undone here, and the model does not hold it (add velocity_lag)"
+            found = _noting(found, said)
+        seen = one_effect(found.searched, found.problem, effect, asked.seed)
+        return Study(replace(found, lag=None), _restored(seen, asked.model))
 
     def finished(self, study: Study, seed: int) -> Model:
         """Estimates free of the bias of noisy motion, with what was undone before put back."""
@@ -128,26 +126,26 @@ class DamperLevel:
         return {"fusion": fusion_json(study.data.originals, study.problem)}
 
 
-def opened(data: Dataset, model: Model, *, any_lag: bool = False) -> Opened:
+def opened(data: Dataset, model: Model, *, any_lag: bool = False, work: Work = HERE) -> Opened:
     """The data fused, with the lag of the velocity channel undone where it is known, or certain.
 
     any_lag: whatever lag deflection and accelerometers show is undone, however small or unsure.
     """
     scaled, bare = in_scale(data, model), on_fused(model)
-    problem, span, lag = _fused(scaled, known_lag(model), any_lag=any_lag)
+    problem, span, lag = _fused(scaled, known_lag(model), work, any_lag=any_lag)
     given = np.asarray(problem.force - problem.predict(bare))
     return Opened(data, model, bare, problem, span, given, lag)
 
 
 def _fused(
-    data: Dataset, known: float | None, *, any_lag: bool
+    data: Dataset, known: float | None, work: Work, *, any_lag: bool
 ) -> tuple[Problem, Span, Lag | None]:
     """The problem, and the lag that was found and undone; known: the lag that the model holds [s]."""
-    problem, found = prepare(data, velocity_lag=known), None
+    problem, found = prepare(data, velocity_lag=known, work=work), None
     if known is None:
         seen = problem.velocity_lag
         if sure(seen, problem.motion.dt) or (any_lag and problem.kinematic_lag):
-            problem, found = prepare(data, velocity_lag=seen[0]), seen
+            problem, found = prepare(data, velocity_lag=seen[0], work=work), seen
     return *spanned(problem, data), found
 
 
@@ -156,22 +154,23 @@ def sure(lag: Lag, dt: float) -> bool:
     return abs(lag[0]) > max(SMALLEST_LAG * dt, SURE_LAG * lag[1])
 
 
-def _with_asked_lag(data: Dataset, model: Model, seed: int) -> Study:
+def _with_asked_lag(asked: Question) -> Study:
     """The lag of the velocity channel added, from the motion sensors where they show one, else from the force."""
-    asked = opened(data, model, any_lag=True)
-    if not asked.problem.measures_velocity:
+    data, model, seed = asked.data, asked.model, asked.seed
+    found = opened(data, model, any_lag=True, work=asked.work)
+    if not found.problem.measures_velocity:
         first = data.records[0]
         raise MissingChannel(
             first.source or first.name, "deflection_velocity", "to see that it lags", tuple(first.channels)
         )  # fmt: skip
-    if not asked.lag:
-        found = one_effect(asked.searched, asked.problem, "velocity_lag", seed)
-        return Study(asked, _restored(found, model))
-    before = _as_measured(asked)
-    found = _restored(one_effect(asked.searched, asked.problem, None, seed), model)
-    if sure(asked.lag, asked.problem.motion.dt):
-        return Study(asked, _with_lag(found, before, asked.lag, RULE), before)
-    return Study(asked, _beside_lag(found, before, asked.lag), before)
+    if not found.lag:
+        seen = one_effect(found.searched, found.problem, "velocity_lag", seed)
+        return Study(found, _restored(seen, model))
+    before = _as_measured(found)
+    seen = _restored(one_effect(found.searched, found.problem, None, seed), model)
+    if sure(found.lag, found.problem.motion.dt):
+        return Study(found, _with_lag(seen, before, found.lag, RULE), before)
+    return Study(found, _beside_lag(seen, before, found.lag), before)
 
 
 def _noting(asked: Opened, note: str) -> Opened:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 from er_models.errors import InputError
-from er_models.model import Model
 
-from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.level.damper import DamperLevel
-from er_model_lab.level.level import Level
+from er_model_lab.level.level import Level, Question
 from er_model_lab.level.study import Study, checked, told
 from er_model_lab.level.vehicle import VehicleLevel
-from er_model_lab.preflight.check import Preflight
 from er_model_lab.problem.fit_store import Notes
 from er_model_lab.problem.stretches import with_more
 from er_model_lab.records.dataset import Dataset
@@ -31,22 +28,6 @@ def level_of(name: str) -> Level:
     return LEVELS[name]
 
 
-@dataclass(frozen=True)
-class Question:
-    """What is asked.
-
-    data: what is searched; preflight: what was found wrong with them, and what they cover; seed: of everything random;
-    rule: when an effect is worth a name.
-    """
-
-    data: Dataset
-    model: Model
-    level: Level
-    preflight: Preflight
-    seed: int = 0
-    rule: Rule = RULE
-
-
 def investigate(asked: Question, noted: Notes | None = None) -> Study:
     """What the model lacks; noted: fits made before, to which new ones are added.
 
@@ -55,8 +36,7 @@ def investigate(asked: Question, noted: Notes | None = None) -> Study:
     """
 
     def once(data: Dataset) -> Study:
-        level, model = asked.level, asked.model
-        return checked(level.searched(data, model, asked.seed, asked.rule, noted))
+        return checked(asked.level.searched(replace(asked, data=data), noted))
 
     study = once(asked.data)
     more = study.checked.missed if study.checked else []
@@ -67,5 +47,5 @@ def investigate(asked: Question, noted: Notes | None = None) -> Study:
 
 def added(asked: Question, effect: str) -> Study:
     """The model with one named effect, all refitted; of long data, checked on all of them."""
-    study = asked.level.added(asked.data, asked.model, effect, asked.seed)
+    study = asked.level.added(asked, effect)
     return told(checked(study), again=False)

@@ -8,10 +8,12 @@ from typing import Any, Protocol
 
 from er_models.model import Array, Model
 
-from er_model_lab.diagnosis.rule import Rule
+from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.level.study import Opened, Study
+from er_model_lab.preflight.check import Preflight
 from er_model_lab.problem.fit_store import Notes
 from er_model_lab.records.dataset import Dataset
+from er_model_lab.work import HERE, Work
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,23 @@ class Judged:
     notes: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class Question:
+    """What is asked.
+
+    data: what is searched; preflight: what was found wrong with them, and what they cover; seed: of everything random;
+    rule: when an effect is worth a name; work: how it is done.
+    """
+
+    data: Dataset
+    model: Model
+    level: Level
+    preflight: Preflight
+    seed: int = 0
+    rule: Rule = RULE
+    work: Work = HERE
+
+
 class Level(Protocol):
     """What is predicted of what."""
 
@@ -37,21 +56,19 @@ class Level(Protocol):
     def usable(self, data: Dataset) -> Dataset:
         """The records that this level can use."""
 
-    def given(self, data: Dataset, model: Model) -> Opened:
-        """The data and what a model leaves of them as it is."""
+    def given(self, asked: Question) -> Opened:
+        """The data and what the model leaves of them as it is."""
 
-    def judged(self, data: Dataset, model: Model, seed: int) -> Judged:
-        """The data and what a model leaves of them as it is, beside the noise."""
+    def judged(self, asked: Question) -> Judged:
+        """The same beside the noise."""
 
-    def reach_notes(self, asked: Opened) -> tuple[str, ...]:
+    def reach_notes(self, opened: Opened) -> tuple[str, ...]:
         """What is said of data that go beyond what the model was fitted to."""
 
-    def searched(
-        self, data: Dataset, model: Model, seed: int, rule: Rule, noted: Notes | None
-    ) -> Study:
-        """What a model lacks of the data; noted: fits made before, to which new ones are added."""
+    def searched(self, asked: Question, noted: Notes | None) -> Study:
+        """What the model lacks of the data; noted: fits made before, to which new ones are added."""
 
-    def added(self, data: Dataset, model: Model, effect: str, seed: int) -> Study:
+    def added(self, asked: Question, effect: str) -> Study:
         """One named effect, judged alone."""
 
     def finished(self, study: Study, seed: int) -> Model:

@@ -9,11 +9,10 @@ from typing import Any
 from er_models.model import Model
 
 from er_model_lab.diagnosis.investigation import one_effect, search_effects
-from er_model_lab.diagnosis.rule import Rule
 from er_model_lab.fitting.envelope import with_unfelt
 from er_model_lab.fitting.fit import fit, with_deviations
 from er_model_lab.level.car_outputs import after, as_given, confounded, white
-from er_model_lab.level.level import Judged
+from er_model_lab.level.level import Judged, Question
 from er_model_lab.level.study import Opened, Study
 from er_model_lab.problem.fit_store import Notes
 from er_model_lab.problem.problem import Problem
@@ -32,39 +31,37 @@ class VehicleLevel:
         """All records."""
         return data
 
-    def given(self, data: Dataset, model: Model) -> Opened:
+    def given(self, asked: Question) -> Opened:
         """The data and what the model leaves of them; nothing but the starts of the blocks is fitted."""
-        problem, left = ride_as_given(data, model)
-        return Opened(data, model, model, problem, All(), left)
+        problem, left = ride_as_given(asked.data, asked.model)
+        return Opened(asked.data, asked.model, asked.model, problem, All(), left)
 
-    def judged(self, data: Dataset, model: Model, seed: int) -> Judged:
+    def judged(self, asked: Question) -> Judged:
         """The same with the white noise of the first output, and the errors of every output."""
-        del seed
-        asked = self.given(data, model)
-        problem, left = asked.problem, asked.given
+        found = self.given(asked)
+        problem, left = found.problem, found.given
         floor = white(problem, left, 0)
         content = {"level": self.name, "channels": as_given(problem, left)}
-        return Judged(asked, floor, noise_at(problem, floor, 0.0 * left), content, ())
+        return Judged(found, floor, noise_at(problem, floor, 0.0 * left), content, ())
 
-    def reach_notes(self, asked: Opened) -> tuple[str, ...]:
+    def reach_notes(self, opened: Opened) -> tuple[str, ...]:
         """Nothing: the reach of a car is not kept."""
-        del asked
+        del opened
         return ()
 
-    def searched(
-        self, data: Dataset, model: Model, seed: int, rule: Rule, noted: Notes | None
-    ) -> Study:
+    def searched(self, asked: Question, noted: Notes | None) -> Study:
         """What the model lacks; sensors are simulated, nothing is undone before."""
-        problem, fitted = open_ride(data, model)
+        problem, fitted = open_ride(asked.data, asked.model, asked.work)
         problem = replace(problem, noted=noted)
-        found = search_effects(fitted.model, problem, seed=seed, rule=rule)
-        return Study(_opened(data, model, problem), found)
+        seen = search_effects(fitted.model, problem, seed=asked.seed, rule=asked.rule)
+        return Study(_opened(asked, problem), seen)
 
-    def added(self, data: Dataset, model: Model, effect: str, seed: int) -> Study:
+    def added(self, asked: Question, effect: str) -> Study:
         """One effect judged alone."""
-        problem, fitted = open_ride(data, model)
-        found = one_effect(fitted.model, problem, effect, seed)
-        return Study(_opened(data, model, problem), found)
+        problem, fitted = open_ride(asked.data, asked.model, asked.work)
+        return Study(
+            _opened(asked, problem), one_effect(fitted.model, problem, effect, asked.seed)
+        )
 
     def finished(self, study: Study, seed: int) -> Model:
         """The fit brought to its end, with deviations."""
@@ -82,7 +79,7 @@ class VehicleLevel:
         }
 
 
-def _opened(data: Dataset, model: Model, problem: Problem) -> Opened:
+def _opened(asked: Question, problem: Problem) -> Opened:
     """The question with what the model leaves as it was given."""
-    given = problem.force - problem.predict(model)
-    return Opened(data, model, model, problem, All(), given)
+    given = problem.force - problem.predict(asked.model)
+    return Opened(asked.data, asked.model, asked.model, problem, All(), given)

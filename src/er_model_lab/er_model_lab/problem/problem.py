@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import Any, TypeVar
 
 import numpy as np
 from er_models.model import Array, Model
@@ -15,9 +17,12 @@ from numpy.typing import NDArray
 from er_model_lab.motion.fuse import Channels, Fused, Noise
 from er_model_lab.motion.repetition import Cycle, cycles
 from er_model_lab.problem.fit_store import Notes
-from er_model_lab.problem.forward import DAMPER, Forward, PartForward
+from er_model_lab.problem.forward import DAMPER, DamperForward, Forward, PartForward
 from er_model_lab.problem.held_out import WARM_UP
 from er_model_lab.problem.subset import stretches_to_practise_on
+from er_model_lab.work import HERE, Leader, Work
+
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
@@ -36,8 +41,8 @@ class Problem:
     weighted to newtons, and motion and extra (what else moves, by name) have fewer rows; fold: block of each
     training sample, -1 elsewhere; held_out: mask of samples that only score; raw: measured channels before
     fusion; fused: per record, each with the noise model of its own motion; noise: that of the longest record
-    with most channels; sd_force: white noise of the force; noted: fits
-    that were made before, to which new ones are added.
+    with most channels; sd_force: white noise of the force; noted: fits that were made before, to which new ones are
+    added; work: how its jobs are done, in another process one after the other.
     """
 
     motion: Motion
@@ -55,6 +60,28 @@ class Problem:
     forward: Forward = DAMPER
     extra: tuple[tuple[str, Array], ...] = ()
     noted: Notes | None = None
+    work: Work = HERE
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "work": HERE}
+
+    def each(
+        self,
+        function: Callable[..., Result],
+        jobs: Sequence[Any],
+        *shared: Any,
+        stage: str = "",
+        best: Callable[[list[Result]], Sequence[Leader]] | None = None,
+    ) -> list[Result]:
+        """Results of function(job, self, *shared) as `Work.map` gives them; fits that were made elsewhere are noted."""
+
+        def told(done: list[tuple[Result, Notes]]) -> Sequence[Leader] | None:
+            if self.noted is not None:
+                self.noted.update(done[-1][1])
+            return best([result for result, _ in done]) if best else None
+
+        found = self.work.map(_with_notes, jobs, function, self, *shared, stage=stage, best=told)
+        return [result for result, _ in found]
 
     def predict(self, model: Model) -> Array:
         """What a model predicts (n,) [N]."""
@@ -102,7 +129,7 @@ class Problem:
     @cached_property
     def practice(self) -> Practice | None:
         """Stretches on which fits begin where there are many runs, else None."""
-        if self.forward is not DAMPER:
+        if type(self.forward) is not DamperForward:
             return None
         places = stretches_to_practise_on(self.motion, self.learnt)
         return None if places is None else Practice(self._along(places), np.concatenate(places))
@@ -153,3 +180,12 @@ class Problem:
         if known is not None:
             return known
         return Scales(peak(self.force), peak(m.x), peak(m.v), float(max(m.u.max(), 1e-3)))
+
+
+def _with_notes(
+    job: Any, function: Callable[..., Result], problem: Problem, *shared: Any
+) -> tuple[Result, Notes]:
+    """What a job gives, and the fits that were noted meanwhile."""
+    before = set(problem.noted or ())
+    result = function(job, problem, *shared)
+    return result, {k: v for k, v in (problem.noted or {}).items() if k not in before}

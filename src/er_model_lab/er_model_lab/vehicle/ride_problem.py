@@ -22,6 +22,7 @@ from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_model_lab.vehicle.ride import CHANNELS, SETTLE, Course, course, drive
 from er_model_lab.vehicle.ride_forward import RideForward, with_starts
+from er_model_lab.work import HERE, Work
 
 ROADS = {
     "the road between samples is taken as smooth": True,
@@ -44,7 +45,7 @@ class Measured:
     outputs: Array
 
 
-def open_ride(given: Dataset, model: Model) -> tuple[Problem, Fit]:
+def open_ride(given: Dataset, model: Model, work: Work = HERE) -> tuple[Problem, Fit]:
     """The problem that records of a car pose to a vehicle model, and the model fitted to it.
 
     The noise of every output is read off what a first fit leaves; so is whether the road between two samples is
@@ -58,12 +59,13 @@ def open_ride(given: Dataset, model: Model) -> tuple[Problem, Fit]:
     size = _noise(data, data.outputs)
     first = _weighted(_ride(data, model), data, model, size)
     problem = _problem(given, data, with_starts(first, model), model)
+    problem = replace(problem, work=work)
     fitted = fit(model, problem)
     left = fitted.residual.reshape(-1, len(data.names)) / first.weights
     again = _weighted(first, data, model, _noise(data, left))
     found = [
         (problem, fit(fitted.model, problem))
-        for problem in _on_roads(given, data, again, fitted.model)
+        for problem in _on_roads(given, data, again, fitted.model, work)
     ]
     return min(found, key=lambda pf: pf[1].mse(pf[0].train))
 
@@ -91,14 +93,14 @@ def _opened(records: Sequence[Record], model: Model) -> Measured:
 
 
 def _on_roads(
-    given: Dataset, data: Measured, forward: RideForward, model: Model
+    given: Dataset, data: Measured, forward: RideForward, model: Model, work: Work = HERE
 ) -> Iterator[Problem]:
     """The problem with each way in which the road may run between two samples."""
     for road, smooth in ROADS.items():
         moved = with_starts(replace(forward, courses=_courses(data, smooth=smooth)), model)
         problem = _problem(given, data, moved, model)
         said = (*problem.notes, road, _measure(data), *_not_used(given, data))
-        yield replace(problem, notes=said)
+        yield replace(problem, notes=said, work=work)
 
 
 def _not_used(given: Dataset, data: Measured) -> Iterator[str]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
+
 from er_models.errors import ErError
 from er_models.model import Model
 
@@ -12,6 +14,7 @@ from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.verbs.asking import question
 from er_model_lab.verbs.diagnose import result_of
 from er_model_lab.verbs.history import with_history
+from er_model_lab.work import Event, Progress, Work
 
 
 @on_one_thread
@@ -25,10 +28,21 @@ def add(
     level: str = "damper",
     seed: int = 0,
     anyway: bool = False,
+    progress: Progress | None = None,
+    cancel: Event | None = None,
+    executor: Executor | None = None,
 ) -> DiagnosisResult:
     """Add one effect and refit everything; the result holds the new model, under `name`."""
     _may_add(model, effect, level)
-    asked = question(data, model, held_out=held_out, level=level, seed=seed, anyway=anyway)
+    asked = question(
+        data,
+        model,
+        held_out=held_out,
+        level=level,
+        seed=seed,
+        anyway=anyway,
+        work=Work(executor, progress, cancel),
+    )
     study = added(asked, effect)
     best = asked.level.finished(study, seed)
     grown = with_history(best, model, study, seed, name or f"{model.name}_{effect}")

@@ -9,13 +9,15 @@ from er_models.model import Model
 
 from er_model_lab.command_line import command_line
 from er_model_lab.diagnosis.rule import RULE, Rule
-from er_model_lab.level.investigate import Question, level_of
+from er_model_lab.level.investigate import level_of
+from er_model_lab.level.level import Question
 from er_model_lab.preflight.check import gate, preflight
 from er_model_lab.problem.stretches import shortened
 from er_model_lab.records.copies import check_apart
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.load import fingerprint, told_apart
 from er_model_lab.versions import versions
+from er_model_lab.work import HERE, Work
 
 
 def question(
@@ -27,6 +29,7 @@ def question(
     seed: int = 0,
     rule: Rule = RULE,
     anyway: bool = False,
+    work: Work = HERE,
 ) -> Question:
     """The question, on data that passed the preflight; of data too long to be searched whole, on stretches of them.
 
@@ -43,7 +46,7 @@ def question(
     records = told_apart(list(both.records))
     found = preflight(records, model, model.catalogue)
     passed = both.with_records(gate(found, records, anyway=anyway))
-    return Question(shortened(chosen.usable(passed)), model, chosen, found, seed, rule)
+    return Question(shortened(chosen.usable(passed)), model, chosen, found, seed, rule, work)
 
 
 def provenance(data: Dataset, model: Model, seed: int) -> dict[str, Any]:

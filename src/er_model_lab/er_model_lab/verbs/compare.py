@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
 from dataclasses import replace
 from typing import Any
 
 from er_models.model import Array, Model
 
 from er_model_lab.blas import on_one_thread
-from er_model_lab.level.investigate import Question
-from er_model_lab.level.level import Judged
+from er_model_lab.level.level import Judged, Question
 from er_model_lab.level.study import Opened
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.load import fingerprint
@@ -23,6 +23,7 @@ from er_model_lab.results.values import clean, headline
 from er_model_lab.span.check import Checked
 from er_model_lab.verbs.asking import provenance, question
 from er_model_lab.view import View
+from er_model_lab.work import Event, Progress, Work
 
 
 @on_one_thread
@@ -34,10 +35,21 @@ def compare(
     level: str = "damper",
     seed: int = 0,
     anyway: bool = False,
+    progress: Progress | None = None,
+    cancel: Event | None = None,
+    executor: Executor | None = None,
 ) -> ComparisonResult:
     """Predict the data with the model as it is, and with others beside it, and say where it fails."""
-    asked = question(data, model, held_out=held_out, level=level, seed=seed, anyway=anyway)
-    judged = asked.level.judged(asked.data, model, seed)
+    asked = question(
+        data,
+        model,
+        held_out=held_out,
+        level=level,
+        seed=seed,
+        anyway=anyway,
+        work=Work(executor, progress, cancel),
+    )
+    judged = asked.level.judged(asked)
     problem, given = judged.opened.problem, judged.opened.given
     tables = region_tables(problem, given, seed, judged.noise)
     whole = _on_all(judged.opened)
@@ -83,7 +95,7 @@ def _rivals(
     """Further models on the same data, and what is to be said of them."""
     found, notes = list[Rival](), tuple[str, ...]()
     for model in others:
-        opened = asked.level.given(asked.data, model)
+        opened = asked.level.given(replace(asked, model=model))
         tables = region_tables(opened.problem, opened.given, asked.seed, noise)
         found.append(_rival(asked, model, opened, tables, _on_all(opened)))
         notes = (*asked.level.reach_notes(opened), *notes)

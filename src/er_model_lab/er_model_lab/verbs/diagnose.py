@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
 from dataclasses import replace
 
 from er_models.model import Model
@@ -9,7 +10,8 @@ from er_models.model import Model
 from er_model_lab.blas import on_one_thread
 from er_model_lab.diagnosis.by_record import by_record
 from er_model_lab.diagnosis.rule import RULE, Rule
-from er_model_lab.level.investigate import Question, investigate
+from er_model_lab.level.investigate import investigate
+from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study
 from er_model_lab.planning.suggest import suggestions
 from er_model_lab.records.dataset import Dataset
@@ -19,6 +21,7 @@ from er_model_lab.results.draw import study_regions, study_view
 from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.results.values import clean
 from er_model_lab.verbs.asking import provenance, question
+from er_model_lab.work import Event, Progress, Work
 
 
 @on_one_thread
@@ -31,10 +34,20 @@ def diagnose(
     seed: int = 0,
     rule: Rule = RULE,
     anyway: bool = False,
+    progress: Progress | None = None,
+    cancel: Event | None = None,
+    executor: Executor | None = None,
 ) -> DiagnosisResult:
     """Refit the model, then say which effect is missing."""
     asked = question(
-        data, model, held_out=held_out, level=level, seed=seed, rule=rule, anyway=anyway
+        data,
+        model,
+        held_out=held_out,
+        level=level,
+        seed=seed,
+        rule=rule,
+        anyway=anyway,
+        work=Work(executor, progress, cancel),
     )
     study = investigate(asked)
     return result_of("diagnose", study, asked.level.finished(study, seed), asked)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
 from dataclasses import replace
 
 from er_models.model import Model
@@ -15,6 +16,7 @@ from er_model_lab.records.load import fingerprint
 from er_model_lab.results.result import IdentificationResult
 from er_model_lab.span.span import noted
 from er_model_lab.verbs.asking import provenance, question
+from er_model_lab.work import Event, Progress, Work
 
 
 def identify(
@@ -25,10 +27,20 @@ def identify(
     held_out: Dataset | None = None,
     seed: int = 0,
     anyway: bool = False,
+    progress: Progress | None = None,
+    cancel: Event | None = None,
+    executor: Executor | None = None,
 ) -> IdentificationResult:
     """Identify the parameters of a model; the result holds the new model, under `name`."""
-    asked = question(data, model, held_out=held_out, seed=seed, anyway=anyway)
-    found = identified(asked.data, model)
+    asked = question(
+        data,
+        model,
+        held_out=held_out,
+        seed=seed,
+        anyway=anyway,
+        work=Work(executor, progress, cancel),
+    )
+    found = identified(asked.data, model, asked.work)
     before, after = on_fused(found.before), on_fused(found.model)
     whole = found.span.checked(found.problem, found.residual, before=before, after=after)
     found = replace(found, problem=noted(found.problem, whole))

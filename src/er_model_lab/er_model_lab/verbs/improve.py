@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
 from dataclasses import replace
 from typing import Any
 
@@ -12,7 +13,8 @@ from er_model_lab.blas import on_one_thread
 from er_model_lab.diagnosis.by_record import by_record
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.fitting.velocity_channel import as_searched
-from er_model_lab.level.investigate import Question, investigate
+from er_model_lab.level.investigate import investigate
+from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.results.diagnosis import diagnosis_json
@@ -24,6 +26,7 @@ from er_model_lab.verbs.asking import question
 from er_model_lab.verbs.diagnose import result_of
 from er_model_lab.verbs.history import with_history
 from er_model_lab.verbs.resume import Begun, finished, marked, resume, with_fits
+from er_model_lab.work import STOPPED, Event, Progress, Work
 
 MOST_PASSES = 10
 """How often the model that was just improved is diagnosed."""
@@ -41,6 +44,9 @@ def improve(
     seed: int = 0,
     rule: Rule = RULE,
     anyway: bool = False,
+    progress: Progress | None = None,
+    cancel: Event | None = None,
+    executor: Executor | None = None,
 ) -> DiagnosisResult:
     """Diagnose and add until the model is adequate or nothing known helps; the new model is refitted in any case.
 
@@ -48,7 +54,14 @@ def improve(
     goes on to the same end. name: of the new model.
     """
     asked = question(
-        data, model, held_out=held_out, level=level, seed=seed, rule=rule, anyway=anyway
+        data,
+        model,
+        held_out=held_out,
+        level=level,
+        seed=seed,
+        rule=rule,
+        anyway=anyway,
+        work=Work(executor, progress, cancel),
     )
     begun = resume(interrupted, model, asked.data)
     studies, current, stopped = _passes(asked, begun, name or f"{model.name}_improved")
@@ -69,7 +82,8 @@ def _passes(asked: Question, begun: Begun, name: str) -> tuple[list[Study], Mode
         try:
             study = investigate(now, begun.noted)
             best = asked.level.finished(study, asked.seed)
-        except KeyboardInterrupt:
+        except STOPPED:
+            asked.work.wind_up()
             if not studies:
                 raise
             return studies, current, True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -24,6 +25,7 @@ from er_model_lab.results.values import clean
 from er_model_lab.span.span import noted
 from er_model_lab.verbs.asking import question
 from er_model_lab.versions import versions
+from er_model_lab.work import Event, Progress, Work
 
 
 @on_one_thread
@@ -41,6 +43,9 @@ def plan(
     name: str = "next",
     seed: int = 0,
     anyway: bool = False,
+    progress: Progress | None = None,
+    cancel: Event | None = None,
+    executor: Executor | None = None,
 ) -> PlanResult:
     """Plan the experiment; data: what is already measured, effects are then as strong as they are fitted to it.
 
@@ -56,7 +61,8 @@ def plan(
         # finer than the rig's own rate is not planned: it would only take longer
         within = replace(within, dt=max(problem.motion.dt, Limits.dt))
     sensors, noise_source = sensors_of(base, problem)
-    found = planned(asked, within, sensors, problem=problem, seed=seed)
+    how = Work(executor, progress, cancel)
+    found = planned(asked, within, sensors, problem=problem, seed=seed, work=how)
     origin = known.pop("provenance", {}) | _origin(base, model, seed)
     content = plan_json(found, noise_source) | known
     content |= {

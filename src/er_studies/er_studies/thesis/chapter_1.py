@@ -16,6 +16,7 @@ from er_model_lab.problem.held_out import WARM_UP
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
+from er_model_lab.work import Work
 from er_models.files import load_model
 from er_models.model import Array, Model
 from er_models.predict import Motion, motion, predict
@@ -122,7 +123,8 @@ def _identified(
     for effect in effects:
         model = model.with_effect(effect)
     say(law)
-    return procedure.identified(Dataset.of(tests), model)
+    work = Work(progress=lambda stage, *_: say(f"{law}: {stage}"))
+    return procedure.identified(Dataset.of(tests), model, work)
 
 
 def _scales(records: list[Record]) -> Scales:
