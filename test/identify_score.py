@@ -59,11 +59,11 @@ def started(truth: Truth, seed: int, width: float = 0.0) -> Model:
 
 def estimates(truth: Truth, seed: int, seconds: float, width: float = 0.0) -> list[Estimate]:
     """Identify one seed from wrong starting values."""
-    from er_model_lab.identification import identify
+    from er_model_lab.identification import identified
     from er_model_lab.identification.present import parameters
 
     found = parameters(
-        identify(Dataset.of(program(truth, seed, seconds)), started(truth, seed, width))
+        identified(Dataset.of(program(truth, seed, seconds)), started(truth, seed, width))
     )
     flat = {name: entry for values in found.values() for name, entry in values.items()}
     return [

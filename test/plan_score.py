@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 from er_model_lab.planning.limits import Asked, Limits, limits_of, sensors_of
-from er_model_lab.planning.planner import Plan, plan
+from er_model_lab.planning.planner import Plan, planned
 from er_model_lab.planning.question import KINEMATIC, ask
 from er_models.files import load_model
 from er_models.model import Model
@@ -63,7 +63,9 @@ def main(argv: list[str]) -> None:
         start = time.process_time()
         with threadpool_limits(1):
             limits = limits_of(model, Asked(), Limits.dt)
-            found = plan(ask(model, pair, None), limits, sensors_of(model, None)[0], seed=o.seed)
+            found = planned(
+                ask(model, pair, None), limits, sensors_of(model, None)[0], seed=o.seed
+            )
         print("| " + " | ".join(row(found, time.process_time() - start)) + " |", flush=True)
 
 

@@ -11,8 +11,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from er_model_lab.verbs.ask import Request
 from er_model_lab.verbs.diagnose import diagnose
+from er_model_lab.verbs.load import load, load_model
 
 from test.blind.catalogue import VEHICLE
 from test.blind.generator import make_case
@@ -29,7 +29,7 @@ def scored(name: str, seed: int, seconds: float, without: str) -> str:
         for path in case.csv:
             leave_out(path, without)
         start = time.process_time()
-        result = diagnose(Request([Path(folder)], MODEL, level="vehicle")).result
+        result = diagnose(load(folder), load_model(MODEL), level="vehicle").to_dict()
     spent = time.process_time() - start
     named = ", ".join(result["effects"]) or "-"
     ties = "; ".join(", ".join(group) for group in result["alternatives"]) or "-"

@@ -8,8 +8,7 @@ from er_model_lab.diagnosis.candidates import baseline, refit
 from er_model_lab.diagnosis.null import simulate_null
 from er_model_lab.diagnosis.search import passes, threshold
 from er_model_lab.level.damper import opened
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.load import load
+from er_model_lab.verbs.load import load
 from er_models.files import load_model
 
 from test.blind.calibrate import clean_records
@@ -105,7 +104,7 @@ def test_bends_that_no_accelerometer_shows_name_nothing(bench, tmp_path):
         changed_case(complete, CONDITIONS[bench], 1), CONDITIONS[bench], 1, tmp_path / "seen"
     )
     model = load_model(MODEL)
-    problem = opened(Dataset.of(load([data])), model).problem
+    problem = opened(load(data), model).problem
     base = baseline(model, problem)
     rivals = [
         refit(base, model.catalogue[e], problem)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_model_lab.cli.app import app
-from er_model_lab.identification import identify
+from er_model_lab.identification import identified
 from er_model_lab.identification.findings import findings, missing
 from er_model_lab.identification.present import parameters
 from er_model_lab.records.dataset import Dataset
@@ -36,7 +36,7 @@ def test_a_damper_a_hundred_times_stronger_is_identified_from_the_same_model():
 
 
 def test_k1_and_c1_are_called_weakly_visible_and_moving_together():
-    found = identify(
+    found = identified(
         Dataset.of(program(TRUTHS["guo"], 7, 3.0, (0.0, 0.1, 0.3))), started(TRUTHS["guo"], 7)
     )
     said = " ".join(findings(found))
@@ -59,7 +59,7 @@ def test_k1_and_c1_are_called_weakly_visible_and_moving_together():
 def test_one_duty_leaves_the_exponent_as_given_and_says_what_hangs_on_it():
     truth = TRUTHS["bingham"]
     model = started(truth, 8)
-    found = identify(Dataset.of(program(truth, 8, 3.0, (0.0, 0.2))), model)
+    found = identified(Dataset.of(program(truth, 8, 3.0, (0.0, 0.2))), model)
     entries = parameters(found)["bingham_yield"]
     assert entries["beta"]["status"] == "not_identified"
     assert entries["beta"]["value"] == model.value("bingham_yield", "beta")
@@ -73,7 +73,7 @@ def test_one_duty_leaves_the_exponent_as_given_and_says_what_hangs_on_it():
 
 def test_without_zero_duty_the_passive_terms_come_from_all_data():
     truth = TRUTHS["guo"]
-    found = identify(Dataset.of(program(truth, 9, 3.0, (0.1, 0.3))), started(truth, 9))
+    found = identified(Dataset.of(program(truth, 9, 3.0, (0.1, 0.3))), started(truth, 9))
     assert missing(found) == ["no stretch at zero duty: no stage for k0, c0"]
     entry = parameters(found)["passive"]["c0"]
     assert abs(entry["value"] - 64.6433) < 4.0 * entry["sd"]
@@ -81,7 +81,7 @@ def test_without_zero_duty_the_passive_terms_come_from_all_data():
 
 def test_a_static_model_of_a_damper_that_lags_is_said_to_lack_something(root):
     model = load_model(root / "config/dampers/inove_guo_static.yaml")
-    found = identify(Dataset.of(program(TRUTHS["guo"], 10, 3.0, (0.0, 0.2))), model)
+    found = identified(Dataset.of(program(TRUTHS["guo"], 10, 3.0, (0.0, 0.2))), model)
     assert "the values are those of a model that lacks something" in findings(found)[0]
 
 
@@ -91,13 +91,13 @@ def test_an_offset_of_the_force_is_said():
         replace(r, channels={**r.channels, "damper_force": r.channels["damper_force"] + 0.5})
         for r in records
     ]
-    found = identify(Dataset.of(moved), started(TRUTHS["guo"], 11))
+    found = identified(Dataset.of(moved), started(TRUTHS["guo"], 11))
     assert any("mean of 0.49" in s and "offset of the force" in s for s in findings(found))
 
 
 def test_a_law_that_misses_the_levels_is_said():
     truth = replace(TRUTHS["guo"], tau=TRUTHS["guo_complete"].tau)
-    found = identify(
+    found = identified(
         Dataset.of(program(truth, 12, 3.0, (0.0, 0.1, 0.3))), started(TRUTHS["guo"], 12)
     )
     assert found.table is not None

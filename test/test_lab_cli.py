@@ -6,9 +6,9 @@ import shutil
 import numpy as np
 import pytest
 from er_model_lab.cli.app import app
-from er_model_lab.verbs.ask import Request
 from er_model_lab.verbs.diagnose import diagnose
 from er_model_lab.verbs.improve import MOST_PASSES
+from er_model_lab.verbs.load import load
 from er_models.files import load_model
 from er_models.seed import LARGEST
 from typer import TyperException
@@ -218,8 +218,9 @@ def test_a_seed_that_is_none_is_named(command, found):
 
 
 def test_the_largest_seed_lasts_to_the_last_pass_of_improve(data, root):
-    found = diagnose(Request([data], root / MODEL, seed=LARGEST + 1000 * MOST_PASSES))
-    assert found.result["effects"] == ["coulomb_friction"]
+    seed = LARGEST + 1000 * MOST_PASSES
+    found = diagnose(load(data), load_model(root / MODEL), seed=seed)
+    assert found.effects == ("coulomb_friction",)
 
 
 def test_a_caller_who_is_no_program_goes_on():

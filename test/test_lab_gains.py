@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from er_model_lab.cli.app import app
 from er_model_lab.diagnosis.candidates import baseline, missing, restarts
-from er_model_lab.diagnosis.study import as_given
 from er_model_lab.fitting.velocity_channel import on_fused
+from er_model_lab.level.damper import opened
 from er_model_lab.problem.forward import free_parameters
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.load import load
+from er_model_lab.verbs.load import load
 from er_models.catalogue import CATALOGUE
 from er_models.files import load_model, save_model
 from typer.testing import CliRunner
@@ -51,8 +50,8 @@ def out_of_scale(data, path, column, factor):
 
 def error(data, model):
     """Error of a model as it is [N]."""
-    problem = opened(Dataset.of(load([data])), model).problem
-    return float(np.sqrt(np.mean(as_given(model, problem)[problem.used] ** 2)))
+    found = opened(load(data), model)
+    return float(np.sqrt(np.mean(found.given[found.problem.used] ** 2)))
 
 
 @pytest.mark.parametrize(
@@ -73,12 +72,14 @@ def test_a_known_gain_is_undone(gain, column, factor, data, tmp_path):
 
 def test_a_known_gain_of_the_velocity_is_undone_before_the_motion_is_fused(data):
     """The other channels outvote a velocity that is out of scale; divided by its gain it agrees with them."""
-    records, name = load([data]), "deflection_velocity"
-    odd = [replace(r, channels={**r.channels, name: 1.1 * r.channels[name]}) for r in records]
+    records, name = load(data), "deflection_velocity"
+    odd = records.mapped(
+        lambda r: replace(r, channels={**r.channels, name: 1.1 * r.channels[name]})
+    )
     plain = load_model(DAMPER)
-    true = opened(Dataset.of(records), plain).problem
-    known = opened(Dataset.of(odd), plain.with_effect("velocity_gain", {"g_v": 1.1})).problem
-    unknown = opened(Dataset.of(odd), plain).problem
+    true = opened(records, plain).problem
+    known = opened(odd, plain.with_effect("velocity_gain", {"g_v": 1.1})).problem
+    unknown = opened(odd, plain).problem
     assert known.noise.v == pytest.approx(true.noise.v, rel=1e-6)
     assert known.motion.v == pytest.approx(true.motion.v, abs=1e-9)
     assert unknown.noise.v > 2.0 * true.noise.v
@@ -88,7 +89,7 @@ def test_a_known_gain_of_the_velocity_is_undone_before_the_motion_is_fused(data)
 def test_a_gain_is_kept_and_not_fitted(gain, data):
     model = load_model(DAMPER).with_effect(gain, GAINS[gain])
     assert gain not in {effect for effect, _ in free_parameters(model)}
-    problem = opened(Dataset.of(load([data])), model).problem
+    problem = opened(load(data), model).problem
     assert all(m.effects.get(gain, GAINS[gain]) == GAINS[gain] for m in restarts(model, problem))
     fitted = baseline(on_fused(model), problem).fit.model
     assert fitted.effects.get(gain, GAINS[gain]) == GAINS[gain]

@@ -7,17 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_model_lab.cli import app, missing, running
-from er_model_lab.diagnosis import verdict
+from er_model_lab.diagnosis import evidence, investigation
 from er_model_lab.diagnosis.candidates import TRYING, baseline, refit
-from er_model_lab.diagnosis.resume import resume
 from er_model_lab.fitting import fit
 from er_model_lab.level.damper import opened
 from er_model_lab.problem.fit_store import packed, unpacked
 from er_model_lab.problem.forward import DamperForward
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.load import load
 from er_model_lab.vehicle.ride_problem import open_ride
-from er_model_lab.work import Work
+from er_model_lab.verbs.load import load
+from er_model_lab.verbs.resume import resume
 from er_models.files import load_model
 from typer.testing import CliRunner
 
@@ -48,10 +46,10 @@ def improve(data, folder, stop_in_round, monkeypatch):
             raise KeyboardInterrupt
 
     @contextmanager
-    def working(*_):
-        yield Work(progress=told)
+    def progress(*_):
+        yield told
 
-    monkeypatch.setattr(missing, "working", working)
+    monkeypatch.setattr(missing, "progress", progress)
     words = [
         "improve",
         data,
@@ -79,13 +77,10 @@ def test_what_was_done_is_kept_and_gone_on_from(data, tmp_path, monkeypatch):
     assert left.history[-1]["interrupted"] is True
 
     model = load_model(MODEL)
-    other = load([write_sample(tmp_path / "other.csv", seed=5)])
+    other = load(write_sample(tmp_path / "other.csv", seed=5))
     changed = model.with_effect("preload", {"F_0": 1.0})
-    here = load([data])
-    added = [
-        resume(tmp_path / "m.yaml", m, d, model.catalogue).added
-        for m, d in ((model, here), (model, other), (changed, here))
-    ]
+    here = load(data)
+    added = [resume(left, m, d).added for m, d in ((model, here), (model, other), (changed, here))]
     assert added == [(kept,), None, None]  # another model, or other data, begin anew
 
     done = improve(data, tmp_path, 0, monkeypatch)
@@ -122,7 +117,8 @@ def test_an_interruption_changes_nothing_in_the_end(
     stop_and_friction, tmp_path, monkeypatch, most
 ):
     """It comes in the second round of one search, or where a search ends with one effect in the second pass."""
-    monkeypatch.setattr(verdict, "MOST_EFFECTS", most)
+    for module in (investigation, evidence):
+        monkeypatch.setattr(module, "MOST_EFFECTS", most)
     monkeypatch.setattr(
         DamperForward, "candidates", lambda _, model: tuple(model.catalogue[n] for n in FEW)
     )
@@ -147,7 +143,7 @@ def test_an_interruption_changes_nothing_in_the_end(
 
 def test_a_fit_is_made_once_and_is_the_same_again(stop_and_friction):
     model, noted = load_model(MODEL), {}
-    problem = replace(opened(Dataset.of(load([stop_and_friction])), model).problem, noted=noted)
+    problem = replace(opened(load(stop_and_friction), model).problem, noted=noted)
     base = baseline(model, problem)
     stop = refit(base, model.catalogue["end_stop"], problem)
     made = dict(noted)
@@ -165,8 +161,8 @@ def test_a_fit_is_made_once_and_is_the_same_again(stop_and_friction):
 
 @pytest.mark.parametrize("more", [{}, {"max_iter": 3}, {"max_iter": 0}, {"target": 0.0}])
 def test_so_is_a_fit_to_a_car(tmp_path, more):
-    data = load([write_ride(tmp_path / "ride.csv", seed=1, seconds=4.0)])
-    problem, base = open_ride(Dataset.of(data), load_model(CAR))
+    data = load(write_ride(tmp_path / "ride.csv", seed=1, seconds=4.0))
+    problem, base = open_ride(data, load_model(CAR))
     problem, grown = replace(problem, noted={}), base.model.with_effect("guide_friction")
     known = base.jacobian if more else None
     first, again = (fit.fit(grown, problem, known=known, **more) for _ in range(2))

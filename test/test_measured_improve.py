@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
-from er_model_lab.diagnosis import verdict
-from er_model_lab.diagnosis.study import investigate
+from er_model_lab.diagnosis import evidence, investigation
+from er_model_lab.level.damper import DamperLevel
+from er_model_lab.level.investigate import Question, investigate
 from er_model_lab.problem.forward import DamperForward
+from er_model_lab.records.dataset import Dataset
 from er_models.files import load_model
 from er_studies.importers.data_sets import import_data
 
@@ -48,11 +50,13 @@ def runs(kind):
 @pytest.mark.parametrize("kind", PARTS)
 def test_the_error_on_runs_held_out_falls(kind, monkeypatch):
     """One round of the search: what it adds pays on runs that nothing was fitted to or chosen by."""
-    monkeypatch.setattr(verdict, "MOST_EFFECTS", 1)
+    for module in (investigation, evidence):
+        monkeypatch.setattr(module, "MOST_EFFECTS", 1)
     monkeypatch.setattr(
         DamperForward, "candidates", lambda _, model: tuple(model.catalogue[n] for n in TRIED)
     )
-    study = investigate(runs(kind), load_model(ROOT / "config/dampers/inove_guo.yaml"), seed=1)
+    model = load_model(ROOT / "config/dampers/inove_guo.yaml")
+    study = investigate(Question(Dataset.of(runs(kind)), model, DamperLevel(), seed=1))
     found, held = study.diagnosis, study.problem.held_out
     before, after = (
         float(np.sqrt(np.mean(c.fit.residual[held] ** 2))) for c in (found.base, found.best)

@@ -13,7 +13,6 @@ from er_model_lab.planning import motions_and_duties, planner, search
 from er_model_lab.planning.limits import Sensors
 from er_model_lab.planning.simulated_decision import measured
 from er_model_lab.planning.virtual_rig import run_all
-from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.write import write_csv
 from er_models.files import load_model
 from er_models.program import Program, document_of, load_program
@@ -78,7 +77,7 @@ def test_the_result_says_what_was_asked_and_where_the_program_is(made):
 
 def test_the_plant_runs_the_planned_program_within_its_limits(made, root):
     folder, r, _ = made
-    seen = driven(Dataset.of(root), folder / "next.yaml")
+    seen = driven(root, folder / "next.yaml")
     assert np.abs(seen["deflection"]).max() <= r["limits"]["stroke"]
     assert np.abs(seen["velocity"]).max() <= r["limits"]["velocity"]
     assert seen["duty"].max() <= r["limits"]["duty"]

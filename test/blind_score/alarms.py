@@ -20,8 +20,7 @@ from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.search import passes, threshold
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.level.damper import opened
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.load import load
+from er_model_lab.verbs.load import load
 from er_models.files import load_model
 from matplotlib import rc_context
 from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -51,7 +50,7 @@ def _decided(seed: int, seconds: float) -> dict[str, Any]:
         case = make_case(
             None, APART + seed, out=Path(place) / "data", n_records=1, seconds=seconds
         )
-        problem = opened(Dataset.of(load([Path(case.directory)])), model).problem
+        problem = opened(load(case.directory), model).problem
     base = baseline(on_fused(model), problem)
     found = refit_all(base, problem)
     null, floor = simulate_null(base, found, problem, seed), float(np.sqrt(found[0].mse))

@@ -16,9 +16,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from er_model_lab.verbs.add import add
-from er_model_lab.verbs.ask import Request
+from er_model_lab.verbs.load import load
 from er_models.catalogue import CATALOGUE
 from er_models.errors import InputError
+from er_models.files import load_model
 
 from test.blind_score.judge import judged
 from test.blind_score.lab_truth import draw_truth, write_noisy
@@ -71,7 +72,7 @@ def _estimates(name: str, seed: int) -> dict[str, Any]:
     truth = draw_truth(name, seed, RECORDS, SECONDS)
     with tempfile.TemporaryDirectory() as place:
         data = write_noisy(truth, seed, Path(place) / "data")
-        result = add(Request([data], MODEL, seed), name, Path(place) / "new.yaml").result
+        result = add(load(data), load_model(MODEL), name, seed=seed).to_dict()
     found = next(c for c in result["candidates"] if c["effect"] == name)["parameters"]
     fitted = {
         q.name for q in CATALOGUE[name].parameters if q.fitted and (name, q.name) not in REFERRED

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from pathlib import Path
 
 import numpy as np
-from er_model_lab.diagnosis.study import as_given
 from er_model_lab.fitting.data_reach import beyond
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.load import load
+from er_model_lab.level.damper import opened
+from er_model_lab.verbs.load import load
 from er_models.model import Model
 
 from test.blind.along import force_along
@@ -28,8 +26,8 @@ def fresh_errors(case: Case, model: Model) -> dict[str, float | bool]:
     it suffers the same sensors; noise: of the force channel alone, the measured force less the noiseless one;
     beyond: whether the lab would say that they go beyond what the model was fitted to.
     """
-    records = load([Path(case.directory)])
-    problem = opened(Dataset.of(records), model).problem
+    found = opened(load(case.directory), model)
+    problem, left = found.problem, found.given
     order = [int(name.rsplit("_", 1)[1]) - 1 for name in problem.names]
     motion = problem.motion
     channels = np.stack([motion.x, motion.v, motion.a], axis=1)
@@ -39,7 +37,6 @@ def fresh_errors(case: Case, model: Model) -> dict[str, float | bool]:
     ]
     clean = [case.clean[record]["damper_force"] for record in order]
     used = problem.used
-    left = as_given(model, problem)
     further = beyond(model, problem, left)
     return {
         "model": rms(left[used]),

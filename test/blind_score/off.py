@@ -14,9 +14,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from er_model_lab.verbs.ask import Request
 from er_model_lab.verbs.improve import improve
+from er_model_lab.verbs.load import load
 from er_models.files import load_model
+from er_models.model import Model
 
 from test.blind.case import excess_after_refit
 from test.blind_score.cases import Asked, Layout, few, plan
@@ -51,14 +52,14 @@ def score_off(asked: Asked, size: Layout | None = None) -> dict[str, Any]:
         row["rise_together"] = excess_after_refit(case)
         data = measured(case, condition, asked.seed, folder / "seen")
         model = given(condition, asked.seed, MODEL, folder)
-        row |= timed(lambda: _answer(data, model, asked.seed, folder / "better.yaml"))
+        row |= timed(lambda: _answer(data, load_model(model), asked.seed))
     return row
 
 
-def _answer(data: Path, model: Path, seed: int, out: Path) -> dict[str, Any]:
+def _answer(data: Path, model: Model, seed: int) -> dict[str, Any]:
     """The lab's answer."""
-    result = improve(Request([data], model, seed), out).result
-    return {"model": load_model(model).digest(), "notes": result["notes"], **said(result)}
+    result = improve(load(data), model, seed=seed).to_dict()
+    return {"model": model.digest(), "notes": result["notes"], **said(result)}
 
 
 def worth(row: Row) -> str:

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from er_model_lab.verbs.ask import Request
 from er_model_lab.verbs.improve import improve
+from er_model_lab.verbs.load import load
 from er_models.errors import ErError
 from er_models.files import load_model
 
@@ -133,9 +133,10 @@ def guarded(work: Callable[[], dict[str, Any]]) -> dict[str, Any]:
 
 def _answer(asked: Asked, case: Case, folder: Path) -> dict[str, Any]:
     """The lab's answer, and its error on fresh records where one effect was hidden."""
-    outcome = improve(Request([case.directory], MODEL, asked.seed), folder / "better.yaml")
-    answer = {"model": load_model(MODEL).digest(), **said(outcome.result)}
-    if asked.kind == "singles" and outcome.model is not None:
+    model = load_model(MODEL)
+    found = improve(load(case.directory), model, seed=asked.seed)
+    answer = {"model": model.digest(), **said(found.to_dict())}
+    if asked.kind == "singles" and found.model is not None:
         fresh = more_records(case, case.seed + ANOTHER // 2, out=folder / "fresh", n_records=1)
-        answer["fresh"] = fresh_errors(fresh, outcome.model)
+        answer["fresh"] = fresh_errors(fresh, found.model)
     return answer

@@ -20,7 +20,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from er_model_lab.verbs.ask import Request
 from er_model_lab.versions import versions
 from er_models.files import load_model
 
@@ -74,13 +73,12 @@ def timed(work: Callable[[], Answer]) -> Answer:
     return replace(found, seconds=time.process_time() - began)
 
 
-def answers(task: Given, asked: Asked, data: Path, folder: Path) -> dict[str, Answer]:
+def answers(task: Given, asked: Asked, data: Path) -> dict[str, Answer]:
     """What every method says; the time of the peers begins with the fused motion, that of the lab with the files."""
     from test.peers import boosted, lab, least_squares, sindy
 
-    request = Request([data], MODEL, asked.seed)
     return {
-        "lab": timed(lambda: lab.answer(task, request, folder / "lab.yaml")),
+        "lab": timed(lambda: lab.answer(task, data, load_model(MODEL), asked.seed)),
         "pysindy": timed(lambda: sindy.answer(task)),
         "trees": timed(lambda: boosted.answer(task)),
         "bic": timed(lambda: least_squares.answer(task)),
@@ -95,7 +93,7 @@ def row(asked: Asked) -> dict[str, Any]:
         fresh = more_records(case, case.seed + ANOTHER // 2, out=folder / "fresh", n_records=1)
         task = given(load_model(MODEL), case.directory, fresh.directory)
         least = fresh_errors(fresh, task.model)["truth"]
-        found = answers(task, asked, case.directory, folder)
+        found = answers(task, asked, case.directory)
     said = {
         key: {"names": list(a.names), "ratio": a.rms / least, "seconds": a.seconds}
         for key, a in found.items()

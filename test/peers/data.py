@@ -11,8 +11,7 @@ from er_model_lab.fitting.fit import Fit
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.level.damper import opened
 from er_model_lab.problem.problem import Problem
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.load import load
+from er_model_lab.verbs.load import load
 from er_models.model import Model
 
 
@@ -41,9 +40,9 @@ class Given:
 
 def given(model: Model, data: Path, fresh: Path) -> Given:
     """The task that two folders of measurements pose; a lag of the velocity is undone for all alike."""
-    problem = opened(Dataset.of(load([data])), model).problem
+    problem = opened(load(data), model).problem
     base = baseline(on_fused(model), problem).fit
-    return Given(problem, base, opened(Dataset.of(load([fresh])), model).problem)
+    return Given(problem, base, opened(load(fresh), model).problem)
 
 
 def everything(problem: Problem) -> Problem:

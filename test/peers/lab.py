@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from er_model_lab.verbs.ask import Request
+from pathlib import Path
+
+from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.verbs.improve import improve
+from er_model_lab.verbs.load import load
 from er_models.model import Model
 
 from test.peers.data import Answer, Given
 
 
-def answer(task: Given, request: Request, out) -> Answer:
+def answer(task: Given, data: Path, model: Model, seed: int) -> Answer:
     """What `lab improve` names, and the error of its model."""
-    outcome = improve(request, out)
-    model: Model = outcome.model
-    from er_model_lab.diagnosis.study import as_given
-
-    left = as_given(model, task.fresh)
-    return Answer(tuple(outcome.result["effects"]), task.rms_fresh(task.fresh.force - left), 0.0)
+    result = improve(load(data), model, seed=seed)
+    force = task.fresh.predict(on_fused(result.model))
+    return Answer(result.effects, task.rms_fresh(force), 0.0)

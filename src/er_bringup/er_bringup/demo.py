@@ -64,15 +64,15 @@ class Verdict:
 
 def play(demo: Demo, console: Console) -> Verdict:
     """Record, compare, diagnose, add, and judge."""
-    from er_model_lab.output.report.page import write_report
-    from er_model_lab.verbs.ask import Request
     from er_model_lab.verbs.improve import improve
+    from er_model_lab.verbs.load import load
 
     began = time.monotonic()
     config = configuration()
     hidden = choose(demo.effect, demo.seed)
     model_file = config / "dampers" / "inove_guo.yaml"
-    truth = hide(load_model(model_file), hidden, demo.seed)
+    given = load_model(model_file)
+    truth = hide(given, hidden, demo.seed)
     demo.out.mkdir(parents=True, exist_ok=True)
     sealed = demo.out / "sealed" / "damper.yaml"
     save_model(truth, sealed)
@@ -84,14 +84,13 @@ def play(demo: Demo, console: Console) -> Verdict:
     console.print(repeated(check))
     console.print("comparing, diagnosing, adding ...")
     new = demo.out / "model.yaml"
-    outcome = improve(Request([learn], model_file, demo.seed, (check,)), new)
-    page = write_report(outcome.view, demo.out / "report")
-    truth_reaches = reach(truth, [learn, check])
-    verdict = judge(outcome.result, hidden, truth_reaches, time.monotonic() - began)
-    (demo.out / "result.json").write_text(
-        json.dumps(outcome.result, indent=1) + "\n", encoding="utf-8"
-    )
-    show(verdict, outcome.result, console)
+    found = improve(load(learn), given, name=new.stem, held_out=load(check), seed=demo.seed)
+    assert found.model is not None
+    save_model(found.model, new)
+    result, page = found.to_dict(), found.report(demo.out / "report")
+    verdict = judge(result, hidden, reach(truth, learn, check), time.monotonic() - began)
+    (demo.out / "result.json").write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    show(verdict, result, console)
     console.print(f"recordings: {learn}, {check}")
     console.print(f"new model:  {new}")
     console.print(f"report:     {page}")
@@ -109,14 +108,14 @@ def repeated(bag: Path) -> str:
     return f"controller replayed from {bag.name}: {found.same} answers {words}, {found.speed:.0f} x real time"
 
 
-def reach(truth: Model, bags: list[Path]) -> float:
+def reach(truth: Model, learn: Path, check: Path) -> float:
     """Error of the true model itself on the check run [N]: what only the sensors leave."""
-    from er_model_lab.diagnosis.study import as_given, open_problem
-    from er_model_lab.records.load import load
+    from er_model_lab.level.damper import opened
+    from er_model_lab.records.dataset import Dataset
+    from er_model_lab.verbs.load import load
 
-    problem, _ = open_problem(load(bags), truth, sealed=1)
-    residual = as_given(truth, problem)
-    return float(np.sqrt(np.mean(residual[problem.held_out] ** 2)))
+    found = opened(Dataset.of(load(learn).records, load(check).records), truth)
+    return float(np.sqrt(np.mean(found.given[found.problem.held_out] ** 2)))
 
 
 def record(
