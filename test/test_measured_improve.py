@@ -5,6 +5,7 @@ import pytest
 from er_model_lab.diagnosis import evidence, investigation
 from er_model_lab.level.damper import DamperLevel
 from er_model_lab.level.investigate import Question, investigate
+from er_model_lab.preflight.check import preflight
 from er_model_lab.problem.forward import DamperForward
 from er_model_lab.records.dataset import Dataset
 from er_models.files import load_model
@@ -56,7 +57,8 @@ def test_the_error_on_runs_held_out_falls(kind, monkeypatch):
         DamperForward, "candidates", lambda _, model: tuple(model.catalogue[n] for n in TRIED)
     )
     model = load_model(ROOT / "config/dampers/inove_guo.yaml")
-    study = investigate(Question(Dataset.of(runs(kind)), model, DamperLevel(), seed=1))
+    data = Dataset.of(runs(kind))
+    study = investigate(Question(data, model, DamperLevel(), preflight(data.records), seed=1))
     found, held = study.diagnosis, study.problem.held_out
     before, after = (
         float(np.sqrt(np.mean(c.fit.residual[held] ** 2))) for c in (found.base, found.best)

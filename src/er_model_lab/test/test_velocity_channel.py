@@ -11,6 +11,7 @@ from er_model_lab.fitting.velocity_channel import put_back
 from er_model_lab.level.damper import DamperLevel, _as_measured, _with_lag, opened
 from er_model_lab.level.investigate import Question, added
 from er_model_lab.level.study import Study
+from er_model_lab.preflight.check import preflight
 from er_model_lab.problem import stretches
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.dataset import Dataset
@@ -42,7 +43,7 @@ def record(seconds=14.0, lag=0.0, gain=1.0, without=(), seed=1, truth=None, name
 
 def add_effect(data, model, effect):
     """The study of one effect, and the model that it ends with."""
-    study = added(Question(data, model, DamperLevel()), effect)
+    study = added(Question(data, model, DamperLevel(), preflight(data.records)), effect)
     return study, DamperLevel().finished(study, 0)
 
 
