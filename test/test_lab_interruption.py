@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from er_model_lab.cli import app, missing, running
 from er_model_lab.diagnosis import verdict
-from er_model_lab.diagnosis.candidates import baseline, refit
+from er_model_lab.diagnosis.candidates import TRYING, baseline, refit
 from er_model_lab.diagnosis.resume import resume
 from er_model_lab.diagnosis.study import open_problem
 from er_model_lab.fitting import fit
@@ -16,6 +16,7 @@ from er_model_lab.problem.fit_store import packed, unpacked
 from er_model_lab.problem.forward import DamperForward
 from er_model_lab.records.load import load
 from er_model_lab.vehicle.ride_problem import open_ride
+from er_model_lab.work import Work
 from er_models.files import load_model
 from typer.testing import CliRunner
 
@@ -38,18 +39,18 @@ FEW = ("preload", "gas_spring", "coulomb_friction", "shear_thinning", "end_stop"
 
 def improve(data, folder, stop_in_round, monkeypatch):
     """Run the command; Ctrl-C comes in that round of trying effects (0: never)."""
-    seen = []
+    rounds = []
 
-    def tick(effect):
-        seen.append(effect)
-        if seen.count(effect) == stop_in_round and len(seen) > 5:
+    def told(stage, done, total, best):
+        rounds.extend([1] if (stage, done) == (TRYING, 1) else [])
+        if (stage, done, len(rounds)) == (TRYING, 2, stop_in_round):
             raise KeyboardInterrupt
 
     @contextmanager
-    def progress(*_):
-        yield tick
+    def working(*_):
+        yield Work(progress=told)
 
-    monkeypatch.setattr(missing, "progress", progress)
+    monkeypatch.setattr(missing, "working", working)
     words = [
         "improve",
         data,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from er_models.effect import Effect
 from er_models.effects.actuation import (
@@ -100,12 +101,14 @@ class Origin:
 class Catalogue:
     """An ordered set of effects and the layout of their parameters and states in flat vectors.
 
-    origins: by name, where the effects come from that a user added; formed: the slot of the duty u_f whose chains
+    origins: by name, where the effects come from that a user added; made: function and arguments by which another
+    process makes it, None: it cannot; formed: the slot of the duty u_f whose chains
     have formed; rest: the last slot, where the kernel searches the force f_r of a damper in series with something.
     """
 
     effects: tuple[Effect, ...]
     origins: Mapping[str, Origin] = field(default_factory=dict)
+    made: tuple[Callable[..., Catalogue], tuple[Any, ...]] | None = None
 
     offsets: dict[str, int] = field(init=False, compare=False)
     slots: dict[str, int] = field(init=False, compare=False)
@@ -132,6 +135,11 @@ class Catalogue:
         object.__setattr__(self, "formed", slot)
         object.__setattr__(self, "rest", slot + 1)
         object.__setattr__(self, "n_states", slot + 2)
+
+    def __reduce__(self) -> tuple[Callable[..., Catalogue], tuple[Any, ...]]:
+        if self.made is None:
+            raise TypeError("effects that come from no file cannot be sent to another process")
+        return self.made
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -165,10 +173,18 @@ class Catalogue:
         return tuple(e for e in self.effects if not e.knowable)
 
     def extended(
-        self, more: Iterable[Effect], origins: Mapping[str, Origin] | None = None
+        self,
+        more: Iterable[Effect],
+        origins: Mapping[str, Origin] | None = None,
+        made: tuple[Callable[..., Catalogue], tuple[Any, ...]] | None = None,
     ) -> Catalogue:
         """This catalogue with a user's own effects at its end."""
-        return Catalogue(self.effects + tuple(more), {**self.origins, **(origins or {})})
+        return Catalogue(self.effects + tuple(more), {**self.origins, **(origins or {})}, made)
 
 
-CATALOGUE = Catalogue(tuple(module.EFFECT for module in _MODULES))
+def shipped() -> Catalogue:
+    """The catalogue without any effect of a user's own."""
+    return CATALOGUE
+
+
+CATALOGUE = Catalogue(tuple(module.EFFECT for module in _MODULES), made=(shipped, ()))

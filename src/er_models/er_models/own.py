@@ -7,6 +7,7 @@ so that whatever is wrong with it is one clear line and not an error of the comp
 from __future__ import annotations
 
 import hashlib
+import linecache
 import sys
 import traceback
 from collections.abc import Sequence
@@ -32,7 +33,7 @@ def catalogue_with(files: Sequence[str | Path]) -> Catalogue:
 
 @lru_cache(maxsize=8)
 def _catalogue(files: tuple[tuple[Path, bytes], ...]) -> Catalogue:
-    """The catalogue with the effects of files of this content."""
+    """The catalogue with the effects of files of this content, which another process need not have."""
     catalogue = CATALOGUE
     for path, content in files:
         digest = hashlib.sha256(content).hexdigest()
@@ -42,7 +43,8 @@ def _catalogue(files: tuple[tuple[Path, bytes], ...]) -> Catalogue:
                 raise InputError(path, "name", "a name that no other effect has", effect.name)
             check(path, effect, (*catalogue.names, *(e.name for e in effects)))
         origin = Origin(path.name, digest)
-        catalogue = catalogue.extended(effects, {e.name: origin for e in effects})
+        own = {e.name: origin for e in effects}
+        catalogue = catalogue.extended(effects, own, made=(_catalogue, (files,)))
     return catalogue
 
 
@@ -63,6 +65,8 @@ def _module(path: Path, content: bytes, digest: str) -> ModuleType:
     module = ModuleType(name)
     module.__file__ = str(path)
     sys.modules[name] = module
+    text = content.decode(errors="replace")
+    linecache.cache[str(path)] = (len(content), None, text.splitlines(keepends=True), str(path))
     try:
         exec(compile(content, str(path), "exec"), module.__dict__)
     except SyntaxError as error:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import threading
 
 import numpy as np
 import pytest
-from er_models.parallel import WORTH, in_turn, over_cores
+from er_models.parallel import WORTH, over_cores
 from er_models.predict import predict, predict_many
 from models_help import SMALL, guo, imposed
 
@@ -49,55 +50,61 @@ def test_an_error_comes_back(cores):
         over_cores(run, 8, 10 * WORTH)
 
 
-@pytest.mark.parametrize("n", [0, 1, 2, 7, 100])
-def test_results_come_in_the_order_of_their_jobs(cores, n):
-    told = []
-    assert in_turn(lambda k: -k, range(n), told.append) == [-k for k in range(n)]
-    assert told == list(range(n))
-    assert in_turn(str, "ab") == ["a", "b"]
-
-
-def test_unequal_jobs_do_not_wait_for_one_another(cores):
-    """A core that is done takes the next job, and is told of in this thread, in order."""
-    last = threading.Event()
-
-    def run(k):
-        if k == 0:
-            assert cores == 1 or last.wait(10.0)  # the last is done while the first still works
-        elif k == 5:
-            last.set()
-        return threading.current_thread()
-
-    told = []
-    in_turn(run, range(6), lambda k: told.append((k, threading.current_thread())))
-    assert told == [(k, threading.current_thread()) for k in range(6)]
-
-
-def test_what_a_job_spreads_is_taken_by_cores_with_nothing_to_do(cores):
-    """The last job, all alone, is helped with; nobody waits for pieces that nobody has begun."""
-    meeting = threading.Barrier(min(cores, 2))
-
-    def run(k):
-        over_cores(lambda i, j: meeting.wait(10.0), 2 if cores > 1 else 1, 10 * WORTH)
-
-    in_turn(run, range(1))
-    deep = in_turn(
-        lambda a: in_turn(lambda b: in_turn(lambda c: a + b + c, range(3)), range(4)), range(5)
-    )
-    assert deep == [[[a + b + c for c in range(3)] for b in range(4)] for a in range(5)]
-
-
-def test_after_an_error_no_job_is_begun(cores):
+def test_a_piece_may_spread_work_of_its_own(cores):
+    """Nobody waits for pieces that nobody has begun."""
     done, lock = [], threading.Lock()
 
-    def run(k):
-        with lock:
-            done.append(k)
-        raise ZeroDivisionError
+    def deep(level):
+        def run(i, j):
+            for _ in range(i, j):
+                if level:
+                    over_cores(deep(level - 1), 3, 10 * WORTH)
+                else:
+                    with lock:
+                        done.append(1)
+
+        return run
+
+    over_cores(deep(2), 5, 10 * WORTH)
+    assert len(done) == 5 * 3 * 3
+
+
+def test_what_no_other_thread_begins_is_done_here(cores):
+    """All threads of the pool are busy with something else."""
+    free = threading.Event()
+    busy = [parallel._pool().submit(free.wait, 30.0) for _ in range(cores)]
+    seen = []
+    try:
+        over_cores(lambda i, j: seen.append(threading.current_thread()), 8, 10 * WORTH)
+    finally:
+        free.set()
+    assert seen
+    assert set(seen) == {threading.current_thread()}
+    assert all(b.result() for b in busy)
+
+
+def test_after_an_error_here_no_piece_is_begun(cores):
+    begun, over = [], threading.Event()
+
+    def run(i, j):
+        begun.append(i)
+        if threading.current_thread() is threading.main_thread():
+            raise ZeroDivisionError
+        over.wait(30.0)
 
     with pytest.raises(ZeroDivisionError):
-        in_turn(run, range(100))
-    assert len(done) <= cores
+        over_cores(run, 100, 10 * WORTH)
+    over.set()
+    parallel._pool().shutdown()
+    assert len(begun) <= cores + 1
+
+
+@pytest.mark.parametrize(
+    ("limit", "expected"), [("1", 1), ("64", len(os.sched_getaffinity(0))), ("", None), ("0", 1)]
+)
+def test_who_has_the_rest_of_the_machine_is_heard(monkeypatch, limit, expected):
+    monkeypatch.setenv("NUMBA_NUM_THREADS", limit)
+    assert parallel.cores() == (expected or len(os.sched_getaffinity(0)))
 
 
 def rows():

@@ -21,7 +21,7 @@ from er_model_lab.cli.options import (
     Report,
     Seed,
 )
-from er_model_lab.cli.running import asked, damper_only, read_by, run, stages
+from er_model_lab.cli.running import asked, damper_only, read_by, run, working
 
 if TYPE_CHECKING:
     from er_model_lab.verbs.ask import Outcome
@@ -91,9 +91,9 @@ def identify(
 
     def work() -> Outcome:
         damper_only(level, "identify")
-        with stages("identifying", command.STEPS) as tick:
+        with working("identifying") as how:
             return command.run(
-                asked(data, model, seed, hold_out, effects_from, anyway=anyway), out, tick
+                asked(data, model, seed, hold_out, effects_from, anyway=anyway), out, how
             )
 
     run(work, json_file, report, out, read=read_by(data, [model], effects_from, hold_out))

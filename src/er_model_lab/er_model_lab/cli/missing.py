@@ -22,7 +22,7 @@ from er_model_lab.cli.options import (
     Seed,
     Smallest,
 )
-from er_model_lab.cli.running import asked, progress, read_by, run
+from er_model_lab.cli.running import asked, read_by, run, working
 from er_model_lab.diagnosis.rule import RULE, Rule
 
 if TYPE_CHECKING:
@@ -47,9 +47,9 @@ def diagnose(
     from er_model_lab.verbs import diagnose as command
 
     def work() -> Outcome:
-        with progress("trying effects", effects_from) as tick:
+        with working("diagnosing") as how:
             ask = asked(data, model, seed, hold_out, effects_from, level, anyway)
-            return command.diagnose(replace(ask, rule=Rule(false_alarm, smallest, helps)), tick)
+            return command.diagnose(replace(ask, rule=Rule(false_alarm, smallest, helps)), how)
 
     run(work, json_file, report, read=read_by(data, [model], effects_from, hold_out))
 
@@ -73,9 +73,9 @@ def add(
     from er_model_lab.verbs import add as command
 
     def work() -> Outcome:
-        with progress(f"adding {effect}", effects_from) as tick:
+        with working(f"adding {effect}") as how:
             return command.add(
-                asked(data, model, seed, hold_out, effects_from, level, anyway), effect, out, tick
+                asked(data, model, seed, hold_out, effects_from, level, anyway), effect, out, how
             )
 
     run(work, json_file, report, out, read=read_by(data, [model], effects_from, hold_out))
@@ -100,10 +100,8 @@ def improve(
     from er_model_lab.verbs import improve as command
 
     def work() -> Outcome:
-        with progress("trying effects", effects_from) as tick:
+        with working("improving") as how:
             ask = asked(data, model, seed, hold_out, effects_from, level, anyway)
-            return command.improve(
-                replace(ask, rule=Rule(false_alarm, smallest, helps)), out, tick
-            )
+            return command.improve(replace(ask, rule=Rule(false_alarm, smallest, helps)), out, how)
 
     run(work, json_file, report, out, read=read_by(data, [model], effects_from, hold_out))

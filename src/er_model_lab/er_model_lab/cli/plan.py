@@ -27,7 +27,7 @@ from er_model_lab.cli.running import (
     known_level,
     read_by,
     run,
-    stages,
+    working,
     write_json,
 )
 
@@ -83,9 +83,9 @@ def plan(
         damper_only(level, "plan")
         limits = Asked(stroke, velocity, duty_max, duration)
         wanted = command.Wanted(between or (), reveal, vehicle, limits, out)
-        with stages("planning", command.STEPS) as tick:
+        with working("planning") as how:
             ask = asked(data or [], model, seed, None, effects_from, anyway=anyway)
-            return command.run(ask, wanted, tick)
+            return command.run(ask, wanted, how)
 
     read = read_by(None, [model], effects_from)
     read |= {"--data": data or (), "--vehicle": [vehicle] if vehicle else ()}

@@ -18,8 +18,8 @@ from er_model_lab.cli.places import writable
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from er_model_lab.diagnosis.study import Tick
     from er_model_lab.verbs.ask import Outcome, Request
+    from er_model_lab.work import Work
 
 
 def asked(
@@ -162,20 +162,12 @@ def fail(error: ErError) -> None:
 
 
 @contextmanager
-def progress(title: str, effects_from: list[Path] | None) -> Iterator[Tick | None]:
-    """A progress bar with the effect being tried, on a terminal only."""
-    from er_models.own import catalogue_with
+def working(title: str) -> Iterator[Work]:
+    """How the work of a command is done, with a progress bar on a terminal: its stage, and which effect is ahead."""
+    from er_model_lab.work import Leader, Work
 
-    total = len(catalogue_with(effects_from or ()).candidates()) if sys.stderr.isatty() else 0
-    with stages(title, total) as tick:
-        yield tick
-
-
-@contextmanager
-def stages(title: str, total: int) -> Iterator[Tick | None]:
-    """A progress bar with what is being done, on a terminal only."""
     if not sys.stderr.isatty():
-        yield None
+        yield Work()
         return
     from rich.progress import (
         BarColumn,
@@ -183,24 +175,16 @@ def stages(title: str, total: int) -> Iterator[Tick | None]:
         Progress,
         TextColumn,
         TimeElapsedColumn,
-        TimeRemainingColumn,
     )
 
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(title, total=total)
-        done = [0]
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+    with Progress(
+        *columns, TimeElapsedColumn(), console=Console(stderr=True), transient=True
+    ) as bar:
+        task = bar.add_task(title, total=None)
 
-        def tick(now: str) -> None:
-            done[0] += 1
-            if done[0] > total:
-                done[0] = 1
-            bar.update(task, completed=done[0], description=f"{title}: {now}")
+        def told(stage: str, done: int, total: int, best: tuple[Leader, ...]) -> None:
+            ahead = f" (ahead: {best[0].effect})" if best else ""
+            bar.update(task, completed=done, total=total, description=f"{title}: {stage}{ahead}")
 
-        yield tick
+        yield Work(progress=told)

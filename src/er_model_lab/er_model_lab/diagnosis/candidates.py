@@ -7,25 +7,28 @@ residual is often an impostor.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
-from er_models.parallel import in_turn
 
 from er_model_lab.diagnosis.size_scan import profiled, scanned
 from er_model_lab.diagnosis.starts import amplitudes, gaps, is_gap, is_limit, scaled, starts
 from er_model_lab.fitting.fit import FIRST_ITERATIONS, Fit, cross_validated, fit, practised
 from er_model_lab.problem.forward import free_parameters
 from er_model_lab.problem.problem import Practice, Problem
+from er_model_lab.work import Leader
 
 FOREIGN = 0.25
 """Share of the force left unexplained above which a model's own values are taken to be another damper's."""
 MOST_RESTARTS = 16
 FINALISTS = 4
 """Candidates that are fitted to the end; of many runs these are fitted to all."""
+TRYING, FINISHING = "trying effects", "fitting the best to the end"
+"""Stages of a round that take long."""
 WORTH_AN_END = 2.0
 """Mean square, over that of the best, up to which such a fit to many runs is brought to its end."""
 
@@ -62,7 +65,7 @@ def baseline(model: Model, problem: Problem) -> Candidate:
     fitted = fit(model, where)
     size = float(np.std(where.force[where.train]))
     if np.sqrt(fitted.mse(where.train)) > FOREIGN * size:
-        others = in_turn(lambda other: fit(other, where), restarts(model, problem))
+        others = where.each(fit, restarts(model, problem), stage="other starts")
         fitted = min([fitted, *others], key=lambda f: f.mse(where.train))
     return cross_judged((), fit(fitted.model, problem) if few else fitted, problem)
 
@@ -162,6 +165,11 @@ def refit(
     return cross_judged(effects, fitted, problem, seen.kept, seen.reach)
 
 
+def _refitted(name: str, problem: Problem, base: Candidate) -> Candidate:
+    """`refit` as a job."""
+    return refit(base, base.fit.model.catalogue[name], problem)
+
+
 def part_of(whole: Candidate, few: Practice) -> Candidate:
     """A fitted model on the stretches to practise on."""
     fitted = replace(
@@ -230,44 +238,64 @@ def refit_all(
     base: Candidate,
     problem: Problem,
     effects: Iterable[Effect] | None = None,
-    tick: Callable[[str], None] | None = None,
 ) -> list[Candidate]:
     """Every missing effect refitted, best held-out error first; the best few are fitted to the end."""
-    tried = list(missing(base.fit.model, problem) if effects is None else effects)
+    tried = [e.name for e in (missing(base.fit.model, problem) if effects is None else effects)]
     few = problem.practice
     if few:
-        return _refit_many(base, problem, few, tried, tick)
-    found = in_turn(lambda effect: refit(base, effect, problem), tried, _named(tick))
+        return _refit_many(base, problem, few, tried)
+    found = problem.each(_refitted, tried, base, stage=TRYING, best=partial(leaders, base))
     found.sort(key=lambda c: c.mse)
-    ahead = in_turn(lambda c: finished(c, problem), found[:FINALISTS])
+    ahead = problem.each(
+        _finished, range(len(found[:FINALISTS])), found[:FINALISTS], stage=FINISHING
+    )
     return sorted([*ahead, *found[FINALISTS:]], key=lambda c: c.mse)
 
 
 def _refit_many(
-    base: Candidate, problem: Problem, few: Practice, effects: list[Effect], tick: Callable[[str], None] | None
-) -> list[Candidate]:  # fmt: skip
+    base: Candidate, problem: Problem, few: Practice, effects: list[str]
+) -> list[Candidate]:
     """Of many runs: every effect fitted to stretches, the best few to all; the others are judged as they are there."""
     part = part_of(base, few)
-    fits = in_turn(
-        lambda effect: _fitted_with(part, effect, few.problem, FIRST_ITERATIONS), effects, _named(tick)
-    )  # fmt: skip
-    begun = [(effect, *found) for effect, found in zip(effects, fits, strict=True)]
-    begun.sort(key=lambda b: b[1].mse(few.problem.train))
-    found = []
-    for k, (effect, fitted, seen) in enumerate(begun):
-        ahead, names = k < FINALISTS, (*base.effects, effect.name)
-        on_all = _on_all(base, fitted, problem, FIRST_ITERATIONS if ahead else 0)
-        judged = cross_judged(names, on_all, problem, seen.kept, seen.reach, straight=not ahead)
-        found.append(judged)
+    fits = few.problem.each(_begun, effects, part, stage=TRYING)
+    begun = sorted(zip(effects, fits, strict=True), key=lambda b: b[1][0].mse(few.problem.train))
+    found = problem.each(
+        _judged, list(enumerate(begun)), base, stage=FINISHING, best=partial(leaders, base)
+    )
     found.sort(key=lambda c: max(c.mse, c.seen))
     near = WORTH_AN_END * found[0].mse
-    ended = [finished(c, problem) if c.mse < near else c for c in found[:FINALISTS]]
-    return sorted([*ended, *found[FINALISTS:]], key=lambda c: c.mse)
+    ahead = [c for c in found[:FINALISTS] if c.mse < near]
+    ended = problem.each(_finished, range(len(ahead)), ahead, stage=FINISHING)
+    return sorted(
+        [*ended, *(c for c in found if not any(c is a for a in ahead))], key=lambda c: c.mse
+    )
 
 
-def _named(tick: Callable[[str], None] | None) -> Callable[[Effect], None] | None:
-    """What is told of an effect that was tried: its name."""
-    return (lambda effect: tick(effect.name)) if tick else None
+def _begun(name: str, problem: Problem, base: Candidate) -> tuple[Fit, Screen]:
+    """An effect fitted to stretches; problem and base: of them."""
+    return _fitted_with(base, base.fit.model.catalogue[name], problem, FIRST_ITERATIONS)
+
+
+def _judged(
+    job: tuple[int, tuple[str, tuple[Fit, Screen]]], problem: Problem, base: Candidate
+) -> Candidate:
+    """A fit to stretches, with its place among them, fitted to all runs where it is one of the best."""
+    place, (name, (fitted, seen)) = job
+    ahead = place < FINALISTS
+    on_all = _on_all(base, fitted, problem, FIRST_ITERATIONS if ahead else 0)
+    names = (*base.effects, name)
+    return cross_judged(names, on_all, problem, seen.kept, seen.reach, straight=not ahead)
+
+
+def _finished(which: int, problem: Problem, candidates: list[Candidate]) -> Candidate:
+    """One of some candidates fitted to the end."""
+    return finished(candidates[which], problem)
+
+
+def leaders(base: Candidate, found: list[Candidate]) -> list[Leader]:
+    """The best of what was tried so far, best first."""
+    ahead = sorted(found, key=lambda c: c.mse)[:FINALISTS]
+    return [Leader(c.name, float(np.sqrt(c.mse)), effect_size(base, c)) for c in ahead]
 
 
 def effect_size(base: Candidate, candidate: Candidate) -> float:
@@ -279,7 +307,7 @@ def effect_size(base: Candidate, candidate: Candidate) -> float:
     return float(np.sign(fall) * np.sqrt(abs(fall)))
 
 
-def without(candidate: Candidate, name: str, problem: Problem) -> Candidate:
+def without(name: str, problem: Problem, candidate: Candidate) -> Candidate:
     """A fitted model with one of its added effects taken out again and refitted."""
     fitted = fit(practised(candidate.fit.model.without_effect(name), problem), problem)
     kept = tuple(e for e in candidate.effects if e != name)

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from er_models.model import Array
-from er_models.parallel import in_turn
 from numpy.typing import NDArray
 
 from er_model_lab.diagnosis.candidates import Candidate, additions
@@ -46,20 +45,32 @@ def largest(base: Candidate, rivals: list[Candidate], problem: Problem, errors: 
     A rival is added with all its derivatives where it was fitted, and with its direction from each start.
     """
     train, e = problem.train, errors[problem.train]
-    edges = np.searchsorted(problem.fold[train], np.arange(FOLDS + 1))
-    j = _scaled(base.fit.jacobian, train)
-    blocks = _blocks(j, e, edges)
+    blocks = _blocks(_scaled(base.fit.jacobian, train), e, _edges(problem))
+    gained = problem.each(
+        _gained, range(len(rivals)), base, rivals, e, blocks, stage="what chance gives"
+    )
+    return np.asarray(np.max(gained, axis=0, initial=0.0))
 
-    def gained(rival: Candidate) -> Array:
-        tangent = _blocks(_scaled(rival.fit.jacobian, train), e, edges)
-        falls = [_counted([b.square - t.square for b, t in zip(blocks, tangent, strict=True)])]
-        effect = base.fit.model.catalogue[rival.name]
-        d = _scaled(additions(base, effect, starts(effect, problem), problem), train)
-        if d.shape[1]:
-            falls += list(_counted(_falls(blocks, j, d, e, edges)))
-        return np.asarray(np.sqrt(np.maximum(falls, 0.0)).max(axis=0))
 
-    return np.asarray(np.max(in_turn(gained, rivals), axis=0, initial=0.0))
+def _gained(
+    which: int, problem: Problem, base: Candidate, rivals: list[Candidate], e: Array, blocks: list[Block]
+) -> Array:  # fmt: skip
+    """Largest effect size (s,) [N] of a rival; e (n, s): errors of the training samples, blocks: without it."""
+    train, rival = problem.train, rivals[which]
+    edges = _edges(problem)
+    tangent = _blocks(_scaled(rival.fit.jacobian, train), e, edges)
+    falls = [_counted([b.square - t.square for b, t in zip(blocks, tangent, strict=True)])]
+    effect = base.fit.model.catalogue[rival.name]
+    d = _scaled(additions(base, effect, starts(effect, problem), problem), train)
+    if d.shape[1]:
+        j = _scaled(base.fit.jacobian, train)
+        falls += list(_counted(_falls(blocks, j, d, e, edges)))
+    return np.asarray(np.sqrt(np.maximum(falls, 0.0)).max(axis=0))
+
+
+def _edges(problem: Problem) -> NDArray[np.intp]:
+    """First rows of the blocks among the training samples, and their end."""
+    return np.searchsorted(problem.fold[problem.train], np.arange(FOLDS + 1))
 
 
 def _counted(falls: list[Array]) -> Array:

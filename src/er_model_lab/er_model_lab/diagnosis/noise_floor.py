@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from er_models.model import Array
-from er_models.parallel import in_turn
 from er_models.seed import LARGEST
 from numpy.typing import NDArray
 from scipy.signal import lfilter
@@ -129,6 +128,7 @@ def boosted(problem: Problem, residual: Array, inputs: Array, seed: int) -> floa
     groups = _fourths(problem, rows)
     out = np.zeros(rows.size)
     for k in range(4):
+        problem.work.check()
         train = groups != k
         trees = _trees(seed).fit(inputs[rows[train]], target[train])
         out[~train] = trees.predict(inputs[rows[~train]])
@@ -182,14 +182,16 @@ def spectral_line(problem: Problem, residual: Array) -> tuple[float, float, floa
 
 def noise_floor(problem: Problem, best: Candidate, null: Null, seed: int) -> Floor:
     """Floor under the best model found so far; of several outputs, that of their mean square."""
-    n, parts = problem.forward.outputs, problem.parts
-
-    def run(c: int) -> Floor:
-        left, in_fit = best.residual[c::n], best.fit.residual[c::n]
-        return _floor(parts[c], left, in_fit, null, c, seed)
-
-    floors = tuple(in_turn(run, range(n)))
+    n = problem.forward.outputs
+    floors = tuple(problem.each(_floor_of, range(n), best, null, seed, stage="the noise floor"))
     return floors[0] if n == 1 else _together(floors, best.mse)
+
+
+def _floor_of(output: int, problem: Problem, best: Candidate, null: Null, seed: int) -> Floor:
+    """Floor of one output."""
+    n = problem.forward.outputs
+    left, in_fit = best.residual[output::n], best.fit.residual[output::n]
+    return _floor(problem.parts[output], left, in_fit, null, output, seed)
 
 
 def _floor(

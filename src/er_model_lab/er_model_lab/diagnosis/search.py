@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from er_models.model import Array
-from er_models.parallel import in_turn
 
 from er_model_lab.diagnosis.candidates import (
     Candidate,
@@ -189,10 +187,9 @@ def one_round(
     problem: Problem,
     seed: int,
     rule: Rule = RULE,
-    tick: Callable[[str], None] | None = None,
 ) -> Round:
     """Refit every missing effect, calibrate, and choose the best or nothing."""
-    candidates = refit_all(base, problem, tick=tick)
+    candidates = refit_all(base, problem)
     null = simulate_null(base, candidates, problem, seed)
     limit = threshold(null, np.sqrt(min(candidates[0].mse, base.mse)), rule)
     able = _without_refinements(base, [c for c in candidates if passes(base, c, limit)], limit)
@@ -230,17 +227,25 @@ def _without_refinements(base: Candidate, able: list[Candidate], limit: float) -
 
 def try_pairs(step: Round, problem: Problem, target: float) -> Candidate | None:
     """Best pair among the best singles, when it reaches the target mean square and beats the best single."""
-    model = step.base.fit.model
-    singles = {c.name: c for c in step.candidates}
-    pairs = in_turn(
-        lambda two: refit(singles[two[0]], model.catalogue[two[1]], problem),
-        list(itertools.combinations(partners(step), 2)),
+    names = partners(step)
+    singles = {c.name: c for c in step.candidates if c.name in names}
+    pairs = problem.each(
+        _paired_with, list(itertools.combinations(names, 2)), singles, stage="trying pairs"
     )
     best = min(pairs, key=lambda c: c.mse, default=None)
     top = step.taken or step.candidates[0]
     if best is None or best.mse > target or effect_size(top, best) < step.threshold:
         return None
     return best
+
+
+def _paired_with(
+    two: tuple[str, str], problem: Problem, singles: dict[str, Candidate]
+) -> Candidate:
+    """A single with a second effect."""
+    first, second = two
+    base = singles[first]
+    return refit(base, base.fit.model.catalogue[second], problem)
 
 
 def swapped(
@@ -258,8 +263,8 @@ def swapped(
         others = [n for n in _near(name, step, best) if n not in best.effects]
         if not others:
             continue
-        place, rest = best.effects.index(name), without(best, name, problem)
-        trials = in_turn(lambda n: exchanged(rest, place, n, problem), others)  # noqa: B023
+        place, rest = best.effects.index(name), without(name, problem, best)
+        trials = problem.each(exchanged, others, rest, place, stage="exchanging effects")
         alike = tied(rest, sorted([best, *trials], key=lambda c: c.mse), problem, step.threshold)
         best = alike[0]
         groups.append(
@@ -301,7 +306,7 @@ def close(step: Round) -> list[str]:
     return [c.name for c in near if effect_size(step.base, c) >= least]
 
 
-def exchanged(rest: Candidate, place: int, name: str, problem: Problem) -> Candidate:
+def exchanged(name: str, problem: Problem, rest: Candidate, place: int) -> Candidate:
     """A model with another effect in the place of the one that was taken out."""
     found = finished(refit(rest, rest.fit.model.catalogue[name], problem, max_iter=20), problem)
     return replace(found, effects=(*rest.effects[:place], name, *rest.effects[place:]))
@@ -311,7 +316,7 @@ def prune(candidate: Candidate, problem: Problem, limit: float) -> Candidate:
     """Take out every added effect that is no longer needed, weakest first."""
     current = candidate
     while len(current.effects) > 1:
-        trials = in_turn(lambda name: without(current, name, problem), current.effects)  # noqa: B023
+        trials = problem.each(without, current.effects, current, stage="leaving effects out")
         easiest = min(trials, key=lambda c: c.mse)
         if effect_size(easiest, current) > limit:
             return current

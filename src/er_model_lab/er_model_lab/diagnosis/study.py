@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -38,8 +37,7 @@ from er_model_lab.problem.stretches import with_more
 from er_model_lab.records.record import Record
 from er_model_lab.vehicle.ride_forward import RideForward
 from er_model_lab.vehicle.ride_problem import open_ride
-
-Tick = Callable[[str], None]
+from er_model_lab.work import HERE, Work
 
 SMALLEST_LAG = 0.08
 """Lag of the velocity channel that counts, in samples."""
@@ -69,7 +67,12 @@ class Study:
 
 
 def open_problem(
-    records: list[Record], model: Model, sealed: int = 0, *, any_lag: bool = False
+    records: list[Record],
+    model: Model,
+    sealed: int = 0,
+    *,
+    any_lag: bool = False,
+    work: Work = HERE,
 ) -> tuple[Problem, tuple[float, float] | None]:
     """Fused problem, and the lag of the velocity channel when it is there and not yet in the model.
 
@@ -77,11 +80,14 @@ def open_problem(
     """
     known, records = known_lag(model), in_scale(records, model)
     if known is not None:
-        return on_whole(prepare(records, sealed=sealed, velocity_lag=known), records), None
-    problem = prepare(records, sealed=sealed)
+        return on_whole(
+            prepare(records, sealed=sealed, velocity_lag=known, work=work), records
+        ), None
+    problem = prepare(records, sealed=sealed, work=work)
     found = problem.velocity_lag
     if sure(found, problem.motion.dt) or (any_lag and problem.kinematic_lag):
-        return on_whole(prepare(records, sealed=sealed, velocity_lag=found[0]), records), found
+        undone = prepare(records, sealed=sealed, velocity_lag=found[0], work=work)
+        return on_whole(undone, records), found
     return on_whole(problem, records), None
 
 
@@ -102,7 +108,7 @@ def investigate(
     seed: int,
     sealed: int = 0,
     rule: Rule = RULE,
-    tick: Tick | None = None,
+    work: Work = HERE,
     level: str = "damper",
     noted: Notes | None = None,
 ) -> Study:
@@ -113,7 +119,7 @@ def investigate(
     """
 
     def once(records: list[Record], sealed: int) -> Study:
-        study = _investigated(records, model, seed, sealed, rule, tick, level, noted)
+        study = _investigated(records, model, seed, sealed, rule, work, level, noted)
         return replace(study, records=tuple(records), checked=_checked(study))
 
     study = once(records, sealed)
@@ -140,19 +146,19 @@ def _checked(study: Study) -> Checked | None:
 
 
 def _investigated(
-    records: list[Record], model: Model, seed: int, sealed: int, rule: Rule, tick: Tick | None, level: str,
+    records: list[Record], model: Model, seed: int, sealed: int, rule: Rule, work: Work, level: str,
     noted: Notes | None,
 ) -> Study:  # fmt: skip
     """One diagnosis of records or stretches."""
     if level == "vehicle":
-        problem, fitted = open_ride(records, model, sealed)
+        problem, fitted = open_ride(records, model, sealed, work)
         problem = replace(problem, noted=noted)
-        found = diagnose(fitted.model, problem, seed=seed, rule=rule, tick=tick)
+        found = diagnose(fitted.model, problem, seed=seed, rule=rule)
         return _ridden(found, problem, model)
-    problem, lag = open_problem(records, model, sealed)
+    problem, lag = open_problem(records, model, sealed, work=work)
     problem, bare = replace(problem, noted=noted), on_fused(model)
     lag_base = _as_measured(bare, problem) if lag else None
-    found = diagnose(bare, problem, seed=seed, rule=rule, tick=tick)
+    found = diagnose(bare, problem, seed=seed, rule=rule)
     found = _restored(found, model)
     if lag:
         found = _with_lag(found, lag_base, lag, rule)
@@ -166,23 +172,23 @@ def add_effect(
     *,
     seed: int,
     sealed: int = 0,
-    tick: Tick | None = None,
+    work: Work = HERE,
     level: str = "damper",
 ) -> Study:
     """Add one named effect, refit everything, and judge it alone; on long data, check it on all of them."""
-    study = _added(records, model, effect, seed, sealed, tick, level)
+    study = _added(records, model, effect, seed, sealed, work, level)
     return _told(replace(study, records=tuple(records), checked=_checked(study)), again=False)
 
 
 def _added(
-    records: list[Record], model: Model, effect: str, seed: int, sealed: int, tick: Tick | None, level: str
+    records: list[Record], model: Model, effect: str, seed: int, sealed: int, work: Work, level: str
 ) -> Study:  # fmt: skip
     """The study of one named effect on records or stretches."""
     if level == "vehicle":
-        problem, fitted = open_ride(records, model, sealed)
+        problem, fitted = open_ride(records, model, sealed, work)
         return _ridden(diagnose_one(fitted.model, problem, effect, seed), problem, model)
     asked = effect == "velocity_lag"
-    problem, lag = open_problem(records, model, sealed, any_lag=asked)
+    problem, lag = open_problem(records, model, sealed, any_lag=asked, work=work)
     bare = on_fused(model)
     given = as_given(model, problem)
     if asked and not problem.measures_velocity:
@@ -199,8 +205,6 @@ def _added(
     if lag:
         problem = replace(problem, notes=(_undone(lag), *problem.notes))
     found = _restored(diagnose_one(bare, problem, effect, seed), model)
-    if tick:
-        tick(effect)
     return Study(found, problem, model, None, None, given)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -27,6 +26,7 @@ from er_model_lab.diagnosis.search import (
 )
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import explainable
+from er_model_lab.work import STOPPED
 
 Name = Literal[
     "adequate", "missing_effect", "ambiguous", "partial", "unknown_effect", "insufficient_data"
@@ -74,19 +74,20 @@ def diagnose(
     *,
     seed: int = 0,
     rule: Rule = RULE,
-    tick: Callable[[str], None] | None = None,
 ) -> Diagnosis:
     """Refit the model, then find which effects are missing and how sure that is.
 
-    Ctrl-C ends the search with the effects taken so far; before there is one it goes to the caller.
+    Ctrl-C, or `cancel` of the problem's work, ends the search with the effects taken so far; before there is one it
+    goes to the caller.
     """
     base = baseline(model, problem)
-    rounds = [one_round(base, problem, seed, rule, tick)]
+    rounds = [one_round(base, problem, seed, rule)]
     best = rounds[0].taken or base
     floor = noise_floor(problem, _leader(rounds[0]), rounds[0].null, seed)
     try:
-        best, floor, ties = _searched(best, rounds, floor, problem, seed, rule, tick)
-    except KeyboardInterrupt:
+        best, floor, ties = _searched(best, rounds, floor, problem, seed, rule)
+    except STOPPED:
+        problem.work.wind_up()
         taken = [step.taken for step in rounds if step.taken is not None]
         if not taken:
             raise
@@ -97,11 +98,10 @@ def diagnose(
 
 
 def _searched(
-    best: Candidate, rounds: list[Round], floor: Floor, problem: Problem, seed: int, rule: Rule,
-    tick: Callable[[str], None] | None,
+    best: Candidate, rounds: list[Round], floor: Floor, problem: Problem, seed: int, rule: Rule
 ) -> tuple[Candidate, Floor, tuple[tuple[str, ...], ...]]:  # fmt: skip
     """Further effects beside the first, those still needed, and ties; `rounds` grows."""
-    best, floor = _grow(best, rounds, floor, problem, seed, rule, tick)
+    best, floor = _grow(best, rounds, floor, problem, seed, rule)
     if len(best.effects) > 1:
         best = _standing(prune(best, problem, BEYOND_DOUBT * rounds[0].threshold), rounds[0])
     ties = _alternatives(best, rounds)
@@ -149,8 +149,7 @@ def _leader(step: Round) -> Candidate:
 
 
 def _grow(
-    best: Candidate, rounds: list[Round], floor: Floor, problem: Problem, seed: int, rule: Rule,
-    tick: Callable[[str], None] | None,
+    best: Candidate, rounds: list[Round], floor: Floor, problem: Problem, seed: int, rule: Rule
 ) -> tuple[Candidate, Floor]:  # fmt: skip
     """Add further effects while each explains most of what is left; `rounds` grows, also where it is interrupted."""
     first = rounds[0]
@@ -159,7 +158,7 @@ def _grow(
         nothing = left < VISIBLE * best.mse and floor.explained <= VISIBLE
         if nothing and not promising(best, rounds[-1], problem):
             break
-        step = one_round(best, problem, seed + len(rounds), rule, tick)
+        step = one_round(best, problem, seed + len(rounds), rule)
         leader = _leader(step)
         deeper = noise_floor(problem, leader, step.null, seed)
         floor = deeper if deeper.floor < floor.floor else floor

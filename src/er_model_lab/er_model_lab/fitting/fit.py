@@ -132,6 +132,7 @@ def _fitted(
     jacobian = _jacobian(box, theta, f, problem, known)
     rounds = 0
     while rounds < max_iter and np.isfinite(cost):
+        problem.work.check()
         rounds += 1
         trials = _trials(jacobian[train], (y - f)[train], theta, box, damping)
         forces = problem.predict_many(box.model, box.vectors(trials))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -23,11 +22,14 @@ from er_model_lab.problem.forward import Free
 from er_model_lab.problem.held_out import WARM_UP
 from er_model_lab.problem.problem import Problem
 from er_model_lab.records.record import Record
+from er_model_lab.work import HERE, Work
 
 FADED, GONE = 4.0, 5.0
 """Response times after which a change of the duty has faded to 2 %, which will do, and to under a hundredth."""
 AT_MOST = 0.5
 """Share of the usual stretch that is cut at most."""
+STAGES = 4
+"""Three stages and the joint refinement."""
 ROUNDS = 3
 """How often the stages are repeated with stretches cut to the response time they found."""
 
@@ -68,7 +70,7 @@ def identify(
     model: Model,
     *,
     sealed: int = 0,
-    tick: Callable[[str], None] | None = None,
+    work: Work = HERE,
 ) -> Identified:
     """Identify the parameters of a model from records; the last `sealed` of them only score.
 
@@ -80,12 +82,11 @@ def identify(
     """
     for record in records:
         record.need("duty", "to identify the yield force")
-    problem, lag = open_problem(records, model, sealed)
+    problem, lag = open_problem(records, model, sealed, work=work)
     problem = learn_from_all(problem, sealed)
     bare = on_fused(model)
-    say = tick or (lambda _: None)
-    stages, found, table = staged(bare, problem, say)
-    say("all parameters together")
+    stages, found, table = staged(bare, problem)
+    work.report("all parameters together", 3, STAGES)
     refined = refine(stages[-1].model, bare, problem)
     fitted = replace(refined.fit, model=replace(refined.fit.model, deviations=bare.deviations))
     final = put_back(with_unfelt(with_deviations(fitted, problem), bare, problem), model)
@@ -95,20 +96,18 @@ def identify(
     )  # fmt: skip
 
 
-def staged(
-    model: Model, problem: Problem, say: Callable[[str], None]
-) -> tuple[tuple[Stage, ...], list[Level], Table | None]:
+def staged(model: Model, problem: Problem) -> tuple[tuple[Stage, ...], list[Level], Table | None]:
     """The stages one after another; again, where the response time outlasts the cut of the stretches."""
     who = roles(model, problem)
     settle = WARM_UP
     for again in range(ROUNDS):
         found = levels(problem.motion, problem.train, settle)
-        say("passive terms")
+        problem.work.report("passive terms", 0, STAGES)
         first = linear(model, who.linear, problem, found)
         shape = who.shape if first.done else (*who.linear, *who.shape)
-        say("yield force")
+        problem.work.report("yield force", 1, STAGES)
         second = yield_force(first.model, shape, problem, found, follow=0 if again else FOLLOWED)
-        say("response time")
+        problem.work.report("response time", 2, STAGES)
         third, table = response(second.model, shape, who.response, problem, found)
         longest = float(table.tau.max()) if table else 0.0
         if FADED * longest <= settle:

@@ -7,16 +7,17 @@ first steps of it are given up.
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from er_models.model import Array
-from er_models.parallel import in_turn
+from er_models.parallel import over_cores
 from scipy.optimize import minimize, minimize_scalar
 
 from er_model_lab.motion.fuse import Channels, Noise, likelihood
 from er_model_lab.motion.white_noise import white_noise
 
+FILTER = 1000
+"""Steps of the integrator that take as long as one sample in the first steps of a search."""
 FIRST, BEHIND = 25, 0.5
 """Steps of a search after which a model of the motion is given up that is so far behind another one, in the logarithm
 of the likelihood of a sample. In 156 searches on 24 benches the likeliest in the end was never behind by then, and by
@@ -105,11 +106,21 @@ def estimate_noise(ch: Channels, lag: float = 0.0) -> Noise:
         _Search(ch, replace(_start(ch, order), local=local, lag=lag))
         for order, local in _kinds(ch)
     ]
-    in_turn(partial(_Search.go_on, steps=FIRST), searches)
+    _go_on(searches, ch.z.shape[0], FIRST)
     limit = min(search.value for search in searches) + BEHIND * ch.z.shape[0]
     near = [search for search in searches if search.value <= limit]
-    in_turn(_Search.go_on, near)
+    _go_on(near, ch.z.shape[0])
     return min(near, key=lambda search: search.value).noise
+
+
+def _go_on(searches: list[_Search], rows: int, steps: int | None = None) -> None:
+    """So many steps of every search on so many samples, each on a core."""
+
+    def run(i: int, j: int) -> None:
+        for search in searches[i:j]:
+            search.go_on(steps)
+
+    over_cores(run, len(searches), len(searches) * rows * FILTER)
 
 
 def estimate_lag(ch: Channels, noise: Noise) -> Noise:
@@ -124,9 +135,9 @@ def adapt(ch: Channels, noise: Noise) -> Noise:
 
     Sensors keep their noise from record to record; a fast sine is driven a hundred times harder than a slow one.
     """
-    found = in_turn(
-        lambda kind: _intensity(ch, replace(noise, order=kind[0], local=kind[1])), _kinds(ch)
-    )
+    found = [
+        _intensity(ch, replace(noise, order=order, local=local)) for order, local in _kinds(ch)
+    ]
     return max(found, key=lambda noise: likelihood(ch, noise))
 
 

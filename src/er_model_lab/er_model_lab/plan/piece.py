@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from er_models.model import Model
@@ -14,6 +15,7 @@ from er_model_lab.plan.linear import Triangle, design, floor_of, left, triangle
 from er_model_lab.plan.segment import Segment, program_of
 from er_model_lab.plan.strength import Rivals
 from er_model_lab.plan.virtual_rig import Run, run_all
+from er_model_lab.work import HERE, Work
 
 MARGIN = 0.97
 """Share of a limit that is used, so that another run does not exceed it."""
@@ -36,13 +38,17 @@ class Tried:
 
 @dataclass(frozen=True)
 class Bench:
-    """Everything a piece is judged with; sd_velocity: error of the fused velocity [m/s]."""
+    """Everything a piece is judged with; sd_velocity: error of the fused velocity [m/s]; work: how jobs are done."""
 
     rivals: Rivals
     limits: Limits
     sensors: Sensors
     sd_velocity: float
     seed: int
+    work: Work = HERE
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "work": HERE}
 
     @property
     def car(self) -> bool:

@@ -11,11 +11,13 @@ from er_model_lab.plan.finalist import Finalist, finalist
 from er_model_lab.plan.limits import Limits, Sensors, nothing_fits
 from er_model_lab.plan.piece import Bench, Tried, judged, scaled, separations
 from er_model_lab.plan.question import Question
-from er_model_lab.plan.search import Tick, best_sets, directions, refined, tried_menu, typical
+from er_model_lab.plan.search import best_sets, directions, refined, tried_menu, typical
+from er_model_lab.plan.segment import Segment
 from er_model_lab.plan.setup import bench_for
 from er_model_lab.plan.simulated_decision import Outcome, outcomes
 from er_model_lab.problem.forward import free_parameters
 from er_model_lab.problem.problem import Problem
+from er_model_lab.work import HERE, Work
 
 SETS = 4
 REFINED = 2
@@ -72,22 +74,22 @@ class Plan:
 
 def plan(
     question: Question, limits: Limits, sensors: Sensors, *, problem: Problem | None = None, seed: int = 0,
-    tick: Tick | None = None,
+    work: Work = HERE,
 ) -> Plan:  # fmt: skip
     """The programs that would tell the effects of a question apart best, within the limits.
 
-    problem: what is already measured; the effects are then as strong as they are fitted to it.
+    problem: what is already measured; the effects are then as strong as they are fitted to it. work: how it is done.
     """
-    bench = bench_for(question, limits, sensors, problem, seed)
-    pieces = tried_menu(bench, tick)
+    bench = replace(bench_for(question, limits, sensors, problem, seed), work=work)
+    pieces = tried_menu(bench)
     if not any(p.segment.seconds <= limits.duration for p in pieces):
         raise nothing_fits(limits)
     counted = directions(pieces)
-    ranked = sorted(_finalists(pieces, counted, bench, tick), key=lambda f: -f.separation(counted))
+    ranked = sorted(_finalists(pieces, counted, bench), key=lambda f: -f.separation(counted))
     everyday = _everyday(bench)
-    decided = [_decisions(f, bench, tick) for f in ranked[:1]]
+    decided = [_decisions(f, bench) for f in ranked[:1]]
     if _verdict(decided[0] if decided else {}) != "told_apart" and _rivalled(ranked, counted):
-        decided.append(_decisions(ranked[1], bench, tick))
+        decided.append(_decisions(ranked[1], bench))
         if _right(decided[1]) > _right(decided[0]):
             ranked[:2], decided = ranked[1::-1], decided[::-1]
     ranked = [replace(f, name=f"program {k + 1}") for k, f in enumerate(ranked)]
@@ -95,9 +97,9 @@ def plan(
     return Plan(
         bench=bench, counted=counted, finalists=tuple(ranked), everyday=everyday,
         outcomes=decided[0] if decided else {},
-        everyday_outcomes=_decisions(everyday, bench, tick) if everyday else {},
+        everyday_outcomes=_decisions(everyday, bench) if everyday else {},
         verdict=verdict,
-        raised=() if verdict == "told_apart" else tuple(_raised(bench, counted, ranked, tick)),
+        raised=() if verdict == "told_apart" else tuple(_raised(bench, counted, ranked)),
     )  # fmt: skip
 
 
@@ -109,17 +111,20 @@ def _rivalled(ranked: Sequence[Finalist], counted: Sequence[str]) -> bool:
 
 
 def _finalists(
-    pieces: Sequence[Tried], counted: Sequence[str], bench: Bench, tick: Tick | None
+    pieces: Sequence[Tried], counted: Sequence[str], bench: Bench
 ) -> Iterator[Finalist]:
     """The best sets of pieces, the first ones refined, as whole programs within the limits."""
     sets = best_sets(pieces, counted, SETS, bench.limits.duration)
-    better = [refined(s, bench, counted, tick) for s in sets[:REFINED]]
-    for chosen in [*better, *sets[REFINED:]]:
-        found = finalist("program", [p.segment for p in chosen], bench)
-        if tick:
-            tick("refitting")
+    better = [refined(s, bench, counted) for s in sets[:REFINED]]
+    whole = [[p.segment for p in chosen] for chosen in [*better, *sets[REFINED:]]]
+    for found in bench.work.map(_refitted, whole, bench, stage="whole programs"):
         if found is not None:
             yield found
+
+
+def _refitted(segments: list[Segment], bench: Bench) -> Finalist | None:
+    """`finalist` as a job."""
+    return finalist("program", segments, bench)
 
 
 def _everyday(bench: Bench) -> Finalist | None:
@@ -128,12 +133,12 @@ def _everyday(bench: Bench) -> Finalist | None:
     return None if ready is None else finalist(EVERYDAY, [ready[0]], bench)
 
 
-def _decisions(found: Finalist, bench: Bench, tick: Tick | None) -> dict[str, Outcome]:
+def _decisions(found: Finalist, bench: Bench) -> dict[str, Outcome]:
     """The lab's decisions on simulated measurements of a program."""
     size = max(len(free_parameters(m)) for m in bench.rivals.truths.values())
     runs = max(2, round(MEASUREMENTS * min(1.0, LIGHT / size)))
     seeds = range(bench.seed, bench.seed + runs)
-    return outcomes(bench.rivals.question, found.runs, bench.sensors, seeds, tick)
+    return outcomes(bench.rivals.question, found.runs, bench.sensors, seeds, bench.work)
 
 
 def _right(decided: dict[str, Outcome]) -> int:
@@ -147,15 +152,13 @@ def _verdict(decided: dict[str, Outcome]) -> Verdict:
     return "told_apart" if all(sure) else "one_way" if any(sure) else "not_told_apart"
 
 
-def _raised(
-    bench: Bench, counted: Sequence[str], ranked: Sequence[Finalist], tick: Tick | None
-) -> Iterator[Raised]:
+def _raised(bench: Bench, counted: Sequence[str], ranked: Sequence[Finalist]) -> Iterator[Raised]:
     """What raising one limit would give, by the linear estimate."""
     for name, factor in RAISED.items():
         limits = bench.limits.raised(name, factor)
         if limits != bench.limits:
             other = replace(bench, limits=limits)
-            sets = best_sets(typical(other, tick), counted, 1, limits.duration)
+            sets = best_sets(typical(other), counted, 1, limits.duration)
             if sets:
                 yield Raised(
                     name, getattr(limits, name) / getattr(bench.limits, name), separations(sets[0])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from er_model_lab.diagnosis.rule import RULE
@@ -18,25 +18,23 @@ TYPICAL = (0, 2, 5)
 SWEEPS = 2
 """How often the neighbours of the best pieces are tried."""
 
-Tick = Callable[[str], None]
 
-
-def typical(bench: Bench, tick: Tick | None = None) -> list[Tried]:
+def typical(bench: Bench) -> list[Tried]:
     """All motions of the menu with the typical duties."""
     found = []
     for motion in motions_and_duties.motions(bench.limits):
         kinds = list(motions_and_duties.duties(bench.limits, motion))
-        found += _judged((replace(motion, duty=kinds[k]) for k in TYPICAL), bench, tick)
+        found += _judged((replace(motion, duty=kinds[k]) for k in TYPICAL), bench)
     return found
 
 
-def tried_menu(bench: Bench, tick: Tick | None = None) -> list[Tried]:
+def tried_menu(bench: Bench) -> list[Tried]:
     """All motions with the typical duties, then the most telling motions with all duties."""
-    found = typical(bench, tick)
+    found = typical(bench)
     for motion in _most_telling(found, tuple(bench.rivals.mimics)):
         kinds = list(motions_and_duties.duties(bench.limits, motion))
         more = (replace(motion, duty=k) for i, k in enumerate(kinds) if i not in TYPICAL)
-        found += _judged(more, bench, tick)
+        found += _judged(more, bench)
     return found
 
 
@@ -124,14 +122,14 @@ def _broadened(
 
 
 def refined(
-    chosen: tuple[Tried, ...], bench: Bench, directions: Sequence[str], tick: Tick | None = None
+    chosen: tuple[Tried, ...], bench: Bench, directions: Sequence[str]
 ) -> tuple[Tried, ...]:
     """The pieces replaced by neighbours as long as that separates better."""
     for _ in range(SWEEPS):
         before = score(chosen, directions)
         for place in range(len(chosen)):
             options = motions_and_duties.variants(chosen[place].segment, bench.limits)
-            for other in _judged(options, bench, tick):
+            for other in _judged(options, bench):
                 trial = (*chosen[:place], other, *chosen[place + 1 :])
                 new = all(p.segment != other.segment for p in chosen)
                 able = new and broad(trial) and _fits(trial, bench.limits.duration)
@@ -142,16 +140,10 @@ def refined(
     return chosen
 
 
-def _judged(segments: Iterable[Segment], bench: Bench, tick: Tick | None) -> list[Tried]:
+def _judged(segments: Iterable[Segment], bench: Bench) -> list[Tried]:
     """The pieces that can be run."""
-    out = []
-    for segment in segments:
-        piece = judged(segment, bench)
-        if tick:
-            tick("pieces of a program")
-        if piece is not None:
-            out.append(piece)
-    return out
+    found = bench.work.map(judged, list(segments), bench, stage="pieces of a program")
+    return [piece for piece in found if piece is not None]
 
 
 def _different(sets: Sequence[tuple[Tried, ...]]) -> list[tuple[Tried, ...]]:

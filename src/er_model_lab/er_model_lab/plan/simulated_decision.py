@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +19,7 @@ from er_model_lab.plan.virtual_rig import Run
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.problem.problem import Problem
 from er_model_lab.records.record import Record
+from er_model_lab.work import HERE, Work
 
 REPLICATES = 8
 TIED, NOTHING = "tied", "nothing"
@@ -94,18 +95,30 @@ def outcomes(
     runs: Mapping[str, Run],
     sensors: Sensors,
     seeds: Iterable[int],
-    tick: Callable[[str], None] | None = None,
+    work: Work = HERE,
 ) -> dict[str, Outcome]:
     """The lab's decisions on measurements of every truth, one per seed."""
-    seeds, out, problem = list(seeds), dict[str, Outcome](), None
-    for truth, made in runs.items():
-        named = Counter[str]()
-        for seed in seeds:
-            rng = np.random.default_rng([seed, len(out)])
-            record = measured(made, sensors, rng, f"{truth} {seed}")
-            problem = prepare([record]) if problem is None else again(problem, record)
-            named[decision(question, problem, seed)] += 1
-            if tick:
-                tick("simulated measurements")
-        out[truth] = Outcome(truth, dict(named))
-    return out
+    jobs = [(k, truth, seed) for k, truth in enumerate(runs) for seed in seeds]
+    first = prepare([_measured(jobs[0], runs, sensors)])
+    names = work.map(
+        _decided, jobs, question, runs, sensors, first, stage="simulated measurements"
+    )
+    found = {truth: Counter[str]() for truth in runs}
+    for (_, truth, _), name in zip(jobs, names, strict=True):
+        found[truth][name] += 1
+    return {truth: Outcome(truth, dict(named)) for truth, named in found.items()}
+
+
+def _measured(job: tuple[int, str, int], runs: Mapping[str, Run], sensors: Sensors) -> Record:
+    """One simulated measurement: of which truth, and with which seed."""
+    place, truth, seed = job
+    return measured(runs[truth], sensors, np.random.default_rng([seed, place]), f"{truth} {seed}")
+
+
+def _decided(
+    job: tuple[int, str, int], question: Question, runs: Mapping[str, Run], sensors: Sensors, first: Problem
+) -> str:  # fmt: skip
+    """The lab's decision on one of them; first: the problem of the first one."""
+    record = _measured(job, runs, sensors)
+    problem = first if record.name == first.names[0] else again(first, record)
+    return decision(question, problem, job[2])

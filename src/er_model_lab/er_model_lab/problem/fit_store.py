@@ -44,7 +44,7 @@ def key(arrays: Iterable[NDArray[Any] | None], rest: object) -> str:
 
 def packed(notes: Notes) -> str:
     """Notes as one word."""
-    text = json.dumps({k: list(asdict(n).values()) for k, n in notes.items()})
+    text = json.dumps({k: list(asdict(n).values()) for k, n in dict(notes).items()})
     return base64.b64encode(zlib.compress(text.encode(), 9)).decode()
 
 

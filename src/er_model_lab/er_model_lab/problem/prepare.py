@@ -23,6 +23,7 @@ from er_model_lab.problem.problem import Problem
 from er_model_lab.records.missing_channels import losses
 from er_model_lab.records.record import HELD, Record, originals
 from er_model_lab.records.sampling import ROUNDED, at
+from er_model_lab.work import HERE, Work
 
 FOR_NOISE = 2500
 """Samples from which the noise levels of the motion sensors and the intensity of a motion are estimated."""
@@ -38,12 +39,14 @@ def prepare(
     sealed: int = 0,
     velocity_lag: float | None = None,
     learn: Sequence[int] | None = None,
+    work: Work = HERE,
 ) -> Problem:
     """Fuse and split records; needs damper_force, and deflection or its velocity.
 
     sealed: how many of the last records are held out whole; 0 lets `split` choose.
     velocity_lag: known lag of the velocity channel [s]; None estimates it and keeps it as evidence only.
     learn: records that noise levels and the lag may be read off; None: those that are not held out whole.
+    work: how the jobs of this problem are done.
 
     Raises:
         MissingChannel: Without force, or without both deflection and velocity.
@@ -64,10 +67,8 @@ def prepare(
     )
     raw, noise, unresolved = _usable(measured, part, lag, velocity_lag or 0.0)
     noise = _completed(noise, part, raw)
-    fused = tuple(
-        _centred(fuse(c, noise if r == longest else adapt(c.telling(FOR_NOISE), noise)), c)
-        for r, c in enumerate(raw)
-    )
+    jobs = [(c, r == longest) for r, c in enumerate(raw)]
+    fused = tuple(work.map(_fused, jobs, noise, stage="fusing the sensors"))
     force = [resampled(r, "damper_force", dt) for r in records]
     reference = reference_temperature(records, dt)
     motion = join(
@@ -76,14 +77,22 @@ def prepare(
     fold, held_out = split(motion, sealed)
     learnt = [r for r, (i, j) in enumerate(pairwise(motion.starts)) if np.any(fold[i:j] >= 0)]
     if learn is None and not {longest, telling} <= set(learnt):
-        return prepare(records, sealed=sealed, velocity_lag=velocity_lag, learn=learnt)
+        return prepare(records, sealed=sealed, velocity_lag=velocity_lag, learn=learnt, work=work)
     y = np.concatenate(force)
     return Problem(
         motion=motion, force=y, fold=fold, held_out=held_out, raw=raw, fused=fused, noise=noise,
         names=tuple(r.name for r in records),
         notes=tuple(dict.fromkeys(n for r in records for n in r.notes)) + unresolved + losses(records),
         complete=all(r.complete for r in records), sd_force=white_noise(force), velocity_lag=(lag, lag_sd),
+        work=work,
     )  # fmt: skip
+
+
+def _fused(job: tuple[Channels, bool], noise: Noise) -> Fused:
+    """Motion of a record from its channels; noise: whether its motion is that which the noise levels are read off."""
+    channels, known = job
+    own = noise if known else adapt(channels.telling(FOR_NOISE), noise)
+    return _centred(fuse(channels, own), channels)
 
 
 def _most(measured: Sequence[Channels], able: Sequence[int]) -> int:

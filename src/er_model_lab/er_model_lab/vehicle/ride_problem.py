@@ -21,6 +21,7 @@ from er_model_lab.problem.problem import Problem
 from er_model_lab.records.record import Record, originals
 from er_model_lab.vehicle.ride import CHANNELS, SETTLE, Course, course, drive
 from er_model_lab.vehicle.ride_forward import RideForward, with_starts
+from er_model_lab.work import HERE, Work
 
 ROADS = {
     "the road between samples is taken as smooth": True,
@@ -43,7 +44,9 @@ class Measured:
     outputs: Array
 
 
-def open_ride(records: list[Record], model: Model, sealed: int = 0) -> tuple[Problem, Fit]:
+def open_ride(
+    records: list[Record], model: Model, sealed: int = 0, work: Work = HERE
+) -> tuple[Problem, Fit]:
     """The problem that records of a car pose to a vehicle model, and the model fitted to it.
 
     The noise of every output is read off what a first fit leaves; so is whether the road between two samples is
@@ -57,12 +60,13 @@ def open_ride(records: list[Record], model: Model, sealed: int = 0) -> tuple[Pro
     size = _noise(data, data.outputs)
     first = _weighted(_ride(data, model), data, model, size)
     problem = _problem(records, data, with_starts(first, model), model, sealed)
+    problem = replace(problem, work=work)
     fitted = fit(model, problem)
     left = fitted.residual.reshape(-1, len(data.names)) / first.weights
     again = _weighted(first, data, model, _noise(data, left))
     found = [
         (problem, fit(fitted.model, problem))
-        for problem in _on_roads(records, data, again, fitted.model, sealed)
+        for problem in _on_roads(records, data, again, fitted.model, sealed, work)
     ]
     return min(found, key=lambda pf: pf[1].mse(pf[0].train))
 
@@ -90,14 +94,14 @@ def _opened(records: list[Record], model: Model) -> Measured:
 
 
 def _on_roads(
-    records: list[Record], data: Measured, forward: RideForward, model: Model, sealed: int
-) -> Iterator[Problem]:
+    records: list[Record], data: Measured, forward: RideForward, model: Model, sealed: int, work: Work = HERE
+) -> Iterator[Problem]:  # fmt: skip
     """The problem with each way in which the road may run between two samples."""
     for road, smooth in ROADS.items():
         moved = with_starts(replace(forward, courses=_courses(data, smooth=smooth)), model)
         problem = _problem(records, data, moved, model, sealed)
         said = (*problem.notes, road, _measure(data), *_not_used(records, data))
-        yield replace(problem, notes=said)
+        yield replace(problem, notes=said, work=work)
 
 
 def _not_used(records: list[Record], data: Measured) -> Iterator[str]:

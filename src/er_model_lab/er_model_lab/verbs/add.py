@@ -10,22 +10,22 @@ from er_models.model import Model
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.diagnosis.study import (
-    Tick,
     add_effect,
     final_model,
 )
 from er_model_lab.verbs.ask import Outcome, Request, read
 from er_model_lab.verbs.diagnose import outcome_of
 from er_model_lab.verbs.history import with_history
+from er_model_lab.work import HERE, Work
 
 
 @on_one_thread
-def add(ask: Request, effect: str, out: Path, tick: Tick | None = None) -> Outcome:
+def add(ask: Request, effect: str, out: Path, work: Work = HERE) -> Outcome:
     """Add one effect, refit everything, and write the new model."""
     model, (records, sealed) = ask.model(), read(ask)
     _may_add(model, effect, ask.level)
     study = add_effect(
-        records, model, effect, seed=ask.seed, sealed=sealed, tick=tick, level=ask.level
+        records, model, effect, seed=ask.seed, sealed=sealed, work=work, level=ask.level
     )
     grown = with_history(final_model(study, ask.seed), model, study, records, ask.seed, out)
     outcome = outcome_of("add", study, grown, records, ask)

@@ -10,7 +10,6 @@ from er_model_lab.blas import on_one_thread
 from er_model_lab.diagnosis.by_record import by_record
 from er_model_lab.diagnosis.study import (
     Study,
-    Tick,
     final_model,
     investigate,
 )
@@ -23,14 +22,15 @@ from er_model_lab.results.fusion import fusion_json
 from er_model_lab.results.values import clean
 from er_model_lab.results.views import study_regions, study_view
 from er_model_lab.verbs.ask import Outcome, Request, provenance, read
+from er_model_lab.work import HERE, Work
 
 
 @on_one_thread
-def diagnose(ask: Request, tick: Tick | None = None) -> Outcome:
+def diagnose(ask: Request, work: Work = HERE) -> Outcome:
     """Refit, then say which effect is missing."""
     model, (records, sealed) = ask.model(), read(ask)
     study = investigate(
-        records, model, seed=ask.seed, sealed=sealed, rule=ask.rule, tick=tick, level=ask.level
+        records, model, seed=ask.seed, sealed=sealed, rule=ask.rule, work=work, level=ask.level
     )
     return outcome_of("diagnose", study, final_model(study, ask.seed), records, ask)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,15 +15,13 @@ from er_model_lab.long.check import told
 from er_model_lab.records.load import fingerprint
 from er_model_lab.records.record import originals
 from er_model_lab.verbs.ask import Outcome, Request, provenance, read
-
-STEPS = 4
-"""Ticks of the progress in most cases: three stages and the joint refinement."""
+from er_model_lab.work import HERE, Work
 
 
-def run(ask: Request, out: Path, tick: Callable[[str], None] | None = None) -> Outcome:
+def run(ask: Request, out: Path, work: Work = HERE) -> Outcome:
     """Identify the parameters of a model, and write the new model."""
     model, (records, sealed) = ask.model(), read(ask)
-    found = identify(records, model, sealed=sealed, tick=tick)
+    found = identify(records, model, sealed=sealed, work=work)
     before, after = on_fused(found.before), on_fused(found.model)
     problem, long = told(found.problem, found.residual, before=before, after=after)
     found = replace(found, problem=problem)

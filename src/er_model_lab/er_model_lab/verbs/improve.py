@@ -15,7 +15,6 @@ from er_model_lab.diagnosis.by_record import by_record
 from er_model_lab.diagnosis.resume import Begun, finished, marked, resume, with_fits
 from er_model_lab.diagnosis.study import (
     Study,
-    Tick,
     final_model,
     investigate,
 )
@@ -29,13 +28,14 @@ from er_model_lab.results.views import candidate_views, views
 from er_model_lab.verbs.ask import Outcome, Request, read
 from er_model_lab.verbs.diagnose import outcome_of
 from er_model_lab.verbs.history import with_history
+from er_model_lab.work import HERE, STOPPED, Work
 
 MOST_PASSES = 10
 """How often `improve` diagnoses the model it has just improved."""
 
 
 @on_one_thread
-def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
+def improve(ask: Request, out: Path, work: Work = HERE) -> Outcome:
     """Diagnose and add until the model is adequate or nothing known helps; the new model is refitted in any case.
 
     Ctrl-C ends it with what was done until then, from which the same command goes on later to the same end.
@@ -46,13 +46,14 @@ def improve(ask: Request, out: Path, tick: Tick | None = None) -> Outcome:
     for n in range(MOST_PASSES):
         try:
             study = investigate(
-                records, current, seed=ask.seed + 1000 * n, sealed=sealed, rule=ask.rule, tick=tick, level=ask.level,
+                records, current, seed=ask.seed + 1000 * n, sealed=sealed, rule=ask.rule, work=work, level=ask.level,
                 noted=begun.noted,
             )  # fmt: skip
             best = final_model(study, ask.seed)
-        except KeyboardInterrupt:
+        except STOPPED:
             if not studies:
                 raise
+            work.wind_up()
             stopped = True
             break
         studies.append(study)

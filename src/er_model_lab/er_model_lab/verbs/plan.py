@@ -19,16 +19,13 @@ from er_model_lab.plan.limits import Asked, Limits, limits_of, sensors_of
 from er_model_lab.plan.planner import plan
 from er_model_lab.plan.present import plan_json, plan_view, proposed
 from er_model_lab.plan.question import Question, ask
-from er_model_lab.plan.search import Tick
 from er_model_lab.problem.problem import Problem
 from er_model_lab.records.load import fingerprint
 from er_model_lab.records.record import originals
 from er_model_lab.results.values import clean
 from er_model_lab.verbs.ask import Outcome, Request, read
 from er_model_lab.versions import versions
-
-STEPS = 150
-"""Ticks of the progress in most cases."""
+from er_model_lab.work import HERE, Work
 
 
 @dataclass(frozen=True)
@@ -43,7 +40,7 @@ class Wanted:
 
 
 @on_one_thread
-def run(request: Request, wanted: Wanted, tick: Tick | None = None) -> Outcome:
+def run(request: Request, wanted: Wanted, work: Work = HERE) -> Outcome:
     """Plan the experiment; request.data may be empty."""
     given = _on_vehicle(request, wanted.vehicle)
     model = on_fused(given)
@@ -55,7 +52,7 @@ def run(request: Request, wanted: Wanted, tick: Tick | None = None) -> Outcome:
     ):  # finer than the rig's own rate is not planned: it would only take longer
         limits = replace(limits, dt=max(problem.motion.dt, Limits.dt))
     sensors, noise_source = sensors_of(model, problem)
-    found = plan(question, limits, sensors, problem=problem, seed=request.seed, tick=tick)
+    found = plan(question, limits, sensors, problem=problem, seed=request.seed, work=work)
     result = plan_json(found, noise_source) | long
     result["program_file"] = None
     if wanted.out is not None and found.finalists:

@@ -15,6 +15,7 @@ from er_model_lab.identify.roles import static
 from er_model_lab.problem.held_out import WARM_UP
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.record import Record
+from er_model_lab.work import Work
 from er_models.files import load_model
 from er_models.model import Array, Model
 from er_models.predict import Motion, motion, predict
@@ -120,7 +121,8 @@ def _identified(
     model = Model(f"extended {law}", {}, _scales(tests))
     for effect in effects:
         model = model.with_effect(effect)
-    return identify(tests, model, tick=lambda what: say(f"{law}: {what}"))
+    work = Work(progress=lambda stage, *_: say(f"{law}: {stage}"))
+    return identify(tests, model, work=work)
 
 
 def _scales(records: list[Record]) -> Scales:
