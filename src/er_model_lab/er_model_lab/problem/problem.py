@@ -1,0 +1,155 @@
+"""A data set ready for prediction and fitting, and what is asked of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from er_models.model import Array, Model
+from er_models.predict import Motion
+from er_models.scales import Scales, peak
+from numpy.typing import NDArray
+
+from er_model_lab.motion.fuse import Channels, Fused, Noise
+from er_model_lab.motion.repetition import Cycle, cycles
+from er_model_lab.problem.fit_store import Notes
+from er_model_lab.problem.forward import DAMPER, Forward, PartForward
+from er_model_lab.problem.held_out import WARM_UP
+from er_model_lab.problem.subset import stretches_to_practise_on
+
+
+@dataclass(frozen=True)
+class Practice:
+    """Stretches of the training runs as a problem of their own, and which rows of the whole they are."""
+
+    problem: Problem
+    rows: NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A data set ready for prediction and fitting; all arrays (n,), records laid end to end.
+
+    force: measured [N]; where `forward`, which predicts it, has several outputs, those of each sample in turn,
+    weighted to newtons, and motion and extra (what else moves, by name) have fewer rows; fold: block of each
+    training sample, -1 elsewhere; held_out: mask of samples that only score; raw: measured channels before
+    fusion; fused: per record, each with the noise model of its own motion; noise: that of the longest record
+    with most channels; sd_force: white noise of the force; noted: fits
+    that were made before, to which new ones are added.
+    """
+
+    motion: Motion
+    force: Array
+    fold: NDArray[np.int64]
+    held_out: NDArray[np.bool_]
+    raw: tuple[Channels, ...]
+    fused: tuple[Fused, ...]
+    noise: Noise
+    names: tuple[str, ...]
+    notes: tuple[str, ...]
+    complete: bool
+    sd_force: float
+    velocity_lag: tuple[float, float]
+    forward: Forward = DAMPER
+    extra: tuple[tuple[str, Array], ...] = ()
+    noted: Notes | None = None
+
+    def predict(self, model: Model) -> Array:
+        """What a model predicts (n,) [N]."""
+        return self.forward.predict(self, model)
+
+    def predict_many(self, model: Model, vectors: Array) -> Array:
+        """What a model predicts (m, n) [N] for m flat parameter vectors (m, n_parameters)."""
+        return self.forward.predict_many(self, model, vectors)
+
+    @property
+    def parts(self) -> tuple[Problem, ...]:
+        """One problem for each output, rows `c::outputs` of this one."""
+        n = self.forward.outputs
+        if n == 1:
+            return (self,)
+        return tuple(
+            replace(
+                self, force=self.force[c::n], fold=self.fold[c::n], held_out=self.held_out[c::n], forward=DAMPER
+            )
+            for c in range(n)
+        )  # fmt: skip
+
+    @property
+    def second(self) -> int:
+        """Rows of a second."""
+        return max(round(1.0 / self.motion.dt), 1) * self.forward.outputs
+
+    @cached_property
+    def learnt(self) -> tuple[tuple[int, int], ...]:
+        """Rows (from, to) of the motion of each record that is learnt from, be it in part."""
+        train = self.train[:: self.forward.outputs]
+        return tuple((i, j) for i, j in pairwise(self.motion.starts.tolist()) if train[i:j].any())
+
+    @cached_property
+    def cycles(self) -> tuple[Cycle, ...]:
+        """The cycle that each record learnt from repeats, of a damper; empty where one of them repeats none."""
+        m = self.motion
+        return cycles(m.v, m.dt, self.learnt) if self.forward.outputs == 1 else ()
+
+    @property
+    def rounded(self) -> bool:
+        """Whether a record's motion was made without accelerations, which alone show where it bends."""
+        return any(not c.has[2] for c in self.raw)
+
+    @cached_property
+    def practice(self) -> Practice | None:
+        """Stretches on which fits begin where there are many runs, else None."""
+        if self.forward is not DAMPER:
+            return None
+        places = stretches_to_practise_on(self.motion, self.learnt)
+        return None if places is None else Practice(self._along(places), np.concatenate(places))
+
+    def _along(self, places: list[NDArray[np.intp]]) -> Problem:
+        """The problem of stretches, rows (k,) each, laid end to end; the first samples of each are left out of the fit.
+
+        In them unknown states fade.
+        """
+        m, rows = self.motion, np.concatenate(places)
+        starts = np.concatenate([[0], np.cumsum([p.size for p in places])])
+        signals = {name: getattr(m, name)[rows] for name in ("x", "v", "a", "u", "theta")}
+        fold, folds = self.fold[rows], int(self.fold.max()) + 1
+        for i in starts[:-1]:
+            fold[i : i + round(WARM_UP / m.dt)] = -1
+        inside = np.flatnonzero(fold >= 0)
+        fold[inside] = np.arange(inside.size) * folds // inside.size
+        return replace(
+            self, motion=replace(m, starts=starts, **signals), force=self.force[rows], fold=fold,
+            held_out=self.held_out[rows], raw=(), fused=(), forward=PartForward(self.scales),
+            extra=tuple((name, y[rows]) for name, y in self.extra),
+        )  # fmt: skip
+
+    @property
+    def train(self) -> NDArray[np.bool_]:
+        """Mask of the training samples."""
+        return self.fold >= 0
+
+    @property
+    def measures_velocity(self) -> bool:
+        """Whether the velocity was measured in some record."""
+        return any(c.has[1] for c in self.raw)
+
+    @property
+    def kinematic_lag(self) -> bool:
+        """Whether deflection and accelerometers can show a lag of the velocity channel by themselves."""
+        return any(c.shows_lag for c in self.raw)
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """Mask of all scored samples."""
+        return self.train | self.held_out
+
+    @property
+    def scales(self) -> Scales:
+        """Envelope of the data: robust peaks of force, deflection, velocity and duty."""
+        m, known = self.motion, self.forward.scales()
+        if known is not None:
+            return known
+        return Scales(peak(self.force), peak(m.x), peak(m.v), float(max(m.u.max(), 1e-3)))
