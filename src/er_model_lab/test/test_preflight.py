@@ -8,11 +8,12 @@ import pytest
 from er_model_lab.cli.app import app
 from er_model_lab.preflight.check import findings, gate, preflight
 from er_model_lab.preflight.derivative import relate
-from er_model_lab.preflight.excitation import CELLS, NEEDS, needs
+from er_model_lab.preflight.excitation import CELLS, needs
 from er_model_lab.records.load import load
 from er_model_lab.records.record import Record
 from er_model_lab.records.timing import timing_of
 from er_models.catalogue import CATALOGUE
+from er_models.effect import REGIONS
 from er_models.errors import InputError
 from lab_help import DT, GUO, imposed
 from typer.testing import CliRunner
@@ -217,8 +218,9 @@ def test_coverage_says_which_effect_lacks_what(sound):
 
 
 def test_every_named_need_exists_and_names_an_effect():
-    assert {c for cells in NEEDS.values() for c in cells} <= set(CELLS)
-    assert set(NEEDS) <= {e.name for e in CATALOGUE.effects}
+    assert set(CELLS) == set(REGIONS)
+    assert needs(CATALOGUE["preload"]) == ()
+    assert needs(CATALOGUE["dead_time"]) == ("duty_rises", "duty_falls")
     assert all(set(needs(e)) <= set(CELLS) for e in CATALOGUE.effects)
     assert set(needs(CATALOGUE["field_viscosity"])) >= {"fast_high_duty", "duty_levels"}
 

@@ -104,6 +104,15 @@ def test_starts_suit_every_model_and_are_not_scored(opened):
     assert len(list(longer.forward.blocks())) == 2
 
 
+def test_effects_of_sensors_that_were_not_recorded_are_not_tried(opened):
+    forward, model = opened[0].forward, load_model(CAR)
+    part = replace(forward, names=("sprung_acceleration", "deflection"))
+    tried, fewer = ({e.name for e in f.candidates(model)} for f in (forward, part))
+    assert tried - fewer == {"force_delay", "force_lag", "velocity_lag"}
+    part = replace(forward, names=("damper_force", "deflection_velocity"))
+    assert tried - {e.name for e in part.candidates(model)} == {"deflection_zero"}
+
+
 def test_a_known_car_comes_back_with_its_deviations(opened):
     from er_model_lab.fitting.fit import with_deviations
 

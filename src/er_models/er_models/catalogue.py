@@ -4,89 +4,69 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from importlib import import_module
 from typing import Any
 
 from er_models.effect import Effect
-from er_models.effects.actuation import (
-    amplifier_lag,
-    dead_time,
-    duty_dead_band,
-    duty_gain,
-    field_exponent,
-    field_saturation,
-    rise_fall_asymmetry,
-    varying_time_constant,
-)
-from er_models.effects.core import (
-    bingham_yield,
-    bingham_yield_by_direction,
-    guo_yield,
-    guo_yield_by_direction,
-    passive,
-    passive_by_direction,
-    response,
-    response_quadratic,
-    response_table,
-)
-from er_models.effects.fault import duct_deformation, electrical_fault, oil_leakage
-from er_models.effects.force import (
-    asymmetric_damping,
-    bouc_wen_hysteresis,
-    cavitation,
-    coulomb_friction,
-    end_stop,
-    field_stiffness,
-    field_viscosity,
-    fluid_inertia,
-    freeplay,
-    gas_spring,
-    herschel_bulkley,
-    mount_compliance,
-    piston_play,
-    position_dependent_damping,
-    preload,
-    quadratic_damping,
-    shear_thinning,
-    stribeck_friction,
-    viscoelastic_branch,
-)
-from er_models.effects.heat import effectiveness_fade, self_heating
-from er_models.effects.sensing import (
-    deflection_zero,
-    force_delay,
-    force_gain,
-    force_lag,
-    velocity_gain,
-    velocity_lag,
-)
-from er_models.effects.vehicle import (
-    accelerometer_bias,
-    guide_friction,
-    quarter_car,
-    spring_nonlinearity,
-    sprung_mass_error,
-    tyre_damping,
-    tyre_lift_off,
-)
 from er_models.errors import UnknownName
 
-_MODULES = (
-    passive, guo_yield, bingham_yield, response,
-    passive_by_direction, guo_yield_by_direction, bingham_yield_by_direction,
-    response_quadratic, response_table,
-    deflection_zero, velocity_gain, velocity_lag,
-    dead_time, amplifier_lag, duty_gain, duty_dead_band, field_exponent, field_saturation,
-    varying_time_constant, rise_fall_asymmetry,
-    self_heating, effectiveness_fade,
-    electrical_fault, oil_leakage, duct_deformation,
-    mount_compliance, freeplay, piston_play,
-    preload, gas_spring, coulomb_friction, stribeck_friction, quadratic_damping,
-    asymmetric_damping, shear_thinning, position_dependent_damping, end_stop,
-    bouc_wen_hysteresis, viscoelastic_branch, fluid_inertia, field_viscosity, field_stiffness,
-    herschel_bulkley, cavitation, force_lag, force_gain, force_delay,
-    quarter_car, sprung_mass_error, spring_nonlinearity, guide_friction, tyre_damping, tyre_lift_off,
-    accelerometer_bias,
-)  # fmt: skip
+_LISTED = (
+    "core.passive",
+    "core.guo_yield",
+    "core.bingham_yield",
+    "core.response",
+    "core.passive_by_direction",
+    "core.guo_yield_by_direction",
+    "core.bingham_yield_by_direction",
+    "core.response_quadratic",
+    "core.response_table",
+    "sensing.deflection_zero",
+    "sensing.velocity_gain",
+    "sensing.velocity_lag",
+    "actuation.dead_time",
+    "actuation.amplifier_lag",
+    "actuation.duty_gain",
+    "actuation.duty_dead_band",
+    "actuation.field_exponent",
+    "actuation.field_saturation",
+    "actuation.varying_time_constant",
+    "actuation.rise_fall_asymmetry",
+    "heat.self_heating",
+    "heat.effectiveness_fade",
+    "fault.electrical_fault",
+    "fault.oil_leakage",
+    "fault.duct_deformation",
+    "force.mount_compliance",
+    "force.freeplay",
+    "force.piston_play",
+    "force.preload",
+    "force.gas_spring",
+    "force.coulomb_friction",
+    "force.stribeck_friction",
+    "force.quadratic_damping",
+    "force.asymmetric_damping",
+    "force.shear_thinning",
+    "force.position_dependent_damping",
+    "force.end_stop",
+    "force.bouc_wen_hysteresis",
+    "force.viscoelastic_branch",
+    "force.fluid_inertia",
+    "force.field_viscosity",
+    "force.field_stiffness",
+    "force.herschel_bulkley",
+    "force.cavitation",
+    "sensing.force_lag",
+    "sensing.force_gain",
+    "sensing.force_delay",
+    "vehicle.quarter_car",
+    "vehicle.sprung_mass_error",
+    "vehicle.spring_nonlinearity",
+    "vehicle.guide_friction",
+    "vehicle.tyre_damping",
+    "vehicle.tyre_lift_off",
+    "vehicle.accelerometer_bias",
+)
+"""Stage and name of each."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,4 +167,7 @@ def shipped() -> Catalogue:
     return CATALOGUE
 
 
-CATALOGUE = Catalogue(tuple(module.EFFECT for module in _MODULES), made=(shipped, ()))
+CATALOGUE = Catalogue(
+    tuple(import_module(f"er_models.effects.{name}").EFFECT for name in _LISTED),
+    made=(shipped, ()),
+)

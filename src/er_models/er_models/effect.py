@@ -93,6 +93,13 @@ HOOKS: dict[str, str] = {
     "unsprung_reading": "maps the acceleration of the unsprung mass to the reported one",
 }
 
+REGIONS = (
+    "slow", "fast_extension", "fast_compression", "far_extension", "far_compression", "reversals",
+    "low_duty", "small_duty", "high_duty", "duty_levels", "duty_rises", "duty_falls", "fast_high_duty", "far_high_duty",
+    "minutes", "load_change", "warming",
+)  # fmt: skip
+"""Regions of motion, duty, time and temperature; the lab counts how much of each a record holds."""
+
 
 @cache
 def arguments(function: Callable[..., object]) -> tuple[str, ...]:
@@ -146,12 +153,14 @@ class Signature:
     deflection. experiment: motion and duty that show it best, in words; the lab's plans do not follow it.
     rivals: effects that may be named in its place where it is the true one, for people to read. They point one way:
     a fault or an effect of the car can look like one of the damper without the damper's own page naming it.
+    needs: regions (`REGIONS`) that a record must hold to show it; None where the signals of its hooks tell.
     """
 
     mark: str
     plane: str
     experiment: str
     rivals: tuple[str, ...] = ()
+    needs: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -187,6 +196,10 @@ class Effect:
     def __post_init__(self) -> None:
         names = tuple(p.name for p in self.parameters)
         object.__setattr__(self, "_names", names)
+        for region in self.signature.needs or ():
+            if region not in REGIONS:
+                known = ", ".join(REGIONS)
+                raise ValueError(f"{self.name}: unknown region '{region}', known: {known}")
         for hook, function in self.hooks.items():
             if hook not in HOOKS:
                 raise ValueError(f"{self.name}: unknown hook '{hook}', known: {', '.join(HOOKS)}")

@@ -122,9 +122,8 @@ def test_every_signal_is_known_somewhere_and_has_a_scale() -> None:
 def test_candidates_are_what_a_damper_can_show() -> None:
     names = {e.name for e in CATALOGUE.candidates()}
     unknowable = {e.name for e in CATALOGUE.unknowable()}
-    assert unknowable == {"force_gain", "velocity_gain", "duty_gain"}
+    assert unknowable >= {"force_gain", "velocity_gain", "duty_gain"}
     faults = {e.name for e in CATALOGUE.effects if e.stage == "fault"}
-    assert len(faults) == 3
     assert names == {e.name for e in BEYOND} - unknowable - faults
 
 

@@ -8,26 +8,19 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
+from typing import Any
 
 import er_models.predict
 import er_models.rhs
 import numpy as np
 import pytest
-import test_effect_values as values
+import worked
 from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.effect import Effect
-from er_models.model import Model
 from plain_kernel import plain_kernel
 
-CHECKS: tuple[tuple[Callable[[str], None], Iterable[str]], ...] = (
-    (values.test_force, values.FORCES),
-    (values.test_rate, values.RATES),
-    (values.test_ride, values.RIDES),
-    (values.test_delay, values.DELAYS),
-    (values.test_stroke, values.STROKES),
-)
 HOOKS = [(e, hook) for e in CATALOGUE.effects for hook in e.hooks]
 BREAKS: dict[str, Callable[[float], float]] = {
     "negated": lambda y: -y,
@@ -76,18 +69,15 @@ def failures(name: str, catalogue: Catalogue, patch: pytest.MonkeyPatch) -> int:
     """How many of an effect's values fail with a catalogue."""
     kernel = plain_kernel(catalogue)
     with patch.context() as p, np.errstate(all="ignore"):
-        for module in (er_models.predict, er_models.rhs, values):
+        for module in (er_models.predict, er_models.rhs, worked):
             p.setattr(module, "kernel", lambda _: kernel)
-        p.setattr(values, "CATALOGUE", catalogue)
-        p.setattr(values, "Model", partial(Model, catalogue=catalogue))
-        rows = ((c, row) for c, table in CHECKS for row in table if row.partition(":")[0] == name)
-        return sum(_fails(check, row) for check, row in rows)
+        return sum(_fails(case, name, catalogue) for case in worked.of(name).WORKED)
 
 
-def _fails(check: Callable[[str], None], name: str) -> bool:
-    """Whether a check fails, or cannot even compute its value."""
+def _fails(case: Any, name: str, catalogue: Catalogue) -> bool:
+    """Whether a value fails, or cannot even be computed."""
     try:
-        check(name)
+        case.check(name, catalogue)
     except (AssertionError, ArithmeticError):
         return True
     return False

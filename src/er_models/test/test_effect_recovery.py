@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+import worked
 from er_models.catalogue import CATALOGUE
 from er_models.effect import SWITCH, Effect, Param
 from er_models.model import Array, Model
@@ -24,20 +25,12 @@ DAMPER = ("passive", "guo_yield", "response")
 CAR = (*DAMPER, "quarter_car")
 RIDES = [e for e in CATALOGUE.effects if e.stage == "vehicle" and e.name != "quarter_car"]
 RECORD = imposed(SMALL, 6.0)
-TRUTHS: dict[str, dict[str, float]] = {
-    "end_stop": {"x_b": 0.8 * float(np.abs(RECORD.x).max())},
-    "stribeck_friction": {"F_c": 1.0, "F_s": 3.0, "v_s": 0.05, "v_0": 0.01},
-    "freeplay": {"b": 0.0006},
-    "spring_nonlinearity": {"k_3": 2e7, "x_c": 0.005},
-    "tyre_lift_off": {"r": 0.5},
-}
-"""Sizes at which a record shows every parameter, where the last starts do not [SI]."""
 
 
 def truth(base: Model, effect: Effect) -> Model:
-    """The model with the effect at a size that shows: its last starts, or those above."""
+    """The model with the effect at a size that shows: its last starts, or what its file in `effects/` says."""
     values = {q.name: base.start(effect.name, q.name, -1) for q in effect.parameters}
-    return base.with_effect(effect.name, values | TRUTHS.get(effect.name, {}))
+    return base.with_effect(effect.name, values | getattr(worked.of(effect.name), "SHOWN", {}))
 
 
 def free(effect: Effect) -> list[Param]:
@@ -87,7 +80,7 @@ def road() -> tuple[Array, Array]:
 @pytest.mark.parametrize("effect", RIDES, ids=lambda e: e.name)
 def test_the_ride_gives_the_parameters_back(effect: Effect) -> None:
     height, duty = road()
-    height = 5.0 * height if effect.name == "tyre_lift_off" else height
+    height = height * getattr(worked.of(effect.name), "ROAD", 1.0)
     model = truth(started(SMALL, *CAR), effect)
 
     def outputs(m: Model) -> Array:

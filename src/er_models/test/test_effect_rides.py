@@ -6,6 +6,7 @@ import inspect
 
 import numpy as np
 import pytest
+import worked
 from er_models.catalogue import CATALOGUE
 from er_models.effect import Effect
 from er_models.linear import fingerprint, relative_form
@@ -37,7 +38,7 @@ def rough(scales: Scales, n: int = 200, dt: float = DT) -> tuple[Array, Array]:
 def violent(model: Model, effect: Effect) -> tuple[Array, Array]:
     """The rough road, so high that the wheel leaves it where an effect waits for that."""
     road, duty = rough(model.scales)
-    return (5.0 * road if effect.name == "tyre_lift_off" else road), duty
+    return road * getattr(worked.of(effect.name), "ROAD", 1.0), duty
 
 
 @RIDES

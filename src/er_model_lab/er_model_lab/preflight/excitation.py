@@ -178,46 +178,16 @@ CELLS: dict[str, Cell] = {
         Cell("warming", "range of the temperature", 5.0, "K", lambda c, _: _warming([c])),
     )
 }  # fmt: skip
-"""Every region, by name."""
+"""Every region of `er_models.effect.REGIONS`, by name."""
 
 LARGEST = ("minutes", "load_change")
 """Counts that do not add up over records: the best record counts."""
 
-NEEDS: dict[str, tuple[str, ...]] = {
-    "coulomb_friction": ("slow", "reversals"),
-    "stribeck_friction": ("slow", "reversals", "fast_extension", "fast_compression"),
-    "bouc_wen_hysteresis": ("slow", "reversals"),
-    "freeplay": ("slow", "reversals"),
-    "piston_play": ("slow", "reversals", "high_duty"),
-    "preload": (),
-    "deflection_zero": ("slow", "high_duty"),
-    "end_stop": ("far_extension", "far_compression"),
-    "gas_spring": ("far_extension", "far_compression"),
-    "position_dependent_damping": ("far_extension", "far_compression", "fast_extension", "fast_compression"),
-    "duty_dead_band": ("small_duty", "high_duty"),
-    "field_exponent": ("duty_levels",),
-    "field_saturation": ("duty_levels", "high_duty"),
-    "dead_time": ("duty_rises", "duty_falls"),
-    "rise_fall_asymmetry": ("duty_rises", "duty_falls"),
-    "varying_time_constant": ("duty_rises", "duty_falls", "duty_levels"),
-    "amplifier_lag": ("duty_rises", "duty_falls"),
-    "self_heating": ("minutes", "load_change"),
-    "effectiveness_fade": ("minutes",),
-    "cavitation": ("fast_extension", "fast_compression", "fast_high_duty"),
-    "force_lag": ("reversals",),
-    "force_delay": ("reversals",),
-    "velocity_lag": ("reversals",),
-    "fluid_inertia": ("reversals", "low_duty"),
-    "mount_compliance": ("reversals", "high_duty"),
-    "viscoelastic_branch": ("slow", "reversals"),
-}  # fmt: skip
-"""What the effects of the catalogue need beyond what their signals say."""
-
 
 def needs(effect: Effect) -> tuple[str, ...]:
-    """Regions without which an effect cannot be seen: listed, else by the signals its equation uses."""
-    if effect.name in NEEDS:
-        return NEEDS[effect.name]
+    """Regions without which an effect cannot be seen: as it says, else by the signals its equation uses."""
+    if effect.signature.needs is not None:
+        return effect.signature.needs
     used = {a for hook in effect.hooks.values() for a in inspect.signature(hook).parameters}
     found: list[str] = []
     if "v" in used:

@@ -21,12 +21,13 @@ from er_model_lab.vehicle.ride import CHANNELS, SETTLE, Course, drive, drive_man
 
 CAR = ("m_us", "k_s", "k_t")
 """Parameters of the quarter car that are fitted. The sprung mass is what was weighed: its error is an effect."""
-UNSEEN = {
-    "damper_force": ("force_delay", "force_lag"),
-    "deflection": ("deflection_zero",),
-    "deflection_velocity": ("velocity_lag",),
+SENSORS = {
+    "sense": "damper_force",
+    "output_delay": "damper_force",
+    "shift_deflection": "deflection",
+    "shift_velocity": "deflection_velocity",
 }
-"""Effects of a sensor that only its own channel shows."""
+"""Channel whose sensor a hook of an effect of the sensors maps: no other channel shows it."""
 ABSURD = 1e3
 """Outputs beyond this multiple of the largest measured one are none: the car has fallen over."""
 FACTOR = 2.0
@@ -142,13 +143,17 @@ class RideForward:
 
     def candidates(self, model: Model) -> tuple[Effect, ...]:
         """Effects of damper, car and those sensors that were recorded."""
-        unseen = {e for name, effects in UNSEEN.items() if name not in self.names for e in effects}
         car = [
             e
             for e in model.catalogue.effects
             if e.stage == "vehicle" and any(q.fitted for q in e.parameters)
         ]
-        return tuple(e for e in (*model.catalogue.candidates(), *car) if e.name not in unseen)
+        return tuple(e for e in (*model.catalogue.candidates(), *car) if self._seen(e))
+
+    def _seen(self, effect: Effect) -> bool:
+        """Whether the channel was recorded that an effect of a sensor shows in."""
+        shown = {SENSORS[hook] for hook in effect.hooks if hook in SENSORS}
+        return effect.stage != "sensing" or shown <= set(self.names)
 
     def scales(self) -> Scales | None:
         """Envelope of the ride."""

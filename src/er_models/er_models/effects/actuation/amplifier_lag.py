@@ -27,6 +27,7 @@ EFFECT = Effect(
         plane="time",
         experiment="square wave of duty on a large slow sine",
         rivals=("dead_time", "varying_time_constant"),
+        needs=("duty_rises", "duty_falls"),
     ),
     source="RC charging of the electrode gap; Koo, Goncalves and Ahmadian 2006",
 )

@@ -20,6 +20,7 @@ EFFECT = Effect(
         plane="time",
         experiment="square wave of duty, 5 Hz, on a large slow sine",
         rivals=("amplifier_lag", "rise_fall_asymmetry"),
+        needs=("duty_rises", "duty_falls"),
     ),
     source="Koo, Goncalves and Ahmadian 2006",
 )

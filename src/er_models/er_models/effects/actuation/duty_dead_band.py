@@ -20,6 +20,7 @@ EFFECT = Effect(
         plane="force-duty",
         experiment="sine with small duties",
         rivals=("field_exponent",),
+        needs=("small_duty", "high_duty"),
     ),
     source="Choi et al. 1998; threshold field of electrorheological fluids",
 )

@@ -24,6 +24,7 @@ EFFECT = Effect(
         plane="force-duty",
         experiment="sine at four duties",
         rivals=("duty_dead_band",),
+        needs=("duty_levels",),
     ),
     source="thesis (1.5); Davis 1997, polarisation and conduction models",
 )

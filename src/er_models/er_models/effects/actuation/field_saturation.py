@@ -21,6 +21,7 @@ EFFECT = Effect(
         plane="force-duty",
         experiment="sine at five duties up to the highest",
         rivals=("field_exponent", "duty_dead_band"),
+        needs=("duty_levels", "high_duty"),
     ),
     source="Froehlich 1881, Kennelly 1891, law of magnetisation; Ginder and Davis 1994, role of "
     "magnetic saturation",

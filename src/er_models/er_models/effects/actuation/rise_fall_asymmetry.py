@@ -35,6 +35,7 @@ EFFECT = Effect(
         plane="time",
         experiment="square wave of duty on a large slow sine",
         rivals=("varying_time_constant", "dead_time"),
+        needs=("duty_rises", "duty_falls"),
     ),
     source="Koo, Goncalves and Ahmadian 2006; Choi et al. 1998",
 )

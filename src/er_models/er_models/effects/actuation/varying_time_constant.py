@@ -23,6 +23,7 @@ EFFECT = Effect(
         plane="time",
         experiment="square waves of duty of different height",
         rivals=("rise_fall_asymmetry", "amplifier_lag"),
+        needs=("duty_rises", "duty_falls", "duty_levels"),
     ),
     source="thesis (1.21), Table 1.4",
 )

@@ -30,6 +30,7 @@ EFFECT = Effect(
         plane="force-deflection",
         experiment="small sine, a few times the elastic deflection",
         rivals=("coulomb_friction", "stribeck_friction", "viscoelastic_branch"),
+        needs=("slow", "reversals"),
     ),
     source="Dahl 1968; Bouc 1967; Wen 1976; Spencer et al. 1997",
 )

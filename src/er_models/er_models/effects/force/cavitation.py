@@ -63,6 +63,7 @@ EFFECT = Effect(
         plane="force-velocity",
         experiment="fast large sine at high duty",
         rivals=("asymmetric_damping",),
+        needs=("fast_extension", "fast_compression", "fast_high_duty"),
     ),
     source="Dixon 2007, ch. 5; Duym 2000",
 )

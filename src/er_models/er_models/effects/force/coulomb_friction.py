@@ -26,6 +26,7 @@ EFFECT = Effect(
         plane="force-velocity",
         experiment="fast small sine at zero duty",
         rivals=("stribeck_friction", "shear_thinning", "bouc_wen_hysteresis"),
+        needs=("slow", "reversals"),
     ),
     source="Amontons-Coulomb, smooth form; Armstrong-Helouvry, Dupont and Canudas de Wit 1994",
     dissipative=True,

@@ -23,6 +23,7 @@ EFFECT = Effect(
         plane="force-deflection",
         experiment="slow sine over the whole stroke",
         rivals=("gas_spring",),
+        needs=("far_extension", "far_compression"),
     ),
     source="Dixon 2007, ch. 4; bump rubber, bilinear form",
 )

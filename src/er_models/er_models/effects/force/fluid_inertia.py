@@ -21,6 +21,7 @@ EFFECT = Effect(
         plane="force-acceleration",
         experiment="fast small sine or sweep at zero duty",
         rivals=("force_delay", "force_lag", "viscoelastic_branch"),
+        needs=("reversals", "low_duty"),
     ),
     source="Smith 2002 (inertance); Dixon 2007",
 )

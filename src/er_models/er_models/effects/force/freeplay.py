@@ -43,6 +43,7 @@ EFFECT = Effect(
         plane="force-deflection",
         experiment="slow sine of small stroke at constant duty",
         rivals=("mount_compliance", "bouc_wen_hysteresis"),
+        needs=("slow", "reversals"),
     ),
     source="Nordin and Gutman 2002, backlash survey",
 )

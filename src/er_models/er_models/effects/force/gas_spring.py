@@ -24,6 +24,7 @@ EFFECT = Effect(
         plane="force-deflection",
         experiment="slow sine over the whole stroke at zero duty",
         rivals=("end_stop", "asymmetric_damping", "deflection_zero"),
+        needs=("far_extension", "far_compression"),
     ),
     source="polytropic gas law; Duffing oscillator; Dixon 2007, The Shock Absorber Handbook, "
     "ch. 4",

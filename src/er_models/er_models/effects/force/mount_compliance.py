@@ -39,6 +39,7 @@ EFFECT = Effect(
         plane="force-velocity",
         experiment="fast sine at several duties",
         rivals=("freeplay", "velocity_lag", "viscoelastic_branch", "force_lag"),
+        needs=("reversals", "high_duty"),
     ),
     source="Dixon 2007, ch. 4; Duym 2000",
 )

@@ -55,6 +55,7 @@ EFFECT = Effect(
         plane="force-deflection",
         experiment="slow and fast sine of small stroke at high duty",
         rivals=("freeplay", "mount_compliance", "bouc_wen_hysteresis"),
+        needs=("slow", "reversals", "high_duty"),
     ),
     source="Nordin and Gutman 2002, backlash survey: gap with damping, in series with the yield force",
 )

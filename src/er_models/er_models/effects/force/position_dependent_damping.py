@@ -23,6 +23,7 @@ EFFECT = Effect(
         plane="force-deflection",
         experiment="two sines of equal velocity and different stroke",
         rivals=("gas_spring", "field_viscosity"),
+        needs=("far_extension", "far_compression", "fast_extension", "fast_compression"),
     ),
     source="Lee and Moon 2006, displacement-sensitive shock absorber; Dixon 2007",
     fluid=True,

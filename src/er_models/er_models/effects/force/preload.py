@@ -22,6 +22,7 @@ EFFECT = Effect(
         plane="time",
         experiment="standstill in the middle of the stroke",
         rivals=("deflection_zero",),
+        needs=(),
     ),
     source="thesis (1.2), term P_a A_s; Dixon 2007",
 )

@@ -28,6 +28,7 @@ EFFECT = Effect(
         plane="force-velocity",
         experiment="slow sine, most samples below three Stribeck velocities, zero duty",
         rivals=("coulomb_friction", "bouc_wen_hysteresis"),
+        needs=("slow", "reversals", "fast_extension", "fast_compression"),
     ),
     source="Stribeck 1902; Armstrong-Helouvry, Dupont and Canudas de Wit 1994",
     dissipative=True,

@@ -29,6 +29,7 @@ EFFECT = Effect(
         plane="force-deflection",
         experiment="sweep of constant velocity at zero duty",
         rivals=("bouc_wen_hysteresis", "mount_compliance", "fluid_inertia"),
+        needs=("slow", "reversals"),
     ),
     source="Maxwell body; Zener 1948; Spencer et al. 1997",
 )

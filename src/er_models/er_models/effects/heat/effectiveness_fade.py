@@ -26,6 +26,7 @@ EFFECT = Effect(
         plane="time",
         experiment="the same run at the beginning and at the end, rest between",
         rivals=("self_heating",),
+        needs=("minutes",),
     ),
     source="sedimentation of electrorheological suspensions; thesis 6.2.2 (loss of effectiveness)",
 )

@@ -38,6 +38,7 @@ EFFECT = Effect(
         plane="time",
         experiment="soak at high power, then rest, then the first run again",
         rivals=("effectiveness_fade",),
+        needs=("minutes", "load_change"),
     ),
     source="lumped thermal model; Dixon 2007, ch. 3; Batterbee and Sims 2009",
     initial="zero",

@@ -20,6 +20,7 @@ EFFECT = Effect(
         plane="force-velocity",
         experiment="small sine about several mean deflections",
         rivals=("preload", "gas_spring"),
+        needs=("slow", "high_duty"),
     ),
     source="model of the measurement chain",
 )

@@ -21,6 +21,7 @@ EFFECT = Effect(
         plane="time",
         experiment="fast sine",
         rivals=("force_lag", "fluid_inertia"),
+        needs=("reversals",),
     ),
     source="model of the measurement chain; time-delay estimation, Knapp and Carter 1976",
 )

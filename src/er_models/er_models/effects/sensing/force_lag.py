@@ -27,6 +27,7 @@ EFFECT = Effect(
         plane="time",
         experiment="fast sine with steps of the duty",
         rivals=("force_delay", "mount_compliance", "fluid_inertia"),
+        needs=("reversals",),
     ),
     source="first-order anti-alias filter",
 )

@@ -21,6 +21,7 @@ EFFECT = Effect(
         plane="force-velocity",
         experiment="fast sine",
         rivals=("mount_compliance", "force_delay"),
+        needs=("reversals",),
     ),
     source="first-order differentiating filter",
 )

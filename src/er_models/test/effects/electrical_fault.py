@@ -1,0 +1,5 @@
+"""Electrical fault (f1), worked by hand: it takes all of a part, or nothing."""
+
+from worked import fault
+
+WORKED = fault(stiffness=0.0, viscosity=0.0, field=1.0)

@@ -1,0 +1,8 @@
+"""End stop (bump rubber), worked by hand."""
+
+import numpy as np
+from models_help import SMALL, imposed
+from worked import Force
+
+WORKED = (Force({"k_b": 1000.0, "x_b": 0.008}, x=-0.01, force=-2.0),)
+SHOWN = {"x_b": 0.8 * float(np.abs(imposed(SMALL, 6.0).x).max())}
