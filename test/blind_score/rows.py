@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 DECIDES = ("src/er_models/er_models", "src/er_model_lab/er_model_lab", "test/blind")
 # fmt: off
 SAYS = frozenset((
-    "bench", "card", "cards", "cli", "forms", "identify", "nodes", "plan", "recording", "report", "terminal",
+    "card", "cards", "cli", "forms", "identify", "nodes", "plan", "recording", "report", "terminal",
     "versions", "view", "wording", "write",
 ))
 # fmt: on

@@ -10,8 +10,8 @@ from pathlib import Path
 from random import Random
 from time import monotonic
 
-from er_bringup.bench_graph import usage
 from er_ros_common.injection import Kind
+from er_studies.bench.graph import usage
 
 from er_damper_msgs.srv import InjectFault
 from er_ros_common import topics

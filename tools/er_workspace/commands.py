@@ -62,12 +62,12 @@ COMMANDS: dict[str, tuple[str, str, str | None]] = {
     "control": (
         "COMMAND ...",
         "compare the controllers in closed loop, with faults",
-        "er_bringup.control",
+        "er_studies.control.command",
     ),
     "bench": ("[ARGS]", "measure speed and latency", "er_studies.bench"),
     "study": (
         "COMMAND ...",
-        "the thesis made again, measured data sets of others",
+        "the thesis made again, rivals, measured data of others",
         "er_studies.study",
     ),
     "exec": ("PROGRAM [ARGS]", "any program in the workspace's environment", None),

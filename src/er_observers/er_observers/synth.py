@@ -11,7 +11,7 @@ import sys
 import time
 from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import typer
 from er_common.usage import OneLineGroup
@@ -21,15 +21,11 @@ from er_models.model import Model
 from er_models.places import writable
 from rich.console import Console
 
-from er_observers.compare.command import register as register_compare
-from er_observers.faults.command import register as register_faults
 from er_observers.forms import COORDINATES
-from er_observers.frequency.command import register as register_figures
 from er_observers.gains import observer_of, save_gains
 from er_observers.running.evaluate import SCENARIOS, evaluate
 from er_observers.running.ready import ready
 from er_observers.synth_tables import certificate_table, figures, plain, score_table
-from er_observers.synth_variants import register as register_variants
 from er_observers.synthesis.make import (
     OUTPUTS,
     STRUCTURES,
@@ -41,13 +37,21 @@ from er_observers.synthesis.make import (
 )
 from er_observers.synthesis.spec import SECTORS, SLOPE, Spec
 
+
+class _Synth(OneLineGroup):
+    """The commands of the synthesis."""
+
+    moved: ClassVar = {
+        "compare": "./er study observers",
+        "variants": "./er study variants",
+        "figures": "./er study figures",
+        "fault_trials": "./er study fault_trials",
+    }
+
+
 app = typer.Typer(
-    cls=OneLineGroup, add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False
+    cls=_Synth, add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False
 )
-register_compare(app)
-register_variants(app)
-register_figures(app)
-register_faults(app)
 ModelFile = Annotated[Path, typer.Option(help="Vehicle model file.")]
 
 

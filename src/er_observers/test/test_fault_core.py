@@ -9,9 +9,9 @@ from er_models.errors import InputError
 from er_models.model import Model
 from er_observers.fault_settings import FaultParameters
 from er_observers.faults import gather, tick
-from er_observers.faults.trials import Trial, drive
 from er_observers.ros_faults import FaultCore, State
 from er_ros_common.core import Said, When
+from er_studies.faults.trials import Trial, drive
 
 from er_damper_msgs.msg import FaultEstimate
 from er_ros_common import builders, topics

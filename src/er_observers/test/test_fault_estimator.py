@@ -13,12 +13,11 @@ from er_models.errors import InputError
 from er_models.model import Array, Model
 from er_models.simulate import initial_state, prepare, simulate
 from er_models.simulate import step as step_car
-from er_observers.faults import bound, decision, evidence, follow, passage, regression, sums, tick
-from er_observers.faults.acceptance import faultless, faulty
+from er_observers.faults import decision, evidence, follow, passage, regression, sums, tick
 from er_observers.faults.estimator import start, step
 from er_observers.faults.rules import RULES, estimator
 from er_observers.faults.sample import Estimate, FactorStatus, Kind, Sample, Status
-from er_observers.faults.trials import Drive, Trial, drive, faults
+from er_studies.faults.trials import Drive, Trial, drive, faults
 
 SAME_AT_ONE_DUTY = ("field_saturation",)
 """Effects that are a weaker field and nothing else while the duty has one strength."""
@@ -375,30 +374,6 @@ def test_a_model_that_is_no_such_car_is_refused(car: Model) -> None:
         estimator(car.with_effect("coulomb_friction"))
 
 
-def test_what_could_be_known_at_best(car: Model) -> None:
-    """A factor alone is known as by its force and the body's noise; with more that is unknown it is worse."""
-    p, record = estimator(car), drive(Trial(1005, duration=4.0, road="iso8608"), car)
-    alone = bound.covariances(p, record, {"f2": 0.5}, [("f2",)], 1, [600], certain=True)
-    force = np.linalg.norm([s.force for s in record.samples[1:600]])
-    body = p.p[regression.M_S] * car.rig["acceleration_noise"]
-    # the body's own sensor tells its acceleration, and so does the motion less the wheel's
-    assert body / math.sqrt(2.0) < np.sqrt(alone[0, 0, 1, 1]) * force < 1.2 * body
-    left, news = {"f2": 0.8}, [("f2",), bound.NAMES]
-    known, open_ = (
-        bound.covariances(p, record, left, news, 400, [600, 790], certain=certain)
-        for certain in (True, False)
-    )
-    spread = [np.sqrt(each[:, :, 1, 1]) for each in (known, open_)]
-    assert np.all(spread[0] < spread[1])
-    assert np.all(spread[0][1] > 10.0 * spread[0][0])
-    assert np.all(spread[1][:, 1] < spread[1][:, 0])
-    assert open_[0, 0, 0, 0] == 0.0
-    easy, hard = (bound.told_apart(open_[1, 1], {"f2": f}) for f in (0.5, 0.98))
-    assert easy > 0.99
-    assert 0.5 < hard < 0.75
-    assert bound.chance(0.05, 0.05) == pytest.approx(0.6827, abs=1e-4)
-
-
 @pytest.mark.parametrize(("factor", "number"), [("f2", 15), ("f3", 6)])
 def test_what_the_open_gate_errs_in_does_not_hide_the_fault(
     car: Model, factor: str, number: int
@@ -409,15 +384,3 @@ def test_what_the_open_gate_errs_in_does_not_hide_the_fault(
     last, which = said(car, samples)[-1], int(factor[1]) - 1
     assert last.kind is NAMED[factor]
     assert last.factors[which] == pytest.approx(trial.left[factor], abs=0.03)
-
-
-def test_a_drive_is_judged_as_it_went(car: Model) -> None:
-    p, trial = estimator(car), Trial(1004, {"f1": 0.6}, fault_time=5.0, duration=9.0)
-    found = faulty(p, trial, car)
-    assert found.kind is Kind.ELECTRICAL
-    assert found.named < 2.0
-    assert not found.wrong
-    assert not found.early
-    assert abs(found.errors["f1"]) < 0.1
-    quiet = faultless(p, Trial(5000, spread=0.05, duration=5.0), car)
-    assert (quiet.named, quiet.silent) == ((), ())

@@ -78,9 +78,10 @@ def test_a_model_is_not_overwritten_by_its_gains(
     cases = (
         (["unified", "--model", str(model), "--out", str(link)], "another place than --model"),
         (["unified", "--model", str(model), "--out", str(tmp_path)], "a file name"),
-        (["variants", "--model", str(model), "--json", str(model)], "another place than --model"),
-        (["compare", "--model", str(model), "--csv", str(model)], "another place than --model"),
-        (["compare", "--json", "both", "--csv", "both"], "another place than --json"),
+        (["compare", "chapter_5_step"], "'compare' is now './er study observers'"),
+        (["variants", "--model", str(model)], "'variants' is now './er study variants'"),
+        (["figures", "--out", str(tmp_path)], "'figures' is now './er study figures'"),
+        (["fault_trials"], "'fault_trials' is now './er study fault_trials'"),
     )
     for command, word in cases:
         monkeypatch.setattr(sys, "argv", ["synth", *command])

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 from er_models.errors import ErError, UnknownName
 from er_models.model import Model
-from er_observers.compare.estimators import estimators_of
 from er_observers.synthesis import make
 from er_observers.synthesis.lmi import Problem
 from er_observers.synthesis.make import THEOREMS, Wish
@@ -60,10 +59,6 @@ def test_special_cases_are_those_of_the_unified_observer(car: Model) -> None:
 
 
 @pytest.mark.parametrize("name", THEOREMS)
-def test_every_theorem_has_its_gains_and_is_compared(
-    car: Model, gain_file: Path, name: str
-) -> None:
+def test_every_theorem_has_its_gains(gain_file: Path, name: str) -> None:
     """The steps of CONTRIBUTING.md; those of the node are those of every node (test_nodes)."""
-    folder = gain_file.parent
-    assert (folder / f"{name}.yaml").is_file()
-    assert name in [each.name for each in estimators_of(car, folder) if each.ours]
+    assert (gain_file.parent / f"{name}.yaml").is_file()

@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 from er_common.topic_names import OBSERVERS
 from er_models.model import Array, Model
-from er_observers.compare.nrmse import nrmse
 from er_observers.forms import form_of
 from er_observers.gains import Gains
 from er_observers.observers import payload
 from er_observers.observers.payload import Payload, Verdict
 from er_observers.running.ready import ready
 from er_observers.running.runtime import Estimate, Sample, State, payload_of, start, step
-from er_observers.scenarios.drive import drive
-from er_observers.scenarios.files import load_scenario
-from er_observers.scenarios.scenario import Plant
+from er_studies.observers.nrmse import nrmse
+from er_studies.observers.scenarios.drive import drive
+from er_studies.observers.scenarios.files import load_scenario
+from er_studies.observers.scenarios.scenario import Plant
 
 DT = 0.005
 CONFIG = Path(__file__).resolve().parents[3] / "config"

@@ -9,19 +9,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 from er_models.errors import InputError
-from er_observers.compare.estimators import estimators_of
-from er_observers.compare.nrmse import nrmse, settling_time
-from er_observers.compare.run import follow as follow_record
 from er_observers.filters.flow import flow
 from er_observers.observers.phi import phi_functions
 from er_observers.observers.status import Status
 from er_observers.running import runtime
 from er_observers.running.runtime import Sample
-from er_observers.scenarios.drive import drive
-from er_observers.scenarios.files import choose_scenarios, load_scenarios
-from er_observers.scenarios.starts import NLPV
 from er_observers.start import filter as start_filter
 from er_observers.start import phase as start_phase
+from er_studies.observers.estimators import estimators_of
+from er_studies.observers.nrmse import nrmse, settling_time
+from er_studies.observers.run import follow as follow_record
+from er_studies.observers.scenarios.drive import drive
+from er_studies.observers.scenarios.files import choose_scenarios, load_scenarios
+from er_studies.observers.scenarios.starts import NLPV
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 import shlex
 import sys
-from pathlib import Path
-
-PROGRAM = ("er_studies", "study.py")
-"""Folder and file that `./er study` starts."""
 
 
 def command_line() -> str:
     """The `./er study ...` that this process is, for whoever wants the same result again; empty where it is none."""
-    typed = Path(sys.argv[0]).parts[-2:] == PROGRAM
-    return shlex.join(["./er", "study", *sys.argv[1:]]) if typed else ""
+    program, *words = sys.argv
+    return f"./{program} {shlex.join(words)}" if program.startswith("er study ") else ""

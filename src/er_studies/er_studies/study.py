@@ -1,29 +1,32 @@
-"""``./er study``: the thesis made again, and measured data sets brought into the lab's columns."""
+"""``./er study``: the thesis made again, our estimators beside their rivals, measured data of others.
+
+er study thesis CHAPTER [ARGS]        make a chapter of the thesis again, with its figures beside ours
+er study observers [SCENARIO] [ARGS]  observers beside Kalman filters on named drives, and the thesis's tables
+er study variants [ARGS]              every theorem in every form, with its gamma or why it has none
+er study figures [ARGS]               frequency responses of the observers' errors, figures of chapters 3 to 5
+er study fault_trials [ARGS]          the fault estimator on random drives, and beside its rivals
+er study import KIND SOURCE [ARGS]    a measured data set of another laboratory in the lab's columns
+
+-h after a name shows its arguments.
+"""
 
 from __future__ import annotations
 
-import typer
-from er_common.usage import OneLineGroup
+from er_studies.programs import hand_over
 
-from er_studies.importers.command import import_command
-from er_studies.thesis.command import thesis_command
-
-app = typer.Typer(
-    cls=OneLineGroup,
-    add_completion=False,
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-    help="Make the thesis again, and bring measured data sets of others into the lab's columns.",
-)
-app.command("thesis", short_help="Make a chapter of the thesis again.")(thesis_command)
-app.command("import", short_help="Convert a measured data set.")(import_command)
+PARTS = {
+    "thesis": "er_studies.thesis.command",
+    "observers": "er_studies.observers.command",
+    "variants": "er_studies.observers.variants_command",
+    "figures": "er_studies.observers.frequency.command",
+    "fault_trials": "er_studies.faults.command",
+    "import": "er_studies.importers.command",
+}
 
 
 def main() -> None:
-    """Entry point."""
-    app(prog_name="./er study")
+    """Hand over to the study that is named."""
+    hand_over("er study", PARTS, __doc__ or "")
 
 
 if __name__ == "__main__":

@@ -32,4 +32,4 @@ def test_hands_its_arguments_over(monkeypatch):
     monkeypatch.setattr(runpy, "run_module", lambda module, **_: run.append(module))
     monkeypatch.setattr("sys.argv", ["er bench", "models", "ride"])
     bench.main()
-    assert (run, sys.argv) == (["er_models.bench"], ["er bench models", "ride"])
+    assert (run, sys.argv) == (["er_studies.bench.models"], ["er bench models", "ride"])

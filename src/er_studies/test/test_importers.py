@@ -12,9 +12,8 @@ from er_model_lab.records.record import Array, Record
 from er_models.errors import ErError, InputError
 from er_studies.importers import mts, shaking_table
 from er_studies.importers.checks import dissipated
-from er_studies.importers.command import KINDS
+from er_studies.importers.command import KINDS, app
 from er_studies.importers.data_sets import IMPORTERS, import_data, part_of
-from er_studies.study import app
 from scipy.io import savemat
 from typer.testing import CliRunner
 
@@ -207,9 +206,7 @@ def test_the_command_writes_what_import_data_returns(tmp_path: Path, form: str) 
         (source / f"{name}.txt").write_text(mts_text(FORCES, 200))
     (source / "LICENSE").write_text("MIT")
     out = tmp_path / "out"
-    result = RUNNER.invoke(
-        app, ["import", "mts", str(source), "--out", str(out), "--format", form]
-    )
+    result = RUNNER.invoke(app, ["mts", str(source), "--out", str(out), "--format", form])
     assert result.exit_code == 0, result.output
     assert "held_out_sine: 5 records" in result.output
     assert (out / "LICENSE").read_text() == "MIT"
@@ -230,7 +227,7 @@ def test_the_command_says_in_one_line_what_is_wrong(tmp_path: Path) -> None:
         ("mts", tmp_path, "files *Hz*.txt"),
         ("shaking_table", tmp_path, "ensaio*.mat"),
     ):
-        result = RUNNER.invoke(app, ["import", kind, str(source), "--out", out])
+        result = RUNNER.invoke(app, [kind, str(source), "--out", out])
         assert result.exit_code == 2
         assert part in result.stderr
         assert len(result.stderr.strip().splitlines()) == 1

@@ -15,10 +15,10 @@ from er_models.files import load_model
 from er_models.model import Model
 from er_models.program import Program, load_program, resolve, times
 from er_models.simulate import simulate
-from er_studies.study import app
 from er_studies.thesis import chapter_1 as cases
 from er_studies.thesis.chapter_1 import LAWS, PUBLISHED, ROADS, Case, Chapter1, case, chapter_1
 from er_studies.thesis.chapter_1_text import columns, result, table_1_5
+from er_studies.thesis.command import app
 from er_studies.thesis.testbench import measure
 from typer.testing import CliRunner
 
@@ -128,7 +128,7 @@ def test_columns_line_up() -> None:
     ],
 )
 def test_bad_usage_is_said_and_ends_with_2(words: list[str], said: str) -> None:
-    found = CliRunner().invoke(app, ["thesis", *words])
+    found = CliRunner().invoke(app, words)
     assert found.exit_code == 2
     assert said in found.output
     assert "Traceback" not in found.output
@@ -155,7 +155,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(cases, "chapter_1", keeping)
-        words = ["thesis", "chapter1", "--config", str(CONFIG), "--report", str(folder / "page")]
+        words = ["chapter1", "--config", str(CONFIG), "--report", str(folder / "page")]
         found = CliRunner().invoke(app, [*words, "--json", str(folder / "chapter.json")])
     assert found.exit_code == 0, found.output
     data = json.loads((folder / "chapter.json").read_text(encoding="utf-8"))

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from er_model_lab.output.report.page import write_report
-from er_studies.study import app
 from er_studies.thesis.chapter_2 import FINE, FORMS, Chapter2, chapter_2, departures, recorded
 from er_studies.thesis.chapter_2_text import lines, peaks, rates, result, ride, zeros
+from er_studies.thesis.command import app
 from er_studies.thesis.report.chapter_2 import sections, view
 from typer.testing import CliRunner
 
@@ -97,9 +97,7 @@ def test_page_holds_every_picture(found: Chapter2, tmp_path: Path) -> None:
 def test_command_prints_the_tables_and_writes_them(config: Path, tmp_path: Path) -> None:
     """`./er study thesis chapter2` ends well and its result is that of the functions."""
     place = tmp_path / "result.json"
-    told = CliRunner().invoke(
-        app, ["thesis", "chapter2", "--config", str(config), "--json", str(place)]
-    )
+    told = CliRunner().invoke(app, ["chapter2", "--config", str(config), "--json", str(place)])
     assert told.exit_code == 0, told.output
     assert "4.30, 18.43" in told.output
     assert json.loads(place.read_text())["command"] == "thesis chapter2"
@@ -113,7 +111,7 @@ def test_a_car_that_the_forms_cannot_hold_is_one_line(config: Path, tmp_path: Pa
     text += "  tyre_damping:\n    c_t: {value: 7.0, unit: N s/m}\n"
     (tmp_path / "vehicles").mkdir()
     (tmp_path / "vehicles" / "inove_quarter_car.yaml").write_text(text)
-    told = CliRunner().invoke(app, ["thesis", "chapter2", "--config", str(tmp_path)])
+    told = CliRunner().invoke(app, ["chapter2", "--config", str(tmp_path)])
     assert told.exit_code == 2
     assert "leave out one of tyre_damping" in told.output
     assert told.output.count("\n") == 1

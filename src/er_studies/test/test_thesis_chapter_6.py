@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_studies.study import app
 from er_studies.thesis.chapter_6 import SEQUENCES, Chapter6, chapter_6
+from er_studies.thesis.command import app
 from typer.testing import CliRunner
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -40,7 +40,7 @@ def test_leaking_forces_are_the_healthy_ones_shrunk(found: Chapter6) -> None:
 
 def test_command_writes_page_and_data(tmp_path: Path) -> None:
     out = tmp_path / "found.json"
-    asked = ["thesis", "chapter6", "--config", str(ROOT / "config"), "--json", str(out)]
+    asked = ["chapter6", "--config", str(ROOT / "config"), "--json", str(out)]
     done = CliRunner().invoke(app, [*asked, "--report", str(tmp_path / "page")])
     assert done.exit_code == 0, done.output
     assert "electrical" in done.output

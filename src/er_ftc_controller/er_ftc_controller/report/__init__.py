@@ -1,1 +1,1 @@
-"""Pictures of the controllers."""
+"""Bode diagrams and the trade-off of the synthesis."""

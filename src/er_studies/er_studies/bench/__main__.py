@@ -11,29 +11,20 @@ er bench ros [ARGS]        loop latency and CPU, in processes and composed, besi
 
 from __future__ import annotations
 
-import runpy
-import sys
+from er_studies.programs import hand_over
 
 PARTS = {
-    "models": "er_models.bench",
-    "observers": "er_observers.bench",
+    "models": "er_studies.bench.models",
+    "observers": "er_studies.bench.observers",
     "lab": "er_studies.bench.lab",
-    "graph": "er_bringup.bench_graph",
-    "ros": "er_bringup.bench_ros",
+    "graph": "er_studies.bench.graph",
+    "ros": "er_studies.bench.ros",
 }
 
 
 def main() -> None:
     """Hand over to the benchmark that is named."""
-    name = sys.argv[1] if len(sys.argv) > 1 else ""
-    if name in ("", "-h", "--help"):
-        sys.stdout.write((__doc__ or "") + "\n")
-        sys.exit(0)
-    if name not in PARTS:
-        sys.stderr.write(f"er bench: expected one of {', '.join(PARTS)}, found '{name}'\n")
-        sys.exit(2)
-    sys.argv = [f"er bench {name}", *sys.argv[2:]]
-    runpy.run_module(PARTS[name], run_name="__main__")
+    hand_over("er bench", PARTS, __doc__ or "")
 
 
 if __name__ == "__main__":

@@ -15,6 +15,8 @@ from er_models.errors import ErError
 from rich.console import Console
 from rich.progress import track
 
+from er_studies.programs import program_of, run
+
 T = TypeVar("T")
 
 KINDS = ("mts", "shaking_table", "piston_seal")
@@ -75,3 +77,9 @@ def _keep(folder: Path, name: str, out: Path) -> None:
     if (folder / name).is_file():
         with finished_only(out / name) as part:
             shutil.copyfile(folder / name, part)
+
+
+app = program_of(import_command)
+
+if __name__ == "__main__":
+    run(app)

@@ -15,6 +15,8 @@ from er_models.errors import ErError
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
+from er_studies.programs import program_of, run
+
 if TYPE_CHECKING:
     from er_model_lab.output.report.section import Section
     from er_model_lab.view import View
@@ -133,3 +135,9 @@ def _progress(title: str) -> Iterator[Callable[[str], None] | None]:
     with Progress(*shown, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=None)
         yield lambda what: bar.update(task, description=f"{title}: {what}")
+
+
+app = program_of(thesis_command)
+
+if __name__ == "__main__":
+    run(app)

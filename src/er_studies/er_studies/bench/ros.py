@@ -1,0 +1,284 @@
+"""Cost of the running graph: loop latency, lateness, losses, processor time, beside plain rclpy executors.
+
+    er bench ros                       200 Hz, six processes and composed, each with both executors: 4 x 60 s
+    er bench ros --rate 1000 --layout composed
+
+Every layout runs under the events executor of this project and under the single-threaded one, which is what
+rclpy.spin uses, in the same run: ratios hold where the machine is busy, latencies do not. What else the machine did
+meanwhile is measured and said. The loop goes from a sample at the plant through the controller back to the plant.
+Exit status 1 when samples were lost or a target was missed on a quiet machine.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import os
+import platform
+import re
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import monotonic, sleep
+
+import numpy as np
+from er_bringup.given import complete
+from er_bringup.graph import ComposedSpec, NodeSpec, nodes
+from er_bringup.processes import Child, stop
+from er_bringup.roles import CONTROLLERS
+from er_bringup.up import argv, configuration
+from er_models.errors import ErError
+from er_models.one_line import OneLine
+
+from er_studies.bench.graph import Load, Usage, usage
+
+LAYOUTS = ("processes", "composed")
+EXECUTORS = ("events", "single")
+QUIET = 10.0
+"""Most that other programs may use of the machine for latencies to mean anything [%]."""
+NAP = 0.02
+PACED = ("plant", "ftc_controller", "fault_estimator")
+"""Who is told the rate."""
+START = 120.0
+"""Longest time from the start of the processes to the first tick [s]."""
+_NUMBERS = r"p50 ([\d.]+), p99 ([\d.]+), p99.9 ([\d.]+), max ([\d.]+)"
+_LINE = re.compile(rf"loop ms {_NUMBERS}; lateness ms {_NUMBERS}; unanswered (\d+) of (\d+)")
+TARGETS = {
+    ("processes", 200.0): (1.5, 3.0, 5.0, 45.0),
+    ("composed", 200.0): (0.4, 1.0, 3.0, 12.0),
+    ("composed", 1000.0): (0.3, 0.8, 3.0, 35.0),
+}
+"""Aims on a quiet machine: loop latency p50, p99, p99.9 [ms], processor time [% of a core]."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """One run: loop latency and lateness p50, p99, p99.9, max [ms], samples and unanswered ones, load per process.
+
+    others: what other programs used of the whole machine [%]; woke: lateness of a sleeping process, p99 [ms].
+    """
+
+    layout: str
+    executor: str
+    loop: tuple[float, ...]
+    lateness: tuple[float, ...]
+    lost: int
+    ticks: int
+    loads: tuple[Load, ...]
+    others: float
+    woke: float
+
+    @property
+    def cpu(self) -> float:
+        """Processor time of all processes [% of a core]."""
+        return sum(load.cpu for load in self.loads)
+
+
+def specs(
+    layout: str, executor: str, seconds: float, rate: float, controller: str
+) -> tuple[NodeSpec, ...]:
+    """The processes of one run."""
+    given = {
+        "duration": str(seconds),
+        "controller": controller,
+        "fault_estimator": "true",
+        "composed": str(layout == "composed").lower(),
+    }
+    return tuple(_with(spec, executor, rate) for spec in nodes(complete(given), configuration()))
+
+
+def _with(spec: NodeSpec, executor: str, rate: float) -> NodeSpec:
+    if isinstance(spec, ComposedSpec):
+        return replace(spec, parts=tuple(_with(part, executor, rate) for part in spec.parts))
+    own = {"rate": rate} if spec.executable in PACED else {}
+    return replace(spec, parameters={**spec.parameters, "executor": executor, **own})
+
+
+def run(layout: str, executor: str, seconds: float, rate: float, controller: str) -> Result:
+    """One run.
+
+    Raises:
+        ErError: The plant ended without saying how it went.
+    """
+    out = io.StringIO()
+    each = specs(layout, executor, seconds, rate, controller)
+    children = [Child(spec.executable, argv(spec), out) for spec in each]
+    last = children[-1]
+    try:
+        _wait_for(out, last)
+        loads, others, woke = _measured(children, last)
+    finally:
+        stop(children)
+    found = _LINE.search(out.getvalue())
+    if found is None:
+        lines = out.getvalue().strip().splitlines()
+        raise ErError(f"{layout}, {executor}: {lines[-1] if lines else 'nothing was said'}")
+    numbers = [float(word) for word in found.groups()]
+    lost, ticks = int(numbers[8]), int(numbers[9])
+    loop, late = tuple(numbers[:4]), tuple(numbers[4:8])
+    return Result(layout, executor, loop, late, lost, ticks, tuple(loads), others, woke)
+
+
+def _wait_for(out: io.StringIO, plant: Child) -> None:
+    """Wait for the first tick."""
+    until = monotonic() + START
+    while "[plant]: running" not in out.getvalue():
+        if plant.status is not None or monotonic() > until:
+            said = [line for line in out.getvalue().splitlines() if "plant" in line]
+            raise ErError(f"the plant did not begin: {said[-1] if said else 'it said nothing'}")
+        sleep(NAP)
+
+
+def _measured(children: Sequence[Child], last: Child) -> tuple[list[Load], float, float]:
+    """Load of the processes, that of others, and how late we wake [ms], until the plant ends."""
+    began, machine = monotonic(), _busy()
+    before = {c.label: usage(c.process.pid) for c in children}
+    after, late = dict(before), []
+    total = machine
+    while last.status is None:
+        asleep = monotonic()
+        sleep(NAP)
+        late.append(monotonic() - asleep - NAP)
+        if len(late) % 10 == 0:
+            now = {c.label: usage(c.process.pid) for c in children}
+            if all(each is not None for each in now.values()):
+                after, total, elapsed = now, _busy(), monotonic() - began
+    loads = [_load(label, before[label], after[label], elapsed) for label in before]
+    ours = sum(load.cpu for load in loads) / 100.0 * elapsed
+    everything = (os.cpu_count() or 1) * elapsed
+    others = 100.0 * max(total - machine - ours, 0.0) / everything
+    return loads, others, 1e3 * float(np.percentile(late, 99.0))
+
+
+def _load(label: str, first: Usage | None, last: Usage | None, elapsed: float) -> Load:
+    if first is None or last is None:
+        return Load(label, 0.0, 0.0)
+    return Load(label, 100.0 * (last.cpu - first.cpu) / elapsed, last.memory / 1e6)
+
+
+def _busy() -> float:
+    """Processor time of the whole machine that was not idle [s], from an arbitrary time on.
+
+    Idle time is measured, what is busy is counted where a tick of the clock finds it: a loop of 1 kHz keeps step with
+    that, and was found always or never.
+    """
+    words = Path("/proc/stat").read_text(encoding="ascii").splitlines()[0].split()[1:]
+    idle = (int(words[3]) + int(words[4])) / os.sysconf("SC_CLK_TCK")
+    return (os.cpu_count() or 1) * monotonic() - idle
+
+
+def markdown(results: Sequence[Result], seconds: float, rate: float) -> str:
+    """The figures as tables, and what they are worth."""
+    host = f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}"
+    lines = [
+        f"{seconds:g} s at {rate:g} Hz each; {host}",
+        "",
+        "| layout | executor | loop ms p50 | p99 | p99.9 | max | lateness ms p50 | p99 "
+        "| CPU, % of a core | lost | others, % of the machine | asleep too long, ms p99 |",
+        "|---|---|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    for r in results:
+        loop = " | ".join(f"{x:.2f}" for x in r.loop)
+        late = " | ".join(f"{x:.2f}" for x in r.lateness[:2])
+        rest = f"{r.cpu:.1f} | {r.lost} of {r.ticks} | {r.others:.0f} | {r.woke:.2f}"
+        lines.append(f"| {r.layout} | {r.executor} | {loop} | {late} | {rest} |")
+    lines += [
+        "",
+        "| process | layout, executor | CPU, % of a core | memory MB |",
+        "|---|---|---|---|",
+    ]
+    for r in results:
+        lines += [
+            f"| {load.name} | {r.layout}, {r.executor} | {load.cpu:.1f} | {load.memory:.0f} |"
+            for load in r.loads
+        ]
+    return "\n".join([*lines, "", *ratios(results), *verdicts(results, rate)])
+
+
+def ratios(results: Sequence[Result]) -> list[str]:
+    """What the single-threaded executor costs over the events executor."""
+    said = []
+    for layout in LAYOUTS:
+        found = {r.executor: r for r in results if r.layout == layout}
+        if len(found) == len(EXECUTORS):
+            events, single = found["events"], found["single"]
+            cpu, loop = single.cpu / events.cpu, single.loop[0] / max(events.loop[0], 1e-9)
+            said.append(
+                f"- {layout}: plain rclpy uses {cpu:.1f} times the CPU, loop p50 {loop:.1f} times as long"
+            )
+    return said
+
+
+def verdicts(results: Sequence[Result], rate: float) -> list[str]:
+    """The aims, and whether this machine was quiet enough to judge them."""
+    said = []
+    for r in results:
+        aims = TARGETS.get((r.layout, rate))
+        if aims is None or r.executor != "events":
+            continue
+        words = [
+            f"{name} {found:.2f} of {aim:g} {unit}"
+            for name, found, aim, unit in _compared(r, aims)
+        ]
+        noisy = (
+            f"; too noisy to judge latencies: others used {r.others:.0f} % of the machine"
+            if r.others > QUIET
+            else ""
+        )
+        said.append(f"- {r.layout}, aims at {rate:g} Hz: {', '.join(words)}{noisy}")
+    return said
+
+
+def _compared(r: Result, aims: tuple[float, ...]) -> list[tuple[str, float, float, str]]:
+    found = (*r.loop[:3], r.cpu)
+    names = (("p50", "ms"), ("p99", "ms"), ("p99.9", "ms"), ("CPU", "%"))
+    return [(n, f, a, u) for (n, u), f, a in zip(names, found, aims, strict=True)]
+
+
+def failed(results: Sequence[Result], rate: float) -> bool:
+    """Whether ours lost a sample, or missed an aim on a quiet machine."""
+    for r in results:
+        if r.executor != "events":
+            continue
+        aims = TARGETS.get((r.layout, rate), (np.inf,) * 4)
+        missed = any(found > aim for _, found, aim, _ in _compared(r, aims))
+        if r.others <= QUIET and (r.lost or missed):
+            return True
+    return False
+
+
+def parser() -> argparse.ArgumentParser:
+    """Options of the command."""
+    p = OneLine(prog="er bench ros", description=(__doc__ or "").split("\n")[0])
+    p.add_argument("--seconds", type=float, default=60.0, help="length of each run (60)")
+    p.add_argument("--rate", type=float, default=200.0, help="ticks per second (200)")
+    p.add_argument("--layout", choices=(*LAYOUTS, "both"), default="both")
+    p.add_argument("--executor", choices=(*EXECUTORS, "both"), default="both")
+    p.add_argument("--controller", choices=tuple(CONTROLLERS), default="ftc")
+    return p
+
+
+def main() -> None:
+    """Entry point of the command."""
+    o = parser().parse_args()
+    layouts = LAYOUTS if o.layout == "both" else (o.layout,)
+    executors = EXECUTORS if o.executor == "both" else (o.executor,)
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["ROS_LOG_DIR"] = folder
+        try:
+            results = [
+                run(layout, executor, o.seconds, o.rate, o.controller)
+                for layout in layouts
+                for executor in executors
+            ]
+        except ErError as error:
+            sys.stderr.write(f"er bench ros: {error}\n")
+            sys.exit(error.exit_status)
+    sys.stdout.write(markdown(results, o.seconds, o.rate) + "\n")
+    sys.exit(1 if failed(results, o.rate) else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,124 @@
+"""Random closed-loop drives for the fault estimator: road, Skyhook, sensors with noise, a fault or a hidden effect."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from er_models.constants import SAMPLE_TIME as DT
+from er_models.model import Array, Model
+from er_models.program import parse_program, resolve, times
+from er_models.simulate import initial_state, prepare, step
+from er_observers.faults.sample import Sample
+
+FAULTS = {"f1": "electrical_fault", "f2": "oil_leakage", "f3": "duct_deformation"}
+"""Effect of each factor."""
+_ROADS = ("iso8608", "bumps", "steps")
+_PART = 1.5
+"""Time between two steps of the road [s]."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One drive; everything random follows from the seed.
+
+    left: what the fault leaves, by factor, from `fault_time` [s] on. hidden: effects that the model does not know,
+    from the start. spread: every parameter of the plant is off by a random share within it. duty: held instead of
+    Skyhook's. still: the car stands.
+    """
+
+    seed: int
+    left: Mapping[str, float] = field(default_factory=dict)
+    fault_time: float = 8.0
+    duration: float = 16.0
+    hidden: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    spread: float = 0.0
+    duty: float | None = None
+    still: bool = False
+    road: str = ""
+
+
+class Drive(NamedTuple):
+    """What the sensors said, sample by sample, and the true motion (n, 2): deflection, velocity."""
+
+    samples: list[Sample]
+    motion: Array
+
+
+def drive(trial: Trial, model: Model) -> Drive:
+    """The record of a trial with a model's car; the noise is that of its rig, the force sensor's included."""
+    random = np.random.default_rng([trial.seed, 0])
+    plant = _plant(trial, model, random)
+    road = _road(trial, model, random)
+    duties = model.rig.get("duty_min", 0.0), model.rig.get("duty_max", model.scales.duty)
+    names = ("acceleration", "acceleration", "deflection", "velocity", "force")
+    sizes = np.array([model.rig[f"{name}_noise"] for name in names])
+    noise = sizes * random.standard_normal((road.size, 5))
+    prepared = prepare(plant, DT)
+    state = initial_state(prepared, float(road[0]), duties[0])
+    samples, motion, duty = [], np.zeros((road.size, 2)), duties[0]
+    for k in range(1, road.size):
+        state, out = step(prepared, state, (float(road[k]), duty))
+        body, relative = state.q[1], state.q[1] - state.q[3]
+        duty = duties[int(body * relative >= 0.0)] if trial.duty is None else trial.duty
+        e = noise[k]
+        samples.append(Sample(
+            k * DT, out.sprung_acceleration + e[0], out.unsprung_acceleration + e[1], out.deflection + e[2],
+            out.deflection_velocity + e[3], duty, out.measured_force + e[4],
+        ))  # fmt: skip
+        motion[k] = state.q[0], relative
+    return Drive(samples, motion[1:])
+
+
+def _plant(trial: Trial, model: Model, random: np.random.Generator) -> Model:
+    """The car with its fault, its hidden effects, and parameters that are off."""
+    effects = {
+        name: {q: v * random.uniform(1.0 - trial.spread, 1.0 + trial.spread) for q, v in values.items()}
+        for name, values in model.effects.items()
+    }  # fmt: skip
+    plant = replace(model, effects=effects)
+    for name, values in trial.hidden.items():
+        plant = plant.with_effect(name, dict(values) or None)
+    for factor, left in trial.left.items():
+        values = {"f": left, "t_0": trial.fault_time, "t_r": 0.0, "q": 0.0, "d": 0.5}
+        plant = plant.with_effect(FAULTS[factor], values)
+    return plant
+
+
+def _road(trial: Trial, model: Model, random: np.random.Generator) -> Array:
+    """Height of the road at each sample [m]: a random kind, scaled to the velocity of the rig."""
+    kind = trial.road or str(random.choice(_ROADS, p=(0.5, 0.25, 0.25)))
+    peak = random.uniform(0.8, 1.0) * model.rig.get("velocity_max", model.scales.velocity)
+    spec: dict[str, Any] = {"kind": "iso8608", "road_class": "C"}
+    if kind == "bumps":
+        length = float(random.uniform(4.0, 10.0))
+        spec = {
+            "kind": "bumps",
+            "height": 0.01,
+            "length": length,
+            "spacing": 2.0 * length,
+            "speed": 30.0,
+        }
+    elif kind == "steps":
+        part = {"kind": "step", "height": 0.01, "time": 0.4, "rise": 0.03, "seconds": _PART}
+        spec = {"kind": "sequence", "fade": 0.1, "parts": [part]}
+    document = {
+        "schema": "er_program 1", "duration": trial.duration, "seed": trial.seed,
+        "road": {**spec, "peak_velocity": float(peak)}, "duty": {"kind": "constant", "level": 0.0},
+    }  # fmt: skip
+    program = resolve(parse_program(document, Path("trial")), model, DT)
+    height = program.signals(times(trial.duration, DT))[0]
+    return np.zeros_like(height) if trial.still else height
+
+
+def faults(factor: str, seed: int, number: int, spread: float = 0.0) -> Iterator[Trial]:
+    """Random steps of one factor (`f1`, `f2`, `f3`), or of all three (`combined`); spread: see `Trial`."""
+    for i in range(number):
+        random = np.random.default_rng([seed, i, 1])
+        names = FAULTS if factor == "combined" else (factor,)
+        left = {name: float(random.uniform(0.3, 0.9)) for name in names}
+        begun = float(random.uniform(6.0, 10.0))
+        yield Trial(seed * 1000 + i, left, fault_time=begun, spread=spread)
