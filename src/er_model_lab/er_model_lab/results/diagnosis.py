@@ -50,7 +50,7 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         },
         "coverage": _coverage(found.coverage),
         "model": model_after.name,
-        "notes": [*_sizes(study), *_unseen(left["rmse_after"]), *problem.notes],
+        "notes": [*_sizes(study), *unseen(left["rmse_after"]), *problem.notes],
         "complete": problem.complete,
     }  # fmt: skip
 
@@ -78,7 +78,7 @@ def _sizes(study: Study) -> tuple[str, ...]:
     return size_notes(study.problem, study.opened.given) if study.problem.fused else ()
 
 
-def _unseen(left: dict[str, float]) -> tuple[str, ...]:
+def unseen(left: dict[str, float]) -> tuple[str, ...]:
     """A note where the model leaves much more of the held-out data than of those it was made with."""
     if not left["held_out"] > MUCH_MORE * left["train"]:
         return ()
