@@ -20,7 +20,8 @@ from er_model_lab.view import View
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
+
+    from er_model_lab.output.report.still import Drawing
 
     Row = Mapping[str, Any]
 
@@ -64,7 +65,7 @@ class Result:
 
         return pd.DataFrame(list(self._rows()))
 
-    def figure(self, name: str) -> Figure:
+    def figure(self, name: str) -> Drawing:
         """One figure of the report, drawn by Matplotlib.
 
         Raises:

@@ -22,6 +22,9 @@ from er_model_lab.output.report.figure import Figure, Panel, Scale
 from er_model_lab.output.report.palette import INK, MUTED, RULE
 from er_model_lab.output.report.still_marks import Pen, draw
 
+Drawing = Canvas
+"""A figure of Matplotlib's, as it is returned."""
+
 DPI, DPI_OF_PNG = 100, 150
 FAST = 4
 """Compression of PNG files: two thirds of the time of the usual 6, for 2 % more bytes."""
@@ -54,7 +57,7 @@ def still(figure: Figure) -> tuple[bytes, bytes]:
     return png.getvalue(), svg.getvalue()
 
 
-def canvas(figure: Figure) -> Canvas:
+def canvas(figure: Figure) -> Drawing:
     """The figure as one of Matplotlib's, to be shown or changed."""
     with matplotlib.rc_context(STYLE):
         return _canvas(figure)
