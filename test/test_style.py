@@ -63,7 +63,7 @@ def kept_files():
 
 TOP = {
     ".ci", ".gitignore", "ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "README.md", "config", "docs",
-    "er", "pyproject.toml", "requirements", "src", "test", "tools",
+    "er", "examples", "pyproject.toml", "requirements", "src", "test", "tools",
 }  # fmt: skip
 
 
