@@ -7,12 +7,13 @@ import os
 import signal
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic, sleep
 from types import TracebackType
+
+from er_models.cache.folder import cache_folder
 
 ROOT = Path(__file__).resolve().parents[1]
 CONFIG = ROOT / "config"
@@ -38,7 +39,7 @@ DOMAINS = range(10, 100)
 @contextmanager
 def own_domain() -> Iterator[dict[str, str]]:
     """Environment with a ROS domain that no other test of this machine has at the moment."""
-    folder = Path(tempfile.gettempdir()) / f"er_test_domains_{os.getuid()}"
+    folder = cache_folder() / "test_domains"
     folder.mkdir(exist_ok=True)
     for number in sorted(DOMAINS, key=lambda n: (n * 37 + os.getpid()) % len(DOMAINS)):
         with (folder / str(number)).open("w") as lock:

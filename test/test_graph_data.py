@@ -299,7 +299,7 @@ def launch_module(monkeypatch: pytest.MonkeyPatch, given: dict[str, str]) -> typ
 
 
 RIG = ("hardware:=udp:rig:5005", "calibration:=device_emulator")
-RECORD = "record:=/tmp/er_recording_to_come"
+RECORD = f"record:={ROOT / 'recording_to_come'}"
 """A recording in a place that nobody has."""
 OTHER = {
     "namespace": ("namespace:=vehicle/suspension/fl",),

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 import re
 import shutil
 from dataclasses import replace
@@ -266,6 +267,49 @@ def test_no_file_of_effects_at_all(content, tmp_path):
         path.write_bytes(content)
     one_line(lab("effects", "--effects-from", path), "mine.py")
     one_line(lab("effects", "--effects-from", tmp_path), tmp_path.name, "a folder")
+
+
+def open_to_all(path):
+    path.chmod(0o666)
+
+
+def given_away(path):
+    if os.geteuid() != 0:
+        pytest.skip("only root can give a file away")
+    os.chown(path, 65534, 65534)
+
+
+def a_pipe(path):
+    path.unlink()
+    os.mkfifo(path)
+
+
+def too_long(path):
+    path.write_bytes(path.read_bytes() + b"#" * (1 << 20))
+
+
+def without_effect(path):
+    path.write_text(path.read_text().replace("EFFECT = ", "MINE = "))
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (open_to_all, "others may write to it"),
+        (given_away, "it belongs to another user"),
+        (a_pipe, "it is no ordinary file"),
+        (too_long, "it has more than 1048576 bytes"),
+        (without_effect, "expected EFFECT = Effect(...), or EFFECTS with several, found neither"),
+    ],
+)
+def test_what_is_refused_has_not_run(spoil, words, own, tmp_path):
+    path, mark = tmp_path / "mine.py", tmp_path / "mark"
+    path.write_text(f"import os\nos.mkdir({str(mark)!r})\n" + own.read_text())
+    catalogue_with([path])
+    mark.rmdir()  # it would have been seen
+    spoil(path)
+    one_line(lab("effects", "--effects-from", path), "mine.py", words)
+    assert not mark.exists()
 
 
 def test_every_command_with_a_model_takes_the_file(own):

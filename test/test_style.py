@@ -53,6 +53,16 @@ def test_the_project_names_no_machine():
     assert found.stdout == ""
 
 
+def test_nothing_has_a_place_that_others_can_foretell():
+    """In the folder of temporary files whoever is on the machine can put something there first."""
+    found = subprocess.run(
+        ["git", "grep", "-nIE", r"(^|[^a-z_.])/tmp\b|gettempdir|tempfile\.mktemp", "--", ".",
+         ":!LICENSE", ":!test/test_style.py"],
+        cwd=ROOT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert found.stdout == ""
+
+
 def kept_files():
     """Names of all files that are kept."""
     listed = subprocess.run(

@@ -1,6 +1,6 @@
 """The arguments of the graph as they were given: complete, each checked, and checked against one another.
 
-given = parse(["controller:=skyhook", "record:=/tmp/run1"])
+given = parse(["controller:=skyhook", "record:=run1"])
 """
 
 from __future__ import annotations

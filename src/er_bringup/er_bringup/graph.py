@@ -1,6 +1,6 @@
 """The graph as data: its nodes and their parameters. Launch file and `up` are made from it.
 
-for node in nodes(parse(["controller:=skyhook", "record:=/tmp/run1"]), config):
+for node in nodes(parse(["controller:=skyhook", "record:=run1"]), config):
     node.arguments()        # what follows the executable on its command line
 """
 

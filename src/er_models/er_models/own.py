@@ -2,6 +2,9 @@
 
 A file holds `EFFECT = Effect(...)`, or `EFFECTS` with several. What is loaded is checked here, once,
 so that whatever is wrong with it is one clear line and not an error of the compiler.
+
+Such a file is a program and runs with all rights of who loads it: give only files whose author you trust. Before it
+runs it is looked at whether it is one at all, and one that others cannot have changed.
 """
 
 from __future__ import annotations
@@ -12,13 +15,21 @@ import sys
 import traceback
 from collections.abc import Sequence
 from functools import lru_cache
+from importlib.util import decode_source
 from pathlib import Path
-from types import ModuleType
+from symtable import symtable
+from types import CodeType, ModuleType
 
+from er_models.cache.owned import ALL_WRITE, read_owned
 from er_models.catalogue import CATALOGUE, Catalogue, Origin
 from er_models.effect import Effect
 from er_models.errors import InputError
 from er_models.own_check import check
+
+LARGEST = 1 << 20
+"""A file of effects has this many bytes at most."""
+NAMES = ("EFFECT", "EFFECTS")
+EXPECTED = "EFFECT = Effect(...), or EFFECTS with several"
 
 
 def catalogue_with(files: Sequence[str | Path]) -> Catalogue:
@@ -49,18 +60,22 @@ def _catalogue(files: tuple[tuple[Path, bytes], ...]) -> Catalogue:
 
 
 def _content(path: Path) -> bytes:
-    """Content of a file."""
-    if not path.is_file():
-        found = "no file" if not path.exists() else "a folder"
+    """Content of a file of this user, of root or of the owner of this program, and that not everybody may write to."""
+    if path.is_dir() or not path.exists():
+        found = "a folder" if path.is_dir() else "no file"
         raise InputError(path, "", "a Python file with effects", found)
     try:
-        return path.read_bytes()
+        return read_owned(path, ALL_WRITE, (Path(__file__).stat().st_uid,), LARGEST)
+    except PermissionError as error:
+        expected = f"a file of yours that can be read, {LARGEST >> 20} MB at most"
+        raise InputError(path, "", expected, error.strerror) from error
     except OSError as error:
         raise InputError(path, "", "a file that can be read", error.strerror or error) from error
 
 
 def _module(path: Path, content: bytes, digest: str) -> ModuleType:
     """The file run as a module, kept among the modules so that its source is found again."""
+    code = _code(path, content)
     name = f"er_own_{path.stem}_{digest[:16]}"
     module = ModuleType(name)
     module.__file__ = str(path)
@@ -68,14 +83,27 @@ def _module(path: Path, content: bytes, digest: str) -> ModuleType:
     text = content.decode(errors="replace")
     linecache.cache[str(path)] = (len(content), None, text.splitlines(keepends=True), str(path))
     try:
-        exec(compile(content, str(path), "exec"), module.__dict__)
-    except SyntaxError as error:
-        del sys.modules[name]
-        raise InputError(path, f"line {error.lineno}", "valid Python", error.msg) from error
+        exec(code, module.__dict__)
     except (Exception, SystemExit) as error:
         del sys.modules[name]
         raise InputError(path, _line(path, error), "a file that runs", _said(error)) from error
     return module
+
+
+def _code(path: Path, content: bytes) -> CodeType:
+    """The file as Python reads it, where that gives an effect a name; nothing of it has run."""
+    try:
+        text = decode_source(content)
+        code = compile(text, str(path), "exec")
+        symbols = symtable(text, str(path), "exec").get_symbols()
+    except SyntaxError as error:
+        raise InputError(path, f"line {error.lineno}", "valid Python", error.msg) from error
+    except (ValueError, RecursionError, MemoryError) as error:
+        raise InputError(path, "", "valid Python", _said(error)) from error
+    given = {each.get_name() for each in symbols if each.is_assigned() or each.is_imported()}
+    if not given.intersection(NAMES):
+        raise InputError(path, NAMES[0], EXPECTED, "neither")
+    return code
 
 
 def _line(path: Path, error: BaseException) -> str:
@@ -93,10 +121,9 @@ def _said(error: BaseException) -> str:
 
 def _effects(path: Path, module: ModuleType) -> tuple[Effect, ...]:
     """What a file gives as EFFECT or EFFECTS."""
-    found = getattr(module, "EFFECTS", None) or getattr(module, "EFFECT", None)
+    found = getattr(module, NAMES[1], None) or getattr(module, NAMES[0], None)
     if found is None:
-        expected = "EFFECT = Effect(...), or EFFECTS with several"
-        raise InputError(path, "EFFECT", expected, "neither")
+        raise InputError(path, NAMES[0], EXPECTED, "neither")
     effects = tuple(found) if isinstance(found, list | tuple) else (found,)
     for effect in effects:
         if not isinstance(effect, Effect):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import dataclasses
 import inspect
 import os
@@ -10,14 +11,18 @@ import sys
 from collections.abc import Callable
 from math import exp, tanh
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
+from er_models.cache import sealed
+from er_models.cache.folder import cache_folder
 from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.effect import HOOKS, Effect, Param, Signature
 from er_models.files import load_model
 from er_models.kernel import load
 from er_models.kernel.compose import fingerprint, source
+from er_models.kernel.fast import njit
 from er_models.kernel.inline import inlined
 from er_models.model import Model
 from er_models.predict import predict
@@ -131,6 +136,47 @@ def test_a_changed_helper_gives_another_kernel(monkeypatch: pytest.MonkeyPatch) 
     assert fingerprint(CATALOGUE.extended([own(branched)])) != before
 
 
+def elsewhere(F_k: float, v: float) -> float:
+    """A force that refers to a constant and to a compiled function of another module."""
+    return F_k * other.LEVEL * other.helper(v)
+
+
+other = ModuleType("other")
+other.__dict__.update(LEVEL=2.0, helper=njit(helper))
+
+
+def sagging(v: float) -> float:
+    """Another helper."""
+    return v
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("LEVEL", 3.0), ("LEVEL", np.ones(2)), ("helper", njit(sagging))]
+)
+def test_a_change_in_another_module_gives_another_kernel(
+    name: str, value: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = fingerprint(CATALOGUE.extended([own(elsewhere)]))
+    monkeypatch.setitem(other.__dict__, name, value)
+    assert fingerprint(CATALOGUE.extended([own(elsewhere)])) != before
+
+
+def test_every_module_that_the_source_imports_counts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tree = ast.parse(source(FEW))
+    names = {n.module for n in ast.walk(tree) if isinstance(n, ast.ImportFrom) and n.module}
+    ours = sorted(name for name in names if name.startswith("er_models"))
+    assert len(ours) > 2
+    found = {fingerprint(FEW)}
+    for name in ours:
+        (tmp_path / "changed.py").write_text("CONSTANT = 2.0\n", encoding="utf-8")
+        with monkeypatch.context() as patch:
+            patch.setattr(sys.modules[name], "__file__", str(tmp_path / "changed.py"))
+            found.add(fingerprint.__wrapped__(FEW))
+    assert len(found) == len(ours) + 1
+
+
 def test_words_and_bounds_do_not_matter() -> None:
     assert fingerprint(changed("coulomb_friction", title="x", source="y")) == fingerprint(
         CATALOGUE
@@ -157,18 +203,18 @@ def test_a_users_effect_is_compiled_into_the_damper(
     force = predict(model.with_effect("own_force", {"F_k": 0.5}), inputs)
     expected = [function(0.5, v) for v in inputs.v]  # type: ignore[operator]
     assert force == pytest.approx(expected, abs=1e-12)
-    assert [p.suffix for p in (tmp_path / "er_models").glob("er_kernel_*.*")] == [".py"]
+    assert len(list((tmp_path / "er_models").rglob("er_kernel_*.py"))) == 1
 
 
 def test_cache_lies_where_it_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ER_CACHE_DIR", str(tmp_path / "a"))
-    assert load.cache_folder() == tmp_path / "a" / "er_models"
+    assert cache_folder() == tmp_path / "a" / "er_models"
     monkeypatch.delenv("ER_CACHE_DIR")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "b"))
-    assert load.cache_folder() == tmp_path / "b" / "er_models"
+    assert cache_folder() == tmp_path / "b" / "er_models"
     monkeypatch.delenv("XDG_CACHE_HOME")
     monkeypatch.setenv("HOME", str(tmp_path / "c"))
-    assert load.cache_folder() == tmp_path / "c" / ".cache" / "er_models"
+    assert cache_folder() == tmp_path / "c" / ".cache" / "er_models"
 
 
 def test_a_cache_that_cannot_be_written_falls_back(
@@ -177,7 +223,7 @@ def test_a_cache_that_cannot_be_written_falls_back(
     """A file in the way, whoever runs the test; the fallback can be written and is one's own."""
     (tmp_path / "blocked").write_text("", encoding="utf-8")
     monkeypatch.setenv("ER_CACHE_DIR", str(tmp_path / "blocked"))
-    folder = load.cache_folder()
+    folder = cache_folder()
     assert folder.is_dir()
     assert not folder.is_relative_to(tmp_path)
     assert folder.stat().st_uid == os.getuid()
@@ -194,8 +240,8 @@ def test_half_a_file_is_never_seen(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         assert not Path(new).exists()
         replace(old, new)
 
-    monkeypatch.setattr(load.os, "replace", watch)
-    load._write(tmp_path / "kernel.py", "text")
+    monkeypatch.setattr(os, "replace", watch)
+    sealed.put(tmp_path / "kernel.py", b"text")
     assert seen == ["text"]
     assert [p.name for p in tmp_path.iterdir()] == ["kernel.py"]
 
@@ -223,8 +269,8 @@ def test_two_processes_compile_at_once(tmp_path: Path) -> None:
     results.append(start().communicate(timeout=60)[0])
     expected = repr(float(predict(damper(), imposed(SMALL, 0.5)).sum()))
     assert [r.strip() for r in results] == [expected] * 3
-    assert len(list((tmp_path / "er_models").glob("er_kernel_*.py"))) == 1
-    assert not list((tmp_path / "er_models").glob("*.tmp"))
+    assert len(list((tmp_path / "er_models").rglob("er_kernel_*.py"))) == 1
+    assert not list((tmp_path / "er_models").rglob("*.tmp"))
 
 
 def test_kernels_of_two_catalogues_live_side_by_side() -> None:

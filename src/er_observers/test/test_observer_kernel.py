@@ -9,7 +9,6 @@ import pytest
 from er_common.topic_names import OBSERVERS
 from er_models.model import Array, Model
 from er_observers.gains import Gains
-from er_observers.observers.compiled import compiled, digest_of
 from er_observers.observers.gate import gate_of, mean_gate, slopes_of, solve_gate
 from er_observers.observers.kernel import SUBSTEP, advance, substeps
 from er_observers.observers.phi import phi_functions
@@ -18,8 +17,6 @@ from er_observers.running.ready import ready
 from er_observers.synthesis.discrete import looked_up
 from scipy.integrate import quad, solve_ivp
 from scipy.linalg import expm
-
-from er_observers import observers
 
 
 @pytest.mark.parametrize("size", [1e-6, 0.3, 3.0, 40.0])
@@ -157,23 +154,3 @@ def test_bridge_is_the_model_with_a_fading_tyre(gains: Gains) -> None:
     advance(*gains.bridge, x, nothing, nothing, nothing, 0.0, 0.02, substeps(0.02), out, 0.0)
     assert out[2] == pytest.approx(3e-4 * np.exp(-1.0), rel=1e-9)
     assert out[3] == pytest.approx(np.exp(0.02 * gains.form.A[3, 3]), rel=1e-9)
-
-
-def test_compiles_where_nothing_can_be_written() -> None:
-    """A function without a file has no place on disk: it is compiled in memory."""
-    namespace: dict[str, object] = {}
-    exec("def twice(x):\n    return 2.0 * x", namespace)
-    assert compiled(namespace["twice"])(1.5) == 3.0  # type: ignore[type-var]
-
-
-def test_compiled_code_is_kept_by_all_its_sources(tmp_path: Path) -> None:
-    """A change in one file makes everything anew: numba would go on with what other files had compiled."""
-    for name in ("observers", "peers"):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "a.py").write_text(name)
-    before = digest_of(tmp_path)
-    assert digest_of(tmp_path) == before
-    (tmp_path / "peers" / "a.py").write_text("other")
-    assert digest_of(tmp_path) != before
-    kept = Path(advance._cache.cache_path)  # type: ignore[attr-defined]
-    assert digest_of(Path(observers.__file__).parents[1]) in kept.parts

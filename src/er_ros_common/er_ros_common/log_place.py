@@ -1,6 +1,7 @@
 """Where ROS writes its log files: in the home folder, which a service or a container may not have.
 
-Without a place for them no node starts. Who has said nothing about the place gets one among the temporary files.
+Without a place for them no node starts. Who has said nothing about the place gets a fresh one among the temporary
+files, for this user alone; programs that are started from here write there, too.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ def settle(env: MutableMapping[str, str] = os.environ) -> None:
             return
     home = env.get("HOME")
     if not home or not Path(home).is_dir() or not _writable(Path(home) / ".ros" / "log"):
-        env["ROS_LOG_DIR"] = str(Path(tempfile.gettempdir()) / f"ros_log_{os.getuid()}")
+        env["ROS_LOG_DIR"] = tempfile.mkdtemp(prefix="ros_log_")
 
 
 def _writable(folder: Path) -> bool:

@@ -18,7 +18,7 @@ VALUES = {
     "number_as_text": "12",
     "truth_as_text": "true",
     "quote": "it's",
-    "path": "/tmp/a:=b",
+    "path": "/data/a:=b",
     "empty": "",
     "whole_float": 1.0,
     "tiny": 1e-05,

@@ -32,6 +32,19 @@ def test_without_a_home_there_is_another_place(home: str | None, tmp_path: Path)
     assert done.returncode == 0, done.stderr
     assert "here" in done.stderr
     assert any(tmp_path.rglob("*.log"))
+    (folder,) = tmp_path.iterdir()
+    assert folder.stat().st_mode & 0o077 == 0
+
+
+def test_nobody_can_foretell_the_other_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    found = []
+    for _ in range(2):
+        settle(env := {"HOME": "/proc"})
+        found.append(env["ROS_LOG_DIR"])
+    assert len({*found}) == 2
 
 
 def test_a_home_that_can_be_written_is_left_as_it_is(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from er_models.compiled_once import on_disk
+from er_models.cache.compiled import on_disk
 from er_models.model import Array
 from numpy.typing import NDArray
 

@@ -1,19 +1,22 @@
 """Writes the source of one kernel module for a whole catalogue.
 
 Effects a model does not use are switched off by a mask, so one compilation serves every model and
-every combination the lab tries. The module's name is a hash of all sources, so a changed equation
-can never meet a stale compilation.
+every combination the lab tries.
 """
 
 from __future__ import annotations
 
 import hashlib
 import inspect
+import re
+import sys
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 from pathlib import Path
-from types import CodeType
+from types import CodeType, ModuleType
 from typing import Any
+
+import numpy as np
 
 from er_models.catalogue import Catalogue
 from er_models.effect import INSTANT, Effect, arguments
@@ -24,6 +27,7 @@ from er_models.kernel.order import relaxes_at
 OF_FIELD = {"y": "u", "f_y": "u_f", "tau_scale": "u_f_scale"}
 """What the equations of the response see where the duty whose chains have formed follows the duty."""
 PARTS = ("states", "inputs", "imposed", "sensors", "vehicle")
+_OURS = re.compile(r"^from (er_models\.\S+) import", re.MULTILINE)
 _MARK = "# --- below this line: compiled with the composed equations ---\n"
 
 
@@ -219,6 +223,7 @@ def _accelerometers(catalogue: Catalogue) -> list[str]:
     return [*body, "    return a_s, a_us"]
 
 
+@lru_cache(maxsize=8)
 def source(catalogue: Catalogue) -> str:
     """Complete source of the kernel module of a catalogue."""
     parts = [
@@ -246,10 +251,14 @@ def source(catalogue: Catalogue) -> str:
 
 @lru_cache(maxsize=8)
 def fingerprint(catalogue: Catalogue) -> str:
-    """Hash of everything the kernel is made of: equations, layout and integrators."""
-    digest = hashlib.sha256(source(catalogue).encode())
-    for name in ("fast", "elementary"):
-        digest.update((Path(__file__).parent / f"{name}.py").read_bytes())
+    """Hash of everything the equations are made of: a model of the same hash behaves the same.
+
+    It names the kernel, too; where that is compiled, all sources of this package are looked at beside it.
+    """
+    text = source(catalogue)
+    digest = hashlib.sha256(text.encode())
+    for name in _OURS.findall(text):
+        digest.update(Path(str(sys.modules[name].__file__)).read_bytes())
     for origin in catalogue.origins.values():
         digest.update(origin.digest.encode())
     for effect in catalogue.effects:
@@ -259,14 +268,25 @@ def fingerprint(catalogue: Catalogue) -> str:
     return digest.hexdigest()[:16]
 
 
-def _constants(function: Any) -> list[tuple[str, str]]:
-    """Module constants and helpers that a hook refers to: a change of theirs is a change of the equation."""
+def _constants(function: Any, seen: frozenset[Any] = frozenset()) -> list[tuple[str, str]]:
+    """Constants and helpers that a hook refers to: a change of theirs is a change of the equation."""
     found = []
-    code: CodeType = function.__code__
-    for name in sorted(code.co_names):
-        value = function.__globals__.get(name)
-        if inspect.isfunction(value):
-            found += [(name, inspect.getsource(value)), *_constants(value)]
+    for name, value in _named(function):
+        plain = getattr(value, "py_func", value)  # of what is compiled already
+        if inspect.isfunction(plain) and plain not in seen:
+            found.append((name, inspect.getsource(plain)))
+            found += _constants(plain, seen | {plain})
         elif isinstance(value, int | float | tuple):
             found.append((name, repr(value)))
+        elif isinstance(value, np.ndarray):
+            found.append((name, value.tobytes().hex()))
     return found
+
+
+def _named(function: Any) -> list[tuple[str, Any]]:
+    """What the names in a function may stand for: globals of its module, and of the modules among these."""
+    code: CodeType = function.__code__
+    names, known = sorted(code.co_names), function.__globals__
+    found = [(name, known[name]) for name in names if name in known]
+    modules = [vars(value) for _, value in found if isinstance(value, ModuleType)]
+    return found + [(name, inner[name]) for inner in modules for name in names if name in inner]

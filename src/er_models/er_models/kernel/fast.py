@@ -7,7 +7,7 @@ from typing import Any
 
 import numba
 
-from er_models.compiled_once import on_disk
+from er_models.cache.compiled import on_disk
 
 njit: Callable[..., Any] = numba.njit
 """Untyped: the stubs of numba know only part of its options."""

@@ -2,7 +2,8 @@
 
 A wire is named by a text: `serial:/dev/ttyUSB0` (`serial:/dev/ttyUSB0@460800` where the speed is not 921600
 baud), `udp:HOST:PORT`. A device listens at `udp:HOST:PORT`, or makes a pseudo terminal and a link to it:
-`pty:/tmp/er-device`, which the host opens as `serial:/tmp/er-device`.
+`pty:er-device`, which the host opens as `serial:er-device`. The folder must be one to which only trusted users write
+(not the one of temporary files): whoever can put another link there gets the commands.
 """
 
 from __future__ import annotations

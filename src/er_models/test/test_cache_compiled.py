@@ -7,18 +7,19 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
-from er_models.compiled_once import on_disk
-
-from er_models import compiled_once
+from er_models.cache import sealed
+from er_models.cache.compiled import on_disk
+from er_models.cache.lock import locked
 
 PROGRAM = """
 import sys
 import numba.core.event as event
-from er_models import compiled_once
+from er_models.cache import lock
 
-compiled_once.PATIENCE = {patience}
+lock.PATIENCE = {patience}
 compiled = []
 
 class Listener(event.Listener):
@@ -37,7 +38,7 @@ from functions import outer
 print(outer(2.0), len(compiled), flush=True)
 """
 FUNCTIONS = """
-from er_models.compiled_once import on_disk
+from er_models.cache.compiled import on_disk
 
 @on_disk(error_model="numpy")
 def inner(x):
@@ -54,7 +55,7 @@ def start(folder: Path, *, stop: bool = False, patience: float = 60.0) -> subpro
     program = PROGRAM.format(folder=str(folder), stop=stop, patience=patience)
     return subprocess.Popen(
         [sys.executable, "-c", program], text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-        env=os.environ | {"NUMBA_CACHE_DIR": str(folder / "cache")},
+        env=os.environ | {"ER_CACHE_DIR": str(folder / "cache")},
     )  # fmt: skip
 
 
@@ -93,13 +94,13 @@ def test_nobody_waits_for_one_that_is_gone(folder: Path, end: signal.Signals) ->
 
 def test_without_a_folder_for_the_lock_it_is_compiled_all_the_same(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    assert compiled_once._locked(str(tmp_path / "file" / "a.lock")) is None
+    assert locked(tmp_path / "file" / "a.lock") is None
 
 
-def test_the_lock_is_given_back_when_the_compiler_fails_to_save(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_full_disk_stops_nobody_and_the_lock_is_given_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr("numba.config.CACHE_DIR", str(tmp_path))
+    monkeypatch.setenv("ER_CACHE_DIR", str(tmp_path))
 
     @on_disk()
     def plain(x: float) -> float:
@@ -108,10 +109,30 @@ def test_the_lock_is_given_back_when_the_compiler_fails_to_save(
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(plain._cache._cache, "save_overload", full)
-    with pytest.raises(OSError, match="No space"):
-        plain(1.0)
-    (lock,) = tmp_path.rglob("*.lock")
-    file = compiled_once._locked(str(lock))
+    monkeypatch.setattr(sealed, "write", full)
+    assert plain(1.0) == 2.0
+    assert "No space left on device: compiled code is not kept" in caplog.text
+    (lock,) = tmp_path.rglob("*plain*.lock")
+    file = locked(lock)
     assert file is not None
     os.close(file)
+
+
+def test_what_no_file_stands_for_is_compiled_in_memory(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A text that was executed, and a function that refers to variables of another one."""
+    monkeypatch.setenv("ER_CACHE_DIR", str(tmp_path))
+    namespace: dict[str, Any] = {}
+    exec("def twice(x):\n    return 2.0 * x", namespace)
+    assert on_disk()(namespace["twice"])(1.5) == 3.0
+
+    def times(factor: float) -> Any:
+        @on_disk()
+        def scaled(x: float) -> float:
+            return factor * x
+
+        return scaled
+
+    assert [times(factor)(1.5) for factor in (2.0, 4.0)] == [3.0, 6.0]
+    assert not [*tmp_path.rglob("*.compiled")]
