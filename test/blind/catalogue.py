@@ -1,93 +1,36 @@
-"""Every effect the generator can hide, the only list."""
+"""Every effect the generator can hide: what the files in `truth/` hold."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+from importlib import import_module
+from pkgutil import iter_modules
+
 import numpy as np
 
+from test.blind import truth
 from test.blind.effect import Effect
 from test.blind.errors import BlindError
-from test.blind.truth import (
-    accelerometer,
-    actuation,
-    asymmetric_damping,
-    bouc_wen_hysteresis,
-    cavitation,
-    coulomb_friction,
-    effectiveness_fade,
-    end_stop,
-    field,
-    fluid_inertia,
-    gas_spring,
-    joint,
-    outside_force,
-    outside_signal,
-    position_dependent_damping,
-    preload,
-    quadratic_damping,
-    response,
-    self_heating,
-    sensing,
-    shear_thinning,
-    stribeck_friction,
-    suspension,
-    tyre,
-    viscoelastic_branch,
-)
+from test.blind.slots import FIXED_ROWS
 
-INSIDE: tuple[Effect, ...] = (
-    gas_spring.EFFECT,
-    preload.EFFECT,
-    coulomb_friction.EFFECT,
-    stribeck_friction.EFFECT,
-    quadratic_damping.EFFECT,
-    asymmetric_damping.EFFECT,
-    shear_thinning.EFFECT,
-    position_dependent_damping.EFFECT,
-    end_stop.EFFECT,
-    bouc_wen_hysteresis.EFFECT,
-    viscoelastic_branch.EFFECT,
-    fluid_inertia.EFFECT,
-    joint.BUSH,
-    joint.GAP,
-    cavitation.EFFECT,
-    field.VISCOSITY,
-    field.STIFFNESS,
-    response.VARYING,
-    response.ASYMMETRY,
-    actuation.DELAY,
-    actuation.LAW,
-    actuation.BAND,
-    actuation.LAG,
-    self_heating.EFFECT,
-    effectiveness_fade.EFFECT,
-    sensing.DELAY,
-    sensing.LAG,
-    sensing.VELOCITY,
-    sensing.ZERO,
-)
 
-OUTSIDE: tuple[Effect, ...] = (
-    outside_force.COGGING,
-    outside_signal.HUM,
-    outside_force.COUPLING,
-    outside_force.MEMORY,
-    outside_signal.DRIFT,
-    outside_force.STICK,
-    outside_signal.RESONANCE,
-    outside_signal.CROSSTALK,
-)
+def _discovered() -> tuple[Effect, ...]:
+    """Every `Effect` of every file in `truth/`: first those whose row seeds are known of, then others by name."""
+    files = (import_module(f"{truth.__name__}.{m.name}") for m in iter_modules(truth.__path__))
+    found = [each for file in files for each in vars(file).values() if isinstance(each, Effect)]
+    later = sorted((e for e in found if e.slot is None), key=lambda e: e.name)
+    rows = (replace(e, slot=FIXED_ROWS + k) for k, e in enumerate(later))
+    return (*sorted((e for e in found if e.slot is not None), key=lambda e: e.slot), *rows)
 
-VEHICLE: tuple[Effect, ...] = (
-    tyre.DAMPING,
-    tyre.LIFT,
-    suspension.FRICTION,
-    suspension.STIFFENING,
-    suspension.LOAD,
-    accelerometer.EFFECT,
-)
+
+EVERY = _discovered()
+N_EFFECTS = len(EVERY)
+OUTSIDE = tuple(e for e in EVERY if e.name.startswith("outside:"))
+VEHICLE = tuple(e for e in EVERY if not e.shown_by_force)
 """Effects of the car: the damper force along the measured motion does not show them."""
+INSIDE = tuple(e for e in EVERY if e not in OUTSIDE and e not in VEHICLE)
 
-BY_NAME = {effect.name: effect for effect in (*INSIDE, *OUTSIDE, *VEHICLE)}
+BY_NAME = {effect.name: effect for effect in EVERY}
 
 
 def choose(effect: str | list[str] | None, rng: np.random.Generator) -> list[Effect]:

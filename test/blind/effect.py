@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -34,11 +35,15 @@ class Effect:
 
     Attributes:
         name: contract name, or ``outside:<kind>``.
-        slot: row of the effect table.
         columns: symbol and unit of each parameter; the first is the strength, neutral at zero.
         typical: strength where the calibration starts.
         least, most: range of the strength's magnitude.
         draw: the other parameters from a generator and the scene.
+        acts: laws by the place where they act, a key of `places.PLACES`; arguments are signals of
+            `places.SIGNALS`, by name, then the columns in order. ``shown`` is what the instruments do: it changes
+            the fine trajectory (m, outputs); arguments are that, its step [s] and the columns.
+        slot: row of the effect table, for a law that stands in the integrator itself or that seeds are known of;
+            None gives the next one.
         most_negative: largest magnitude of a negative strength; zero where it must be positive.
         shown_by_force: the force along the measured motion shows it, so that its strength can be set by what it
             leaves there; else the strength is drawn.
@@ -46,12 +51,13 @@ class Effect:
     """
 
     name: str
-    slot: int
     columns: tuple[tuple[str, str], ...]
     typical: float
     least: float
     most: float
     draw: Callable[[np.random.Generator, Scene], tuple[float, ...]]
+    acts: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
+    slot: int | None = None
     most_negative: float = 0.0
     hides_in_bias: bool = False
     shown_by_force: bool = True

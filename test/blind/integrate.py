@@ -5,19 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from test.blind import rates
+from test.blind.catalogue import EVERY
 from test.blind.jit import Array, entry, inner
+from test.blind.places import own_states
 from test.blind.slots import (
     AM1,
     AM2,
     DEAD_TIME,
     DIRECTION,
     FER,
+    FIXED_STATES,
     FLD,
     INERTIA,
     MX1,
     MX2,
     N_OUT,
-    N_STATES,
     OAS,
     OAU,
     OF,
@@ -43,6 +45,7 @@ from test.blind.slots import (
 )
 from test.blind.truth import joint
 
+N_STATES = FIXED_STATES + len(own_states(EVERY))
 SUBSTEPS = 32
 SAMPLE = 0.005
 STEP = SAMPLE / SUBSTEPS

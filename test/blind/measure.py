@@ -7,26 +7,22 @@ from typing import Literal
 
 import numpy as np
 
+from test.blind.catalogue import INSIDE, OUTSIDE, VEHICLE
 from test.blind.integrate import LEAD_SAMPLES, SAMPLE, STEP, SUBSTEPS
 from test.blind.jit import Array
 from test.blind.plant import Motion
 from test.blind.slots import (
-    BIAS,
-    DEFLECTION_ZERO,
     FORCE_DELAY,
-    FORCE_LAG,
     OAS,
     OAU,
     OF,
     OUT_CROSSTALK,
     OUT_DRIFT,
     OUT_HUM,
-    OUT_RESONANCE,
     OV,
     OX,
-    VELOCITY_LAG,
 )
-from test.blind.truth import outside_signal, sensing
+from test.blind.truth import outside_signal
 
 COLUMNS = (
     "t",
@@ -60,20 +56,12 @@ class Noise:
 
 
 def instruments(fine: Array, table: Array) -> Array:
-    """The fine trajectory as the instruments show it: resonance, lags, zero and bias; (m, outputs) both."""
+    """The fine trajectory as the instruments show it, frames before sensors; (m, outputs) both."""
     shown = fine.copy()
-    if table[OUT_RESONANCE, 0] != 0.0:
-        row = table[OUT_RESONANCE]
-        shown[:, OF] += row[0] * (
-            outside_signal.frame(fine[:, OF], STEP, row[1], row[2]) - fine[:, OF]
-        )
-    if table[FORCE_LAG, 0] != 0.0:
-        shown[:, OF] = sensing.lagged(shown[:, OF], STEP, table[FORCE_LAG, 0])
-    if (lag := table[VELOCITY_LAG, 0]) != 0.0:
-        shown[:, OV] = sensing.lagged(sensing.lagged(fine[:, OV], STEP, lag), STEP, 0.2 * lag)
-    shown[:, OX] += table[DEFLECTION_ZERO, 0]
-    shown[:, OAS] += table[BIAS, 0]
-    shown[:, OAU] += table[BIAS, 0] * table[BIAS, 1]
+    for effect in (*OUTSIDE, *INSIDE, *VEHICLE):
+        row = table[effect.slot]
+        if "shown" in effect.acts and row[0] != 0.0:
+            effect.acts["shown"](shown, STEP, *row[: len(effect.columns)])
     return shown
 
 

@@ -11,9 +11,10 @@ from typing import Literal
 import numpy as np
 
 from test.blind import roads
+from test.blind.catalogue import N_EFFECTS
 from test.blind.integrate import LEAD_SAMPLES, SUBSTEPS, run
 from test.blind.jit import Array
-from test.blind.slots import N_COLUMNS, N_EFFECTS, OUT_STICK, OV, OX
+from test.blind.slots import N_COLUMNS, OUT_STICK, OV, OX
 
 Rig = Literal["car", "damper"]
 Program = Literal["rich", "constant_duty", "one_sine"]

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 
 from test.blind import rod
+from test.blind.catalogue import EVERY
 from test.blind.jit import Array, inner
+from test.blind.places import composed
 from test.blind.slots import (
     AM1,
     AM2,
@@ -13,13 +15,10 @@ from test.blind.slots import (
     C0,
     C1,
     CAVITATION,
-    FADE,
     FC,
     FER,
     FLD,
     HEATING,
-    HYS,
-    HYSTERESIS,
     INERTIA,
     K1,
     KS,
@@ -41,9 +40,7 @@ from test.blind.slots import (
 )
 from test.blind.truth import (
     actuation,
-    bouc_wen_hysteresis,
     cavitation,
-    effectiveness_fade,
     joint,
     response,
     self_heating,
@@ -51,43 +48,55 @@ from test.blind.truth import (
     tyre,
 )
 
+field, yield_force, own_rates = (composed(p, EVERY) for p in ("field", "yield_force", "rate"))
+
 
 @inner
 def _imbalance(
+    t: float,
     speed: float,
     x: float,
     v: float,
     burst: float,
     y: Array,
+    dy: Array,
     memory: Array,
     rows: Array,
     base: Array,
 ) -> float:
     """Rod force less joint force [N] if the damper moves at ``speed`` while the car moves at v."""
-    rod_force = rod.force(y[XD], speed, burst, y, memory, rows, base)
+    rod_force = rod.force(t, y[XD], speed, burst, y, dy, memory, rows, base)
     return rod_force - joint.force(x - y[XD], v - speed, rows)
 
 
 @inner
 def joint_velocity(
-    x: float, v: float, burst: float, y: Array, memory: Array, rows: Array, base: Array
+    t: float,
+    x: float,
+    v: float,
+    burst: float,
+    y: Array,
+    dy: Array,
+    memory: Array,
+    rows: Array,
+    base: Array,
 ) -> float:
     """Velocity [m/s] at which rod and joint carry one force: bracketed regula falsi (Illinois)."""
     low, high = v, v
-    at_low = _imbalance(low, x, v, burst, y, memory, rows, base)
+    at_low = _imbalance(t, low, x, v, burst, y, dy, memory, rows, base)
     at_high = at_low
     step = -at_low / base[C0] * 1.05
     for _ in range(12):
         if abs(at_high) < 1e-9:
             return float(high)
         high = low + step
-        at_high = _imbalance(high, x, v, burst, y, memory, rows, base)
+        at_high = _imbalance(t, high, x, v, burst, y, dy, memory, rows, base)
         if at_high * at_low <= 0.0:
             break
         low, at_low = high, at_high
     for _ in range(40):
         middle = high - at_high * (high - low) / (at_high - at_low)
-        at = _imbalance(middle, x, v, burst, y, memory, rows, base)
+        at = _imbalance(t, middle, x, v, burst, y, dy, memory, rows, base)
         if abs(at) < 1e-9:
             return float(middle)
         if at * at_high < 0.0:
@@ -108,11 +117,9 @@ def field_rates(
         dy[AM1] = (u - y[AM1]) / lag
         dy[AM2] = (y[AM1] - y[AM2]) / (0.15 * lag)
         u = y[AM2]
-    h = actuation.field(u, rows)
+    h = field(actuation.beyond_dead_band(u, rows), t, x, v, y, dy, rows)
     dy[FLD] = (h - y[FLD]) / base[TAU]
-    level = (
-        base[FC] * h * effectiveness_fade.factor(t, rows[FADE, 0], rows[FADE, 1], rows[FADE, 2])
-    )
+    level = yield_force(base[FC] * h, t, x, v, y, dy, rows)
     level *= self_heating.yield_force(y[TF], rows[HEATING, 0], rows[HEATING, 1], rows[HEATING, 6])
     target = level * math.tanh(base[K1] * x + base[C1] * v)
     tau = response.time_constant(base[TAU], u, y[FER], target, rows)
@@ -123,17 +130,14 @@ def field_rates(
 def inner_rates(
     t: float, x: float, v: float, y: Array, dy: Array, rows: Array, base: Array
 ) -> None:
-    """States of effects that ride on the rod's travel: bristle, branches, void, heat."""
-    j = HYSTERESIS
-    dy[HYS] = bouc_wen_hysteresis.rate(
-        y[HYS], v, rows[j, 0], rows[j, 1], rows[j, 2], rows[j, 3], rows[j, 4]
-    )
+    """States of effects that ride on the rod's travel: those of single truths, branches, void, heat."""
+    own_rates(0.0, t, x, v, y, dy, rows)
     if rows[VISCOELASTIC, 0] != 0.0:
         dy[MX1] = (x - y[MX1]) / rows[VISCOELASTIC, 2]
         dy[MX2] = 4.0 * (x - y[MX2]) / rows[VISCOELASTIC, 2]
     if rows[CAVITATION, 0] == 0.0 and rows[HEATING, 0] == 0.0:
         return
-    filled = rod.hydraulic(x, v, y, rows, base)
+    filled = rod.hydraulic(t, x, v, y, dy, rows, base)
     dy[VOID] = cavitation.rate(filled, y[VOID], base[C0], rows[CAVITATION, 0], rows[CAVITATION, 1])
     if rows[HEATING, 0] != 0.0:
         power = max(filled * v, 0.0) if t >= 0.0 else 0.0
@@ -159,12 +163,12 @@ def damper(
     if not joint.present(rows):
         field_rates(t, x, v, u, y, dy, rows, base)
         inner_rates(t, x, v, y, dy, rows, base)
-        return rod.force(x, v, burst, y, memory, rows, base)
+        return rod.force(t, x, v, burst, y, dy, memory, rows, base)
     mass = rows[INERTIA, 0]
-    speed = y[VD] if mass != 0.0 else joint_velocity(x, v, burst, y, memory, rows, base)
+    speed = y[VD] if mass != 0.0 else joint_velocity(t, x, v, burst, y, dy, memory, rows, base)
     pull = joint.force(x - y[XD], v - speed, rows)
     if mass != 0.0:
-        dy[VD] = (pull - rod.force(y[XD], speed, burst, y, memory, rows, base)) / mass
+        dy[VD] = (pull - rod.force(t, y[XD], speed, burst, y, dy, memory, rows, base)) / mass
     dy[XD] = speed
     field_rates(t, y[XD], speed, u, y, dy, rows, base)
     inner_rates(t, y[XD], speed, y, dy, rows, base)

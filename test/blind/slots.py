@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-# States: car, field force, joint, hysteresis, Maxwell branches, void, field, amplifier, heat, tyre.
-ZS, VS, ZU, VU, FER, XD, VD, HYS, MX1, MX2, VOID, FLD, AM1, AM2, TF, TW, TYR = range(17)
-N_STATES = 17
+# States: car, field force, joint, Maxwell branches, void, field, amplifier, heat, tyre; then those of single truths.
+ZS, VS, ZU, VU, FER, XD, VD, MX1, MX2, VOID, FLD, AM1, AM2, TF, TW, TYR = range(16)
+FIXED_STATES = 16
 
 # Memory updated once per step, not by the rates: last turning point, last stroke, last direction.
 TURN, STROKE, DIRECTION = range(3)
@@ -17,7 +17,8 @@ MS, MU, KS, KT = range(4)
 OX, OV, OF, OAS, OAU, OXD, OFER, OTH, OVS, OVU, OZS, OZU = range(12)
 N_OUT = 12
 
-# Rows of the effect table; column 0 is always the strength, zero meaning "not there".
+# Rows of the effect table; column 0 is always the strength, zero meaning "not there". Seeds draw truths in this order;
+# truths that came later have the rows after these.
 (
     GAS_SPRING,
     PRELOAD,
@@ -63,5 +64,5 @@ N_OUT = 12
     MASS,
     BIAS,
 ) = range(43)
-N_EFFECTS = 43
+FIXED_ROWS = 43
 N_COLUMNS = 7

@@ -19,13 +19,10 @@ NAMES = tuple(BY_NAME)
 SHOWN = tuple(name for name in NAMES if BY_NAME[name].shown_by_force)
 ACTS_ON_SIGNAL_ONLY = {
     "force_delay",
-    "force_lag",
-    "velocity_lag",
-    "deflection_zero",
     "outside:mains_hum",
     "outside:random_walk_drift",
-    "outside:fixture_resonance",
     "outside:field_crosstalk",
+    *(e.name for e in BY_NAME.values() if "shown" in e.acts),
 }
 
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from test.blind.catalogue import BY_NAME, INSIDE, OUTSIDE
+from test.blind.catalogue import BY_NAME, EVERY, INSIDE, N_EFFECTS, OUTSIDE
 from test.blind.effect import between
 from test.blind.errors import BlindError
 from test.blind.generator import Case, excess_after_refit, main, make_case, more_records
 from test.blind.measure import COLUMNS, Noise
-from test.blind.slots import N_EFFECTS
+from test.blind.places import PLACES
 
 CONTRACT = [
     "gas_spring",
@@ -56,10 +56,17 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Case:
 
 
 def test_every_contract_name_can_be_hidden() -> None:
-    assert [effect.name for effect in INSIDE] == CONTRACT
+    """In this order, which seeds draw by; later ones follow."""
+    assert [effect.name for effect in INSIDE][: len(CONTRACT)] == CONTRACT
     assert len(OUTSIDE) >= 6
     assert all(effect.name.startswith("outside:") for effect in OUTSIDE)
     assert sorted(effect.slot for effect in BY_NAME.values()) == list(range(N_EFFECTS))
+
+
+def test_every_law_acts_in_a_place_that_there_is() -> None:
+    """One that is nowhere called would be a truth that does nothing."""
+    places = {place for effect in EVERY for place in effect.acts}
+    assert places == {*PLACES, "shown"}
 
 
 def test_nothing_of_the_product_is_imported() -> None:
@@ -76,7 +83,15 @@ def test_nothing_of_the_product_is_imported() -> None:
         "shutil",
         "sys",
     }
-    standard |= {"__future__", "collections", "dataclasses", "typing"}
+    standard |= {
+        "__future__",
+        "collections",
+        "dataclasses",
+        "importlib",
+        "inspect",
+        "pkgutil",
+        "typing",
+    }
     seen: set[str] = set()
     for path in here.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):

@@ -19,14 +19,19 @@ _EDGE = 0.003
 
 
 @inner
-def field(u: float, rows: Array) -> float:
-    """Field, as an equivalent duty, that a steady duty u makes."""
+def beyond_dead_band(u: float, rows: Array) -> float:
+    """Duty that is left of u."""
     start = rows[DEAD_BAND, 0]
-    if start != 0.0:
-        d = u - start
-        rest = (start * start + _EDGE * _EDGE) ** 0.5 - start
-        u = 0.5 * (d + (d * d + _EDGE * _EDGE) ** 0.5 - rest)
-    s, reference = rows[EXPONENT, 0], rows[EXPONENT, 1]
+    if start == 0.0:
+        return float(u)
+    d = u - start
+    rest = (start * start + _EDGE * _EDGE) ** 0.5 - start
+    return float(0.5 * (d + (d * d + _EDGE * _EDGE) ** 0.5 - rest))
+
+
+@inner
+def field(u: float, s: float, reference: float) -> float:
+    """Field, as an equivalent duty, that a steady duty u makes."""
     if s > 0.0:
         return float(u * (1.0 - s + s * u / reference))
     if s < 0.0:
@@ -40,16 +45,17 @@ def draw_exponent(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
     return (rng.uniform(0.18, 0.3),)
 
 
-DELAY = Effect("dead_time", DEAD_TIME, (("T_d", "s"),), 8e-3, 1e-3, 0.03, nothing)
-LAG = Effect("amplifier_lag", AMPLIFIER, (("T", "s"),), 8e-3, 1e-3, 0.04, nothing)
-BAND = Effect("duty_dead_band", DEAD_BAND, (("u_0", "1"),), 0.03, 4e-3, 0.09, nothing)
+DELAY = Effect("dead_time", (("T_d", "s"),), 8e-3, 1e-3, 0.03, nothing, slot=DEAD_TIME)
+LAG = Effect("amplifier_lag", (("T", "s"),), 8e-3, 1e-3, 0.04, nothing, slot=AMPLIFIER)
+BAND = Effect("duty_dead_band", (("u_0", "1"),), 0.03, 4e-3, 0.09, nothing, slot=DEAD_BAND)
 LAW = Effect(
     "field_exponent",
-    EXPONENT,
     (("s", "1"), ("u_r", "1")),
     0.35,
     0.03,
     1.0,
     draw_exponent,
     most_negative=0.8,
+    acts={"field": field},
+    slot=EXPONENT,
 )

@@ -34,11 +34,12 @@ def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 EFFECT = Effect(
     "asymmetric_damping",
-    ASYMMETRIC,
     (("c_a", "N.s/m"), ("w", "m/s")),
     20.0,
     1.0,
     50.0,
     draw,
     most_negative=30.0,
+    acts={"fluid": force},
+    slot=ASYMMETRIC,
 )

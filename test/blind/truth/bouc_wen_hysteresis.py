@@ -17,12 +17,12 @@ from test.blind.slots import HYSTERESIS
 
 @inner
 def rate(
-    z: float, v: float, strength: float, reach: float, wen: float, power: float, share: float
+    w: float, v: float, strength: float, reach: float, wen: float, power: float, share: float
 ) -> float:
-    """Rate of the bristle deflection z [m/s]."""
+    """Rate of the bristle deflection w [m/s]."""
     if strength == 0.0:
         return 0.0
-    r = z / reach
+    r = w / reach
     if wen < 0.5:
         return v - abs(v) * r
     grown = abs(r) ** (power - 1.0)
@@ -30,11 +30,21 @@ def rate(
 
 
 @inner
-def force(z: float, rate_z: float, strength: float, reach: float, micro: float) -> float:
-    """Force [N] from the bristle deflection z [m] and its rate [m/s]."""
+def force(
+    w: float,
+    v: float,
+    strength: float,
+    reach: float,
+    wen: float,
+    power: float,
+    share: float,
+    micro: float,
+) -> float:
+    """Force [N] from the bristle deflection w [m] and its rate."""
     if strength == 0.0:
         return 0.0
-    return strength * z / reach + micro * strength * rate_z
+    slip = rate(w, v, strength, reach, wen, power, share)
+    return strength * w / reach + micro * strength * slip
 
 
 def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
@@ -47,10 +57,11 @@ def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 EFFECT = Effect(
     "bouc_wen_hysteresis",
-    HYSTERESIS,
     (("a", "N"), ("z_y", "m"), ("wen", "1"), ("n", "1"), ("b", "1"), ("s_1/a", "s/m")),
     0.8,
     0.05,
     2.5,
     draw,
+    acts={"rate": rate, "friction": force},
+    slot=HYSTERESIS,
 )

@@ -42,10 +42,10 @@ def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 EFFECT = Effect(
     "cavitation",
-    CAVITATION,
     (("s", "1"), ("F_r", "N"), ("w_s", "m")),
     0.45,
     0.05,
     0.9,
     draw,
+    slot=CAVITATION,
 )

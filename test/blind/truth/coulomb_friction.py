@@ -23,4 +23,13 @@ def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
     return (rng.uniform(1.5e-3, 4e-3),)
 
 
-EFFECT = Effect("coulomb_friction", COULOMB, (("F_c", "N"), ("v_e", "m/s")), 0.6, 0.05, 2.0, draw)
+EFFECT = Effect(
+    "coulomb_friction",
+    (("F_c", "N"), ("v_e", "m/s")),
+    0.6,
+    0.05,
+    2.0,
+    draw,
+    acts={"friction": force},
+    slot=COULOMB,
+)

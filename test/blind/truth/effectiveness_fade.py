@@ -23,5 +23,12 @@ def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 
 EFFECT = Effect(
-    "effectiveness_fade", FADE, (("s", "1"), ("T", "s"), ("m", "1")), 0.3, 0.03, 0.8, draw
+    "effectiveness_fade",
+    (("s", "1"), ("T", "s"), ("m", "1")),
+    0.3,
+    0.03,
+    0.8,
+    draw,
+    acts={"yield_force": factor},
+    slot=FADE,
 )

@@ -34,10 +34,11 @@ def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 EFFECT = Effect(
     "end_stop",
-    END_STOP,
     (("k_h", "N/m1.5"), ("x_b", "m"), ("a", "s/m")),
     3e4,
     2e3,
     3e6,
     draw,
+    acts={"elastic": force},
+    slot=END_STOP,
 )

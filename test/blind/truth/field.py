@@ -33,14 +33,22 @@ def draw_stiffness(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 
 VISCOSITY = Effect(
-    "field_viscosity", FIELD_VISCOSITY, (("c_u", "N.s/m"),), 60.0, 5.0, 900.0, nothing
+    "field_viscosity",
+    (("c_u", "N.s/m"),),
+    60.0,
+    5.0,
+    900.0,
+    nothing,
+    acts={"fluid": viscous},
+    slot=FIELD_VISCOSITY,
 )
 STIFFNESS = Effect(
     "field_stiffness",
-    FIELD_STIFFNESS,
     (("k_u", "N/m"), ("x_s", "m")),
     1200.0,
     100.0,
     15000.0,
     draw_stiffness,
+    acts={"elastic": elastic},
+    slot=FIELD_STIFFNESS,
 )

@@ -8,4 +8,4 @@ from __future__ import annotations
 from test.blind.effect import Effect, nothing
 from test.blind.slots import INERTIA
 
-EFFECT = Effect("fluid_inertia", INERTIA, (("m", "kg"),), 0.2, 0.05, 1.0, nothing)
+EFFECT = Effect("fluid_inertia", (("m", "kg"),), 0.2, 0.05, 1.0, nothing, slot=INERTIA)

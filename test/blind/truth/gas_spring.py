@@ -35,10 +35,11 @@ def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 EFFECT = Effect(
     "gas_spring",
-    GAS_SPRING,
     (("F_p", "N"), ("L", "m"), ("n", "1"), ("hyperbolic", "1")),
     6.0,
     0.5,
     30.0,
     draw,
+    acts={"elastic": force},
+    slot=GAS_SPRING,
 )

@@ -54,6 +54,6 @@ def draw_gap(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 
 BUSH = Effect(
-    "mount_compliance", MOUNT, (("S", "m/N"), ("d_h", "m")), 1e-5, 2e-6, 2e-4, draw_mount
+    "mount_compliance", (("S", "m/N"), ("d_h", "m")), 1e-5, 2e-6, 2e-4, draw_mount, slot=MOUNT
 )
-GAP = Effect("freeplay", FREEPLAY, (("g", "m"), ("k_c", "N/m")), 4e-5, 4e-6, 5e-4, draw_gap)
+GAP = Effect("freeplay", (("g", "m"), ("k_c", "N/m")), 4e-5, 4e-6, 5e-4, draw_gap, slot=FREEPLAY)

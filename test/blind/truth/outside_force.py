@@ -53,20 +53,38 @@ def draw_bursts(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 
 COGGING = Effect(
-    "outside:position_periodic", OUT_COGGING, (("A", "N"), ("p", "m")), 0.6, 0.05, 6.0, draw_pitch
+    "outside:position_periodic",
+    (("A", "N"), ("p", "m")),
+    0.6,
+    0.05,
+    6.0,
+    draw_pitch,
+    slot=OUT_COGGING,
 )
 COUPLING = Effect(
-    "outside:x_v_coupling", OUT_COUPLING, (("c_xv", "N.s/m2"),), 3000.0, 300.0, 6000.0, nothing
+    "outside:x_v_coupling",
+    (("c_xv", "N.s/m2"),),
+    3000.0,
+    300.0,
+    6000.0,
+    nothing,
+    slot=OUT_COUPLING,
 )
 MEMORY = Effect(
-    "outside:stroke_memory", OUT_MEMORY, (("A", "N"), ("v_e", "m/s")), 0.5, 0.05, 1.5, draw_width
+    "outside:stroke_memory",
+    (("A", "N"), ("v_e", "m/s")),
+    0.5,
+    0.05,
+    1.5,
+    draw_width,
+    slot=OUT_MEMORY,
 )
 STICK = Effect(
     "outside:stick_events",
-    OUT_STICK,
     (("A", "N"), ("v_e", "m/s"), ("rate", "1/s")),
     2.0,
     0.2,
     5.0,
     draw_bursts,
+    slot=OUT_STICK,
 )

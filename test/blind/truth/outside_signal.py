@@ -14,7 +14,7 @@ import numpy as np
 
 from test.blind.effect import Effect, Scene
 from test.blind.jit import Array, entry
-from test.blind.slots import OUT_CROSSTALK, OUT_DRIFT, OUT_HUM, OUT_RESONANCE
+from test.blind.slots import OF, OUT_CROSSTALK, OUT_DRIFT, OUT_HUM, OUT_RESONANCE
 
 
 @entry
@@ -28,6 +28,11 @@ def frame(force: Array, step: float, frequency: float, damping: float) -> Array:
         q += step * rate
         out[j] = q
     return out
+
+
+def framed(shown: Array, step: float, share: float, frequency: float, damping: float) -> None:
+    """The force beyond the frame [N]."""
+    shown[:, OF] += share * (frame(shown[:, OF], step, frequency, damping) - shown[:, OF])
 
 
 def hum(t: Array, row: Array) -> Array:
@@ -77,31 +82,38 @@ def draw_walk(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 HUM = Effect(
     "outside:mains_hum",
-    OUT_HUM,
     (("A", "N"), ("f", "Hz"), ("phase", "rad")),
     0.3,
     0.03,
     4.0,
     draw_hum,
+    slot=OUT_HUM,
 )
 DRIFT = Effect(
-    "outside:random_walk_drift", OUT_DRIFT, (("A", "N"), ("seed", "1")), 0.2, 0.03, 4.0, draw_walk
+    "outside:random_walk_drift",
+    (("A", "N"), ("seed", "1")),
+    0.2,
+    0.03,
+    4.0,
+    draw_walk,
+    slot=OUT_DRIFT,
 )
 RESONANCE = Effect(
     "outside:fixture_resonance",
-    OUT_RESONANCE,
     (("s", "1"), ("f", "Hz"), ("z", "1")),
     0.3,
     0.01,
     10.0,
     draw_frame,
+    acts={"shown": framed},
+    slot=OUT_RESONANCE,
 )
 CROSSTALK = Effect(
     "outside:field_crosstalk",
-    OUT_CROSSTALK,
     (("k", "N"), ("T", "s")),
     4.0,
     0.3,
     80.0,
     draw_cable,
+    slot=OUT_CROSSTALK,
 )

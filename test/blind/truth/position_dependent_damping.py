@@ -28,10 +28,11 @@ def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 EFFECT = Effect(
     "position_dependent_damping",
-    POSITION,
     (("c_p", "N.s/m"), ("x_r", "m")),
     40.0,
     2.0,
     600.0,
     draw,
+    acts={"fluid": force},
+    slot=POSITION,
 )

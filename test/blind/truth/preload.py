@@ -7,7 +7,6 @@ from test.blind.slots import PRELOAD
 
 EFFECT = Effect(
     "preload",
-    PRELOAD,
     (("F_0", "N"),),
     0.3,
     0.05,
@@ -15,4 +14,5 @@ EFFECT = Effect(
     nothing,
     most_negative=6.0,
     hides_in_bias=True,
+    slot=PRELOAD,
 )

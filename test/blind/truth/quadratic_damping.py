@@ -27,5 +27,12 @@ def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 
 EFFECT = Effect(
-    "quadratic_damping", QUADRATIC, (("c_2", "N.s2/m2"), ("v_t", "m/s")), 200.0, 20.0, 1200.0, draw
+    "quadratic_damping",
+    (("c_2", "N.s2/m2"), ("v_t", "m/s")),
+    200.0,
+    20.0,
+    1200.0,
+    draw,
+    acts={"fluid": force},
+    slot=QUADRATIC,
 )

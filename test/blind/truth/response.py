@@ -29,14 +29,14 @@ def time_constant(tau: float, u: float, force: float, target: float, rows: Array
     return tau
 
 
-VARYING = Effect("varying_time_constant", VARYING_TAU, (("s", "1"),), 0.9, 0.1, 2.2, nothing)
+VARYING = Effect("varying_time_constant", (("s", "1"),), 0.9, 0.1, 2.2, nothing, slot=VARYING_TAU)
 ASYMMETRY = Effect(
     "rise_fall_asymmetry",
-    RISE_FALL,
     (("ln(tau_fall/tau_rise)", "1"),),
     0.7,
     0.1,
     2.2,
     nothing,
     most_negative=1.8,
+    slot=RISE_FALL,
 )

@@ -58,7 +58,6 @@ def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 EFFECT = Effect(
     "self_heating",
-    HEATING,
     (
         ("b_V", "1/K"),
         ("b_T/b_V", "1"),
@@ -71,4 +70,5 @@ EFFECT = Effect(
     5e-3,
     0.08,
     draw,
+    slot=HEATING,
 )

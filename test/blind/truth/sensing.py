@@ -12,7 +12,7 @@ import math
 
 from test.blind.effect import Effect, nothing
 from test.blind.jit import Array, entry
-from test.blind.slots import DEFLECTION_ZERO, FORCE_DELAY, FORCE_LAG, VELOCITY_LAG
+from test.blind.slots import DEFLECTION_ZERO, FORCE_DELAY, FORCE_LAG, OF, OV, OX, VELOCITY_LAG
 
 
 @entry
@@ -27,18 +27,53 @@ def lagged(signal: Array, step: float, lag: float) -> Array:
     return out
 
 
+def late_force(shown: Array, step: float, lag: float) -> None:
+    """The force of the load cell."""
+    shown[:, OF] = lagged(shown[:, OF], step, lag)
+
+
+def late_velocity(shown: Array, step: float, lag: float) -> None:
+    """The velocity of the sensor."""
+    shown[:, OV] = lagged(lagged(shown[:, OV], step, lag), step, 0.2 * lag)
+
+
+def off_zero(shown: Array, step: float, zero: float) -> None:
+    """The deflection of the sensor."""
+    del step
+    shown[:, OX] += zero
+
+
 DELAY = Effect(
-    "force_delay", FORCE_DELAY, (("d", "s"),), 3e-3, 2e-4, 0.018, nothing, most_negative=0.018
+    "force_delay", (("d", "s"),), 3e-3, 2e-4, 0.018, nothing, most_negative=0.018, slot=FORCE_DELAY
 )
-LAG = Effect("force_lag", FORCE_LAG, (("T", "s"),), 4e-3, 3e-4, 0.04, nothing)
-VELOCITY = Effect("velocity_lag", VELOCITY_LAG, (("T", "s"),), 3e-3, 3e-4, 0.04, nothing)
+LAG = Effect(
+    "force_lag",
+    (("T", "s"),),
+    4e-3,
+    3e-4,
+    0.04,
+    nothing,
+    acts={"shown": late_force},
+    slot=FORCE_LAG,
+)
+VELOCITY = Effect(
+    "velocity_lag",
+    (("T", "s"),),
+    3e-3,
+    3e-4,
+    0.04,
+    nothing,
+    acts={"shown": late_velocity},
+    slot=VELOCITY_LAG,
+)
 ZERO = Effect(
     "deflection_zero",
-    DEFLECTION_ZERO,
     (("x_0", "m"),),
     8e-4,
     1e-4,
     3e-3,
     nothing,
     most_negative=3e-3,
+    acts={"shown": off_zero},
+    slot=DEFLECTION_ZERO,
 )

@@ -35,11 +35,12 @@ def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 EFFECT = Effect(
     "shear_thinning",
-    THINNING,
     (("1-n", "1"), ("v_c", "m/s"), ("v_r", "m/s")),
     0.25,
     0.02,
     0.45,
     draw,
     most_negative=0.25,
+    acts={"viscosity": factor},
+    slot=THINNING,
 )

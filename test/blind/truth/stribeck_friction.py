@@ -34,10 +34,11 @@ def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 EFFECT = Effect(
     "stribeck_friction",
-    STRIBECK,
     (("F_s", "N"), ("F_c/F_s", "1"), ("v_s", "m/s"), ("v_e", "m/s")),
     1.0,
     0.1,
     2.5,
     draw,
+    acts={"friction": force},
+    slot=STRIBECK,
 )

@@ -41,27 +41,26 @@ def draw_width(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 FRICTION = Effect(
     "guide_friction",
-    GUIDE,
     (("F_g", "N"), ("v_e", "m/s")),
     0.8,
     0.3,
     1.5,
     draw_width,
     shown_by_force=False,
+    slot=GUIDE,
 )
 STIFFENING = Effect(
     "spring_nonlinearity",
-    SPRING,
     (("l", "1/m"),),
     120.0,
     80.0,
     200.0,
     nothing,
     shown_by_force=False,
+    slot=SPRING,
 )
 LOAD = Effect(
     "sprung_mass_error",
-    MASS,
     (("e", "1"),),
     0.1,
     0.04,
@@ -69,4 +68,5 @@ LOAD = Effect(
     nothing,
     most_negative=0.2,
     shown_by_force=False,
+    slot=MASS,
 )

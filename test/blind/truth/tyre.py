@@ -45,14 +45,21 @@ def draw_time(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 DAMPING = Effect(
     "tyre_damping",
-    TYRE_DAMPING,
     (("c_t", "N.s/m"), ("tau", "s")),
     10.0,
     5.0,
     20.0,
     draw_time,
     shown_by_force=False,
+    slot=TYRE_DAMPING,
 )
 LIFT = Effect(
-    "tyre_lift_off", TYRE_LIFT, (("lightness", "1"),), 2.4, 2.0, 2.8, nothing, shown_by_force=False
+    "tyre_lift_off",
+    (("lightness", "1"),),
+    2.4,
+    2.0,
+    2.8,
+    nothing,
+    shown_by_force=False,
+    slot=TYRE_LIFT,
 )

@@ -28,10 +28,10 @@ def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
 
 EFFECT = Effect(
     "viscoelastic_branch",
-    VISCOELASTIC,
     (("k_m", "N/m"), ("q", "1"), ("t_1", "s")),
     300.0,
     20.0,
     1500.0,
     draw,
+    slot=VISCOELASTIC,
 )
