@@ -17,6 +17,7 @@ from test.blind.truth import (
     end_stop,
     field,
     fluid_inertia,
+    force_fade,
     gas_spring,
     joint,
     outside_force,
@@ -64,6 +65,7 @@ INSIDE: tuple[Effect, ...] = (
     sensing.LAG,
     sensing.VELOCITY,
     sensing.ZERO,
+    force_fade.EFFECT,
 )
 
 OUTSIDE: tuple[Effect, ...] = (

@@ -14,8 +14,10 @@ from test.blind.slots import (
     FER,
     FLD,
     INERTIA,
+    LEFT,
     MX1,
     MX2,
+    N_MEMORY,
     N_OUT,
     N_STATES,
     OAS,
@@ -37,11 +39,12 @@ from test.blind.slots import (
     VOID,
     VS,
     VU,
+    WHOLE_FADE,
     XD,
     ZS,
     ZU,
 )
-from test.blind.truth import joint
+from test.blind.truth import force_fade, joint
 
 SUBSTEPS = 32
 SAMPLE = 0.005
@@ -129,13 +132,14 @@ def run(
     steps = duty.size * SUBSTEPS
     delay = round(rows[DEAD_TIME, 0] / STEP)
     out = np.zeros((steps + 1, N_OUT))
-    y, memory = np.zeros(N_STATES), np.zeros(3)
+    y, memory = np.zeros(N_STATES), np.zeros(N_MEMORY)
     _start(y, rig, drive, duty[0])
     k1, k2, k3 = np.zeros(N_STATES), np.zeros(N_STATES), np.zeros(N_STATES)
     k4, z = np.zeros(N_STATES), np.zeros(N_STATES)
     for j in range(steps):
         t = j * STEP - LEAD_SAMPLES * SAMPLE
         u, b = duty[max(j - delay, 0) // SUBSTEPS], burst[j // SUBSTEPS]
+        memory[LEFT] = force_fade.factor(t, rows[WHOLE_FADE, 0], rows[WHOLE_FADE, 1])
         force = _evaluate(rig, t, 2 * j, drive, u, b, y, k1, memory, rows, base, masses)
         _store(out, j, rig, drive, force, y, k1)
         _shift(z, y, 0.5 * STEP, k1)

@@ -21,6 +21,7 @@ from test.blind.slots import (
     HYS,
     HYSTERESIS,
     K0,
+    LEFT,
     MX1,
     MX2,
     POSITION,
@@ -99,4 +100,5 @@ def force(
         h, y[VOID], rows[CAVITATION, 0], rows[CAVITATION, 1], rows[CAVITATION, 2]
     )
     total = h + friction(v, y, rows) + elastic(x, v, y, rows, base)
-    return float(total + outside_force.force(x, v, burst, memory, rows))
+    total += outside_force.force(x, v, burst, memory, rows)
+    return float(total * memory[LEFT])

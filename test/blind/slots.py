@@ -6,8 +6,10 @@ from __future__ import annotations
 ZS, VS, ZU, VU, FER, XD, VD, HYS, MX1, MX2, VOID, FLD, AM1, AM2, TF, TW, TYR = range(17)
 N_STATES = 17
 
-# Memory updated once per step, not by the rates: last turning point, last stroke, last direction.
-TURN, STROKE, DIRECTION = range(3)
+# Memory updated once per step, not by the rates: last turning point, last stroke, last direction, share of the
+# rod's force that is left.
+TURN, STROKE, DIRECTION, LEFT = range(4)
+N_MEMORY = 4
 
 # Base damper and car.
 K0, C0, FC, K1, C1, TAU = range(6)
@@ -62,6 +64,7 @@ N_OUT = 12
     SPRING,
     MASS,
     BIAS,
-) = range(43)
-N_EFFECTS = 43
+    WHOLE_FADE,
+) = range(44)
+N_EFFECTS = 44
 N_COLUMNS = 7
