@@ -35,6 +35,7 @@ PLACES = {
     "fluid": Place("total += {law}", "adds to the force that the filled damper carries [N]"),
     "friction": Place("total += {law}", "adds to the friction of the rod [N]"),
     "elastic": Place("total += {law}", "adds to springs, gas and stops [N]"),
+    "whole": Place("total *= {law}", "multiplies the whole force of the rod"),
     "rate": Place("dy[{state}] = {law}", "rate of the truth's own state"),
 }
 

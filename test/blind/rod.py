@@ -23,8 +23,8 @@ from test.blind.slots import (
 )
 from test.blind.truth import cavitation, outside_force, self_heating, viscoelastic_branch
 
-viscosity, fluid, friction, elastic = (
-    composed(place, EVERY) for place in ("viscosity", "fluid", "friction", "elastic")
+viscosity, fluid, friction, elastic, whole = (
+    composed(place, EVERY) for place in ("viscosity", "fluid", "friction", "elastic", "whole")
 )
 
 
@@ -65,4 +65,5 @@ def force(
         h, y[VOID], rows[CAVITATION, 0], rows[CAVITATION, 1], rows[CAVITATION, 2]
     )
     total = h + friction(0.0, t, x, v, y, dy, rows) + springs(t, x, v, y, dy, rows, base)
-    return float(total + outside_force.force(x, v, burst, memory, rows))
+    total += outside_force.force(x, v, burst, memory, rows)
+    return float(whole(total, t, x, v, y, dy, rows))

@@ -55,6 +55,7 @@ _LISTED = (
     "force.field_stiffness",
     "force.herschel_bulkley",
     "force.cavitation",
+    "heat.force_fade",
     "sensing.force_lag",
     "sensing.force_gain",
     "sensing.force_delay",

@@ -14,7 +14,7 @@ from models_help import car as quarter_car
 from scipy.integrate import solve_ivp
 
 REFUSED = {
-    "dead_time", "self_heating", "effectiveness_fade", "viscoelastic_branch", "bouc_wen_hysteresis",
+    "dead_time", "self_heating", "effectiveness_fade", "force_fade", "viscoelastic_branch", "bouc_wen_hysteresis",
     "mount_compliance", "tyre_damping", "tyre_lift_off", "guide_friction", "spring_nonlinearity",
     "accelerometer_bias",
 }  # fmt: skip
