@@ -12,10 +12,11 @@ from functools import partial
 import numpy as np
 import pytest
 from er_model_lab.diagnosis.candidates import TRYING
-from er_model_lab.diagnosis.verdict import diagnose
+from er_model_lab.diagnosis.investigation import search_effects
 from er_model_lab.fitting.fit import fit
 from er_model_lab.problem.forward import DamperForward
 from er_model_lab.problem.prepare import prepare
+from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_model_lab.work import HERE, Cancelled, Leader, Work
 from er_models.catalogue import CATALOGUE
@@ -162,7 +163,7 @@ def searched(work):
         "coulomb_friction", {"F_c": 2.0, "v_0": 0.002}, 8.0, bent=lambda force, _: force + 4.0
     )
     problem = replace(problem, forward=Some(), noted={}, work=work)
-    return diagnose(model, problem), problem
+    return search_effects(model, problem), problem
 
 
 def test_a_diagnosis_is_the_same_whoever_does_it(threads, processes):
@@ -251,7 +252,8 @@ def test_records_are_fused_the_same_by_whoever_does_it(processes):
         channels = {n: y + 1e-3 * rng.standard_normal(600) for n, y in noisy.items()}
         channels |= {"unsprung_acceleration": 0.0 * a, "duty": u, "damper_force": 9.0 * v}
         records.append(Record(f"run {k}", np.arange(600) * DT, channels))
-    here, there = prepare(records), prepare(records, work=Work(processes))
+    data = Dataset.of(records)
+    here, there = prepare(data), prepare(data, work=Work(processes))
     np.testing.assert_array_equal(there.motion.v, here.motion.v)
     assert there.fused[1].noise == here.fused[1].noise
     assert there.work.executor is processes
