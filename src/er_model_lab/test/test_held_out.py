@@ -5,8 +5,10 @@ import itertools
 import numpy as np
 import pytest
 from er_model_lab.problem.held_out import STRETCHES, every_third, spared_stretches, split
+from er_model_lab.residual.errors import errors
 from er_model_lab.results.diagnosis import unseen
 from er_models.predict import Motion, motion
+from lab_help import problem_of
 
 N = 4000
 DT = 0.005
@@ -50,7 +52,10 @@ def test_where_all_stretches_are_alike_every_third_is_held_out():
 
 @pytest.mark.parametrize(("larger", "notes"), [(1.2, 0), (2.0, 1)])
 def test_more_left_of_the_held_out_data_than_of_the_others_is_said(larger, notes):
-    said = unseen({"train": 0.2, "held_out": 0.2 * larger})
+    _, problem = problem_of(None, {}, seed=2, seconds=8.0)
+    left = np.where(problem.held_out, 0.2 * larger, 0.2) * (-1.0) ** np.arange(problem.force.size)
+    rows = {"train": problem.train, "held_out": problem.held_out}
+    said = unseen({name: errors(problem, left, mask).rmse for name, mask in rows.items()})
     assert len(said) == notes
     assert all("0.4 N" in note and "0.2 N" in note for note in said)
 

@@ -225,17 +225,22 @@ def test_every_named_need_exists_and_names_an_effect():
     assert set(needs(CATALOGUE["field_viscosity"])) >= {"fast_high_duty", "duty_levels"}
 
 
+def passed(*records, anyway=False):
+    """Records that passed the gate."""
+    return gate(preflight(records), records, anyway=anyway)
+
+
 def test_the_gate_stops_unless_asked_to_go_on(sound):
     wrong = with_(sound, deflection=1e3 * sound.channels["deflection"])
     with pytest.raises(
         InputError,
         match=r"run.csv: deflection: units: expected m, found .*mm .*anyway=True goes on",
     ):
-        gate([sound, wrong], anyway=False)
-    used = gate([sound, wrong], anyway=True)
+        passed(sound, wrong)
+    used = passed(sound, wrong, anyway=True)
     assert [r.complete for r in used] == [True, False]
     assert any("looks like mm" in n for n in used[1].notes)
-    assert gate([sound], anyway=False)[0] is sound
+    assert passed(sound)[0] is sound
 
 
 def test_the_command_reports_and_ends_with_two_when_data_are_unusable(sound, tmp_path):

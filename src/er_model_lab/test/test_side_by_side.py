@@ -27,7 +27,8 @@ def rival(name, error, fitted=False, seed=0):
     before = measured - 0.2 * rng.standard_normal(t.size) - error * own
     scored = t > 0.3
     view = RecordView("r", t, t, t, t, measured, before, None, scored, np.zeros(t.size, bool))
-    return Rival(replace(load_model(GUO), name=name), f"{name}.yaml", (view,), fitted, TABLES)
+    model = replace(load_model(GUO), name=name, file=f"{name}.yaml")
+    return Rival(model, (view,), fitted, TABLES)
 
 
 def test_errors_and_the_band_of_the_difference():
@@ -59,7 +60,8 @@ def test_the_band_holds_nine_tenths_of_what_chance_makes_of_the_change():
 def test_equal_names_are_told_apart_and_predictions_keep_their_order():
     one, two = rival("guo", 0.1), rival("guo", 0.4)
     assert names([one, two]) == ("guo (guo.yaml) #1", "guo (guo.yaml) #2")
-    assert names([one, replace(two, file="new.yaml")]) == ("guo (guo.yaml)", "guo (new.yaml)")
+    new = replace(two, model=replace(two.model, file="new.yaml"))
+    assert names([one, new]) == ("guo (guo.yaml)", "guo (new.yaml)")
     (laid,) = overlaid([one, two, rival("other", 0.2)])
     assert [n for n, _ in laid.others] == ["guo (guo.yaml) #2", "other"]
     assert laid.others[0][1] is two.records[0].before
