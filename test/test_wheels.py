@@ -13,11 +13,19 @@ from collections.abc import Iterator
 from importlib.metadata import distribution
 from pathlib import Path
 
+import numpy as np
 import pytest
+from er_model_lab.recording.bag_writer import BagWriter
+from er_ros_common.builders import Tick
+from er_ros_common.topics import ACCELERATION, DEFLECTION, FORCE, PWM_APPLIED
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
+from rclpy.serialization import serialize_message
+
+from er_ros_common import builders
 from test.conftest import ROOT
+from test.sample import write_sample
 
 PURE = (
     "er_models", "er_common", "er_model_lab", "er_observers", "er_ftc_controller", "er_plant_sim",
@@ -29,6 +37,7 @@ WANTED = (
     "er_plant_sim",
 )
 """What is installed. The extra `mf4` is left out: it is large, and no script here reads MF4."""
+TOPICS = (DEFLECTION, PWM_APPLIED, FORCE, ACCELERATION)
 CODE = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
 PLACES = """
 import sys
@@ -41,23 +50,21 @@ for name in ("rclpy", "er_ros_common", "er_damper_msgs"):
     assert find_spec(name) is None, name
 print(*(version(name) for name in sys.argv[1:]))
 """
-MEASURED = """
-import csv
-import numpy as np
-from er_models.files import load_model
-from er_models.predict import motion, predict
+CHECKS = """
+import json
+from pathlib import Path
+import pandas as pd
 
-t = np.arange(0.0, 12.0, 0.005)
-x = 0.008 * np.sin(2 * np.pi * (0.5 + 0.2 * t) * t / 2) + 0.002 * np.sin(31.0 * t)
-v = np.gradient(x, 0.005)
-u = 0.05 + 0.25 * (t // 2 % 2)
-model = load_model("inove_guo").with_effect("gas_spring", {"k_3": 2e6})
-force = predict(model, motion(0.005, x, v, u)) + np.random.default_rng(1).normal(0.0, 0.1, t.size)
-with open("run.csv", "w", newline="") as file:
-    rows = csv.writer(file)
-    rows.writerow(["t", "deflection", "deflection_velocity", "duty", "damper_force"])
-    rows.writerows(np.c_[t, x, v, u, force])
+assert (result.verdict, result.effects) == ("missing_effect", ("coulomb_friction",)), result
+assert Path("residual_maps.png").is_file() and Path("report/index.html").is_file()
+assert json.loads(json.dumps(result.to_dict()))["effects"] == ["coulomb_friction"]
+assert "coulomb_friction" in result.to_frame().to_string()
+table = pd.read_csv("run2.csv")
+one = lab.compare(lab.from_arrays(**{name: table[name] for name in table}), model)
+other = lab.compare(lab.from_frame(table, names={"damper_force": "damper_force"}), model)
+assert one.rmse == other.rmse == lab.compare(lab.load("run2.csv"), model).rmse
 """
+"""What must hold after the code of the lab's README."""
 
 
 def run(*command: str | Path, cwd: Path) -> str:
@@ -176,21 +183,51 @@ def test_the_packages_are_those_of_the_wheels_and_nothing_needs_ros(empty: Path)
     assert run(empty / "bin/python", "-c", PLACES, *PURE, cwd=empty).split() == ["0.2.0"] * 6
 
 
+@pytest.fixture(scope="module")
+def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a recording and a table of a damper with Coulomb friction."""
+    place = tmp_path_factory.mktemp("data")
+    write_sample(place / "run2.csv", seed=2, seconds=10.0)
+    rows = np.genfromtxt(write_sample(place / "run1.csv", seed=1, seconds=10.0), delimiter=",")[1:]
+    bag = BagWriter(place / "bag")
+    links = [bag.topic(f"/{topic.name}", topic.type_name) for topic in TOPICS]
+    for k, (_, x, v, u, force, sprung, unsprung) in enumerate(rows.tolist(), start=1):
+        tick = Tick(5_000_000 * k, k)
+        messages = (
+            builders.suspension_deflection(tick, x, v),
+            builders.pwm_duty(tick, u),
+            builders.damper_force(tick, force),
+            builders.suspension_acceleration(tick, sprung, unsprung),
+        )
+        for link, message in zip(links, messages):
+            bag.write(link, 5_000_000 * k, serialize_message(message))
+    bag.close({})
+    next((place / "bag").glob("*.mcap")).rename(place / "run1.mcap")
+    return place
+
+
+@pytest.fixture
+def measured(data: Path, tmp_path: Path) -> Path:
+    """A folder of its own with those measurements."""
+    for name in ("run1.mcap", "run2.csv"):
+        shutil.copy(data / name, tmp_path)
+    return tmp_path
+
+
 @pytest.mark.parametrize("package", PURE)
-def test_the_code_of_the_readme_runs(package: str, empty: Path, tmp_path: Path) -> None:
+def test_the_code_of_the_readme_runs(package: str, empty: Path, measured: Path) -> None:
     text = (ROOT / "src" / package / "README.md").read_text(encoding="utf-8")
-    for code in CODE.findall(text):
-        run(empty / "bin/python", "-W", "error", "-c", code, cwd=tmp_path)
+    (code,) = CODE.findall(text)
+    more = CHECKS if package == "er_model_lab" else ""
+    (measured / "example.py").write_text(code + more, encoding="utf-8")
+    run(empty / "bin/python", "-W", "error", "example.py", cwd=measured)
 
 
 @pytest.mark.slow
-def test_the_command_diagnoses_without_the_repository(empty: Path, tmp_path: Path) -> None:
-    run(empty / "bin/python", "-W", "error", "-c", MEASURED, cwd=tmp_path)
-    words = ("run.csv", "--model", "inove_guo", "--json", "result.json", "--report", "report")
-    run(empty / "bin/er-lab", "diagnose", *words, cwd=tmp_path)
-    result = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
-    assert (result["verdict"], result["effects"]) == ("missing_effect", ["gas_spring"])
-    assert (tmp_path / "report/index.html").is_file()
-    assert "Coulomb friction" in run(
-        empty / "bin/er-lab", "effects", "coulomb_friction", cwd=tmp_path
-    )
+def test_the_command_diagnoses_without_the_repository(empty: Path, measured: Path) -> None:
+    words = ("run1.mcap", "run2.csv", "--model", "inove_guo", "--json", "result.json")
+    run(empty / "bin/er-lab", "diagnose", *words, cwd=measured)
+    result = json.loads((measured / "result.json").read_text(encoding="utf-8"))
+    assert (result["verdict"], result["effects"]) == ("missing_effect", ["coulomb_friction"])
+    card = run(empty / "bin/er-lab", "effects", "coulomb_friction", cwd=measured)
+    assert "Coulomb friction" in card
