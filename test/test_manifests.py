@@ -1,17 +1,31 @@
-"""package.xml files that rosdep resolves: known keys only, and every ROS package that is imported."""
+"""package.xml and pyproject.toml declare what is imported, in names that rosdep and pip resolve, and agree."""
 
 from __future__ import annotations
 
 import ast
 import sys
 import xml.etree.ElementTree as ET
+from importlib.metadata import packages_distributions
+from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import pytest
+from er_models.version import __version__
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 from test.conftest import ROOT
+from test.test_layers import FINDERS, STARTERS, is_ros_file
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 OURS = sorted(path.parent.name for path in (ROOT / "src").glob("*/package.xml"))
+PURE = sorted(path.parent.name for path in (ROOT / "src").glob("*/pyproject.toml"))
+"""Packages that are wheels, too."""
 JAZZY = {
     "ament_cmake", "builtin_interfaces", "diagnostic_msgs", "launch", "launch_ros", "lifecycle_msgs",
     "rcl_interfaces", "rclpy", "ros2launch", "rosbag2_storage_mcap", "rosgraph_msgs",
@@ -19,19 +33,30 @@ JAZZY = {
 }  # fmt: skip
 """ROS packages of Jazzy that may be needed."""
 SYSTEM = {
+    "PIL": "python3-pil",
+    "cvxpy": "python3-cvxpy-pip",
+    "jinja2": "python3-jinja2",
+    "matplotlib": "python3-matplotlib",
+    "numba": "python3-numba",
     "numpy": "python3-numpy",
+    "pandas": "python3-pandas",
     "pytest": "python3-pytest",
+    "rich": "python3-rich",
+    "rosbags": "python3-rosbags-pip",
     "scipy": "python3-scipy",
     "serial": "python3-serial",
+    "sklearn": "python3-sklearn",
+    "typer": "python3-typer",
     "yaml": "python3-yaml",
 }
-"""Modules to keys of rosdep that resolve on Ubuntu 24.04 and Debian 12 (rosdistro's rosdep/python.yaml)."""
-FROM_WHEELS = {
-    "PIL", "asammdf", "backports", "compression", "cvxpy", "jinja2", "lz4", "matplotlib", "numba", "plotly",
-    "pyarrow", "pydantic", "pysindy", "rich", "rosbags", "sklearn", "sympy", "threadpoolctl", "typer",
-}  # fmt: skip
-"""Modules without a key that resolves there (python3-numba has none for 24.04): `./er setup` installs them."""
-PART_OF = {"ament_index_python": "rclpy", "rosidl_runtime_py": "rclpy", "rpyutils": "rclpy"}
+"""Modules to their keys of rosdep (rosdistro's rosdep/python.yaml)."""
+WITHOUT_KEY = {"asammdf", "compression", "pyarrow"}
+"""Modules without a key, and one that Python 3.14 has: `./er setup` or pip installs them."""
+PART_OF = {
+    **dict.fromkeys(("ament_index_python", "rosidl_runtime_py", "rpyutils"), "rclpy"),
+    **dict.fromkeys(("backports", "lz4"), "python3-rosbags-pip"),
+    "threadpoolctl": "python3-sklearn",
+}
 """Modules that come with another package."""
 
 
@@ -45,11 +70,27 @@ def keys(package: str, *kinds: str) -> set[str]:
     return {str(e.text) for e in found if not kinds or e.tag in kinds}
 
 
-def imported(package: str) -> dict[str, Path]:
-    """Modules that a package's code imports, each with a file that does."""
+def project(package: str) -> dict[str, Any]:
+    """The table `project` of a package's pyproject.toml."""
+    text = (ROOT / "src" / package / "pyproject.toml").read_text(encoding="utf-8")
+    found: dict[str, Any] = tomllib.loads(text)["project"]
+    return found
+
+
+def wanted(package: str) -> dict[str, Requirement]:
+    """What a package's dependencies and extras ask for, by name."""
+    found = project(package)
+    texts = [*found["dependencies"], *chain(*found.get("optional-dependencies", {}).values())]
+    return {canonicalize_name(each.name): each for each in map(Requirement, texts)}
+
+
+def imported(package: str, *, pure: bool = False) -> dict[str, Path]:
+    """Modules that a package's code imports, each with a file that does; pure: without what needs ROS."""
     found: dict[str, Path] = {}
     folder = ROOT / "src" / package / package
     for path in sorted(folder.rglob("*.py")):
+        if pure and (is_ros_file(path) or path.name in STARTERS | FINDERS):
+            continue
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             names = []
             if isinstance(node, ast.Import):
@@ -69,13 +110,14 @@ def test_every_key_is_known_to_rosdep(package: str) -> None:
     for name in ("name", "version", "description", "maintainer", "license"):
         assert (root.findtext(name) or "").strip(), name
     assert root.findtext("name") == package
+    assert root.findtext("license") == "Apache-2.0"
 
 
 @pytest.mark.parametrize("package", OURS)
 def test_what_is_imported_is_declared(package: str) -> None:
     declared = keys(package, "depend", "exec_depend")
     for module, file in imported(package).items():
-        if module in FROM_WHEELS:
+        if module in WITHOUT_KEY:
             continue
         key = SYSTEM.get(module, PART_OF.get(module, module))
         assert key in declared, f"{file} imports {module}: <depend>{key}</depend> is missing"
@@ -85,3 +127,38 @@ def test_no_key_is_declared_twice() -> None:
     for package in OURS:
         found = [str(e.text) for e in manifest(package) if e.tag in ("depend", "exec_depend")]
         assert len(found) == len(set(found)), package
+
+
+@pytest.mark.parametrize("package", OURS)
+def test_every_package_has_the_version_of_the_code(package: str) -> None:
+    assert manifest(package).findtext("version") == __version__
+
+
+@pytest.mark.parametrize("package", OURS)
+def test_nobody_is_sent_to_an_address_that_cannot_be(package: str) -> None:
+    (maintainer,) = manifest(package).iter("maintainer")
+    assert maintainer.get("email") == "er-damper@users.noreply.github.com"
+    assert manifest(package).findtext("url") == project("er_models")["urls"]["Repository"]
+
+
+@pytest.mark.parametrize("package", PURE)
+def test_the_project_is_the_package(package: str) -> None:
+    found = project(package)
+    assert found["name"] == package
+    assert found["urls"] == project("er_models")["urls"]
+    assert {"classifiers", "description", "keywords", "readme"} <= found.keys()
+
+
+@pytest.mark.parametrize("package", PURE)
+def test_every_dependency_has_a_lower_bound(package: str) -> None:
+    for name, asked in wanted(package).items():
+        bound = f">={__version__}" if name.startswith("er-") else ">="
+        assert name == canonicalize_name(package) or str(asked.specifier).startswith(bound), asked
+
+
+@pytest.mark.parametrize("package", PURE)
+def test_what_pure_code_imports_is_a_dependency_or_in_an_extra(package: str) -> None:
+    brings = packages_distributions()
+    for module, file in imported(package, pure=True).items():
+        names = {canonicalize_name(name) for name in brings.get(module, [module])}
+        assert names & wanted(package).keys() or module == "compression", f"{file}: {module}"

@@ -1,6 +1,7 @@
-"""Packaging of er_bringup: for colcon and for pip."""
+"""Packaging of er_bringup: for colcon."""
 
 from pathlib import Path
+from xml.etree import ElementTree
 
 from setuptools import find_packages, setup
 
@@ -18,11 +19,9 @@ def tree(folder: str) -> list[tuple[str, list[str]]]:
 
 setup(
     name=PACKAGE,
-    version="0.1.0",
+    version=ElementTree.parse("package.xml").findtext("version"),
     description="Starts the whole graph: launch files, configuration, demonstration, graph check.",
     license="Apache-2.0",
-    maintainer="ER damper developers",
-    maintainer_email="maintainers@er-damper.invalid",
     python_requires=">=3.10",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
     package_data={PACKAGE: ["py.typed", "**/*.yaml"]},

@@ -1,23 +1,18 @@
-"""Packaging of er_common: for colcon and for pip."""
+"""What colcon needs beside pyproject.toml: a place in the index of ament."""
 
-from setuptools import find_packages, setup
+from xml.etree import ElementTree
+
+from setuptools import setup
 
 PACKAGE = "er_common"
 
 setup(
-    name=PACKAGE,
-    version="0.1.0",
-    description="What the packages share without ROS: parameters, stamps, names of topics, wrong usage.",
+    version=ElementTree.parse("package.xml").findtext("version"),
     license="Apache-2.0",
-    maintainer="ER damper developers",
-    maintainer_email="maintainers@er-damper.invalid",
     python_requires=">=3.10",
-    packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
-        (f"share/{PACKAGE}", ["package.xml"]),
+        (f"share/{PACKAGE}", ["package.xml", "pyproject.toml", "README.md"]),
     ],
-    install_requires=["setuptools"],
     zip_safe=False,
 )

@@ -1,29 +1,26 @@
-"""Packaging of er_ftc_controller: for colcon and for pip."""
+"""What colcon needs beside pyproject.toml: a place in the index of ament, and the nodes' programs."""
 
-from setuptools import find_packages, setup
+import sys
+from xml.etree import ElementTree
+
+from setuptools import setup
 
 PACKAGE = "er_ftc_controller"
+WHEEL = {"bdist_wheel", "dist_info"} & {*sys.argv}
+"""Whether pip makes a wheel, which has no programs that need ROS."""
+NODES = [
+    "ftc_controller = er_ftc_controller.executables:ftc_controller",
+    "skyhook_controller = er_ftc_controller.executables:skyhook_controller",
+]
 
 setup(
-    name=PACKAGE,
-    version="0.1.0",
-    description="Controllers of the semi-active damper: Skyhook, fault-tolerant LPV.",
+    version=ElementTree.parse("package.xml").findtext("version"),
     license="Apache-2.0",
-    maintainer="ER damper developers",
-    maintainer_email="maintainers@er-damper.invalid",
     python_requires=">=3.10",
-    packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed", "**/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
-        (f"share/{PACKAGE}", ["package.xml"]),
+        (f"share/{PACKAGE}", ["package.xml", "pyproject.toml", "README.md"]),
     ],
-    install_requires=["setuptools"],
+    entry_points={"console_scripts": [] if WHEEL else NODES},
     zip_safe=False,
-    entry_points={
-        "console_scripts": [
-            "ftc_controller = er_ftc_controller.executables:ftc_controller",
-            "skyhook_controller = er_ftc_controller.executables:skyhook_controller",
-        ],
-    },
 )

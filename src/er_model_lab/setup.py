@@ -1,39 +1,27 @@
-"""Packaging of er_model_lab: for colcon and for pip."""
+"""What colcon needs beside pyproject.toml: a place in the index of ament, and the nodes' programs."""
 
-from setuptools import find_packages, setup
+import sys
+from xml.etree import ElementTree
+
+from setuptools import setup
 
 PACKAGE = "er_model_lab"
+WHEEL = {"bdist_wheel", "dist_info"} & {*sys.argv}
+"""Whether pip makes a wheel, which has no programs that need ROS."""
+NODES = [
+    "recorder = er_model_lab.executables:recorder",
+]
 
 setup(
-    name=PACKAGE,
-    version="0.1.0",
-    description="Compares a damper model with measurements and names the missing effect.",
+    version=ElementTree.parse("package.xml").findtext("version"),
     license="Apache-2.0",
-    maintainer="ER damper developers",
-    maintainer_email="maintainers@er-damper.invalid",
     python_requires=">=3.10",
-    packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={
-        PACKAGE: [
-            "py.typed",
-            "**/*.yaml",
-            "**/*.json",
-            "**/*.j2",
-            "**/*.html",
-            "**/*.css",
-            "**/*.js",
-        ]
-    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
-        (f"share/{PACKAGE}", ["package.xml"]),
+        (f"share/{PACKAGE}", ["package.xml", "pyproject.toml", "README.md"]),
     ],
-    install_requires=["setuptools"],
-    zip_safe=False,
     entry_points={
-        "console_scripts": [
-            "recorder = er_model_lab.executables:recorder",
-            "er-lab = er_model_lab.cli.app:main",
-        ],
+        "console_scripts": ["er-lab = er_model_lab.cli.app:main", *([] if WHEEL else NODES)]
     },
+    zip_safe=False,
 )

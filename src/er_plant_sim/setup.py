@@ -1,30 +1,27 @@
-"""Packaging of er_plant_sim: for colcon and for pip."""
+"""What colcon needs beside pyproject.toml: a place in the index of ament, and the nodes' programs."""
 
-from setuptools import find_packages, setup
+import sys
+from xml.etree import ElementTree
+
+from setuptools import setup
 
 PACKAGE = "er_plant_sim"
+WHEEL = {"bdist_wheel", "dist_info"} & {*sys.argv}
+"""Whether pip makes a wheel, which has no programs that need ROS."""
+NODES = [
+    "plant = er_plant_sim.executables:plant",
+    "hardware_bridge = er_plant_sim.executables:hardware_bridge",
+    "device_emulator = er_plant_sim.executables:device_emulator",
+]
 
 setup(
-    name=PACKAGE,
-    version="0.1.0",
-    description="A quarter car with a semi-active damper as a ROS 2 node.",
+    version=ElementTree.parse("package.xml").findtext("version"),
     license="Apache-2.0",
-    maintainer="ER damper developers",
-    maintainer_email="maintainers@er-damper.invalid",
     python_requires=">=3.10",
-    packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
-    package_data={PACKAGE: ["py.typed", "**/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
-        (f"share/{PACKAGE}", ["package.xml"]),
+        (f"share/{PACKAGE}", ["package.xml", "pyproject.toml", "README.md"]),
     ],
-    install_requires=["setuptools"],
+    entry_points={"console_scripts": [] if WHEEL else NODES},
     zip_safe=False,
-    entry_points={
-        "console_scripts": [
-            "plant = er_plant_sim.executables:plant",
-            "hardware_bridge = er_plant_sim.executables:hardware_bridge",
-            "device_emulator = er_plant_sim.executables:device_emulator",
-        ],
-    },
 )

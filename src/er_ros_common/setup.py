@@ -1,4 +1,6 @@
-"""Packaging of er_ros_common: for colcon and for pip."""
+"""Packaging of er_ros_common: for colcon."""
+
+from xml.etree import ElementTree
 
 from setuptools import find_packages, setup
 
@@ -6,11 +8,9 @@ PACKAGE = "er_ros_common"
 
 setup(
     name=PACKAGE,
-    version="0.1.0",
+    version=ElementTree.parse("package.xml").findtext("version"),
     description="What every node shares: spinning, quality of service, builders, clocks, health.",
     license="Apache-2.0",
-    maintainer="ER damper developers",
-    maintainer_email="maintainers@er-damper.invalid",
     python_requires=">=3.10",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
     package_data={PACKAGE: ["py.typed", "dds.xml"]},

@@ -1,4 +1,6 @@
-"""Packaging of er_studies: for colcon and for pip."""
+"""Packaging of er_studies: for colcon."""
+
+from xml.etree import ElementTree
 
 from setuptools import find_packages, setup
 
@@ -6,11 +8,9 @@ PACKAGE = "er_studies"
 
 setup(
     name=PACKAGE,
-    version="0.1.0",
+    version=ElementTree.parse("package.xml").findtext("version"),
     description="Makes the thesis's tables again, measures speed, compares with rivals, imports measured data sets.",
     license="Apache-2.0",
-    maintainer="ER damper developers",
-    maintainer_email="maintainers@er-damper.invalid",
     python_requires=">=3.10",
     packages=find_packages(include=[PACKAGE, f"{PACKAGE}.*"]),
     package_data={PACKAGE: ["py.typed", "**/*.c"]},

@@ -15,6 +15,7 @@ from er_models.catalogue import CATALOGUE, Catalogue, Origin
 from er_models.errors import InputError, UnknownName
 from er_models.model import Model
 from er_models.scales import Scales
+from er_models.shipped import model_file
 from er_models.yaml_file import read_yaml
 
 SCHEMA = "er_model 1"
@@ -26,14 +27,14 @@ _VALUE_KEYS = ("value", "sd", "unit")
 
 
 def load_model(path: str | Path, catalogue: Catalogue = CATALOGUE) -> Model:
-    """Read a damper or vehicle model file.
+    """Read a damper or vehicle model file, or the shipped model of a name (`inove_guo`).
 
     catalogue: with the user's own effects that the file needs (`er_models.own`).
 
-    Raises `InputError` naming file, key, expected and found: missing file, broken YAML, unknown key,
+    Raises `InputError` naming file, key, expected and found: missing file, unknown name, broken YAML, unknown key,
     wrong unit, value out of bounds or not finite, an own effect that was not given or is another.
     """
-    path = Path(path)
+    path = model_file(path)
     text = _mapping(path, "", read_yaml(path, "a model file"))
     for key in text:
         if key not in _KEYS:

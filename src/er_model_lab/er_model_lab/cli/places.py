@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 
+from er_model_lab.extras import extra
 from er_models import places
 
 MEASURED = ("DATA", "--data", "--hold-out")
@@ -14,7 +16,13 @@ MEASURED = ("DATA", "--data", "--hold-out")
 def writable(
     files: Mapping[str, Path | None], report: Path | None, read: Mapping[str, Sequence[Path]]
 ) -> None:
-    """As `er_models.places.writable`, whose arguments these are; measurements are all of their files."""
+    """As `er_models.places.writable`, whose arguments these are; measurements are all of their files.
+
+    A report is refused as early where what draws it is not installed.
+    """
+    if report is not None:
+        with extra("plots", "a report"):
+            import_module("er_model_lab.output.report.page")
     places.writable(files, report, read, _opened)
 
 

@@ -10,22 +10,32 @@ from pathlib import Path
 import yaml
 from er_models.errors import InputError
 
+from er_model_lab.extras import extra
 from er_model_lab.records.clean import clean
 from er_model_lab.records.copies import used_once
 from er_model_lab.records.provenance import fingerprint as fingerprint
-from er_model_lab.records.readers import columns, csv, mf4, parquet, rosbag
+from er_model_lab.records.readers import columns, csv, mf4, parquet
 from er_model_lab.records.readers.bag_files import METADATA, is_data
 from er_model_lab.records.record import Record
 
 Reader = Callable[[Path, Mapping[str, str] | None], list[Record]]
+
+
+def _bag(path: Path, _: Mapping[str, str] | None = None) -> list[Record]:
+    """Records of a bag."""
+    with extra("bags", f"{path}: a bag"):
+        from er_model_lab.records.readers import rosbag
+
+    return rosbag.read(path)
+
 
 READERS: dict[str, Reader] = {
     ".csv": csv.read,
     ".tsv": csv.read,
     ".parquet": parquet.read,
     ".mf4": mf4.read,
-    ".mcap": lambda path, _: rosbag.read(path),
-    ".db3": lambda path, _: rosbag.read(path),
+    ".mcap": _bag,
+    ".db3": _bag,
 }
 """Suffix to reader; a folder with metadata.yaml, .mcap or .db3 inside is a rosbag2 folder."""
 
@@ -59,7 +69,7 @@ def read(path: Path) -> list[Record]:
 def _read_one(path: Path) -> list[Record]:
     """Records of one file or rosbag2 folder."""
     if path.is_dir():
-        return rosbag.read(path)
+        return _bag(path)
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise InputError(path, "suffix", f"one of {', '.join(READERS)}", f"'{path.suffix}'")

@@ -14,6 +14,7 @@ from er_models.model import Model
 from er_models.program import Program
 
 from er_model_lab.diagnosis.verdict import Verdict
+from er_model_lab.extras import extra
 from er_model_lab.output.text.units import newtons, short
 from er_model_lab.results.records import CandidateResult, Errors, Parameter, Step, of
 from er_model_lab.view import View
@@ -51,7 +52,8 @@ class Result:
     @property
     def figures(self) -> tuple[str, ...]:
         """Names of the figures that `figure` draws."""
-        from er_model_lab.output.report.page import figures_of
+        with extra("plots", "a figure"):
+            from er_model_lab.output.report.page import figures_of
 
         return tuple(figures_of(self.view))
 
@@ -70,9 +72,11 @@ class Result:
 
         Raises:
             InputError: There is no figure of that name.
+            ErError: A package that draws is not installed.
         """
-        from er_model_lab.output.report.page import figures_of
-        from er_model_lab.output.report.still import canvas
+        with extra("plots", "a figure"):
+            from er_model_lab.output.report.page import figures_of
+            from er_model_lab.output.report.still import canvas
 
         found = figures_of(self.view)
         if name not in found:
@@ -84,8 +88,10 @@ class Result:
 
         Raises:
             InputError: The folder cannot be written.
+            ErError: A package that draws is not installed.
         """
-        from er_model_lab.output.report.page import write_report
+        with extra("plots", "a report"):
+            from er_model_lab.output.report.page import write_report
 
         return write_report(self.view, Path(folder))
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from er_models.errors import ErError, InputError
 
+from er_model_lab.extras import extra
 from er_model_lab.records.provenance import digest_bytes
 from er_model_lab.records.readers.columns import Column, resolve, split_header, to_si
 from er_model_lab.records.record import CHANNELS, HELD, Array, Record
@@ -63,7 +64,8 @@ def _signals(
     path: Path, data: bytes, names: Mapping[str, str]
 ) -> tuple[dict[str, tuple[Array, Array]], list[str], str]:
     """Times and samples by channel, notes, and why the file cannot be read ('' if it can)."""
-    from asammdf import MDF
+    with extra("mf4", f"{path}: MF4"):
+        from asammdf import MDF
 
     hook = sys.unraisablehook
     # a half-read file object complains once more when it is destroyed: one message is enough
