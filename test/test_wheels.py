@@ -20,7 +20,6 @@ from er_ros_common.builders import Tick
 from er_ros_common.topics import ACCELERATION, DEFLECTION, FORCE, PWM_APPLIED
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
-
 from rclpy.serialization import serialize_message
 
 from er_ros_common import builders
