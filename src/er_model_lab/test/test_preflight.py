@@ -232,6 +232,7 @@ def passed(*records, anyway=False):
 
 def test_the_gate_stops_unless_asked_to_go_on(sound):
     wrong = with_(sound, deflection=1e3 * sound.channels["deflection"])
+    wrong = replace(wrong, name="wrong")
     with pytest.raises(
         InputError,
         match=r"run.csv: deflection: units: expected m, found .*mm .*anyway=True goes on",

@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from er_model_lab.cli.options import in_options
 from er_model_lab.output.report import page as page_module
 from er_model_lab.output.report.page import figures, render, write_report
 from er_model_lab.output.report.sections import SECTIONS
@@ -304,5 +305,6 @@ def test_a_folder_that_cannot_be_written_is_named_in_one_line(tmp_path: Path) ->
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError) as caught:
         write_report(replace(empty()), tmp_path / "file" / "report")
-    assert "--report" in str(caught.value)
+    assert ": report: expected a folder that can be written" in str(caught.value)
+    assert ": --report: expected a folder that can be written" in in_options(caught.value)
     assert "\n" not in str(caught.value)

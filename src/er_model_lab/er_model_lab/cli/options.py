@@ -107,6 +107,7 @@ PHRASES = {
     "either between, two effects, or reveal, one,": "either --between EFFECT EFFECT or --reveal EFFECT,",
     "between: expected": "--between: expected",
     "held_out: expected": "--hold-out: expected",
+    "report: expected a folder": "--report: expected a folder",
     "limits (stroke, velocity, duration)": "limits (--stroke, --velocity, --duration)",
     "set helps to": "set --helps to",
 }
