@@ -56,6 +56,7 @@ PART_OF = {
     **dict.fromkeys(("ament_index_python", "rosidl_runtime_py", "rpyutils"), "rclpy"),
     **dict.fromkeys(("backports", "lz4"), "python3-rosbags-pip"),
     "threadpoolctl": "python3-sklearn",
+    "joblib": "python3-sklearn",
 }
 """Modules that come with another package."""
 

@@ -6,19 +6,20 @@ results to the last bit.
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
-from er_model_lab.parcel import Parcel, packed
+from er_model_lab.jobs.call import Call, inside_a_job
+from er_model_lab.jobs.handing_out import beside, by, here
+from er_model_lab.jobs.processes import PROCESSES, Processes
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 
-LOOK = 0.1
-"""How often a stage that waits for others looks whether it shall stop [s]."""
+WORTH = 6.0
+"""Work [s] from which other processes are started for it: they need two until they are ready."""
 
 
 class Cancelled(Exception):
@@ -64,14 +65,30 @@ class _State:
 class Work:
     """How work is done.
 
-    executor: does the jobs; None: the caller's thread, one after the other. progress: called in the caller's thread,
-    whenever a job is done. cancel: once it is set, work ends as after Ctrl-C.
+    executor: does the jobs; None: the caller's thread, one after the other; `PROCESSES`: processes of this machine
+    beside the caller's thread. progress: called in the caller's thread, whenever a job is done. cancel: once it is
+    set, work ends as after Ctrl-C.
     """
 
     executor: Executor | None = None
     progress: Progress | None = None
     cancel: Event | None = None
     _state: _State = field(default_factory=_State, init=False, repr=False, compare=False)
+
+    @classmethod
+    def by(
+        cls, executor: Executor | None, progress: Progress | None, cancel: Event | None
+    ) -> Work:
+        """Work as a user asks for it: by the lab's own processes where no executor is given."""
+        return cls(executor or PROCESSES, progress, cancel)
+
+    def expect(self, seconds: float, function: Callable[..., Any], *args: Any) -> None:
+        """Say that jobs of so many seconds of one core will come, so that processes are there in time.
+
+        function: what each of them calls first, to have ready what jobs need.
+        """
+        if isinstance(self.executor, Processes) and seconds > WORTH:
+            self.executor.start(function, *args)
 
     def check(self) -> None:
         """Raise `Cancelled` where the work shall stop; what takes long asks every now and then."""
@@ -113,65 +130,15 @@ class Work:
             if stage:
                 self.report(stage, len(found), len(jobs), ahead)
 
-        call = self._call(function, shared) if len(jobs) > 1 else None
-        if call is None:
-            for k, job in enumerate(jobs):
-                self.check()
-                told(k, function(job, *shared))
+        call = Call(function, shared)
+        if self.executor is None or self._state.winding_up or len(jobs) < 2 or inside_a_job():
+            here(call, jobs, told, self.check)
+        elif isinstance(self.executor, Processes):
+            beside(self.executor, call, jobs, told, self.check)
         else:
-            self._handed_out(call, jobs, told)
+            by(self.executor, call, jobs, told, self.check)
         return [found[k] for k in range(len(jobs))]
-
-    def _call(self, function: Callable[..., Result], shared: tuple[Any, ...]) -> _Call | None:
-        """What the executor is asked to do with each job; None where there is none, or it cannot be sent there."""
-        if self.executor is None or self._state.winding_up or _inside.job:
-            return None
-        if isinstance(self.executor, ThreadPoolExecutor):
-            return _Call(function, Parcel(shared))
-        parcel = packed(shared)
-        return None if parcel is None else _Call(function, parcel)
-
-    def _handed_out(
-        self, call: _Call, jobs: Sequence[Job], told: Callable[[int, Result], None]
-    ) -> None:
-        """Have the executor do all jobs."""
-        assert self.executor is not None
-        running: dict[Future[Result], int] = {}
-        try:
-            for k, job in enumerate(jobs):
-                running[self.executor.submit(call, job)] = k
-            while running:
-                self.check()
-                for future in wait(running, LOOK, FIRST_COMPLETED).done:
-                    told(running.pop(future), future.result())
-        finally:
-            for future in running:
-                future.cancel()
 
 
 HERE = Work()
 """One job after the other in the caller's thread, silent and to the end."""
-
-
-class _Inside(threading.local):
-    """Whether this thread does a job: what that hands out it does itself, since all others may wait as it would."""
-
-    job = False
-
-
-_inside = _Inside()
-
-
-@dataclass(frozen=True)
-class _Call:
-    """A function with what all its jobs share."""
-
-    function: Callable[..., Any]
-    shared: Parcel
-
-    def __call__(self, job: Any) -> Any:
-        _inside.job = True
-        try:
-            return self.function(job, *self.shared.content)
-        finally:
-            _inside.job = False

@@ -14,6 +14,7 @@ from functools import partial
 import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
+from er_models.predict import motion, predict
 
 from er_model_lab.diagnosis.size_scan import profiled, scanned
 from er_model_lab.diagnosis.starts import amplitudes, gaps, is_gap, is_limit, scaled, starts
@@ -290,6 +291,12 @@ def _judged(
 def _finished(which: int, problem: Problem, candidates: list[Candidate]) -> Candidate:
     """One of some candidates fitted to the end."""
     return finished(candidates[which], problem)
+
+
+def made_ready(model: Model) -> None:
+    """Have in this process what fits of a model need: the compiled kernel takes a second to load."""
+    still = np.zeros(2)
+    predict(model, motion(1e-3, still, still, still))
 
 
 def leaders(base: Candidate, found: list[Candidate]) -> list[Leader]:

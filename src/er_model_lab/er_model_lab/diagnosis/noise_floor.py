@@ -199,8 +199,11 @@ def _floor(
 ) -> Floor:
     """Floor of one output, from its residual without each sample's block and from that of the fit.
 
-    The trees are small: on one thread they are as fast as on two, and do not wait for busy cores.
+    The trees are small: on one thread they are as fast as on two, and do not wait for busy cores. Only the threads of
+    what is loaded can be limited.
     """
+    import sklearn.ensemble  # noqa: F401
+
     inputs = features(problem, problem.force - in_fit)
     share, unseen, weights = filtered(problem, residual, in_fit)
     with threadpool_limits(1, "openmp"):

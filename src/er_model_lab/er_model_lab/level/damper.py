@@ -55,7 +55,7 @@ SURE_LAG = 8.0
 class DamperLevel:
     """The force of a damper along its measured motion."""
 
-    name = "damper"
+    name, cost = "damper", 0.2
 
     def usable(self, data: Dataset) -> Dataset:
         """Records whose duty is known, where others are driven."""

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from er_models.errors import InputError
 
+from er_model_lab.diagnosis.candidates import made_ready
 from er_model_lab.level.damper import DamperLevel
 from er_model_lab.level.level import Level, Question
 from er_model_lab.level.study import Study, checked, told
@@ -34,6 +35,8 @@ def investigate(asked: Question, noted: Notes | None = None) -> Study:
     What was found on stretches of long data is checked on all of them. Where the models do worse there, the worst
     stretches join the others and the search is repeated, once.
     """
+    seconds = sum(float(r.t[-1] - r.t[0]) for r in asked.data.records)
+    asked.work.expect(asked.level.cost * seconds, made_ready, asked.model)
 
     def once(data: Dataset) -> Study:
         return checked(asked.level.searched(replace(asked, data=data), noted))

@@ -49,9 +49,10 @@ class Question:
 
 
 class Level(Protocol):
-    """What is predicted of what."""
+    """What is predicted of what; cost: work [s] by a second of data that a search takes one core."""
 
     name: str
+    cost: float
 
     def usable(self, data: Dataset) -> Dataset:
         """The records that this level can use."""

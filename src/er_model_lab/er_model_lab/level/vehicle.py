@@ -25,7 +25,7 @@ from er_model_lab.vehicle.ride_problem import open_ride, ride_as_given
 class VehicleLevel:
     """Everything that was measured of a car."""
 
-    name = "vehicle"
+    name, cost = "vehicle", 3.0
 
     def usable(self, data: Dataset) -> Dataset:
         """All records."""

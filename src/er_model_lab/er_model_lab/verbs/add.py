@@ -41,7 +41,7 @@ def add(
         level=level,
         seed=seed,
         anyway=anyway,
-        work=Work(executor, progress, cancel),
+        work=Work.by(executor, progress, cancel),
     )
     study = added(asked, effect)
     best = asked.level.finished(study, seed)

@@ -47,7 +47,7 @@ def diagnose(
         seed=seed,
         rule=rule,
         anyway=anyway,
-        work=Work(executor, progress, cancel),
+        work=Work.by(executor, progress, cancel),
     )
     study = investigate(asked)
     return result_of("diagnose", study, asked.level.finished(study, seed), asked)

@@ -38,7 +38,7 @@ def identify(
         held_out=held_out,
         seed=seed,
         anyway=anyway,
-        work=Work(executor, progress, cancel),
+        work=Work.by(executor, progress, cancel),
     )
     found = identified(asked.data, model, asked.work)
     before, after = on_fused(found.before), on_fused(found.model)

@@ -61,7 +61,7 @@ def improve(
         seed=seed,
         rule=rule,
         anyway=anyway,
-        work=Work(executor, progress, cancel),
+        work=Work.by(executor, progress, cancel),
     )
     begun = resume(interrupted, model, asked.data)
     studies, current, stopped = _passes(asked, begun, name or f"{model.name}_improved")

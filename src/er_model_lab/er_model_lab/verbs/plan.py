@@ -61,7 +61,7 @@ def plan(
         # finer than the rig's own rate is not planned: it would only take longer
         within = replace(within, dt=max(problem.motion.dt, Limits.dt))
     sensors, noise_source = sensors_of(base, problem)
-    how = Work(executor, progress, cancel)
+    how = Work.by(executor, progress, cancel)
     found = planned(asked, within, sensors, problem=problem, seed=seed, work=how)
     origin = known.pop("provenance", {}) | _origin(base, model, seed)
     content = plan_json(found, noise_source) | known
