@@ -37,13 +37,16 @@ def here(tmp_path: Path) -> Path:
     return tmp_path
 
 
+JINJA = "a report needs the Python package jinja2: pip install 'er_model_lab[plots]'"
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
         (("check", "run.mcap"), "run.mcap: a bag needs the Python package rosbags: pip install 'er_model_lab[bags]'"),
         (("check", "run.mf4"), "run.mf4: MF4 needs the Python package asammdf: pip install 'er_model_lab[mf4]'"),
-        (("compare", "run.csv", *MODEL, "--report", "r"), "a report needs the Python package jinja2: pip install 'er_model_lab[plots]'"),
-        (("effects", "preload", "--report", "r"), "a report needs the Python package jinja2: pip install 'er_model_lab[plots]'"),
+        (("compare", "run.csv", *MODEL, "--report", "r"), JINJA),
+        (("effects", "preload", "--report", "r"), JINJA),
     ],
     ids=["bag", "mf4", "report", "cards"],
 )  # fmt: skip
