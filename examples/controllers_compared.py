@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from er_models import load_model
-from er_models.road import profile
+from er_models.road import road_profile
 from er_studies.control.closed_loop import Sensors, drive, known
 from er_studies.control.run import setup
 
@@ -20,7 +20,7 @@ leaking = healthy.with_effect("oil_leakage", {"f": 0.6})
 
 # %%
 dt, n = 0.005, 3000
-road = profile(
+road = road_profile(
     {"kind": "iso8608", "road_class": "A", "speed": 10.0, "factor": 0.3}, np.arange(n) * dt, seed=2
 )
 

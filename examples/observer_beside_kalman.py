@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 from er_models import load_model
-from er_models.road import profile
-from er_models.simulate import simulate
+from er_models.road import road_profile
+from er_models.simulation import simulate
 from er_studies.observers import kalman
 
 import er_observers as observers
@@ -24,7 +24,9 @@ car = load_model(root / "config" / "vehicles" / "inove_quarter_car.yaml")
 # %%
 rng, dt, n = np.random.default_rng(4), 0.005, 4000
 t = np.arange(n) * dt
-road = profile({"kind": "iso8608", "road_class": "A", "speed": 10.0, "factor": 0.2}, t, seed=4)
+road = road_profile(
+    {"kind": "iso8608", "road_class": "A", "speed": 10.0, "factor": 0.2}, t, seed=4
+)
 duty = np.repeat(rng.choice([0.0, 0.1, 0.2, 0.3], n // 200 + 1), 200)[:n]
 run = simulate(car, dt, road, duty)
 sprung, unsprung = (

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from er_models.files import load_model
 from er_models.model import Model
-from er_models.predict import motion, predict
-from er_models.simulate import simulate
+from er_models.prediction import motion, predict
+from er_models.simulation import simulate
 
 from test.conftest import ROOT
 

@@ -179,7 +179,7 @@ def test_the_digest_covers_what_a_search_runs():
     assert len(own) > 100
     assert [p for p in own - counted if SAYS.isdisjoint(p.removesuffix(".py").split("/"))] == []
     assert ROOT / "src/er_model_lab/er_model_lab/fitting/fit.py" in deciding()
-    assert ROOT / "src/er_models/er_models/effects/force/cavitation.py" in deciding()
+    assert ROOT / "src/er_models/er_models/catalogue/force/cavitation.py" in deciding()
 
 
 def test_a_crash_is_an_answer():

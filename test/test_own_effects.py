@@ -16,9 +16,9 @@ from er_model_lab.cli.app import app
 from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.errors import InputError
 from er_models.files import load_model, save_model
-from er_models.own import catalogue_with
-from er_models.predict import motion, predict
-from er_models.simulate import simulate
+from er_models.own import effects
+from er_models.prediction import motion, predict
+from er_models.simulation import simulate
 from er_plant_sim.build import build
 from er_plant_sim.rig import advance, decide, sense, start
 from er_plant_sim.settings import table
@@ -76,7 +76,7 @@ def one_line(result, *words):
 
 def with_crosstalk(file, *files):
     """A model file's model with the example's effect, of the catalogue with these files."""
-    return load_model(file, catalogue_with(files)).with_effect(NAME, {"K": 4.0})
+    return load_model(file, effects(files)).with_effect(NAME, {"K": 4.0})
 
 
 def test_the_example_is_about_forty_lines():
@@ -114,7 +114,7 @@ def test_its_model_file_loads_with_the_very_file_only(own, tmp_path):
     digest = hashlib.sha256(own.read_bytes()).hexdigest()
     entry = {"file": "crosstalk.py", "sha256": digest, "effects": [NAME]}
     assert yaml.safe_load(path.read_text())["effects_from"] == [entry]
-    again = load_model(path, catalogue_with([own]))
+    again = load_model(path, effects([own]))
     assert again.effects == model.effects
     assert again.digest() == model.digest() != load_model(DAMPER).digest()
     with pytest.raises(InputError, match=r"the file crosstalk.py given as --effects-from") as none:
@@ -122,7 +122,7 @@ def test_its_model_file_loads_with_the_very_file_only(own, tmp_path):
     changed = tmp_path / "crosstalk.py"
     changed.write_text(own.read_text().replace("K * u", "K * u * u"))
     with pytest.raises(InputError, match=r"crosstalk.py with the content") as other:
-        load_model(path, catalogue_with([changed]))
+        load_model(path, effects([changed]))
     for caught in (none, other):
         assert "\n" not in str(caught.value)
         assert str(path) in str(caught.value)
@@ -156,16 +156,16 @@ def test_several_files_join_and_one_given_twice_counts_once(own, tmp_path):
         own.read_text().replace(f'"{NAME}"', '"second"').replace("EFFECT = ", "ONE = ")
         + "\n\nEFFECTS = [ONE]\n"
     )
-    catalogue = catalogue_with([own, other, own])
+    catalogue = effects([own, other, own])
     assert catalogue.names[-2:] == (NAME, "second")
-    assert catalogue is catalogue_with([own, other])
+    assert catalogue is effects([own, other])
     assert {e.name for e in catalogue.candidates()} >= {NAME, "second"}
     assert not {o.file for o in catalogue.origins.values()} ^ {"crosstalk.py", "other.py"}
-    assert catalogue_with([]) is CATALOGUE
+    assert effects([]) is CATALOGUE
     twin = tmp_path / "twin.py"
     twin.write_text(own.read_text())
     with pytest.raises(InputError, match=f"twin.py: name: .* found {NAME}"):
-        catalogue_with([own, twin])
+        effects([own, twin])
 
 
 @pytest.mark.slow
@@ -305,7 +305,7 @@ def without_effect(path):
 def test_what_is_refused_has_not_run(spoil, words, own, tmp_path):
     path, mark = tmp_path / "mine.py", tmp_path / "mark"
     path.write_text(f"import os\nos.mkdir({str(mark)!r})\n" + own.read_text())
-    catalogue_with([path])
+    effects([path])
     mark.rmdir()  # it would have been seen
     spoil(path)
     one_line(lab("effects", "--effects-from", path), "mine.py", words)
@@ -323,7 +323,7 @@ def test_every_command_with_a_model_takes_the_file(own):
 
 def test_an_effect_of_the_car_may_be_ones_own(both):
     """Damping beside the damper moves the car as the same damping inside it, but the load cell does not see it."""
-    catalogue = catalogue_with(both)
+    catalogue = effects(both)
     beside = replace(load_model(CAR), catalogue=catalogue)
     beside = beside.with_effect("bushing_damping", {"c_b": 9.0})
     values = load_model(CAR).effects["passive"]

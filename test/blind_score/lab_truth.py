@@ -18,7 +18,7 @@ from er_models.effect import Effect
 from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Model
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 
 from test.blind.calibrate import LEAST_RISE, MOST_RISE, solve
 from test.blind.effect import between

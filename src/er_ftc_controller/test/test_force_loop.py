@@ -20,8 +20,8 @@ from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.forms.loss import Factors, damaged
 from er_models.rhs import damper_rate
-from er_models.simulate import initial_state, prepare
-from er_models.simulate import step as step_plant
+from er_models.simulation import initial_state, prepare
+from er_models.simulation import step as step_plant
 from er_models.static_damper import static_damper
 from scipy.integrate import solve_ivp
 

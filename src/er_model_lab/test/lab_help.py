@@ -12,7 +12,7 @@ from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_model_lab.span.span import All
 from er_models.files import load_model
-from er_models.predict import motion, predict
+from er_models.prediction import motion, predict
 
 GUO = Path(__file__).resolve().parents[3] / "config" / "dampers" / "inove_guo.yaml"
 DT, FORCE_NOISE = 0.005, 0.15

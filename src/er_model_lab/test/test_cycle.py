@@ -14,7 +14,7 @@ from er_model_lab.preflight.check import preflight
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_models.files import load_model
-from er_models.predict import motion, predict
+from er_models.prediction import motion, predict
 from lab_help import DT, GUO, imposed
 
 N = 2400

@@ -9,7 +9,7 @@ from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_model_lab.residual.excess import noise_at, region_tables
 from er_models.files import load_model
-from er_models.predict import motion, predict
+from er_models.prediction import motion, predict
 from lab_help import DT, FORCE_NOISE, GUO, imposed, problem_of
 
 

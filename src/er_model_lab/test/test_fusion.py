@@ -16,7 +16,7 @@ from er_model_lab.records.sampling import with_velocity
 from er_model_lab.residual.excess import quantities
 from er_models.errors import MissingChannel
 from er_models.files import load_model
-from er_models.predict import motion, predict
+from er_models.prediction import motion, predict
 from lab_help import DT, FORCE_NOISE, GUO, imposed
 
 ACCELERATIONS = ("sprung_acceleration", "unsprung_acceleration")

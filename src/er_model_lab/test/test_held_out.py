@@ -7,7 +7,7 @@ import pytest
 from er_model_lab.problem.held_out import STRETCHES, every_third, spared_stretches, split
 from er_model_lab.residual.errors import errors
 from er_model_lab.results.diagnosis import unseen
-from er_models.predict import Motion, motion
+from er_models.prediction import Motion, motion
 from lab_help import problem_of
 
 N = 4000

@@ -21,7 +21,7 @@ from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_models.files import load_model
 from er_models.model import Model
-from er_models.predict import Motion, motion, predict
+from er_models.prediction import Motion, motion, predict
 
 DAMPERS = Path(__file__).parents[3] / "config" / "dampers"
 DT = 0.005

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 from er_models.files import load_model
-from er_models.predict import motion, predict
+from er_models.prediction import motion, predict
 from lab_help import GUO, imposed
 
 import er_model_lab as lab

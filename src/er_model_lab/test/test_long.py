@@ -24,7 +24,7 @@ from er_model_lab.verbs.compare import compare
 from er_model_lab.verbs.identify import identify
 from er_model_lab.verbs.load import load
 from er_models.files import load_model, save_model
-from er_models.predict import motion, predict
+from er_models.prediction import motion, predict
 from lab_help import DT, GUO, imposed
 
 HEAT = {"t_h": 60.0, "b_v": 0.6, "b_y": 0.6}

@@ -13,7 +13,7 @@ from er_model_lab.records.record import Record
 from er_model_lab.records.write import write_csv
 from er_models.errors import MissingChannel
 from er_models.files import load_model
-from er_models.predict import motion, predict
+from er_models.prediction import motion, predict
 from lab_help import DT, FORCE_NOISE, GUO, imposed
 from typer.testing import CliRunner
 

@@ -34,7 +34,7 @@ from er_models.errors import ErError, InputError
 from er_models.files import load_model
 from er_models.model import Model
 from er_models.program import load_program, save_program, times
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 DT = 0.005

@@ -18,7 +18,7 @@ from er_model_lab.vehicle.ride import CHANNELS, SETTLE
 from er_model_lab.vehicle.ride_problem import open_ride
 from er_models.errors import InputError
 from er_models.files import load_model, save_model
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 from typer.testing import CliRunner
 
 CAR = Path(__file__).resolve().parents[3] / "config" / "vehicles" / "inove_quarter_car.yaml"

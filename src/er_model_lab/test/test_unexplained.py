@@ -7,7 +7,7 @@ import pytest
 from er_model_lab.output.report.page import figures
 from er_model_lab.output.report.sections import unexplained
 from er_model_lab.residual.unexplained import describe, sentences, skeleton
-from er_models.own import catalogue_with
+from er_models.own import effects
 from lab_help import problem_of
 from report_views import view
 
@@ -62,7 +62,7 @@ def test_a_damping_that_differs_between_a_cold_and_a_warm_run_names_the_temperat
     assert sorted(rest.as_json()["arguments"]) == ["theta", "v"]
     path = tmp_path / "warm.py"
     path.write_text(skeleton(rest.as_json()))
-    assert catalogue_with((path,))["my_effect"].parameters[0].name == "K"
+    assert effects((path,))["my_effect"].parameters[0].name == "K"
 
 
 def test_a_product_is_seen_though_neither_factor_alone_explains_it(made):
@@ -88,7 +88,7 @@ def test_a_force_periodic_in_the_deflection_is_found_and_its_file_is_a_start(mad
     assert share > 0.6
     path = tmp_path / "my_effect.py"
     path.write_text(skeleton(rest.as_json()))
-    effect = catalogue_with([path])["my_effect"]
+    effect = effects([path])["my_effect"]
     period = next(p for p in effect.parameters if p.name == "p")
     assert period.starts[0] * made[0].scales.deflection == pytest.approx(length, rel=0.01)
     assert effect.hooks["force"](0.5, 4e-3, 0.5, 1e-3) == pytest.approx(
@@ -106,7 +106,7 @@ def test_a_force_periodic_in_the_deflection_is_found_and_its_file_is_a_start(mad
 def test_every_file_to_begin_with_is_a_valid_effect(made, tmp_path, force, names):
     path = tmp_path / "my_effect.py"
     path.write_text(skeleton(rest_of(made, force).as_json()))
-    assert [p.name for p in catalogue_with([path])["my_effect"].parameters] == names
+    assert [p.name for p in effects([path])["my_effect"].parameters] == names
 
 
 def test_the_page_draws_it_and_gives_the_file(made):

@@ -12,7 +12,7 @@ from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_models.files import load_model
 from er_models.program import load_program, resolve, times
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 DT = 0.005

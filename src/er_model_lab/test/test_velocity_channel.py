@@ -19,7 +19,7 @@ from er_model_lab.records.record import Record
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_models.errors import MissingChannel
 from er_models.files import load_model
-from er_models.predict import motion, predict
+from er_models.prediction import motion, predict
 from lab_help import DT, EVIDENCE, FORCE_NOISE, GUO, asked, imposed
 
 ACCELERATIONS = ("sprung_acceleration", "unsprung_acceleration")

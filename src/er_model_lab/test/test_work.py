@@ -20,7 +20,7 @@ from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_model_lab.work import HERE, Cancelled, Leader, Work
 from er_models.catalogue import CATALOGUE
-from er_models.own import catalogue_with
+from er_models.own import effects
 from lab_help import DT, imposed, problem_of
 
 
@@ -224,7 +224,7 @@ def seen_of(job, catalogue):
 def test_an_effect_of_a_users_own_travels_with_its_source(processes, tmp_path):
     file = tmp_path / "mine.py"
     file.write_text(OWN, encoding="utf-8")
-    catalogue = catalogue_with([file])
+    catalogue = effects([file])
     expected = seen_of("of_my_own", catalogue)
     file.unlink()
     assert pickle.loads(pickle.dumps(catalogue)) is catalogue

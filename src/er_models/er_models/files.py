@@ -70,7 +70,10 @@ def _history(path: Path, found: Any) -> tuple[Mapping[str, Any], ...]:
 
 
 def save_model(model: Model, path: str | Path) -> None:
-    """Write a model file, whole or not at all; readable again by `load_model`."""
+    """Write a model file that `load_model` reads: values with units and deviations [SI], envelope, rig and history.
+
+    It is written whole or not at all. Raises `InputError` where it cannot be.
+    """
     effects: dict[str, Any] = {}
     for name, values in model.effects.items():
         effects[name] = {}

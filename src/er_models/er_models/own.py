@@ -32,8 +32,10 @@ NAMES = ("EFFECT", "EFFECTS")
 EXPECTED = "EFFECT = Effect(...), or EFFECTS with several"
 
 
-def catalogue_with(files: Sequence[str | Path]) -> Catalogue:
-    """The catalogue with the effects of these files at its end, in their order; the same one for the same files.
+def effects(files: Sequence[str | Path] = ()) -> Catalogue:
+    """The catalogue: every effect in order, by name in brackets; the same one for the same files.
+
+    files: Python files with effects of your own (`EFFECT` or `EFFECTS`), which follow in their order.
 
     Raises `InputError` naming file and what is wrong: no file, no Python, an error while it runs, no
     effect, a name that is taken, or an effect that cannot be used (`er_models.own_check`).

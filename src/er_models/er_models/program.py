@@ -27,11 +27,11 @@ import numpy as np
 import yaml
 
 from er_models.duty import KINDS as DUTIES
-from er_models.duty import profile as duty
+from er_models.duty import duty_profile as duty
 from er_models.errors import InputError
 from er_models.files import write_whole
 from er_models.model import Model
-from er_models.road import FACTOR, profile
+from er_models.road import FACTOR, road_profile
 from er_models.road import KINDS as ROADS
 from er_models.road.peak import factor_for_peak_velocity
 from er_models.spec import REQUIRED, Array, Kind, Number, Setting, Text, choose, settings
@@ -57,7 +57,7 @@ _TABLE: tuple[Setting, ...] = (
 
 @dataclass(frozen=True)
 class Program:
-    """Specs of road and duty as their `profile` takes them, duration [s] (0: no end), and seed."""
+    """Specs of road and duty as `road_profile` and `duty_profile` take them, duration [s] (0: no end), and seed."""
 
     road: Mapping[str, object]
     duty: Mapping[str, object]
@@ -73,7 +73,7 @@ class Program:
 
     def heights(self, t: Array) -> Array:
         """Road [m] at the times t (n,)."""
-        return profile(self.road, t, self.seed)
+        return road_profile(self.road, t, self.seed)
 
     def duties(self, t: Array) -> Array:
         """Duty [1] at the times t (n,); it has a seed of its own."""
@@ -99,7 +99,7 @@ def resolved(program: Program, model: Model, dt: float) -> tuple[Program, Array]
     if "peak_velocity" not in road:
         return program, np.empty(0)
     peak = float(road.pop("peak_velocity"))  # type: ignore[arg-type]
-    heights = profile(road, times(program.duration or 60.0, dt), program.seed)
+    heights = road_profile(road, times(program.duration or 60.0, dt), program.seed)
     factor = factor_for_peak_velocity(model, heights, dt, peak)
     return replace(program, road={**road, "factor": factor}), factor * heights
 

@@ -10,7 +10,7 @@ from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.effect import Effect
 from er_models.files import load_model
 from er_models.model import Array, Model
-from er_models.predict import Motion, motion
+from er_models.prediction import Motion, motion
 from er_models.scales import Scales
 from reference import vehicle_rate
 

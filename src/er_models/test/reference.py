@@ -8,7 +8,7 @@ import numpy as np
 from er_models.kernel.load import kernel
 from er_models.kernel.states import ROWS, W0, W
 from er_models.model import Array, Model
-from er_models.predict import Motion
+from er_models.prediction import Motion
 from er_models.rhs import damper_rate, vehicle_point
 from er_models.sensitivity import Rows, quotients, steps
 from scipy.integrate import solve_ivp

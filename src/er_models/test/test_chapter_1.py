@@ -7,11 +7,11 @@ import pytest
 from er_models.catalogue import CATALOGUE
 from er_models.errors import InputError
 from er_models.files import load_model
-from er_models.linear import NotThisForm, thesis_form
+from er_models.linear import NotThisForm, linearise
 from er_models.model import Array, Model
-from er_models.predict import motion, predict
+from er_models.prediction import motion, predict
 from er_models.rhs import damper_rate
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 from models_help import CONFIG, DT, SMALL, Sine, imposed, one_sample, span
 from reference import damper_force, vehicle_run
 
@@ -171,7 +171,7 @@ def test_linear_forms_take_one_set_and_one_constant_only(name: str) -> None:
     """The thesis designs observers and controllers with (1.22) alone; what cannot be held is named."""
     model = in_the_car(shipped(name))
     if name == "inove_guo":
-        form = thesis_form(model)
+        form = linearise(model)
         assert form.B[4] == pytest.approx(F_C[0] / 0.0365, rel=1e-9)
         assert form.A[4, 4] == pytest.approx(-1.0 / 0.0365, rel=1e-9)
         return
@@ -182,7 +182,7 @@ def test_linear_forms_take_one_set_and_one_constant_only(name: str) -> None:
     }.get(name, "response_table" if printed_response_time(name, 0.2) else "nothing")
     culprit = "response_quadratic" if "quadratic" in name else culprit
     with pytest.raises((InputError, NotThisForm), match=culprit):
-        thesis_form(model)
+        linearise(model)
 
 
 def test_series_elements_see_the_stiffness_of_the_direction() -> None:

@@ -10,7 +10,7 @@ import math
 import pkgutil
 from collections.abc import Callable
 
-import er_models.effects
+import er_models.catalogue
 import numpy as np
 import pytest
 from er_models.cards.symbols import ACTS
@@ -18,9 +18,9 @@ from er_models.catalogue import CATALOGUE
 from er_models.effect import HOOKS, SIGNALS, SMOOTH, Effect
 from er_models.kernel.order import KNOWN_FROM, ORDER, OUTSIDE, signals_of
 from er_models.model import Array, Model
-from er_models.predict import Motion, predict, predict_many
+from er_models.prediction import Motion, predict, predict_many
 from er_models.scales import Scales
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 from models_help import (
     DT,
     LARGE,
@@ -53,8 +53,8 @@ def base(scales: Scales, *names: str) -> Model:
 def test_every_module_of_the_folders_is_listed() -> None:
     """A file that nobody lists would silently do nothing."""
     found = set()
-    for package in pkgutil.iter_modules(er_models.effects.__path__):
-        folder = importlib.import_module(f"er_models.effects.{package.name}")
+    for package in pkgutil.iter_modules(er_models.catalogue.__path__):
+        folder = importlib.import_module(f"er_models.catalogue.{package.name}")
         for module in pkgutil.iter_modules(folder.__path__):
             effect = importlib.import_module(f"{folder.__name__}.{module.name}").EFFECT
             assert effect.name == module.name

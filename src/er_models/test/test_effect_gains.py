@@ -11,7 +11,7 @@ import pytest
 from er_models.catalogue import CATALOGUE
 from er_models.effect import Effect
 from er_models.model import Array, Model
-from er_models.predict import Motion, motion, predict
+from er_models.prediction import Motion, motion, predict
 from models_help import DT, SMALL, Sine, bingham, guo, started
 
 STEP = 1e-3

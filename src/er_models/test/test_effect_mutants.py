@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
-import er_models.predict
+import er_models.prediction
 import er_models.rhs
 import numpy as np
 import pytest
@@ -69,7 +69,7 @@ def failures(name: str, catalogue: Catalogue, patch: pytest.MonkeyPatch) -> int:
     """How many of an effect's values fail with a catalogue."""
     kernel = plain_kernel(catalogue)
     with patch.context() as p, np.errstate(all="ignore"):
-        for module in (er_models.predict, er_models.rhs, worked):
+        for module in (er_models.prediction, er_models.rhs, worked):
             p.setattr(module, "kernel", lambda _: kernel)
         return sum(_fails(case, name, catalogue) for case in worked.of(name).WORKED)
 

@@ -14,8 +14,8 @@ import worked
 from er_models.catalogue import CATALOGUE
 from er_models.effect import SWITCH, Effect, Param
 from er_models.model import Array, Model
-from er_models.predict import predict
-from er_models.simulate import simulate
+from er_models.prediction import predict
+from er_models.simulation import simulate
 from models_help import DT, SMALL, imposed, started
 from scipy.optimize import least_squares
 

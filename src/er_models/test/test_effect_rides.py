@@ -11,9 +11,9 @@ from er_models.catalogue import CATALOGUE
 from er_models.effect import Effect
 from er_models.linear import fingerprint, relative_form
 from er_models.model import Array, Model
-from er_models.predict import predict
+from er_models.prediction import predict
 from er_models.scales import Scales
-from er_models.simulate import initial_state, prepare, simulate, step
+from er_models.simulation import initial_state, prepare, simulate, step
 from models_help import DT, LARGE, SMALL, box, car, guo, imposed, neutral, span, started
 
 RIDES = pytest.mark.parametrize(

@@ -7,8 +7,8 @@ import pytest
 from er_models.errors import InputError
 from er_models.forms.loss import Factors, damaged
 from er_models.model import Array, Model
-from er_models.predict import motion, predict
-from er_models.simulate import simulate
+from er_models.prediction import motion, predict
+from er_models.simulation import simulate
 from er_models.static_damper import HEALTHY, static_damper
 from models_help import DT, bingham, car, guo
 

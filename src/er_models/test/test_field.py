@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from er_models.catalogue import CATALOGUE
 from er_models.files import load_model
-from er_models.predict import predict
+from er_models.prediction import predict
 from models_help import one_sample
 
 from er_models import field

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from er_models.catalogue import CATALOGUE
 from er_models.model import Array, Model
-from er_models.predict import motion, predict
-from er_models.simulate import simulate
+from er_models.prediction import motion, predict
+from er_models.simulation import simulate
 from models_help import DT, SMALL, car, guo, span
 from reference import vehicle_run
 

@@ -9,7 +9,7 @@ import pytest
 from er_models.errors import InputError
 from er_models.forms.descriptor import descriptor_form
 from er_models.forms.linearise import NotThisForm
-from er_models.forms.lipschitz import fingerprint, thesis_form
+from er_models.forms.lipschitz import fingerprint, linearise
 from er_models.forms.loss import Factors, damaged, lost_force
 from er_models.forms.lti import lti_form
 from er_models.forms.nlpv import DUTY, NLPVForm, nlpv_form
@@ -108,7 +108,7 @@ def test_nlpv_form_is_the_lipschitz_form_with_the_duty_as_rho(car: Model) -> Non
     """(2.13) equals (2.11), in both choices of state; noise reaches the outputs only."""
     assert DUTY == (0.0, 1.0)
     np.testing.assert_allclose(nlpv_form(car).B(0.4), [0, 0, 0, 0, 0.4 * f_c / tau], rtol=1e-11)
-    for linear in (thesis_form(car), relative_form(car)):
+    for linear in (linearise(car), relative_form(car)):
         form = NLPVForm(linear)
         for x, u, unknown in random_points(car, 30, seed=1):
             x, omega = x[: linear.n], np.array([unknown, 0.7, -2.0])
@@ -120,7 +120,7 @@ def test_nlpv_form_is_the_lipschitz_form_with_the_duty_as_rho(car: Model) -> Non
 
 def test_two_noises_need_a_square_d2(car: Model) -> None:
     """The printed column D2 puts one noise on both sensors: their difference would have none."""
-    printed, ours = np.array([[0.01], [0.01]]), NLPVForm(thesis_form(car)).D2_bar[:, 1:]
+    printed, ours = np.array([[0.01], [0.01]]), NLPVForm(linearise(car)).D2_bar[:, 1:]
     difference = np.array([1.0, -1.0])
     assert not np.any(difference @ printed)
     np.testing.assert_array_equal(ours, 0.01 * np.eye(2))
@@ -129,7 +129,7 @@ def test_two_noises_need_a_square_d2(car: Model) -> None:
 
 def test_subsystems_together_are_the_lipschitz_form(car: Model) -> None:
     """(2.8) and (2.10) in a loop, taken to the thesis's state, are (2.11)."""
-    whole, suspension, fluid = thesis_form(car), lti_form(car), qlpv_form(car)
+    whole, suspension, fluid = linearise(car), lti_form(car), qlpv_form(car)
     T = np.array([[1, 0, -1, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], float)
     back = np.linalg.inv(T)
     A = np.zeros((5, 5))
@@ -154,7 +154,7 @@ def test_subsystems_together_are_the_lipschitz_form(car: Model) -> None:
 
 def test_descriptor_form_is_the_corrected_one(car: Model) -> None:
     """E, A_f, B and the outputs of (2.19) as (2.18) demands; without its last column it is healthy."""
-    form, healthy = descriptor_form(car), thesis_form(car)
+    form, healthy = descriptor_form(car), linearise(car)
     np.testing.assert_array_equal(form.E, np.eye(5, 6))
     np.testing.assert_array_equal(form.A[:, :5], healthy.A)
     np.testing.assert_array_equal(form.C[:, :5], healthy.C)
@@ -211,7 +211,7 @@ def test_descriptor_with_a_lost_force_is_the_faulty_car(
     car: Model, factors: tuple[float, float, float]
 ) -> None:
     """The compiled car with the faults (6.8) moves as (2.19) with the f of these faults."""
-    form, healthy, relative = descriptor_form(car), thesis_form(car), relative_form(car)
+    form, healthy, relative = descriptor_form(car), linearise(car), relative_form(car)
     weak = damaged(car, Factors(*factors))
     scale = np.array([1.0, 1.0, 1.0, 1.0, np.prod(factors)])
     for x, u, road_rate in random_points(car, 30, seed=8):
@@ -228,7 +228,7 @@ def test_descriptor_with_a_lost_force_is_the_faulty_car(
 
 def test_a_leak_loses_a_share_of_the_force(car: Model) -> None:
     """(2.16): f = alpha F_d; healthy factors lose nothing, others than 0 to 1 are refused."""
-    form = thesis_form(car)
+    form = linearise(car)
     for x, _, _ in random_points(car, 10, seed=9):
         assert lost_force(form, x, Factors(leakage=0.6)) == pytest.approx(
             0.4 * (form.F @ x), rel=1e-12
@@ -240,7 +240,7 @@ def test_a_leak_loses_a_share_of_the_force(car: Model) -> None:
 
 def test_frozen_gate_is_the_slope_of_the_form(car: Model) -> None:
     """Slope 1 is what a small motion feels at that duty, slope 0 what remains beyond yield."""
-    for form in (thesis_form(car), relative_form(car)):
+    for form in (linearise(car), relative_form(car)):
         small = 1e-7 * np.array([1.0, 0.3, -0.5, 0.8, 1.0])[: form.n]
         wanted = form.rate(small, 0.3, 0.0)
         np.testing.assert_allclose(form.frozen(0.3, 1.0) @ small, wanted, rtol=1e-6)
@@ -251,6 +251,6 @@ def test_frozen_gate_is_the_slope_of_the_form(car: Model) -> None:
 def test_every_form_refuses_a_damper_it_cannot_hold(car: Model) -> None:
     """A friction bends each of the forms, and each says which effect it is."""
     bent = car.with_effect("coulomb_friction")
-    for make in (thesis_form, relative_form, lti_form, qlpv_form, nlpv_form, descriptor_form):
+    for make in (linearise, relative_form, lti_form, qlpv_form, nlpv_form, descriptor_form):
         with pytest.raises(NotThisForm, match="leave out one of coulomb_friction"):
             make(bent)

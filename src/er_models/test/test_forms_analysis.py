@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from er_models.forms.descriptor import descriptor_form
-from er_models.forms.lipschitz import LinearForm, thesis_form
+from er_models.forms.lipschitz import LinearForm, linearise
 from er_models.forms.lti import lti_form
 from er_models.forms.passive import passive_peaks, passive_response
 from er_models.forms.relative import relative_form
@@ -62,7 +62,7 @@ def test_zeros_refuse_inputs_that_nothing_shows() -> None:
 
 def test_only_absolute_velocities_make_a_zero_at_the_origin(car: Model) -> None:
     """A climb at constant speed is the one motion accelerometers miss; rank(C D1) = rank(D1) = 1 in both."""
-    thesis, relative = thesis_form(car), relative_form(car)
+    thesis, relative = linearise(car), relative_form(car)
     np.testing.assert_allclose(
         invariant_zeros(thesis.A, column(thesis.D1), thesis.C), [0.0], atol=1e-6
     )
@@ -106,7 +106,7 @@ def test_descriptor_state_follows_from_the_outputs_but_not_its_constant_part(car
     np.testing.assert_allclose(form.C @ hidden, 0.0, atol=1e-9)
 
 
-@pytest.mark.parametrize("make", [thesis_form, relative_form])
+@pytest.mark.parametrize("make", [linearise, relative_form])
 def test_gate_error_reaches_the_gate_alike_for_every_stabilising_gain(
     car: Model, make: type
 ) -> None:
@@ -174,7 +174,7 @@ def test_passive_car_in_the_weights_of_chapter_6(car: Model) -> None:
 
 def test_absolute_and_relative_forms_answer_the_road_alike(car: Model) -> None:
     """Road rate to force and deflection at frozen gates: the relative form, fed the tyre's rate, gives the same."""
-    thesis, relative = thesis_form(car), relative_form(car)
+    thesis, relative = linearise(car), relative_form(car)
     rows = np.vstack([thesis.F, np.eye(5)[0]])
     tyre = np.eye(5)[2:3]
     for duty, slope in ((0.0, 0.0), (0.3, 1.0), (1.0, 0.2)):
@@ -192,7 +192,7 @@ def test_absolute_and_relative_forms_answer_the_road_alike(car: Model) -> None:
 
 def test_road_height_and_road_rate_make_one_response(car: Model) -> None:
     """(2.8) from z_r equals j omega times (2.11) from its rate, for all three outputs."""
-    suspension, whole = lti_form(car), thesis_form(car)
+    suspension, whole = lti_form(car), linearise(car)
     by_height = frequency_response(
         suspension.A, column(suspension.D), suspension.C, HERTZ, column(suspension.C_r)
     )

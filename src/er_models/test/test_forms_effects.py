@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from er_models.catalogue import CATALOGUE
 from er_models.forms.linearise import NotThisForm
-from er_models.forms.lipschitz import LinearForm, thesis_form
+from er_models.forms.lipschitz import LinearForm, linearise
 from er_models.model import Array, Model
-from er_models.road import profile
-from er_models.simulate import simulate
+from er_models.road import road_profile
+from er_models.simulation import simulate
 from models_help import car as quarter_car
 from scipy.integrate import solve_ivp
 
@@ -36,7 +36,9 @@ def assert_close(found: Array, wanted: Array, share: float) -> None:
 def sampled(n: int) -> tuple[float, Array, Array]:
     """Sample time, a road and a duty that jumps, (n,) each."""
     dt = 0.005
-    road = profile({"kind": "iso8608", "factor": 0.4, "speed": 15.0}, np.arange(n) * dt, seed=1)
+    road = road_profile(
+        {"kind": "iso8608", "factor": 0.4, "speed": 15.0}, np.arange(n) * dt, seed=1
+    )
     return dt, road, np.resize(np.repeat([0.0, 0.3, 1.0, 0.1, 0.6], 11), n)
 
 
@@ -58,7 +60,7 @@ def test_recorded_simulation_comes_to_the_exact_form(car: Model) -> None:
     """The integrator that makes records agrees with the form, and the more the shorter its steps are."""
     n, split = 161, 40
     dt, road, duty = sampled(n)
-    form, fine = thesis_form(car), np.arange(split * (n - 1) + 1) / split
+    form, fine = linearise(car), np.arange(split * (n - 1) + 1) / split
     wanted = recorded(form, dt, road, duty) @ np.vstack([form.F, np.eye(5)[0]]).T
     exact = simulate(car, dt / split, np.interp(fine, np.arange(n), road), duty[fine.astype(int)])
     coarse = simulate(car, dt, road, duty)
@@ -75,7 +77,7 @@ def test_a_form_that_is_given_out_moves_as_the_model(car: Model, name: str) -> N
     """With any effect added, the accelerometers read what the form says, or there is no form."""
     model, form, refusal = car.with_effect(name), None, ""
     try:
-        form = thesis_form(model)
+        form = linearise(model)
     except NotThisForm as error:
         refusal = str(error)
     if form is None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from er_models.forms.descriptor import descriptor_form
-from er_models.forms.lipschitz import thesis_form
+from er_models.forms.lipschitz import linearise
 from er_models.forms.loss import Factors, lost_force
 from er_models.forms.lti import lti_form
 from er_models.forms.nlpv import nlpv_form
@@ -20,7 +20,7 @@ from er_models.forms.passive import passive_response
 from er_models.forms.qlpv import qlpv_form
 from er_models.forms.relative import relative_form
 from er_models.model import Array, Model
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 from models_help import car as quarter_car
 from models_help import exact_rates
 from scipy.integrate import solve_ivp
@@ -117,7 +117,7 @@ def run(request: pytest.FixtureRequest, car: Model) -> tuple[Drive, Array, Array
 def test_drives_are_rich(run: tuple[Drive, Array, Array], car: Model) -> None:
     """The gate moves all through its range, the duty from 0 to 1: else agreement would say little."""
     d, states, _ = run
-    gate = np.tanh(states @ thesis_form(car).Gamma)
+    gate = np.tanh(states @ linearise(car).Gamma)
     assert gate.min() < -0.5
     assert gate.max() > 0.5
     assert duties(d).min() == 0.0
@@ -129,7 +129,7 @@ def test_lipschitz_and_nlpv_forms_move_as_the_truth(
 ) -> None:
     """(2.11) and (2.13) in the thesis's state, with the outputs (2.20) and (2.22)."""
     d, states, outputs = run
-    form, scheduled = thesis_form(car), nlpv_form(car)
+    form, scheduled = linearise(car), nlpv_form(car)
 
     def lipschitz(piece: int) -> Rate:
         return lambda t, x: form.rate(x, d.duty(t, piece), d.road(t, 1))
@@ -146,7 +146,7 @@ def test_lipschitz_and_nlpv_forms_move_as_the_truth(
 def test_relative_form_moves_as_the_truth(run: tuple[Drive, Array, Array], car: Model) -> None:
     """Driven by the rate of the truth's tyre deflection, it needs no absolute velocity."""
     d, states, outputs = run
-    form, whole = relative_form(car), thesis_form(car)
+    form, whole = relative_form(car), linearise(car)
 
     def rate_of(piece: int) -> Rate:
         def rate(t: float, y: Array) -> Array:
@@ -190,7 +190,7 @@ def test_subsystems_in_a_loop_move_as_the_truth(
 def test_descriptor_form_moves_as_the_truth(run: tuple[Drive, Array, Array], car: Model) -> None:
     """(2.19) with a damper that leaks ever more, faster and slower, against (2.18)."""
     d, _, _ = run
-    form, healthy = descriptor_form(car), thesis_form(car)
+    form, healthy = descriptor_form(car), linearise(car)
 
     def left(t: float) -> float:
         return 1.0 - 0.5 * t / TIMES[-1] * (1.0 - 0.4 * np.sin(40.0 * t))

@@ -10,8 +10,8 @@ from er_models.forms.loss import Factors, damaged
 from er_models.forms.sensing import Sensing, sensings
 from er_models.forms.zeros import visibility
 from er_models.model import Array, Model
-from er_models.road import profile
-from er_models.simulate import simulate
+from er_models.road import road_profile
+from er_models.simulation import simulate
 from models_help import car as quarter_car
 
 DT = 0.005
@@ -27,7 +27,7 @@ def car() -> Model:
 def inputs() -> tuple[Array, Array]:
     """A road of ISO class C at the testbench's scale and a duty that jumps, half a second."""
     t = np.arange(101) * DT
-    road = profile({"kind": "iso8608", "factor": 0.4, "speed": 15.0}, t, seed=2)
+    road = road_profile({"kind": "iso8608", "factor": 0.4, "speed": 15.0}, t, seed=2)
     return road, np.resize(np.repeat([0.0, 0.3, 1.0], 17), t.size)
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
-import er_models.predict as prediction
+import er_models.prediction as prediction
 import numpy as np
 import pytest
 from er_models.catalogue import CATALOGUE
 from er_models.model import Array, Model
-from er_models.predict import join, motion, predict, predict_many
-from er_models.simulate import simulate
+from er_models.prediction import join, motion, predict, predict_many
+from er_models.simulation import simulate
 from models_help import DT, SMALL, Sine, bingham, car, guo, imposed, span, typical
 from reference import damper_force
 from scipy.integrate import solve_ivp

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import er_models.simulate as simulation
+import er_models.simulation as simulation
 import numpy as np
 import pytest
 from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Array, Model
 from er_models.program import times
-from er_models.simulate import initial_state, prepare, simulate, step
+from er_models.simulation import initial_state, prepare, simulate, step
 from models_help import CONFIG, DT, car, guo, span
 from reference import vehicle_run
 

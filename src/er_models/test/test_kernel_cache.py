@@ -25,8 +25,8 @@ from er_models.kernel.compose import fingerprint, source
 from er_models.kernel.fast import njit
 from er_models.kernel.inline import inlined
 from er_models.model import Model
-from er_models.predict import predict
-from er_models.simulate import simulate
+from er_models.prediction import predict
+from er_models.simulation import simulate
 from models_help import SMALL, guo, imposed
 
 SCALE = 2.0
@@ -251,7 +251,7 @@ import sys
 sys.path.insert(0, {test!r})
 from models_help import imposed, SMALL
 from test_kernel_cache import damper
-from er_models.predict import predict
+from er_models.prediction import predict
 print(repr(float(predict(damper(), imposed(SMALL, 0.5)).sum())))
 """
 

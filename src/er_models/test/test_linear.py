@@ -15,8 +15,8 @@ from er_models.linear import (
     LinearForm,
     NotThisForm,
     fingerprint,
+    linearise,
     relative_form,
-    thesis_form,
 )
 from er_models.model import Array, Model
 from models_help import exact_rates, random_points
@@ -48,7 +48,7 @@ def test_thesis_form_is_the_printed_one(car: Model) -> None:
     body = np.array([-k, -c_0, 0.0, c_0, -1.0]) / m_s
     wheel = np.array([k, c_0, -k_t, -c_0, 1.0]) / m_us
     A = np.array([[0, 1, 0, -1, 0], body, [0, 0, 0, 1, 0], wheel, [0, 0, 0, 0, -1 / tau]])
-    form = thesis_form(car)
+    form = linearise(car)
     np.testing.assert_allclose(form.A, A, rtol=1e-11)
     np.testing.assert_allclose(form.B, [0, 0, 0, 0, f_c / tau], rtol=1e-11)
     np.testing.assert_allclose(form.D1, [0, 0, -1, 0, 0], rtol=1e-12)
@@ -59,7 +59,7 @@ def test_thesis_form_is_the_printed_one(car: Model) -> None:
 
 def test_both_forms_are_the_right_hand_side(car: Model) -> None:
     """Rates, outputs and force agree with the equations at random states, duties and roads."""
-    thesis, relative = thesis_form(car), relative_form(car)
+    thesis, relative = linearise(car), relative_form(car)
     for x, u, road_rate in random_points(car, 50, seed=3):
         rate, outputs = exact_rates(car, x, u, road_rate)
         x_r, tyre_rate = relative.chart @ x, rate[2]
@@ -76,7 +76,7 @@ def test_both_forms_are_the_right_hand_side(car: Model) -> None:
 
 def test_passive_peaks_near_4_and_20_hz(car: Model) -> None:
     """Road to wheel has two resonances, near 4 and 20 Hz, and road to body one near 4 Hz."""
-    form, hertz = thesis_form(car), np.linspace(0.5, 60.0, 4000)
+    form, hertz = linearise(car), np.linspace(0.5, 60.0, 4000)
     pencils = 2j * np.pi * hertz[:, None, None] * np.eye(5) - form.A
     gains = np.abs(np.linalg.solve(pencils, np.broadcast_to(form.D1[:, None], (4000, 5, 1))))
 
@@ -90,7 +90,7 @@ def test_passive_peaks_near_4_and_20_hz(car: Model) -> None:
 
 def test_only_the_thesis_state_has_a_zero_at_the_origin(car: Model) -> None:
     """A car climbing at constant speed is invisible in absolute velocities, not in relative."""
-    thesis, relative = thesis_form(car), relative_form(car)
+    thesis, relative = linearise(car), relative_form(car)
     climbing = np.array([0.0, 1.0, 0.0, 1.0, 0.0])
     np.testing.assert_allclose(thesis.A @ climbing + thesis.D1, 0.0, atol=1e-9)
     np.testing.assert_allclose(thesis.C @ climbing, 0.0, atol=1e-9)
@@ -122,7 +122,7 @@ def test_every_effect_is_held_exactly_or_refused(car: Model, name: str) -> None:
     model = car.with_effect(name)
     form = refusal = None
     try:
-        form = thesis_form(model)
+        form = linearise(model)
     except ErError as error:
         refusal = str(error)
     if form is None:
@@ -141,14 +141,14 @@ def test_every_effect_is_held_exactly_or_refused(car: Model, name: str) -> None:
 def test_refuses_what_it_cannot_hold(car: Model) -> None:
     """Missing parts and bent equations are refused in words that say what to do."""
     with pytest.raises(InputError, match=r"effects\.quarter_car.*nothing"):
-        thesis_form(car.without_effect("quarter_car"))
+        linearise(car.without_effect("quarter_car"))
     with pytest.raises(InputError, match=r"effects\.response.*nothing"):
-        thesis_form(car.without_effect("response"))
+        linearise(car.without_effect("response"))
     with pytest.raises(NotThisForm, match=r"F_d departs.*leave out one of coulomb_friction"):
-        thesis_form(car.with_effect("coulomb_friction"))
+        linearise(car.with_effect("coulomb_friction"))
     bingham = car.without_effect("guo_yield").with_effect("bingham_yield")
     with pytest.raises(NotThisForm, match="departs"):
-        thesis_form(bingham)
+        linearise(bingham)
 
 
 def spare_force(k: float, x: float) -> float:

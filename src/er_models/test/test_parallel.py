@@ -9,7 +9,7 @@ import threading
 import numpy as np
 import pytest
 from er_models.parallel import WORTH, over_cores
-from er_models.predict import predict, predict_many
+from er_models.prediction import predict, predict_many
 from models_help import SMALL, guo, imposed
 
 from er_models import parallel

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from er_models.model import Array, Model
-from er_models.predict import Motion, motion, predict
+from er_models.prediction import Motion, motion, predict
 from models_help import DT, SMALL, Sine, guo, span
 
 B, C_P, DUTY = 4e-4, 100.0, 0.25

@@ -10,7 +10,7 @@ from er_models.duty import KINDS
 from er_models.errors import InputError
 from er_models.model import Array
 from er_models.program import duty, load_program, resolve, save_program, times
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 from models_help import CONFIG, DT, car, guo
 
 T = np.arange(4000) * DT

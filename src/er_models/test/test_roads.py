@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from er_models.errors import InputError
 from er_models.model import Array
-from er_models.road import KINDS, profile
+from er_models.road import KINDS, road_profile
 from er_models.road.iso8608 import CLASSES, mean_density
 from er_models.road.peak import factor_for_peak_velocity
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 from models_help import DT, car, guo
 from scipy.signal import welch
 
@@ -36,7 +36,7 @@ COMPLETE: dict[str, dict[str, object]] = {
 
 
 def road(kind: str, t: Array = T, seed: int = 0, **settings: object) -> Array:
-    return profile({"kind": kind, **COMPLETE[kind], **settings}, t, seed)
+    return road_profile({"kind": kind, **COMPLETE[kind], **settings}, t, seed)
 
 
 def test_every_kind_is_tested() -> None:
@@ -193,8 +193,8 @@ def test_recorded_file(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"road{suffix}"
     _write(path, {"t": [5.0, 6.0, 7.0], "road": [0.0, 0.02, 0.04], "other": [9.0, 9.0, 9.0]})
     spec = {"kind": "recorded", "file": str(path)}
-    assert profile(spec, np.array([0.0, 0.5, 2.0])) == pytest.approx([0.0, 0.01, 0.04])
-    other = profile({**spec, "column": "other"}, np.array([0.5]))
+    assert road_profile(spec, np.array([0.0, 0.5, 2.0])) == pytest.approx([0.0, 0.01, 0.04])
+    other = road_profile({**spec, "column": "other"}, np.array([0.5]))
     assert other == pytest.approx([9.0])
 
 
@@ -229,14 +229,14 @@ def test_a_bad_table_is_one_line(mistake: str, tmp_path: Path) -> None:
     if text is not None:
         path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError) as caught:
-        profile({"kind": "recorded", "file": str(path)}, T)
+        road_profile({"kind": "recorded", "file": str(path)}, T)
     assert str(caught.value) == f"{path}: {message}"
 
 
 def test_other_kinds_of_file_are_refused(tmp_path: Path) -> None:
     (tmp_path / "road.xlsx").write_bytes(b"x")
     with pytest.raises(InputError, match=r"expected a .csv or .parquet file, found '.xlsx'"):
-        profile({"kind": "recorded", "file": str(tmp_path / "road.xlsx")}, T)
+        road_profile({"kind": "recorded", "file": str(tmp_path / "road.xlsx")}, T)
 
 
 MISTAKES: dict[str, tuple[object, str]] = {
@@ -274,7 +274,7 @@ MISTAKES: dict[str, tuple[object, str]] = {
 def test_a_mistake_is_one_line(mistake: str) -> None:
     spec, message = MISTAKES[mistake]
     with pytest.raises(InputError, match=message) as caught:
-        profile(spec, T)  # type: ignore[arg-type]
+        road_profile(spec, T)  # type: ignore[arg-type]
     assert "\n" not in str(caught.value)
 
 
@@ -283,7 +283,7 @@ def test_even_samples_lie_on_the_same_random_road_as_uneven_ones(begin: float) -
     even = begin + np.arange(3000) * DT
     uneven = np.delete(even, np.arange(0, even.size, 7))
     spec = {"kind": "iso8608", "road_class": "E"}
-    height, among = profile(spec, even, seed=5), profile(spec, uneven, seed=5)
+    height, among = road_profile(spec, even, seed=5), road_profile(spec, uneven, seed=5)
     assert np.abs(np.delete(height, np.arange(0, even.size, 7)) - among).max() < 1e-12
     assert height.std() > 1e-3
 

@@ -10,9 +10,9 @@ from er_models.catalogue import CATALOGUE
 from er_models.effect import Effect, Param, Signature
 from er_models.errors import InputError
 from er_models.model import Model
-from er_models.predict import motion, predict
+from er_models.prediction import motion, predict
 from er_models.reading import delay, reading
-from er_models.simulate import prepare, simulate
+from er_models.simulation import prepare, simulate
 from models_help import DT, car, span
 
 ROAD = 0.003 * np.sin(2.0 * np.pi * 3.0 * np.arange(400) * DT)

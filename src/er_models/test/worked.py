@@ -17,7 +17,7 @@ import pytest
 from er_models.catalogue import Catalogue
 from er_models.kernel.load import kernel
 from er_models.model import Model
-from er_models.predict import motion, predict
+from er_models.prediction import motion, predict
 from er_models.rhs import damper_rate
 from models_help import DT, SMALL, one_sample
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from er_models.linear import LinearForm, relative_form, thesis_form
+from er_models.linear import LinearForm, linearise, relative_form
 from er_models.model import Model
 
-COORDINATES = {"relative": relative_form, "absolute": thesis_form}
+COORDINATES = {"relative": relative_form, "absolute": linearise}
 SENSORS = ("sprung acceleration", "unsprung acceleration", "deflection")
 
 
@@ -17,7 +17,7 @@ def form_of(
 ) -> LinearForm:
     """A form of `COORDINATES`; deflection: its sensor is an output as well, the last.
 
-    Raises as `relative_form` and `thesis_form`.
+    Raises as `relative_form` and `linearise`.
     """
     form = COORDINATES[coordinates](model)
     return with_deflection(form) if deflection else form

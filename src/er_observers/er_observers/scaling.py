@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from er_models.linear import LinearForm, thesis_form
+from er_models.linear import LinearForm, linearise
 from er_models.model import Array, Model
 
 _UNDAMPED = 1e-6
@@ -36,7 +36,7 @@ def road_density(model: Model) -> float:
 
 def scaling_of(model: Model, form: LinearForm) -> Scaling:
     """Scaling of a vehicle model in the coordinates of `form`."""
-    car = thesis_form(model)
+    car = linearise(model)
     unit, density = _passive_ride(model)
     covariance = unit * density
     covariance[4, 4] = (0.5 * model.scales.duty * car.B[4] / car.A[4, 4]) ** 2
@@ -53,7 +53,7 @@ def _passive_ride(model: Model) -> tuple[Array, float]:
 
     A car without damping has no stationary ride; its poles are then moved to the left, as far as a ride is long.
     """
-    car = thesis_form(model)
+    car = linearise(model)
     poles = np.linalg.eigvals(car.A)
     A, size = car.A, float(np.abs(poles).max())
     if poles.real.max() > -_UNDAMPED * size:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from er_models.files import load_model
 from er_models.model import Model
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 from er_observers.gains import Gains
 from er_observers.running.ready import ready
 from er_observers.running.runtime import Sample

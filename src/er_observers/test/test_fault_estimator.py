@@ -11,8 +11,8 @@ import pytest
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.errors import InputError
 from er_models.model import Array, Model
-from er_models.simulate import initial_state, prepare, simulate
-from er_models.simulate import step as step_car
+from er_models.simulation import initial_state, prepare, simulate
+from er_models.simulation import step as step_car
 from er_observers.faults import decision, evidence, follow, passage, regression, sums, tick
 from er_observers.faults.estimator import start, step
 from er_observers.faults.rules import RULES, estimator

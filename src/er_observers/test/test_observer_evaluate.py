@@ -10,8 +10,8 @@ import pytest
 from er_models.model import Array, Model
 from er_models.program import Program
 from er_models.road.peak import factor_for_peak_velocity
-from er_models.simulate import initial_state, prepare
-from er_models.simulate import step as plant_step
+from er_models.simulation import initial_state, prepare
+from er_models.simulation import step as plant_step
 from er_observers.gains import Gains, save_gains
 from er_observers.observers.status import Status
 from er_observers.running.evaluate import (

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_models.linear import LinearForm, relative_form, thesis_form
+from er_models.linear import LinearForm, linearise, relative_form
 from er_models.model import Model
 from er_observers.scaling import Scaling
 from er_observers.synthesis import make
@@ -69,7 +69,7 @@ def test_gate_error_hides_at_zero_frequency_whatever_the_gain(car: Model) -> Non
 
 def test_thesis_gains_break_the_lipschitz_small_gain(car: Model) -> None:
     """The printed polytopic gains: peak gain from d to Gamma e of 13.2 where below 1 is needed."""
-    form, omega = thesis_form(car), np.logspace(-2, 6, 4000)
+    form, omega = linearise(car), np.logspace(-2, 6, 4000)
     pencils = 1j * omega[:, None, None] * np.eye(5) - (form.A - PRINTED[1] @ form.C)
     entry = np.broadcast_to(form.B[:, None].astype(complex), (omega.size, 5, 1))
     gains = np.abs(form.Gamma @ np.linalg.solve(pencils, entry)[:, :, 0].T)
@@ -89,7 +89,7 @@ def test_lipschitz_needs_duty_below_0_2777_and_slope_does_not(car: Model) -> Non
 
 def test_thesis_state_cannot_beat_root_two(car: Model) -> None:
     """With the printed C_z the road's velocity shows as sqrt(2), so gamma = 1.0001 is refused."""
-    form = thesis_form(car)
+    form = linearise(car)
     output = state_output(form, ("z_def", "v_s", "v_us", "f_y"))
     assert road_blind_gain(form, output, Spec()) == pytest.approx(np.sqrt(2.0), rel=1e-9)
     (reason,) = violated(form, output, Spec(gamma_max=1.0001))
@@ -101,7 +101,7 @@ def test_thesis_state_cannot_beat_root_two(car: Model) -> None:
 
 def test_unknown_input_can_be_decoupled(car: Model) -> None:
     """rank(C D1) = rank(D1) = 1 in both coordinates."""
-    assert decoupling_ranks(thesis_form(car)) == (1, 1)
+    assert decoupling_ranks(linearise(car)) == (1, 1)
     assert decoupling_ranks(relative_form(car)) == (1, 1)
 
 

@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_models.model import Array, Model
-from er_models.road import profile
-from er_models.simulate import simulate
+from er_models.road import road_profile
+from er_models.simulation import simulate
 from er_observers.gains import Gains
 from er_observers.observers.status import LIMITS, Status
 from er_observers.running.evaluate import replay
@@ -123,7 +123,7 @@ def test_short_dropout_keeps_the_state(gains: Gains, drive: Drive) -> None:
 def test_bridging_beats_holding_the_measurement(car: Model, gains: Gains) -> None:
     """ISO road, gaps of 30 ms: the model alone is nearer to the truth than a held measurement."""
     t = np.arange(2400) * DT
-    record = simulate(car, DT, 0.2 * profile({"kind": "iso8608"}, t, 6), np.full(t.size, 0.1))
+    record = simulate(car, DT, 0.2 * road_profile({"kind": "iso8608"}, t, 6), np.full(t.size, 0.1))
     gap = (np.arange(t.size) % 40 < 6) & (t > 1.0)
     source = np.maximum.accumulate(np.where(gap, 0, np.arange(t.size)))
     columns = ("sprung_acceleration", "unsprung_acceleration")

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_models.linear import relative_form, thesis_form
+from er_models.linear import linearise, relative_form
 from er_models.model import Model
 from er_models.scales import Scales
 from er_observers.scaling import scaling_of
@@ -59,7 +59,7 @@ def test_lipschitz_above_the_bound_fails_with_the_number(car: Model) -> None:
 
 def test_thesis_claim_of_gamma_1_0001_is_refused(car: Model) -> None:
     """In absolute coordinates with the printed C_z."""
-    form = thesis_form(car)
+    form = linearise(car)
     output = state_output(form, ("z_def", "v_s", "v_us", "f_y"))
     spec = Spec(gamma_max=1.0001)
     with pytest.raises(SynthesisFailed, match=r"below 1\.4142"):

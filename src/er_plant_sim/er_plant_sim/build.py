@@ -8,7 +8,7 @@ from typing import Any
 from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Model
-from er_models.own import catalogue_with
+from er_models.own import effects
 from er_models.program import SCHEMA, Program, load_program, parse_program
 
 from er_plant_sim.noise import Errors, Noise
@@ -29,7 +29,7 @@ def build(p: PlantParameters) -> Rig:
     program = of_a_wheel(p, load_given_program(p))
     noise = Noise(_errors(p, "noise"), _errors(p, "bias"), program.seed)
     # a road scaled to a peak velocity means the vehicle as it is known, not what is hidden in it
-    known = load_model(p.model_file, catalogue_with(p.effects_from))
+    known = load_model(p.model_file, effects(p.effects_from))
     program, heights = scaled(program, known, dt)
     programmed = p.duty_source == "program"
     return Rig(simulator(model, dt, noise), gate(p, model), program, programmed, heights)
@@ -37,7 +37,7 @@ def build(p: PlantParameters) -> Rig:
 
 def load_plant_model(p: PlantParameters) -> Model:
     """The vehicle, with the damper of another file where one is given; both may use the own effects."""
-    catalogue = catalogue_with(p.effects_from)
+    catalogue = effects(p.effects_from)
     vehicle = load_model(p.model_file, catalogue)
     if not p.damper_file:
         return vehicle

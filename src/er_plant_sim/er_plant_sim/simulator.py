@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from er_models.model import Model
-from er_models.simulate import Output, Plant, State, initial_state, prepare
-from er_models.simulate import step as step_plant
+from er_models.simulation import Output, Plant, State, initial_state, prepare
+from er_models.simulation import step as step_plant
 
 from er_plant_sim.noise import Noise, errors
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from er_models.files import load_model
 from er_models.model import Model
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 from er_plant_sim.noise import Errors, Noise
 from er_plant_sim.simulator import (
     Measurement,

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model
-from er_models.predict import Motion, predict
-from er_models.simulate import simulate
+from er_models.prediction import Motion, predict
+from er_models.simulation import simulate
 from er_studies.bench.models.__main__ import main
 from er_studies.bench.models.c_reference import c_predict, c_simulate, compiler
 from er_studies.bench.models.cases import TINY, car, damper, drive, road

@@ -14,7 +14,7 @@ from er_models.constants import SAMPLE_TIME as DT
 from er_models.files import load_model
 from er_models.model import Model
 from er_models.program import Program, load_program, resolve, times
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 from er_studies.thesis import chapter_1 as cases
 from er_studies.thesis.chapter_1 import LAWS, PUBLISHED, ROADS, Case, Chapter1, case, chapter_1
 from er_studies.thesis.chapter_1_text import columns, result, table_1_5

@@ -107,14 +107,14 @@ def effects_command(
     seed: Annotated[int, seed_option("As of the other commands; nothing here is random.")] = 0,
 ) -> None:
     """The catalogue of effects, or the card of one."""
-    from er_models.own import catalogue_with
+    from er_models.own import effects
 
     from er_model_lab.cli.effects import card, shown, table
 
     try:
         known_level(level)
         writable({"--json": json_file}, report, read_by(None, (), effects_from))
-        catalogue = catalogue_with(effects_from or ())
+        catalogue = effects(effects_from or ())
         wanted = shown(catalogue, level)
         result, text = card(effect, catalogue) if effect else table(wanted)
         result |= {"seed": seed}

@@ -25,7 +25,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from er_models.effect import SWITCH
 from er_models.model import Array, Model
-from er_models.predict import Motion, predict, predict_many
+from er_models.prediction import Motion, predict, predict_many
 from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from er_models.model import Array, Model
-from er_models.predict import predict_many
+from er_models.prediction import predict_many
 from er_models.sensitivity import steps
 from scipy.optimize import least_squares
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from er_models.predict import Motion
+from er_models.prediction import Motion
 from numpy.typing import NDArray
 
 from er_model_lab.problem.problem import Problem

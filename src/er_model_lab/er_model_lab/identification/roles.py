@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
-from er_models.predict import Motion, predict, predict_many
+from er_models.prediction import Motion, predict, predict_many
 from numpy.typing import NDArray
 
 from er_model_lab.fitting.fit import Box

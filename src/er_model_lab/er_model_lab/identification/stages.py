@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from er_models.model import Model
-from er_models.predict import predict_many
+from er_models.prediction import predict_many
 
 from er_model_lab.diagnosis.starts import starts
 from er_model_lab.fitting.fit import Box, Fit, fit, with_deviations

@@ -6,7 +6,7 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from er_models.predict import Motion
+from er_models.prediction import Motion
 from numpy.typing import NDArray
 
 SAME = 0.05

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from er_models.model import Array, Model
-from er_models.predict import predict
+from er_models.prediction import predict
 from er_models.scales import Scales
 from numpy.typing import NDArray
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from er_models.predict import Motion
+from er_models.prediction import Motion
 
 from er_model_lab.diagnosis.candidates import Candidate, baseline, refit
 from er_model_lab.diagnosis.null import simulate_null

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from er_models.effect import Effect, Param
 from er_models.model import Model
-from er_models.predict import predict
+from er_models.prediction import predict
 from er_models.scales import Scales
 
 from er_model_lab.diagnosis.candidates import baseline, effect_size, refit

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from er_models.model import Array, Model
-from er_models.predict import Motion, motion, predict
+from er_models.prediction import Motion, motion, predict
 from er_models.program import Program, times
 from er_models.reading import reading
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 
 from er_model_lab.planning.limits import Limits
 

@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
-from er_models.predict import predict, predict_many
+from er_models.prediction import predict, predict_many
 from er_models.scales import Scales
 from scipy.signal import lfilter
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from er_models.errors import InputError
 from er_models.model import Array
-from er_models.predict import Motion
+from er_models.prediction import Motion
 from numpy.typing import NDArray
 
 WARM_UP = 0.3

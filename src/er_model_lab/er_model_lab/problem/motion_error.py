@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 from er_models.model import Array
-from er_models.predict import Motion, join
+from er_models.prediction import Motion, join
 
 from er_model_lab.motion.chain import compiled, diffusion, transition
 from er_model_lab.motion.fuse import Channels, Fused, as_measured, fuse

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 from er_models.errors import InputError, MissingChannel
 from er_models.model import Array
-from er_models.predict import Motion, join
+from er_models.prediction import Motion, join
 
 from er_model_lab.motion.drift import without_drift
 from er_model_lab.motion.fuse import WITHOUT_A, Channels, Fused, Noise, channels_of, fuse

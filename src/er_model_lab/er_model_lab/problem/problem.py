@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 from er_models.model import Array, Model
-from er_models.predict import Motion
+from er_models.prediction import Motion
 from er_models.scales import Scales, peak
 from numpy.typing import NDArray
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from er_models.predict import Motion
+from er_models.prediction import Motion
 from numpy.typing import NDArray
 
 from er_model_lab.problem.stretches import STRETCH, chosen

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from er_models.model import Array, Model
-from er_models.predict import predict
+from er_models.prediction import predict
 from numpy.typing import NDArray
 
 from er_model_lab.problem.held_out import WARM_UP

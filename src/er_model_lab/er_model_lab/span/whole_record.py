@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
-from er_models.predict import Motion, join, predict_many
+from er_models.prediction import Motion, join, predict_many
 from numpy.typing import NDArray
 
 from er_model_lab.motion.drift import without_drift

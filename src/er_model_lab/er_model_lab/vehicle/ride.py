@@ -20,7 +20,7 @@ import numpy as np
 from er_models.errors import InputError
 from er_models.model import Array, Model
 from er_models.parallel import over_cores
-from er_models.simulate import State, history, initial_state, prepare
+from er_models.simulation import State, history, initial_state, prepare
 from scipy.interpolate import CubicSpline
 
 BLOCK = 10.0

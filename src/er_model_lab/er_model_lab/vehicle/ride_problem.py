@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from er_models.errors import InputError, MissingChannel
 from er_models.model import Array, Model
-from er_models.predict import Motion
+from er_models.prediction import Motion
 from er_models.scales import Scales, peak
 from numpy.typing import NDArray
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from er_models.model import Model
-from er_models.own import catalogue_with
+from er_models.own import effects
 
 from er_model_lab.records import load as records
 from er_model_lab.records.dataset import Dataset
@@ -35,4 +35,4 @@ def load_model(name: str | Path | Model, effects_from: Sequence[str | Path] = ()
     """
     if isinstance(name, Model):
         return name
-    return files.load_model(name, catalogue_with([Path(p) for p in effects_from]))
+    return files.load_model(name, effects([Path(p) for p in effects_from]))

@@ -9,7 +9,7 @@ from er_models.cards.ride import CAR_EXPERIMENT, RIDE_EXPERIMENT, ride_panels
 from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.effect import Effect
 from er_models.model import Array, Model
-from er_models.predict import Motion, motion, predict
+from er_models.prediction import Motion, motion, predict
 
 SECONDS = 60.0
 

@@ -8,7 +8,7 @@ from er_models.cards.panel import CHANGE, CYCLES, DT, SCALES, WITH, WITHOUT, Cur
 from er_models.catalogue import Catalogue
 from er_models.effect import Effect
 from er_models.model import Array, Model
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 
 DUTY = 0.5 * SCALES.duty
 BODY, WHEEL = (2.0, 1.2), (20.0, 0.6)

@@ -1,4 +1,4 @@
-"""Programs of the duty, one small file each; `profile` makes any of them from settings."""
+"""Programs of the duty, one small file each; `duty_profile` makes any of them from settings."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ KINDS: dict[str, Kind] = {
 }
 
 
-def profile(spec: Mapping[str, object], t: Array, seed: int = 0) -> Array:
+def duty_profile(spec: Mapping[str, object], t: Array, seed: int = 0) -> Array:
     """Duty [1], 0 to 1, at the times t [s], shape (n,).
 
     spec: `kind`, one of `KINDS`, and its settings. The duty at a time does not depend on which

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from er_models.forms.linearise import check_equal, rounded
-from er_models.forms.lipschitz import thesis_form
+from er_models.forms.lipschitz import linearise
 from er_models.forms.rates import STATES as HEALTHY
 from er_models.forms.rates import rates_of
 from er_models.model import Array, Model
@@ -46,8 +46,8 @@ class DescriptorForm:
 
 
 def descriptor_form(model: Model) -> DescriptorForm:
-    """The form (2.19) of a vehicle model; raises as `thesis_form`."""
-    healthy, rest, lost = thesis_form(model), np.zeros(5), model.scales.force
+    """The form (2.19) of a vehicle model; raises as `linearise`."""
+    healthy, rest, lost = linearise(model), np.zeros(5), model.scales.force
     with_loss, with_gain = rates_of(model, lost), rates_of(model, -lost)
     column = (with_loss(rest, 0.0, 0.0) - with_gain(rest, 0.0, 0.0)) / (2.0 * lost)
     form = DescriptorForm(

@@ -54,11 +54,16 @@ class LinearForm:
         return np.asarray(self.A + u * slope * np.outer(self.B, self.Gamma))
 
 
-def thesis_form(model: Model) -> LinearForm:
-    """The form (2.11)-(2.12), (2.20) of a vehicle model.
+def linearise(model: Model) -> LinearForm:
+    """A car as matrices around its one nonlinearity, exact over the whole envelope and at every duty.
 
-    Raises `InputError` when the quarter car or the response time is missing, `NotThisForm` when
-    another effect bends the equations.
+    `form.frozen(duty, slope)` is the state matrix (5, 5) where the gate is a line too: linear altogether.
+
+    Source: thesis (2.11)-(2.12), (2.20).
+
+    Raises:
+        InputError: No quarter car in the model, or no constant response time.
+        NotThisForm: Another effect bends the equations; the message says which to leave out.
     """
     rates, size, rest = rates_of(model), sizes_of(model), np.zeros(5)
     slopes = jacobian(lambda x: rates(x, 0.0, 0.0), size)
@@ -84,7 +89,7 @@ def thesis_form(model: Model) -> LinearForm:
 
 def fingerprint(model: Model) -> str:
     """Hash of the linear matrices and the gate: what gains depend on, and nothing else."""
-    form = thesis_form(model)
+    form = linearise(model)
     parts = (form.A, form.B, form.D1, form.C, form.Gamma, form.F)
     text = json.dumps([[f"{v:.{DIGITS}g}" for v in np.ravel(part) + 0.0] for part in parts])
     return hashlib.sha256(text.encode()).hexdigest()[:16]

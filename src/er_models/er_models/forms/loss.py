@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 from er_models.errors import InputError
 from er_models.forms.linearise import TOLERANCE, NotThisForm
-from er_models.forms.lipschitz import LinearForm, thesis_form
+from er_models.forms.lipschitz import LinearForm, linearise
 from er_models.model import Array, Model
 
 
@@ -51,9 +51,9 @@ def lost_force(form: LinearForm, x: Array, left: Factors) -> float:
 def damaged(model: Model, left: Factors) -> Model:
     """The same car with the faults in its parameters: f_2 k0, f_2 f_3 c0 and f_1 f_2 f_3 f_c.
 
-    Raises as `thesis_form` and `lost_force`.
+    Raises as `linearise` and `lost_force`.
     """
-    check_sum(thesis_form(model))
+    check_sum(linearise(model))
     viscous = left.leakage * left.deformation
     scales = {
         ("passive", "k0"): left.leakage,

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from er_models.forms.linearise import TOLERANCE, NotThisForm, rounded, suspects
-from er_models.forms.lipschitz import thesis_form
+from er_models.forms.lipschitz import linearise
 from er_models.model import Array, Model
 
 STATES = ("z_s", "v_s", "z_us", "v_us")
@@ -49,9 +49,9 @@ class LTIForm:
 def lti_form(model: Model) -> LTIForm:
     """The form (2.8) of a vehicle model.
 
-    Raises as `thesis_form`, and `NotThisForm` when the rate of the road acts by itself.
+    Raises as `linearise`, and `NotThisForm` when the rate of the road acts by itself.
     """
-    form = thesis_form(model)
+    form = linearise(model)
     if np.abs(form.D1[:4] - _t).max() > TOLERANCE:
         raise NotThisForm(
             f"{model.name}: the rate of the road acts beside the tyre's deflection, and (2.8) knows "

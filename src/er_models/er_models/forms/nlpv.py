@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from er_models.forms.lipschitz import LinearForm, thesis_form
+from er_models.forms.lipschitz import LinearForm, linearise
 from er_models.model import Array, Model
 
 DUTY = (0.0, 1.0)
@@ -74,5 +74,5 @@ class NLPVForm:
 
 
 def nlpv_form(model: Model) -> NLPVForm:
-    """The form (2.13), (2.21) of a vehicle model in the thesis's state; raises as `thesis_form`."""
-    return NLPVForm(thesis_form(model))
+    """The form (2.13), (2.21) of a vehicle model in the thesis's state; raises as `linearise`."""
+    return NLPVForm(linearise(model))

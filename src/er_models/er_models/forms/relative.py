@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from er_models.forms.linearise import TOLERANCE, NotThisForm, rounded, suspects
-from er_models.forms.lipschitz import LinearForm, thesis_form
+from er_models.forms.lipschitz import LinearForm, linearise
 from er_models.model import Model
 
 STATES = ("z_def", "z_def'", "z_us - z_r", "f_y")
@@ -24,9 +24,9 @@ _CHART = np.array([[1, 0, 0, 0, 0], [0, 1, 0, -1, 0], [0, 0, 1, 0, 0], [0, 0, 0,
 def relative_form(model: Model) -> LinearForm:
     """The form in relative coordinates, with d(z_us - z_r)/dt as unknown input.
 
-    Raises as `thesis_form`, and `NotThisForm` when a force depends on an absolute velocity.
+    Raises as `linearise`, and `NotThisForm` when a force depends on an absolute velocity.
     """
-    form = thesis_form(model)
+    form = linearise(model)
     back = np.linalg.pinv(_CHART)
     moved = _CHART @ form.A
     moved[2] = 0.0  # this rate is the unknown input itself

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from er_models.forms.descriptor import descriptor_form
-from er_models.forms.lipschitz import thesis_form
+from er_models.forms.lipschitz import linearise
 from er_models.forms.loss import Factors, lost_force
 from er_models.forms.lti import lti_form
 from er_models.forms.nlpv import nlpv_form
@@ -32,7 +32,7 @@ Ride = Callable[[Model, float, Array, Array], Array]
 
 def lipschitz(model: Model, dt: float, road: Array, duty: Array) -> Array:
     """`SIGNALS` (n, 4) of the form (2.11) from rest; road (n,) [m], duty (n,) held from each sample on."""
-    form = thesis_form(model)
+    form = linearise(model)
     states = _solve(lambda x, u, _, w: form.rate(x, u, w), 5, dt, road, duty)
     return np.asarray(states @ np.vstack([np.eye(5)[0], form.C, form.F]).T)
 
@@ -50,7 +50,7 @@ def nlpv(model: Model, dt: float, road: Array, duty: Array) -> Array:
 
 def relative(model: Model, dt: float, road: Array, duty: Array) -> Array:
     """The same of the relative form; the tyre that drives it is that of (2.11), solved alongside."""
-    form, whole = relative_form(model), thesis_form(model)
+    form, whole = relative_form(model), linearise(model)
 
     def rate(y: Array, u: float, _: float, road_rate: float) -> Array:
         tyre = whole.rate(y[:5], u, road_rate)
@@ -78,7 +78,7 @@ def descriptor(
     model: Model, dt: float, road: Array, duty: Array, factors: Factors
 ) -> tuple[Array, Array]:
     """The same of (2.19) with a fault, F_d - f being the force left; and the lost force f (n,) [N]."""
-    form, healthy = descriptor_form(model), thesis_form(model)
+    form, healthy = descriptor_form(model), linearise(model)
 
     def rate(x: Array, u: float, _: float, road_rate: float) -> Array:
         return form.side(np.append(x, lost_force(healthy, x, factors)), u, road_rate)

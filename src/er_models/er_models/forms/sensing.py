@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 
 from er_models.forms.descriptor import descriptor_form
-from er_models.forms.lipschitz import LinearForm, thesis_form
+from er_models.forms.lipschitz import LinearForm, linearise
 from er_models.forms.relative import relative_form
 from er_models.forms.zeros import invariant_zeros
 from er_models.model import Array, Model
@@ -43,7 +43,7 @@ class Sensing:
 
 def sensings(model: Model) -> tuple[Sensing, ...]:
     """All eight choices for a vehicle model with its gate beyond yield; raises as `relative_form`."""
-    forms = {"absolute": thesis_form(model), "relative": relative_form(model)}
+    forms = {"absolute": linearise(model), "relative": relative_form(model)}
     lost = descriptor_form(model)
     return tuple(
         _sensing(velocities, forms[velocities], unknowns, sensors, lost.A[:, 5], lost.C[:, 5])

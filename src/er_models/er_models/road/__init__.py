@@ -1,4 +1,4 @@
-"""Road profiles: one small file each; `profile` makes any of them from a mapping of settings."""
+"""Road profiles: one small file each; `road_profile` makes any of them from a mapping of settings."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ KINDS: dict[str, Kind] = {
 }
 
 
-def profile(spec: Mapping[str, object], t: Array, seed: int = 0) -> Array:
+def road_profile(spec: Mapping[str, object], t: Array, seed: int = 0) -> Array:
     """Height of the road [m] at the times t [s], shape (n,).
 
     spec: `kind`, one of `KINDS`, its settings and `factor`. The height at a time does not depend

@@ -6,7 +6,7 @@ import numpy as np
 
 from er_models.errors import InputError
 from er_models.model import Model
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 from er_models.spec import Array
 
 _TRIES = 12

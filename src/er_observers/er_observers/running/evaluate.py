@@ -14,7 +14,7 @@ import numpy as np
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model
 from er_models.program import Program, resolve, times
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 
 from er_observers.gains import Gains
 from er_observers.observers.status import Status

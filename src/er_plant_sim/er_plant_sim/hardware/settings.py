@@ -11,7 +11,7 @@ from er_common.parameter_table import REQUIRED, param
 from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Array
-from er_models.own import catalogue_with
+from er_models.own import effects
 from er_models.program import Program, load_program, times
 
 from er_plant_sim.hardware import frame
@@ -72,7 +72,7 @@ def build(p: BridgeParameters, sources: Sources) -> Built:
         InputError: A file cannot be used, or a parameter it needs was not given.
     """
     address = Address(p.link, HOST_WIRES, "parameters: link")
-    model = load_model(p.model_file, catalogue_with(p.effects_from))
+    model = load_model(p.model_file, effects(p.effects_from))
     program = _program(p) if p.program_file else None
     if program is None and "program" in (p.duty_source, p.road_source):
         raise InputError("parameters", "program_file", "a program of the duty or road", "nothing")

@@ -10,8 +10,8 @@ import numpy as np
 from er_ftc_controller.control import Faults, Mode, Sample
 from er_models.fault_profile import left as what_is_left
 from er_models.model import Array, Model
-from er_models.simulate import Output, initial_state, prepare
-from er_models.simulate import step as step_plant
+from er_models.simulation import Output, initial_state, prepare
+from er_models.simulation import step as step_plant
 
 from er_studies.control.rivals import Law
 

@@ -11,7 +11,7 @@ import numpy as np
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model
 from er_models.program import parse_program, resolve, times
-from er_models.simulate import initial_state, prepare, step
+from er_models.simulation import initial_state, prepare, step
 from er_observers.faults.sample import Sample
 
 FAULTS = {"f1": "electrical_fault", "f2": "oil_leakage", "f3": "duct_deformation"}

@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model
-from er_models.predict import motion, predict
+from er_models.prediction import motion, predict
 from scipy.optimize import brentq
 
 from er_studies.observers.nrmse import nrmse

@@ -19,7 +19,7 @@ from er_model_lab.records.record import Record
 from er_model_lab.work import Work
 from er_models.files import load_model
 from er_models.model import Array, Model
-from er_models.predict import Motion, motion, predict
+from er_models.prediction import Motion, motion, predict
 from er_models.program import load_program
 from er_models.scales import Scales
 from numpy.typing import NDArray

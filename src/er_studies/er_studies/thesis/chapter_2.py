@@ -10,7 +10,7 @@ import numpy as np
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.files import load_model
 from er_models.forms import ride
-from er_models.forms.lipschitz import thesis_form
+from er_models.forms.lipschitz import linearise
 from er_models.forms.loss import Factors, damaged
 from er_models.forms.lti import lti_form
 from er_models.forms.passive import passive_peaks, passive_response
@@ -20,7 +20,7 @@ from er_models.forms.sensing import Sensing, sensings
 from er_models.forms.zeros import visibility
 from er_models.model import Array, Model
 from er_models.program import load_program, resolve, times
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 
 FINE = 40
 """Parts a sample is cut into for the record that the forms are compared with: its error is far below theirs."""
@@ -104,7 +104,7 @@ def chapter_2(config: Path, tick: Callable[[str], None] | None = None) -> Chapte
 
 def bode(model: Model) -> Bode:
     """Gains of the forms of a vehicle model."""
-    suspension, fluid, whole = lti_form(model), qlpv_form(model), thesis_form(model)
+    suspension, fluid, whole = lti_form(model), qlpv_form(model), linearise(model)
     by_force = frequency_response(
         suspension.A, suspension.B[:, None], suspension.C, HERTZ, suspension.C_u[:, None]
     )

@@ -11,9 +11,9 @@ from er_models.constants import SAMPLE_TIME as DT
 from er_models.files import load_model
 from er_models.forms.loss import Factors
 from er_models.model import Array, Model
-from er_models.predict import motion, predict
+from er_models.prediction import motion, predict
 from er_models.program import load_program, resolve, times
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 from er_models.static_damper import HEALTHY, Domain, Mimic, StaticDamper, static_damper
 
 DUTIES = (0.0, 1.0)

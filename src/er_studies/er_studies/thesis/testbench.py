@@ -12,7 +12,7 @@ from er_model_lab.records.record import CHANNELS, Record
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Model
 from er_models.program import Program, resolve, times
-from er_models.simulate import simulate
+from er_models.simulation import simulate
 
 
 def measure(vehicle: Model, program: Program, seed: int) -> Record:

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from er_models.kernel.elementary import HIGH, LOW, TABLE
 from er_models.model import Array, Model
-from er_models.predict import Motion, substeps
-from er_models.simulate import prepare
+from er_models.prediction import Motion, substeps
+from er_models.simulation import prepare
 
 SOURCE = Path(__file__).with_name("reference.c")
 OPTIONS = ("-O3", "-march=native", "-std=c99", "-fPIC", "-shared")

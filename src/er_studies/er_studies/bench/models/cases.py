@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model
-from er_models.predict import Motion, motion
+from er_models.prediction import Motion, motion
 from er_models.scales import Scales
 
 SCALES = Scales(force=20.0, deflection=0.010, velocity=0.15, duty=0.3)

@@ -17,8 +17,8 @@ from er_models.catalogue import CATALOGUE
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model
 from er_models.parallel import cores
-from er_models.predict import Motion, predict, predict_many
-from er_models.simulate import initial_state, prepare, simulate, step
+from er_models.prediction import Motion, predict, predict_many
+from er_models.simulation import initial_state, prepare, simulate, step
 
 from er_studies.bench.models.c_reference import c_predict, c_simulate, compiler
 from er_studies.bench.models.cases import Size, car, damper, drive, road

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from er_models.catalogue import CATALOGUE
 from er_models.model import Array, Model
-from er_models.predict import Motion
+from er_models.prediction import Motion
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicHermiteSpline
 

@@ -10,8 +10,8 @@ from er_models.constants import SAMPLE_TIME as DT
 from er_models.files import load_model
 from er_models.model import Array, Model
 from er_models.program import resolve, times
-from er_models.simulate import Plant as Prepared
-from er_models.simulate import initial_state, prepare, simulate, step
+from er_models.simulation import Plant as Prepared
+from er_models.simulation import initial_state, prepare, simulate, step
 
 from er_studies.observers.scenarios.scenario import Plant, Scenario, Sensors, Skyhook
 

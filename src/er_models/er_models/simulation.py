@@ -62,7 +62,10 @@ class Plant:
 
 
 def prepare(model: Model, dt: float) -> Plant:
-    """Prepare a vehicle model; `InputError` when the quarter car is missing or a sensor cannot be simulated."""
+    """A vehicle model ready for `step`; dt: time of a step [s].
+
+    Raises `InputError` when the quarter car is missing or a sensor cannot be simulated.
+    """
     if not model.is_vehicle:
         raise InputError(
             model.name, "quarter_car", "a vehicle model with quarter_car", "a damper only"
@@ -77,7 +80,7 @@ def prepare(model: Model, dt: float) -> Plant:
 def initial_state(
     plant: Plant, road: float = 0.0, duty: float = 0.0, q: Array | None = None
 ) -> State:
-    """At rest on the road, or at the mechanical state q (4,), with the damper settled."""
+    """At rest on the road [m], or at the mechanical state q (4,) [m, m/s], with the damper settled at a duty [1]."""
     c = plant.c
     state = np.zeros(4) if q is None else np.array(q, float)
     w = np.zeros(c.at_rest.shape[0])
@@ -91,7 +94,10 @@ def initial_state(
 
 
 def step(plant: Plant, state: State, inputs: tuple[float, float]) -> tuple[State, Output]:
-    """Advance by one sample: inputs are the road height at its end [m] and the duty held during it."""
+    """The car one sample later, and what its sensors read then: a pure step, as `simulate` makes them.
+
+    inputs: height of the road at the end of the sample [m], and the duty that is held during it [1].
+    """
     road, duty = inputs
     heights = np.array([state.road, road], float)
     rates = np.array([(road - state.road) / plant.dt])
@@ -103,21 +109,32 @@ def step(plant: Plant, state: State, inputs: tuple[float, float]) -> tuple[State
 def simulate(
     model: Model, dt: float, road: Array, duty: Array, q: Array | None = None
 ) -> dict[str, Array]:
-    """Noise-free record of the quarter car: the contract's channels, each (n,).
+    """Record of the quarter car without noise: channels by name, (n,) each [SI].
 
-    road (n,): height at each sample; duty (n,): held from each sample on. Where the force jumps
-    with the duty (no response time) a row holds the force under its own duty, while `step` cannot
-    know the next one yet.
+    dt: time between samples [s]; road (n,): height at each sample [m], straight between two; duty (n,): held from each
+    sample on; q (4,): mechanical state to begin with, at rest on the road where absent. Channels: t, road, deflection,
+    deflection_velocity, duty, damper_force, sprung_acceleration, unsprung_acceleration, tyre_deflection. Where the
+    force jumps with the duty (no response time) a row holds the force under its own duty, while `step` cannot know
+    the next one yet.
+
+    Source: thesis (2.5).
+
+    Raises:
+        InputError: No quarter car in the model, a sensor that cannot be simulated, or a duty that is not as long as the
+            road.
     """
     plant = prepare(model, dt)
+    road, duty = np.asarray(road, np.float64), np.asarray(duty, np.float64)
+    if road.ndim != 1 or not road.size or duty.shape != road.shape:
+        raise InputError("simulate", "duty", f"samples as the road, {road.shape}", f"{duty.shape}")
     start = initial_state(plant, float(road[0]), float(duty[0]), q)
-    _, states, outputs = history(plant, start, np.asarray(road, float), np.asarray(duty, float))
+    _, states, outputs = history(plant, start, road, duty)
     return {
-        "t": np.arange(states.shape[0]) * dt,
-        "road": np.asarray(road, float),
+        "t": dt * np.arange(road.size, dtype=np.float64),
+        "road": road,
         "deflection": outputs[:, 4],
         "deflection_velocity": outputs[:, 5],
-        "duty": np.asarray(duty, float),
+        "duty": duty,
         "damper_force": outputs[:, 3],
         "sprung_acceleration": outputs[:, 0],
         "unsprung_acceleration": outputs[:, 1],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any
@@ -78,9 +78,9 @@ class Origin:
     digest: str
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Catalogue:
-    """An ordered set of effects and the layout of their parameters and states in flat vectors.
+    """Effects in order, by name in brackets, and the layout of their parameters and states in flat vectors.
 
     origins: by name, where the effects come from that a user added; made: function and arguments by which another
     process makes it, None: it cannot; formed: the slot of the duty u_f whose chains
@@ -127,6 +127,15 @@ class Catalogue:
         """Names of all effects."""
         return tuple(e.name for e in self.effects)
 
+    def __repr__(self) -> str:
+        return f"<catalogue of {len(self)} effects>"
+
+    def __iter__(self) -> Iterator[Effect]:
+        return iter(self.effects)
+
+    def __len__(self) -> int:
+        return len(self.effects)
+
     def __getitem__(self, name: str) -> Effect:
         for effect in self.effects:
             if effect.name == name:
@@ -169,6 +178,6 @@ def shipped() -> Catalogue:
 
 
 CATALOGUE = Catalogue(
-    tuple(import_module(f"er_models.effects.{name}").EFFECT for name in _LISTED),
+    tuple(import_module(f"er_models.catalogue.{name}").EFFECT for name in _LISTED),
     made=(shipped, ()),
 )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from er_models.errors import InputError
 from er_models.kernel.load import kernel, plain
 from er_models.model import Array, Model
 from er_models.parallel import over_cores
@@ -48,21 +49,33 @@ class Motion:
 def motion(
     dt: float, x: Array, v: Array, u: Array, a: Array | None = None, theta: Array | None = None
 ) -> Motion:
-    """One record as a `Motion`; the acceleration is derived from the velocity when absent."""
-    n = x.shape[0]
-    return Motion(
-        dt=dt,
-        x=np.ascontiguousarray(x, float),
-        v=np.ascontiguousarray(v, float),
-        a=np.gradient(v, dt) if a is None else np.ascontiguousarray(a, float),
-        u=np.ascontiguousarray(u, float),
-        theta=np.zeros(n) if theta is None else np.ascontiguousarray(theta, float),
-        starts=np.array([0, n]),
-    )
+    """One record as a `Motion`.
+
+    dt: time between samples [s]; x: deflection [m]; v: its velocity [m/s]; u: duty [1], held from each sample on;
+    a: acceleration [m/s2], the derivative of v where it is absent; theta: temperature above the reference [K], zero
+    where it is absent; (n,) each.
+
+    Raises:
+        InputError: A signal that is not (n,), or a dt that is not above zero.
+    """
+    given = {"x": x, "v": v, "u": u, "a": a, "theta": theta}
+    y = {k: np.ascontiguousarray(s, float) for k, s in given.items() if s is not None}
+    n = y["x"].size
+    for name, signal in y.items():
+        if signal.shape != (n,):
+            raise InputError("motion", name, f"{n} samples, as x", f"shape {signal.shape}")
+    if not dt > 0.0:
+        raise InputError("motion", "dt", "a time above 0 s", f"{dt:g} s")
+    y.setdefault("a", np.gradient(y["v"], dt) if n > 1 else np.zeros(n))
+    y.setdefault("theta", np.zeros(n))
+    return Motion(dt=dt, **y, starts=np.array([0, n]))
 
 
 def join(parts: list[Motion]) -> Motion:
-    """Several motions of equal sampling as one."""
+    """Several motions of equal sampling as one; each begins anew, as a record of its own.
+
+    parts: of (n_i,) samples each; the time between samples [s] is that of the first.
+    """
     rows = np.concatenate([[0], np.cumsum([m.n for m in parts])])
 
     def joined(name: str) -> Array:
@@ -85,14 +98,25 @@ def substeps(dt: float) -> int:
 
 
 def predict(model: Model, inputs: Motion) -> Array:
-    """Measured damper force [N], shape (n,)."""
+    """Damper force that the load cell shows along a motion (n,) [N].
+
+    model: a damper, or a car, of which the damper is taken; inputs: one or more records, each of which begins in
+    equilibrium with its first sample but for states that begin at rest. The integrator takes equal steps of at most
+    `SUBSTEP`. Not finite where the motion is not, or where parameters lie far outside their bounds.
+
+    Source: thesis (1.12) for the core, that of each effect for the rest (`effects()[name].source`).
+    """
     force = np.empty(inputs.n)
     _rows(model, model.compiled().p[None], inputs)(force[None], 0, 1)
     return force
 
 
 def predict_many(model: Model, vectors: Array, inputs: Motion) -> Array:
-    """Forces (m, n) of one model for m flat parameter vectors (m, n_parameters), over all cores."""
+    """Forces (m, n) [N] of one model with m sets of parameters, as `predict` gives each, over all cores.
+
+    vectors (m, n_parameters): of the whole catalogue, as `model.compiled().p` [SI]; `model.catalogue.column` says where
+    a parameter stands.
+    """
     forces = np.empty((vectors.shape[0], inputs.n))
     rows = _rows(model, vectors, inputs)
     over_cores(lambda i, j: rows(forces, i, j), forces.shape[0], forces.size * substeps(inputs.dt))
