@@ -7,33 +7,49 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
+from importlib import import_module
 from pathlib import Path
 from time import monotonic, sleep
 from types import TracebackType
 
+from er_bringup.programs import EVERY
 from er_models.cache.folder import cache_folder
+from er_ros_common.entry import run
 
 ROOT = Path(__file__).resolve().parents[1]
 CONFIG = ROOT / "config"
 VEHICLE = str(CONFIG / "vehicles/inove_quarter_car.yaml")
 GAINS = str(CONFIG / "gains/nlpv_polytopic.yaml")
-NODES = {
-    path.stem: ".".join(path.with_suffix("").parts[-3:])
-    for path in sorted((ROOT / "src").glob("*/*/nodes/*.py"))
-    if "\ndef main(" in path.read_text(encoding="utf-8")
-}
-"""Every node, and its module."""
-MODULES = NODES | {
-    "device_emulator": "er_plant_sim.hardware.emulator",
+COMMANDS = {
     "inject": "er_bringup.ros_inject",
     "up": "er_bringup.up",
     "doctor": "er_bringup.doctor",
     "record": "er_model_lab.cli.record_command",
 }
+"""Commands of people, and their modules."""
+PROGRAMS = {program.name: program for program in EVERY}
+"""Every program of the packages."""
+STARTS = {
+    name: f"from {program.package}.executables import {name} as main; main()"
+    for name, program in PROGRAMS.items()
+} | {name: f"from {module} import main; main()" for name, module in COMMANDS.items()}
+"""What the script of each program runs."""
+NODES = {
+    name: program for name, program in PROGRAMS.items() if program.core or "nodes." in program.path
+}
 DOMAINS = range(10, 100)
 """Of the 101 domains that are safe on every system, those that people rarely use."""
+
+
+def main_of(name: str) -> Callable[[], None]:
+    """What the script of a program calls, without the signals of a process of its own."""
+    if name in PROGRAMS:
+        return partial(run, PROGRAMS[name])
+    found: Callable[[], None] = import_module(COMMANDS[name]).main
+    return found
 
 
 @contextmanager
@@ -61,7 +77,7 @@ class Running:
 
     def __init__(self, name: str, args: Sequence[str], env: Mapping[str, str], log: Path) -> None:
         self.log = log
-        command = [sys.executable, "-m", MODULES[name], *args]
+        command = [sys.executable, "-c", STARTS[name], *args]
         with log.open("w") as file:
             self.process = subprocess.Popen(
                 command, stdout=file, stderr=subprocess.STDOUT, env=dict(env)

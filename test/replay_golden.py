@@ -16,13 +16,15 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from er_bringup.cores import cores, entry
+from er_bringup.cores import entry
 from er_bringup.played import core_of, play
+from er_bringup.programs import CORES
 from er_bringup.recording import opened
 from er_common.parameter_table import build as parameters_of
-from er_common.parameter_table import specs
+from er_ftc_controller.programs import SKYHOOK
 from er_model_lab.recording.bag_writer import BagWriter
 from er_models.files import load_model
+from er_observers.programs import OBSERVERS
 from er_plant_sim.build import build
 from er_plant_sim.duty_gate import Command
 from er_plant_sim.settings import PlantParameters
@@ -30,9 +32,9 @@ from er_ros_common.builders import Tick
 from er_ros_common.core import When
 from rclpy.serialization import serialize_message
 
+from er_common import topics
 from er_plant_sim import rig as plant
 from er_plant_sim import ros_msgs
-from er_ros_common import topics
 from test.conftest import ROOT
 
 CONFIG = ROOT / "config"
@@ -41,20 +43,19 @@ VEHICLE = str(CONFIG / "vehicles/inove_quarter_car.yaml")
 TICKS, DT = 800, 5_000_000
 EVERY = 40
 """Of so many answers one is kept."""
-IN_THE_LOOP = (
-    "unified_observer", "nlpv_polytopic_observer", "nlpv_gridding_observer", "skyhook_controller"
-)  # fmt: skip
-NODES = (*IN_THE_LOOP, *sorted(cores().keys() - set(IN_THE_LOOP)))
+IN_THE_LOOP = (*(program.name for program in OBSERVERS.values()), SKYHOOK.name)
+NODES = (*IN_THE_LOOP, *sorted(CORES.keys() - set(IN_THE_LOOP)))
 
 
 def node_parameters(name: str) -> dict[str, Any]:
     """Parameters of a node as its file in config/nodes has them."""
     file = yaml.safe_load((CONFIG / f"nodes/{name}.yaml").read_text())
-    gains = {"ftc_controller": "lpv_ftc"}.get(name, name.removesuffix("_observer"))
-    files = {"model_file": VEHICLE, "gains_file": str(CONFIG / f"gains/{gains}.yaml")}
-    known = {spec.name for spec in specs(entry(name)[0])}
-    asked = {key: value for key, value in files.items() if key in known}
-    return dict(file["/**"]["ros__parameters"]) | asked | {"max_age": 0.0}
+    given, program = dict(file["/**"]["ros__parameters"]) | {"max_age": 0.0}, CORES[name]
+    if program.model:
+        given["model_file"] = VEHICLE
+    if program.gains:
+        given["gains_file"] = str(CONFIG / f"gains/{program.gains}.yaml")
+    return given
 
 
 def ride(out: Path, ticks: int = TICKS) -> Path:
@@ -67,8 +68,8 @@ def ride(out: Path, ticks: int = TICKS) -> Path:
     rig = build(parameters_of(PlantParameters, given, {}))
     cores = {}
     for name in IN_THE_LOOP:
-        table, make = entry(name)
-        cores[name] = make(parameters_of(table, node_parameters(name), {}))
+        shell = entry(name)
+        cores[name] = shell.make(parameters_of(shell.parameters, node_parameters(name), {}))
     states = {name: core.start() for name, core in cores.items()}
     bag = BagWriter(out)
     connections: dict[str, Any] = {}
@@ -109,7 +110,7 @@ def ride(out: Path, ticks: int = TICKS) -> Path:
     model = load_model(VEHICLE).digest()
     bag.close({
         "parameters": {f"/{name}": node_parameters(name) for name in IN_THE_LOOP},
-        "models": {f"/{name}": model for name in IN_THE_LOOP if name != "skyhook_controller"},
+        "models": {f"/{name}": model for name in IN_THE_LOOP if CORES[name].model},
     })  # fmt: skip
     return out
 

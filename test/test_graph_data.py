@@ -13,17 +13,18 @@ pytest.importorskip("rclpy")
 from er_bringup.arguments import ARGUMENTS, table
 from er_bringup.given import CAR, complete, parse
 from er_bringup.graph import NodeSpec, nodes
-from er_bringup.roles import PUBLISHED
 from er_common.parameter_table import build as parameters_of
 from er_common.parameter_table import specs as bounds_of
 from er_ftc_controller.ros_skyhook import SkyhookCore, SkyhookParameters
 from er_models.errors import InputError
+from er_observers.programs import OBSERVERS
 from er_plant_sim.settings import PlantParameters
 from er_ros_common.builders import Tick
 from er_ros_common.core import When
 
 from er_bringup import up
-from er_ros_common import builders, topics
+from er_common import topics
+from er_ros_common import builders
 from test.graph_help import CONFIG, ROOT
 
 LAUNCH = ROOT / "src/er_bringup/launch/system.launch.py"
@@ -101,15 +102,16 @@ def test_every_argument_is_documented_in_the_table() -> None:
     assert [line.split()[0] for line in lines] == [a.name for a in ARGUMENTS]
 
 
-def test_the_default_graph_is_a_closed_loop_with_three_observers() -> None:
+def test_the_default_graph_is_a_closed_loop_with_all_observers() -> None:
     found = specs()
-    observers = ["unified_observer", "nlpv_polytopic_observer", "nlpv_gridding_observer"]
+    observers = [program.name for program in OBSERVERS.values()]
+    each = len(observers)
     assert list(found) == [*observers, "skyhook_controller", "plant"]
     for name in observers:
         file = str(found[name].parameters["gains_file"])
         assert file.endswith(f"gains/{name.removesuffix('_observer')}.yaml")
     assert found["plant"].parameters["duty_source"] == "topic"
-    assert found["plant"].parameters["wait_for"] == [4, 1, 0, 0, 3]
+    assert found["plant"].parameters["wait_for"] == [each + 1, 1, 0, 0, each]
     assert found["plant"].parameters["wait_for_nodes"] == list(found)[:-1]
     assert found["skyhook_controller"].parameters["listeners"] == 1
     assert found["nlpv_polytopic_observer"].parameters["listeners"] == 0
@@ -156,7 +158,11 @@ def test_in_lockstep_the_plant_waits_for_what_is_recorded_of_everybody(tmp_path:
     given = (f"record:={tmp_path / 'bag'}", "mode:=lockstep", "observers:=unified")
     (plant,) = (spec for spec in nodes(parse(given), CONFIG) if spec.executable == "plant")
     assert plant.parameters["recorder"] == "recorder"
-    assert plant.parameters["recorded"] == [*PUBLISHED.values(), "force/unified", "pwm/command"]
+    assert plant.parameters["recorded"] == [
+        *(topic.name for topic in topics.SENSORS),
+        "force/unified",
+        "pwm/command",
+    ]
     corners = nodes(parse((*given, "corners:=a,b", "namespace:=car")), CONFIG)
     asked = [s.parameters["recorder"] for s in corners if s.executable == "plant"]
     assert asked == ["/car/recorder"] * 2
@@ -444,7 +450,7 @@ def test_a_stack_has_sensors_of_its_own_under_its_own_names() -> None:
     )
     recorder, *found = nodes(parse(pairs), CONFIG)
     assert {spec.executable for spec in found} == {
-        "skyhook_controller", "unified_observer", "nlpv_polytopic_observer", "nlpv_gridding_observer"
+        "skyhook_controller", *(program.name for program in OBSERVERS.values())
     }  # fmt: skip
     words = found[-1].arguments()
     assert words[1:7] == [

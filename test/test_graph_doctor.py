@@ -18,13 +18,14 @@ pytestmark = pytest.mark.alone
 INTRUDER = """
 import rclpy
 from std_msgs.msg import Float64
-from er_ros_common import topics
+from er_common import topics
+from er_ros_common import qos
 rclpy.init()
 node = rclpy.create_node("intruder")
-road = node.create_publisher(topics.ROAD.type, topics.ROAD.name, topics.ROAD.publisher)
+road = node.create_publisher(topics.ROAD.type, topics.ROAD.name, qos.profile(topics.ROAD.publisher))
 force = node.create_subscription(Float64, topics.FORCE.name, print, 10)
 there = topics.DEFLECTION
-latched = node.create_subscription(there.type, there.name, print, topics.STATUS.subscriber)
+latched = node.create_subscription(there.type, there.name, print, qos.profile(topics.STATUS.subscriber))
 rclpy.spin(node)
 """
 

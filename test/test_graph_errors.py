@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
-from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -15,9 +14,9 @@ from er_models.files import load_model, save_model
 
 from test.graph_help import (
     GAINS,
-    MODULES,
     VEHICLE,
     Graph,
+    main_of,
     observer_arguments,
     own_domain,
     plant_arguments,
@@ -43,7 +42,7 @@ def refused(
     def run(name: str, *args: str) -> str:
         monkeypatch.setattr(sys, "argv", [name, *args])
         with pytest.raises(SystemExit) as ended:
-            import_module(MODULES[name]).main()
+            main_of(name)()
         text = capfd.readouterr().err.strip()
         assert ended.value.code == 2, text
         assert len(text.splitlines()) == 1, text

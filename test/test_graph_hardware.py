@@ -15,7 +15,7 @@ pytest.importorskip("rclpy")
 
 from rosbags.highlevel import AnyReader
 
-from er_ros_common import topics
+from er_common import topics
 from test.graph_help import CONFIG, Graph, emulator_arguments, own_domain
 
 pytestmark = pytest.mark.alone

@@ -17,8 +17,8 @@ pytest.importorskip("rclpy")
 from er_bringup.played import core_of, play
 from er_bringup.recording import opened
 from er_common.stamps import SECOND
-from er_common.topic_names import OBSERVERS
 from er_models.files import load_model
+from er_observers.programs import OBSERVERS
 from rosbags.highlevel import AnyReader
 
 from test.graph_help import VEHICLE, Graph, own_domain
@@ -110,7 +110,7 @@ def late(run: Run) -> float:
     ("topic", "node", "share"),
     [
         ("/pwm/command", "/skyhook_controller", 0.8),
-        *((f"/force/{name}", f"/{name}_observer", 0.95) for name in OBSERVERS),
+        *((f"/force/{name}", f"/{p.name}", 0.95) for name, p in OBSERVERS.items()),
     ],
 )
 def test_no_answer_is_lost_after_the_first_second(
@@ -179,7 +179,7 @@ def test_the_observer_follows_the_force(run: Run, name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "node", [*(f"{name}_observer" for name in OBSERVERS), "skyhook_controller"]
+    "node", [*(program.name for program in OBSERVERS.values()), "skyhook_controller"]
 )
 def test_replay_of_the_recording_is_the_node_bit_by_bit(run: Run, node: str) -> None:
     """But for samples that the node had too late, or never."""

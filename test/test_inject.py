@@ -15,8 +15,8 @@ import rclpy
 from er_plant_sim.nodes.plant import PlantNode
 from rclpy.executors import SingleThreadedExecutor
 
+from er_common import topics
 from er_damper_msgs.srv import InjectFault
-from er_ros_common import topics
 from test.graph_help import own_domain, plant_arguments
 
 Asked = Callable[..., tuple[bool, str]]

@@ -17,18 +17,19 @@ from er_bringup.given import CAR
 from er_bringup.integration import foxglove, names, plotjuggler
 from er_bringup.integration.write import files
 from er_bringup.nodes.ros2_control_joint import JointNode
+from er_bringup.programs import ESTIMATES
 from er_bringup.ros_joint import COMMANDS, STATES, JointCore, JointParameters, State
 from er_common.parameter_table import build
 from er_ros_common.builders import Tick
 from er_ros_common.core import When
-from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 
-from er_ros_common import builders, clock, topics
+from er_common import topics
+from er_ros_common import builders, clock
 from test.conftest import ROOT
 
 CONFIG = ROOT / "config"
-TOPICS = {t.name: t for t in (*topics.MEASUREMENTS, *topics.ESTIMATES, topics.DIAGNOSTICS)}
+TOPICS = {t.name: t for t in (*topics.MEASUREMENTS, *ESTIMATES, topics.DIAGNOSTICS)}
 NUMERIC = ("double", "float", "uint8", "uint64", "boolean")
 
 
@@ -87,9 +88,8 @@ def test_rosbag2_asks_for_no_more_than_is_offered_and_loses_nothing() -> None:
     for name, asked in found.items():
         offered = (TOPICS.get(name[1:]) or TOPICS[name]).publisher
         assert asked["reliability"] == "reliable"
-        assert offered.reliability == ReliabilityPolicy.RELIABLE
-        latched = offered.durability == DurabilityPolicy.TRANSIENT_LOCAL
-        assert asked["durability"] == ("transient_local" if latched else "volatile")
+        assert offered.reliable
+        assert asked["durability"] == ("transient_local" if offered.latched else "volatile")
         assert asked["depth"] >= 1000
     car = yaml.safe_load((CONFIG / "recording/qos_overrides_car.yaml").read_text())
     corners = {name.split("/")[3] for name in car if name.startswith("/vehicle/suspension/")}

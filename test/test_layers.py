@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -32,7 +33,7 @@ FINDERS = {"up.py", "message_definitions.py"}
 """Files that ask where an installed file is; ROS itself they need not."""
 STARTERS = {"executables.py", "record_command.py", "ros_composed.py"}
 """Files whose whole purpose is to start nodes."""
-LOADERS = {"import_module", "program"}
+LOADERS = {"import_module"}
 """Functions that import what a text names."""
 PLOTS = {"matplotlib", "plotly"}
 
@@ -111,7 +112,7 @@ def test_imports_follow_the_arrows(package, path):
         ("from importlib import import_module\nimport_module('er_observers.law')", "control.py"),
         ("import importlib\nimportlib.import_module(f'er_observers.{name}')", "control.py"),
         ("import_module(f'{package}.nodes.{executable}')", "control.py"),
-        ("program('er_observers.nodes.fault_estimator')", "executables.py"),
+        ("import_module('er_observers.nodes.fault_estimator')", "executables.py"),
         ("from er_observers import law", "control.py"),
         ("from er_ros_common import stuck", "control.py"),
         ("from er_ros_common.entry import program", "control.py"),
@@ -157,20 +158,19 @@ def imported_with(*names):
     return set(done.stdout.split())
 
 
+def made_of(*packages):
+    """What the programs of packages are made of, and the node around cores."""
+    each = (program for p in packages for program in import_module(f"{p}.programs").PROGRAMS)
+    return ["er_ros_common.core_node", *(program.path for program in each)]
+
+
 def test_a_node_of_the_loop_is_there_soon():
-    nodes = [f"{p}.nodes.{f.stem}" for p, f in modules() if p in LOOP and "nodes" in f.parts]
-    assert imported_with(*nodes) & HEAVY == set()
+    assert imported_with(*made_of(*LOOP)) & HEAVY == set()
 
 
 def test_an_observer_waits_for_no_linear_algebra_of_scipy():
     """It takes a third of its start; NumPy's is there anyway."""
-    nodes = [
-        f"er_observers.nodes.{f.stem}"
-        for p, f in modules()
-        if p == "er_observers" and "nodes" in f.parts
-    ]
-    assert nodes
-    assert "scipy.linalg" not in imported_with(*nodes)
+    assert "scipy.linalg" not in imported_with(*made_of("er_observers"))
 
 
 def test_the_lab_says_what_it_can_do_at_once():

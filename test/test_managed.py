@@ -21,17 +21,19 @@ from er_bringup.graph import nodes
 from er_bringup.nodes.ros2_control_joint import JointNode
 from er_bringup.ros_composed import part, split
 from er_bringup.ros_joint import COMMANDS
-from er_ftc_controller.nodes.ftc_controller import FtcController
-from er_ftc_controller.nodes.skyhook_controller import SkyhookController
+from er_common.program import Program
+from er_ftc_controller.programs import FTC, SKYHOOK
 from er_models.errors import ErError, InputError
-from er_observers.nodes.unified_observer import NODE as UNIFIED
+from er_observers.programs import OBSERVERS
+from er_ros_common.core_node import CoreNode
 from er_ros_common.managed import ManagedNode
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.lifecycle import TransitionCallbackReturn
 
-from er_ros_common import builders, topics
+from er_common import topics
+from er_ros_common import builders, qos
 from test.graph_help import CONFIG, ROOT, VEHICLE, own_domain, skyhook_arguments
 
 OK = TransitionCallbackReturn.SUCCESS
@@ -73,17 +75,18 @@ def change(executor: SingleThreadedExecutor, node: ManagedNode, transition: int)
 def test_a_manager_leads_a_controller_and_hears_no_for_what_cannot_be(
     ros: SingleThreadedExecutor,
 ) -> None:
-    node = SkyhookController(skyhook_arguments("-p", "autostart:=false"))
+    node = CoreNode(SKYHOOK, skyhook_arguments("-p", "autostart:=false"))
     other = rclpy.create_node("other")
     ros.add_node(node)
     ros.add_node(other)
     heard: list[float] = []
     command, acceleration, deflection = topics.PWM_COMMAND, topics.ACCELERATION, topics.DEFLECTION
     other.create_subscription(
-        command.type, command.name, lambda m: heard.append(m.duty), command.subscriber
+        command.type, command.name, lambda m: heard.append(m.duty), qos.profile(command.subscriber)
     )
     ends = [
-        other.create_publisher(t.type, t.name, t.publisher) for t in (acceleration, deflection)
+        other.create_publisher(t.type, t.name, qos.profile(t.publisher))
+        for t in (acceleration, deflection)
     ]
     assert not change(ros, node, Transition.TRANSITION_ACTIVATE)
     assert node._said().mode == "unconfigured"
@@ -128,8 +131,8 @@ def test_inputs_of_every_tick_are_watched_for_the_rate_the_node_is_made_for(
     file, gains = CONFIG / "nodes/ftc_controller.yaml", CONFIG / "gains/lpv_ftc.yaml"
     more = [f"model_file:={VEHICLE}", f"gains_file:={gains}", "rate:=100.0", "autostart:=false"]
     pairs = [word for pair in more for word in ("-p", pair)]
-    paced = FtcController(["--ros-args", "--params-file", str(file), *pairs])
-    free = SkyhookController(skyhook_arguments("-p", "autostart:=false"))
+    paced = CoreNode(FTC, ["--ros-args", "--params-file", str(file), *pairs])
+    free = CoreNode(SKYHOOK, skyhook_arguments("-p", "autostart:=false"))
     for node in (paced, free):
         ros.add_node(node)
         node.start()
@@ -140,21 +143,20 @@ def test_inputs_of_every_tick_are_watched_for_the_rate_the_node_is_made_for(
     assert {each.rate for each in free.incoming.values()} == {0.0}
 
 
-@pytest.mark.parametrize("kind", [SkyhookController, FtcController])
+@pytest.mark.parametrize("program", [SKYHOOK, FTC], ids=lambda program: program.name)
 @pytest.mark.parametrize(("age", "simulated"), [("0.0", True), ("0.02", False)])
 def test_the_last_words_of_a_controller_are_of_the_time_of_its_samples(
-    ros: SingleThreadedExecutor, kind: Callable[[list[str]], Any], age: str, *, simulated: bool
+    ros: SingleThreadedExecutor, program: Program, age: str, *, simulated: bool
 ) -> None:
     """Without a clock of simulated time they would else differ from one run of a seed to the next."""
-    name = "skyhook" if kind is SkyhookController else "ftc"
     files = ["-p", f"model_file:={VEHICLE}", "-p", f"gains_file:={CONFIG / 'gains/lpv_ftc.yaml'}"]
     given = [
         "--params-file",
-        str(CONFIG / f"nodes/{name}_controller.yaml"),
+        str(CONFIG / f"nodes/{program.name}.yaml"),
         "-p",
         f"max_age:={age}",
     ]
-    node = kind(["--ros-args", *given, *(files if name == "ftc" else [])])
+    node = CoreNode(program, ["--ros-args", *given, *(files if program.gains else [])])
     ros.add_node(node)
     node.start()
     said: list[Any] = []
@@ -186,7 +188,7 @@ def test_who_else_gives_joint_commands_is_watched(ros: SingleThreadedExecutor) -
 
 def test_who_asked_last_hears_what_a_node_listens_to(ros: SingleThreadedExecutor) -> None:
     """A node that is configured anew makes new listeners, and keeps the ends of its topics."""
-    node = SkyhookController(skyhook_arguments("-p", "autostart:=false"))
+    node = CoreNode(SKYHOOK, skyhook_arguments("-p", "autostart:=false"))
     other = rclpy.create_node("other")
     ros.add_node(node)
     ros.add_node(other)
@@ -196,7 +198,9 @@ def test_who_asked_last_hears_what_a_node_listens_to(ros: SingleThreadedExecutor
         node.listen(
             "other/status", status.type, lambda _, who=who: said.append(who), status.subscriber
         )
-    other.create_publisher(status.type, "other/status", status.publisher).publish(status.type())
+    other.create_publisher(status.type, "other/status", qos.profile(status.publisher)).publish(
+        status.type()
+    )
     until(ros, lambda: said)
     assert said == ["new"]
 
@@ -204,7 +208,7 @@ def test_who_asked_last_hears_what_a_node_listens_to(ros: SingleThreadedExecutor
 def test_real_time_priority_is_held_while_a_node_acts_where_the_system_lets_it(
     ros: SingleThreadedExecutor,
 ) -> None:
-    node = SkyhookController(skyhook_arguments("-p", "autostart:=false", "-p", "priority:=7"))
+    node = CoreNode(SKYHOOK, skyhook_arguments("-p", "autostart:=false", "-p", "priority:=7"))
     ros.add_node(node)
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
@@ -241,7 +245,7 @@ def test_gains_are_read_again_when_a_node_is_configured_again(
         "-p",
         "autostart:=false",
     ]
-    node = UNIFIED.make(["--ros-args", *given])
+    node = CoreNode(OBSERVERS["unified"], ["--ros-args", *given])
     ros.add_node(node)
     assert not change(ros, node, Transition.TRANSITION_CONFIGURE)
     assert "gains.yaml" in node._said().reason
@@ -258,22 +262,22 @@ def test_an_input_that_new_gains_do_without_is_neither_heard_nor_asked_for(
     """Its end stays, and messages go on arriving there."""
     pairs = (f"model_file:={VEHICLE}", f"gains_file:={CONFIG / 'gains/unified.yaml'}")
     words = [word for pair in (*pairs, "autostart:=false") for word in ("-p", pair)]
-    node = UNIFIED.make(["--ros-args", *words])
+    node = CoreNode(OBSERVERS["unified"], ["--ros-args", *words])
     ros.add_node(node)
-    make = node.make
+    shell = node.shell
 
-    def with_sensor() -> Any:
-        core = make()
+    def with_sensor(_: Any) -> Any:
+        core = shell.make(node.p)
         core.inputs = (*core.inputs, topics.DEFLECTION)
         core.limits = (*core.limits, core.limits[0])
         return core
 
-    node.make = with_sensor
+    node.shell = shell._replace(make=with_sensor)
     node.start()
     usual = {topics.ACCELERATION.name, topics.PWM_APPLIED.name}
     assert node.incoming.keys() == usual | {topics.DEFLECTION.name}
     assert node.trigger_deactivate() == node.trigger_cleanup() == OK
-    node.make = make
+    node.shell = shell
     node.start()
     tick = builders.Tick(node.get_clock().now().nanoseconds, 1)
     (end,) = (s for s in node.subscriptions if s.topic_name == "/sensors/deflection")
@@ -287,7 +291,7 @@ def test_command_lines_of_composed_nodes_are_those_of_the_processes() -> None:
     (together,) = nodes(parse(["namespace:=fl", "seed:=3", "composed:=true"]), CONFIG)
     assert together.executable == "composed"
     assert [group[1:] for group in split(together.arguments())] == [s.arguments() for s in apart]
-    assert [part(g).executable.card.executable for g in split(together.arguments())] == [
+    assert [part(g).executable.card.program.name for g in split(together.arguments())] == [
         s.executable for s in apart
     ]
 
@@ -336,9 +340,9 @@ def test_a_program_that_is_still_being_imported_ends_quietly(number: int) -> Non
 def test_nodes_that_are_still_being_imported_into_one_process_end_quietly(
     number: int, tmp_path: Path
 ) -> None:
-    slow = tmp_path / "snail" / "nodes"
-    slow.mkdir(parents=True)
-    (slow / "crawling.py").write_text(
+    slow = tmp_path / "snail"
+    slow.mkdir()
+    (slow / "programs.py").write_text(
         "import time\nprint('begun', flush=True)\ntime.sleep(60.0)\n"
     )
     child = subprocess.Popen(
@@ -353,22 +357,21 @@ def test_nodes_that_are_still_being_imported_into_one_process_end_quietly(
     assert (child.returncode, errors) == (0, "")
 
 
-SKYHOOK = "er_ftc_controller.nodes.skyhook_controller"
 LISTED = """
 import atexit, sys
 from pathlib import Path
-from er_ros_common.entry import program
+from er_ros_common.entry import start
 atexit.register(lambda: print("threads", *(p.read_text().strip() for p in Path("/proc/self/task").glob("*/comm"))))
-program(sys.argv.pop(1))()
+start(*sys.argv.pop(1).split("/"))
 """
 
 
 @pytest.mark.parametrize(
     "command",
     [
-        [SKYHOOK, *skyhook_arguments()],
-        [SKYHOOK, *skyhook_arguments("-p", "listeners:=many")],
-        ["er_bringup.ros_composed", "er_ftc_controller/skyhook_controller", *skyhook_arguments()],
+        ["er_ftc_controller/skyhook_controller", *skyhook_arguments()],
+        ["er_ftc_controller/skyhook_controller", *skyhook_arguments("-p", "listeners:=many")],
+        ["er_bringup/composed", "er_ftc_controller/skyhook_controller", *skyhook_arguments()],
     ],
 )
 def test_nothing_of_the_middleware_is_left_when_nodes_have_ended(command: list[str]) -> None:

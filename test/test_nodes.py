@@ -2,53 +2,52 @@
 
 from __future__ import annotations
 
-import ast
 import re
+import runpy
 from importlib import import_module
 from typing import Any
 
 import pytest
+import setuptools
 import yaml
 
 pytest.importorskip("rclpy")
 
 from er_bringup.arguments import ARGUMENTS
-from er_bringup.cores import cores
-from er_bringup.roles import Role
+from er_bringup.programs import ANSWERING, CONTROLLERS, EVERY, JOINT
 from er_bringup.ros_checks import CONTRACT
 from er_common.parameter_table import specs
-from er_ros_common.core_node import CoreNode
+from er_common.program import CONTROLLER, OBSERVER
+from er_model_lab.programs import RECORDER
+from er_ros_common.core_node import node_of
 from er_ros_common.spin import Executable
 
-from er_bringup import roles
+from er_ros_common import entry
 from test import replay_golden
 from test.conftest import ROOT
-from test.graph_help import NODES
+from test.graph_help import NODES, PROGRAMS
 
-PROGRAMS = {
-    "composed": "holds nodes",
-    "device_emulator": "behaves like a rig: no part of the ROS graph",
-}
-"""Console scripts made as nodes are that are none."""
-COMMANDS = {"er-lab"}
-"""Console scripts of people, with a module of their own."""
-BY_HAND = {"ros2_control_joint": "started beside a vehicle stack (docs/vehicle.md)"}
+BY_HAND = {JOINT.name: "started beside a vehicle stack (docs/vehicle.md)"}
 """Nodes that the graph of `er up` does not hold."""
-WITHOUT_FILE = {"recorder": "all of it is given per run", **BY_HAND}
+WITHOUT_FILE = {RECORDER.name: "all of it is given per run", **BY_HAND}
 """Nodes without a parameter file of their own."""
+EACH = pytest.mark.parametrize("name", sorted(NODES))
 
 
-def scripts() -> dict[str, tuple[str, str]]:
-    """Console scripts of every setup.py: name to its package and what is called."""
-    found: dict[str, tuple[str, str]] = {}
+def scripts(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
+    """Console scripts of every setup.py, run as the build runs it: name to what is called."""
+    found: dict[str, str] = {}
+
+    def told(**given: Any) -> None:
+        for each in given.get("entry_points", {}).get("console_scripts", ()):
+            name, _, target = each.partition(" = ")
+            assert name not in found, each
+            found[name] = target
+
+    monkeypatch.setattr(setuptools, "setup", told)
     for path in sorted((ROOT / "src").glob("*/setup.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            text = node.value if isinstance(node, ast.Constant) else None
-            match = (
-                re.fullmatch(r"([\w-]+) = ([\w.]+:\w+)", text) if isinstance(text, str) else None
-            )
-            if match:
-                found[match[1]] = (path.parent.name, match[2])
+        monkeypatch.chdir(path.parent)
+        runpy.run_path(str(path))
     return found
 
 
@@ -62,50 +61,45 @@ def documented() -> set[tuple[str, str]]:
     return found
 
 
-def graph_roles() -> list[Role]:
-    """What `er up` and the launch file can start."""
-    kinds = (*roles.CONTROLLERS.values(), *roles.OBSERVERS.values())
-    return [roles.PLANT, roles.BRIDGE, roles.RECORDER, roles.FAULTS, *kinds]
-
-
 def node(name: str) -> Executable:
-    """What the module of a node offers to `composed`."""
-    found = import_module(NODES[name]).NODE
+    """What a node is to `composed`."""
+    program = NODES[name]
+    found = node_of(program) if program.core else import_module(program.path).NODE
     assert isinstance(found, Executable)
     return found
 
 
-SCRIPTS = scripts()
-EACH = pytest.mark.parametrize("name", sorted(NODES))
+def test_every_program_has_its_script_and_every_script_its_program(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    expected = {p.name: f"{p.package}.executables:{p.name}" for p in EVERY}
+    assert len(expected) == len(EVERY)
+    assert scripts(monkeypatch) == expected | {"er-lab": "er_model_lab.cli.app:main"}
 
 
-def test_a_program_is_a_node_or_says_what_else_it_is() -> None:
-    assert set(SCRIPTS) == set(NODES) | set(PROGRAMS) | COMMANDS
-
-
-@EACH
-def test_the_script_starts_the_node_named_like_it(name: str, monkeypatch: Any) -> None:
-    package, target = SCRIPTS[name]
-    assert target == f"{package}.executables:{name}"
+@pytest.mark.parametrize("name", sorted(PROGRAMS))
+def test_the_script_starts_the_program_named_like_it(name: str, monkeypatch: Any) -> None:
     began: list[str] = []
-    module = import_module(NODES[name])
     monkeypatch.setattr("signal.signal", lambda *_: None)
-    monkeypatch.setattr(module, "main", lambda: began.append(name))
-    getattr(import_module(f"{package}.executables"), name)()
+    monkeypatch.setattr(entry, "run", lambda program: began.append(program.name))
+    executables = import_module(f"{PROGRAMS[name].package}.executables")
+    getattr(executables, name)()
     assert began == [name]
+    with pytest.raises(KeyError, match="none_of_them"):
+        executables.none_of_them()
 
 
 @EACH
 def test_the_card_tells_of_this_node(name: str) -> None:
     card = node(name).card
-    assert (card.package, card.executable) == (SCRIPTS[name][0], name)
-    assert len(card.text) > 10
+    assert card.program is NODES[name]
+    assert len(card.program.text) > 10
     assert card.parameters is not None
 
 
 @EACH
 def test_a_row_of_the_documentation_names_it(name: str) -> None:
-    assert (SCRIPTS[name][0], name) in documented(), "docs/nodes.md, first table"
+    assert (NODES[name].package, name) in documented(), "docs/nodes.md, first table"
 
 
 @pytest.mark.parametrize("name", sorted(NODES.keys() - WITHOUT_FILE.keys()))
@@ -118,29 +112,31 @@ def test_its_parameter_file_holds_parameters_it_has(name: str) -> None:
     assert set(given) <= {spec.name for spec in specs(parameters)}
 
 
-@EACH
-def test_the_core_of_a_shell_is_known_to_replay_and_its_answers_are_golden(name: str) -> None:
-    made: Any = node(name).make
-    kind = getattr(made, "func", made)
-    if not (isinstance(kind, type) and issubclass(kind, CoreNode)):
-        return
-    assert name in cores(), "CORES of its ros_*.py, MODULES of er_bringup/cores.py"
-    assert cores()[name][0] is node(name).card.parameters
+@pytest.mark.parametrize("name", sorted(name for name, each in NODES.items() if each.core))
+def test_the_answers_of_a_core_are_golden(name: str) -> None:
     golden = yaml.safe_load(replay_golden.FILE.read_text(encoding="utf-8"))
     assert name in golden["values"], "./er exec python -m test.replay_golden --reason '...'"
 
 
 @pytest.mark.parametrize("name", sorted(NODES.keys() - BY_HAND.keys()))
 def test_the_graph_can_hold_it(name: str) -> None:
-    (role,) = (r for r in graph_roles() if r.executable == name)
-    assert role.package == SCRIPTS[name][0]
-    said = [topic.name for topic in node(name).card.publishes]
-    assert not role.says or role.says in said
-    assert not role.says or role.says in {topic.name for topic in CONTRACT}, "topics.ESTIMATES"
-    heard = {topic.name for topic in node(name).card.subscribes}
-    assert {roles.PUBLISHED[key] for key in role.listens} <= heard
+    program, card = NODES[name], node(name).card
+    assert program.says is None or program.says in card.publishes
+    assert program.says is None or program.says in CONTRACT
+    assert {*program.listens, *program.uses} <= set(card.subscribes)
 
 
-def test_every_controller_can_be_asked_for() -> None:
-    (asked,) = (a for a in ARGUMENTS if a.name == "controller")
-    assert set(asked.choices) == {*roles.CONTROLLERS, "none"}
+@pytest.mark.parametrize("program", ANSWERING, ids=lambda program: program.name)
+def test_a_node_has_every_parameter_that_the_graph_gives_it(program: Any) -> None:
+    given = {"model_file": program.model, "gains_file": bool(program.gains), "rate": program.rate}
+    known = {spec.name for spec in specs(node(program.name).card.parameters)}  # type: ignore[arg-type]
+    assert {name for name, is_given in given.items() if is_given} == known & given.keys()
+
+
+@pytest.mark.parametrize("program", ANSWERING, ids=lambda program: program.name)
+def test_every_answering_node_can_be_asked_for(program: Any) -> None:
+    arguments = {argument.name: argument for argument in ARGUMENTS}
+    assert (
+        program.kind in (OBSERVER, CONTROLLER) or arguments[program.name].meaning == program.asked
+    )
+    assert set(arguments["controller"].choices) == {*CONTROLLERS, "none"}

@@ -16,7 +16,8 @@ from er_model_lab.nodes.recorder import Recorder
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from er_ros_common import builders, topics
+from er_common import topics
+from er_ros_common import builders, qos
 from test.graph_help import own_domain
 
 
@@ -48,9 +49,9 @@ def test_a_best_effort_sensor_that_comes_after_the_recorder_is_recorded(
             end.publish(builders.damper_force(builders.Tick(sent, sent), 1.0))
             ros.spin_once(timeout_sec=0.01)
 
-    strong = sensors.create_publisher(force.type, force.name, force.publisher)
+    strong = sensors.create_publisher(force.type, force.name, qos.profile(force.publisher))
     recorded(strong)
-    weak = sensors.create_publisher(force.type, force.name, force.subscriber)
+    weak = sensors.create_publisher(force.type, force.name, qos.profile(force.subscriber))
     for end in (weak, strong, weak):
         recorded(end)
     assert recorder.heard[f"/{force.name}"].count.received <= sent

@@ -11,10 +11,11 @@ import pytest
 
 pytest.importorskip("rclpy")
 
+from er_bringup.programs import ESTIMATES
 from er_ros_common.injection import Kind
 
+from er_common import topics
 from er_damper_msgs.msg import DamperForce, PwmDuty
-from er_ros_common import topics
 from test.reliability.bus import NAMES, SECOND, Bus, Heard
 from test.reliability.fuzz import fuzz, fuzz_plant
 from test.reliability.kill import killed
@@ -110,7 +111,7 @@ def test_a_duty_that_never_came_is_no_duty_r1() -> None:
     bus = Bus((*NAMES, "fault_estimator"), duty_source="program")
     bus.between = lambda kind, message: [] if kind.name == topics.PWM_APPLIED.name else [message]
     bus.run(1.0)
-    for topic in topics.ESTIMATES:
+    for topic in ESTIMATES:
         answers = bus.log[topic.name]
         assert len(answers) > 190
         assert not any(a.message.valid for a in answers if a.t > 0.1)
@@ -148,7 +149,7 @@ def test_a_stuck_accelerometer_r3(field: str) -> None:
     assert bus.states[NAMES[0]].unusable == 0
     bus.inject(f"{SAMPLE}.{field}", Kind.STUCK)
     bus.run(0.5)
-    lost = first(after(bus, topics.FORCE_BY["unified"].name, 5.0), DamperForce.STATUS_LOST)
+    lost = first(after(bus, topics.estimated_force("unified").name, 5.0), DamperForce.STATUS_LOST)
     assert lost - 5.0 <= 0.150 + 0.055
     assert bus.log[topics.PWM_APPLIED.name][-1].message.duty == PASSIVE_SAFE
 
@@ -175,7 +176,7 @@ def test_a_wrong_accelerometer_is_doubted_r4(kind: Kind, value: float) -> None:
     bus.run(1.0)
     doubt = [
         a.t
-        for a in after(bus, topics.FORCE_BY["unified"].name, 3.0)
+        for a in after(bus, topics.estimated_force("unified").name, 3.0)
         if a.message.status != DamperForce.STATUS_OK
     ]
     assert doubt[0] - 3.0 <= 0.5
@@ -203,9 +204,10 @@ def test_a_lie_of_three_samples_leaves_no_trace_r5() -> None:
     bad.between = lie
     for bus in (good, bad):
         bus.run(4.0)
-    a, b = (each.log[topics.FORCE_BY["unified"].name][-1].message for each in (good, bad))
+    a, b = (each.log[topics.estimated_force("unified").name][-1].message for each in (good, bad))
     assert all(
-        math.isfinite(each.message.force) for each in bad.log[topics.FORCE_BY["unified"].name]
+        math.isfinite(each.message.force)
+        for each in bad.log[topics.estimated_force("unified").name]
     )
     assert (b.status, b.valid) == (DamperForce.STATUS_OK, True)
     assert b.force == pytest.approx(a.force, abs=0.5)
@@ -238,7 +240,7 @@ def test_old_and_future_stamps_are_not_used_r7_r8(name: str, skew: int) -> None:
     bus.run(0.5)
     stamps = bus.states[name].stamps
     assert (stamps.stale if skew < 0 else stamps.future) >= 99
-    assert after(bus, topics.FORCE_BY["unified"].name, 1.2) == [] if skew > 0 else True
+    assert after(bus, topics.estimated_force("unified").name, 1.2) == [] if skew > 0 else True
     assert bus.log[topics.PWM_APPLIED.name][-1].message.duty == PASSIVE_SAFE
 
 

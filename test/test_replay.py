@@ -21,7 +21,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 
 from er_bringup import played
 from er_bringup import replay as command
-from er_ros_common import topics
+from er_common import topics
 from test import replay_golden
 from test.replay_golden import FILE, IN_THE_LOOP, TICKS
 
@@ -205,14 +205,12 @@ def seeing(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A gain file of the polytopic observer for both accelerometers and a deflection sensor."""
     from er_models.files import load_model
     from er_observers.gains import save_gains
-    from er_observers.synth_tables import figures
-    from er_observers.synthesis.make import Wish, make
+    from er_observers.synthesis.make import Wish, synthesise
 
     car = load_model(replay_golden.VEHICLE)
-    claim, certificate = make("nlpv_polytopic", car, Wish(deflection=1e-3))
+    claim, certificate = synthesise("nlpv_polytopic", car, Wish(deflection=1e-3))
     path = tmp_path_factory.mktemp("gains") / "seeing.yaml"
-    notes = {"certificate": figures(certificate), "solver": {"name": "Clarabel", "version": "0"}}
-    save_gains(path, "nlpv_polytopic", car, claim, notes)
+    save_gains(path, "nlpv_polytopic", car, claim, certificate)
     return path
 
 

@@ -14,14 +14,16 @@ pytest.importorskip("rclpy")
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from er_ftc_controller.nodes.skyhook_controller import SkyhookController
+from er_ftc_controller.programs import SKYHOOK
+from er_ros_common.core_node import CoreNode
 from er_ros_common.graph_check import endpoints
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import Float64
 
+from er_common import topics
 from er_damper_msgs.msg import NodeStatus
-from er_ros_common import builders, topics
+from er_ros_common import builders, qos
 from test.graph_help import own_domain, skyhook_arguments
 
 WITHIN = 2.0
@@ -37,7 +39,7 @@ def graph() -> Iterator[tuple[Callable[..., str], Node]]:
         # within one context rclpy refuses a second type, with words that mislead
         away = rclpy.Context()
         rclpy.init(args=[], context=away, domain_id=domain)
-        node, other = SkyhookController(skyhook_arguments()), Node("intruder", context=away)
+        node, other = CoreNode(SKYHOOK, skyhook_arguments()), Node("intruder", context=away)
         node.start()
         listener = rclpy.create_node("listener")
         said: Entries = {}
@@ -93,7 +95,7 @@ def test_another_type_on_a_topic_is_named(graph: tuple[Callable[..., str], Node]
 def test_a_qos_that_carries_nothing_is_named(graph: tuple[Callable[..., str], Node]) -> None:
     says, other = graph
     there = topics.PWM_COMMAND
-    other.create_subscription(there.type, there.name, print, topics.STATUS.subscriber)
+    other.create_subscription(there.type, there.name, print, qos.profile(topics.STATUS.subscriber))
     words = f"{there.name}: /intruder asks for transient local"
     text = says("/skyhook_controller: graph", words, there.name)
     assert "offer transient local in /skyhook_controller" in text
@@ -102,7 +104,7 @@ def test_a_qos_that_carries_nothing_is_named(graph: tuple[Callable[..., str], No
 def test_a_second_controller_is_named(graph: tuple[Callable[..., str], Node]) -> None:
     says, other = graph
     there = topics.PWM_COMMAND
-    other.create_publisher(there.type, there.name, there.publisher)
+    other.create_publisher(there.type, there.name, qos.profile(there.publisher))
     words = "2 nodes publish it: /intruder, /skyhook_controller: stop all but one"
     assert there.name in says("/skyhook_controller: graph", words, there.name)
 
@@ -115,7 +117,7 @@ def test_a_missing_input_and_a_stamp_that_is_not_set_are_named(
     assert "/sensors/acceleration: nothing came" in text
     assert "start its publisher" in text
     there = topics.ACCELERATION
-    end = other.create_publisher(there.type, there.name, there.publisher)
+    end = other.create_publisher(there.type, there.name, qos.profile(there.publisher))
     message = builders.suspension_acceleration(builders.Tick(0, 1), 0.0, 0.0)
 
     def send() -> bool:
@@ -132,7 +134,7 @@ def test_a_sensor_that_says_no_number_or_is_not_valid_is_named(
 ) -> None:
     says, other = graph
     there = topics.ACCELERATION
-    end = other.create_publisher(there.type, there.name, there.publisher)
+    end = other.create_publisher(there.type, there.name, qos.profile(there.publisher))
 
     def send() -> bool:
         now = other.get_clock().now().nanoseconds
@@ -153,7 +155,7 @@ def test_a_deflection_without_the_velocity_that_the_law_needs_is_named(
 ) -> None:
     says, other = graph
     there = topics.DEFLECTION
-    end = other.create_publisher(there.type, there.name, there.publisher)
+    end = other.create_publisher(there.type, there.name, qos.profile(there.publisher))
 
     def send() -> bool:
         now = other.get_clock().now().nanoseconds

@@ -15,9 +15,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from er_common.topics import ACCELERATION, DEFLECTION, FORCE, PWM_APPLIED
 from er_model_lab.recording.bag_writer import BagWriter
 from er_ros_common.builders import Tick
-from er_ros_common.topics import ACCELERATION, DEFLECTION, FORCE, PWM_APPLIED
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 from rclpy.serialization import serialize_message

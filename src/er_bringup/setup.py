@@ -1,11 +1,19 @@
 """Packaging of er_bringup: for colcon."""
 
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
 from setuptools import find_packages, setup
 
 PACKAGE = "er_bringup"
+
+
+def programs() -> list[str]:
+    """Console scripts of `programs.py`, read as text: what it imports is not there while the package is built."""
+    rows = Path(PACKAGE, "programs.py").read_text(encoding="utf-8")
+    names = re.findall(r'\bProgram\(\s*"(\w+)"', rows)
+    return [f"{name} = {PACKAGE}.executables:{name}" for name in names]
 
 
 def tree(folder: str) -> list[tuple[str, list[str]]]:
@@ -33,10 +41,5 @@ setup(
     ],
     install_requires=["setuptools"],
     zip_safe=False,
-    entry_points={
-        "console_scripts": [
-            "composed = er_bringup.executables:composed",
-            "ros2_control_joint = er_bringup.executables:ros2_control_joint",
-        ]
-    },
+    entry_points={"console_scripts": programs()},
 )

@@ -1,6 +1,8 @@
 """What colcon needs beside pyproject.toml: a place in the index of ament, and the nodes' programs."""
 
+import re
 import sys
+from pathlib import Path
 from xml.etree import ElementTree
 
 from setuptools import setup
@@ -8,12 +10,14 @@ from setuptools import setup
 PACKAGE = "er_observers"
 WHEEL = {"bdist_wheel", "dist_info"} & {*sys.argv}
 """Whether pip makes a wheel, which has no programs that need ROS."""
-NODES = [
-    "unified_observer = er_observers.executables:unified_observer",
-    "nlpv_polytopic_observer = er_observers.executables:nlpv_polytopic_observer",
-    "nlpv_gridding_observer = er_observers.executables:nlpv_gridding_observer",
-    "fault_estimator = er_observers.executables:fault_estimator",
-]
+
+
+def programs() -> list[str]:
+    """Console scripts of `programs.py`, read as text: what it imports is not there while the package is built."""
+    rows = Path(PACKAGE, "programs.py").read_text(encoding="utf-8")
+    names = re.findall(r'\b(?:Program|observer)\(\s*"(\w+)"', rows)
+    return [f"{name} = {PACKAGE}.executables:{name}" for name in names]
+
 
 setup(
     version=ElementTree.parse("package.xml").findtext("version"),
@@ -23,6 +27,6 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml", "pyproject.toml", "README.md"]),
     ],
-    entry_points={"console_scripts": [] if WHEEL else NODES},
+    entry_points={"console_scripts": [] if WHEEL else programs()},
     zip_safe=False,
 )

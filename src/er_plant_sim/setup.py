@@ -1,6 +1,8 @@
 """What colcon needs beside pyproject.toml: a place in the index of ament, and the nodes' programs."""
 
+import re
 import sys
+from pathlib import Path
 from xml.etree import ElementTree
 
 from setuptools import setup
@@ -8,11 +10,14 @@ from setuptools import setup
 PACKAGE = "er_plant_sim"
 WHEEL = {"bdist_wheel", "dist_info"} & {*sys.argv}
 """Whether pip makes a wheel, which has no programs that need ROS."""
-NODES = [
-    "plant = er_plant_sim.executables:plant",
-    "hardware_bridge = er_plant_sim.executables:hardware_bridge",
-    "device_emulator = er_plant_sim.executables:device_emulator",
-]
+
+
+def programs() -> list[str]:
+    """Console scripts of `programs.py`, read as text: what it imports is not there while the package is built."""
+    rows = Path(PACKAGE, "programs.py").read_text(encoding="utf-8")
+    names = re.findall(r'\bProgram\(\s*"(\w+)"', rows)
+    return [f"{name} = {PACKAGE}.executables:{name}" for name in names]
+
 
 setup(
     version=ElementTree.parse("package.xml").findtext("version"),
@@ -22,6 +27,6 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
         (f"share/{PACKAGE}", ["package.xml", "pyproject.toml", "README.md"]),
     ],
-    entry_points={"console_scripts": [] if WHEEL else NODES},
+    entry_points={"console_scripts": [] if WHEEL else programs()},
     zip_safe=False,
 )

@@ -14,8 +14,10 @@ from typing import Any, NamedTuple
 
 import yaml
 from er_bringup.cores import entry
+from er_bringup.programs import CORES, ESTIMATES
+from er_common.program import OBSERVER
 from er_common.stamps import CLOCK_STEP
-from er_common.topic_names import OBSERVERS
+from er_observers.programs import OBSERVERS
 from er_plant_sim.build import build
 from er_plant_sim.duty_gate import Command
 from er_plant_sim.settings import PlantParameters
@@ -23,9 +25,9 @@ from er_ros_common.builders import Tick
 from er_ros_common.core import Core, When
 from er_ros_common.injection import Channel, asked, taken_over, through
 
+from er_common import topics
 from er_plant_sim import rig as plant
 from er_plant_sim import ros_msgs
-from er_ros_common import topics
 from test.graph_help import CONFIG, VEHICLE
 
 SECOND = 1_000_000_000
@@ -33,7 +35,7 @@ STEADY, SYSTEM = 1000 * SECOND, 1_700_000_000 * SECOND
 """Readings of both clocks at the start."""
 WATCH = 5_000_000
 """How often nodes look at the silence of their inputs [ns]; those of a real graph do every 5 or 10 ms."""
-NAMES = tuple(f"{name}_observer" for name in OBSERVERS)
+NAMES = tuple(program.name for program in OBSERVERS.values())
 UNITS = {
     topics.ACCELERATION.name: ("sprung", "unsprung"),
     topics.DEFLECTION.name: ("deflection", "velocity"),
@@ -60,19 +62,13 @@ def node_file(name: str) -> dict[str, Any]:
 @lru_cache(maxsize=16)
 def core(name: str) -> Core:
     """The core of a node with the parameters of its file; it keeps nothing between messages."""
-    table, make = entry(name)
-    given: dict[str, Any] = {}
-    if name.endswith("_observer"):
-        gains = name.removesuffix("_observer")
-        given = {"model_file": VEHICLE, "gains_file": str(CONFIG / f"gains/{gains}.yaml")}
-    elif name == "fault_estimator":
-        given = {"model_file": VEHICLE}
-    elif name == "ftc_controller":
-        given = {"model_file": VEHICLE, "gains_file": str(CONFIG / "gains/lpv_ftc.yaml")}
-    if not name.endswith("_observer"):
-        given |= node_file(name)
-    made: Core = make(table(**given))
-    return made
+    program, shell = CORES[name], entry(name)
+    given: dict[str, Any] = {} if program.kind == OBSERVER else node_file(name)
+    if program.model:
+        given["model_file"] = VEHICLE
+    if program.gains:
+        given["gains_file"] = str(CONFIG / f"gains/{program.gains}.yaml")
+    return shell.make(shell.parameters(**given))
 
 
 @lru_cache(maxsize=8)
@@ -104,7 +100,7 @@ class Bus:
         self.channels = {name: Channel() for name in UNITS}
         self.random, self.log = (
             Random(seed),
-            {t.name: [] for t in topics.MEASUREMENTS + topics.ESTIMATES},
+            {t.name: [] for t in topics.MEASUREMENTS + ESTIMATES},
         )
         self.steady, self.jump, self.anchor, self.skew = STEADY, 0, 0, 0
         self.conflict = False

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from er_ros_common.injection import Kind
 
+from er_common import topics
 from er_damper_msgs.msg import DamperForce, PwmDuty
-from er_ros_common import topics
 from test.reliability.bus import NAMES, Bus
 
 A, X, U = topics.ACCELERATION.name, topics.DEFLECTION.name, topics.PWM_COMMAND.name
@@ -62,7 +62,7 @@ def delays(unit: str, kind: Kind, value: float, seed: int) -> Delays:
         times = (h.t for h in bus.log[topic] if h.t >= SETTLED and wanted(h.message))
         return next(times, math.inf) - SETTLED
 
-    force, duty = topics.FORCE_BY["unified"].name, topics.PWM_APPLIED.name
+    force, duty = topics.estimated_force("unified").name, topics.PWM_APPLIED.name
     return Delays(
         since(force, lambda m: m.status != DamperForce.STATUS_OK),
         since(force, lambda m: not m.valid),
@@ -101,7 +101,9 @@ def alarms(seconds: int) -> tuple[int, int, int]:
         for log in bus.log.values():
             log.clear()
         bus.run(1.0)
-        invalid += sum(not h.message.valid for h in bus.log[topics.FORCE_BY["unified"].name])
+        invalid += sum(
+            not h.message.valid for h in bus.log[topics.estimated_force("unified").name]
+        )
         safe += sum(
             h.message.source == PwmDuty.SOURCE_SAFE for h in bus.log[topics.PWM_APPLIED.name]
         )

@@ -13,7 +13,8 @@ from er_common.stamps import StampLimits
 from er_ros_common.clock import LAST_SECOND, from_stamp, to_stamp
 from er_ros_common.core import When
 
-from er_ros_common import builders, topics
+from er_common import topics
+from er_ros_common import builders
 from test.reliability.bus import NAMES, SECOND, STEADY, SYSTEM, Bus, core
 
 NUMBERS = (

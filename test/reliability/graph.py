@@ -13,8 +13,9 @@ import rclpy
 from er_ros_common.clock import from_stamp
 from er_ros_common.spin import make_executor
 
+from er_common import topics
 from er_damper_msgs.msg import PwmDuty
-from er_ros_common import dds, realtime, topics
+from er_ros_common import dds, qos, realtime
 from test.graph_help import CONFIG, VEHICLE, Graph, Running, own_domain, plant_arguments
 
 NODES = ("plant", "unified_observer", "skyhook_controller")
@@ -23,7 +24,7 @@ COMPILED = 300.0
 NUMBERS = {
     topics.PWM_APPLIED.name: ("duty",),
     topics.PWM_COMMAND.name: ("duty",),
-    topics.FORCE_BY["unified"].name: ("force", "force_sd", "test_ratio"),
+    topics.estimated_force("unified").name: ("force", "force_sd", "test_ratio"),
 }
 
 
@@ -48,11 +49,11 @@ class Listener:
         self.impossible: list[str] = []
         self.ages: list[float] = []
         self.nominal, self.good = -math.inf, -math.inf
-        for topic in (topics.PWM_APPLIED, topics.PWM_COMMAND, topics.FORCE_BY["unified"]):
+        for topic in (topics.PWM_APPLIED, topics.PWM_COMMAND, topics.estimated_force("unified")):
             self.node.create_subscription(topic.type, topic.name, self._heard(topic), 100)
         self.refused = dict.fromkeys(NODES, 0)
         for name in NODES:
-            kind, asked = topics.STATUS.type, topics.STATUS.subscriber
+            kind, asked = topics.STATUS.type, qos.profile(topics.STATUS.subscriber)
             self.node.create_subscription(kind, f"{name}/status", self._status(name), asked)
 
     def _status(self, name: str) -> Callable[[Any], None]:
@@ -76,7 +77,7 @@ class Listener:
                     self.impossible.append(f"{topic.name} {field} {getattr(message, field)}")
             if topic is topics.PWM_APPLIED:
                 self._duty(message, now)
-            elif topic is topics.FORCE_BY["unified"] and message.valid:
+            elif topic is topics.estimated_force("unified") and message.valid:
                 self.good = now
 
         return call

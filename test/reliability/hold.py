@@ -13,7 +13,7 @@ from time import sleep
 from er_model_lab.recording.message_count import header_of
 from rosbags.highlevel import AnyReader
 
-from er_ros_common import topics
+from er_common import topics
 from test.graph_help import Graph, Running, own_domain
 
 HOLDS = (0.3, 1.0, 3.0)

@@ -7,8 +7,8 @@ import sys
 
 from er_ros_common.injection import Kind
 
+from er_common import topics
 from er_damper_msgs.msg import DamperForce
-from er_ros_common import topics
 from test.reliability.bus import NAMES, Bus
 
 SILENCES = (0.06, 0.2, 0.5, 1.5)

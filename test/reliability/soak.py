@@ -13,8 +13,8 @@ from time import monotonic
 from er_ros_common.injection import Kind
 from er_studies.bench.graph import usage
 
+from er_common import topics
 from er_damper_msgs.srv import InjectFault
-from er_ros_common import topics
 from test.reliability.graph import NUMBERS, Listener, running, well
 from test.reliability.witness import Witness
 

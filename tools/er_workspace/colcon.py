@@ -19,6 +19,7 @@ PACKAGING = (
     "setup.cfg",
     "pyproject.toml",
     "CMakeLists.txt",
+    "*/programs.py",
     "msg/*.msg",
     "srv/*.srv",
 )

@@ -6,8 +6,10 @@ import math
 import re
 from dataclasses import dataclass
 
-from er_common.topic_names import OBSERVERS
 from er_models.seed import OF_A_PLANT
+from er_observers.programs import OBSERVERS
+
+from er_bringup.programs import ASKED, CONTROLLERS
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,7 @@ ARGUMENTS = (
         "calibration of the rig's channels: a file, or a name in config/hardware",
     ),
     Argument("road", "device", "who moves the road of a real rig", choices=("device", "program")),
-    Argument("controller", "skyhook", "controller to run", choices=("skyhook", "ftc", "none")),
+    Argument("controller", "skyhook", "controller to run", choices=(*CONTROLLERS, "none")),
     Argument(
         "duty", "command", "where the duty of the plant comes from", choices=("command", "program")
     ),
@@ -96,9 +98,7 @@ ARGUMENTS = (
     Argument(
         "gains", "", "gains: a file, or a name in config/gains; by default those of each observer"
     ),
-    Argument(
-        "fault_estimator", "false", "whether faults are estimated", choices=("false", "true")
-    ),
+    *(Argument(p.name, "false", p.asked, choices=("false", "true")) for p in ASKED),
     Argument(
         "remap",
         "",

@@ -1,6 +1,5 @@
-"""Entry points of the package's nodes, light: see `er_ros_common.entry`."""
+"""Entry points of the programs in `programs.py`, light: see `er_ros_common.entry`."""
 
-from er_ros_common.entry import program
+from er_ros_common.entry import starter
 
-composed = program("er_bringup.ros_composed")
-ros2_control_joint = program("er_bringup.nodes.ros2_control_joint")
+__getattr__ = starter("er_bringup")

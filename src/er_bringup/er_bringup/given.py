@@ -10,25 +10,21 @@ from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 
-from er_common.topic_names import CLOCK
+from er_common.topics import CLOCK, DIAGNOSTICS, SENSORS
 from er_models.errors import InputError
 from er_models.seed import OF_A_PLANT
+from er_observers.programs import OBSERVERS
 from er_plant_sim.hardware.link import HOST_WIRES, Address
 
 from er_bringup.arguments import ARGUMENTS, NAME, NAMESPACE, Argument, is_name, is_namespace
-from er_bringup.roles import CONTROLLERS, FAULTS, OBSERVERS, PUBLISHED
-from er_common import topic_names
+from er_bringup.programs import ANSWERING
 
 STACK = "stack"
 """Stands for hardware that is not ours: a vehicle stack publishes the sensors."""
 CAR = ("front_left", "front_right", "rear_left", "rear_right")
 """The corners of a car."""
-TOPICS = (
-    *PUBLISHED.values(),
-    *dict.fromkeys(role.says for role in (*OBSERVERS.values(), FAULTS, *CONTROLLERS.values())),
-    topic_names.DIAGNOSTICS,
-    CLOCK,
-)
+SAID = dict.fromkeys(program.says for program in ANSWERING if program.says)
+TOPICS = tuple(topic.name for topic in (*SENSORS, *SAID, DIAGNOSTICS, CLOCK))
 """What can have another name."""
 SIMULATED = ("mode", "rate_factor", "damper")
 """What only a simulated plant can be told."""
@@ -128,9 +124,9 @@ def of_corner(given: Mapping[str, str], names: Sequence[str], place: int) -> dic
             raise InputError("arguments", key, expected, f"{len(texts)}")
         own[key] = texts[0] if shared else texts[place]
     # one recorder for all, in the namespace above
-    found = {**given, **own}
-    if len(names) > 1 and _drives_clock(given) and CLOCK not in remaps(found):
-        found["remap"] = f"{given['remap']},{CLOCK}=/{own['namespace']}{CLOCK}"
+    found, clock = {**given, **own}, CLOCK.name
+    if len(names) > 1 and _drives_clock(given) and clock not in remaps(found):
+        found["remap"] = f"{given['remap']},{clock}=/{own['namespace']}{clock}"
     return found
 
 
@@ -145,10 +141,11 @@ def check_clocks(each: Sequence[Mapping[str, str]]) -> None:
     Raises:
         InputError: A new name of the clock that is the same for several corners.
     """
-    found = [remaps(one).get(CLOCK, "") for one in each if _drives_clock(one)]
+    clock = CLOCK.name
+    found = [remaps(one).get(clock, "") for one in each if _drives_clock(one)]
     for name in found:
         if name.startswith("/") and found.count(name) > 1:
-            expected = f"a clock of its own for each corner in mode sim_time ({CLOCK}=/{{corner}}{CLOCK} for instance)"
+            expected = f"a clock of its own for each corner in mode sim_time ({clock}=/{{corner}}{clock} for instance)"
             raise InputError("arguments", "remap", expected, f"'{name}' for all")
 
 

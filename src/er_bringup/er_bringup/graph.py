@@ -10,8 +10,21 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from er_common.topic_names import DIAGNOSTICS
+from er_common.program import OBSERVER, Program
+from er_common.topics import (
+    ACCELERATION,
+    DEFLECTION,
+    DIAGNOSTICS,
+    PWM_APPLIED,
+    PWM_COMMAND,
+    SENSORS,
+    Topic,
+)
+from er_ftc_controller.programs import FTC
+from er_model_lab.programs import RECORDER
 from er_models.errors import InputError
+from er_observers.programs import OBSERVERS
+from er_plant_sim.programs import BRIDGE, PLANT
 from er_ros_common.arguments import Value, ros_arguments
 from er_ros_common.parameter_files import given_in
 
@@ -25,20 +38,10 @@ from er_bringup.given import (
     remaps,
     renamed,
 )
-from er_bringup.roles import (
-    BRIDGE,
-    COMPOSED,
-    CONTROLLERS,
-    FAULTS,
-    OBSERVERS,
-    PLANT,
-    PUBLISHED,
-    RECORDER,
-    SOURCES,
-    Role,
-)
+from er_bringup.programs import ASKED, COMPOSED, CONTROLLERS, SOURCES
 
-STACK_PUBLISHES = ("acceleration", "deflection", "applied")
+STACK_PUBLISHES = (ACCELERATION, DEFLECTION, PWM_APPLIED)
+"""What a vehicle stack says of a corner; it knows neither its damper's force nor the road."""
 
 
 @dataclass(frozen=True)
@@ -102,24 +105,24 @@ def _corner(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
     check_source(given)
     recorded = [RECORDER] if given["record"] else []
     rest = (
-        *(_observer(given, config, role) for role in _observers(given)),
-        *(_estimator(given, config) for _ in _faults(given)),
-        *(_controller(given, config, role) for role in _controllers(given)),
+        *(_answer(given, config, program) for program in _answering(given)),
         *(_source(given, config, [*recorded, *_answering(given)]) for _ in _sources(given)),
     )
     if given["composed"] == "true":
-        return (ComposedSpec(*COMPOSED, given["namespace"], parts=rest),)
+        return (ComposedSpec(COMPOSED.package, COMPOSED.name, given["namespace"], parts=rest),)
     return rest
 
 
-def _answering(given: Mapping[str, str]) -> list[Role]:
+def _answering(given: Mapping[str, str]) -> list[Program]:
     """Everybody who answers samples."""
-    return [*_observers(given), *_faults(given), *_controllers(given)]
+    asked = [program for program in ASKED if given[program.name] == "true"]
+    control = [] if given["controller"] == "none" else [CONTROLLERS[given["controller"]]]
+    return [*(OBSERVERS[name] for name in observers(given)), *asked, *control]
 
 
 def ends_all(spec: NodeSpec) -> bool:
     """Whether the graph is over when this process ends: it holds what measures."""
-    return spec.executable in (*(role.executable for role in SOURCES), COMPOSED[1])
+    return spec.executable in (program.name for program in (*SOURCES, COMPOSED))
 
 
 def find(name: str, config: Path, *places: str) -> str:
@@ -138,7 +141,7 @@ def find(name: str, config: Path, *places: str) -> str:
     raise InputError("arguments", name, expected, "no such file")
 
 
-def _source(given: Mapping[str, str], config: Path, listeners: Sequence[Role]) -> NodeSpec:
+def _source(given: Mapping[str, str], config: Path, listeners: Sequence[Program]) -> NodeSpec:
     """What measures: the plant, or the bridge to a real rig."""
     parameters: dict[str, Value] = {
         "model_file": find(given["model"], config, "vehicles"),
@@ -146,41 +149,40 @@ def _source(given: Mapping[str, str], config: Path, listeners: Sequence[Role]) -
         "duration": float(given["duration"]),
         "seed": int(given["seed"]),
         "duty_source": "topic" if _commanded(given) else "program",
-        "wait_for": [sum(key in role.listens for role in listeners) for key in PUBLISHED],
+        "wait_for": [sum(topic in each.listens for each in listeners) for topic in SENSORS],
     }
     if listeners:
         # with several corners the recorder is in the namespace above them
         above = f"/{given['namespace'].strip('/')}".rpartition("/")[0] if given["corners"] else ""
-        names = {RECORDER: f"{above}/{RECORDER.executable}"} if given["corners"] else {}
-        parameters["wait_for_nodes"] = [names.get(role, role.executable) for role in listeners]
+        names = {RECORDER: f"{above}/{RECORDER.name}"} if given["corners"] else {}
+        parameters["wait_for_nodes"] = [names.get(each, each.name) for each in listeners]
         if RECORDER in listeners and given["mode"] == "lockstep":
-            said = (role.says for role in listeners if role.says)
-            parameters["recorder"] = names.get(RECORDER, RECORDER.executable)
-            parameters["recorded"] = [*PUBLISHED.values(), *said]
+            parameters["recorder"] = names.get(RECORDER, RECORDER.name)
+            parameters["recorded"] = _names((*SENSORS, *_said(listeners)))
     if given["effects_from"]:
         own = given["effects_from"].split(",")
         parameters["effects_from"] = tuple(find(file.strip(), config) for file in own)
-    role, more = (BRIDGE, _bridge) if given["hardware"] else (PLANT, _plant)
-    return _spec(role, given, _files(role, given, config), parameters | more(given, config))
+    program, more = (BRIDGE, _bridge) if given["hardware"] else (PLANT, _plant)
+    return _spec(program, given, _files(program, given, config), parameters | more(given, config))
 
 
-def _files(role: Role, given: Mapping[str, str], config: Path) -> tuple[str, ...]:
+def _files(program: Program, given: Mapping[str, str], config: Path) -> tuple[str, ...]:
     """Parameter files of what measures; the last one wins."""
-    own = _own(role, config)
+    own = _own(program, config)
     return (own, find(given["plant_params"], config)) if given["plant_params"] else (own,)
 
 
 def _rate(given: Mapping[str, str], config: Path) -> dict[str, Value]:
     """The rate of the samples for who is made for one, where parameter files of what measures say it."""
-    for role in _sources(given):
-        name = f"/{given['namespace'].strip('/')}/{role.executable}".replace("//", "/")
-        rate = given_in(_files(role, given, config), name, "rate")
+    for program in _sources(given):
+        name = f"/{given['namespace'].strip('/')}/{program.name}".replace("//", "/")
+        rate = given_in(_files(program, given, config), name, "rate")
         if isinstance(rate, int | float):
             return {"rate": float(rate)}
     return {}
 
 
-def _sources(given: Mapping[str, str]) -> list[Role]:
+def _sources(given: Mapping[str, str]) -> list[Program]:
     """What measures, where it is not a vehicle stack."""
     if given["hardware"] == STACK:
         return []
@@ -188,9 +190,17 @@ def _sources(given: Mapping[str, str]) -> list[Role]:
 
 
 def _measured(given: Mapping[str, str]) -> list[str]:
-    """Topics of what measures; a car knows neither its damper's force nor the road."""
-    known = PUBLISHED if given["hardware"] != STACK else STACK_PUBLISHES
-    return [PUBLISHED[key] for key in known]
+    """Topics of what measures."""
+    return _names(SENSORS if given["hardware"] != STACK else STACK_PUBLISHES)
+
+
+def _said(answering: Sequence[Program]) -> list[Topic]:
+    """What is said to the samples."""
+    return [program.says for program in answering if program.says]
+
+
+def _names(each: Sequence[Topic]) -> list[str]:
+    return [topic.name for topic in each]
 
 
 def _plant(given: Mapping[str, str], config: Path) -> dict[str, Value]:
@@ -213,55 +223,29 @@ def _bridge(given: Mapping[str, str], config: Path) -> dict[str, Value]:
     }
 
 
-def _controllers(given: Mapping[str, str]) -> list[Role]:
-    return [] if given["controller"] == "none" else [CONTROLLERS[given["controller"]]]
-
-
-def _controller(given: Mapping[str, str], config: Path, role: Role) -> NodeSpec:
+def _answer(given: Mapping[str, str], config: Path, program: Program) -> NodeSpec:
+    """A node that answers samples."""
     # a stack that listens is not counted: it may come later
-    listeners = bool(given["record"]) + (_commanded(given) and given["hardware"] != STACK)
-    parameters: dict[str, Value] = {"listeners": listeners}
-    if role is CONTROLLERS["ftc"]:
+    obeyed = _commanded(given) and given["hardware"] != STACK and program.says is PWM_COMMAND
+    users = sum(program.says in each.uses for each in _answering(given))
+    parameters: dict[str, Value] = {"listeners": bool(given["record"]) + obeyed + users}
+    if program.model:
         parameters["model_file"] = find(given["model"], config, "vehicles")
-        parameters["gains_file"] = find("lpv_ftc", config, "gains")
+    if program.gains:
+        name = given["gains"] if program.kind == OBSERVER else ""
+        parameters["gains_file"] = find(name or program.gains, config, "gains")
+    if program.rate:
         parameters |= _rate(given, config)
-        if given["mode"] == "lockstep":  # silence is measured by a clock that has no part in it
-            parameters["timeout"] = 1.0
-    return _spec(role, given, (_own(role, config),), parameters | _time(given))
+    if program is FTC and given["mode"] == "lockstep":
+        parameters["timeout"] = 1.0  # silence is measured by a clock that has no part in it
+    return _spec(program, given, (_own(program, config),), parameters | _time(given))
 
 
-def _observers(given: Mapping[str, str]) -> list[Role]:
-    return [OBSERVERS[name] for name in observers(given)]
-
-
-def _observer(given: Mapping[str, str], config: Path, role: Role) -> NodeSpec:
-    own_gains = next(name for name, each in OBSERVERS.items() if each is role)
-    parameters: dict[str, Value] = {
-        "model_file": find(given["model"], config, "vehicles"),
-        "gains_file": find(given["gains"] or own_gains, config, "gains"),
-        "listeners": int(bool(given["record"])),
-    }
-    return _spec(role, given, (_own(role, config),), parameters | _time(given))
-
-
-def _faults(given: Mapping[str, str]) -> list[Role]:
-    return [FAULTS] if given["fault_estimator"] == "true" else []
-
-
-def _estimator(given: Mapping[str, str], config: Path) -> NodeSpec:
-    parameters: dict[str, Value] = {
-        "model_file": find(given["model"], config, "vehicles"),
-        "listeners": bool(given["record"]) + (given["controller"] == "ftc"),
-    }
-    parameters |= _rate(given, config)
-    return _spec(FAULTS, given, (_own(FAULTS, config),), parameters | _time(given))
-
-
-def _recorder(given: Mapping[str, str], answering: Sequence[Role]) -> NodeSpec:
+def _recorder(given: Mapping[str, str], answering: Sequence[Program]) -> NodeSpec:
     parameters: dict[str, Value] = {
         "out": str(Path(given["record"]).absolute()),
         "storage": given["storage"],
-        "sources": [*_measured(given), *(role.says for role in answering)],
+        "sources": [*_measured(given), *_names(_said(answering))],
     } | _noted([given])
     return _spec(RECORDER, given, (), parameters)
 
@@ -271,8 +255,8 @@ def _recorder_of_all(
 ) -> NodeSpec:
     """One recorder for all corners."""
     answering = _answering(each[0])
-    said = [*_measured(given), *(role.says for role in answering)]
-    nodes = [role.executable for role in (*answering, *_sources(given))]
+    said = [*_measured(given), *_names(_said(answering))]
+    nodes = [program.name for program in (*answering, *_sources(given))]
     own = [f"{node}/{end}" for node in nodes for end in ("status", "gain_info")]
     own_names = {name: remaps(one) for name, one in zip(names, each, strict=True)}
 
@@ -285,7 +269,7 @@ def _recorder_of_all(
         "storage": given["storage"],
         "topics": [
             *(full(name, topic) for name in names for topic in (*said, *own)),
-            *dict.fromkeys(full(name, DIAGNOSTICS) for name in names),
+            *dict.fromkeys(full(name, DIAGNOSTICS.name) for name in names),
         ],
         "sources": [full(name, topic) for name in names for topic in said],
     } | _noted(each)
@@ -304,18 +288,21 @@ def _commanded(given: Mapping[str, str]) -> bool:
 
 
 def _spec(
-    role: Role, given: Mapping[str, str], files: tuple[str, ...], parameters: Mapping[str, Value]
+    program: Program,
+    given: Mapping[str, str],
+    files: tuple[str, ...],
+    parameters: Mapping[str, Value],
 ) -> NodeSpec:
     priority = int(given["priority"])
-    if priority and role is not RECORDER:
+    if priority and program is not RECORDER:
         parameters = {**parameters, "priority": priority}
-    place = (role.package, role.executable, given["namespace"])
+    place = (program.package, program.name, given["namespace"])
     return NodeSpec(*place, files, parameters, remaps=remaps(given))
 
 
-def _own(role: Role, config: Path) -> str:
-    """Parameter file that belongs to a kind of node."""
-    return str((config / "nodes" / f"{role.executable}.yaml").absolute())
+def _own(program: Program, config: Path) -> str:
+    """Parameter file that belongs to a node."""
+    return str((config / "nodes" / f"{program.name}.yaml").absolute())
 
 
 def _time(given: Mapping[str, str]) -> dict[str, Value]:

@@ -16,14 +16,14 @@ from typing import Any
 
 from er_common.common_parameters import STANDSTILL, NodeParameters, deaf_after
 from er_common.parameter_table import REQUIRED, build, specs
+from er_common.topics import Topic
 from er_models.errors import ErError, InputError, MissingChannel
 from er_ros_common.builders import tick_of
 from er_ros_common.core import Core, Said, When
-from er_ros_common.topics import Topic
 
 from er_bringup.cores import entry
+from er_bringup.programs import ANSWERING
 from er_bringup.recording import Bag
-from er_bringup.roles import CONTROLLERS, FAULTS, OBSERVERS
 
 WATCH = 10_000_000
 """How often a core is told that time goes on [ns]."""
@@ -58,7 +58,8 @@ def core_of(bag: Bag, executable: str, namespace: str, given: Mapping[str, Any])
         InputError: A parameter is missing or wrong, a file is gone, the model is another one than was recorded.
         UnknownParameters: No node's parameters are in the recording, nor given.
     """
-    table, make = entry(executable)
+    shell = entry(executable)
+    table = shell.parameters
     full = f"{namespace}/{executable}"
     asked = [spec.name for spec in specs(table) if spec.default is REQUIRED]
     if not bag.parameters and (missing := [name for name in asked if name not in given]):
@@ -66,8 +67,8 @@ def core_of(bag: Bag, executable: str, namespace: str, given: Mapping[str, Any])
     known = {spec.name for spec in specs(table)}
     recorded = {k: v for k, v in bag.parameters.get(full, {}).items() if k in known}
     origins = dict.fromkeys(recorded, str(bag.path)) | dict.fromkeys(given, "--set")
-    core = make(build(table, recorded | dict(given), origins))
-    expected, found = bag.models.get(full), getattr(core, "model_id", "")
+    core = shell.make(build(table, recorded | dict(given), origins))
+    expected, found = bag.models.get(full), core.model_id
     if expected and found and expected != found and "model_file" not in given:
         wanted = (
             f"the model {expected[:12]} that {full} was recorded with (or --set model_file:=...)"
@@ -259,15 +260,17 @@ def assumed(bag: Bag, executable: str, namespace: str, given: Mapping[str, Any])
     if f"{namespace}/{executable}" in bag.parameters:
         return []
     common = {spec.name for spec in specs(NodeParameters)}
-    names = (spec.name for spec in specs(entry(executable)[0]))
+    names = (spec.name for spec in specs(entry(executable).parameters))
     return [name for name in names if name not in common and name not in given]
 
 
 def nodes_in(bag: Bag, namespace: str, known: Sequence[str]) -> list[str]:
     """Nodes with a core that were recorded in a namespace; without any parameters those whose answers may be in it."""
     if not bag.parameters:
-        roles = (*OBSERVERS.values(), *CONTROLLERS.values(), FAULTS)
-        said = {r.executable for r in roles if f"{namespace}/{r.says}" in bag.topics}
+        each = ((p.name, p.says) for p in ANSWERING)
+        said = {
+            name for name, topic in each if topic and f"{namespace}/{topic.name}" in bag.topics
+        }
         return [name for name in known if name in said]
     return [name for name in known if f"{namespace}/{name}" in bag.parameters]
 

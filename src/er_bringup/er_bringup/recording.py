@@ -9,12 +9,12 @@ from operator import itemgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from er_common.topics import Topic
 from er_model_lab.records.readers.bag_files import METADATA, data_files, unclosed
 from er_model_lab.records.readers.bag_names import custom_data, usual_names
 from er_model_lab.records.readers.mcap_salvage import salvage
 from er_model_lab.records.readers.rosbag import decoder, reason
 from er_models.errors import InputError
-from er_ros_common.topics import Topic
 from rosbags.highlevel import AnyReader
 
 Came = tuple[str, Any, int]

@@ -22,7 +22,6 @@ from er_ros_common.parameter_files import read_value
 from rich.console import Console
 from rich.table import Table
 
-from er_bringup.cores import cores
 from er_bringup.doctor import namespace
 from er_bringup.played import (
     Played,
@@ -33,6 +32,7 @@ from er_bringup.played import (
     nodes_in,
     play,
 )
+from er_bringup.programs import CORES
 from er_bringup.recording import Bag, opened
 
 SAME, DIFFERENT, INCOMPLETE, NOTHING = 0, 1, 3, 4
@@ -93,7 +93,7 @@ def replayed(options: Any) -> tuple[Bag, list[Played], dict[str, str]]:
     """
     bag = opened(options.bag)
     space = f"/{options.namespace.strip('/')}" if options.namespace.strip("/") else ""
-    names = options.node or nodes_in(bag, space, list(cores()))
+    names = options.node or nodes_in(bag, space, list(CORES))
     if not names:
         raise _nothing(bag, space)
     values = given(options.set)
@@ -122,9 +122,9 @@ def _say(sentence: str) -> None:
 
 def _nothing(bag: Bag, space: str) -> InputError:
     """The error for a recording without a node that can be played, in this namespace."""
-    known = ", ".join(sorted(cores()))
+    known = ", ".join(sorted(CORES))
     expected, found = f"one of {known} in it", "none recorded"
-    if spaces := namespaces_in(bag, list(cores())):
+    if spaces := namespaces_in(bag, list(CORES)):
         expected = f"--namespace with one of {', '.join(spaces)}"
         found = f"none recorded in '{space or '/'}'"
     elif not bag.parameters:

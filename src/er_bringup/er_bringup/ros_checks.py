@@ -6,21 +6,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from er_common.topics import Topic
 from er_ros_common.graph_check import Endpoint, Ends, Problem, check_topic
-from er_ros_common.topics import Topic
 
+from er_bringup.programs import ESTIMATES
+from er_common import topics
 from er_damper_msgs.msg import NodeStatus
-from er_ros_common import topics
 
-NEEDED = (
-    topics.ACCELERATION,
-    topics.DEFLECTION,
-    topics.FORCE,
-    topics.ROAD,
-    topics.PWM_APPLIED,
-)
+NEEDED = topics.SENSORS
 """Topics without which a graph measures nothing."""
-CONTRACT = (*topics.MEASUREMENTS, *topics.ESTIMATES)
+CONTRACT = (*topics.MEASUREMENTS, *ESTIMATES)
 """Topics that are looked at."""
 OF_RIGS = (topics.FORCE, topics.ROAD)
 """Of those, what only a rig or a simulation knows: a car's own sensors need not have them."""

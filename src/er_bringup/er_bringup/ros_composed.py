@@ -15,11 +15,14 @@ from typing import NamedTuple
 
 import rclpy
 from er_models.errors import ErError
+from er_ros_common.core_node import node_of
 from er_ros_common.spin import Executable, guarded, live, show
 from er_ros_common.stopping import Stopped
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
+
+from er_bringup.programs import COMPOSED
 
 BETWEEN = "--"
 """Stands between the command lines of two nodes."""
@@ -53,8 +56,10 @@ def part(group: Sequence[str]) -> Part:
     name, *argv = group
     package, _, executable = name.partition("/")
     try:
-        found = import_module(f"{package}.nodes.{executable}").NODE
-    except (ModuleNotFoundError, AttributeError, ValueError):
+        programs = {p.name: p for p in import_module(f"{package}.programs").PROGRAMS}
+        program = programs[executable]
+        found = node_of(program) if program.core else import_module(program.path).NODE
+    except (ModuleNotFoundError, AttributeError, KeyError, ValueError):
         expected = "PACKAGE/EXECUTABLE of a node, er_plant_sim/plant for instance"
         raise ErError(f"expected {expected}, found '{name}'") from None
     plain = remove_ros_args(["", *argv])[1:]
@@ -85,7 +90,7 @@ def main() -> None:
     if any(word in ("-h", "--help") for word in argv):
         show(__doc__ or "")
         sys.exit(0)
-    sys.exit(guarded("composed", argv, lambda stopped: _run(argv, stopped)))
+    sys.exit(guarded(COMPOSED.name, argv, lambda stopped: _run(argv, stopped)))
 
 
 if __name__ == "__main__":

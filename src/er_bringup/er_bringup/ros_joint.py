@@ -15,31 +15,30 @@ from typing import Any, Final, NamedTuple
 from er_common.common_parameters import NodeParameters, oldest_sample, silence
 from er_common.parameter_table import param
 from er_common.stamps import SECOND, StampLimits, StampState, check_stamp
+from er_common.topics import Topic
 from er_models.constants import SAMPLE_RATE
+from er_observers.programs import OBSERVERS
 from er_ros_common.builders import Tick
 from er_ros_common.clock import LAST_SECOND, from_stamp
 from er_ros_common.core import Said, When
-from er_ros_common.topics import Topic
 from sensor_msgs.msg import JointState
 
+from er_common import topics
 from er_damper_msgs.msg import DamperForce, PwmDuty, SuspensionDeflection
-from er_ros_common import builders, qos, topics
+from er_ros_common import builders
 
+MEASURED = "measured"
 STATES: Final = Topic(
     "ros2_control/joint_states",
-    JointState,
+    "sensor_msgs/msg/JointState",
     "deflection, its velocity, force",
     SAMPLE_RATE,
-    qos.SENSOR_PUBLISHER,
-    qos.SENSOR_SUBSCRIBER,
 )
 COMMANDS: Final = Topic(
     "ros2_control/joint_commands",
-    JointState,
+    "sensor_msgs/msg/JointState",
     "duty as effort",
     SAMPLE_RATE,
-    qos.SENSOR_PUBLISHER,
-    qos.SENSOR_SUBSCRIBER,
     every_tick=False,
 )
 LAST_STAMP: Final = LAST_SECOND * SECOND
@@ -52,8 +51,8 @@ class JointParameters(NodeParameters):
 
     joint: str = param("damper", text="name of the joint in the URDF")
     force_topic: str = param(
-        "measured",
-        choices=("measured", *topics.FORCE_BY),
+        MEASURED,
+        choices=(MEASURED, *OBSERVERS),
         text="force that is reported as effort: the measured one (rig) or an observer's (car)",
     )
     timeout: float = param(
@@ -93,7 +92,8 @@ class JointCore:
 
     def __init__(self, p: JointParameters) -> None:
         self.p = p
-        self.force = topics.FORCE_BY.get(p.force_topic, topics.FORCE)
+        measured = p.force_topic == MEASURED
+        self.force = topics.FORCE if measured else topics.estimated_force(p.force_topic)
         self.inputs = (topics.DEFLECTION, self.force, COMMANDS)
         self.limits = StampLimits(stale=p.max_age)
 

@@ -9,17 +9,18 @@ from typing import Any
 
 import rclpy
 from er_common.stamps import StampLimits
+from er_common.topics import Topic
 from er_ros_common.builders import tick_of
 from er_ros_common.graph_check import UNNAMED, Ends, compatible, endpoints
 from er_ros_common.parameter_reader import ParameterReader
-from er_ros_common.topics import Topic
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.utilities import try_shutdown
 
 from er_bringup.ros_checks import CONTRACT, Heard, Observation, SeenNode, clocks, namespaces
+from er_common import topics
 from er_damper_msgs.msg import NodeStatus
-from er_ros_common import environment, topics
+from er_ros_common import environment
 
 DEPTH = 500
 DISCOVERY, SETTLE = 8.0, 1.0

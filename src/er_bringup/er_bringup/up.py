@@ -21,6 +21,7 @@ from ament_index_python.packages import (
     get_package_prefix,
     get_package_share_directory,
 )
+from er_model_lab.programs import RECORDER
 from er_models.errors import ErError, InputError
 from er_ros_common.spin import show
 
@@ -28,7 +29,6 @@ from er_bringup.arguments import table
 from er_bringup.given import complete, parse
 from er_bringup.graph import NodeSpec, ends_all, nodes
 from er_bringup.processes import KILLED, POLL, Child, say, stop, worst
-from er_bringup.roles import RECORDER
 
 USAGE = f"""usage: er up [KEY:=VALUE ...]
 
@@ -94,8 +94,8 @@ def run(
             sleep(POLL)
         say(f"[er up] {reason}: everything is stopped", out or sys.stdout)
     finally:
-        stop([child for child in children if child.label != RECORDER.executable])
-        stop([child for child in children if child.label == RECORDER.executable])
+        stop([child for child in children if child.label != RECORDER.name])
+        stop([child for child in children if child.label == RECORDER.name])
     return {child.label: child.status or 0 for child in children}
 
 

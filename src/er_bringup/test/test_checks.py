@@ -20,13 +20,13 @@ from er_bringup.ros_checks import (
     namespaces,
     problems,
 )
+from er_common.topics import Topic
 from er_ros_common.graph_check import UNNAMED, Endpoint
-from er_ros_common.topics import Topic
 from rich.console import Console
 
 from er_bringup import ros_listen
+from er_common import topics
 from er_damper_msgs.msg import NodeStatus
-from er_ros_common import topics
 
 PLANT = {
     "mode": "realtime",

@@ -1,6 +1,5 @@
-"""Entry points of the package's nodes, light: see `er_ros_common.entry`."""
+"""Entry points of the programs in `programs.py`, light: see `er_ros_common.entry`."""
 
-from er_ros_common.entry import program
+from er_ros_common.entry import starter
 
-ftc_controller = program("er_ftc_controller.nodes.ftc_controller")
-skyhook_controller = program("er_ftc_controller.nodes.skyhook_controller")
+__getattr__ = starter("er_ftc_controller")

@@ -12,24 +12,29 @@ from operator import itemgetter
 from typing import Any, NamedTuple, TypeAlias
 
 from er_common.common_parameters import silence
-from er_common.stamps import Checks, StampLimits, StampState, Verdict, counted
+from er_common.stamps import SECOND, Checks, StampLimits, StampState, Verdict, counted
 from er_models.files import load_model
 from er_ros_common.builders import Tick
-from er_ros_common.core import Said, When, by_place, judged
+from er_ros_common.core import Core, Said, Shell, When, by_place, judged
+from er_ros_common.health import Report
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
-from er_damper_msgs.msg import FaultEstimate, PwmDuty
+from er_common import topics
+from er_damper_msgs.msg import FaultEstimate, NodeStatus, PwmDuty
 from er_ftc_controller import control
 from er_ftc_controller.align import Aligner
 from er_ftc_controller.control import Command, Faults, Mode, Sample
 from er_ftc_controller.gains import load_gains
 from er_ftc_controller.opinion import opinion
+from er_ftc_controller.programs import FTC
 from er_ftc_controller.settings import FtcParameters, controller_of
-from er_ros_common import builders, topics
+from er_ros_common import builders
 
 SETTLED = 0.02
 """Age at which a fault estimate acts [s]: above what messages are late by, far below what faults take."""
 _SETTLED = round(1e9 * SETTLED)
+REMEMBERED = SECOND
+"""How long an acceleration that was not used is still said [ns]."""
 WAITING = 64
 """Fault estimates kept until they act."""
 Waiting: TypeAlias = tuple[tuple[int, Faults], ...]
@@ -80,9 +85,10 @@ class State(NamedTuple):
         return self.command[1:3]
 
 
-class FtcCore:
-    """Files are read here, and never again."""
+class FtcCore(Core):
+    """Files are read here, and never again; without a fault estimator the damper is taken for healthy."""
 
+    p: FtcParameters
     inputs = (topics.ACCELERATION, topics.DEFLECTION, topics.FAULT)
     optional = (topics.FAULT,)
     outputs = (topics.PWM_COMMAND,)
@@ -168,6 +174,33 @@ class FtcCore:
         command = state.command._replace(duty=self.p.safe_duty, mode=Mode.SAFE)
         return [_command(Tick(max(when.system or 0, state.last.stamp), state.last.seq), command)]
 
+    def urgent(self, before: State, after: State) -> bool:
+        """A change of mode or reason is said at once."""
+        return before.word != after.word
+
+    def report(self, state: State) -> Report:
+        """Health of the controller."""
+        command, heard = state.command, bool(state.heard)
+        mode, reason, status = command.mode.value, command.reason, NodeStatus.STATUS_OK
+        why, stamp = state.unused
+        if why and state.last.stamp - stamp < REMEMBERED:
+            status = NodeStatus.STATUS_DEGRADED
+            unused = f"{topics.ACCELERATION.name} is not used: {why}"
+            reason = f"{reason}; {unused}" if reason else unused
+        if command.mode is Mode.SAFE:
+            status = NodeStatus.STATUS_LOST
+        if not heard:
+            mode, status = "", NodeStatus.STATUS_INITIALIZING
+        values = {
+            "rho": f"{command.rho:.3f}",
+            "force asked for [N]": f"{command.wanted:.2f}",
+            "factors in use f1 f2 f3": " ".join(f"{f:.3f}" for f in command.left),
+            "fault estimates": state.told,
+            "halves without partner": state.pairs.unmatched,
+        }
+        valid = heard and command.mode is not Mode.SAFE
+        return Report(mode, status, reason, state.stamps, state.unusable, valid, values)
+
     def _sample(
         self, state: State, tick: Tick, sample: Sample, when: When
     ) -> tuple[State, list[Said]]:
@@ -219,4 +252,13 @@ def _command(tick: Tick, command: Command) -> Said:
     return topics.PWM_COMMAND, message
 
 
-CORES = {"ftc_controller": (FtcParameters, FtcCore)}
+CORES = {
+    FTC: Shell(
+        FtcParameters,
+        FtcCore,
+        hears=FtcCore.inputs,
+        says=FtcCore.outputs,
+        period=0.005,
+        whole=(topics.DEFLECTION,),
+    )
+}

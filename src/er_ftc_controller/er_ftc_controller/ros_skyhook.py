@@ -17,13 +17,16 @@ from er_common.common_parameters import (
 from er_common.parameter_table import REQUIRED, param
 from er_common.stamps import Checks, StampLimits, StampState, Verdict, counted
 from er_ros_common.builders import Tick
-from er_ros_common.core import Said, When, judged
+from er_ros_common.core import Core, Said, Shell, When, judged
+from er_ros_common.health import Report
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
-from er_damper_msgs.msg import PwmDuty
+from er_common import topics
+from er_damper_msgs.msg import NodeStatus, PwmDuty
 from er_ftc_controller import skyhook
 from er_ftc_controller.align import Aligner
-from er_ros_common import builders, topics
+from er_ftc_controller.programs import SKYHOOK
+from er_ros_common import builders
 
 GAP = StampLimits().gap
 """Longest gap between samples over which the velocity is carried [s]."""
@@ -83,13 +86,16 @@ class State(NamedTuple):
         return counted(self.checks)
 
 
-class SkyhookCore:
-    """Joins acceleration and deflection of a tick and answers with a duty."""
+class SkyhookCore(Core):
+    """Joins acceleration and deflection of a tick and answers with a duty.
 
+    Where samples stay away it asks for the safe duty, and once more when it is stopped: the last
+    command is never the last thing that was right some time ago.
+    """
+
+    p: SkyhookParameters
     inputs = (topics.ACCELERATION, topics.DEFLECTION)
-    optional: tuple[topics.Topic, ...] = ()
     outputs = (topics.PWM_COMMAND,)
-    model_id = gains_id = ""
 
     def __init__(self, p: SkyhookParameters) -> None:
         self.p = p
@@ -149,6 +155,20 @@ class SkyhookCore:
         )
         return [(topics.PWM_COMMAND, message)]
 
+    def report(self, state: State) -> Report:
+        """Health of the controller."""
+        s, mode, status, reason = state, "running", NodeStatus.STATUS_OK, ""
+        if not s.heard:
+            mode, status = "", NodeStatus.STATUS_INITIALIZING
+        elif s.safe:
+            mode, status = "safe", NodeStatus.STATUS_LOST
+            reason = f"no usable sample for {self.p.timeout:g} s: safe duty"
+        values = {
+            "sprung velocity [m/s]": f"{s.mind.velocity:.4f}",
+            "halves without partner": s.pairs.unmatched,
+        }
+        return Report(mode, status, reason, s.stamps, s.unusable, mode == "running", values)
+
     def _answered(
         self, state: State, tick: Tick, pair: tuple[float, float], when: When
     ) -> tuple[State, list[Said]]:
@@ -162,4 +182,12 @@ class SkyhookCore:
         return state, [(topics.PWM_COMMAND, message)]
 
 
-CORES = {"skyhook_controller": (SkyhookParameters, SkyhookCore)}
+CORES = {
+    SKYHOOK: Shell(
+        SkyhookParameters,
+        SkyhookCore,
+        hears=SkyhookCore.inputs,
+        says=SkyhookCore.outputs,
+        whole=(topics.DEFLECTION,),
+    )
+}

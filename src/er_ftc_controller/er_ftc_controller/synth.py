@@ -18,11 +18,12 @@ from rich.console import Console
 from rich.table import Table
 
 from er_ftc_controller.gains import save_gains
-from er_ftc_controller.synthesis.certificate import Certificate, certify
-from er_ftc_controller.synthesis.lmi import Wish, passive_gamma, solve
+from er_ftc_controller.synthesis.certificate import Certificate
+from er_ftc_controller.synthesis.lmi import Wish, passive_gamma
+from er_ftc_controller.synthesis.make import synthesise
 from er_ftc_controller.synthesis.solution import Solution
 from er_ftc_controller.synthesis.study import HERTZ, Peaks, gains, passive_gains, peaks, trade_off
-from er_ftc_controller.synthesis.weights import generalised_plant, radius_for, weights_for
+from er_ftc_controller.synthesis.weights import radius_for, weights_for
 
 app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
 
@@ -71,11 +72,9 @@ def lpv_ftc(
     given = {"rho": rho, "force": force, "body": body, "wheel": wheel}
     weights = replace(weights_for(car), **{k: v for k, v in given.items() if v is not None})  # type: ignore[arg-type]
     wish = Wish(radius_for(car) if radius is None else radius, held_back)
-    plant = generalised_plant(car, weights)
     with _progress() as tick:
         tick("vertices")
-        solution = solve(plant, wish)
-        certificate = certify(plant, solution)
+        plant, solution, certificate = synthesise(car, weights, wish)
         curve = trade_off(car, weights, wish.radius, tick) if pictures else []
     ends = [(f"rho = {k.rho:g}", gains(plant, k)) for k in solution.vertices]
     passive = passive_gains(car)

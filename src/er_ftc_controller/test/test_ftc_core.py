@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 import yaml
-from er_ftc_controller.nodes.ftc_controller import FtcController
 from er_ftc_controller.ros_ftc import FtcCore, State, faults_of
 from er_ftc_controller.settings import FtcParameters
 from er_ros_common.builders import (
@@ -21,8 +19,8 @@ from er_ros_common.builders import (
 )
 from er_ros_common.core import When
 
+from er_common import topics
 from er_damper_msgs.msg import FaultEstimate, NodeStatus, PwmDuty
-from er_ros_common import topics
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 BASE, PERIOD = 1_700_000_000_000_000_000, 5_000_000
@@ -218,7 +216,7 @@ def test_an_acceleration_that_is_not_used_says_why_and_costs_no_duty(
     assert len(said) == 59
     assert {m.source for m in said} == {PwmDuty.SOURCE_NOMINAL}
     assert state.unused == (why, stamp(59))
-    told = FtcController.report(SimpleNamespace(state=state))  # type: ignore[arg-type]
+    told = core.report(state)
     assert (told.status, told.valid) == (NodeStatus.STATUS_DEGRADED, True)
     assert f"sensors/acceleration is not used: {why}" in told.reason
     assert state.unusable == (39 if why != "stuck" else 19)

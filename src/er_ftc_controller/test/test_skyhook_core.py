@@ -15,8 +15,9 @@ from er_ftc_controller.ros_skyhook import SkyhookCore, SkyhookParameters
 from er_ros_common.builders import Tick
 from er_ros_common.core import When
 
+from er_common import topics
 from er_damper_msgs.msg import PwmDuty
-from er_ros_common import builders, topics
+from er_ros_common import builders
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 SYSTEM, STEADY, MS = 1_700_000_000_000_000_000, 10_000_000_000, 1_000_000

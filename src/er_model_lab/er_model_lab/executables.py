@@ -1,5 +1,5 @@
-"""Entry points of the package's nodes, light: see `er_ros_common.entry`."""
+"""Entry points of the programs in `programs.py`, light: see `er_ros_common.entry`."""
 
-from er_ros_common.entry import program
+from er_ros_common.entry import starter
 
-recorder = program("er_model_lab.nodes.recorder")
+__getattr__ = starter("er_model_lab")

@@ -1,8 +1,5 @@
-"""Entry points of the package's nodes, light: see `er_ros_common.entry`."""
+"""Entry points of the programs in `programs.py`, light: see `er_ros_common.entry`."""
 
-from er_ros_common.entry import program
+from er_ros_common.entry import starter
 
-unified_observer = program("er_observers.nodes.unified_observer")
-nlpv_polytopic_observer = program("er_observers.nodes.nlpv_polytopic_observer")
-nlpv_gridding_observer = program("er_observers.nodes.nlpv_gridding_observer")
-fault_estimator = program("er_observers.nodes.fault_estimator")
+__getattr__ = starter("er_observers")

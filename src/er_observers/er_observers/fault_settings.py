@@ -11,11 +11,12 @@ from er_common.common_parameters import (
     sample_rate,
 )
 from er_common.parameter_table import REQUIRED, param
+from er_common.topics import estimated_force
 
-from er_common import topic_names
+from er_observers.programs import OBSERVERS
 
 NONE, MEASURED = "none", "measured"
-SOURCES = (NONE, MEASURED, *map(topic_names.estimated_force, topic_names.OBSERVERS))
+SOURCES = (NONE, MEASURED, *(estimated_force(name).name for name in OBSERVERS))
 
 
 @dataclass(frozen=True, kw_only=True)

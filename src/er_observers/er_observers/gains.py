@@ -6,10 +6,11 @@ synthesis writes the same file.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import yaml
@@ -28,8 +29,11 @@ from er_observers.observers.payload import numbers_of
 from er_observers.observers.sample import Layout, book_of, layout_of
 from er_observers.observers.status import LIMITS, Limits
 from er_observers.observers.watch import Watch, rules_of, watch_of
-from er_observers.start.phase import Opening, opening_of, spread_of
+from er_observers.opening.phase import Opening, opening_of, spread_of
 from er_observers.synthesis.proof import Claim, prove
+
+if TYPE_CHECKING:
+    from er_observers.synthesis.certify import Certificate
 
 SCHEMA = "er_gains 1"
 _KEYS = (
@@ -94,9 +98,14 @@ def save_gains(
     observer: str,
     model: Model,
     claim: Claim,
-    notes: Mapping[str, Mapping[str, Any]],
+    certificate: Certificate,
+    trade_off: Mapping[str, Sequence[float | None]] | None = None,
 ) -> None:
-    """Write a gain file, whole or not at all; notes: `certificate`, `solver`, perhaps `trade_off`."""
+    """Write a gain file, whole or not at all; trade_off: columns to be kept beside them.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
     names = {"name": model.name, "fingerprint": fingerprint(model)}
     content: dict[str, Any] = {
         "schema": SCHEMA,
@@ -107,8 +116,14 @@ def save_gains(
             "outputs": list(SENSORS[: claim.form.C.shape[0]]),
         },
         **sections(claim),
-        **{key: dict(note) for key, note in notes.items() if key != "solver"},
-        "solver": {**notes["solver"], "status": claim.solution.solver_status},
+        "certificate": certificate.figures,
+        **({"trade_off": dict(trade_off)} if trade_off else {}),
+        "solver": {
+            "name": "Clarabel",
+            "version": version("clarabel"),
+            "cvxpy": version("cvxpy"),
+            "status": claim.solution.solver_status,
+        },
     }
     content["digest"] = digest(content)
     text = yaml.safe_dump(content, sort_keys=False, width=99, default_flow_style=None)
@@ -129,12 +144,18 @@ def observer_of(path: str | Path) -> str:
     return str(file.at("observer"))
 
 
-def load_gains(path: str | Path, model: Model, observer: str, limits: Limits = LIMITS) -> Gains:
+def load_gains(
+    path: str | Path, model: Model, observer: str | None = None, limits: Limits = LIMITS
+) -> Gains:
     """Read a gain file for this model and prove its inequalities again, exactly (20 to 400 ms).
 
-    Raises `InputError` in one line: no file, not a gain file, another observer, edited by hand,
-    made for another model, or inequalities that do not hold.
+    observer: whose gains they must be, None: any. limits: when its estimates are called degraded, weak, invalid.
+
+    Raises:
+        InputError: In one line: no file, not a gain file, another observer, edited by hand, made for another model,
+            or inequalities that do not hold.
     """
+    observer = observer or observer_of(path)
     file = read(Path(path))
     again = f"make it again: python -m er_observers.synth {observer} --model MODEL --out {path}"
     _check_identity(file, model, observer, again)

@@ -15,17 +15,20 @@ from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Model
 from er_ros_common.builders import Tick
-from er_ros_common.core import Said, When, by_place, judged
+from er_ros_common.core import Core, Said, Shell, When, by_place, judged
+from er_ros_common.health import Report
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
-from er_damper_msgs.msg import FaultEstimate
+from er_common import quality, topics
+from er_damper_msgs.msg import FaultEstimate, NodeStatus
 from er_observers.fault_settings import MEASURED, NONE, FaultParameters
 from er_observers.faults import estimator, gather
 from er_observers.faults.gather import Gathered
 from er_observers.faults.ready import ready
 from er_observers.faults.rules import RULES
 from er_observers.faults.sample import NOTHING, Estimate, Status
-from er_ros_common import builders, topics
+from er_observers.programs import FAULT_ESTIMATOR, OBSERVERS
+from er_ros_common import builders
 
 ON_THE_WIRE = {
     Status.OK: FaultEstimate.STATUS_OK,
@@ -34,7 +37,8 @@ ON_THE_WIRE = {
     Status.UNEXPLAINED: FaultEstimate.STATUS_DEGRADED,
     Status.INVALID: FaultEstimate.STATUS_LOST,
 }
-_FORCES = {topic.name: topic for topic in topics.FORCE_BY.values()}
+_FORCES = {topic.name: topic for topic in map(topics.estimated_force, OBSERVERS)}
+USUAL = (topics.ACCELERATION, topics.DEFLECTION, topics.PWM_APPLIED)
 _PARTS = {
     topics.ACCELERATION.name: gather.ACCELERATION,
     topics.DEFLECTION.name: gather.DEFLECTION,
@@ -67,16 +71,15 @@ class State(NamedTuple):
         return counted(self.checks)
 
 
-class FaultCore:
+class FaultCore(Core):
     """The model file is read here, and never again.
 
     Raises:
         InputError: The model cannot be used.
     """
 
-    optional: tuple[topics.Topic, ...] = ()
+    p: FaultParameters
     outputs = (topics.FAULT,)
-    gains_id = ""
 
     def __init__(self, p: FaultParameters) -> None:
         self.p = p
@@ -85,7 +88,7 @@ class FaultCore:
         self.estimator = ready(model, rules, force_noise(p, model), 1.0 / p.rate)
         self.force = _topic(p.force_source)
         given = () if self.force is None else (self.force,)
-        self.inputs = (topics.ACCELERATION, topics.DEFLECTION, topics.PWM_APPLIED, *given)
+        self.inputs = (*USUAL, *given)
         self.needed = tuple(range(len(self.inputs)))
         self.limits = (StampLimits(stale=p.max_age, gap=p.timeout),) * len(self.inputs)
         self.model_id = model.digest()
@@ -143,6 +146,21 @@ class FaultCore:
             last = Tick(tick.stamp, tick.seq)
             said.append((topics.FAULT, _message(last, estimate)))
         return mind, last, said
+
+    def report(self, state: State) -> Report:
+        """Health of the estimator."""
+        s, mode, status, reason = state, "", NodeStatus.STATUS_INITIALIZING, ""
+        values: dict[str, object] = {"parts lost": s.gathered.missing}
+        if s.mind is not None:
+            mode, e = "running", s.mind.estimate
+            status, reason = ON_THE_WIRE[e.status], e.reason
+            values |= {"fault": e.kind.name.lower(), "certainty": f"{e.certainty:.3f}"}
+            values |= {"test ratio": f"{e.test_ratio:.2f}", "resets": s.mind.resets}
+        if s.silent:
+            mode, status = "silent", NodeStatus.STATUS_LOST
+            reason = f"no sample for {self.p.timeout:g} s"
+        valid = mode == "running" and status != NodeStatus.STATUS_LOST
+        return Report(mode, status, reason, s.stamps, s.unusable, valid, values)
 
 
 def force_noise(p: FaultParameters, model: Model) -> float | None:
@@ -212,4 +230,14 @@ def _message(tick: Tick, e: Estimate) -> FaultEstimate:
     )
 
 
-CORES = {"fault_estimator": (FaultParameters, FaultCore)}
+CORES = {
+    FAULT_ESTIMATOR: Shell(
+        FaultParameters,
+        FaultCore,
+        hears=(*USUAL, topics.FORCE),
+        says=FaultCore.outputs,
+        period=0.05,
+        asked=quality.FOLLOWER,
+        whole=(topics.DEFLECTION,),
+    )
+}

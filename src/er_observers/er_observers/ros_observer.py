@@ -5,6 +5,7 @@ The estimate itself is `er_observers.running.runtime`.
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 from functools import partial
@@ -14,16 +15,20 @@ from er_common.common_parameters import silence
 from er_common.stamps import Checks, StampLimits, StampState, Verdict, counted
 from er_models.files import load_model
 from er_ros_common.builders import Tick
-from er_ros_common.core import Said, When, by_place, judged
+from er_ros_common.core import Core, Said, Shell, When, by_place, judged
+from er_ros_common.health import Report
 from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
+from std_msgs.msg import String
 
-from er_damper_msgs.msg import DamperForce
+from er_common import quality, topics
+from er_damper_msgs.msg import DamperForce, NodeStatus
 from er_observers.feed import Feed, Joined, Motion, feed_of, on_deflection, on_duty, on_motion
 from er_observers.observers.status import LIMITS, Status
+from er_observers.programs import OBSERVERS
 from er_observers.running import runtime as observer
 from er_observers.running.ready import ready
 from er_observers.settings import ObserverParameters
-from er_ros_common import builders, topics
+from er_ros_common import builders
 
 ON_THE_WIRE = {
     Status.OK: DamperForce.STATUS_OK,
@@ -32,6 +37,15 @@ ON_THE_WIRE = {
     Status.WEAK: DamperForce.STATUS_DEGRADED,
     Status.INVALID: DamperForce.STATUS_LOST,
 }
+GAIN_INFO = topics.Topic(
+    "~/gain_info",
+    "std_msgs/msg/String",
+    "what the gains are and promise, JSON",
+    0.0,
+    quality.STATUS,
+)
+USUAL = (topics.ACCELERATION, topics.PWM_APPLIED)
+"""What every observer listens to."""
 
 
 class State(NamedTuple):
@@ -62,24 +76,23 @@ class State(NamedTuple):
         return counted(self.checks)
 
 
-class ObserverCore:
-    """Files are read here, and never again.
+class ObserverCore(Core):
+    """An observer by the name of its theorem. Files are read here, and never again.
 
     Raises:
         InputError: Model and gains cannot be used, or not together.
     """
 
-    usual = (topics.ACCELERATION, topics.PWM_APPLIED)
-    optional: tuple[topics.Topic, ...] = ()
+    p: ObserverParameters
 
     def __init__(self, name: str, p: ObserverParameters) -> None:
-        self.p, self.topic = p, topics.FORCE_BY[name]
+        self.p, self.topic = p, topics.estimated_force(name)
         self.outputs = (self.topic,)
         model = load_model(p.model_file)
         gains = ready(p.gains_file, model, name)
         self.gains = gains if p.payload else replace(gains, payload=False)
         seen = (topics.DEFLECTION,) if self.gains.sees_deflection else ()
-        self.inputs = (*self.usual, *seen)
+        self.inputs = (*USUAL, *seen)
         self.limits = (StampLimits(stale=p.max_age, gap=p.timeout),) * len(self.inputs)
         self.longest = round(1e9 * p.timeout)
         self.model_id, self.gains_id = model.digest(), self.gains.digest
@@ -174,6 +187,33 @@ class ObserverCore:
         watched = (state.watched, state.strut, state.unusable)
         return by_place(State, (feed, checks, *watched, *mine)), said
 
+    def notes(self) -> list[Said]:
+        """What the gains are."""
+        g = self.gains
+        told = {"observer": g.observer, "gains": g.digest, "model": g.model, **g.figures}
+        return [(GAIN_INFO, String(data=json.dumps(told, default=str)))]
+
+    def report(self, state: State) -> Report:
+        """Health of the observer."""
+        s, mode, status, reason = state, "", NodeStatus.STATUS_INITIALIZING, ""
+        values: dict[str, object] = {"duties lost": s.feed.lost}
+        if self.gains.sees_deflection:
+            values["deflections lost"] = s.feed.blind
+        if s.mind is not None:
+            mode, estimate = "running", s.mind.estimate
+            status, reason = ON_THE_WIRE[estimate.status], estimate.reason
+            values |= {"test ratio": f"{estimate.test_ratio:.2f}", "resets": s.mind.resets}
+            payload = observer.payload_of(self.gains, s.mind)
+            values |= {"payload": payload.text, "sprung mass ratio": f"{payload.ratio:.3f}"}
+            values["damping asymmetry"] = f"{payload.asymmetry:.3f}"
+            if self.undriven(s.last.stamp, s.driven):
+                reason = f"{topics.PWM_APPLIED.name}: no usable duty for {self.p.timeout:g} s"
+        if s.silent:
+            mode, status = "silent", NodeStatus.STATUS_LOST
+            reason = f"no sample for {self.p.timeout:g} s"
+        valid = mode == "running" and status != NodeStatus.STATUS_LOST
+        return Report(mode, status, reason, s.stamps, s.unusable, valid, values)
+
     def undriven(self, stamp: int, driven: int) -> bool:
         """Whether a duty known last at the stamp `driven` says too little at a later one [ns]."""
         return not 0 <= stamp - driven <= self.longest
@@ -191,6 +231,13 @@ def _message(tick: Tick, e: observer.Estimate) -> DamperForce:
 
 
 CORES = {
-    f"{name}_observer": (ObserverParameters, partial(ObserverCore, name))
-    for name in topics.FORCE_BY
+    program: Shell(
+        ObserverParameters,
+        partial(ObserverCore, name),
+        hears=USUAL,
+        says=(topics.estimated_force(name), GAIN_INFO),
+        patience=LIMITS.bridge,
+        asked=quality.FOLLOWER,
+    )
+    for name, program in OBSERVERS.items()
 }

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import sys
 import time
-from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, ClassVar
 
@@ -25,14 +24,15 @@ from er_observers.forms import COORDINATES
 from er_observers.gains import observer_of, save_gains
 from er_observers.running.evaluate import SCENARIOS, evaluate
 from er_observers.running.ready import ready
-from er_observers.synth_tables import certificate_table, figures, plain, score_table
+from er_observers.synth_tables import certificate_table, score_table
+from er_observers.synthesis.certify import plain
 from er_observers.synthesis.make import (
     OUTPUTS,
     STRUCTURES,
     THEOREMS,
     Wish,
     least_gamma,
-    make,
+    synthesise,
     trade_off,
 )
 from er_observers.synthesis.spec import SECTORS, SLOPE, Spec
@@ -133,19 +133,15 @@ def all_command(
 
 
 def write_gains(observer: str, car: Model, wish: Wish, out: Path) -> None:
-    """Solve, prove, write and show; raises as `make`."""
+    """Solve, prove, write and show; raises as `synthesise`."""
     begun = time.perf_counter()
-    claim, certificate = make(observer, car, wish)
-    solver = {"name": "Clarabel", "version": version("clarabel"), "cvxpy": version("cvxpy")}
+    claim, certificate = synthesise(observer, car, wish)
     curve = trade_off(observer, car, wish)
-    notes = {
-        "certificate": figures(certificate),
-        "trade_off": {"radius": [r for r, _ in curve], "gamma": [plain(g) for _, g in curve]},
-        "solver": solver,
-    }
+    radii, gammas = zip(*curve, strict=True)
+    kept = {"radius": list(radii), "gamma": [plain(gamma) for gamma in gammas]}
     loadable = wish.coordinates == "relative"
     if loadable:
-        save_gains(out, observer, car, claim, notes)
+        save_gains(out, observer, car, claim, certificate, kept)
     title = f"{THEOREMS[observer].THEOREM}, {time.perf_counter() - begun:.1f} s"
     Console().print(certificate_table(title, claim, certificate))
     pairs = ", ".join(f"{r:g}: {g:.4g}" for r, g in curve)

@@ -1,41 +1,15 @@
-"""Certificates and scores as tables for people and as plain values for files."""
+"""Certificates and scores as tables for people."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
-import numpy as np
 from rich.table import Table
 
 from er_observers.observers.kernel import SUBSTEP
 from er_observers.running.evaluate import Score
 from er_observers.synthesis.certify import Certificate
 from er_observers.synthesis.proof import Claim
-
-
-def figures(c: Certificate) -> dict[str, Any]:
-    """Certificate as plain values, short enough to be the same on every machine."""
-    peak, run = c.peak, c.run
-    return {
-        "margins": {
-            "lyapunov": _short(c.margins.lyapunov),
-            "dissipation": _short(min(c.margins.dissipation)),
-            "regions": _short(min(c.margins.regions)),
-        },
-        "sweep": {name: _short(value) for name, value in peak._asdict().items()},
-        "slopes": plain(c.slopes),
-        "poles": [[[_short(p.real), _short(p.imag)] for p in end] for end in c.poles],
-        "slowest": _short(c.slowest),
-        "discrete": {
-            "substep": SUBSTEP,
-            "decay": _short(run.decay),
-            "rho": _short(run.rho),
-            "duties": len(c.table.duties),
-            "gap": _short(c.table.gap),
-        },
-        "random_scheduling": _short(c.wandering),
-    }
 
 
 def certificate_table(title: str, claim: Claim, c: Certificate) -> Table:
@@ -88,13 +62,3 @@ def _poles(poles: Sequence[complex]) -> str:
         if p.imag >= 0.0
     ]
     return "\n".join(texts)
-
-
-def plain(value: float) -> float | None:
-    """Five significant digits, None for infinity."""
-    return _short(value) if np.isfinite(value) else None
-
-
-def _short(value: float) -> float:
-    """Five significant digits."""
-    return float(f"{value:.5g}")

@@ -15,7 +15,7 @@ from er_observers.gains import Gains
 from er_observers.running.ready import ready
 from er_observers.running.runtime import Sample
 from er_observers.synthesis.certify import Certificate
-from er_observers.synthesis.make import Wish, make
+from er_observers.synthesis.make import Wish, synthesise
 from er_observers.synthesis.proof import Claim
 
 DT = 0.005
@@ -49,7 +49,7 @@ def gains(car: Model, gain_file: Path) -> Gains:
 @pytest.fixture(scope="session")
 def synthesis(car: Model) -> tuple[Claim, Certificate]:
     """A fresh synthesis with the default specification."""
-    return make("nlpv_polytopic", car, Wish())
+    return synthesise("nlpv_polytopic", car, Wish())
 
 
 @pytest.fixture(scope="session")

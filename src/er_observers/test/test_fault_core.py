@@ -13,8 +13,9 @@ from er_observers.ros_faults import FaultCore, State
 from er_ros_common.core import Said, When
 from er_studies.faults.trials import Trial, drive
 
+from er_common import topics
 from er_damper_msgs.msg import FaultEstimate
-from er_ros_common import builders, topics
+from er_ros_common import builders
 
 NEEDED = (gather.ACCELERATION, gather.DEFLECTION, gather.DUTY)
 MS = 1_000_000
@@ -118,4 +119,4 @@ def test_an_observed_force_needs_its_deviation(car_file: Path) -> None:
     with pytest.raises(InputError, match=r"force_noise: expected the deviation of force/unified"):
         FaultCore(FaultParameters(**given))
     core = FaultCore(FaultParameters(**given, force_noise=0.5))
-    assert core.inputs[-1] is topics.FORCE_BY["unified"]
+    assert core.inputs[-1] is topics.estimated_force("unified")

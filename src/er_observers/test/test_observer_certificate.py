@@ -12,7 +12,7 @@ from er_observers.observers.gate import mean_gate
 from er_observers.observers.kernel import SUBSTEP
 from er_observers.synthesis.certify import Certificate, certify
 from er_observers.synthesis.discrete import error_map, lens, step_storage, substep
-from er_observers.synthesis.make import Wish, make, solve
+from er_observers.synthesis.make import Wish, solve, synthesise
 from er_observers.synthesis.proof import Claim, prove
 from er_observers.synthesis.spec import Solution, Spec, SynthesisFailed
 
@@ -132,7 +132,7 @@ def test_every_grid_point_is_stable_by_itself(synthesis: Made) -> None:
 def test_poles_lie_where_they_were_asked_to(car: Model, region: str, asked: float) -> None:
     """The half-plane and the cone hold for the poles that are found, and no proof says more of them than is true."""
     spec = Spec(radius=1000.0, **{region: asked})  # type: ignore[arg-type]
-    claim, _ = make("nlpv_polytopic", car, Wish(spec=spec))
+    claim, _ = synthesise("nlpv_polytopic", car, Wish(spec=spec))
     poles = np.concatenate([np.linalg.eigvals(M) for M in claim.solution.law.M])
     found = {"decay": -poles.real.max(), "damping": (-poles.real / np.abs(poles)).min()}[region]
     assert found >= asked
@@ -143,7 +143,7 @@ def test_poles_lie_where_they_were_asked_to(car: Model, region: str, asked: floa
 
 def test_the_cone_is_as_wide_as_the_damping_asked_for(car: Model) -> None:
     """At the edge of the numerical range of the error dynamics in the norm of P, found by another way."""
-    claim, _ = make("nlpv_polytopic", car, Wish(spec=Spec(radius=1000.0, damping=0.3)))
+    claim, _ = synthesise("nlpv_polytopic", car, Wish(spec=Spec(radius=1000.0, damping=0.3)))
     s = claim.solution
     root = np.linalg.cholesky(s.P + s.P_1 * s.law.rho[0]).T
     G = root @ s.law.M[0] @ np.linalg.inv(root)

@@ -23,8 +23,7 @@ from er_observers.running.evaluate import (
     replay,
 )
 from er_observers.running.ready import ready
-from er_observers.synth_tables import figures
-from er_observers.synthesis.make import Wish, make
+from er_observers.synthesis.make import Wish, synthesise
 
 CHIRP, ISO = SCENARIOS[0], SCENARIOS[2]
 
@@ -117,9 +116,8 @@ def test_slow_chirp_before_yield_is_called_weak(car: Model, gains: Gains) -> Non
 
 def test_a_deflection_sensor_ends_the_weakness(car: Model, tmp_path: Path) -> None:
     """The same theorem with a third output: never WEAK before yield, OK at once, through a gain file."""
-    claim, certificate = make("nlpv_polytopic", car, Wish(deflection=1e-3))
-    notes = {"certificate": figures(certificate), "solver": {"name": "Clarabel", "version": "0"}}
-    save_gains(tmp_path / "gains.yaml", "nlpv_polytopic", car, claim, notes)
+    claim, certificate = synthesise("nlpv_polytopic", car, Wish(deflection=1e-3))
+    save_gains(tmp_path / "gains.yaml", "nlpv_polytopic", car, claim, certificate)
     gains = ready(tmp_path / "gains.yaml", car, "nlpv_polytopic")
     assert gains.sees_deflection
     stiff = replace(CHIRP, program=replace(CHIRP.program, duty={"kind": "constant", "level": 1.0}))

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from er_common.topic_names import OBSERVERS
 from er_models.errors import InputError
 from er_models.gain_file import digest
 from er_models.model import Model
@@ -18,9 +17,9 @@ from er_observers.forms import form_of
 from er_observers.gains import Gains, observer_of, save_gains
 from er_observers.observers.status import LIMITS
 from er_observers.observers.watch import decay_rate, rules_of, watch_of
+from er_observers.programs import OBSERVERS
 from er_observers.running.evaluate import SCENARIOS, evaluate
 from er_observers.running.ready import ready
-from er_observers.synth_tables import figures
 from er_observers.synthesis.certify import Certificate
 from er_observers.synthesis.proof import Claim
 
@@ -34,8 +33,7 @@ REMAKE = (
 
 def write(path: Path, car: Model, made: Made) -> None:
     """A gain file as the command writes it."""
-    notes = {"certificate": figures(made[1]), "solver": {"name": "Clarabel", "version": "0"}}
-    save_gains(path, "nlpv_polytopic", car, made[0], notes)
+    save_gains(path, "nlpv_polytopic", car, *made)
 
 
 def refusal(path: Path, car: Model) -> str:

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_common.topic_names import OBSERVERS
 from er_models.model import Array, Model
 from er_observers.gains import Gains
 from er_observers.observers.gate import gate_of, mean_gate, slopes_of, solve_gate
 from er_observers.observers.kernel import SUBSTEP, advance, substeps
 from er_observers.observers.phi import phi_functions
 from er_observers.observers.table import NEARLY, substep_matrix, table_of
+from er_observers.programs import OBSERVERS
 from er_observers.running.ready import ready
 from er_observers.synthesis.discrete import looked_up
 from scipy.integrate import quad, solve_ivp

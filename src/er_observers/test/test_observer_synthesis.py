@@ -12,7 +12,7 @@ from er_models.scales import Scales
 from er_observers.scaling import scaling_of
 from er_observers.synthesis import nlpv_polytopic
 from er_observers.synthesis.certify import Certificate
-from er_observers.synthesis.make import Wish, make
+from er_observers.synthesis.make import Wish, synthesise
 from er_observers.synthesis.proof import Claim, prove
 from er_observers.synthesis.spec import (
     LIPSCHITZ,
@@ -90,7 +90,7 @@ def test_scaling_serves_a_real_car_as_well(car: Model) -> None:
     effects["guo_yield"] = {"f_c": 900.0, "k1": 60.0, "c1": 100.0}
     effects["response"] = {"tau": 0.015}
     real = replace(car, effects=effects, scales=Scales(1500.0, 0.08, 1.0, 1.0))
-    claim, certificate = make("nlpv_polytopic", real, Wish(force=300.0))
+    claim, certificate = synthesise("nlpv_polytopic", real, Wish(force=300.0))
     assert claim.solution.gamma < 1.0
     assert certificate.margins.smallest > 0.0
     assert certificate.run.decay > 0.0

@@ -47,7 +47,7 @@ def test_its_own_theorem_says_why_there_are_no_gains(car: Model, name: str) -> N
 
 
 def test_an_unknown_name_is_no_other_theorem(car: Model) -> None:
-    for asked in (make.solve, make.trade_off, make.least_gamma, make.make):
+    for asked in (make.solve, make.trade_off, make.least_gamma, make.synthesise):
         with pytest.raises(UnknownName, match=r"unknown observer 'nlpv_polytope'; did you mean"):
             asked("nlpv_polytope", car, Wish())
 

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_common.topic_names import OBSERVERS
 from er_models.model import Array, Model
 from er_observers.forms import form_of
 from er_observers.gains import Gains
 from er_observers.observers import payload
 from er_observers.observers.payload import Payload, Verdict
+from er_observers.programs import OBSERVERS
 from er_observers.running.ready import ready
 from er_observers.running.runtime import Estimate, Sample, State, payload_of, start, step
 from er_studies.observers.nrmse import nrmse

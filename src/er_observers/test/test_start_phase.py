@@ -12,10 +12,10 @@ from er_models.errors import InputError
 from er_observers.filters.flow import flow
 from er_observers.observers.phi import phi_functions
 from er_observers.observers.status import Status
+from er_observers.opening import filter as start_filter
+from er_observers.opening import phase as start_phase
 from er_observers.running import runtime
 from er_observers.running.runtime import Sample
-from er_observers.start import filter as start_filter
-from er_observers.start import phase as start_phase
 from er_studies.observers.estimators import estimators_of
 from er_studies.observers.nrmse import nrmse, settling_time
 from er_studies.observers.run import follow as follow_record

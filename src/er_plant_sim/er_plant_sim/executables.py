@@ -1,7 +1,5 @@
-"""Entry points of the package's nodes, light: see `er_ros_common.entry`."""
+"""Entry points of the programs in `programs.py`, light: see `er_ros_common.entry`."""
 
-from er_ros_common.entry import program
+from er_ros_common.entry import starter
 
-plant = program("er_plant_sim.nodes.plant")
-hardware_bridge = program("er_plant_sim.nodes.hardware_bridge")
-device_emulator = program("er_plant_sim.hardware.emulator")
+__getattr__ = starter("er_plant_sim")

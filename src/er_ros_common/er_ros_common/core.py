@@ -6,13 +6,19 @@ that is played to it gives, bit for bit, what the node said.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Protocol
+import math
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any, NamedTuple
 
 from er_common.common_parameters import Listening
+from er_common.program import Program
+from er_common.quality import Quality
 from er_common.stamps import Checks, StampLimits, Verdict, check_input
+from er_common.topics import Topic
 
 from er_ros_common.builders import Tick, tick_of
-from er_ros_common.topics import Topic
+from er_ros_common.health import Report
 
 Said = tuple[Topic, Any]
 """A message to be published, and where."""
@@ -29,67 +35,79 @@ class When(NamedTuple):
     system: int | None
 
 
-class Core(Protocol):
-    """Inputs, outputs, and the steps between."""
+class Core:
+    """Inputs, outputs, and the steps between; below the first four what many cores have nothing to do for.
 
-    @property
-    def p(self) -> Listening:
-        """Its parameters."""
+    p: its parameters. inputs: what it listens to; optional: those whose absence is no fault; limits: when the stamp of
+    each is refused. outputs: what it may say something on. model_id, gains_id: digests, empty where there is none.
+    """
 
-    @property
-    def inputs(self) -> tuple[Topic, ...]:
-        """What it listens to."""
-
-    @property
-    def optional(self) -> tuple[Topic, ...]:
-        """Those of them whose absence is no fault."""
-
-    @property
-    def limits(self) -> tuple[StampLimits, ...]:
-        """When the stamp of each input is refused."""
-
-    @property
-    def outputs(self) -> tuple[Topic, ...]:
-        """What it may say something on."""
-
-    @property
-    def model_id(self) -> str:
-        """Digest of the model, empty where there is none."""
-
-    @property
-    def gains_id(self) -> str:
-        """Digest of the gains, empty where there are none."""
+    p: Listening
+    inputs: tuple[Topic, ...]
+    optional: tuple[Topic, ...] = ()
+    limits: tuple[StampLimits, ...]
+    outputs: tuple[Topic, ...]
+    model_id: str = ""
+    gains_id: str = ""
 
     def start(self) -> Any:
         """State before any message."""
+        raise NotImplementedError
 
     def on_message(
         self, state: Any, topic: Topic, message: Any, when: When
     ) -> tuple[Any, list[Said]]:
         """The state after a message, and what is to be published for it."""
+        raise NotImplementedError
 
     def on_time(self, state: Any, when: When) -> tuple[Any, list[Said]]:
         """The same where only time has gone on; called often, says something where inputs stay away."""
+        raise NotImplementedError
+
+    def report(self, state: Any) -> Report:
+        """Health; without a mode where nothing has come yet: then the node says whom it waits for."""
+        raise NotImplementedError
+
+    def urgent(self, _before: Any, _after: Any) -> bool:
+        """Whether the health is to be said at once, as something has changed between two states."""
+        return False
+
+    def notes(self) -> list[Said]:
+        """What is said once, when the files are read."""
+        return []
+
+    def last_words(self, _state: Any, _when: When) -> list[Said]:
+        """What is left behind when the node ends."""
+        return []
 
 
-class Judging(Protocol):
-    """What of a core tells good stamps from bad ones."""
+class Shell(NamedTuple):
+    """How a core is made, and what the node around it has to know before there is one.
 
-    @property
-    def p(self) -> Listening:
-        """Its parameters."""
+    parameters: their dataclass, of which `make` makes the core; raises `ErError` where that cannot be.
+    hears, says: topics for the help. period: how often the silence of the inputs is looked at [s]; patience: how long
+    the core has nothing to say of it, where that is less than until they count as dead [s]. asked: quality of the
+    subscriptions, None: that of each topic. whole: inputs of no use without all of their parts.
+    """
 
-    @property
-    def inputs(self) -> tuple[Topic, ...]:
-        """What it listens to."""
+    parameters: type[Any]
+    make: Callable[[Any], Core]
+    hears: tuple[Topic, ...]
+    says: tuple[Topic, ...]
+    period: float = 0.01
+    patience: float = math.inf
+    asked: Quality | None = None
+    whole: tuple[Topic, ...] = ()
 
-    @property
-    def limits(self) -> tuple[StampLimits, ...]:
-        """When the stamp of each input is refused."""
+
+def shell_of(program: Program) -> Shell:
+    """The row of a program in the `CORES` of its module."""
+    found: Shell = import_module(program.path).CORES[program]
+    return found
 
 
 def judged(
-    core: Judging, checks: Checks, topic: Topic, message: Any, when: When
+    core: Core, checks: Checks, topic: Topic, message: Any, when: When
 ) -> tuple[Checks, Verdict, Tick]:
     """The stamp of a message of one of the inputs, judged before anything is kept of it."""
     tick = tick_of(message)

@@ -1,45 +1,46 @@
-"""The shell of a node that is a core: gives messages and the time to it, and publishes what it says."""
+"""The node around any core: gives messages and the time to it, and publishes what it says."""
 
 from __future__ import annotations
 
-import math
+import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import Any
 
 from er_common.common_parameters import deaf_after
+from er_common.program import Program
+from er_common.topics import Topic
 from er_models.constants import SAMPLE_TIME
-from rclpy.qos import QoSProfile
 
-from er_ros_common.core import Core, Said
+from er_common import topics
+from er_ros_common.core import Core, Said, shell_of
 from er_ros_common.graph_check import connected
+from er_ros_common.health import Report
+from er_ros_common.help import Card
 from er_ros_common.managed import ManagedNode
-from er_ros_common.topics import Topic
+from er_ros_common.parameters import declare
+from er_ros_common.spin import Executable, run
 
 
 class CoreNode(ManagedNode):
-    """A node around a core; subclasses fill `make` and `report`.
+    """A program that is a core.
 
-    watch_period: how often the silence of the inputs is looked at [s]; watch_patience: how long the core has nothing to
-    say of it, where that is less than until they count as dead [s]; profile: of the subscriptions, None for that of
-    each topic; whole: inputs of no use without all of their parts.
     p holds ``listeners``: how many of each output there must be before the node is ready.
     """
 
-    watch_period: ClassVar[float] = 0.01
-    watch_patience: ClassVar[float] = math.inf
-    profile: ClassVar[QoSProfile | None] = None
-    whole: ClassVar[tuple[Topic, ...]] = ()
-    core: Any
+    core: Core
+    state: Any
 
-    def make(self) -> Core:
-        """The core of these parameters; raises `ErError` where that cannot be."""
-        raise NotImplementedError
+    def __init__(self, program: Program, argv: Sequence[str] | None = None) -> None:
+        super().__init__(program.name, argv)
+        self.shell = shell_of(program)
+        self.p = declare(self, self.shell.parameters)
 
     def configure(self) -> None:
         """Make the core and the ends of its topics."""
-        self.core = self.make()
+        shell, self.core = self.shell, self.shell.make(self.p)
         self.health.model_id, self.health.gains_id = self.core.model_id, self.core.gains_id
         self.ends = {topic.name: self.advertise(topic) for topic in self.core.outputs}
         rate = getattr(self.core.p, "rate", 0.0)  # not every core is made for one
@@ -48,20 +49,25 @@ class CoreNode(ManagedNode):
             topic.name: self.subscribe(
                 topic,
                 partial(self.on_message, topic),
-                self.profile,
+                shell.asked,
                 needed=topic not in self.core.optional,
-                whole=topic in self.whole,
+                whole=topic in shell.whole,
                 limits=limits,
                 rate=rate,
             )
             for topic, limits in zip(self.core.inputs, self.core.limits, strict=True)
         }
-        patience = min(self.watch_patience, deaf_after(self.core.p))
-        self.watch_every(self.watch_period, self.on_watch, patience)
+        self.watch_every(shell.period, self.on_watch, min(shell.patience, deaf_after(self.core.p)))
+        for topic, message in self.core.notes():
+            self.advertise(topic).publish(message)
 
     def begin(self) -> None:
         """Know nothing yet."""
         self.state = self.core.start()
+
+    def end(self) -> None:
+        """Leave behind what the core does."""
+        self.publish(self.core.last_words(self.state, self.when()))
 
     def on_message(self, topic: Topic, message: Any) -> None:
         """Take a message of an input."""
@@ -75,15 +81,26 @@ class CoreNode(ManagedNode):
 
     def take(self, state: Any, said: list[Said]) -> bool:
         """Go over to a state, and publish what was said on the way; whether anything was."""
-        self.state = state
-        if said:
-            self.publish(said)
-        return bool(said)
+        before, self.state = self.state, state
+        if not said:
+            return False
+        self.publish(said)
+        if self.core.urgent(before, state):
+            self.health.publish_status()
+        return True
 
     def publish(self, said: Sequence[Said]) -> None:
         """Publish messages of the core."""
         for topic, message in said:
             self.ends[topic.name].publish(message)
+
+    def report(self) -> Report:
+        """Health of the core; before it has heard anything, whether it is connected."""
+        said = self.core.report(self.state)
+        if said.mode:
+            return said
+        mode, reason = self.before_samples()
+        return replace(said, mode=mode, reason=reason)
 
     def before_samples(self) -> tuple[str, str]:
         """Mode and reason of a node that has not heard anything yet."""
@@ -93,3 +110,17 @@ class CoreNode(ManagedNode):
         if connected(inputs, outputs):
             return "ready", "no sample yet"
         return "waiting", "not connected yet"
+
+
+def node_of(program: Program) -> Executable:
+    """The node of a program that is a core."""
+    shell = shell_of(program)
+    says = (*shell.says, topics.STATUS, topics.DIAGNOSTICS)
+    card = Card(program, shell.parameters, shell.hears, says)
+    return Executable(partial(CoreNode, program), card)
+
+
+def main(program: Program) -> None:
+    """Run it as the program of this process."""
+    node = node_of(program)
+    sys.exit(run(node.make, node.card))

@@ -1,7 +1,7 @@
-"""Entry points of executables: a program that is asked to end while it is imported ends quietly.
+"""Entry points of programs: one that is asked to end while it is imported ends quietly.
 
 Importing a node takes seconds (ROS, NumPy, the compiler), and Python answers Ctrl-C in there with a
-traceback. Nothing heavy may be imported here.
+traceback. Nothing may be imported here before the signals are taken.
 """
 
 from __future__ import annotations
@@ -9,19 +9,42 @@ from __future__ import annotations
 import os
 import signal
 from collections.abc import Callable
+from functools import partial
 from importlib import import_module
 from types import FrameType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from er_common.program import Program
 
 
-def program(module: str) -> Callable[[], None]:
-    """What a console script calls: imports the module, then runs its ``main``."""
+def starter(package: str) -> Callable[[str], Callable[[], None]]:
+    """`__getattr__` of a module that holds, under its name, the console script of each program of a package."""
 
-    def start() -> None:
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, _leave)
-        import_module(module).main()
+    def named(name: str) -> Callable[[], None]:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return partial(start, package, name)
 
-    return start
+    return named
+
+
+def start(package: str, name: str) -> None:
+    """What a console script calls; raises `KeyError` where the package has no such program."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, _leave)
+    programs = import_module(f"{package}.programs").PROGRAMS
+    run({program.name: program for program in programs}[name])
+
+
+def run(program: Program) -> None:
+    """Import what a program is made of, and run it."""
+    if program.core:
+        from er_ros_common.core_node import main
+
+        main(program)
+    else:
+        import_module(program.path).main()
 
 
 def _leave(_number: int, _: FrameType | None) -> None:

@@ -9,6 +9,7 @@ from threading import Lock
 from time import monotonic
 from typing import Any
 
+from er_common.topics import Topic
 from er_models.errors import InputError
 from rclpy.publisher import Publisher
 
@@ -16,7 +17,6 @@ from er_damper_msgs.srv import InjectFault
 from er_ros_common import log
 from er_ros_common.injection import Channel, asked, described, taken_over, through
 from er_ros_common.managed import ManagedNode
-from er_ros_common.topics import Topic
 
 SERVICE = "~/inject_fault"
 

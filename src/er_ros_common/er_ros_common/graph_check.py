@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from er_common.topics import Topic
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -24,8 +25,6 @@ from rclpy.qos import (
 )
 from rclpy.subscription import Subscription
 from rclpy.topic_endpoint_info import TopicEndpointInfo
-
-from er_ros_common.topics import Topic
 
 UNNAMED = "a node not named yet"
 """Who an end belongs to until its name comes, a little later than the end itself."""

@@ -14,8 +14,9 @@ from er_common.stamps import StampState
 from er_models.constants import SAMPLE_TIME
 from rclpy.node import Node
 
+from er_common import topics
 from er_damper_msgs.msg import NodeStatus
-from er_ros_common import builders, clock, log, topics
+from er_ros_common import builders, clock, log, qos
 from er_ros_common.builders import Tick, Timing
 from er_ros_common.graph_check import Problem
 from er_ros_common.inputs import ERROR, OK, WARN, Finding, Input
@@ -105,10 +106,10 @@ class Health:
         self._tasks: tuple[Task, ...] = ()
         self._sent, self._missed = -DIAGNOSTICS_PERIOD, 0
         self._status = node.create_publisher(
-            NodeStatus, topics.STATUS.name, topics.STATUS.publisher
+            NodeStatus, topics.STATUS.name, qos.profile(topics.STATUS.publisher)
         )
         self._diagnostics = node.create_publisher(
-            DiagnosticArray, topics.DIAGNOSTICS.name, topics.DIAGNOSTICS.publisher
+            DiagnosticArray, topics.DIAGNOSTICS.name, qos.profile(topics.DIAGNOSTICS.publisher)
         )
         # not in simulated time: a simulation that stands still is news
         clock.wall_timer(node, STATUS_PERIOD, self.publish_status)

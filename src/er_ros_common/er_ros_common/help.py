@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from er_common.parameter_table import REQUIRED, Spec, expectation, specs
-
-from er_ros_common.topics import Topic
+from er_common.program import Program
+from er_common.topics import Topic
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,21 +17,21 @@ class Card:
     Attributes:
         parameters: dataclass made with `param`, None where the node has none.
         subscribes, publishes: topics, in the order of the help.
+        more: paragraphs below the program's own text.
     """
 
-    package: str
-    executable: str
-    text: str
+    program: Program
     parameters: type[Any] | None = None
     subscribes: tuple[Topic, ...] = ()
     publishes: tuple[Topic, ...] = ()
+    more: tuple[str, ...] = ()
 
 
 def render(card: Card) -> str:
     """The help text."""
     options = "[--ros-args -p NAME:=VALUE --params-file FILE -r OLD:=NEW]"
-    usage = f"{card.package} {card.executable} {options}"
-    parts = [card.text, f"usage: ./er run {usage}\n       ros2 run {usage}"]
+    usage = f"{card.program.package} {card.program.name} {options}"
+    parts = [card.program.text, *card.more, f"usage: ./er run {usage}\n       ros2 run {usage}"]
     parts.append(_section("subscribes to", [_topic_row(t) for t in card.subscribes]))
     parts.append(_section("publishes", [_topic_row(t) for t in card.publishes]))
     rows = [_parameter_row(s) for s in specs(card.parameters)] if card.parameters else []

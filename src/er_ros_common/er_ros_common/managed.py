@@ -14,7 +14,9 @@ from time import monotonic, monotonic_ns, time_ns
 from typing import Any
 
 from er_common.common_parameters import NodeParameters
+from er_common.quality import Quality
 from er_common.stamps import StampLimits
+from er_common.topics import Topic
 from er_models.errors import ErError
 from lifecycle_msgs.srv import ChangeState
 from rclpy._rclpy_pybind11 import RCLError
@@ -26,14 +28,13 @@ from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
 from er_damper_msgs.msg import NodeStatus
-from er_ros_common import clock, log, realtime
+from er_ros_common import clock, log, qos, realtime
 from er_ros_common.core import When
 from er_ros_common.graph_check import Problem, endpoints, watch
 from er_ros_common.health import Health, Report
 from er_ros_common.inputs import Input
 from er_ros_common.intra_process import IntraProcess, LocalPublisher, passable
 from er_ros_common.makers import reader
-from er_ros_common.topics import Topic
 
 NOT_READY = ("waiting", "unconfigured", "inactive")
 """Modes of a node that does not act yet."""
@@ -99,8 +100,9 @@ class ManagedNode(LifecycleNode):
         return self._once(f"out {topic.name}", lambda: self._publisher(topic))
 
     def _publisher(self, topic: Topic) -> Publisher:
-        given = (topic.type, topic.name, topic.publisher)
-        if not passable(topic.publisher):
+        offered = qos.profile(topic.publisher)
+        given = (topic.type, topic.name, offered)
+        if not passable(offered):
             return self.create_publisher(*given)
         made = self.create_publisher(*given, publisher_class=LocalPublisher)
         if self.local is not None:
@@ -111,7 +113,7 @@ class ManagedNode(LifecycleNode):
         self,
         topic: Topic,
         heard: Callable[[Any], None],
-        profile: QoSProfile | None = None,
+        asked: Quality | None = None,
         *,
         needed: bool = True,
         whole: bool = False,
@@ -125,7 +127,7 @@ class ManagedNode(LifecycleNode):
         [Hz], 0: any.
         """
         self.watched[topic.name] = topic
-        name, asked = self.resolve_topic_name(topic.name), profile or topic.subscriber
+        name, profile = self.resolve_topic_name(topic.name), qos.profile(asked or topic.subscriber)
         steady = topic.every_tick and self.aged
         limits = limits or self.stamp_limits()
         rate = rate if topic.every_tick else 0.0
@@ -146,7 +148,7 @@ class ManagedNode(LifecycleNode):
                 self._heard[topic.name](message)
 
         self._heard[topic.name] = heard
-        return self._once(f"in {topic.name}", lambda: self._subscription(topic, noted, asked))
+        return self._once(f"in {topic.name}", lambda: self._subscription(topic, noted, profile))
 
     def _subscription(
         self, topic: Topic, noted: Callable[[Any], None], asked: QoSProfile
@@ -184,7 +186,7 @@ class ManagedNode(LifecycleNode):
         return StampLimits(stale=getattr(self.p, "max_age", 0.0) or StampLimits().stale)
 
     def listen(
-        self, name: str, kind: type[Any], heard: Callable[[Any], None], profile: QoSProfile
+        self, name: str, kind: type[Any], heard: Callable[[Any], None], asked: Quality
     ) -> Subscription:
         """Subscription of something that is no input, another node's status for instance: always heard.
 
@@ -196,7 +198,7 @@ class ManagedNode(LifecycleNode):
             self._heard[name](message)
 
         return self._once(
-            f"in {name}", lambda: self.create_subscription(kind, name, told, profile)
+            f"in {name}", lambda: self.create_subscription(kind, name, told, qos.profile(asked))
         )
 
     def offer(self, kind: type[Any], name: str, asked: Callable[[Any, Any], Any]) -> Any:

@@ -107,7 +107,7 @@ def run(factory: Callable[..., Nodes], card: Card, args: Sequence[str] | None = 
     if any(a in ("-h", "--help") for a in argv):
         show(render(card))
         return 0
-    return guarded(card.executable, argv, lambda stopped: _one(factory, argv, stopped))
+    return guarded(card.program.name, argv, lambda stopped: _one(factory, argv, stopped))
 
 
 def guarded(name: str, argv: Sequence[str], live: Callable[[Stopped], None]) -> int:

@@ -6,6 +6,7 @@ import sys
 import time
 from dataclasses import dataclass
 
+from er_common.program import Program
 from er_models.errors import ErError
 from er_ros_common.clock import now, wall_timer
 from er_ros_common.help import Card
@@ -13,7 +14,8 @@ from er_ros_common.parameters import declare, param
 from er_ros_common.spin import run
 from rclpy.node import Node
 
-from er_ros_common import builders, topics
+from er_common import topics
+from er_ros_common import builders, qos
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +37,9 @@ class DemoNode(Node):
         self.parameters = declare(self, Parameters, self.on_change)
         self.ticks = 0
         self.publisher = self.create_publisher(
-            topics.PWM_COMMAND.type, topics.PWM_COMMAND.name, topics.PWM_COMMAND.publisher
+            topics.PWM_COMMAND.type,
+            topics.PWM_COMMAND.name,
+            qos.profile(topics.PWM_COMMAND.publisher),
         )
         if not self.parameters.idle:
             wall_timer(self, 1.0 / self.parameters.rate, self.tick)
@@ -66,10 +70,8 @@ def say(text: str) -> None:
 
 
 CARD = Card(
-    package="er_ros_common",
-    executable="demo",
-    text="Publishes a constant duty.",
-    parameters=Parameters,
+    Program("demo", "er_ros_common", "Publishes a constant duty."),
+    Parameters,
     publishes=(topics.PWM_COMMAND,),
 )
 

@@ -15,7 +15,8 @@ from rclpy.duration import Duration, Infinite
 from rclpy.qos import LivelinessPolicy, QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from er_ros_common import topics
+from er_common import topics
+from er_ros_common import qos
 
 NAME = "/sensors/force"
 TYPE = topics.FORCE.type_name
@@ -85,7 +86,7 @@ def test_an_end_whose_node_is_not_known_yet_is_told_in_words() -> None:
                 "node_name": "_NODE_NAME_UNKNOWN_",
                 "node_namespace": "_NODE_NAMESPACE_UNKNOWN_",
             }
-            profile = topics.FORCE.publisher
+            profile = qos.profile(topics.FORCE.publisher)
             return [
                 TopicEndpointInfo(**names, topic_type="std_msgs/msg/Float64", qos_profile=profile)
             ]
@@ -110,7 +111,7 @@ def test_a_running_graph_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
     rclpy.init(args=[], context=context)
     try:
         node = Node("probe", context=context, namespace="fl", enable_rosout=False)
-        publisher = topics.FORCE.publisher
+        publisher = qos.profile(topics.FORCE.publisher)
         node.create_publisher(topics.FORCE.type, topics.FORCE.name, publisher)
         node.create_subscription(Float64, topics.ROAD.name, print, 10)
         senders, takers = endpoints(node, "/fl/sensors/force")

@@ -16,6 +16,7 @@ pytest.importorskip("rclpy")
 
 import rclpy
 from er_common.common_parameters import NodeParameters
+from er_common.topics import ACCELERATION, PWM_COMMAND
 from er_ros_common.builders import Tick
 from er_ros_common.health import Report
 from er_ros_common.intra_process import (
@@ -26,7 +27,6 @@ from er_ros_common.intra_process import (
 )
 from er_ros_common.managed import ManagedNode
 from er_ros_common.spin import make_executor
-from er_ros_common.topics import ACCELERATION, PWM_COMMAND
 from rclpy.executors import Executor
 from rclpy.node import Node
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_common.topic_names import OBSERVERS
+from er_observers.programs import OBSERVERS
 from er_studies.observers.command import app
 from er_studies.observers.estimators import estimators_of
 from er_studies.observers.floor import floor_of

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_common.topic_names import OBSERVERS
 from er_models.model import Model
 from er_observers.gains import Gains
+from er_observers.programs import OBSERVERS
 from er_observers.running.ready import ready
 from er_studies.observers.frequency import command
 from er_studies.observers.frequency.figures import FIGURES, responses

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from er_ros_common.topics import Topic
+from er_common.topics import Topic
 
-from er_ros_common import topics
+from er_bringup.graph import STACK_PUBLISHES
+from er_bringup.programs import ESTIMATES
+from er_common import topics
 
 BASE = "/vehicle/suspension"
-INTO = (topics.ACCELERATION, topics.DEFLECTION, topics.PWM_APPLIED)
-"""What the stack gives to a corner where it has sensors and actuator of its own."""
-OUT = (topics.PWM_COMMAND, *topics.ESTIMATES)
+OUT = (topics.PWM_COMMAND, *ESTIMATES)
 """What a corner gives to the stack."""
 
 
 def table(corner: str = "<corner>") -> str:
     """The table of names in Markdown."""
     lines = ["| topic of a node | name in the vehicle | type | way |", "|---|---|---|---|"]
-    lines += [_row(topic, corner, "stack to corner") for topic in INTO]
+    lines += [_row(topic, corner, "stack to corner") for topic in STACK_PUBLISHES]
     lines += [_row(topic, corner, "corner to stack") for topic in OUT]
     rig = (topics.FORCE, topics.ROAD)
     lines += [_row(topic, corner, "rig and simulation only") for topic in rig]

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from er_ros_common.topics import Topic
+from er_common.topics import Topic
+from er_observers.programs import OBSERVERS
 
-from er_ros_common import topics
+from er_common import topics
 
 
 class Curve(NamedTuple):
@@ -30,7 +31,7 @@ class Page(NamedTuple):
     panels: tuple[Panel, ...]
 
 
-_FORCES = (topics.FORCE, *topics.FORCE_BY.values())
+_FORCES = (topics.FORCE, *map(topics.estimated_force, OBSERVERS))
 _FACTORS = ("f1", "f2", "f3")
 
 PAGES = (

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import yaml
-from er_ros_common.topics import Topic
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from er_common.quality import RECORDER
+from er_common.topics import Topic
 
 from er_bringup.integration.panels import full
-from er_ros_common import qos, topics
+from er_bringup.programs import ESTIMATES
+from er_common import topics
 
-RECORDED = (*topics.MEASUREMENTS, *topics.ESTIMATES)
+RECORDED = (*topics.MEASUREMENTS, *ESTIMATES)
 WRITER = {
     "compression": "Zstd",
     "compressionLevel": "Fast",
@@ -38,12 +39,10 @@ def writer() -> str:
 
 def _asked(topic: Topic) -> dict[str, Any]:
     """As reliable and latched as its publisher offers, with room for a stalled disk."""
-    offered: QoSProfile = topic.publisher
-    reliable = offered.reliability == ReliabilityPolicy.RELIABLE
-    latched = offered.durability == DurabilityPolicy.TRANSIENT_LOCAL
+    offered = topic.publisher
     return {
         "history": "keep_last",
-        "depth": qos.RECORDER.depth,
-        "reliability": "reliable" if reliable else "best_effort",
-        "durability": "transient_local" if latched else "volatile",
+        "depth": RECORDER.depth,
+        "reliability": "reliable" if offered.reliable else "best_effort",
+        "durability": "transient_local" if offered.latched else "volatile",
     }

@@ -16,16 +16,17 @@ from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import declare
 from er_ros_common.spin import Executable, run
 
+from er_bringup.programs import JOINT
 from er_bringup.ros_joint import COMMANDS, STATES, JointCore, JointParameters
+from er_common import topics
 from er_damper_msgs.msg import NodeStatus
-from er_ros_common import topics
 
 
 class JointNode(ManagedNode):
     """Gives messages to the core and publishes what it says."""
 
     def __init__(self, argv: Sequence[str] | None = None) -> None:
-        super().__init__("ros2_control_joint", argv)
+        super().__init__(JOINT.name, argv)
         self.p: JointParameters = declare(self, JointParameters)
 
     def configure(self) -> None:
@@ -86,10 +87,8 @@ class JointNode(ManagedNode):
 
 
 CARD = Card(
-    package="er_bringup",
-    executable="ros2_control_joint",
-    text="A corner as a joint of ros2_control: states and commands as sensor_msgs/JointState.",
-    parameters=JointParameters,
+    JOINT,
+    JointParameters,
     subscribes=(topics.DEFLECTION, topics.FORCE, COMMANDS),
     publishes=(STATES, topics.PWM_COMMAND, topics.STATUS, topics.DIAGNOSTICS),
 )

@@ -5,8 +5,8 @@ from __future__ import annotations
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from er_ros_common.managed import ManagedNode
 
+from er_common import topics
 from er_model_lab.nodes.topic_writer import Heard
-from er_ros_common import topics
 
 STEP = 8
 """Messages of a topic after which it is said anew."""

@@ -28,15 +28,17 @@ from er_ros_common.stopping import on_leaving
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
+from er_common import quality, topics
 from er_damper_msgs.msg import NodeStatus
 from er_model_lab.nodes.receipt import Receipt
-from er_model_lab.nodes.selection import Selection, message_class
+from er_model_lab.nodes.selection import KNOWN, Selection, message_class
 from er_model_lab.nodes.topic_writer import Heard
+from er_model_lab.programs import RECORDER
 from er_model_lab.recording.bag_writer import STORAGES, BagWriter
 from er_model_lab.recording.message_count import Count
 from er_model_lab.recording.message_definitions import full_definition
 from er_model_lab.versions import versions
-from er_ros_common import log, qos, topics
+from er_ros_common import log
 
 SCHEMA = "er_bag 1"
 LOOK_PERIOD, FLUSH_PERIOD = 0.1, 1.0
@@ -68,7 +70,7 @@ class Recorder(ManagedNode):
     """Subscribes to what it is to record as soon as it appears."""
 
     def __init__(self, argv: Sequence[str] | None = None) -> None:
-        super().__init__("recorder", argv)
+        super().__init__(RECORDER.name, argv)
         self.p = declare(self, RecorderParameters)
         self.trouble: ErError | None = None
 
@@ -77,7 +79,7 @@ class Recorder(ManagedNode):
         if hasattr(self, "bag"):
             raise ErError("a recorder makes one recording: start another one for the next")
         # names are looked at before the folder is made: a wrong one must not leave it behind
-        self.selection = Selection(self, self.p.topics, everything=self.p.all)
+        self.selection = Selection(self, self.p.topics, self.p.sources, everything=self.p.all)
         self.sources = [self.selection.full(name) for name in self.p.sources]
         out = Path(self.p.out)
         if not out.exists():
@@ -105,9 +107,7 @@ class Recorder(ManagedNode):
     def _left(self) -> None:
         """Keep nothing: a signal came while the recording was made, before anything could be heard."""
         shutil.rmtree(self.p.out)
-        sys.stderr.write(
-            f"{CARD.executable}: {self.p.out}: nothing was recorded, it is not kept\n"
-        )
+        sys.stderr.write(f"{RECORDER.name}: {self.p.out}: nothing was recorded, it is not kept\n")
 
     def subscribe_new(self) -> None:
         """Subscribe to what appeared."""
@@ -132,7 +132,7 @@ class Recorder(ManagedNode):
         if message_class(type_name) is None or not self.defined(type_name):
             self.problem(f"{name} is not recorded: there is no definition of {type_name}")
             return
-        asked = compatible(publishers, qos.RECORDER.depth)
+        asked = compatible(publishers, quality.RECORDER.depth)
         self.heard[name] = self.receipt.of(Heard(self, self.bag, self.guarded, name, type_name))
         self.inputs[name] = self.end_of(name, asked)
 
@@ -160,7 +160,7 @@ class Recorder(ManagedNode):
             right = [info for info in there if info.topic_type == self.taken[name]]
             if not offered(taken.qos_profile, right):
                 log.info(self, f"{name}: asking for less, to hear everybody who publishes it")
-                self.inputs[name] = self.end_of(name, compatible(right, qos.RECORDER.depth))
+                self.inputs[name] = self.end_of(name, compatible(right, quality.RECORDER.depth))
 
     def defined(self, type_name: str) -> bool:
         """Whether a type's definition is found; found now, its first message holds up no other."""
@@ -274,11 +274,9 @@ class Recorder(ManagedNode):
 
 
 CARD = Card(
-    package="er_model_lab",
-    executable="recorder",
-    text="Records topics into a rosbag2 folder (MCAP or sqlite3) until it is stopped.",
-    parameters=RecorderParameters,
-    subscribes=(*topics.MEASUREMENTS, *topics.ESTIMATES, topics.STATUS, topics.DIAGNOSTICS),
+    RECORDER,
+    RecorderParameters,
+    subscribes=(*KNOWN, topics.STATUS, topics.DIAGNOSTICS),
     publishes=(topics.RECORDED, topics.STATUS),
 )
 
@@ -299,7 +297,7 @@ def record(args: Sequence[str] | None = None) -> int:
     status = run(factory, CARD, args)
     failure = made[0].trouble if made else None
     if status == 0 and failure is not None:
-        sys.stderr.write(f"{CARD.executable}: {failure}\n")
+        sys.stderr.write(f"{RECORDER.name}: {failure}\n")
         return failure.exit_status if isinstance(failure, MissingChannel) else DISK_FULL
     return status
 

@@ -18,19 +18,33 @@ from rosbags.interfaces import (
     QosTime,
 )
 
-from er_ros_common import topics
+from er_common import topics
 
+KNOWN = (*topics.MEASUREMENTS, topics.FAULT)
+"""Topics that are subscribed to before anybody publishes them; so are estimated forces that it was told of."""
 ENDINGS = ("/status", "/gain_info", "/model_info")
 """Of the topics that nodes keep below their own name."""
 
 
 class Selection:
-    """The contract's topics in the namespace of a node, or given names, or everything."""
+    """The contract's topics in the namespace of a node, or given names, or everything.
 
-    def __init__(self, node: Node, names: tuple[str, ...], *, everything: bool) -> None:
+    sources: topics that there will be.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        names: tuple[str, ...],
+        sources: tuple[str, ...] = (),
+        *,
+        everything: bool,
+    ) -> None:
         self.node, self.everything = node, everything
         self.namespace = node.get_namespace().rstrip("/")
-        known = (*topics.MEASUREMENTS, *topics.ESTIMATES)
+        told = (name.partition(topics.ESTIMATED) for name in sources)
+        forces = (topics.estimated_force(name) for before, _, name in told if name and not before)
+        known = (*KNOWN, *forces)
         self.types = {} if names else {self.full(t.name): t.type_name for t in known}
         self.names = {self.full(name) for name in names}
 
@@ -50,7 +64,11 @@ class Selection:
             return name in self.names
         inside = name.startswith(f"{self.namespace}/")
         own = name.removeprefix(f"{self.namespace}/")
-        listed = name in self.types or own.startswith("force/") or name == topics.DIAGNOSTICS.name
+        listed = (
+            name in self.types
+            or own.startswith(topics.ESTIMATED)
+            or name == topics.DIAGNOSTICS.name
+        )
         return listed or (inside and own.endswith(ENDINGS))
 
     def offered(self) -> dict[str, str]:

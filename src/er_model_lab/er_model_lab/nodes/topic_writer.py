@@ -10,12 +10,12 @@ from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 from rosbags.interfaces import Connection
 
+from er_common import topics
 from er_damper_msgs.msg import NodeStatus
 from er_model_lab.nodes.own_messages import own
 from er_model_lab.nodes.selection import offers
 from er_model_lab.recording.bag_writer import BagWriter
 from er_model_lab.recording.message_count import Count, count, header_of
-from er_ros_common import topics
 
 OURS = "er_damper_msgs/msg/"
 Guard = Callable[[Callable[[], None]], None]

@@ -14,8 +14,10 @@ from er_observers.observers.status import LIMITS, Limits
 from er_observers.running.runtime import Sample, payload_of, start, step
 
 
-def ready(path: str | Path, model: Model, observer: str, limits: Limits = LIMITS) -> Gains:
-    """Gains of the named observer for this model.
+def ready(
+    path: str | Path, model: Model, observer: str | None = None, limits: Limits = LIMITS
+) -> Gains:
+    """Gains of an observer for this model as `load_gains` has them, with nothing left to compile in the loop.
 
     Raises `InputError` in one line when they are not (see `er_observers.gains`).
     """

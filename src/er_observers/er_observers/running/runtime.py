@@ -24,8 +24,8 @@ from er_observers.observers.payload import Payload
 from er_observers.observers.sample import CHANGE, HEALTH, Layout, duty_within, keep, run_sample
 from er_observers.observers.sample import said as said_of
 from er_observers.observers.status import ROUNDING, VERDICTS, Health, Status
-from er_observers.start import phase as start_phase
-from er_observers.start.phase import Opening
+from er_observers.opening import phase as start_phase
+from er_observers.opening.phase import Opening
 
 _NEW = tuple.__new__
 """Makes a named tuple in half the time that its own call takes."""

@@ -6,6 +6,7 @@ It starts from the rounded gains in SI units, which are what will be written and
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from er_models.model import Array
@@ -44,6 +45,39 @@ class Certificate:
     run: Contraction
     wandering: float
     table: Table
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        """Plain values for a gain file, short enough to be the same on every machine."""
+        return {
+            "margins": {
+                "lyapunov": _short(self.margins.lyapunov),
+                "dissipation": _short(min(self.margins.dissipation)),
+                "regions": _short(min(self.margins.regions)),
+            },
+            "sweep": {name: _short(value) for name, value in self.peak._asdict().items()},
+            "slopes": plain(self.slopes),
+            "poles": [[[_short(p.real), _short(p.imag)] for p in end] for end in self.poles],
+            "slowest": _short(self.slowest),
+            "discrete": {
+                "substep": SUBSTEP,
+                "decay": _short(self.run.decay),
+                "rho": _short(self.run.rho),
+                "duties": len(self.table.duties),
+                "gap": _short(self.table.gap),
+            },
+            "random_scheduling": _short(self.wandering),
+        }
+
+
+def plain(value: float) -> float | None:
+    """Five significant digits, None for infinity."""
+    return _short(value) if np.isfinite(value) else None
+
+
+def _short(value: float) -> float:
+    """Five significant digits."""
+    return float(f"{value:.5g}")
 
 
 def certify(claim: Claim, theorem: str) -> Certificate:

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import Protocol
 
-from er_common.topic_names import OBSERVERS
 from er_models.errors import ErError, UnknownName
 from er_models.linear import LinearForm
 from er_models.model import Model
 
 from er_observers.forms import COORDINATES, form_of
+from er_observers.programs import OBSERVERS
 from er_observers.scaling import Scaling, scaling_of
 from er_observers.synthesis import lmi, proportional_integral, unified
 from er_observers.synthesis.certify import Certificate, certify
@@ -96,17 +96,22 @@ class Wish:
                 raise ErError(f"{key}: expected {expected}, found {found}")
 
 
-def make(observer: str, model: Model, wish: Wish) -> tuple[Claim, Certificate]:
-    """Solve, prove and certify.
+def synthesise(observer: str, model: Model, wish: Wish | None = None) -> tuple[Claim, Certificate]:
+    """Gains of an observer for a vehicle, proved and certified; they may be saved with `save_gains`.
 
-    Raises `SynthesisFailed`, or what the form raises for a model it cannot hold.
+    observer: one of `OBSERVERS`, named after its theorem; wish: what the gains are made for, None: the usual.
+
+    Raises:
+        UnknownName: No such observer.
+        SynthesisFailed: There are no such gains, or what the solver found is no proof; it names what fails.
+        ErError: The model is no vehicle with a damper that the form can hold.
     """
-    claim = solve(observer, model, wish)
+    claim = solve(observer, model, wish or Wish())
     return claim, certify(claim, THEOREMS[observer].THEOREM)
 
 
 def solve(observer: str, model: Model, wish: Wish) -> Claim:
-    """Gains and what they promise, not yet proved; raises as `make`."""
+    """Gains and what they promise, not yet proved; raises as `synthesise`."""
     theorem, asked = _theorem(observer), _asked(model, wish)
     if wish.structure == "full":
         return theorem.claim(*asked)

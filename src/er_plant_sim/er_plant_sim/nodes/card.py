@@ -7,8 +7,9 @@ from er_models.road import KINDS as ROADS
 from er_models.spec import REQUIRED, Kind, Number, Parts, Setting, Text
 from er_ros_common.help import Card
 
+from er_common import topics
+from er_plant_sim.programs import PLANT
 from er_plant_sim.settings import PlantParameters
-from er_ros_common import topics
 
 
 def _kind(prefix: str, kind: Kind) -> str:
@@ -36,19 +37,9 @@ _PROGRAM = "\n".join(
 )
 
 CARD = Card(
-    package="er_plant_sim",
-    executable="plant",
-    text=f"A quarter car with a semi-active damper, measured at every tick.\n\n{_PROGRAM}",
-    parameters=PlantParameters,
+    PLANT,
+    PlantParameters,
     subscribes=(topics.PWM_COMMAND,),
-    publishes=(
-        topics.ACCELERATION,
-        topics.DEFLECTION,
-        topics.FORCE,
-        topics.ROAD,
-        topics.PWM_APPLIED,
-        topics.CLOCK,
-        topics.STATUS,
-        topics.DIAGNOSTICS,
-    ),
+    publishes=(*topics.SENSORS, topics.CLOCK, topics.STATUS, topics.DIAGNOSTICS),
+    more=(_PROGRAM,),
 )

@@ -21,6 +21,7 @@ from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import declare
 from er_ros_common.spin import Executable, run
 
+from er_common import topics
 from er_damper_msgs.msg import NodeStatus, PwmDuty
 from er_plant_sim import ros_commands, ros_hardware
 from er_plant_sim.duty_gate import Reason
@@ -31,8 +32,9 @@ from er_plant_sim.nodes.outlet import Outlet, spoilable
 from er_plant_sim.nodes.roll_call import Gathering
 from er_plant_sim.nodes.system_time import SystemTime
 from er_plant_sim.nodes.wire import Wire
+from er_plant_sim.programs import BRIDGE
 from er_plant_sim.ros_commands import Commands
-from er_ros_common import log, topics
+from er_ros_common import log
 
 CONFLICT = 0.1
 """Share of samples answered more than once that shows two controllers at work."""
@@ -43,7 +45,7 @@ class BridgeNode(ManagedNode):
     """Publishes what the device measures and hands it the duty of pwm/command or of the program."""
 
     def __init__(self, argv: Sequence[str] | None = None) -> None:
-        super().__init__("hardware_bridge", argv)
+        super().__init__(BRIDGE.name, argv)
         self.p: BridgeParameters = declare(self, BridgeParameters)
         self.lock = threading.Lock()
 
@@ -232,20 +234,10 @@ class BridgeNode(ManagedNode):
 
 
 CARD = Card(
-    package="er_plant_sim",
-    executable="hardware_bridge",
-    text="A real rig behind a serial port or UDP, with the topics of the plant: docs/hardware.md.",
-    parameters=BridgeParameters,
+    BRIDGE,
+    BridgeParameters,
     subscribes=(topics.PWM_COMMAND,),
-    publishes=(
-        topics.ACCELERATION,
-        topics.DEFLECTION,
-        topics.FORCE,
-        topics.ROAD,
-        topics.PWM_APPLIED,
-        topics.STATUS,
-        topics.DIAGNOSTICS,
-    ),
+    publishes=(*topics.SENSORS, topics.STATUS, topics.DIAGNOSTICS),
 )
 
 

@@ -6,27 +6,20 @@ import math
 from time import monotonic
 from typing import Any
 
+from er_common.topics import Topic
 from er_ros_common.builders import Tick
 from er_ros_common.clock import to_stamp
 from er_ros_common.fault_port import FaultPort
 from er_ros_common.managed import ManagedNode
-from er_ros_common.topics import Topic
 from rclpy.duration import Duration
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 
+from er_common import topics
 from er_plant_sim import ros_msgs
 from er_plant_sim.duty_gate import Applied
 from er_plant_sim.simulator import Measurement
-from er_ros_common import topics
 
-TOPICS = (
-    topics.ACCELERATION,
-    topics.DEFLECTION,
-    topics.FORCE,
-    topics.ROAD,
-    topics.PWM_APPLIED,
-)
 CLOCK_RATE = 200.0
 """Most messages per second on /clock: more costs every listener dearly."""
 TAKEN = 0.3
@@ -35,7 +28,7 @@ TAKEN = 0.3
 
 def spoilable(*, programmed: bool) -> tuple[Topic, ...]:
     """Topics that an injected fault may spoil; where the duty is a program's nobody takes a command."""
-    return TOPICS if programmed else (*TOPICS, topics.PWM_COMMAND)
+    return topics.SENSORS if programmed else (*topics.SENSORS, topics.PWM_COMMAND)
 
 
 class Outlet:
@@ -68,7 +61,7 @@ class Outlet:
 
     def publish(self, messages: tuple[Any, ...]) -> None:
         """Publish acceleration, deflection, force, road, applied duty of one tick."""
-        for publisher, topic, message in zip(self._all(), TOPICS, messages, strict=True):
+        for publisher, topic, message in zip(self._all(), topics.SENSORS, messages, strict=True):
             self.port.publish(publisher, topic, message)
 
     def subscribers(self) -> tuple[int, ...]:

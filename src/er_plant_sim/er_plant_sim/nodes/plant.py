@@ -23,6 +23,7 @@ from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import declare
 from er_ros_common.spin import Executable, run
 
+from er_common import topics
 from er_damper_msgs.msg import NodeStatus, PwmDuty
 from er_plant_sim import rig as plant
 from er_plant_sim import ros_commands
@@ -35,9 +36,10 @@ from er_plant_sim.nodes.outlet import Outlet, spoilable
 from er_plant_sim.nodes.pace import Pace
 from er_plant_sim.nodes.recording import Recording
 from er_plant_sim.nodes.roll_call import Gathering
+from er_plant_sim.programs import PLANT
 from er_plant_sim.ros_commands import Commands
 from er_plant_sim.settings import PlantParameters, table
-from er_ros_common import log, topics
+from er_ros_common import log
 
 WAKE_PERIOD = 0.01
 """Period of the timer where commands, not time, set the pace [s]."""
@@ -53,7 +55,7 @@ class PlantNode(ManagedNode):
     """Runs the rig; duties come from the program or from pwm/command."""
 
     def __init__(self, argv: Sequence[str] | None = None) -> None:
-        super().__init__("plant", argv)
+        super().__init__(PLANT.name, argv)
         self.p: PlantParameters = declare(self, table(self._parameter_overrides))
 
     def configure(self) -> None:

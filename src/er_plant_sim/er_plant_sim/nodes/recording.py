@@ -9,7 +9,8 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from er_ros_common.managed import ManagedNode
 from er_ros_common.names import resolved
 
-from er_ros_common import log, topics
+from er_common import topics
+from er_ros_common import log
 
 AHEAD, AHEAD_TICKS = 0.2, 40
 """How far the plant may be ahead of the recording, in time [s], and at least in ticks: so much is on the way."""

@@ -13,9 +13,10 @@ from time import monotonic
 from er_ros_common.managed import NOT_READY, ManagedNode
 from er_ros_common.names import resolved
 
+from er_common import topics
 from er_damper_msgs.msg import NodeStatus
 from er_plant_sim.nodes.outlet import Outlet
-from er_ros_common import log, topics
+from er_ros_common import log
 
 COMPILING = 3.0
 """So many times longer a node is waited for that is there and has not said anything yet: it compiles what is new or has

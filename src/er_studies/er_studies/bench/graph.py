@@ -23,11 +23,12 @@ import numpy as np
 from er_bringup.given import complete
 from er_bringup.graph import nodes
 from er_bringup.processes import Child, stop
-from er_bringup.roles import PLANT, RECORDER
 from er_bringup.up import argv, configuration
+from er_model_lab.programs import RECORDER
 from er_models.constants import SAMPLE_RATE
 from er_models.errors import ErError
 from er_models.one_line import OneLine
+from er_plant_sim.programs import PLANT
 from numpy.typing import NDArray
 from rosbags.highlevel import AnyReader
 
@@ -116,13 +117,13 @@ def run(seconds: float, bag: Path, *, controller: bool) -> list[Load]:
     try:
         return _measured(children, bag)
     finally:
-        stop([child for child in children if child.label != RECORDER.executable])
-        stop([child for child in children if child.label == RECORDER.executable])
+        stop([child for child in children if child.label != RECORDER.name])
+        stop([child for child in children if child.label == RECORDER.name])
 
 
 def _measured(children: Sequence[Child], bag: Path) -> list[Load]:
     """Wait for the run to begin, then measure until the plant ends."""
-    plant = next(child for child in children if child.label == PLANT.executable)
+    plant = next(child for child in children if child.label == PLANT.name)
     _wait_for_data(plant, bag)
     sleep(WARM_UP)
     began, before = monotonic(), {c.label: usage(c.process.pid) for c in children}

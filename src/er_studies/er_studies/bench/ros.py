@@ -27,10 +27,11 @@ import numpy as np
 from er_bringup.given import complete
 from er_bringup.graph import ComposedSpec, NodeSpec, nodes
 from er_bringup.processes import Child, stop
-from er_bringup.roles import CONTROLLERS
+from er_bringup.programs import CONTROLLERS, EVERY
 from er_bringup.up import argv, configuration
 from er_models.errors import ErError
 from er_models.one_line import OneLine
+from er_plant_sim.programs import PLANT
 
 from er_studies.bench.graph import Load, Usage, usage
 
@@ -39,7 +40,7 @@ EXECUTORS = ("events", "single")
 QUIET = 10.0
 """Most that other programs may use of the machine for latencies to mean anything [%]."""
 NAP = 0.02
-PACED = ("plant", "ftc_controller", "fault_estimator")
+PACED = (PLANT.name, *(program.name for program in EVERY if program.rate))
 """Who is told the rate."""
 START = 120.0
 """Longest time from the start of the processes to the first tick [s]."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from er_common.topic_names import OBSERVERS
 from er_models.linear import LinearForm
 from er_models.model import Array, Model
+from er_observers.programs import OBSERVERS
 from er_observers.running.ready import ready
 from er_observers.running.runtime import Estimate, Sample, start, step
 
@@ -49,7 +49,9 @@ def estimators_of(model: Model, gains: str | Path) -> tuple[Estimator, ...]:
         path = Path(gains) / f"{name}.yaml"
         if path.exists():
             loaded = ready(path, model, name)
-            found.append(Estimator(name, OBSERVERS[name], True, loaded, start, step, loaded.form))
+            found.append(
+                Estimator(name, OBSERVERS[name].title, True, loaded, start, step, loaded.form)
+            )
     for name, kind in kalman.KINDS.items():
         made = kalman.make(name, model)
         found.append(

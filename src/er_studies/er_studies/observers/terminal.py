@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from er_observers.programs import OBSERVERS
 from rich.table import Table
 
 from er_studies.observers.run import Outcome
@@ -17,11 +18,7 @@ from er_studies.observers.table import (
     summaries,
 )
 
-THESIS = {
-    "nlpv_polytopic": "NLPV polytopic",
-    "nlpv_gridding": "NLPV gridding",
-    "unified": "unified",
-}
+THESIS = {name: OBSERVERS[name].title for name in ("nlpv_polytopic", "nlpv_gridding", "unified")}
 
 
 def tables(

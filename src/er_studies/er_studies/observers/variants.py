@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from er_common.topic_names import OBSERVERS
 from er_models.model import Array, Model
 from er_observers.forms import form_of
+from er_observers.programs import OBSERVERS
 from er_observers.scaling import scaling_of
 from er_observers.synthesis import nlpv_gridding
 from er_observers.synthesis.make import Wish, output_of, solve

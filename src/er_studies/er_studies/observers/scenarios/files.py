@@ -26,13 +26,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from er_common.topic_names import OBSERVERS
 from er_models.catalogue import CATALOGUE
 from er_models.errors import InputError, UnknownName
 from er_models.program import SCHEMA as PROGRAM_SCHEMA
 from er_models.program import Program, parse_program
 from er_models.spec import REQUIRED, Number, Setting, Text, settings
 from er_models.yaml_file import read_yaml
+from er_observers.programs import OBSERVERS
 
 from er_studies.observers.scenarios.scenario import Plant, Scenario, Sensors, Skyhook, Window
 

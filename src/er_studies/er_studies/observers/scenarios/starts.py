@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from er_models.linear import LinearForm
 from er_models.model import Array
-from er_observers.start.phase import FARTHEST
+from er_observers.opening.phase import FARTHEST
 
 from er_studies.observers.scenarios.scenario import Scenario
 

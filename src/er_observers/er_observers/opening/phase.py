@@ -20,8 +20,8 @@ from er_models.model import Array, Model
 
 from er_observers.filters.flow import noise_covariance
 from er_observers.observers.phi import phi_functions
+from er_observers.opening.filter import start_sample
 from er_observers.scaling import road_density
-from er_observers.start.filter import start_sample
 
 SUBSTEPS = 2
 PERIOD = SAMPLE_TIME

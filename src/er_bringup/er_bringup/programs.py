@@ -1,0 +1,54 @@
+"""The programs of this package, and those of all packages by what they are in the graph."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+from er_common.program import CONTROLLER, Program
+from er_common.topics import PWM_COMMAND
+from er_observers.programs import OBSERVERS
+from er_plant_sim.programs import BRIDGE, PLANT
+
+from er_ftc_controller import programs as controller_programs
+from er_model_lab import programs as lab_programs
+from er_observers import programs as observer_programs
+from er_plant_sim import programs as plant_programs
+
+PACKAGE = "er_bringup"
+COMPOSED: Final = Program(
+    "composed", PACKAGE, "Any set of nodes in one process.", module="ros_composed"
+)
+JOINT: Final = Program(
+    "ros2_control_joint",
+    PACKAGE,
+    "A corner as a joint of ros2_control: states and commands as sensor_msgs/JointState.",
+)
+PROGRAMS: Final = (COMPOSED, JOINT)
+
+EVERY: Final = (
+    *observer_programs.PROGRAMS,
+    *controller_programs.PROGRAMS,
+    *plant_programs.PROGRAMS,
+    *lab_programs.PROGRAMS,
+    *PROGRAMS,
+)
+"""The programs of all packages."""
+SOURCES: Final = (PLANT, BRIDGE)
+"""What measures, one of them in a graph; the end of it is the end of all."""
+CONTROLLERS: Final[Mapping[str, Program]] = MappingProxyType(
+    {program.key: program for program in EVERY if program.kind == CONTROLLER}
+)
+ASKED: Final = tuple(program for program in EVERY if program.asked)
+"""Those with an argument of their own."""
+ANSWERING: Final = (*OBSERVERS.values(), *ASKED, *CONTROLLERS.values())
+"""Those that answer samples."""
+ESTIMATES: Final = tuple(
+    program.says for program in ANSWERING if program.says not in (None, PWM_COMMAND)
+)
+"""What is said of the car beside the measurements."""
+CORES: Final[Mapping[str, Program]] = MappingProxyType(
+    {program.name: program for program in EVERY if program.core}
+)
+"""Those that a recording can be played to, by name."""

@@ -1,1 +1,0 @@
-"""Executables of the package."""
