@@ -131,7 +131,10 @@ def test_no_way_against_the_arrows_is_overlooked(code, where):
 def test_the_pure_library_needs_no_ros():
     """What pip installs alone must not reach for anything but the field's libraries."""
     heads = {n.split(".")[0] for p, f in modules() if p == "er_models" for n in imports(f)}
-    ours = {"er_models", "?"}  # what is imported by a name that a variable holds stands in the file that gives it
+    ours = {
+        "er_models",
+        "?",
+    }  # what is imported by a name that a variable holds stands in the file that gives it
     foreign = heads - ours - sys.stdlib_module_names
     assert foreign == {"numpy", "scipy", "numba", "yaml", "pyarrow"}, (
         foreign

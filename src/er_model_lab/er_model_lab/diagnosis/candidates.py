@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
-from er_models.predict import motion, predict
+from er_models.prediction import motion, predict
 
 from er_model_lab.diagnosis.size_scan import profiled, scanned
 from er_model_lab.diagnosis.starts import amplitudes, gaps, is_gap, is_limit, scaled, starts
