@@ -1,4 +1,4 @@
-"""A program of a package: what is known of it before it is imported, written down once in the file "programs" of the package.
+"""A program: what is known of it before it is imported, written down once in the file `programs` of its package.
 
 Entry points, the graph of `er up`, its arguments, replay, recording and tests all read it there.
 """

@@ -13,7 +13,7 @@ PACKAGE = "er_observers"
 
 
 def observer(name: str, title: str, text: str) -> Program:
-    """The node of a theorem: NAME_observer runs the gains that the theorem NAME makes and says the force on force/NAME."""
+    """The node of a theorem: NAME_observer runs the gains that theorem NAME makes; its force is on force/NAME."""
     theorem = name.removesuffix(f"_{OBSERVER}")
     return Program(
         name,
