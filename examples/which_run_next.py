@@ -8,7 +8,7 @@
 import er_model_lab as lab
 
 car = lab.load_model("inove_quarter_car")
-plan = lab.plan(car, between=("gas_spring", "end_stop"), duration=8.0, seed=1)
+plan = lab.plan(car, between=("gas_spring", "end_stop"), duration=10.0, seed=1)
 print(plan)
 
 # %% [markdown]
