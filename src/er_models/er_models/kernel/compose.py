@@ -9,9 +9,9 @@ from __future__ import annotations
 import hashlib
 import inspect
 import re
-import sys
 from collections.abc import Callable, Mapping
 from functools import lru_cache
+from importlib import import_module
 from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any
@@ -258,7 +258,7 @@ def fingerprint(catalogue: Catalogue) -> str:
     text = source(catalogue)
     digest = hashlib.sha256(text.encode())
     for name in _OURS.findall(text):
-        digest.update(Path(str(sys.modules[name].__file__)).read_bytes())
+        digest.update(Path(str(import_module(name).__file__)).read_bytes())
     for origin in catalogue.origins.values():
         digest.update(origin.digest.encode())
     for effect in catalogue.effects:
