@@ -2,7 +2,7 @@
 
     import er_ftc_controller as ftc
 
-    gains = ftc.load_gains("config/gains/lpv_ftc.yaml", model)                        # proved again
+    gains = ftc.load_gains("lpv_ftc", model)                        # shipped gains, or a path; proved again
     belief = dict(largest_deflection=0.05, largest_velocity=5.0)                       # m, m/s
     given = ftc.FtcParameters(u_min=0.0, u_max=0.3, safe_duty=0.1, mu=1.6, **belief)   # mu: N
     controller = ftc.controller_of(given, model, gains)

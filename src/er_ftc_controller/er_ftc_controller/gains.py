@@ -64,11 +64,12 @@ def save_gains(
 def load_gains(path: str | Path, model: Model) -> Loaded:
     """Read a gain file for this model and prove its inequalities again, exactly, those of the sampled loop too.
 
+    path: of the file, or the name of shipped gains (`lpv_ftc`).
+
     Raises `InputError` in one line: no file, another kind, edited by hand, another model, or no proof.
     """
-    path = Path(path)
     file = read(path)
-    content = file.content
+    path, content = file.path, file.content
     again = f"make it again: er synth lpv_ftc --model MODEL --out {path}"
     if content.get("schema") != SCHEMA:
         raise InputError(path, "schema", f"'{SCHEMA}'", "another kind of file")

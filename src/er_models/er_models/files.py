@@ -15,7 +15,7 @@ from er_models.catalogue import CATALOGUE, Catalogue, Origin
 from er_models.errors import InputError, UnknownName
 from er_models.model import Model
 from er_models.scales import Scales
-from er_models.shipped import model_file
+from er_models.shipped import MODELS, file_of
 from er_models.yaml_file import read_yaml
 
 SCHEMA = "er_model 1"
@@ -34,7 +34,7 @@ def load_model(path: str | Path, catalogue: Catalogue = CATALOGUE) -> Model:
     Raises `InputError` naming file, key, expected and found: missing file, unknown name, broken YAML, unknown key,
     wrong unit, value out of bounds or not finite, an own effect that was not given or is another.
     """
-    path = model_file(path)
+    path = file_of(path, *MODELS)
     text = _mapping(path, "", read_yaml(path, "a model file"))
     for key in text:
         if key not in _KEYS:

@@ -14,6 +14,7 @@ import numpy as np
 
 from er_models.errors import InputError
 from er_models.model import Array
+from er_models.shipped import file_of
 from er_models.yaml_file import read_yaml
 
 
@@ -64,8 +65,9 @@ class Document:
         return np.array(values, float)
 
 
-def read(path: Path) -> Document:
-    """Parsed YAML mapping of a file."""
+def read(given: str | Path) -> Document:
+    """Parsed YAML mapping of a file, or of the shipped gains of a name (`unified`)."""
+    path = file_of(given, "gains")
     content = read_yaml(path, "a gain file")
     if not isinstance(content, dict):
         raise InputError(path, "", "a mapping of names to values", type(content).__name__)

@@ -34,6 +34,7 @@ from er_models.model import Model
 from er_models.road import FACTOR, road_profile
 from er_models.road import KINDS as ROADS
 from er_models.road.peak import factor_for_peak_velocity
+from er_models.shipped import file_of
 from er_models.spec import REQUIRED, Array, Kind, Number, Setting, Text, choose, settings
 from er_models.yaml_file import read_yaml
 
@@ -105,12 +106,12 @@ def resolved(program: Program, model: Model, dt: float) -> tuple[Program, Array]
 
 
 def load_program(path: str | Path) -> Program:
-    """Read a program file.
+    """Read a program file, or the shipped experiment of a name (`iso_steps`).
 
-    Raises `InputError` naming file, key, expected and found: no file, broken YAML, unknown or
+    Raises `InputError` naming file, key, expected and found: no file, unknown name, broken YAML, unknown or
     missing key, value out of bounds, recorded signal that cannot be read.
     """
-    path = Path(path)
+    path = file_of(path, "experiments")
     return parse_program(read_yaml(path, "a program file"), path)
 
 

@@ -37,8 +37,8 @@ def shipped(name: str, *kinds: str) -> Path:
     raise InputError(name, "", f"a path, or a name among the shipped {known}", "neither")
 
 
-def model_file(given: str | Path) -> Path:
-    """The file that is meant by a path, or by the name of a shipped damper or vehicle.
+def file_of(given: str | Path, *kinds: str) -> Path:
+    """The file that is meant by a path, or by the name of something shipped of these kinds.
 
     A path is what has a suffix or a folder, or is a file; all else is a name.
 
@@ -48,7 +48,7 @@ def model_file(given: str | Path) -> Path:
     path = Path(given)
     if path.suffix or path.parent != Path() or path.is_file():
         return path
-    return shipped(path.name, *MODELS)
+    return shipped(path.name, *kinds)
 
 
 def _all(kind: str) -> list[Path]:

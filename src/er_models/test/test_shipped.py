@@ -9,7 +9,7 @@ from er_models.card import card_markdown
 from er_models.catalogue import CATALOGUE
 from er_models.errors import InputError
 from er_models.files import load_model
-from er_models.shipped import MODELS, model_file, names, shipped
+from er_models.shipped import MODELS, file_of, names, shipped
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -44,7 +44,7 @@ def test_a_file_wins_over_a_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 @pytest.mark.parametrize("path", ["absent.yaml", "there/absent"])
 def test_a_path_is_never_taken_for_a_name(path: str) -> None:
-    assert model_file(path) == Path(path)
+    assert file_of(path, *MODELS) == Path(path)
 
 
 def test_an_unknown_name_says_what_there_is() -> None:

@@ -2,7 +2,7 @@
 
     import er_observers as observers
 
-    gains = observers.ready("config/gains/unified.yaml", model)                # proved again, and warm
+    gains = observers.ready("unified", model)        # shipped gains or a path; proved again, and warm
     state = observers.start(gains, observers.Sample(0.0, sprung, unsprung, duty))
     state, estimate = observers.step(gains, state, observers.Sample(0.005, sprung, unsprung, duty))
     estimate.force, estimate.status                                            # N; OK, WEAK, ..., INVALID

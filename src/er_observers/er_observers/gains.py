@@ -132,7 +132,7 @@ def save_gains(
 
 def observer_of(path: str | Path) -> str:
     """Which observer a gain file is for; raises `InputError` for what is no gain file of an observer."""
-    file = read(Path(path))
+    file = read(path)
     found = file.content.get("schema")
     if found != SCHEMA:
         kind = (
@@ -149,6 +149,7 @@ def load_gains(
 ) -> Gains:
     """Read a gain file for this model and prove its inequalities again, exactly (20 to 400 ms).
 
+    path: of the file, or the name of shipped gains (`unified`).
     observer: whose gains they must be, None: any. limits: when its estimates are called degraded, weak, invalid.
 
     Raises:
@@ -156,7 +157,7 @@ def load_gains(
             or inequalities that do not hold.
     """
     observer = observer or observer_of(path)
-    file = read(Path(path))
+    file = read(path)
     again = f"make it again: python -m er_observers.synth {observer} --model MODEL --out {path}"
     _check_identity(file, model, observer, again)
     claim = claim_of(file, _form(file, model))
