@@ -124,6 +124,12 @@ def test_what_is_imported_is_declared(package: str) -> None:
         assert key in declared, f"{file} imports {module}: <depend>{key}</depend> is missing"
 
 
+@pytest.mark.parametrize("package", OURS)
+def test_no_python_package_is_declared_that_nothing_imports(package: str) -> None:
+    used = {SYSTEM.get(module, module) for module in imported(package)}
+    assert {key for key in keys(package, "exec_depend") if key.startswith("python3-")} <= used
+
+
 def test_no_key_is_declared_twice() -> None:
     for package in OURS:
         found = [str(e.text) for e in manifest(package) if e.tag in ("depend", "exec_depend")]
@@ -163,3 +169,15 @@ def test_what_pure_code_imports_is_a_dependency_or_in_an_extra(package: str) -> 
     for module, file in imported(package, pure=True).items():
         names = {canonicalize_name(name) for name in brings.get(module, [module])}
         assert names & wanted(package).keys() or module == "compression", f"{file}: {module}"
+
+
+@pytest.mark.parametrize("package", PURE)
+def test_nothing_is_asked_for_that_no_code_uses(package: str) -> None:
+    """clarabel is cvxpy's solver, of plotly the script is taken, and pyarrow is imported by a text."""
+    brings = packages_distributions()
+    used = {
+        canonicalize_name(name)
+        for module in imported(package, pure=True)
+        for name in brings.get(module, [module])
+    }
+    assert wanted(package).keys() <= used | {"clarabel", "plotly", "pyarrow", canonicalize_name(package)}
