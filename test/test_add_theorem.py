@@ -1,6 +1,6 @@
 """A theorem and its observer, added in a copy by following CONTRIBUTING.md: everything else follows.
 
-The copy holds what the steps touch. What they do not is read where it is, so that nothing is compiled anew.
+The copy holds what the steps touch; what they do not is read where it is, so that nothing is compiled anew.
 """
 
 from __future__ import annotations
@@ -30,12 +30,23 @@ MOST = 6
 """Files that a theorem with its observer may cost."""
 PACKAGE = "src/er_observers"
 CODE = f"{PACKAGE}/er_observers"
-COPIED = (f"{CODE}/__init__.py", f"{CODE}/programs.py", f"{CODE}/synthesis", f"{PACKAGE}/setup.py",
-          f"{PACKAGE}/test/conftest.py", f"{PACKAGE}/test/test_observer_theorems.py", "config")  # fmt: skip
+COPIED = (
+    f"{CODE}/programs.py", f"{CODE}/synthesis", f"{PACKAGE}/setup.py", f"{PACKAGE}/package.xml",
+    f"{PACKAGE}/test/conftest.py", f"{PACKAGE}/test/test_observer_theorems.py", "config",
+)  # fmt: skip
 OVERLAY = f"""
-import er_observers
-er_observers.__path__.append({str(ROOT / CODE)!r})
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+import er_observers.synthesis
+
+code = Path(__file__).parent / "{CODE}"
+er_observers.synthesis.__path__ = [str(code / "synthesis")]
+spec = spec_from_file_location("er_observers.programs", code / "programs.py")
+er_observers.programs = sys.modules[spec.name] = module_from_spec(spec)
+spec.loader.exec_module(er_observers.programs)
 """
+"""Reads the rest of the package where it is: the digest that compiled code is named after stays."""
 SEEN = """
 import json, sys
 from pathlib import Path
@@ -119,7 +130,7 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def run(copy: Path, *command: str) -> str:
     """Output of Python in the copy."""
-    places = os.pathsep.join([str(copy), str(copy / PACKAGE), *filter(None, sys.path)])
+    places = os.pathsep.join([str(copy), *filter(None, sys.path)])
     done = subprocess.run(
         [sys.executable, *command], cwd=copy, env=os.environ | {"PYTHONPATH": places}, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,

@@ -104,7 +104,7 @@ def test_importing_it_waits_for_nothing(package: str) -> None:
 def test_an_observer_runs_by_the_names_of_its_package() -> None:
     import er_observers as observers
 
-    gains = observers.ready(ROOT / "config/gains/unified.yaml", load_model(CAR))
+    gains = observers.ready("unified", load_model(CAR))
     assert gains.observer == "unified"
     state = observers.start(gains, observers.Sample(0.0, 0.1, -0.2, 0.1))
     for k in range(1, 400):
@@ -133,7 +133,7 @@ def test_the_controller_runs_by_the_names_of_its_package() -> None:
     import er_ftc_controller as ftc
 
     car = load_model(CAR)
-    gains = ftc.load_gains(ROOT / "config/gains/lpv_ftc.yaml", car)
+    gains = ftc.load_gains("lpv_ftc", car)
     belief = {"largest_deflection": 0.05, "largest_velocity": 5.0}
     given = ftc.FtcParameters(u_min=0.0, u_max=0.3, safe_duty=0.1, mu=1.6, **belief)  # type: ignore[arg-type]
     controller = ftc.controller_of(given, car, gains)

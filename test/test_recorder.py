@@ -58,3 +58,17 @@ def test_a_best_effort_sensor_that_comes_after_the_recorder_is_recorded(
     recorder.on_stop()
     for node in (recorder, sensors):
         node.destroy_node()
+
+
+def test_an_estimated_force_that_was_told_of_is_heard_before_anybody_says_it(
+    ros: SingleThreadedExecutor, tmp_path: Path
+) -> None:
+    told = "sources:=[sensors/force, force/mine]"
+    recorder = Recorder(["--ros-args", "-p", f"out:={tmp_path / 'bag'}", "-p", told])
+    ros.add_node(recorder)
+    recorder.start()
+    assert recorder.taken["/force/mine"] == topics.FORCE.type_name
+    assert recorder.taken["/sensors/force"] == topics.FORCE.type_name
+    assert "/force/another" not in recorder.taken
+    recorder.on_stop()
+    recorder.destroy_node()

@@ -9,6 +9,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
+from er_ros_common.core import Core, Shell
 from er_ros_common.core_node import CoreNode
 from er_ros_common.health import Meter
 
@@ -48,17 +49,15 @@ def test_a_step_without_output_counts_for_time_only() -> None:
 def test_a_step_is_late_at_the_rate_the_node_is_made_for(
     parameters: dict[str, float], late: int
 ) -> None:
-    core = SimpleNamespace(
-        p=SimpleNamespace(timeout=0.05, max_age=0.02, **parameters),
-        model_id="", gains_id="", inputs=(), outputs=(), limits=(),
-    )  # fmt: skip
+    core: Any = Core()
+    core.p = SimpleNamespace(timeout=0.05, max_age=0.02, **parameters)
+    core.inputs = core.outputs = core.limits = ()
     meter = Meter(deadline=1.0)
     node: Any = SimpleNamespace(
-        make=lambda: core,
+        p=core.p,
+        shell=Shell(object, lambda _: core, (), ()),
         health=SimpleNamespace(meter=meter),
         watch_every=lambda *_: None,
-        watch_period=0.01,
-        watch_patience=0.02,
         on_watch=None,
     )
     CoreNode.configure(node)
