@@ -39,7 +39,7 @@ def test_every_study_is_a_program_with_a_help(
     with pytest.raises(SystemExit) as stop:
         study.main()
     assert stop.value.code == 0
-    assert f"Usage: er study {name} " in capsys.readouterr().out
+    assert f"usage: er study {name} " in capsys.readouterr().out.lower()
 
 
 def test_refuses_another_name(

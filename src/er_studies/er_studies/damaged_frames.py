@@ -1,6 +1,6 @@
 """Whether damaged bytes can do harm: frames by the million, damaged in every way, through parser and bridge.
 
-    ./er exec python -m er_plant_sim.hardware.fuzz --frames 10000000
+    ./er study damaged_frames --frames 10000000
 
 Of every frame that comes out it is asked whether it was sent like that; of every undamaged frame, whether
 it came out; of every reading, whether it is finite, in range and in order. The contents are random over
@@ -20,7 +20,6 @@ from time import perf_counter
 import numpy as np
 from er_models.one_line import OneLine
 from er_models.seed import seed_reader
-
 from er_plant_sim.duty_gate import Gate
 from er_plant_sim.hardware import bridge, frame, parser
 from er_plant_sim.hardware.bridge import Bridge, BridgeState, Reading, Sources
@@ -225,7 +224,11 @@ def _judge(tally: Tally, whole: Counter[bytes], found: Counter[bytes]) -> None:
 
 def main() -> None:
     """Entry point of the command."""
-    p = OneLine(prog="fuzz", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    p = OneLine(
+        prog="er study damaged_frames",
+        description=__doc__,
+        formatter_class=argparse.RawTextHelpFormatter,
+    )
     p.add_argument("--frames", type=int, default=100_000, help="number of frames (100000)")
     p.add_argument("--seed", type=seed_reader(), default=1, help="seed of contents and damage (1)")
     options = p.parse_args()
