@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from er_models.cache.sources import digest
 
 import er_models
@@ -66,6 +67,7 @@ def paths(root: Path) -> str:
     return os.pathsep.join([str(root), *filter(None, sys.path)])
 
 
+@pytest.mark.slow
 def test_what_a_changed_module_gives_is_never_the_old_value(tmp_path: Path) -> None:
     """The file of the function itself stays as it is; the folder is any, also one below another."""
     write(tmp_path, "a/b")

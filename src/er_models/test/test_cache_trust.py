@@ -143,9 +143,13 @@ def pipe(path: Path) -> None:
 
 
 def forge(path: Path) -> None:
-    """A key of somebody else."""
-    (path.parents[1] / "key").write_bytes(bytes(sealed.KEY))
-    (path.parents[1] / "key").chmod(0o644)
+    """Sealed with a key that others know."""
+    key = path.parents[1] / "key"
+    key.write_bytes(bytes(sealed.KEY))
+    sealed._key.cache_clear()
+    sealed.write(path.parent, path.name, b"forged")
+    assert sealed.read(path.parent, path.name) == b"forged"
+    key.chmod(0o644)
     sealed._key.cache_clear()
 
 

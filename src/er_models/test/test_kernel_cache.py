@@ -177,6 +177,14 @@ def test_every_module_that_the_source_imports_counts(
     assert len(found) == len(ours) + 1
 
 
+def test_a_fingerprint_needs_no_kernel() -> None:
+    """In a process that has loaded nothing of the kernel: the same as here."""
+    program = "from er_models.catalogue import CATALOGUE\nfrom er_models.kernel.compose import fingerprint"
+    command = [sys.executable, "-c", f"{program}\nprint(fingerprint(CATALOGUE))"]
+    done = subprocess.run(command, text=True, capture_output=True, check=True)
+    assert done.stdout.strip() == fingerprint(CATALOGUE)
+
+
 def test_words_and_bounds_do_not_matter() -> None:
     assert fingerprint(changed("coulomb_friction", title="x", source="y")) == fingerprint(
         CATALOGUE
