@@ -102,8 +102,10 @@ class Work:
     def report(
         self, stage: str, done: int, total: int, best: Sequence[Leader] | None = None
     ) -> None:
-        """Tell how far a stage is; best: who is ahead, None: the same as before."""
+        """Tell how far a stage is; best: who is ahead, None: the same as before. A job tells nothing of its own."""
         self.check()
+        if inside_a_job():
+            return
         if best is not None:
             self._state.ahead = tuple(best)
         if self.progress is not None:

@@ -14,6 +14,7 @@ import pytest
 from er_model_lab.diagnosis.candidates import TRYING
 from er_model_lab.diagnosis.investigation import search_effects
 from er_model_lab.fitting.fit import fit
+from er_model_lab.problem import problem as problem_module
 from er_model_lab.problem.forward import DamperForward
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.dataset import Dataset
@@ -258,3 +259,30 @@ def test_records_are_fused_the_same_by_whoever_does_it(processes):
     assert there.fused[1].noise == here.fused[1].noise
     assert there.work.executor is processes
     assert pickle.loads(pickle.dumps(there)).work == HERE
+
+
+def silent(job, work):
+    work.report("of its own", 1, 1)
+    return job
+
+
+def test_a_job_tells_nothing_of_its_own(threads):
+    told = []
+    work = Work(threads, lambda *words: told.append(words))
+    work.map(silent, range(3), work, stage="jobs")
+    assert {stage for stage, *_ in told} == {"jobs"}
+
+
+def test_predictions_that_may_be_cancelled_are_the_same(monkeypatch):
+    model, plain = problem_of(None, {}, seed=1, seconds=6.0)
+    vectors = model.compiled().p * np.linspace(0.5, 1.5, 7)[:, None]
+    watched = replace(plain, work=Work(cancel=threading.Event()))
+    monkeypatch.setattr(problem_module, "AT_ONCE", 3 * plain.motion.n)
+    monkeypatch.setattr(problem_module, "cores", lambda: 1)
+    for rows in (vectors, vectors[:0]):
+        np.testing.assert_array_equal(
+            watched.predict_many(model, rows), plain.predict_many(model, rows)
+        )
+    watched.work.cancel.set()
+    with pytest.raises(Cancelled):
+        watched.predict_many(model, vectors)
