@@ -4,10 +4,10 @@ import threading
 import time
 from contextlib import suppress
 
-import er_model_lab as lab
 import pytest
 from er_model_lab.diagnosis.candidates import TRYING
 
+import er_model_lab as lab
 from test.sample import with_friction, write_ride, write_sample
 
 WITHIN = 1.0
@@ -97,5 +97,7 @@ def test_who_is_ahead_is_told_within_a_third_of_the_time(minute):
     last = watch.told[-1][-1]
     assert [leader.rmse for leader in last] == sorted(leader.rmse for leader in last)
     assert isinstance(last[0], lab.Leader)
-    for (_, stage, done, *_), (_, later, more, *_) in zip(watch.told, watch.told[1:], strict=False):
+    for (_, stage, done, *_), (_, later, more, *_) in zip(
+        watch.told, watch.told[1:], strict=False
+    ):
         assert stage != later or more == done + 1 or more == 1

@@ -67,10 +67,10 @@ _HOME = {
 """Where each name lives: it is imported when it is first asked for."""
 
 __all__ = [
-    "Cancelled", "CandidateResult", "CheckResult", "ComparisonResult", "Dataset", "DiagnosisResult", "ErError", "Errors",
-    "IdentificationResult", "InputError", "Leader", "MissingChannel", "Parameter", "PlanResult", "Record", "Rule",
-    "Step", "UnknownName", "__version__", "add", "check", "compare", "diagnose", "from_arrays", "from_frame",
-    "identify", "improve", "load", "load_model", "plan", "save_model",
+    "Cancelled", "CandidateResult", "CheckResult", "ComparisonResult", "Dataset", "DiagnosisResult", "ErError",
+    "Errors", "IdentificationResult", "InputError", "Leader", "MissingChannel", "Parameter", "PlanResult", "Record",
+    "Rule", "Step", "UnknownName", "__version__", "add", "check", "compare", "diagnose", "from_arrays",
+    "from_frame", "identify", "improve", "load", "load_model", "plan", "save_model",
 ]  # fmt: skip
 
 

@@ -18,8 +18,9 @@ from er_model_lab.jobs.processes import PROCESSES, Processes
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 
-WORTH = 6.0
-"""Work [s] from which other processes are started for it: they need two until they are ready."""
+WORTH = 10.0
+"""Work [s] from which other processes are started for it: they take two until they are ready, and pay off in the next
+call, too."""
 
 
 class Cancelled(Exception):
