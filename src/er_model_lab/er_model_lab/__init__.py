@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from er_model_lab.verbs.improve import improve
     from er_model_lab.verbs.load import load, load_model
     from er_model_lab.verbs.plan import plan
+    from er_model_lab.work import Cancelled, Leader
 
 _HOME = {
     "ErError": "er_models.errors", "InputError": "er_models.errors", "MissingChannel": "er_models.errors",
@@ -57,6 +58,7 @@ _HOME = {
         "er_model_lab.results.result",
     ),
     **dict.fromkeys(("load", "load_model"), "er_model_lab.verbs.load"),
+    **dict.fromkeys(("Cancelled", "Leader"), "er_model_lab.work"),
     **{
         verb: f"er_model_lab.verbs.{verb}"
         for verb in ("add", "check", "compare", "diagnose", "identify", "improve", "plan")
@@ -65,10 +67,10 @@ _HOME = {
 """Where each name lives: it is imported when it is first asked for."""
 
 __all__ = [
-    "CandidateResult", "CheckResult", "ComparisonResult", "Dataset", "DiagnosisResult", "ErError", "Errors",
-    "IdentificationResult", "InputError", "MissingChannel", "Parameter", "PlanResult", "Record", "Rule",
-    "Step", "UnknownName", "__version__", "add", "check", "compare", "diagnose", "from_arrays", "from_frame",
-    "identify", "improve", "load", "load_model", "plan", "save_model",
+    "Cancelled", "CandidateResult", "CheckResult", "ComparisonResult", "Dataset", "DiagnosisResult", "ErError",
+    "Errors", "IdentificationResult", "InputError", "Leader", "MissingChannel", "Parameter", "PlanResult", "Record",
+    "Rule", "Step", "UnknownName", "__version__", "add", "check", "compare", "diagnose", "from_arrays",
+    "from_frame", "identify", "improve", "load", "load_model", "plan", "save_model",
 ]  # fmt: skip
 
 

@@ -18,8 +18,9 @@ from er_model_lab.jobs.processes import PROCESSES, Processes
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 
-WORTH = 6.0
-"""Work [s] from which other processes are started for it: they need two until they are ready."""
+WORTH = 10.0
+"""Work [s] from which other processes are started for it: they take two until they are ready, and pay off in the next
+call, too."""
 
 
 class Cancelled(Exception):
@@ -102,8 +103,10 @@ class Work:
     def report(
         self, stage: str, done: int, total: int, best: Sequence[Leader] | None = None
     ) -> None:
-        """Tell how far a stage is; best: who is ahead, None: the same as before."""
+        """Tell how far a stage is; best: who is ahead, None: the same as before. A job tells nothing of its own."""
         self.check()
+        if inside_a_job():
+            return
         if best is not None:
             self._state.ahead = tuple(best)
         if self.progress is not None:

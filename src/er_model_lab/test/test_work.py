@@ -11,17 +11,20 @@ from functools import partial
 
 import numpy as np
 import pytest
-from er_model_lab.diagnosis.candidates import TRYING
+from er_model_lab.diagnosis.candidates import TRYING, made_ready
 from er_model_lab.diagnosis.investigation import search_effects
 from er_model_lab.fitting.fit import fit
+from er_model_lab.jobs import processes as own_processes
+from er_model_lab.problem import problem as problem_module
 from er_model_lab.problem.forward import DamperForward
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.records.dataset import Dataset
 from er_model_lab.records.record import Record
 from er_model_lab.work import HERE, Cancelled, Leader, Work
 from er_models.catalogue import CATALOGUE
+from er_models.files import load_model
 from er_models.own import effects
-from lab_help import DT, imposed, problem_of
+from lab_help import DT, GUO, imposed, problem_of
 
 
 @pytest.fixture(scope="module")
@@ -151,7 +154,7 @@ def told_at(stage, stop):
 class Some(DamperForward):
     """The force of the damper, with these effects as candidates."""
 
-    names: tuple[str, ...] = ("coulomb_friction", "preload", "gas_spring", "shear_thinning")
+    names: tuple[str, ...] = ("coulomb_friction", "preload", "gas_spring")
 
     def candidates(self, model):
         return tuple(model.catalogue[name] for name in self.names)
@@ -166,10 +169,22 @@ def searched(work):
     return search_effects(model, problem), problem
 
 
-def test_a_diagnosis_is_the_same_whoever_does_it(threads, processes):
+@pytest.fixture
+def own(monkeypatch):
+    """The lab's own processes, two of them."""
+    monkeypatch.setattr(own_processes, "cores", lambda: 3)
+    made = own_processes.Processes()
+    made.start(made_ready, load_model(GUO))
+    while made.room < 4:
+        time.sleep(0.05)
+    yield made
+    made.shutdown()
+
+
+def test_a_diagnosis_is_the_same_whoever_does_it(threads, processes, own):
     expected, serial = searched(HERE)
     assert set(expected.effects) == {"preload", "coulomb_friction"}
-    for pool in (threads, processes):
+    for pool in (threads, processes, own):
         found, problem = searched(Work(pool))
         assert (found.verdict, found.reasons) == (expected.verdict, expected.reasons)
         np.testing.assert_array_equal(found.best.fit.theta, expected.best.fit.theta)
@@ -258,3 +273,30 @@ def test_records_are_fused_the_same_by_whoever_does_it(processes):
     assert there.fused[1].noise == here.fused[1].noise
     assert there.work.executor is processes
     assert pickle.loads(pickle.dumps(there)).work == HERE
+
+
+def silent(job, work):
+    work.report("of its own", 1, 1)
+    return job
+
+
+def test_a_job_tells_nothing_of_its_own(threads):
+    told = []
+    work = Work(threads, lambda *words: told.append(words))
+    work.map(silent, range(3), work, stage="jobs")
+    assert {stage for stage, *_ in told} == {"jobs"}
+
+
+def test_predictions_that_may_be_cancelled_are_the_same(monkeypatch):
+    model, plain = problem_of(None, {}, seed=1, seconds=6.0)
+    vectors = model.compiled().p * np.linspace(0.5, 1.5, 7)[:, None]
+    watched = replace(plain, work=Work(cancel=threading.Event()))
+    monkeypatch.setattr(problem_module, "AT_ONCE", 3 * plain.motion.n)
+    monkeypatch.setattr(problem_module, "cores", lambda: 1)
+    for rows in (vectors, vectors[:0]):
+        np.testing.assert_array_equal(
+            watched.predict_many(model, rows), plain.predict_many(model, rows)
+        )
+    watched.work.cancel.set()
+    with pytest.raises(Cancelled):
+        watched.predict_many(model, vectors)

@@ -24,6 +24,7 @@ from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.verdict import decide
 from er_model_lab.fitting.data_reach import beyond
 from er_model_lab.fitting.envelope import with_unfelt
+from er_model_lab.fitting.fit import with_deviations
 from er_model_lab.fitting.velocity_channel import (
     KINEMATIC,
     as_searched,
@@ -117,7 +118,10 @@ class DamperLevel:
         best, problem = study.diagnosis.best.fit, study.problem
         bare = as_searched(best)
         undone = set(KINEMATIC) - set(bare.effects)
-        found = study.opened.span.estimate(replace(best, model=bare), problem, seed)
+        if study.diagnosis.interrupted:  # whoever stopped it does not wait for better ones
+            found = with_deviations(replace(best, model=bare), problem)
+        else:
+            found = study.opened.span.estimate(replace(best, model=bare), problem, seed)
         found = with_unfelt(found, on_fused(study.model), problem)
         return put_back(found, best.model, only=undone)
 

@@ -67,7 +67,11 @@ class VehicleLevel:
         """The fit brought to its end, with deviations."""
         del seed
         best, problem = study.diagnosis.best.fit, study.problem
-        found = with_deviations(fit(best.model, problem, tol=1e-7), problem)
+        if (
+            not study.diagnosis.interrupted
+        ):  # else whoever stopped it does not wait for a better one
+            best = fit(best.model, problem, tol=1e-7)
+        found = with_deviations(best, problem)
         return with_unfelt(found, study.model, problem)
 
     def particulars(self, study: Study) -> Mapping[str, Any]:

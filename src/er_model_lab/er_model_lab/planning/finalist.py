@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from er_models.model import Array
@@ -105,7 +105,7 @@ def clean_problem(made: Run, sensors: Sensors) -> Problem:
 def imitated(truth: str, made: Run, bench: Bench) -> Direction:
     """The truth's force refitted by the other explanation and by itself, as the lab does it."""
     question = bench.rivals.question
-    problem = clean_problem(made, bench.sensors)
+    problem = replace(clean_problem(made, bench.sensors), work=bench.work)
     floor = floor_of(question.base, made, bench.sensors, bench.sd_velocity, bench.seed)
     base = candidate(fit(question.base, problem), problem)
     own = candidate(fit(bench.rivals.truths[truth], problem), problem)

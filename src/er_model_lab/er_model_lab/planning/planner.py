@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from er_model_lab.diagnosis.candidates import made_ready
 from er_model_lab.planning import motions_and_duties
 from er_model_lab.planning.finalist import Finalist, finalist
 from er_model_lab.planning.limits import Limits, Sensors, nothing_fits
@@ -19,6 +20,8 @@ from er_model_lab.problem.forward import free_parameters
 from er_model_lab.problem.problem import Problem
 from er_model_lab.work import HERE, Work
 
+COST = 30.0
+"""Work of a plan on one core [s], some 150 pieces of programs and the lab's decisions on the best."""
 SETS = 4
 REFINED = 2
 MEASUREMENTS = 5
@@ -80,6 +83,7 @@ def planned(
 
     problem: what is already measured; the effects are then as strong as they are fitted to it. work: how it is done.
     """
+    work.expect(COST, made_ready, question.base)
     bench = replace(bench_for(question, limits, sensors, problem, seed), work=work)
     pieces = tried_menu(bench)
     if not any(p.segment.seconds <= limits.duration for p in pieces):

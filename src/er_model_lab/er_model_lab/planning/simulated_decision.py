@@ -100,7 +100,7 @@ def outcomes(
 ) -> dict[str, Outcome]:
     """The lab's decisions on measurements of every truth, one per seed."""
     jobs = [(k, truth, seed) for k, truth in enumerate(runs) for seed in seeds]
-    first = prepare(Dataset.of([_measured(jobs[0], runs, sensors)]))
+    first = prepare(Dataset.of([_measured(jobs[0], runs, sensors)]), work=work)
     names = work.map(
         _decided, jobs, question, runs, sensors, first, stage="simulated measurements"
     )

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 from er_models.model import Array, Model
+from er_models.parallel import cores
 from er_models.prediction import Motion
 from er_models.scales import Scales, peak
 from numpy.typing import NDArray
@@ -23,6 +24,9 @@ from er_model_lab.problem.subset import stretches_to_practise_on
 from er_model_lab.work import HERE, Leader, Work
 
 Result = TypeVar("Result")
+
+AT_ONCE = 100_000
+"""Samples that are predicted at once, a good part of a second, where the work may be cancelled."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +93,13 @@ class Problem:
 
     def predict_many(self, model: Model, vectors: Array) -> Array:
         """What a model predicts (m, n) [N] for m flat parameter vectors (m, n_parameters)."""
-        return self.forward.predict_many(self, model, vectors)
+        if self.work.cancel is None:
+            return self.forward.predict_many(self, model, vectors)
+        rows, parts = max(cores(), AT_ONCE // self.motion.n), []
+        for k in range(0, max(len(vectors), 1), rows):
+            self.work.check()
+            parts.append(self.forward.predict_many(self, model, vectors[k : k + rows]))
+        return np.concatenate(parts)
 
     @property
     def parts(self) -> tuple[Problem, ...]:

@@ -7,7 +7,7 @@ newton of the damper force where it is measured, else of the force that the body
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,6 +18,7 @@ from er_models.scales import Scales
 from er_model_lab.problem.forward import Free, Limits, Output
 from er_model_lab.problem.motion_error import Sensed
 from er_model_lab.vehicle.ride import CHANNELS, SETTLE, Course, drive, drive_many, with_values
+from er_model_lab.work import HERE
 
 CAR = ("m_us", "k_s", "k_t")
 """Parameters of the quarter car that are fitted. The sprung mass is what was weighed: its error is an effect."""
@@ -177,11 +178,17 @@ class RideForward:
         return self.settled(np.array(drawn))
 
 
-def with_starts(forward: RideForward, model: Model, *, rounds: int = 6) -> RideForward:
-    """The forward model with fitted starts of all blocks (Gauss-Newton), and their sensitivities."""
+def with_starts(
+    forward: RideForward, model: Model, *, rounds: int = 6, check: Callable[[], None] = HERE.check
+) -> RideForward:
+    """The forward model with fitted starts of all blocks (Gauss-Newton), and their sensitivities.
+
+    check: raises where the work shall stop.
+    """
     kept = trial = forward.starts
     best = np.full(trial.shape[0], np.inf)
     for _ in range(rounds):
+        check()
         errors, slopes, pulls = _sensitivities(replace(forward, starts=trial), model)
         cost = np.array([float(np.mean(e**2)) for e in errors])
         better = cost < best

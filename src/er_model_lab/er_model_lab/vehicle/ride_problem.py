@@ -58,7 +58,7 @@ def open_ride(given: Dataset, model: Model, work: Work = HERE) -> tuple[Problem,
     data = _opened(given.records, model)
     size = _noise(data, data.outputs)
     first = _weighted(_ride(data, model), data, model, size)
-    problem = _problem(given, data, with_starts(first, model), model)
+    problem = _problem(given, data, with_starts(first, model, check=work.check), model)
     problem = replace(problem, work=work)
     fitted = fit(model, problem)
     left = fitted.residual.reshape(-1, len(data.names)) / first.weights
@@ -97,7 +97,8 @@ def _on_roads(
 ) -> Iterator[Problem]:
     """The problem with each way in which the road may run between two samples."""
     for road, smooth in ROADS.items():
-        moved = with_starts(replace(forward, courses=_courses(data, smooth=smooth)), model)
+        on_road = replace(forward, courses=_courses(data, smooth=smooth))
+        moved = with_starts(on_road, model, check=work.check)
         problem = _problem(given, data, moved, model)
         said = (*problem.notes, road, _measure(data), *_not_used(given, data))
         yield replace(problem, notes=said, work=work)

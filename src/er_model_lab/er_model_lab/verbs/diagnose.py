@@ -50,6 +50,7 @@ def diagnose(
         work=Work.by(executor, progress, cancel),
     )
     study = investigate(asked)
+    asked.work.wind_up()
     return result_of("diagnose", study, asked.level.finished(study, seed), asked)
 
 
