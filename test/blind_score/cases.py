@@ -10,6 +10,7 @@ import numpy as np
 
 from test.blind.catalogue import BY_NAME, INSIDE, OUTSIDE
 from test.blind.plant import Program
+from test.blind.slots import FIXED_ROWS
 
 Kind = Literal["singles", "pairs", "complete", "outside", "degenerate"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
@@ -18,7 +19,7 @@ PAIRS_A_SEED = 10
 COMPLETE_A_SEED = 20
 POOR_A_SEED = 2
 FEW_SINGLES, FEW_COMPLETE = 6, 2
-DRAWN = tuple(e for e in INSIDE if e.name != "force_fade")
+DRAWN = tuple(e for e in INSIDE if e.slot is not None and e.slot < FIXED_ROWS)
 """Effects that pairs and the like are drawn from: one that came after seeds were scored would change their draws."""
 OF_THE_DAMPER = tuple(
     f"outside:{kind}" for kind in ("position_periodic", "x_v_coupling", "stroke_memory", "stick_events")

@@ -1,6 +1,5 @@
 """Time or heat: what fades with either is a tie where the power is steady, and no tie where it is not."""
 
-
 import numpy as np
 import pytest
 from er_model_lab.diagnosis.candidates import baseline, refit
