@@ -245,7 +245,8 @@ def test_freeplay_is_a_gap_with_a_spring_at_either_end(stiffness: float) -> None
     sine = Sine(SMALL).derivative
     fine = np.arange(round(0.5 / h) + 1) * h
     x, v = sine(fine, 0), sine(fine, 1)
-    w, f_y, force = b, 0.0, np.empty(fine.size)
+    w, force = b, np.empty(fine.size)
+    f_y = y["f_c"] * u * np.tanh(y["k1"] * (x[0] - w) + y["c1"] * v[0])
     for i in range(fine.size):
         force[i] = stiffness * (max(w - b, 0.0) + min(w + b, 0.0))
         v_d = (force[i] - p["k0"] * (x[i] - w) - f_y) / p["c0"]

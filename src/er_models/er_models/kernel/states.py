@@ -143,6 +143,8 @@ def pressed(s, j, h, how, bound, give):
     else:
         beyond = held(0.0, rate, drive, rate, drive, h * (w - edge) / (w - w0))
     if beyond * (w0 if begun else w) <= 0.0:
+        if begun and how == HOLD:
+            w = held(w0, s[R0, j] - give, s[G0, j] - give * edge, s[R, j], s[G, j], h)
         return min(max(w, -bound), bound)
     s[R, j] = rate
     s[G, j] += give * edge
@@ -157,7 +159,7 @@ def solve(on, links, p, s, h, how, x, v, a, u, t, theta):
     forces = (0.0, 0.0, 0.0)
     for k in range(PASSES):
         forces = damper(on, p, s, h, how, x, v, a, u, t, theta)
-        if not links.shape[0] or refined(links, s, k):
+        if not links.shape[0] or refined(links, s, k, forces[0]):
             break
     return forces
 
@@ -180,12 +182,17 @@ def begin(links, s):
 
 
 @inner
-def refined(links, s, k):
-    """Whether every state that feeds back agrees with what follows from it; if not, the next trial is set."""
+def refined(links, s, k, force):
+    """Whether every state that feeds back agrees with what follows from it; if not, the next trial is set.
+
+    The rest of the force, the last state, is a difference: it is known as well as the force itself [N], no better.
+    """
     worst = 0.0
     for i in range(links.shape[0]):
         j = links[i]
         size = abs(s[W, j]) + abs(s[W0, j])
+        if j == s.shape[1] - 1:
+            size += abs(force)
         worst = max(worst, abs(s[W, j] - s[TRY, j]) - CLOSE * size)
     if not worst > 0.0:
         return True
