@@ -10,6 +10,7 @@ import numpy as np
 
 from test.blind.catalogue import BY_NAME, INSIDE, OUTSIDE
 from test.blind.plant import Program
+from test.blind.slots import FIXED_ROWS
 
 Kind = Literal["singles", "pairs", "complete", "outside", "degenerate"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
@@ -18,6 +19,8 @@ PAIRS_A_SEED = 10
 COMPLETE_A_SEED = 20
 POOR_A_SEED = 2
 FEW_SINGLES, FEW_COMPLETE = 6, 2
+DRAWN = tuple(e for e in INSIDE if e.slot is not None and e.slot < FIXED_ROWS)
+"""Effects that pairs and the like are drawn from: one that came after seeds were scored would change their draws."""
 OF_THE_DAMPER = tuple(
     f"outside:{kind}" for kind in ("position_periodic", "x_v_coupling", "stroke_memory", "stick_events")
 )  # fmt: skip
@@ -58,7 +61,7 @@ def layout(seed: int) -> Layout:
 
 def _several(rng: np.random.Generator, count: int) -> tuple[str, ...]:
     """Different effects of the catalogue."""
-    return tuple(INSIDE[int(i)].name for i in rng.choice(len(INSIDE), count, replace=False))
+    return tuple(DRAWN[int(i)].name for i in rng.choice(len(DRAWN), count, replace=False))
 
 
 def of_kind(kind: Kind, seed: int) -> Iterator[Asked]:
@@ -97,9 +100,9 @@ def plan(
 def few(seed: int) -> list[Asked]:
     """Six singles, two complete models and one of outside: the cases of a seed that every condition is asked."""
     rng = np.random.default_rng([seed, _FEW])
-    singles = rng.choice(len(INSIDE), FEW_SINGLES, replace=False)
+    singles = rng.choice(len(DRAWN), FEW_SINGLES, replace=False)
     return [
-        *(Asked("singles", (INSIDE[int(i)].name,), seed) for i in singles),
+        *(Asked("singles", (DRAWN[int(i)].name,), seed) for i in singles),
         *(Asked("complete", (), 100 * seed + i) for i in range(FEW_COMPLETE)),
         Asked("outside", (str(rng.choice(OF_THE_DAMPER)),), seed),
     ]

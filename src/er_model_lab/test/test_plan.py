@@ -172,6 +172,20 @@ def test_an_effect_stands_out_as_much_as_the_noise(stops: Plan) -> None:
 
 
 @pytest.mark.usefixtures("quick")
+def test_what_fades_with_the_time_is_told_from_what_fades_with_the_heat() -> None:
+    """Within the limits, by a program in which power and springs change."""
+    found = planned(car(), "self_heating", "force_fade")
+    limits = found.bench.limits
+    assert found.verdict == "told_apart"
+    assert found.best.used["stroke"] <= limits.stroke
+    assert found.best.used["velocity"] <= limits.velocity
+    assert found.everyday is not None
+    for truth in ("self_heating", "force_fade"):
+        apart = found.best.directions[truth].separation
+        assert apart > 3.0 * found.everyday.directions[truth].separation
+
+
+@pytest.mark.usefixtures("quick")
 def test_without_stroke_the_end_stop_stays_hidden_and_the_plan_says_so() -> None:
     """A stroke of 4 mm never reaches a stop that begins at 6 mm; twice the stroke would."""
     found = planned(car(), "end_stop", stroke=0.004)

@@ -81,6 +81,7 @@ HOOKS: dict[str, str] = {
     "limit": "maps the damper force",
     "relax": "gives (rate, drive) of the own state: w' = drive - rate * w",
     "bound": "gives the largest magnitude of the own state",
+    "give": "gives the rate at which the own state springs back from beyond its bound, which is rigid without it",
     "sense": "maps the damper force to the measured one",
     "input_delay": "delays the duty",
     "output_delay": "delays the measured force against the motion",
@@ -113,6 +114,8 @@ SHORTEST = 1.0 / INSTANT
 """Time constant [s] in place of a shorter one, whose rate is then that."""
 LEAST_DAMPING = 1e-9
 """Added to a damping that divides [N s/m], against division by zero: nothing beside that of any damper."""
+LEAST_COMPLIANCE = 1e-100
+"""The same for a compliance [m/N]."""
 SMOOTH, CONTACT, SWITCH = 3e-6, 1e-5, 1e-2
 """Steps of derivatives, as shares of a value: of a smooth equation, of one with a contact that
 opens and closes, of one that jumps."""
@@ -124,7 +127,8 @@ class Param:
 
     The natural scale comes from the data or the model (`er_models.scales`), so that the same declaration
     serves dampers that differ by a factor of 100 in force. step: share of the value over which a derivative
-    is taken (`er_models.sensitivity`); longer where the value moves the instants of jumps.
+    is taken (`er_models.sensitivity`); longer where the value moves the instants of jumps. optional: a model file that
+    does not name it means its neutral value; for what an effect was given after files with it were written.
     """
 
     name: str
@@ -136,6 +140,7 @@ class Param:
     meaning: str
     fitted: bool = True
     step: float = SMOOTH
+    optional: bool = False
 
     @property
     def size(self) -> float:

@@ -220,6 +220,9 @@ def _effects(
                 raise InputError(path, f"effects.{name}.{key}", expected, "an unknown key")
         for q in effect.parameters:
             where = f"effects.{name}.{q.name}"
+            if q.name not in entries and q.optional and q.neutral is not None:
+                values[name][q.name] = q.neutral
+                continue
             if q.name not in entries:
                 raise InputError(path, where, f"a value in {q.unit}", "nothing")
             value, sd = _value(path, where, entries[q.name], q.unit)

@@ -21,7 +21,7 @@ from er_models.effect import SIGNALS, Effect, Param, arguments
 from er_models.errors import InputError
 from er_models.kernel.fast import njit
 from er_models.kernel.hooks import with_compiled_names
-from er_models.kernel.order import signals_of
+from er_models.kernel.order import OF_STATE, signals_of
 from er_models.scales import Scales
 
 SCALES = Scales(force=20.0, deflection=0.010, velocity=0.15, duty=0.3)
@@ -37,6 +37,8 @@ _MAPPED = {
 }  # fmt: skip
 """Signal that a hook which maps leaves as it is where the effect does nothing."""
 _SCALING = ("stiffness_scale", "viscous_scale", "yield_scale", "tau_scale")
+BESIDE = {"bound": "relax", "give": "bound"}
+"""Hooks that do nothing without another one."""
 _POSITIVE = ("u", "u_f", "t", "k_0", "c_0", "tau_y", "m_s", "m_us", *_SCALING)
 """Signals that are never negative."""
 
@@ -100,8 +102,9 @@ def _check_signals(path: Path, effect: Effect, hook: str) -> None:
     for name in arguments(effect.hooks[hook]):
         if name not in known:
             raise InputError(path, where, f"arguments among {', '.join(known)}", f"'{name}'")
-    if hook == "bound" and not effect.has_state:
-        raise InputError(path, where, "a hook relax beside it", "none")
+    needed = BESIDE.get(hook, hook)
+    if needed not in effect.hooks:
+        raise InputError(path, where, f"a hook {needed} beside it", "none")
 
 
 def _compiled(path: Path, effect: Effect, hook: str) -> Callable[..., Any]:
@@ -157,7 +160,7 @@ def _nothing(hook: str, point: Mapping[str, float]) -> float | None:
         return point[_MAPPED[hook]]
     if hook in _SCALING:
         return 1.0
-    return None if hook in ("relax", "bound") else 0.0
+    return None if hook in OF_STATE else 0.0
 
 
 def _points(effect: Effect) -> Iterator[dict[str, float]]:

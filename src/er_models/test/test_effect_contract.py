@@ -16,7 +16,7 @@ import pytest
 from er_models.cards.symbols import ACTS
 from er_models.catalogue import CATALOGUE
 from er_models.effect import HOOKS, SIGNALS, SMOOTH, Effect
-from er_models.kernel.order import KNOWN_FROM, ORDER, OUTSIDE, signals_of
+from er_models.kernel.order import KNOWN_FROM, OF_STATE, ORDER, OUTSIDE, signals_of
 from er_models.model import Array, Model
 from er_models.prediction import Motion, predict, predict_many
 from er_models.scales import Scales
@@ -102,7 +102,7 @@ def test_hooks_ask_for_what_is_known_where_they_act(effect: Effect) -> None:
 
 def test_every_hook_has_its_place_and_its_sign() -> None:
     between = {"response", "states", "late"}
-    assert {*ORDER, *OUTSIDE, "relax", "bound"} - between == set(HOOKS)
+    assert {*ORDER, *OUTSIDE, *OF_STATE} - between == set(HOOKS)
     assert ACTS.keys() == HOOKS.keys()
 
 

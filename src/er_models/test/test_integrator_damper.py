@@ -231,9 +231,37 @@ def test_freeplay_is_a_rigid_gap() -> None:
     n = fine[:: round(DT / h)].size
     t = np.arange(n) * DT
     inputs = motion(DT, sine(t, 0), sine(t, 1), np.full(n, u), sine(t, 2))
-    error = predict(guo().with_effect("freeplay", {"b": b}), inputs) - force[:: round(DT / h)]
+    model = guo().with_effect("freeplay", {"b": b, "q": 0.0})
+    error = predict(model, inputs) - force[:: round(DT / h)]
     assert error.std() < 1e-3 * span(force)
     assert (predict(guo(), inputs) - force[:: round(DT / h)]).std() > 1e-2 * span(force)
+
+
+@pytest.mark.parametrize("stiffness", [4e4, 4e6], ids=["40 N/mm", "nearly rigid"])
+def test_freeplay_is_a_gap_with_a_spring_at_either_end(stiffness: float) -> None:
+    """Against small explicit steps of a spring that is touched beyond the gap, in series with the damper."""
+    b, u, h = 1e-4, 0.2, 5e-6
+    p, y = guo().effects["passive"], guo().effects["guo_yield"]
+    sine = Sine(SMALL).derivative
+    fine = np.arange(round(0.5 / h) + 1) * h
+    x, v = sine(fine, 0), sine(fine, 1)
+    w, force = b, np.empty(fine.size)
+    f_y = y["f_c"] * u * np.tanh(y["k1"] * (x[0] - w) + y["c1"] * v[0])
+    for i in range(fine.size):
+        force[i] = stiffness * (max(w - b, 0.0) + min(w + b, 0.0))
+        v_d = (force[i] - p["k0"] * (x[i] - w) - f_y) / p["c0"]
+        f_y += h / 0.0365 * (y["f_c"] * u * np.tanh(y["k1"] * (x[i] - w) + y["c1"] * v_d) - f_y)
+        w += h * (v[i] - v_d)
+    every, settled = slice(None, None, round(DT / h)), slice(30, None)
+    t = np.arange(fine[every].size) * DT
+    inputs = motion(DT, sine(t, 0), sine(t, 1), np.full(t.size, u), sine(t, 2))
+
+    def error(q: float) -> float:
+        model = guo().with_effect("freeplay", {"b": b, "q": q})
+        return float((predict(model, inputs) - force[every])[settled].std())
+
+    assert error(1.0 / stiffness) < 1e-3 * span(force)
+    assert error(0.0) > (1e-2 if stiffness < 1e5 else 0.0) * span(force)
 
 
 @pytest.mark.parametrize("r", [0.0, 400.0], ids=["lost motion", "nearly a bare cut-off"])

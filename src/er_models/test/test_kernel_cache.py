@@ -24,6 +24,7 @@ from er_models.kernel import load
 from er_models.kernel.compose import fingerprint, source
 from er_models.kernel.fast import njit
 from er_models.kernel.inline import inlined
+from er_models.kernel.order import OF_STATE
 from er_models.model import Model
 from er_models.prediction import predict
 from er_models.simulation import simulate
@@ -111,7 +112,7 @@ def test_every_hook_of_the_catalogue_acts() -> None:
 @pytest.mark.parametrize("hook", HOOKS)
 def test_every_hook_that_an_effect_may_have_acts(hook: str) -> None:
     """One that is accepted and called nowhere would be an equation that does nothing."""
-    hooks = {hook: nothing} | ({"relax": nothing} if hook == "bound" else {})
+    hooks = dict.fromkeys((hook, *(("relax", "bound") if hook in OF_STATE else ())), nothing)
     effect = dataclasses.replace(own(scaled), hooks=hooks)
     assert f"own_force__{hook}" not in idle(CATALOGUE.extended([effect]))
 

@@ -117,6 +117,17 @@ def test_no_model_file_at_all(content: bytes, tmp_path: Path) -> None:
     assert "\n" not in str(caught.value)
 
 
+def test_what_an_effect_was_given_later_is_neutral_in_a_file_that_does_not_name_it(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "model.yaml"
+    path.write_text(DAMPER + "  freeplay: {b: 1.0e-4}\n", encoding="utf-8")
+    assert load_model(path).effects["freeplay"] == {"b": 1e-4, "q": 0.0}
+    path.write_text(DAMPER + "  freeplay: {q: 1.0e-5}\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"effects.freeplay.b: expected a value in m"):
+        load_model(path)
+
+
 def test_a_folder_is_no_model(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="found a folder"):
         load_model(tmp_path)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from er_models.model import Model
 
 from er_model_lab.diagnosis.candidates import Candidate, baseline, effect_size, refit
+from er_model_lab.diagnosis.clock import clock_ties
 from er_model_lab.diagnosis.coverage import Coverage, coverage
 from er_model_lab.diagnosis.evidence import VISIBLE, evidence, reasons, shares
 from er_model_lab.diagnosis.noise_floor import Floor, noise_floor
@@ -112,7 +113,7 @@ def _searched(
     ties = _alternatives(best, rounds)
     if len(best.effects) > 1:
         best, ties = swapped(best, rounds, problem)
-    return best, floor, ties
+    return best, floor, (*ties, *clock_ties(best, rounds, ties, problem))
 
 
 def _standing(best: Candidate, first: Round) -> Candidate:

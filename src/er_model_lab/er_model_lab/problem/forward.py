@@ -10,14 +10,17 @@ from typing import Protocol
 import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
-from er_models.prediction import predict, predict_many
+from er_models.prediction import Motion, predict, predict_many
 from er_models.scales import Scales
+from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from er_model_lab.problem.motion_error import Sensed, drawn
 
 Free = tuple[tuple[str, str], ...]
 Limits = Mapping[tuple[str, str], tuple[float, float]]
+Past = tuple[Motion, NDArray[np.intp]]
+"""Motion of whole records, and which rows of it data are."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +72,9 @@ class Forward(Protocol):
     def scales(self) -> Scales | None:
         """Envelope of the data; None where motion and force say it themselves."""
 
+    def past(self, data: Sensed) -> Past | None:
+        """What the damper did from the beginning of each record on; None where no force of it is predicted."""
+
     def input_errors(self, data: Sensed, model: Model, rng: np.random.Generator, m: int) -> Array:
         """Errors (m, n) that other draws of the input sensors' noise would have caused."""
 
@@ -109,6 +115,10 @@ class DamperForward:
     def scales(self) -> Scales | None:
         """Nothing beyond motion and force."""
         return None
+
+    def past(self, data: Sensed) -> Past | None:
+        """Its motion, of which the data are every row."""
+        return data.motion, np.arange(data.motion.n)
 
     def input_errors(self, data: Sensed, model: Model, rng: np.random.Generator, m: int) -> Array:
         """Forces along motions that the sensors may have meant, less that along the fused one."""

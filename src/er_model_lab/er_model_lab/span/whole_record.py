@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from er_model_lab.motion.drift import without_drift
 from er_model_lab.motion.fuse import WITHOUT_A, Channels, Noise, channels_of, fuse
 from er_model_lab.motion.noise_levels import adapt
-from er_model_lab.problem.forward import DamperForward
+from er_model_lab.problem.forward import DamperForward, Past
 from er_model_lab.problem.motion_error import Sensed
 from er_model_lab.problem.prepare import (
     FOR_NOISE,
@@ -66,6 +66,11 @@ class LongForward(DamperForward):
             forces = predict_many(model, vectors[k : k + AT_ONCE], self.whole.motion)
             out[k : k + AT_ONCE] = forces[:, self.whole.rows]
         return out
+
+    def past(self, data: Sensed) -> Past | None:
+        """The motion of all records, and where the stretches are."""
+        del data
+        return self.whole.motion, self.whole.rows
 
     def predict(self, data: Sensed, model: Model) -> Array:
         """Force (n,) along the stretches."""

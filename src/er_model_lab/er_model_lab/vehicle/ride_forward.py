@@ -15,7 +15,7 @@ from er_models.effect import Effect
 from er_models.model import Array, Model
 from er_models.scales import Scales
 
-from er_model_lab.problem.forward import Free, Limits, Output
+from er_model_lab.problem.forward import Free, Limits, Output, Past
 from er_model_lab.problem.motion_error import Sensed
 from er_model_lab.vehicle.ride import CHANNELS, SETTLE, Course, drive, drive_many, with_values
 from er_model_lab.work import HERE
@@ -159,6 +159,10 @@ class RideForward:
     def scales(self) -> Scales | None:
         """Envelope of the ride."""
         return self.envelope
+
+    def past(self, data: Sensed) -> Past | None:
+        """None: the motion of a car is predicted."""
+        del data
 
     def input_errors(self, data: Sensed, model: Model, rng: np.random.Generator, m: int) -> Array:
         """None: road and duty are taken as they are; their errors are part of what is left."""

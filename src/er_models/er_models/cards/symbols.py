@@ -45,6 +45,7 @@ ACTS: dict[str, tuple[str, str]] = {
     "limit": ("F_d :=", r"F_d \mathrel{:=}"),
     "relax": ("w' =", r"\dot w ="),
     "bound": ("|w| <=", r"|w| \le"),
+    "give": ("beyond, back at a rate of", r"\text{beyond, back at a rate of}\quad"),
     "sense": ("F_m :=", r"F_m \mathrel{:=}"),
     "input_delay": ("delay of u +=", r"\text{delay of } u \mathrel{+}="),
     "output_delay": ("delay of F_m +=", r"\text{delay of } F_m \mathrel{+}="),

@@ -90,9 +90,14 @@ def _bound(catalogue: Catalogue, effect: Effect, slot: int) -> list[str]:
     """Lines that keep an effect's state within its bound, where it has one."""
     if "bound" not in effect.hooks:
         return []
-    return _call(
-        catalogue, effect, "bound", f"s[W, {slot}] = min(max(s[W, {slot}], -({{call}})), {{call}})"
-    )
+    if "give" not in effect.hooks:
+        clipped = f"s[W, {slot}] = min(max(s[W, {slot}], -({{call}})), {{call}})"
+        return _call(catalogue, effect, "bound", clipped)
+    pressed = f"s[W, {slot}] = pressed(s, first + {slot}, h, how, limit, {{call}})"
+    return [
+        *_call(catalogue, effect, "bound", "limit = {call}"),
+        *_call(catalogue, effect, "give", pressed),
+    ]
 
 
 def _lines(

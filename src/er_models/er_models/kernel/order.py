@@ -38,6 +38,8 @@ KNOWN_FROM = {
     "f_m": "sense",
 }
 """Place of `ORDER` from which a hook may ask for a signal of the damper."""
+OF_STATE = ("relax", "bound", "give")
+"""Hooks that act where the state of their effect is brought forward."""
 _CAR = ("x", "v", "z_t", "v_t", "v_s", "m_s", "m_us")
 OUTSIDE: dict[str, tuple[str, ...]] = {
     "input_delay": (), "output_delay": (),
@@ -52,7 +54,7 @@ def signals_of(effect: Effect, hook: str) -> tuple[str, ...]:
     """Signals that a hook of an effect may ask for, `w` among them where it has a state."""
     if hook in OUTSIDE:
         return OUTSIDE[hook]
-    place = relaxes_at(effect) or "late" if hook in ("relax", "bound") else hook
+    place = relaxes_at(effect) or "late" if hook in OF_STATE else hook
     known = tuple(name for name, start in KNOWN_FROM.items() if not _before(place, start))
     return (*known, "w") if effect.has_state else known
 

@@ -122,6 +122,35 @@ def follow(s, j, h, how):
     return (s[W0, j] + h * drive) / (1.0 + h * rate)
 
 
+@inner
+def pressed(s, j, h, how, bound, give):
+    """State j at the end of a step where what lies beyond +-bound springs back at a rate `give`.
+
+    That part decays faster, from where it was, or from when the state came to its bound within the step.
+    """
+    w, w0 = s[W, j], s[W0, j]
+    begun = abs(w0) > bound
+    if abs(w) <= bound and not begun:
+        return w
+    edge = math.copysign(bound, w0 if begun else w)
+    rate, drive = s[R, j] + give, s[G, j] - s[R, j] * edge
+    if how == SETTLE:
+        beyond = drive / rate
+    elif how == STAGE:
+        beyond = (w0 - edge + h * drive) / (1.0 + h * rate)
+    elif begun:
+        beyond = held(w0 - edge, s[R0, j], s[G0, j] - s[R0, j] * edge, rate, drive, h)
+    else:
+        beyond = held(0.0, rate, drive, rate, drive, h * (w - edge) / (w - w0))
+    if beyond * (w0 if begun else w) <= 0.0:
+        if begun and how == HOLD:
+            w = held(w0, s[R0, j] - give, s[G0, j] - give * edge, s[R, j], s[G, j], h)
+        return min(max(w, -bound), bound)
+    s[R, j] = rate
+    s[G, j] += give * edge
+    return edge + beyond
+
+
 @inline
 def solve(on, links, p, s, h, how, x, v, a, u, t, theta):
     """Forces and duty at the end of a step of length h, with all states; h = 0 only evaluates."""
@@ -130,7 +159,7 @@ def solve(on, links, p, s, h, how, x, v, a, u, t, theta):
     forces = (0.0, 0.0, 0.0)
     for k in range(PASSES):
         forces = damper(on, p, s, h, how, x, v, a, u, t, theta)
-        if not links.shape[0] or refined(links, s, k):
+        if not links.shape[0] or refined(links, s, k, forces[0]):
             break
     return forces
 
@@ -153,12 +182,17 @@ def begin(links, s):
 
 
 @inner
-def refined(links, s, k):
-    """Whether every state that feeds back agrees with what follows from it; if not, the next trial is set."""
+def refined(links, s, k, force):
+    """Whether every state that feeds back agrees with what follows from it; if not, the next trial is set.
+
+    The rest of the force, the last state, is a difference: it is known as well as the force itself [N], no better.
+    """
     worst = 0.0
     for i in range(links.shape[0]):
         j = links[i]
         size = abs(s[W, j]) + abs(s[W0, j])
+        if j == s.shape[1] - 1:
+            size += abs(force)
         worst = max(worst, abs(s[W, j] - s[TRY, j]) - CLOSE * size)
     if not worst > 0.0:
         return True

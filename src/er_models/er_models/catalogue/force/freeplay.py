@@ -1,6 +1,9 @@
-"""Freeplay: a joint with a gap of +-b, in series with the damper, that carries no force until it closes."""
+"""Freeplay: a joint with a gap of +-b, in series with the damper, that carries no force until it closes.
 
-from er_models.effect import CONTACT, LEAST_DAMPING, Effect, Param, Signature
+Closed it is rigid, or gives way by q times the force.
+"""
+
+from er_models.effect import CONTACT, LEAST_COMPLIANCE, LEAST_DAMPING, Effect, Param, Signature
 
 
 def relax(k_0: float, c_0: float, x: float, v: float, f_r: float) -> tuple[float, float]:
@@ -13,16 +16,22 @@ def bound(b: float) -> float:
     return b
 
 
+def give(q: float, c_0: float) -> float:
+    """Rate at which the closed joint springs back against the damper [1/s]."""
+    return 1.0 / ((q + LEAST_COMPLIANCE) * (c_0 + LEAST_DAMPING))
+
+
 def shift_deflection(x: float, w: float) -> float:
     """Deflection of the damper itself [m]."""
     return x - w
 
 
 def shift_velocity(
-    b: float, k_0: float, c_0: float, x: float, v: float, f_r: float, w: float
+    b: float, q: float, k_0: float, c_0: float, x: float, v: float, f_r: float, w: float
 ) -> float:
-    """Velocity of the damper itself [m/s]: that of the joint when closed, free of force when open."""
-    return v if abs(w) >= b else -(k_0 * x + f_r) / (c_0 + LEAST_DAMPING)
+    """Velocity of the damper itself [m/s]: that of the joint when closed and rigid, else as its force moves it."""
+    push = (max(w - b, 0.0) + min(w + b, 0.0)) / (q + LEAST_COMPLIANCE)
+    return v if q <= 0.0 and abs(w) >= b else (push - k_0 * x - f_r) / (c_0 + LEAST_DAMPING)
 
 
 EFFECT = Effect(
@@ -31,10 +40,24 @@ EFFECT = Effect(
     title="Freeplay (backlash)",
     physics="A worn joint must cross its gap each time the force changes its sign, before the damper works "
     "again; meanwhile the damper is free and relaxes.",
-    parameters=(Param("b", "m", 0.0, 0.3, 0.0, (0.01, 0.03), "half the gap", step=CONTACT),),
+    parameters=(
+        Param("b", "m", 0.0, 0.3, 0.0, (0.01, 0.03), "half the gap", step=CONTACT),
+        Param(
+            "q",
+            "m/N",
+            0.0,
+            2.0,
+            0.0,
+            (1e-3,),
+            "compliance of the closed joint",
+            step=1e-3,  # of so stiff a spring less is lost in the rounding of its travel
+            optional=True,
+        ),
+    ),
     hooks={
         "relax": relax,
         "bound": bound,
+        "give": give,
         "shift_deflection": shift_deflection,
         "shift_velocity": shift_velocity,
     },

@@ -25,7 +25,7 @@ EFFECT = Effect(
         mark="yield force shrinks with time at equal duty",
         plane="time",
         experiment="the same run at the beginning and at the end, rest between",
-        rivals=("self_heating",),
+        rivals=("self_heating", "force_fade"),
         needs=("minutes",),
     ),
     source="sedimentation of electrorheological suspensions; thesis 6.2.2 (loss of effectiveness)",

@@ -37,7 +37,7 @@ EFFECT = Effect(
         mark="damping fades with the work done and recovers at rest",
         plane="time",
         experiment="soak at high power, then rest, then the first run again",
-        rivals=("effectiveness_fade",),
+        rivals=("effectiveness_fade", "force_fade"),
         needs=("minutes", "load_change"),
     ),
     source="lumped thermal model; Dixon 2007, ch. 3; Batterbee and Sims 2009",
