@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from er_model_lab.records.record import Record
+from er_records.record import Record
 from scipy.signal import lfilter
 
 DT = 0.005

@@ -16,10 +16,10 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
-from er_model_lab.records.dataset import Dataset
 from er_model_lab.versions import versions
 from er_models.files import load_model
 from er_models.model import Model
+from er_records.dataset import Dataset
 
 from test.identify_data import TRUTHS, Truth, program
 

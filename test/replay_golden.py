@@ -22,12 +22,12 @@ from er_bringup.programs import CORES
 from er_bringup.recording import opened
 from er_common.parameter_table import build as parameters_of
 from er_ftc_controller.programs import SKYHOOK
-from er_model_lab.recording.bag_writer import BagWriter
 from er_models.files import load_model
 from er_observers.programs import OBSERVERS
 from er_plant_sim.build import build
 from er_plant_sim.duty_gate import Command
 from er_plant_sim.settings import PlantParameters
+from er_records.recording.bag_writer import BagWriter
 from er_ros_common.builders import Tick
 from er_ros_common.core import When
 from rclpy.serialization import serialize_message

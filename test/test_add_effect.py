@@ -52,7 +52,7 @@ def follow(copy, left_out=None):
 
 
 def few(copy):
-    """Leave only the damper, the car and the new effect with its rival, since they are compiled in a third of the time."""
+    """Leave only the damper, the car and the new effect with its rival: a third of the time to compile."""
     path = copy / "src/er_models/er_models/catalogue/__init__.py"
     kept = re.compile(
         rf'    "(core\.|vehicle\.quarter_car|force\.quadratic_damping|force\.{NAME})'

@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from er_model_lab.records.load import load
+from er_records.load import load
 
 from test.graph_help import Graph, own_domain
 

@@ -13,10 +13,10 @@ import pytest
 pytest.importorskip("rclpy")
 
 from er_common.stamps import SECOND
-from er_model_lab.recording.message_count import header_of
-from er_model_lab.records.load import load
-from er_model_lab.records.readers.mcap_salvage import salvage
-from er_model_lab.records.repair import SHORT_GAP
+from er_records.load import load
+from er_records.readers.mcap_salvage import salvage
+from er_records.recording.message_count import header_of
+from er_records.repair import SHORT_GAP
 from rosbags.highlevel import AnyReader
 
 from test.graph_help import (

@@ -11,10 +11,10 @@ from er_model_lab.cli.app import app
 from er_model_lab.identification import identified
 from er_model_lab.identification.findings import findings, missing
 from er_model_lab.identification.present import parameters
-from er_model_lab.records.dataset import Dataset
 from er_models.files import load_model
 from er_plant_sim.build import build
 from er_plant_sim.settings import PlantParameters
+from er_records.dataset import Dataset
 from typer.testing import CliRunner
 
 from test.identify_data import TRUTHS, program

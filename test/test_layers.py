@@ -10,14 +10,15 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 OURS = (
-    "er_models", "er_common", "er_model_lab", "er_observers", "er_ftc_controller", "er_plant_sim",
-    "er_ros_common", "er_bringup", "er_damper_msgs", "er_studies",
+    "er_models", "er_common", "er_records", "er_model_lab", "er_observers", "er_ftc_controller",
+    "er_plant_sim", "er_ros_common", "er_bringup", "er_damper_msgs", "er_studies",
 )  # fmt: skip
 ALLOWED = {
     "er_models": set(),
     "er_common": {"er_models"},
     "er_ros_common": {"er_models", "er_common", "er_damper_msgs"},
-    "er_model_lab": {"er_models", "er_common", "er_ros_common", "er_damper_msgs"},
+    "er_records": {"er_models", "er_common"},
+    "er_model_lab": {"er_models", "er_common", "er_records", "er_ros_common", "er_damper_msgs"},
     "er_observers": {"er_models", "er_common", "er_ros_common", "er_damper_msgs"},
     "er_ftc_controller": {"er_models", "er_common", "er_ros_common", "er_damper_msgs"},
     "er_plant_sim": {"er_models", "er_common", "er_ros_common", "er_damper_msgs"},

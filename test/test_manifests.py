@@ -180,4 +180,9 @@ def test_nothing_is_asked_for_that_no_code_uses(package: str) -> None:
         for module in imported(package, pure=True)
         for name in brings.get(module, [module])
     }
-    assert wanted(package).keys() <= used | {"clarabel", "plotly", "pyarrow", canonicalize_name(package)}
+    assert wanted(package).keys() <= used | {
+        "clarabel",
+        "plotly",
+        "pyarrow",
+        canonicalize_name(package),
+    }

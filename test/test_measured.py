@@ -8,9 +8,9 @@ that are here, shows what it means for them.
 import numpy as np
 import pytest
 from er_model_lab.problem.prepare import prepare
-from er_model_lab.records.dataset import Dataset
 from er_models.files import load_model
 from er_models.prediction import predict
+from er_records.dataset import Dataset
 from er_studies.importers.data_sets import import_data
 from er_studies.importers.mts import split
 

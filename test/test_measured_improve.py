@@ -7,8 +7,8 @@ from er_model_lab.level.damper import DamperLevel
 from er_model_lab.level.investigate import Question, investigate
 from er_model_lab.preflight.check import preflight
 from er_model_lab.problem.forward import DamperForward
-from er_model_lab.records.dataset import Dataset
 from er_models.files import load_model
+from er_records.dataset import Dataset
 from er_studies.importers.data_sets import import_data
 
 from test.conftest import ROOT

@@ -13,11 +13,11 @@ from er_model_lab.planning import motions_and_duties, planner, search
 from er_model_lab.planning.limits import Sensors
 from er_model_lab.planning.simulated_decision import measured
 from er_model_lab.planning.virtual_rig import run_all
-from er_model_lab.records.write import write_csv
 from er_models.files import load_model
 from er_models.program import Program, document_of, load_program
 from er_plant_sim.build import build
 from er_plant_sim.settings import table
+from er_records.write import write_csv
 from typer.testing import CliRunner
 
 from er_plant_sim import rig

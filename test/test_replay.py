@@ -16,7 +16,7 @@ pytest.importorskip("rclpy")
 
 
 from er_bringup.recording import opened
-from er_model_lab.records.readers.bag_names import custom_data
+from er_records.readers.bag_names import custom_data
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from er_bringup import played
@@ -87,7 +87,7 @@ def test_the_answers_are_golden(bag: Path) -> None:
 def changed(bag: Path, out: Path, change: Callable[[str, Any], Any]) -> Path:
     """A copy of a recording; change: topic and message to what is written, None for nothing."""
     from er_model_lab.nodes.selection import message_class
-    from er_model_lab.recording.bag_writer import BagWriter
+    from er_records.recording.bag_writer import BagWriter
     from rclpy.serialization import deserialize_message, serialize_message
     from rosbags.highlevel import AnyReader
 
@@ -105,7 +105,7 @@ def changed(bag: Path, out: Path, change: Callable[[str, Any], Any]) -> Path:
 
 def in_a_car(bag: Path, out: Path, space: str, names: dict[str, str]) -> Path:
     """A copy of a recording as one of a corner, some topics of which have other names."""
-    from er_model_lab.recording.bag_writer import BagWriter
+    from er_records.recording.bag_writer import BagWriter
     from rosbags.highlevel import AnyReader
 
     writer, made = BagWriter(out), {}
@@ -513,7 +513,7 @@ def test_a_clock_that_was_set_forward_costs_some_steps_and_changes_no_answer(
 def test_notes_that_are_none_are_refused_in_one_line(
     replay: Replay, tmp_path: Path, key: str, noted: str
 ) -> None:
-    from er_model_lab.recording.bag_writer import BagWriter
+    from er_records.recording.bag_writer import BagWriter
 
     BagWriter(tmp_path / "bag").close({key: noted})
     status, text, _ = replay(tmp_path / "bag")
@@ -525,7 +525,7 @@ def test_notes_that_are_none_are_refused_in_one_line(
 def test_what_a_recorder_that_was_held_up_wrote_is_played_as_the_node_had_it(
     replay: Replay, bag: Path, tmp_path: Path
 ) -> None:
-    from er_model_lab.recording.bag_writer import BagWriter
+    from er_records.recording.bag_writer import BagWriter
     from rosbags.highlevel import AnyReader
 
     held, written = (1_500_000_000, 1_800_000_000), []

@@ -11,6 +11,7 @@ ROOT = Path(__file__).resolve().parents[1]
 TYPED = (
     "src/er_models/er_models",
     "src/er_common/er_common",
+    "src/er_records/er_records",
     "src/er_model_lab/er_model_lab",
     "src/er_observers/er_observers",
     "src/er_plant_sim/er_plant_sim",

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from er_common.topics import ACCELERATION, DEFLECTION, FORCE, PWM_APPLIED
-from er_model_lab.recording.bag_writer import BagWriter
+from er_records.recording.bag_writer import BagWriter
 from er_ros_common.builders import Tick
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
@@ -27,7 +27,8 @@ from test.conftest import ROOT
 from test.sample import write_sample
 
 PURE = (
-    "er_models", "er_common", "er_model_lab", "er_observers", "er_ftc_controller", "er_plant_sim",
+    "er_models", "er_common", "er_records", "er_model_lab", "er_observers", "er_ftc_controller",
+    "er_plant_sim",
 )  # fmt: skip
 WANTED = (
     "er_model_lab[bags,plots]",

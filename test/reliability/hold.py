@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from time import sleep
 
-from er_model_lab.recording.message_count import header_of
+from er_records.recording.message_count import header_of
 from rosbags.highlevel import AnyReader
 
 from er_common import topics

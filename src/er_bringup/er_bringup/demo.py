@@ -111,8 +111,8 @@ def repeated(bag: Path) -> str:
 def reach(truth: Model, learn: Path, check: Path) -> float:
     """Error of the true model itself on the check run [N]: what only the sensors leave."""
     from er_model_lab.level.damper import opened
-    from er_model_lab.records.dataset import Dataset
     from er_model_lab.verbs.load import load
+    from er_records.dataset import Dataset
 
     found = opened(Dataset.of(load(learn).records, load(check).records), truth)
     return float(np.sqrt(np.mean(found.given[found.problem.held_out] ** 2)))

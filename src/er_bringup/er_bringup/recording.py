@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from er_common.topics import Topic
-from er_model_lab.records.readers.bag_files import METADATA, data_files, unclosed
-from er_model_lab.records.readers.bag_names import custom_data, usual_names
-from er_model_lab.records.readers.mcap_salvage import salvage
-from er_model_lab.records.readers.rosbag import decoder, reason
 from er_models.errors import InputError
+from er_records.readers.bag_files import METADATA, data_files, unclosed
+from er_records.readers.bag_names import custom_data, usual_names
+from er_records.readers.mcap_salvage import salvage
+from er_records.readers.rosbag import decoder, reason
 from rosbags.highlevel import AnyReader
 
 Came = tuple[str, Any, int]

@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from er_models.errors import ErError, InputError, MissingChannel, UnknownName
     from er_models.files import save_model
     from er_models.version import __version__
+    from er_records.dataset import Dataset
+    from er_records.in_memory import from_arrays, from_frame
+    from er_records.record import Record
 
     from er_model_lab.diagnosis.rule import Rule
-    from er_model_lab.records.dataset import Dataset
-    from er_model_lab.records.in_memory import from_arrays, from_frame
-    from er_model_lab.records.record import Record
     from er_model_lab.results.records import CandidateResult, Errors, Parameter, Step
     from er_model_lab.results.result import (
         CheckResult,
@@ -47,9 +47,9 @@ if TYPE_CHECKING:
 _HOME = {
     "ErError": "er_models.errors", "InputError": "er_models.errors", "MissingChannel": "er_models.errors",
     "UnknownName": "er_models.errors", "save_model": "er_models.files", "__version__": "er_models.version",
-    "Rule": "er_model_lab.diagnosis.rule", "Dataset": "er_model_lab.records.dataset",
-    "Record": "er_model_lab.records.record",
-    **dict.fromkeys(("from_arrays", "from_frame"), "er_model_lab.records.in_memory"),
+    "Rule": "er_model_lab.diagnosis.rule", "Dataset": "er_records.dataset",
+    "Record": "er_records.record",
+    **dict.fromkeys(("from_arrays", "from_frame"), "er_records.in_memory"),
     **dict.fromkeys(
         ("CandidateResult", "Errors", "Parameter", "Step"), "er_model_lab.results.records"
     ),

@@ -8,11 +8,11 @@ from er_model_lab.diagnosis.verdict import Evidence
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.level.study import Opened
 from er_model_lab.problem.prepare import prepare
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
 from er_model_lab.span.span import All
 from er_models.files import load_model
 from er_models.prediction import motion, predict
+from er_records.dataset import Dataset
+from er_records.record import Record
 
 GUO = Path(__file__).resolve().parents[3] / "config" / "dampers" / "inove_guo.yaml"
 DT, FORCE_NOISE = 0.005, 0.15

@@ -5,17 +5,18 @@ import shutil
 import numpy as np
 import pytest
 from er_model_lab.cli.app import app
-from er_model_lab.records import copies
-from er_model_lab.records.copies import used_once
-from er_model_lab.records.record import Record
-from er_model_lab.records.write import write_csv, write_parquet
 from er_model_lab.verbs.asking import question
 from er_model_lab.verbs.compare import compare
 from er_model_lab.verbs.load import load
 from er_models.errors import InputError
 from er_models.files import load_model
+from er_records.copies import used_once
+from er_records.record import Record
+from er_records.write import write_csv, write_parquet
 from lab_help import DT, GUO, imposed
 from typer.testing import CliRunner
+
+from er_records import copies
 
 
 def record(seed, name="run", n=1200):

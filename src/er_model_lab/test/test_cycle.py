@@ -11,10 +11,10 @@ from er_model_lab.level.damper import opened
 from er_model_lab.motion.repetition import cycle
 from er_model_lab.planning.suggest import suggestions
 from er_model_lab.preflight.check import preflight
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
 from er_models.files import load_model
 from er_models.prediction import motion, predict
+from er_records.dataset import Dataset
+from er_records.record import Record
 from lab_help import DT, GUO, imposed
 
 N = 2400

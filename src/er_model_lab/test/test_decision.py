@@ -36,11 +36,11 @@ from er_model_lab.fitting.fit import fit
 from er_model_lab.level.study import Study
 from er_model_lab.problem.motion_error import drawn
 from er_model_lab.problem.prepare import prepare
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
 from er_model_lab.residual.errors import size_notes
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_models.errors import InputError
+from er_records.dataset import Dataset
+from er_records.record import Record
 from lab_help import FORCE_NOISE, asked, imposed, problem_of
 from scipy.signal import lfilter
 

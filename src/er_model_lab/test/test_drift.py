@@ -5,9 +5,9 @@ import pytest
 from er_model_lab.motion.drift import drift
 from er_model_lab.problem import stretches
 from er_model_lab.problem.prepare import prepare
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
 from er_model_lab.span.whole_record import on_whole
+from er_records.dataset import Dataset
+from er_records.record import Record
 from lab_help import DT, imposed
 
 

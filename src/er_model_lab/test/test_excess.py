@@ -5,11 +5,11 @@ import pytest
 from er_model_lab.diagnosis.floor_estimates import floors
 from er_model_lab.diagnosis.noise_floor import Floor
 from er_model_lab.problem.prepare import prepare
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
 from er_model_lab.residual.excess import noise_at, region_tables
 from er_models.files import load_model
 from er_models.prediction import motion, predict
+from er_records.dataset import Dataset
+from er_records.record import Record
 from lab_help import DT, FORCE_NOISE, GUO, imposed, problem_of
 
 

@@ -43,8 +43,8 @@ JINJA = "a report needs the Python package jinja2: pip install 'er_model_lab[plo
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("check", "run.mcap"), "run.mcap: a bag needs the Python package rosbags: pip install 'er_model_lab[bags]'"),
-        (("check", "run.mf4"), "run.mf4: MF4 needs the Python package asammdf: pip install 'er_model_lab[mf4]'"),
+        (("check", "run.mcap"), "run.mcap: a bag needs the Python package rosbags: pip install 'er_records[bags]'"),
+        (("check", "run.mf4"), "run.mf4: MF4 needs the Python package asammdf: pip install 'er_records[mf4]'"),
         (("compare", "run.csv", *MODEL, "--report", "r"), JINJA),
         (("effects", "preload", "--report", "r"), JINJA),
     ],

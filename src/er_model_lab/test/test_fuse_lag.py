@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from er_model_lab.motion.fuse import as_measured
 from er_model_lab.problem.prepare import prepare
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
+from er_records.dataset import Dataset
+from er_records.record import Record
 
 DT, N = 0.005, 3000
 W = 2 * np.pi * np.array([0.7, 1.3, 2.1, 3.4, 5.2, 7.3])

@@ -5,8 +5,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from er_model_lab.problem.prepare import prepare
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
+from er_records.dataset import Dataset
+from er_records.record import Record
 
 DT = 0.005
 SD = {"deflection": 2e-5, "deflection_velocity": 1e-3, "sprung_acceleration": 0.025}

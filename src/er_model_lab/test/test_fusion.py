@@ -9,14 +9,14 @@ from er_model_lab.preflight.check import preflight
 from er_model_lab.preflight.usable_channels import use_findings
 from er_model_lab.problem.fusion_facts import biases, fusion_json
 from er_model_lab.problem.prepare import prepare, resampled
-from er_model_lab.records.dataset import Dataset, Place
-from er_model_lab.records.missing_channels import losses
-from er_model_lab.records.record import Record
-from er_model_lab.records.sampling import with_velocity
 from er_model_lab.residual.excess import quantities
 from er_models.errors import MissingChannel
 from er_models.files import load_model
 from er_models.prediction import motion, predict
+from er_records.dataset import Dataset, Place
+from er_records.missing_channels import losses
+from er_records.record import Record
+from er_records.sampling import with_velocity
 from lab_help import DT, FORCE_NOISE, GUO, imposed
 
 ACCELERATIONS = ("sprung_acceleration", "unsprung_acceleration")

@@ -17,11 +17,11 @@ from er_model_lab.identification.stretches import levels, stretches
 from er_model_lab.identification.visibility import imitators, visibility
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.problem.problem import Problem
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
 from er_models.files import load_model
 from er_models.model import Model
 from er_models.prediction import Motion, motion, predict
+from er_records.dataset import Dataset
+from er_records.record import Record
 
 DAMPERS = Path(__file__).parents[3] / "config" / "dampers"
 DT = 0.005

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from er_model_lab.diagnosis.coverage import _different, coverage
 from er_model_lab.problem.prepare import prepare
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
+from er_records.dataset import Dataset
+from er_records.record import Record
 from lab_help import DT, imposed
 
 

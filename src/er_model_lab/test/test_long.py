@@ -13,10 +13,6 @@ from er_model_lab.fitting.fit import fit
 from er_model_lab.planning.question import ask
 from er_model_lab.problem import stretches
 from er_model_lab.problem.prepare import prepare
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.load import fingerprint
-from er_model_lab.records.record import Record
-from er_model_lab.records.write import write_parquet
 from er_model_lab.span.span import spanned
 from er_model_lab.span.whole_record import on_whole
 from er_model_lab.verbs import plan
@@ -25,6 +21,10 @@ from er_model_lab.verbs.identify import identify
 from er_model_lab.verbs.load import load
 from er_models.files import load_model, save_model
 from er_models.prediction import motion, predict
+from er_records.dataset import Dataset
+from er_records.load import fingerprint
+from er_records.record import Record
+from er_records.write import write_parquet
 from lab_help import DT, GUO, imposed
 
 HEAT = {"t_h": 60.0, "b_v": 0.6, "b_y": 0.6}

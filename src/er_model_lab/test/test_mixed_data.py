@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from er_model_lab.cli.app import app
 from er_model_lab.preflight.check import preflight
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.duty_known import driven
-from er_model_lab.records.record import Record
-from er_model_lab.records.write import write_csv
 from er_models.errors import MissingChannel
 from er_models.files import load_model
 from er_models.prediction import motion, predict
+from er_records.dataset import Dataset
+from er_records.duty_known import driven
+from er_records.record import Record
+from er_records.write import write_csv
 from lab_help import DT, FORCE_NOISE, GUO, imposed
 from typer.testing import CliRunner
 

@@ -27,7 +27,6 @@ from er_model_lab.planning.simulated_decision import NOTHING, TIED, decision, me
 from er_model_lab.planning.suggest import suggestions
 from er_model_lab.planning.virtual_rig import run_all
 from er_model_lab.problem.prepare import prepare
-from er_model_lab.records.dataset import Dataset
 from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.view import View
 from er_models.errors import ErError, InputError
@@ -35,6 +34,7 @@ from er_models.files import load_model
 from er_models.model import Model
 from er_models.program import load_program, save_program, times
 from er_models.simulation import simulate
+from er_records.dataset import Dataset
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 DT = 0.005

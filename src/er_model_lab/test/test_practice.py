@@ -10,10 +10,10 @@ from er_model_lab.problem import subset
 from er_model_lab.problem.forward import DamperForward
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.problem.problem import Problem
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
 from er_models.files import load_model
 from er_models.prediction import motion, predict
+from er_records.dataset import Dataset
+from er_records.record import Record
 from lab_help import DT, GUO, imposed
 
 SECONDS, RUNS = 12.0, 6

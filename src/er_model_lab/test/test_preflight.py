@@ -9,12 +9,12 @@ from er_model_lab.cli.app import app
 from er_model_lab.preflight.check import findings, gate, preflight
 from er_model_lab.preflight.derivative import relate
 from er_model_lab.preflight.excitation import CELLS, needs
-from er_model_lab.records.load import load
-from er_model_lab.records.record import Record
-from er_model_lab.records.timing import timing_of
 from er_models.catalogue import CATALOGUE
 from er_models.effect import REGIONS
 from er_models.errors import InputError
+from er_records.load import load
+from er_records.record import Record
+from er_records.timing import timing_of
 from lab_help import DT, GUO, imposed
 from typer.testing import CliRunner
 

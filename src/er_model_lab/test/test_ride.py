@@ -12,13 +12,13 @@ from er_model_lab.diagnosis.null import simulate_null
 from er_model_lab.level.car_outputs import confounded
 from er_model_lab.problem import stretches
 from er_model_lab.problem.held_out import FOLDS
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
 from er_model_lab.vehicle.ride import CHANNELS, SETTLE
 from er_model_lab.vehicle.ride_problem import open_ride
 from er_models.errors import InputError
 from er_models.files import load_model, save_model
 from er_models.simulation import simulate
+from er_records.dataset import Dataset
+from er_records.record import Record
 from typer.testing import CliRunner
 
 CAR = Path(__file__).resolve().parents[3] / "config" / "vehicles" / "inove_quarter_car.yaml"

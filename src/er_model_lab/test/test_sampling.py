@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_model_lab.problem.prepare import resampled
-from er_model_lab.records.record import Record
-from er_model_lab.records.sampling import even
+from er_records.record import Record
+from er_records.sampling import even
 
 
 def sine(t, f=1.3):

@@ -8,11 +8,11 @@ import pytest
 from er_model_lab.diagnosis.investigation import search_effects
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.level.damper import opened
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
 from er_models.files import load_model
 from er_models.program import load_program, resolve, times
 from er_models.simulation import simulate
+from er_records.dataset import Dataset
+from er_records.record import Record
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 DT = 0.005

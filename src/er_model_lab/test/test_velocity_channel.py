@@ -14,12 +14,12 @@ from er_model_lab.level.study import Study
 from er_model_lab.preflight.check import preflight
 from er_model_lab.problem import stretches
 from er_model_lab.problem.prepare import prepare
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_models.errors import MissingChannel
 from er_models.files import load_model
 from er_models.prediction import motion, predict
+from er_records.dataset import Dataset
+from er_records.record import Record
 from lab_help import DT, EVIDENCE, FORCE_NOISE, GUO, asked, imposed
 
 ACCELERATIONS = ("sprung_acceleration", "unsprung_acceleration")

@@ -18,12 +18,12 @@ from er_model_lab.jobs import processes as own_processes
 from er_model_lab.problem import problem as problem_module
 from er_model_lab.problem.forward import DamperForward
 from er_model_lab.problem.prepare import prepare
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
 from er_model_lab.work import HERE, Cancelled, Leader, Work
 from er_models.catalogue import CATALOGUE
 from er_models.files import load_model
 from er_models.own import effects
+from er_records.dataset import Dataset
+from er_records.record import Record
 from lab_help import DT, GUO, imposed, problem_of
 
 

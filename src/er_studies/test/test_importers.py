@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.records.load import fingerprint, load
-from er_model_lab.records.record import Array, Record
 from er_models.errors import ErError, InputError
+from er_records.load import fingerprint, load
+from er_records.record import Array, Record
 from er_studies.importers import mts, shaking_table
 from er_studies.importers.checks import dissipated
 from er_studies.importers.command import KINDS, app

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 
-from er_model_lab.extras import extra
+from er_common.extras import extra
+
 from er_models import places
 
 MEASURED = ("DATA", "--data", "--hold-out")
@@ -21,14 +22,14 @@ def writable(
     A report is refused as early where what draws it is not installed.
     """
     if report is not None:
-        with extra("plots", "a report"):
+        with extra("er_model_lab[plots]", "a report"):
             import_module("er_model_lab.output.report.page")
     places.writable(files, report, read, _opened)
 
 
 def _opened(argument: str, path: Path) -> list[Path]:
     """A path, or the recordings under it with every file that reading them opens."""
-    from er_model_lab.records.load import files_of, recordings
+    from er_records.load import files_of, recordings
 
     if argument not in MEASURED:
         return [path]

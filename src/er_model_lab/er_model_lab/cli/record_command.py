@@ -6,9 +6,8 @@ import sys
 from collections.abc import Sequence
 
 from er_models.one_line import OneLine
+from er_records.recording.bag_writer import STORAGES
 from er_ros_common.arguments import Value, ros_arguments
-
-from er_model_lab.recording.bag_writer import STORAGES
 
 
 def parser() -> OneLine:

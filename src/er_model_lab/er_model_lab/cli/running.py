@@ -21,7 +21,8 @@ from er_model_lab.cli.places import writable
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from er_model_lab.records.dataset import Dataset
+    from er_records.dataset import Dataset
+
     from er_model_lab.results.result import Result
     from er_model_lab.work import Leader, Progress
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from er_records.dataset import Dataset
 from numpy.typing import NDArray
 
 from er_model_lab.diagnosis.investigation import Diagnosis
 from er_model_lab.fitting.fit import cross_validated
 from er_model_lab.problem.problem import Problem
-from er_model_lab.records.dataset import Dataset
 
 FEWEST = 3
 """Records from which on one of them can be left out."""

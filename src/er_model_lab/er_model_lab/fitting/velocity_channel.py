@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from er_models.model import Model
+from er_records.dataset import Dataset
+from er_records.record import Record
 
 from er_model_lab.fitting.fit import Fit
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
 
 KINEMATIC = ("velocity_lag", "velocity_gain")
 """Errors of the velocity channel that are undone before the motion is fused."""

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 from er_models.model import Array, Model
+from er_records.dataset import Dataset
 
 from er_model_lab.fitting.envelope import with_unfelt
 from er_model_lab.fitting.fit import with_deviations
@@ -21,7 +22,6 @@ from er_model_lab.level.damper import opened
 from er_model_lab.problem.forward import Free
 from er_model_lab.problem.held_out import WARM_UP
 from er_model_lab.problem.problem import Problem
-from er_model_lab.records.dataset import Dataset
 from er_model_lab.span.span import Span
 from er_model_lab.work import HERE, Work
 

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 from er_models.model import Array
+from er_records.record import CHANNELS
 
 from er_model_lab.fitting.fit import Fit
 from er_model_lab.level.study import Study
 from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.problem.problem import Problem
-from er_model_lab.records.record import CHANNELS
 
 UNKNOWN = 1.0 / 3.0
 """Standard deviation of a change of parameters, all by one share of their values, from which it is not known."""

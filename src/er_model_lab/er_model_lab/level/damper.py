@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from er_models.errors import MissingChannel
 from er_models.model import Model
+from er_records.dataset import Dataset
+from er_records.duty_known import driven
 
 from er_model_lab.diagnosis.candidates import Candidate, baseline
 from er_model_lab.diagnosis.evidence import shares
@@ -40,8 +42,6 @@ from er_model_lab.problem.fit_store import Notes
 from er_model_lab.problem.fusion_facts import fusion_json
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.problem.problem import Problem
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.duty_known import driven
 from er_model_lab.residual.errors import size_notes
 from er_model_lab.residual.excess import noise_at
 from er_model_lab.span.span import Span, spanned

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from er_models.errors import InputError
+from er_records.dataset import Dataset
 
 from er_model_lab.diagnosis.candidates import made_ready
 from er_model_lab.level.damper import DamperLevel
@@ -13,7 +14,6 @@ from er_model_lab.level.study import Study, checked, told
 from er_model_lab.level.vehicle import VehicleLevel
 from er_model_lab.problem.fit_store import Notes
 from er_model_lab.problem.stretches import with_more
-from er_model_lab.records.dataset import Dataset
 
 LEVELS: dict[str, Level] = {level.name: level for level in (DamperLevel(), VehicleLevel())}
 

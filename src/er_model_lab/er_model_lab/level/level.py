@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from er_models.model import Array, Model
+from er_records.dataset import Dataset
 
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.level.study import Opened, Study
 from er_model_lab.preflight.check import Preflight
 from er_model_lab.problem.fit_store import Notes
-from er_model_lab.records.dataset import Dataset
 from er_model_lab.work import HERE, Work
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from er_models.model import Array, Model
+from er_records.dataset import Dataset
 
 from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.investigation import Diagnosis
 from er_model_lab.fitting.velocity_channel import as_searched
 from er_model_lab.problem.problem import Problem
-from er_model_lab.records.dataset import Dataset
 from er_model_lab.span.check import Checked
 from er_model_lab.span.span import Span, noted
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from er_models.model import Model
+from er_records.dataset import Dataset
 
 from er_model_lab.diagnosis.investigation import one_effect, search_effects
 from er_model_lab.fitting.envelope import with_unfelt
@@ -16,7 +17,6 @@ from er_model_lab.level.level import Judged, Question
 from er_model_lab.level.study import Opened, Study
 from er_model_lab.problem.fit_store import Notes
 from er_model_lab.problem.problem import Problem
-from er_model_lab.records.dataset import Dataset
 from er_model_lab.residual.excess import noise_at
 from er_model_lab.span.span import All
 from er_model_lab.vehicle.ride_problem import open_ride, ride_as_given

@@ -17,6 +17,9 @@ from time import monotonic
 
 from er_common.common_parameters import NodeParameters
 from er_models.errors import ErError, MissingChannel
+from er_records.recording.bag_writer import STORAGES, BagWriter
+from er_records.recording.message_count import Count
+from er_records.recording.message_definitions import full_definition
 from er_ros_common.graph_check import compatible, connected, offered
 from er_ros_common.health import Report
 from er_ros_common.help import Card
@@ -34,9 +37,6 @@ from er_model_lab.nodes.receipt import Receipt
 from er_model_lab.nodes.selection import KNOWN, Selection, message_class
 from er_model_lab.nodes.topic_writer import Heard
 from er_model_lab.programs import RECORDER
-from er_model_lab.recording.bag_writer import STORAGES, BagWriter
-from er_model_lab.recording.message_count import Count
-from er_model_lab.recording.message_definitions import full_definition
 from er_model_lab.versions import versions
 from er_ros_common import log
 

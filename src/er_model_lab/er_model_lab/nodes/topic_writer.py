@@ -6,6 +6,8 @@ from collections.abc import Callable
 from functools import partial
 from time import time_ns
 
+from er_records.recording.bag_writer import BagWriter
+from er_records.recording.message_count import Count, count, header_of
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 from rosbags.interfaces import Connection
@@ -14,8 +16,6 @@ from er_common import topics
 from er_damper_msgs.msg import NodeStatus
 from er_model_lab.nodes.own_messages import own
 from er_model_lab.nodes.selection import offers
-from er_model_lab.recording.bag_writer import BagWriter
-from er_model_lab.recording.message_count import Count, count, header_of
 
 OURS = "er_damper_msgs/msg/"
 Guard = Callable[[Callable[[], None]], None]

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 from er_models.scales import Scales
+from er_records.dataset import Dataset
 
 from er_model_lab.planning import motions_and_duties
 from er_model_lab.planning.limits import Limits, Sensors, nothing_fits
@@ -17,7 +18,6 @@ from er_model_lab.planning.strength import Rivals, from_data, standing_out
 from er_model_lab.planning.virtual_rig import Run
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.problem.problem import Problem
-from er_model_lab.records.dataset import Dataset
 
 
 def bench_for(

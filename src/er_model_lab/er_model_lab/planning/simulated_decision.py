@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from er_models.prediction import Motion
+from er_records.dataset import Dataset
+from er_records.record import Record
 
 from er_model_lab.diagnosis.candidates import Candidate, baseline, refit
 from er_model_lab.diagnosis.null import simulate_null
@@ -18,8 +20,6 @@ from er_model_lab.planning.question import Question
 from er_model_lab.planning.virtual_rig import Run
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.problem.problem import Problem
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
 from er_model_lab.work import HERE, Work
 
 REPLICATES = 8

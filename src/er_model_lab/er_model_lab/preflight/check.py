@@ -9,6 +9,7 @@ from typing import Any, Literal
 from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.errors import InputError
 from er_models.model import Model
+from er_records.record import Record
 
 from er_model_lab.preflight import excitation, kinematics, samples
 from er_model_lab.preflight.finding import ORDER, Finding
@@ -16,7 +17,6 @@ from er_model_lab.preflight.motion import motion_findings
 from er_model_lab.preflight.occupancy import CoverMap, maps
 from er_model_lab.preflight.size import size_findings
 from er_model_lab.preflight.usable_channels import use_findings
-from er_model_lab.records.record import Record
 
 Verdict = Literal["usable", "not_usable"]
 

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from er_models.catalogue import Catalogue
 from er_models.effect import Effect
+from er_records.record import Array, Record
 from numpy.typing import NDArray
-
-from er_model_lab.records.record import Array, Record
 
 Mask = NDArray[np.bool_]
 

@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from er_records.record import CHANNELS, Array, Record
 
 from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.preflight.derivative import Relation, relate
 from er_model_lab.preflight.finding import Finding, Level
-from er_model_lab.records.record import CHANNELS, Array, Record
 from er_models import constants
 
 LENGTHS: dict[str, float] = {"mm": 1e3, "cm": 1e2, "inches": 1.0 / 0.0254, "feet": 1.0 / 0.3048}

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
+from er_records.record import Record
 
 from er_model_lab.motion.repetition import FEW_CURVES, REMEDY, curves, cycles, one_curve
 from er_model_lab.preflight.finding import Finding
-from er_model_lab.records.record import Record
 
 
 def motion_findings(records: Sequence[Record]) -> Iterator[Finding]:

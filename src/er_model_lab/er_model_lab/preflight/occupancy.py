@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from er_records.record import Array
 
 from er_model_lab.preflight.excitation import Course, Reach
-from er_model_lab.records.record import Array
 
 PARTS, LINE = 12, 9
 """Parts of each axis of a plane, and of a line."""

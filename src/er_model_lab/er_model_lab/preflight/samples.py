@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from er_records.record import HELD, Array, Record, is_core
 from numpy.typing import NDArray
 
 from er_model_lab.preflight.finding import Finding, Level
-from er_model_lab.records.record import HELD, Array, Record, is_core
 
 JITTERY = 0.1
 """Jitter over the sample time that is worth a word."""

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from er_models.model import Array, Model
 from er_models.scales import peak
+from er_records.record import Record
 
 from er_model_lab.preflight.finding import Finding
-from er_model_lab.records.record import Record
 from er_model_lab.residual.errors import ANOTHER_SIZE
 
 

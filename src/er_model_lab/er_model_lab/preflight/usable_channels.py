@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from er_records.record import Record
+
 from er_model_lab.preflight.finding import Finding, Level
-from er_model_lab.records.record import Record
 
 MOTION = ("deflection", "deflection_velocity")
 OUTPUTS = ("damper_force", "sprung_acceleration", "unsprung_acceleration", *MOTION)

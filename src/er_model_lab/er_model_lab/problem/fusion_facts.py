@@ -12,11 +12,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from er_records.missing_channels import ACCELEROMETERS, losses
+from er_records.record import Array, Record
 
 from er_model_lab.motion.fuse import Fused
 from er_model_lab.problem.problem import Problem
-from er_model_lab.records.missing_channels import ACCELEROMETERS, losses
-from er_model_lab.records.record import Array, Record
 
 BIASED = 3.0
 """Standard deviations from which a bias is said to be there."""

@@ -13,6 +13,10 @@ import numpy as np
 from er_models.errors import InputError, MissingChannel
 from er_models.model import Array
 from er_models.prediction import Motion, join
+from er_records.dataset import Dataset
+from er_records.missing_channels import losses
+from er_records.record import HELD, Record
+from er_records.sampling import ROUNDED, at
 
 from er_model_lab.motion.drift import without_drift
 from er_model_lab.motion.fuse import WITHOUT_A, Channels, Fused, Noise, channels_of, fuse
@@ -20,10 +24,6 @@ from er_model_lab.motion.noise_levels import adapt, estimate_lag, estimate_noise
 from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.problem.held_out import split
 from er_model_lab.problem.problem import Problem
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.missing_channels import losses
-from er_model_lab.records.record import HELD, Record
-from er_model_lab.records.sampling import ROUNDED, at
 from er_model_lab.work import HERE, Work
 
 FOR_NOISE = 2500

@@ -14,10 +14,9 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+from er_records.dataset import Dataset, Place
+from er_records.record import Array, Record
 from numpy.typing import NDArray
-
-from er_model_lab.records.dataset import Dataset, Place
-from er_model_lab.records.record import Array, Record
 
 LONG = 120_000
 """Samples (ten minutes at 200 Hz) up to which everything is searched."""

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 
 import numpy as np
 from er_models.prediction import Motion
+from er_records.record import Record
 from numpy.typing import NDArray
 
 from er_model_lab.problem.stretches import STRETCH, chosen
-from er_model_lab.records.record import Record
 
 MANY, PRACTISED = 300.0, 75.0
 """Length of several runs together [s] from which fits begin on stretches of them, and that of these stretches."""

@@ -9,12 +9,12 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from er_common.extras import extra
 from er_models.errors import InputError
 from er_models.model import Model
 from er_models.program import Program
 
 from er_model_lab.diagnosis.verdict import Verdict
-from er_model_lab.extras import extra
 from er_model_lab.output.text.units import newtons, short
 from er_model_lab.results.records import CandidateResult, Errors, Parameter, Step, of
 from er_model_lab.view import View
@@ -52,7 +52,7 @@ class Result:
     @property
     def figures(self) -> tuple[str, ...]:
         """Names of the figures that `figure` draws."""
-        with extra("plots", "a figure"):
+        with extra("er_model_lab[plots]", "a figure"):
             from er_model_lab.output.report.page import figures_of
 
         return tuple(figures_of(self.view))
@@ -74,7 +74,7 @@ class Result:
             InputError: There is no figure of that name.
             ErError: A package that draws is not installed.
         """
-        with extra("plots", "a figure"):
+        with extra("er_model_lab[plots]", "a figure"):
             from er_model_lab.output.report.page import figures_of
             from er_model_lab.output.report.still import canvas
 
@@ -90,7 +90,7 @@ class Result:
             InputError: The folder cannot be written.
             ErError: A package that draws is not installed.
         """
-        with extra("plots", "a report"):
+        with extra("er_model_lab[plots]", "a report"):
             from er_model_lab.output.report.page import write_report
 
         return write_report(self.view, Path(folder))

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from er_models.model import Array, Model
 from er_models.prediction import predict
+from er_records.dataset import Place
 from numpy.typing import NDArray
 
 from er_model_lab.problem.held_out import WARM_UP
 from er_model_lab.problem.stretches import places_of
-from er_model_lab.records.dataset import Place
 from er_model_lab.residual.errors import explainable
 from er_model_lab.span.whole_record import WholeRecords, first_row
 

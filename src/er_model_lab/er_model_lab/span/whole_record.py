@@ -11,6 +11,8 @@ import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
 from er_models.prediction import Motion, join, predict_many
+from er_records.dataset import Dataset
+from er_records.record import Record
 from numpy.typing import NDArray
 
 from er_model_lab.motion.drift import without_drift
@@ -26,8 +28,6 @@ from er_model_lab.problem.prepare import (
     warmth,
 )
 from er_model_lab.problem.problem import Problem
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
 
 PIECE = 60.0
 """Length of what is fused at once [s]; its noise model is its own."""

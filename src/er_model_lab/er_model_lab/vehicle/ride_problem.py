@@ -10,6 +10,8 @@ from er_models.errors import InputError, MissingChannel
 from er_models.model import Array, Model
 from er_models.prediction import Motion
 from er_models.scales import Scales, peak
+from er_records.dataset import Dataset
+from er_records.record import Record
 from numpy.typing import NDArray
 
 from er_model_lab.fitting.fit import Fit, fit
@@ -18,8 +20,6 @@ from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.problem.held_out import FOLDS, TO_FIT, TO_HOLD_OUT, split
 from er_model_lab.problem.prepare import resampled
 from er_model_lab.problem.problem import Problem
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
 from er_model_lab.vehicle.ride import CHANNELS, SETTLE, Course, course, drive
 from er_model_lab.vehicle.ride_forward import RideForward, with_starts
 from er_model_lab.work import HERE, Work

@@ -6,10 +6,10 @@ from concurrent.futures import Executor
 
 from er_models.errors import ErError
 from er_models.model import Model
+from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.level.investigate import added
-from er_model_lab.records.dataset import Dataset
 from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.verbs.asking import question
 from er_model_lab.verbs.diagnose import result_of

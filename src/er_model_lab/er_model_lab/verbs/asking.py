@@ -6,6 +6,9 @@ from dataclasses import asdict
 from typing import Any
 
 from er_models.model import Model
+from er_records.copies import check_apart
+from er_records.dataset import Dataset
+from er_records.load import fingerprint, told_apart
 
 from er_model_lab.command_line import command_line
 from er_model_lab.diagnosis.rule import RULE, Rule
@@ -13,9 +16,6 @@ from er_model_lab.level.investigate import level_of
 from er_model_lab.level.level import Question
 from er_model_lab.preflight.check import gate, preflight
 from er_model_lab.problem.stretches import shortened
-from er_model_lab.records.copies import check_apart
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.load import fingerprint, told_apart
 from er_model_lab.versions import versions
 from er_model_lab.work import HERE, Work
 

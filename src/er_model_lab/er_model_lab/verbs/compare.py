@@ -7,12 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 from er_models.model import Array, Model
+from er_records.dataset import Dataset
+from er_records.load import fingerprint
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.level.level import Judged, Question
 from er_model_lab.level.study import Opened
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.load import fingerprint
 from er_model_lab.residual.excess import region_tables
 from er_model_lab.residual.region import RegionTable
 from er_model_lab.results.comparison import compare_json

@@ -6,6 +6,7 @@ from concurrent.futures import Executor
 from dataclasses import replace
 
 from er_models.model import Model
+from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.diagnosis.by_record import by_record
@@ -14,7 +15,6 @@ from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study
 from er_model_lab.planning.suggest import suggestions
-from er_model_lab.records.dataset import Dataset
 from er_model_lab.residual.errors import regions_json, worst
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import study_regions, study_view

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from er_models.model import Array, Model
+from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.diagnosis.by_record import by_record
@@ -16,7 +17,6 @@ from er_model_lab.fitting.velocity_channel import as_searched
 from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study
-from er_model_lab.records.dataset import Dataset
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import candidate_views, views
 from er_model_lab.results.passes import explained_by, taken_last, told_together

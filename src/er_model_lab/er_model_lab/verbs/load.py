@@ -7,10 +7,10 @@ from pathlib import Path
 
 from er_models.model import Model
 from er_models.own import effects
+from er_records.dataset import Dataset
 
-from er_model_lab.records import load as records
-from er_model_lab.records.dataset import Dataset
 from er_models import files
+from er_records import load as records
 
 
 def load(*paths: str | Path) -> Dataset:

@@ -8,6 +8,8 @@ from typing import Any
 
 from er_models.errors import InputError
 from er_models.model import Model
+from er_records.dataset import Dataset
+from er_records.load import fingerprint
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.command_line import command_line
@@ -18,8 +20,6 @@ from er_model_lab.planning.planner import planned
 from er_model_lab.planning.present import plan_json, plan_view, proposed
 from er_model_lab.planning.question import Question, ask
 from er_model_lab.problem.problem import Problem
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.load import fingerprint
 from er_model_lab.results.result import PlanResult
 from er_model_lab.results.values import clean
 from er_model_lab.span.span import noted

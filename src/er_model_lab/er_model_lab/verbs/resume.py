@@ -10,10 +10,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from er_models.model import Model
+from er_records.dataset import Dataset
+from er_records.load import fingerprint
 
 from er_model_lab.problem.fit_store import Notes, packed, unpacked
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.load import fingerprint
 
 BEGUN, STOPPED, FITS = "begun_from", "interrupted", "fits"
 """Keys in the history of a model file."""

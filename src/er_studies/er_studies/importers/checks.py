@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from er_model_lab.records.record import Array, Record
 from er_models.errors import InputError
+from er_records.record import Array, Record
 
 
 def centred(x: Array) -> tuple[Array, str]:

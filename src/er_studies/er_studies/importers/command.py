@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
 import typer
-from er_model_lab.records.record import Record
-from er_model_lab.records.write import finished_only, write_csv, write_parquet
 from er_models.errors import ErError
+from er_records.record import Record
+from er_records.write import finished_only, write_csv, write_parquet
 from rich.console import Console
 from rich.progress import track
 

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from er_model_lab.records.clean import clean
-from er_model_lab.records.record import Record
 from er_models.errors import InputError, UnknownName
+from er_records.clean import clean
+from er_records.record import Record
 
 from er_studies.importers import mts, piston_seal, shaking_table
 

@@ -18,8 +18,8 @@ from math import gcd
 from pathlib import Path
 
 import numpy as np
-from er_model_lab.records.record import Array, Record
 from er_models.errors import InputError, UnknownName
+from er_records.record import Array, Record
 from scipy.signal import resample_poly
 
 from er_studies.importers.checks import centred, check_dissipates

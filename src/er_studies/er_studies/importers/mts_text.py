@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from er_model_lab.records.provenance import digest_bytes
-from er_model_lab.records.record import Array
 from er_models.errors import InputError
+from er_records.provenance import digest_bytes
+from er_records.record import Array
 
 HEADER_LINES = 7
 

@@ -14,9 +14,9 @@ import re
 from pathlib import Path
 
 import numpy as np
-from er_model_lab.records.provenance import digest_bytes
-from er_model_lab.records.record import Array, Record
 from er_models.errors import InputError
+from er_records.provenance import digest_bytes
+from er_records.record import Array, Record
 
 from er_studies.importers.checks import centred, check_dissipates
 
@@ -31,7 +31,7 @@ _NAME = re.compile(r"^(?P<seal>.+)_(?P<bar>\d+)bar$")
 
 
 def read(path: Path) -> list[Record]:
-    """The one run of a file, times as logged; `er_model_lab.records.clean` splits it at the pauses.
+    """The one run of a file, times as logged; `er_records.clean` splits it at the pauses.
 
     Raises:
         InputError: Another file name or layout.

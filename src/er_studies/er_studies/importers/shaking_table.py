@@ -17,9 +17,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from er_model_lab.records.provenance import digest_files
-from er_model_lab.records.record import Array, Record
 from er_models.errors import InputError
+from er_records.provenance import digest_files
+from er_records.record import Array, Record
 from scipy.io import loadmat
 from scipy.signal import savgol_filter
 

@@ -14,14 +14,14 @@ from er_model_lab.identification import Identified, procedure
 from er_model_lab.identification.roles import static
 from er_model_lab.problem.held_out import WARM_UP
 from er_model_lab.problem.prepare import prepare
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.record import Record
 from er_model_lab.work import Work
 from er_models.files import load_model
 from er_models.model import Array, Model
 from er_models.prediction import Motion, motion, predict
 from er_models.program import load_program
 from er_models.scales import Scales
+from er_records.dataset import Dataset
+from er_records.record import Record
 from numpy.typing import NDArray
 
 from er_studies.thesis.testbench import measure

@@ -8,11 +8,11 @@ import numpy as np
 from er_model_lab.planning.limits import sensors_of
 from er_model_lab.planning.simulated_decision import measured
 from er_model_lab.planning.virtual_rig import Run
-from er_model_lab.records.record import CHANNELS, Record
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Model
 from er_models.program import Program, resolve, times
 from er_models.simulation import simulate
+from er_records.record import CHANNELS, Record
 
 
 def measure(vehicle: Model, program: Program, seed: int) -> Record:

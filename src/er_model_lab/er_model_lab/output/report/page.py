@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from er_models.errors import InputError
+from er_records.write import finished_only
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from er_model_lab.output.report.embed import compact, inflatable, picture, plotting_library
@@ -16,7 +17,6 @@ from er_model_lab.output.report.section import Section
 from er_model_lab.output.report.sections import SECTIONS
 from er_model_lab.output.report.still import still
 from er_model_lab.output.text.units import percent
-from er_model_lab.records.write import finished_only
 from er_model_lab.view import View
 
 Stills = dict[str, tuple[bytes, bytes]]

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from er_model_lab.records.record import Record
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model
 from er_models.prediction import motion, predict
+from er_records.record import Record
 
 FREQUENCIES = (0.7, 1.3, 2.1, 3.4, 5.2, 7.3)
 DUTIES, HOLD = (0.0, 0.1, 0.2, 0.3), 150

@@ -13,14 +13,14 @@ from pathlib import Path
 from er_model_lab.diagnosis.investigation import search_effects
 from er_model_lab.level.damper import opened
 from er_model_lab.problem.forward import DamperForward
-from er_model_lab.records.dataset import Dataset
-from er_model_lab.records.write import write_parquet
 from er_model_lab.verbs.diagnose import diagnose
 from er_model_lab.verbs.improve import improve
 from er_model_lab.verbs.load import load
 from er_models.effect import Effect
 from er_models.files import load_model, save_model
 from er_models.model import Model
+from er_records.dataset import Dataset
+from er_records.write import write_parquet
 
 from er_studies.bench.lab.data import record
 
