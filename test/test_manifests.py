@@ -27,7 +27,7 @@ OURS = sorted(path.parent.name for path in (ROOT / "src").glob("*/package.xml"))
 PURE = sorted(path.parent.name for path in (ROOT / "src").glob("*/pyproject.toml"))
 """Packages that are wheels, too."""
 JAZZY = {
-    "ament_cmake", "builtin_interfaces", "diagnostic_msgs", "launch", "launch_ros", "lifecycle_msgs",
+    "ament_cmake", "ament_index_python", "builtin_interfaces", "diagnostic_msgs", "launch", "launch_ros", "lifecycle_msgs",
     "rcl_interfaces", "rclpy", "ros2launch", "rosbag2_storage_mcap", "rosgraph_msgs",
     "rosidl_default_generators", "rosidl_default_runtime", "sensor_msgs", "std_msgs",
 }  # fmt: skip
@@ -53,7 +53,7 @@ SYSTEM = {
 WITHOUT_KEY = {"asammdf", "compression", "pyarrow"}
 """Modules without a key, and one that Python 3.14 has: `./er setup` or pip installs them."""
 PART_OF = {
-    **dict.fromkeys(("ament_index_python", "rosidl_runtime_py", "rpyutils"), "rclpy"),
+    **dict.fromkeys(("rosidl_runtime_py", "rpyutils"), "rclpy"),
     **dict.fromkeys(("backports", "lz4"), "python3-rosbags-pip"),
     "threadpoolctl": "python3-sklearn",
     "joblib": "python3-sklearn",
