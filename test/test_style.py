@@ -83,7 +83,7 @@ def test_the_top_level_holds_what_belongs_there():
     assert {name.split("/")[0] for name in kept_files()} == TOP
 
 
-EXAMPLES = {"crosstalk.py", "one_gain.py"}
+EXAMPLES = {"crosstalk.py", "my_orifice.py", "one_gain.py"}
 """Files that CONTRIBUTING.md writes."""
 NAMED = re.compile(r"`([\w/]+\.py)`")
 """A file of ours in a text: its name, or the end of its path."""

@@ -46,8 +46,11 @@ def clock_ties(
 
     known: groups that are tied anyhow.
     """
-    catalogue, groups, past = best.fit.model.catalogue, [], problem.forward.past(problem)
-    for step in rounds if past else ():
+    catalogue, past = best.fit.model.catalogue, problem.forward.past(problem)
+    if past is None:
+        return ()
+    groups = []
+    for step in rounds:
         if step.taken is None or step.taken.name not in best.effects:
             continue
         taken = catalogue[step.taken.name]

@@ -163,6 +163,7 @@ class RideForward:
     def past(self, data: Sensed) -> Past | None:
         """None: the motion of a car is predicted."""
         del data
+        return None
 
     def input_errors(self, data: Sensed, model: Model, rng: np.random.Generator, m: int) -> Array:
         """None: road and duty are taken as they are; their errors are part of what is left."""
