@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 from er_model_lab.cli.running import _with_next
-from er_model_lab.level.damper import DamperLevel
-from er_model_lab.level.investigate import Question as Asking
 from er_model_lab.level.investigate import investigate
 from er_model_lab.planning import motions_and_duties, piece, planner, search
 from er_model_lab.planning.explanation import sentences
@@ -28,6 +26,7 @@ from er_model_lab.planning.suggest import suggestions
 from er_model_lab.planning.virtual_rig import run_all
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.results.result import DiagnosisResult
+from er_model_lab.verbs import asking
 from er_model_lab.view import View
 from er_models.errors import ErError, InputError
 from er_models.files import load_model
@@ -459,9 +458,8 @@ def test_the_whole_lab_names_the_truth_from_the_planned_program_only(truth: str)
     for made, right in ((program.runs, True), (poor(found).runs, False)):
         record = measured(made[truth], found.sensors, np.random.default_rng(42), "r")
         if right:
-            base = found.rivals.question.base
-            asking = Asking(Dataset.of([record]), base, DamperLevel())
-            diagnosis = investigate(asking).diagnosis
+            asked = asking.question(Dataset.of([record]), found.rivals.question.base)
+            diagnosis = investigate(asked).diagnosis
             assert diagnosis.verdict == "missing_effect"
             assert diagnosis.effects == (truth,)
         else:
