@@ -87,7 +87,7 @@ def run(copy, tool, *words):
     done = subprocess.run(
         [sys.executable, "-m", tool, *words],
         cwd=copy,
-        env={**os.environ, "PYTHONPATH": path, "ER_CACHE_DIR": str(copy / "cache"), "NUMBA_OPT": "0"},
+        env={**os.environ, "PYTHONPATH": path, "ER_CACHE_DIR": str(copy / "cache")},
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     return done.returncode == 0, done.stdout[-3000:] + done.stderr[-1000:]

@@ -1,6 +1,7 @@
 """A solver that gets stuck is asked again with other settings, and refusals are believed from two."""
 
 import os
+import signal
 import subprocess
 import sys
 
@@ -84,6 +85,8 @@ def test_other_processors_find_the_same_observer(kernels, car, car_file, gains, 
     ]
     chosen = {**os.environ, "OPENBLAS_CORETYPE": kernels}
     done = subprocess.run(command, env=chosen, capture_output=True, text=True, check=False)
+    if done.returncode == -signal.SIGILL:
+        pytest.skip(f"this processor has no instructions of {kernels}")
     assert done.returncode == 0, done.stderr
     found = ready(out, car, "nlpv_polytopic")
     assert found.claim.solution.gamma == pytest.approx(gains.claim.solution.gamma, rel=1e-3)
