@@ -12,15 +12,14 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
 from er_model_lab.jobs.call import Call, inside_a_job
-from er_model_lab.jobs.handing_out import beside, by, here
+from er_model_lab.jobs.handing_out import beside, by, here, threads
 from er_model_lab.jobs.processes import PROCESSES, Processes
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 
-WORTH = 10.0
-"""Work [s] from which other processes are started for it: they take two until they are ready, and pay off in the next
-call, too."""
+WORTH = 30.0
+"""Work [s] from which other processes are started for it: below, threads are as fast, and there at once."""
 
 
 class Cancelled(Exception):
@@ -136,6 +135,8 @@ class Work:
         call = Call(function, shared)
         if self.executor is None or self._state.winding_up or len(jobs) < 2 or inside_a_job():
             here(call, jobs, told, self.check)
+        elif isinstance(self.executor, Processes) and not self.executor.room:
+            by(threads(), call, jobs, told, self.check)
         elif isinstance(self.executor, Processes):
             beside(self.executor, call, jobs, told, self.check)
         else:

@@ -11,6 +11,7 @@ from er_records.dataset import Dataset
 from er_records.load import fingerprint
 
 from er_model_lab.blas import on_one_thread
+from er_model_lab.kept import kept
 from er_model_lab.level.level import Judged, Question
 from er_model_lab.level.study import Opened
 from er_model_lab.residual.excess import region_tables
@@ -49,7 +50,7 @@ def compare(
         anyway=anyway,
         work=Work(executor, progress, cancel),
     )
-    judged = asked.level.judged(asked)
+    judged = kept((asked.data, model, seed, asked.level.name), lambda: asked.level.judged(asked))
     problem, given = judged.opened.problem, judged.opened.given
     tables = region_tables(problem, given, seed, judged.noise)
     whole = _on_all(judged.opened)
