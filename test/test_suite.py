@@ -29,7 +29,7 @@ def test_the_suite_is_run_beside_and_alone() -> None:
     assert beside == [
         "-q",
         "-n",
-        "2",
+        "3",
         "--dist",
         "loadfile",
         "--no-loadscope-reorder",

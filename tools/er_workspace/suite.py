@@ -39,7 +39,8 @@ def runs(args: Sequence[str], cores: int) -> list[list[str]]:
     if given.numprocesses is not None or cores < 2:
         return [list(args)]
     chosen = f"({given.marked}) and " if given.marked else ""
-    beside = ["-n", str(cores), "--dist", "loadfile", "--no-loadscope-reorder"]
+    workers = cores + 1  # what starts programs often waits for them
+    beside = ["-n", str(workers), "--dist", "loadfile", "--no-loadscope-reorder"]
     return [[*others, *beside, "-m", f"{chosen}not {ALONE}"], [*others, "-m", chosen + ALONE]]
 
 
