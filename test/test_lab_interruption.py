@@ -1,6 +1,10 @@
 """Ctrl-C in `lab improve` keeps what is done, and the same command goes on from there."""
 
 import json
+import signal
+import subprocess
+import sys
+import time
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -97,11 +101,51 @@ def test_what_was_done_is_kept_and_gone_on_from(data, tmp_path, monkeypatch):
     assert model.history[-1]["interrupted"] is False
 
 
-def test_before_anything_is_done_nothing_is_written(data, tmp_path, monkeypatch):
+def test_before_an_effect_is_found_the_fits_are_kept_beside(data, tmp_path, monkeypatch):
     result = improve(data, tmp_path, 1, monkeypatch)
     assert result.exit_code == 130
-    assert "nothing was written" in result.output
-    assert list(tmp_path.iterdir()) == []
+    assert "m.begun.yaml; the same command goes on from there" in result.output
+    assert [path.name for path in tmp_path.iterdir()] == ["m.begun.yaml"]
+    left = load_model(tmp_path / "m.begun.yaml")
+    assert left.effects == load_model(MODEL).effects
+    assert len(unpacked(left.history[-1]["fits"])) > 1
+
+    done = improve(data, tmp_path, 0, monkeypatch)
+    assert done.exit_code == 0, done.output
+    r = json.loads((tmp_path / "r.json").read_text())
+    assert "went on" in r["notes"][0]
+    assert set(r["effects"]) == BOTH
+    assert not (tmp_path / "m.begun.yaml").exists()
+
+
+BEGIN = """
+import er_model_lab.verbs.improve as verb
+from er_model_lab.cli.app import main
+
+verb.KEEP_EVERY = 0.1
+main()
+"""
+
+
+@pytest.mark.alone
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGKILL])
+def test_whatever_ends_it_what_was_done_is_kept(number, data, tmp_path):
+    """Within two seconds, and it is gone on from."""
+    out = tmp_path / "m.yaml"
+    command = [sys.executable, "-c", BEGIN, "improve", data, "--model", MODEL, "--out", out]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    while not (kept := tmp_path / "m.begun.yaml").exists():
+        assert process.poll() is None
+        time.sleep(0.02)
+    asked = time.monotonic()
+    process.send_signal(number)
+    said = process.communicate()[1]
+    assert time.monotonic() - asked < 2.0
+    if number != signal.SIGKILL:
+        assert (process.returncode, said.count("\n")) == (130, 1)
+        assert said.startswith("interrupted: what was done is kept in ")
+    left = load_model(kept)
+    assert resume(left, load_model(MODEL), load(data)).noted
 
 
 @pytest.fixture(scope="module")

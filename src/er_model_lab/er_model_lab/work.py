@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, TypeVar
 
 from er_model_lab.jobs.call import Call, inside_a_job
@@ -81,6 +81,12 @@ class Work:
     ) -> Work:
         """Work as a user asks for it: by the lab's own processes where no executor is given."""
         return cls(executor or PROCESSES, progress, cancel)
+
+    def reporting(self, progress: Progress) -> Work:
+        """The same work with another listener."""
+        made = replace(self, progress=progress)
+        object.__setattr__(made, "_state", self._state)
+        return made
 
     def expect(self, seconds: float, function: Callable[..., Any], *args: Any) -> None:
         """Say that jobs of so many seconds of one core will come, so that processes are there in time.

@@ -31,6 +31,7 @@ WITH_EFFECTS = [
     ({"remains": True, "within_errors": True}, "missing_effect"),
     ({"tied": True}, "ambiguous"),
     ({"blocking": SHORT}, "ambiguous"),
+    ({"loose": ("end_stop",)}, "ambiguous"),
     ({"without_lines": ENOUGH - 0.01}, "partial"),
     ({"explained": 0.2, "without_lines": 0.2}, "partial"),
     ({"explained": 0.5, "without_lines": 0.1}, "partial"),

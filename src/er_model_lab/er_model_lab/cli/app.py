@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable
 from typing import ClassVar
 
@@ -45,7 +46,8 @@ for name, (command, line) in COMMANDS.items():
 
 
 def main() -> None:
-    """Entry point."""
+    """Entry point; who asks to end (SIGTERM) gets what Ctrl-C gives: what was done is kept."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     app(prog_name="./er lab" if by_er() else None)
 
 

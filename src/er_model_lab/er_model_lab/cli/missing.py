@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -109,25 +110,31 @@ def improve_command(
     """Diagnose and add, again and again, until the model is adequate or nothing known helps."""
 
     def work() -> Result:
+        from er_models.files import save_model
+
         from er_model_lab.verbs.improve import improve
         from er_model_lab.verbs.load import load, load_model
 
         begun = load_model(model, effects_from or ())
         with progress("improving") as told:
             return improve(
-                load(*data), begun, name=out.stem, interrupted=_left(out, effects_from),
+                load(*data), begun, name=out.stem, interrupted=_left(out, beside, effects_from),
                 held_out=loaded(hold_out), level=level, seed=seed,
                 rule=Rule(false_alarm, smallest, helps), anyway=anyway, progress=told,
+                keep=lambda begun: save_model(begun, beside),
             )  # fmt: skip
 
-    run(work, json_file, report, out=out, read=read_by(data, [model], effects_from, hold_out))
+    beside = out.with_suffix(f".begun{out.suffix}")
+    read = read_by(data, [model], effects_from, hold_out)
+    run(work, json_file, report, out=out, read=read, beside=beside)
 
 
-def _left(out: Path, effects_from: list[Path] | None) -> Model | None:
-    """What an earlier call left where the new model shall go, where it is a model."""
+def _left(out: Path, beside: Path, effects_from: list[Path] | None) -> Model | None:
+    """What an earlier call left beside the new model, or in its place, where that is a model."""
     from er_model_lab.verbs.load import load_model
 
-    try:
-        return load_model(out, effects_from or ()) if out.is_file() else None
-    except ErError:
-        return None
+    for path in (beside, out):
+        with suppress(ErError):
+            if path.is_file():
+                return load_model(path, effects_from or ())
+    return None

@@ -69,16 +69,20 @@ def run(
     *,
     read: Mapping[str, Sequence[Path]],
     out: Path | None = None,
+    beside: Path | None = None,
     strict: bool = True,
 ) -> Result:
     """Do the work, write what was asked for, print one screen, and exit with the contract's status.
 
-    out: where the new model or program goes; read: what the work reads, see `read_by`.
+    out: where the new model or program goes; beside: where the work keeps what is done until then; read: what the
+    work reads, see `read_by`.
     """
     written: list[Path] = []
     try:
         writable({"--out": out, "--json": json_file}, report, read)
         result = _worded(_with_next(_kept(work(), out, written), read))
+        if beside is not None:
+            beside.unlink(missing_ok=True)
         write_json(json_file, result.view.result)
         written += [json_file] if json_file is not None else []
         page = _write_report(report, result)
@@ -86,12 +90,7 @@ def run(
     except ErError as error:
         fail(error)
     except KeyboardInterrupt:
-        kept = (
-            f"{' and '.join(map(str, written))} written, no more"
-            if written
-            else "nothing was written"
-        )
-        typer.echo(f"interrupted: {kept}", err=True)
+        typer.echo(f"interrupted: {_left_of(written, beside)}", err=True)
         raise typer.Exit(130) from None
     if result.interrupted:
         typer.echo(
@@ -102,6 +101,15 @@ def run(
         typer.echo("the data were incomplete: see the notes", err=True)
         raise typer.Exit(3)
     return result
+
+
+def _left_of(written: Sequence[Path], beside: Path | None) -> str:
+    """What an interruption left, in words."""
+    if written:
+        return f"{' and '.join(map(str, written))} written, no more"
+    if beside is not None and beside.is_file():
+        return f"what was done is kept in {beside}; the same command goes on from there"
+    return "nothing was written"
 
 
 def _kept(result: Result, out: Path | None, written: list[Path]) -> Result:

@@ -30,6 +30,8 @@ FINALISTS = 4
 """Candidates that are fitted to the end; of many runs these are fitted to all."""
 TRYING, FINISHING = "trying effects", "fitting the best to the end"
 """Stages of a round that take long."""
+BEYOND = 1e6
+"""Change of a prediction, over the largest force, from which on it has lost all measure."""
 WORTH_AN_END = 2.0
 """Mean square, over that of the best, up to which such a fit to many runs is brought to its end."""
 
@@ -107,7 +109,9 @@ def additions(
     for row, point in zip(vectors, points, strict=True):
         row[offset : offset + len(effect.names)] = [point[n] for n in effect.names]
     predicted = problem.force - base.fit.residual
-    return np.asarray(np.nan_to_num(problem.predict_many(grown, vectors) - predicted).T)
+    most = BEYOND * float(np.abs(problem.force).max())
+    added = np.nan_to_num(problem.predict_many(grown, vectors) - predicted)
+    return np.asarray(np.clip(added, -most, most).T)
 
 
 @dataclass(frozen=True)

@@ -36,11 +36,12 @@ def leaves_more_than_noise(mse: float, floor: float) -> bool:
 
 def evidence(
     best: Candidate, first: Round, floor: Floor, beyond_fit: float, explained: float,
-    ties: Sequence[Sequence[str]], cover: Coverage, rule: Rule,
+    ties: Sequence[Sequence[str]], cover: Coverage, unsure: tuple[str, ...], rule: Rule,
 ) -> Evidence:  # fmt: skip
     """What a search found of one model.
 
-    beyond_fit: share of what the refitted model leaves that is above the floor; explained: see `shares`.
+    beyond_fit: share of what the refitted model leaves that is above the floor; explained: see `shares`; unsure: see
+    `diagnosis.determined.loose`.
     """
     added = len(best.effects)
     return Evidence(
@@ -49,6 +50,7 @@ def evidence(
         without_lines=explained * (1.0 - floor.line[2]),
         too_many=added >= MOST_EFFECTS and leaves_more_than_noise(best.mse, floor.floor),
         tied=any(len(group) > 1 for group in ties),
+        loose=unsure,
         blocking=cover.blocking,
         remains=not added and _remains(first, floor, beyond_fit),
         within_errors=not added and _within_errors(first, rule) is not None,
@@ -94,10 +96,11 @@ def reasons(
         f"added: {', '.join(catalogue[e].title for e in best.effects)}; the error falls by "
         f"{effect_size(base, best):.3g} N, {seen.explained:.0%} of what is explainable"
     )
-    return (left, fall, *_reasons_of_effects(verdict, seen))
+    titles = [catalogue[e].title for e in seen.loose]
+    return (left, fall, *_reasons_of_effects(verdict, seen, titles))
 
 
-def _reasons_of_effects(verdict: Verdict, seen: Evidence) -> tuple[str, ...]:
+def _reasons_of_effects(verdict: Verdict, seen: Evidence, loose: list[str]) -> tuple[str, ...]:
     """Why what was taken is not all, or not certain."""
     if seen.too_many:
         return (
@@ -105,7 +108,8 @@ def _reasons_of_effects(verdict: Verdict, seen: Evidence) -> tuple[str, ...]:
         )
     if verdict == "ambiguous":
         tie = ("the data cannot tell some effects apart",) if seen.tied else ()
-        return (*tie, *seen.blocking)
+        open_ = tuple(f"{title}: these data do not determine its values" for title in loose)
+        return (*tie, *open_, *seen.blocking)
     if verdict == "partial":
         return ("a part remains that no known effect explains",)
     if verdict == "unknown_effect":

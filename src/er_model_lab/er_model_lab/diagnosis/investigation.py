@@ -9,6 +9,7 @@ from er_models.model import Model
 from er_model_lab.diagnosis.candidates import Candidate, baseline, effect_size, refit
 from er_model_lab.diagnosis.clock import clock_ties
 from er_model_lab.diagnosis.coverage import Coverage, coverage
+from er_model_lab.diagnosis.determined import loose
 from er_model_lab.diagnosis.evidence import VISIBLE, evidence, reasons, shares
 from er_model_lab.diagnosis.noise_floor import Floor, noise_floor
 from er_model_lab.diagnosis.null import Null, simulate_null
@@ -131,7 +132,8 @@ def judge(
     cover = coverage(problem)
     to_explain, explained = shares(base.mse, best.mse, floor)
     beyond_fit = explainable(min(base.mse, base.fit.mse(problem.train)), floor.floor)
-    seen = evidence(best, rounds[0], floor, beyond_fit, explained, ties, cover, rule)
+    unsure = loose(best, problem)
+    seen = evidence(best, rounds[0], floor, beyond_fit, explained, ties, cover, unsure, rule)
     verdict = decide(seen, rule)
     why = reasons(verdict, seen, base, best, rounds[0], floor, rule)
     if verdict in NOTHING_NAMED:

@@ -17,6 +17,7 @@ from er_model_lab.diagnosis.candidates import (
     screen,
     without,
 )
+from er_model_lab.diagnosis.determined import loose
 from er_model_lab.diagnosis.null import Null, simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.problem.problem import Problem
@@ -121,7 +122,7 @@ def complexity(candidate: Candidate) -> tuple[int, int]:
 def tied(
     base: Candidate, candidates: list[Candidate], problem: Problem, limit: float
 ) -> list[Candidate]:
-    """Candidates the data cannot tell from the best one, simplest first.
+    """Candidates the data cannot tell from the best one: those whose values they determine first, then the simplest.
 
     A tie needs nearly the same effect size, and a paired difference within `DOUBT` standard errors, or within
     `SURE` and too small to count as an effect of its own. A difference that would count, in several blocks and
@@ -144,7 +145,10 @@ def tied(
         spare = more <= 0 and gain > (FORM if more else TWIN) * size and gap < SPARE * limit
         if doubtful or spare or (problem.cycles and gap < limit):
             near.append(other)
-    return sorted(near, key=lambda c: (*complexity(c), disguised(c, near, problem)))
+    unsure = {c.name for c in near if len(near) > 1 and c.name in loose(c, problem)}
+    return sorted(
+        near, key=lambda c: (c.name in unsure, *complexity(c), disguised(c, near, problem))
+    )
 
 
 def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:

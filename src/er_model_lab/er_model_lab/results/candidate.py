@@ -12,7 +12,7 @@ from er_model_lab.diagnosis.candidates import Candidate, effect_size
 from er_model_lab.diagnosis.decisive_round import told
 from er_model_lab.diagnosis.evidence import shares
 from er_model_lab.diagnosis.investigation import Diagnosis
-from er_model_lab.diagnosis.search import Round
+from er_model_lab.diagnosis.search import Round, close
 from er_model_lab.fitting.fit import with_deviations
 from er_model_lab.level.study import Study
 from er_model_lab.problem.problem import Problem
@@ -86,11 +86,21 @@ def _status(candidate: Candidate, found: Diagnosis) -> tuple[str, list[str]]:
     for group in found.alternatives:
         if name in group:
             return "confounded", [other for other in group if other != name]
+    if name in found.effects and (found.coverage.blocking or name in found.evidence.loose):
+        return "confounded", _others(candidate, found)
     if name in found.effects:
         return "present", []
     if _absorbed(candidate) or _out_of_reach(candidate):
         return "not_excited", []
     return "absent", []
+
+
+def _others(candidate: Candidate, found: Diagnosis) -> list[str]:
+    """What would do nearly as well as an effect that these data name without certainty."""
+    for step in found.rounds:
+        if step.taken is not None and step.taken.name == candidate.name:
+            return [name for name in close(step) if name != candidate.name]
+    return []
 
 
 def _absorbed(candidate: Candidate) -> bool:

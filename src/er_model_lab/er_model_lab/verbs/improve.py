@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import replace
 from typing import Any
@@ -25,11 +27,16 @@ from er_model_lab.results.values import clean, headline
 from er_model_lab.verbs.asking import question
 from er_model_lab.verbs.diagnose import result_of
 from er_model_lab.verbs.history import with_history
-from er_model_lab.verbs.resume import Begun, finished, marked, resume, with_fits
-from er_model_lab.work import STOPPED, Event, Progress, Work
+from er_model_lab.verbs.resume import Begun, begun, finished, left_by, marked, resume, with_fits
+from er_model_lab.work import STOPPED, Event, Leader, Progress, Work
+
+Keep = Callable[[Model], None]
+"""Takes what an interruption would leave."""
 
 MOST_PASSES = 10
 """How often the model that was just improved is diagnosed."""
+KEEP_EVERY = 30.0
+"""Time from one keeping of what was done to the next [s]."""
 
 
 @on_one_thread
@@ -47,11 +54,13 @@ def improve(
     progress: Progress | None = None,
     cancel: Event | None = None,
     executor: Executor | None = None,
+    keep: Keep | None = None,
 ) -> DiagnosisResult:
     """Diagnose and add until the model is adequate or nothing known helps; the new model is refitted in any case.
 
     Ctrl-C ends it with what was done until then. From the model of that result, given as `interrupted`, the same call
-    goes on to the same end. name: of the new model.
+    goes on to the same end. name: of the new model. keep: is called every half minute with such a model, so that
+    what was done outlives the process.
     """
     asked = question(
         data,
@@ -63,28 +72,35 @@ def improve(
         anyway=anyway,
         work=Work.by(executor, progress, cancel),
     )
-    begun = resume(interrupted, model, asked.data)
-    studies, current, stopped = _passes(asked, begun, name or f"{model.name}_improved")
+    start = resume(interrupted, model, asked.data)
+    named = name or f"{model.name}_improved"
+    studies, current, stopped = _passes(asked, start, named, keep)
     current = finished(current, interrupted=stopped)
-    result = gone_on(_improved(studies, current, asked), begun)
+    result = gone_on(_improved(studies, current, asked), start)
     content = dict(result.view.result) | {"interrupted": stopped}
-    kept = with_fits(current, begun.noted) if stopped else current
+    kept = with_fits(current, start.noted) if stopped else current
     return replace(
         result, view=replace(result.view, result=content), model=kept, interrupted=stopped
     )
 
 
-def _passes(asked: Question, begun: Begun, name: str) -> tuple[list[Study], Model, bool]:
+def _passes(
+    asked: Question, start: Begun, name: str, keep: Keep | None
+) -> tuple[list[Study], Model, bool]:
     """One study after another, the model that they made, and whether Ctrl-C ended them."""
     current, studies = asked.model, list[Study]()
     for n in range(MOST_PASSES):
-        now = replace(asked, model=current, seed=asked.seed + 1000 * n)
+        left = current if studies else begun(current, asked.data, start)
+        work = _keeping(asked.work, left, start, keep)
+        now = replace(asked, model=current, seed=asked.seed + 1000 * n, work=work)
         try:
-            study = investigate(now, begun.noted)
+            study = investigate(now, start.noted)
             best = asked.level.finished(study, asked.seed)
         except STOPPED:
             asked.work.wind_up()
             if not studies:
+                if keep is not None and start.noted:
+                    keep(left_by(left, start))
                 raise
             return studies, current, True
         studies.append(study)
@@ -95,10 +111,27 @@ def _passes(asked: Question, begun: Begun, name: str) -> tuple[list[Study], Mode
             found.verdict != "insufficient_data" or not found.coverage.blocking
         )
         if found.effects or refitted:
-            current = marked(with_history(best, current, study, asked.seed, name), begun.digest)
+            current = marked(with_history(best, current, study, asked.seed, name), start.digest)
         if found.interrupted or found.verdict != "partial":
             return studies, current, found.interrupted
     return studies, current, False
+
+
+def _keeping(work: Work, left: Model, start: Begun, keep: Keep | None) -> Work:
+    """The same work, which keeps what was done every now and then; left: the model so far."""
+    if keep is None:
+        return work
+    last = time.monotonic()
+
+    def told(stage: str, done: int, total: int, best: tuple[Leader, ...]) -> None:
+        nonlocal last
+        if time.monotonic() - last > KEEP_EVERY:
+            keep(left_by(left, start))
+            last = time.monotonic()
+        if work.progress is not None:
+            work.progress(stage, done, total, best)
+
+    return work.reporting(told)
 
 
 def _improved(studies: list[Study], model: Model, asked: Question) -> DiagnosisResult:
@@ -140,11 +173,11 @@ def _later(study: Study, model: Model, asked: Question) -> dict[str, Any]:
     return found
 
 
-def gone_on(result: DiagnosisResult, begun: Begun) -> DiagnosisResult:
+def gone_on(result: DiagnosisResult, start: Begun) -> DiagnosisResult:
     """The result with a note where an interruption had left something to go on from."""
-    if begun.added is None:
+    if start.added is None:
         return result
-    note = f"went on from where an interruption had left it, with {len(begun.added)} done"
+    note = f"went on from where an interruption had left it, with {len(start.added)} done"
     view = result.view
     content = dict(view.result) | {"notes": [note, *view.result["notes"]]}
     return replace(result, view=replace(view, result=content, notes=(note, *view.notes)))

@@ -48,6 +48,12 @@ def resume(left: Model | None, model: Model, data: Dataset) -> Begun:
     return Begun(digest, tuple(e for h in entries for e in h["added"]), noted)
 
 
+def begun(model: Model, data: Dataset, start: Begun) -> Model:
+    """The model of which nothing was added yet, as what an interruption would leave."""
+    entry = {"added": [], "data": fingerprint(data.originals), "from": model.name}
+    return marked(replace(model, history=(*model.history, entry)), start.digest)
+
+
 def marked(model: Model, digest: str) -> Model:
     """The model with what it was begun from in the last entry of its history."""
     return _last(model, {BEGUN: digest})
@@ -63,6 +69,11 @@ def finished(model: Model, *, interrupted: bool) -> Model:
 def with_fits(model: Model, noted: Notes) -> Model:
     """An interrupted model with the fits that a later call need not make again."""
     return _last(model, {FITS: packed(noted)}) if model.history else model
+
+
+def left_by(model: Model, start: Begun) -> Model:
+    """What an interruption leaves: the model so far, and the fits made since."""
+    return with_fits(finished(model, interrupted=True), start.noted)
 
 
 def _last(model: Model, more: Mapping[str, Any]) -> Model:

@@ -1,0 +1,49 @@
+"""What the data do not determine is no certain name: a value at its bound, or a strength that may be nothing."""
+
+import numpy as np
+import pytest
+from er_model_lab.diagnosis.candidates import baseline, refit
+from er_model_lab.diagnosis.determined import loose
+from er_model_lab.diagnosis.investigation import search_effects
+from er_models.model import Model
+from lab_help import problem_of
+
+
+def late(force, x):
+    """A force that comes 60 ms late, three times what the catalogue has a delay for."""
+    del x
+    return np.concatenate([force[:12], force[:-12]])
+
+
+@pytest.fixture(scope="module")
+def delayed():
+    return problem_of(None, {}, seconds=8.0, bent=late)
+
+
+def test_a_delay_at_its_bound_is_not_determined(delayed):
+    model, problem = delayed
+    found = refit(baseline(model, problem), model.catalogue["force_delay"], problem)
+    assert found.fit.model.value("force_delay", "d") == pytest.approx(0.02)
+    assert loose(found, problem) == ("force_delay",)
+
+
+def test_it_is_no_certain_name(delayed):
+    found = search_effects(*delayed)
+    assert found.verdict != "missing_effect"
+
+
+def test_effects_that_cancel_are_not_determined():
+    model, problem = problem_of("coulomb_friction", {"F_c": 2.0}, seconds=12.0)
+    friction = refit(baseline(model, problem), model.catalogue["coulomb_friction"], problem)
+    assert loose(friction, problem) == ()
+    both = refit(friction, model.catalogue["force_delay"], problem)
+    assert "force_delay" in loose(both, problem)
+    assert "coulomb_friction" not in loose(both, problem)
+
+
+def test_a_neutral_value_at_its_bound_is_determined():
+    """Play whose contact is rigid: that the contact gives way by nothing is an answer."""
+    model, problem = problem_of("freeplay", {"b": 4e-4, "q": 0.0}, seconds=12.0)
+    play = refit(baseline(model, problem), model.catalogue["freeplay"], problem)
+    assert isinstance(play.fit.model, Model)
+    assert loose(play, problem) == ()
