@@ -42,7 +42,7 @@ DOWNLOADED = ROOT.parent / "shared" / "data"
 SETS = ("mr_damper_mts", "mr_damper_shaking_table", "piston_seal_friction")
 MEASURED = ("mts", "shaking", "piston")
 """Folders that a documented command makes from measured data."""
-EVERY, LONGEST = 32, 1500
+EVERY, LONGEST = 48, 1000
 """One measured run in so many is kept, and so many samples of it: what all of them give is for test_measured."""
 ENDLESS = ("run", "record", "up")
 """Commands that may go on until Ctrl-C: they get one after a while and must then end well."""

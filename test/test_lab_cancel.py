@@ -47,9 +47,8 @@ class Watch:
 
 @pytest.mark.slow
 @pytest.mark.alone
-@pytest.mark.parametrize("stage", [TRYING, "what chance gives"])
-def test_a_diagnosis_of_a_minute_keeps_what_it_found(minute, stage):
-    watch = Watch(stage, 2)
+def test_a_diagnosis_of_a_minute_keeps_what_it_found(minute):
+    watch = Watch(TRYING, 2)
     model = lab.load_model("inove_guo")
     result = lab.diagnose(minute, model, progress=watch, cancel=watch.stop)
     assert watch.late < WITHIN
@@ -70,7 +69,7 @@ def test_before_it_found_anything_it_says_so(minute):
 
 @pytest.mark.slow
 @pytest.mark.alone
-@pytest.mark.parametrize("after", [0.5, 3.0, 10.0])
+@pytest.mark.parametrize("after", [0.5, 8.0])
 def test_so_does_that_of_a_car(tmp_path, after):
     data = lab.load(write_ride(tmp_path / "ride.csv", seed=1, seconds=60.0))
     stop, at = threading.Event(), []
@@ -86,10 +85,11 @@ def test_so_does_that_of_a_car(tmp_path, after):
 
 
 @pytest.mark.slow
-def test_who_is_ahead_is_told_within_a_third_of_the_time(minute):
+def test_who_is_ahead_is_told_within_a_third_of_the_time(tmp_path):
     watch = Watch("", 0)
+    data = lab.load(write_sample(tmp_path / "run.csv", seed=4, truth=with_friction("inove_guo")))
     began = time.monotonic()
-    result = lab.diagnose(minute, lab.load_model("inove_guo"), progress=watch)
+    result = lab.diagnose(data, lab.load_model("inove_guo"), progress=watch)
     whole = time.monotonic() - began
     first = next(at for at, *_, best in watch.told if best)
     assert first - began < whole / 3.0

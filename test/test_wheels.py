@@ -180,7 +180,9 @@ def files(package: str) -> Iterator[Path]:
 
 
 def test_the_packages_are_those_of_the_wheels_and_nothing_needs_ros(empty: Path) -> None:
-    assert run(empty / "bin/python", "-c", PLACES, *PURE, cwd=empty).split() == ["0.2.0"] * 6
+    assert run(empty / "bin/python", "-c", PLACES, *PURE, cwd=empty).split() == ["0.2.0"] * len(
+        PURE
+    )
 
 
 @pytest.fixture(scope="module")

@@ -112,6 +112,7 @@ def plot(rows: Rows, out: Path) -> None:
 
 def arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = parser_of("alarms", __doc__)
+    parser.add_argument("--seconds", type=float, default=SECONDS, help="length of a record")
     parser.add_argument("--plot", type=Path, help="write the picture here (SVG)")
     return parser.parse_args(argv)
 
@@ -122,7 +123,8 @@ def main(argv: list[str] | None = None) -> int:
 
     def make() -> str:
         jobs = {f"alarm/{s}": s for s in seeds_of(given.seeds)}
-        rows = [r for r in collect(given, jobs, score) if "failed" not in r]
+        one = partial(score, seconds=given.seconds)
+        rows = [r for r in collect(given, jobs, one) if "failed" not in r]
         if given.plot:
             plot(rows, given.plot)
         return page(rows, heading(given, rows))

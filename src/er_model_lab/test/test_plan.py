@@ -446,15 +446,24 @@ def test_where_nothing_fits_the_limits_are_named(monkeypatch: pytest.MonkeyPatch
         bench(damper(), "coulomb_friction", "gas_spring")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("truth", ["dead_time", "amplifier_lag"])
-def test_the_whole_lab_names_the_truth_from_the_planned_program_only(truth: str) -> None:
-    """All effects compete; a gentle drive at one duty, whose noise is the same, leaves the two tied."""
+@pytest.fixture(scope="module")
+def late() -> tuple[piece.Bench, planner.Finalist]:
+    """Dead time or a lag of the amplifier, and the program that tells them apart."""
     found = bench(car(), "dead_time", "amplifier_lag")
     pieces = search.tried_menu(found)
     chosen = search.best_sets(pieces, ("dead_time", "amplifier_lag"), 1, 30.0)[0]
     program = finalist("program", [p.segment for p in chosen], found)
     assert program is not None
+    return found, program
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("truth", ["dead_time", "amplifier_lag"])
+def test_the_whole_lab_names_the_truth_from_the_planned_program_only(
+    truth: str, late: tuple[piece.Bench, planner.Finalist]
+) -> None:
+    """All effects compete; a gentle drive at one duty, whose noise is the same, leaves the two tied."""
+    found, program = late
     for made, right in ((program.runs, True), (poor(found).runs, False)):
         record = measured(made[truth], found.sensors, np.random.default_rng(42), "r")
         if right:
