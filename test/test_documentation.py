@@ -28,6 +28,8 @@ ELSEWHERE = {
     "demo": ("test_demo", "shorter, at the pace of the computer"),
     "replay": ("test_replay", "with a recording"),
     "study thesis chapter1": ("test_thesis_chapter_1", "which computes the chapter once"),
+    "study thesis chapter2": ("test_thesis_chapter_2", "with a shorter ride"),
+    "study thesis chapter6": ("test_thesis_chapter_6", "the very words"),
     "control compare thesis_6_4_1 --fault leakage": ("test_control_command", "the very words"),
     "exec python -m test.blind_score.alarms": ("test_blind_alarms", "the very words"),
     "exec python -m test.blind_score.limit": ("test_blind_limit", "with a shorter record"),
@@ -122,9 +124,9 @@ def place(tmp_path_factory):
     (folder / "config").symlink_to(ROOT / "config")
     for name, seed in (("DATA", 1), ("MORE", 2)):
         (folder / name).mkdir()
-        write_sample(folder / name / "run.csv", seed=seed, seconds=14.0)
+        write_sample(folder / name / "run.csv", seed=seed, seconds=10.0)
     (folder / "RIDE").mkdir()
-    write_ride(folder / "RIDE" / "run.csv", seed=1, seconds=5.0)
+    write_ride(folder / "RIDE" / "run.csv", seed=1, seconds=4.0)
     for name in SETS:
         (folder / name).symlink_to(DOWNLOADED / name)
     for name in ("my_damper.yaml", "better.yaml"):

@@ -39,6 +39,7 @@ def test_leaking_forces_are_the_healthy_ones_shrunk(found: Chapter6) -> None:
 
 
 def test_command_writes_page_and_data(tmp_path: Path) -> None:
+    """As `./er study thesis chapter6` does."""
     out = tmp_path / "found.json"
     asked = ["chapter6", "--config", str(ROOT / "config"), "--json", str(out)]
     done = CliRunner().invoke(app, [*asked, "--report", str(tmp_path / "page")])
