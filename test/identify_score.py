@@ -16,7 +16,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
-from er_model_lab.versions import versions
+from er_common.versions import versions
 from er_models.files import load_model
 from er_models.model import Model
 from er_records.dataset import Dataset

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from er_model_lab.versions import versions
+from er_common.versions import versions
 from er_models.files import load_model
 
 from test.blind.generator import more_records

@@ -16,6 +16,7 @@ from pathlib import Path
 from time import monotonic
 
 from er_common.common_parameters import NodeParameters
+from er_common.versions import versions
 from er_models.errors import ErError, MissingChannel
 from er_records.recording.bag_writer import STORAGES, BagWriter
 from er_records.recording.message_count import Count
@@ -37,7 +38,6 @@ from er_model_lab.nodes.receipt import Receipt
 from er_model_lab.nodes.selection import KNOWN, Selection, message_class
 from er_model_lab.nodes.topic_writer import Heard
 from er_model_lab.programs import RECORDER
-from er_model_lab.versions import versions
 from er_ros_common import log
 
 SCHEMA = "er_bag 1"

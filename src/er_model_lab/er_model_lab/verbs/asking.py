@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from er_common.versions import versions
 from er_models.model import Model
 from er_records.copies import check_apart
 from er_records.dataset import Dataset
@@ -16,7 +17,6 @@ from er_model_lab.level.investigate import level_of
 from er_model_lab.level.level import Question
 from er_model_lab.preflight.check import gate, preflight
 from er_model_lab.problem.stretches import shortened
-from er_model_lab.versions import versions
 from er_model_lab.work import HERE, Work
 
 

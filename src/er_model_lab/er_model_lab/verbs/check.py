@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from er_common.versions import versions
 from er_models.catalogue import CATALOGUE
 from er_models.model import Model
 from er_records.dataset import Dataset
@@ -11,7 +12,6 @@ from er_model_lab.command_line import command_line
 from er_model_lab.preflight.check import preflight
 from er_model_lab.results.result import CheckResult
 from er_model_lab.results.values import clean
-from er_model_lab.versions import versions
 from er_model_lab.view import View
 
 

@@ -6,6 +6,7 @@ from concurrent.futures import Executor
 from dataclasses import asdict, replace
 from typing import Any
 
+from er_common.versions import versions
 from er_models.errors import InputError
 from er_models.model import Model
 from er_records.dataset import Dataset
@@ -24,7 +25,6 @@ from er_model_lab.results.result import PlanResult
 from er_model_lab.results.values import clean
 from er_model_lab.span.span import noted
 from er_model_lab.verbs.asking import question
-from er_model_lab.versions import versions
 from er_model_lab.work import Event, Progress, Work
 
 

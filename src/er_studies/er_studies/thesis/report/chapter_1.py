@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from er_common.versions import versions
 from er_model_lab.identification.law import response_time as response_time_of
 from er_model_lab.output.report.figure import Axis, Figure, Line, Panel, Points
 from er_model_lab.output.report.palette import AFTER, BEFORE, FLOOR, MEASURED, MUTED
@@ -13,7 +14,6 @@ from er_model_lab.output.report.samples import margin
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.report.sections import provenance
 from er_model_lab.output.report.thin import every
-from er_model_lab.versions import versions
 from er_model_lab.view import Array, View
 
 from er_studies.command_line import command_line

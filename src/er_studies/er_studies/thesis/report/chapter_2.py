@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from er_common.versions import versions
 from er_model_lab.output.report.figure import Axis, Figure, Level, Line, Mark, Panel
 from er_model_lab.output.report.palette import AFTER, BEFORE, FLOOR, MEASURED, MUTED
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.report.sections import provenance
-from er_model_lab.versions import versions
 from er_model_lab.view import Array, View
 from er_models.forms.passive import OUTPUTS
 

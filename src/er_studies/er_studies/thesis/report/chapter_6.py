@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from er_common.versions import versions
 from er_model_lab.output.report.figure import Axis, Dash, Figure, Line, Panel, Points
 from er_model_lab.output.report.palette import AFTER, BEFORE, FLOOR, MEASURED, MUTED
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.report.sections import provenance
-from er_model_lab.versions import versions
 from er_model_lab.view import View
 
 from er_studies.command_line import command_line

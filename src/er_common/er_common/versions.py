@@ -13,6 +13,7 @@ PACKAGES = (
     "er_plant_sim",
     "er_observers",
     "er_ftc_controller",
+    "er_records",
     "er_model_lab",
     "rosbags",
     "numpy",
