@@ -4,8 +4,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from er_common.command_line import by_er, command_line
 from er_model_lab.cli import app
-from er_model_lab.command_line import by_er, command_line
 
 
 @pytest.mark.parametrize("program", [app.__file__, "/usr/bin/er-lab"])

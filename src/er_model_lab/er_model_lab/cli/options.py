@@ -72,8 +72,7 @@ FalseAlarm = Annotated[
     ),
 ]
 Smallest = Annotated[
-    float,
-    typer.Option(help="Effects smaller than this share of the noise are given no name."),
+    float, typer.Option(help="Effects smaller than this share of the noise are given no name.")
 ]
 Helps = Annotated[
     float,

@@ -240,9 +240,7 @@ def cross_judged(
 
 
 def refit_all(
-    base: Candidate,
-    problem: Problem,
-    effects: Iterable[Effect] | None = None,
+    base: Candidate, problem: Problem, effects: Iterable[Effect] | None = None
 ) -> list[Candidate]:
     """Every missing effect refitted, best held-out error first; the best few are fitted to the end."""
     tried = [e.name for e in (missing(base.fit.model, problem) if effects is None else effects)]

@@ -63,11 +63,7 @@ class Diagnosis:
 
 
 def search_effects(
-    model: Model,
-    problem: Problem,
-    *,
-    seed: int = 0,
-    rule: Rule = RULE,
+    model: Model, problem: Problem, *, seed: int = 0, rule: Rule = RULE
 ) -> Diagnosis:
     """Refit the model, then find which effects are missing and how sure that is.
 

@@ -186,12 +186,7 @@ def rivals(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
     )
 
 
-def one_round(
-    base: Candidate,
-    problem: Problem,
-    seed: int,
-    rule: Rule = RULE,
-) -> Round:
+def one_round(base: Candidate, problem: Problem, seed: int, rule: Rule = RULE) -> Round:
     """Refit every missing effect, calibrate, and choose the best or nothing."""
     candidates = refit_all(base, problem)
     null = simulate_null(base, candidates, problem, seed)

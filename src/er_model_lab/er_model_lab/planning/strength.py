@@ -111,11 +111,7 @@ def _grid(effect: Effect, scales: Scales) -> list[dict[str, float]]:
 
 
 def _scaled(
-    base: Model,
-    effect: Effect,
-    point: Mapping[str, float],
-    rich: Rich,
-    sensors: Sensors,
+    base: Model, effect: Effect, point: Mapping[str, float], rich: Rich, sensors: Sensors
 ) -> tuple[Model, float]:
     """The model with the effect's amplitudes scaled until it stands out, and by how much it does."""
     q, power, tried = 1.0, 1.0, list[tuple[float, Model, float]]()

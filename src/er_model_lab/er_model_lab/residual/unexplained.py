@@ -179,10 +179,7 @@ def _curve(quantity: str, unit: str, y: Array, e: Array, teach: NDArray[np.bool_
     place, bins = _places(y)
     count = np.maximum(np.bincount(place, minlength=bins), 1)
     share = _share(place, bins, e, teach)
-    mean, square = (
-        np.bincount(place, e, bins) / count,
-        np.bincount(place, e**2, bins) / count,
-    )
+    mean, square = (np.bincount(place, e, bins) / count, np.bincount(place, e**2, bins) / count)
     at = np.bincount(place, y, bins) / count
     sd = np.sqrt(np.maximum(square - mean**2, 0.0) / np.maximum(count - 1, 1))
     return Curve(quantity, unit, at, mean, sd, share)

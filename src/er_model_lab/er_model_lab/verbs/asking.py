@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from er_common.command_line import command_line
 from er_common.versions import versions
 from er_models.model import Model
 from er_records.copies import check_apart
 from er_records.dataset import Dataset
 from er_records.load import fingerprint, told_apart
 
-from er_model_lab.command_line import command_line
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.level.investigate import level_of
 from er_model_lab.level.level import Question

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from er_common.command_line import command_line
 from er_common.versions import versions
 from er_models.catalogue import CATALOGUE
 from er_models.model import Model
 from er_records.dataset import Dataset
 from er_records.load import fingerprint
 
-from er_model_lab.command_line import command_line
 from er_model_lab.preflight.check import preflight
 from er_model_lab.results.result import CheckResult
 from er_model_lab.results.values import clean

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from er_common.command_line import command_line
 from er_models.model import Model
 from er_records.load import fingerprint
 
-from er_model_lab.command_line import command_line
 from er_model_lab.fitting.data_reach import REACH, reach
 from er_model_lab.fitting.envelope import in_bounds
 from er_model_lab.level.study import Study

@@ -5,11 +5,11 @@ from __future__ import annotations
 from concurrent.futures import Executor
 from dataclasses import replace
 
+from er_common.command_line import command_line
 from er_models.model import Model
 from er_records.dataset import Dataset
 from er_records.load import fingerprint
 
-from er_model_lab.command_line import command_line
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.identification.present import identified_json, new_model, view
 from er_model_lab.identification.procedure import identified

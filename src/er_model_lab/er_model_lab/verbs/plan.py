@@ -6,6 +6,7 @@ from concurrent.futures import Executor
 from dataclasses import asdict, replace
 from typing import Any
 
+from er_common.command_line import command_line
 from er_common.versions import versions
 from er_models.errors import InputError
 from er_models.model import Model
@@ -13,7 +14,6 @@ from er_records.dataset import Dataset
 from er_records.load import fingerprint
 
 from er_model_lab.blas import on_one_thread
-from er_model_lab.command_line import command_line
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.level.damper import opened
 from er_model_lab.planning.limits import Asked, Limits, limits_of, sensors_of

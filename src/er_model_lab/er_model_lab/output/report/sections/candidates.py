@@ -35,11 +35,7 @@ def section(view: View) -> Section | None:
         "candidates",
         "Candidates",
         figures,
-        {
-            "first": rows[:FIRST_ROWS],
-            "others": rows[FIRST_ROWS:],
-            "unknowable": unknowable(view),
-        },
+        {"first": rows[:FIRST_ROWS], "others": rows[FIRST_ROWS:], "unknowable": unknowable(view)},
     )
 
 

@@ -21,12 +21,7 @@ def section(view: View) -> Section | None:
     if not tables:
         return None
     facts = {"worst": [_row(r, single=single) for r, single in worst(tables)]}
-    return Section(
-        "where_it_fails",
-        "Where it fails",
-        (_figure(tables),),
-        facts,
-    )
+    return Section("where_it_fails", "Where it fails", (_figure(tables),), facts)
 
 
 def _row(r: Region, *, single: bool) -> tuple[str, str, str, str, str]:
