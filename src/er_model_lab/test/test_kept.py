@@ -69,9 +69,11 @@ def test_a_comparison_seen_again_is_the_same_to_the_last_digit(monkeypatch):
         t=np.arange(1600) * DT, deflection=x, deflection_velocity=v, duty=u,
         damper_force=predict(model, motion(DT, x, v, u, a)),
     )  # fmt: skip
-    first = compare(data, model).to_dict()
+    first = compare(data, model)
     monkeypatch.setattr("er_model_lab.level.damper.noise_floor", never)
-    assert compare(data, model).to_dict() == first
+    again = compare(data, model)
+    assert again.to_dict() == first.to_dict()
+    assert again.view.provenance == first.view.provenance
     other = model.with_effect("passive", {**model.effects["passive"], "c0": 60.0})
     with pytest.raises(AssertionError, match="again"):
         compare(data, other)

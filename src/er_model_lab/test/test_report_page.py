@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 from er_model_lab.cli.options import in_options
 from er_model_lab.output.report import page as page_module
+from er_model_lab.output.report.order import SECTIONS
 from er_model_lab.output.report.page import figures, render, write_report
-from er_model_lab.output.report.sections import SECTIONS
 from er_model_lab.view import View
 from er_models.errors import InputError
 from PIL import Image

@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.signal import savgol_filter
 
 from er_records.record import HELD, Array, Record
 
@@ -95,6 +94,8 @@ def with_velocity(record: Record) -> Record:
     """
     if record.has("deflection_velocity") or not record.has("deflection") or len(record) < 7:
         return record
+    from scipy.signal import savgol_filter  # half the time that reading a file takes
+
     x = record.channels["deflection"]
     velocity = savgol_filter(x, 7, 3, deriv=1, delta=record.dt)
     channels = {**record.channels, "deflection_velocity": velocity}

@@ -4,26 +4,15 @@ from __future__ import annotations
 
 from concurrent.futures import Executor
 from dataclasses import replace
-from typing import Any
 
-from er_models.model import Array, Model
+from er_common.command_line import command_line
+from er_common.versions import versions
+from er_models.model import Model
 from er_records.dataset import Dataset
-from er_records.load import fingerprint
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.kept import kept
-from er_model_lab.level.level import Judged, Question
-from er_model_lab.level.study import Opened
-from er_model_lab.residual.excess import region_tables
-from er_model_lab.residual.region import RegionTable
-from er_model_lab.results.comparison import compare_json
-from er_model_lab.results.draw import views
 from er_model_lab.results.result import ComparisonResult
-from er_model_lab.results.side_by_side import Rival, fitted_to, names, overlaid, table
-from er_model_lab.results.values import clean, headline
-from er_model_lab.span.check import Checked
-from er_model_lab.verbs.asking import provenance, question
-from er_model_lab.view import View
 from er_model_lab.work import Event, Progress, Work
 
 
@@ -40,88 +29,22 @@ def compare(
     cancel: Event | None = None,
     executor: Executor | None = None,
 ) -> ComparisonResult:
-    """Predict the data with the model as it is, and with others beside it, and say where it fails."""
-    asked = question(
-        data,
-        model,
-        held_out=held_out,
-        level=level,
-        seed=seed,
-        anyway=anyway,
-        work=Work(executor, progress, cancel),
-    )
-    judged = kept((asked.data, model, seed, asked.level.name), lambda: asked.level.judged(asked))
-    problem, given = judged.opened.problem, judged.opened.given
-    tables = region_tables(problem, given, seed, judged.noise)
-    whole = _on_all(judged.opened)
-    rivals, further = _rivals(asked, others, judged.noise)
-    content = _content(asked, judged, tables, whole)
-    notes = (*further, *_notes(asked, judged, whole))
-    view = View(
-        command="compare", model=model.name, headline=headline(content["rmse"], judged.floor),
-        result=content | {"notes": list(notes)}, records=views(problem, problem.force - given, None), regions=tables,
-        notes=notes, provenance=provenance(asked.data, model, seed),
-    )  # fmt: skip
-    first = _rival(asked, model, judged.opened, tables, whole)
-    return ComparisonResult(beside(view, [first, *rivals], judged.floor, seed))
+    """Predict the data with the model as it is, and with others beside it, and say where it fails.
 
+    What was compared before is found again (`er_model_lab.kept`).
+    """
 
-def _content(
-    asked: Question, judged: Judged, tables: tuple[RegionTable, ...], whole: Checked | None
-) -> dict[str, Any]:
-    """The result of one model without its notes; of long data the errors are those on all of them."""
-    content = compare_json(judged.opened.problem, judged.opened.given, judged.floor, tables)
-    content |= {"command": "compare", "model": asked.model.name, **judged.content}
-    content["preflight"] = asked.preflight.as_json()
-    if whole is not None:
-        content |= {"long": whole.as_json(again=False), **whole.errors(judged.floor)}
-    return content
+    def made() -> ComparisonResult:
+        from er_model_lab.verbs.asking import question
+        from er_model_lab.verbs.compared import compared
 
+        work = Work(executor, progress, cancel)
+        asked = question(
+            data, model, held_out=held_out, level=level, seed=seed, anyway=anyway, work=work
+        )
+        return compared(asked, others)
 
-def _notes(asked: Question, judged: Judged, whole: Checked | None) -> tuple[str, ...]:
-    """What to know of data and model, what was used of long data first."""
-    long = (whole.note(again=False),) if whole else ()
-    reach = asked.level.reach_notes(judged.opened)
-    return (*long, *judged.notes, *reach, *judged.opened.problem.notes)
-
-
-def _on_all(opened: Opened) -> Checked | None:
-    """What the model leaves of all of long data."""
-    return opened.span.checked(opened.problem, opened.given, given=opened.searched)
-
-
-def _rivals(
-    asked: Question, others: tuple[Model, ...], noise: Array
-) -> tuple[list[Rival], tuple[str, ...]]:
-    """Further models on the same data, and what is to be said of them."""
-    found, notes = list[Rival](), tuple[str, ...]()
-    for model in others:
-        opened = asked.level.given(replace(asked, model=model))
-        tables = region_tables(opened.problem, opened.given, asked.seed, noise)
-        found.append(_rival(asked, model, opened, tables, _on_all(opened)))
-        notes = (*asked.level.reach_notes(opened), *notes)
-    return found, notes
-
-
-def _rival(
-    asked: Question, model: Model, opened: Opened, tables: tuple[RegionTable, ...],
-    whole: Checked | None,
-) -> Rival:  # fmt: skip
-    """A model as it stands beside others."""
-    problem = opened.problem
-    seen = views(problem, problem.force - opened.given, None)
-    here = fitted_to(model, fingerprint(asked.data.originals))
-    return Rival(model, seen, here, tables, whole)
-
-
-def beside(view: View, rivals: list[Rival], floor: float, seed: int) -> View:
-    """The view of the first of several models with the others beside it, and with each one's history."""
-    result = {**view.result, "history": [dict(h) for h in rivals[0].model.history]}
-    if len(rivals) == 1:
-        return replace(view, result=clean(result))
-    result["models"] = table(rivals, floor, seed)
-    called = names(rivals)
-    return replace(
-        view, result=clean(result), records=overlaid(rivals),
-        rival_regions=tuple(zip(called, (r.regions for r in rivals), strict=True)),
-    )  # fmt: skip
+    result = kept((data, held_out, model, others, level, seed, anyway), made)
+    now = {"command_line": command_line(), "versions": versions()}
+    view = replace(result.view, provenance={**result.view.provenance, **now})
+    return replace(result, view=view)

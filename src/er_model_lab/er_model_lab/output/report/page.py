@@ -13,8 +13,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from er_model_lab.output.report.embed import compact, inflatable, picture, plotting_library
 from er_model_lab.output.report.figure import Figure
 from er_model_lab.output.report.live import live
+from er_model_lab.output.report.order import SECTIONS
 from er_model_lab.output.report.section import Section
-from er_model_lab.output.report.sections import SECTIONS
 from er_model_lab.output.report.still import still
 from er_model_lab.output.text.units import percent
 from er_model_lab.view import View

@@ -1,0 +1,53 @@
+"""The sections of the page, in reading order; each is None when the view holds no data for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from er_model_lab.output.report.section import Section
+from er_model_lab.output.report.sections import (
+    alternatives,
+    candidates,
+    cards,
+    falling_error,
+    headline,
+    history,
+    identified,
+    loops,
+    models,
+    motion,
+    noise,
+    preflight,
+    programs,
+    provenance,
+    residual_maps,
+    spectrum,
+    summary,
+    time_series,
+    unexplained,
+    where_it_fails,
+)
+from er_model_lab.view import View
+
+SECTIONS: tuple[Callable[[View], Section | None], ...] = (
+    headline.section,
+    identified.section,
+    programs.section,
+    models.section,
+    summary.section,
+    falling_error.section,
+    alternatives.section,
+    time_series.section,
+    loops.section,
+    residual_maps.section,
+    where_it_fails.section,
+    spectrum.section,
+    noise.section,
+    unexplained.section,
+    candidates.section,
+    cards.section,
+    preflight.section,
+    motion.section,
+    history.section,
+    provenance.section,
+)
