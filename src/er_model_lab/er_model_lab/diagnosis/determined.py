@@ -15,7 +15,8 @@ CLEAR = 2.0
 def loose(best: Candidate, problem: Problem) -> tuple[str, ...]:
     """Effects of a model whose values the data do not determine.
 
-    A value stands at a bound that is not its neutral one, or no strength of the effect is clear of doing nothing.
+    A strength stands at a bound other than doing nothing, or none of them is clear of that. Values of form, which are
+    nothing at no value, may stand at a bound: that a void refills at once is an answer.
     """
     if not best.effects:
         return ()
@@ -27,11 +28,12 @@ def loose(best: Candidate, problem: Problem) -> tuple[str, ...]:
         clear = []
         for q in model.catalogue[name].parameters:
             place, value = (name, q.name), model.effects[name][q.name]
-            if at_bound.get(place) and value != q.neutral:
+            if q.neutral is None or place not in deviations:
+                continue
+            if at_bound[place] and value != q.neutral:
                 found.append(name)
-            if q.neutral is not None and place in deviations:
-                sd = deviations[place]
-                clear.append(bool(at_bound[place]) or abs(value - q.neutral) > CLEAR * sd)
+            else:
+                clear.append(bool(abs(value - q.neutral) > CLEAR * deviations[place]))
         if clear and not any(clear):
             found.append(name)
     return tuple(dict.fromkeys(found))
