@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from er_model_lab.diagnosis.candidates import Candidate
@@ -16,24 +18,26 @@ def loose(best: Candidate, problem: Problem) -> tuple[str, ...]:
     """Effects of a model whose values the data do not determine.
 
     A strength stands at a bound other than doing nothing, or none of them is clear of that. Values of form, which are
-    nothing at no value, may stand at a bound: that a void refills at once is an answer.
+    nothing at no value, may stand at a bound, and are taken as they are: that a void never refills is an answer.
     """
     if not best.effects:
         return ()
-    model, free = best.fit.model, best.fit.free
-    deviations = dict(zip(free, np.sqrt(np.diag(covariance(best.fit, problem))), strict=True))
-    at_bound = dict(zip(free, best.fit.at_bound, strict=True))
-    found = []
+    model, fitted, found = best.fit.model, best.fit, []
+    strength = {
+        (name, q.name): q.neutral
+        for name in best.effects
+        for q in model.catalogue[name].parameters
+        if q.neutral is not None
+    }
+    form = np.array([e in best.effects and (e, p) not in strength for e, p in fitted.free])
+    given = replace(fitted, at_bound=fitted.at_bound | form)
+    deviations = np.sqrt(np.diag(covariance(given, problem)))
     for name in best.effects:
         clear = []
-        for q in model.catalogue[name].parameters:
-            place, value = (name, q.name), model.effects[name][q.name]
-            if q.neutral is None or place not in deviations:
-                continue
-            if at_bound[place] and value != q.neutral:
-                found.append(name)
-            else:
-                clear.append(bool(abs(value - q.neutral) > CLEAR * deviations[place]))
-        if clear and not any(clear):
-            found.append(name)
+        for place, at_bound, sd in zip(fitted.free, fitted.at_bound, deviations, strict=True):
+            if place[0] == name and place in strength:
+                off = abs(model.value(*place) - strength[place])
+                clear.append(off > CLEAR * sd)
+                found += [name] if at_bound and off else []
+        found += [name] if clear and not any(clear) else []
     return tuple(dict.fromkeys(found))
