@@ -5,8 +5,12 @@ import pytest
 from er_model_lab.diagnosis.candidates import baseline, refit
 from er_model_lab.diagnosis.determined import loose
 from er_model_lab.diagnosis.investigation import search_effects
+from er_model_lab.verbs.diagnose import diagnose
+from er_models.files import load_model
 from er_models.model import Model
-from lab_help import problem_of
+from er_models.prediction import motion, predict
+from er_records.in_memory import from_arrays
+from lab_help import DT, FORCE_NOISE, GUO, problem_of
 
 
 def late(force, x):
@@ -47,3 +51,20 @@ def test_a_neutral_value_at_its_bound_is_determined():
     play = refit(baseline(model, problem), model.catalogue["freeplay"], problem)
     assert isinstance(play.fit.model, Model)
     assert loose(play, problem) == ()
+
+
+def test_one_tone_gives_no_certain_name_anywhere():
+    """Neither the verdict nor any candidate of the JSON."""
+    t = np.arange(1600) * DT
+    w, rng = 2.0 * np.pi * 1.5, np.random.default_rng(1)
+    x, v, a = 0.01 * np.sin(w * t), 0.01 * w * np.cos(w * t), -0.01 * w**2 * np.sin(w * t)
+    u, model = np.repeat([0.0, 0.1, 0.2, 0.3], 400), load_model(GUO)
+    truth = model.with_effect("coulomb_friction", {"F_c": 3.0})
+    force = predict(truth, motion(DT, x, v, u, a)) + FORCE_NOISE * rng.standard_normal(t.size)
+    data = from_arrays(t=t, deflection=x, deflection_velocity=v, duty=u, damper_force=force)
+    found = diagnose(data, model, anyway=True).to_dict()
+    assert found["verdict"] != "missing_effect"
+    assert "present" not in {e["status"] for e in found["candidates"]}
+    named = [e for e in found["candidates"] if e["effect"] in found["effects"]]
+    assert named
+    assert all(e["status"] == "confounded" for e in named)
