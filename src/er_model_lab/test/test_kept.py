@@ -1,8 +1,10 @@
 """What was worked out once is found again, and only that."""
 
+from functools import partial
+
 import numpy as np
 import pytest
-from er_model_lab.kept import kept
+from er_common.kept import kept as kept_by
 from er_model_lab.verbs.compare import compare
 from er_models.cache.folder import cache_folder, state_folder
 from er_models.files import load_model
@@ -10,7 +12,9 @@ from er_models.prediction import motion, predict
 from er_records.in_memory import from_arrays
 from lab_help import DT, GUO, imposed
 
-from er_model_lab import kept as module
+from er_common import kept as module
+
+kept = partial(kept_by, "er_model_lab.verbs.compare")
 
 
 @pytest.fixture

@@ -6,12 +6,12 @@ from concurrent.futures import Executor
 from dataclasses import replace
 
 from er_common.command_line import command_line
+from er_common.kept import kept
 from er_common.versions import versions
 from er_models.model import Model
 from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
-from er_model_lab.kept import kept
 from er_model_lab.results.result import ComparisonResult
 from er_model_lab.work import Event, Progress, Work
 
@@ -31,7 +31,7 @@ def compare(
 ) -> ComparisonResult:
     """Predict the data with the model as it is, and with others beside it, and say where it fails.
 
-    What was compared before is found again (`er_model_lab.kept`).
+    What was compared before is found again (`er_common.kept`).
     """
 
     def made() -> ComparisonResult:
@@ -44,7 +44,7 @@ def compare(
         )
         return compared(asked, others)
 
-    result = kept((data, held_out, model, others, level, seed, anyway), made)
+    result = kept(__name__, (data, held_out, model, others, level, seed, anyway), made)
     now = {"command_line": command_line(), "versions": versions()}
     view = replace(result.view, provenance={**result.view.provenance, **now})
     return replace(result, view=view)

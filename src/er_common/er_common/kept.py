@@ -25,13 +25,13 @@ ENDING = ".result"
 _LOG = logging.getLogger(__name__)
 
 
-def kept(decides: object, make: Callable[[], Result]) -> Result:
-    """What `make` gives, from the cache where it was made before by these sources from equal `decides`.
+def kept(owner: str, decides: object, make: Callable[[], Result]) -> Result:
+    """What `make` gives, from the cache where it was made before by the same sources from equal `decides`.
 
-    decides: all that the result follows from; it and the result can be pickled. The file is read as compiled code is:
-    only as this user has written it (`er_models.cache.sealed`).
+    owner: a module of the package whose sources make it; decides: all that the result follows from; it and the result
+    can be pickled. The file is read as compiled code is: only as this user has written it (`er_models.cache.sealed`).
     """
-    folder, name = state_folder(state(__name__)[0]), _name(decides)
+    folder, name = state_folder(state(owner)[0]), _name(decides)
     if (content := sealed.read(folder, name)) is not None:
         found: Result = pickle.loads(content)
         return found
