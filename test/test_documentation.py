@@ -124,7 +124,7 @@ def place(tmp_path_factory):
     (folder / "config").symlink_to(ROOT / "config")
     for name, seed in (("DATA", 1), ("MORE", 2)):
         (folder / name).mkdir()
-        write_sample(folder / name / "run.csv", seed=seed, seconds=10.0)
+        write_sample(folder / name / "run.csv", seed=seed, seconds=14.0)
     (folder / "RIDE").mkdir()
     write_ride(folder / "RIDE" / "run.csv", seed=1, seconds=4.0)
     for name in SETS:
