@@ -125,7 +125,7 @@ def _keeping(work: Work, left: Model, start: Begun, keep: Keep | None) -> Work:
 
     def told(stage: str, done: int, total: int, best: tuple[Leader, ...]) -> None:
         nonlocal last
-        if time.monotonic() - last > KEEP_EVERY:
+        if start.noted and time.monotonic() - last > KEEP_EVERY:
             keep(left_by(left, start))
             last = time.monotonic()
         if work.progress is not None:
