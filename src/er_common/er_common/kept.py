@@ -6,7 +6,7 @@ import hashlib
 import logging
 import pickle
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
@@ -21,17 +21,20 @@ FEW = 24
 """Results that are kept, those last made."""
 LARGEST = 1 << 26
 """Largest result that is kept [bytes]."""
+LIBRARIES = ("numba", "numpy", "scikit-learn", "scipy")
+"""Whose versions count, too."""
 ENDING = ".result"
 _LOG = logging.getLogger(__name__)
 
 
-def kept(owner: str, decides: object, make: Callable[[], Result]) -> Result:
+def kept(packages: Sequence[str], decides: object, make: Callable[[], Result]) -> Result:
     """What `make` gives, from the cache where it was made before by the same sources from equal `decides`.
 
-    owner: a module of the package whose sources make it; decides: all that the result follows from; it and the result
-    can be pickled. The file is read as compiled code is: only as this user has written it (`er_models.cache.sealed`).
+    packages: all whose sources make it, that which keeps it first; decides: all that the result follows from; it and
+    the result can be pickled. The file is read as compiled code is, only as this user has written it: see
+    `er_models.cache.sealed`.
     """
-    folder, name = state_folder(state(owner)[0]), _name(decides)
+    folder, name = state_folder(state(packages[0])[0]), _name(packages, decides)
     if (content := sealed.read(folder, name)) is not None:
         found: Result = pickle.loads(content)
         return found
@@ -46,9 +49,11 @@ def kept(owner: str, decides: object, make: Callable[[], Result]) -> Result:
     return result
 
 
-def _name(decides: object) -> str:
+def _name(packages: Sequence[str], decides: object) -> str:
     """Name of the file of a result."""
-    made_by = (platform.python_version(), *map(version, ("numpy", "scipy", "scikit-learn")))
+    made_by = (
+        platform.python_version(), *map(version, LIBRARIES), *(state(name)[0] for name in packages)
+    )  # fmt: skip
     digest = hashlib.sha256(pickle.dumps((decides, made_by), protocol=5))
     return digest.hexdigest()[:32] + ENDING
 

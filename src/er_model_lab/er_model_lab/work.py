@@ -11,8 +11,10 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol, TypeVar
 
+from er_models.parallel import threads
+
 from er_model_lab.jobs.call import Call, inside_a_job
-from er_model_lab.jobs.handing_out import beside, by, here, threads
+from er_model_lab.jobs.handing_out import beside, by, here
 from er_model_lab.jobs.processes import PROCESSES, Processes
 
 Job = TypeVar("Job")

@@ -14,7 +14,7 @@ from lab_help import DT, GUO, imposed
 
 from er_common import kept as module
 
-kept = partial(kept_by, "er_model_lab.verbs.compare")
+kept = partial(kept_by, ("er_model_lab", "er_records"))
 
 
 @pytest.fixture
@@ -37,6 +37,19 @@ def test_other_libraries_make_it_again(monkeypatch):
     kept("a", lambda: 1)
     monkeypatch.setattr(module, "version", lambda name: "0")
     assert kept("a", lambda: 2) == 2
+
+
+@pytest.mark.usefixtures("cache")
+@pytest.mark.parametrize("changed", ["er_model_lab", "er_records"])
+def test_other_sources_of_any_package_make_it_again(changed, monkeypatch):
+    kept("a", lambda: 1)
+    other = lambda name: (f"{name}-{'0' if name == changed else '1'}", "")  # noqa: E731
+    same = lambda name: (f"{name}-1", "")  # noqa: E731
+    monkeypatch.setattr(module, "state", same)
+    assert kept("a", lambda: 2) == 2
+    assert kept("a", never) == 2
+    monkeypatch.setattr(module, "state", other)
+    assert kept("a", lambda: 3) == 3
 
 
 def test_what_somebody_changed_is_made_again(cache):

@@ -22,13 +22,13 @@ def cores() -> int:
 
 
 @lru_cache(maxsize=1)
-def _pool() -> ThreadPoolExecutor:
+def threads() -> ThreadPoolExecutor:
     """The threads of this process, made once: one for every core, since the one that asks may have to wait."""
     return ThreadPoolExecutor(cores(), "er_models")
 
 
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_pool.cache_clear)  # threads do not survive a fork
+    os.register_at_fork(after_in_child=threads.cache_clear)  # threads do not survive a fork
 
 
 def over_cores(run: Callable[[int, int], None], n: int, steps: int) -> None:
@@ -41,7 +41,7 @@ def over_cores(run: Callable[[int, int], None], n: int, steps: int) -> None:
         return run(0, n) if n else None
     pieces = min(n, PIECES * cores())
     parts = list(pairwise(n * k // pieces for k in range(pieces + 1)))
-    futures = [_pool().submit(run, *part) for part in parts]
+    futures = [threads().submit(run, *part) for part in parts]
     try:
         for future, part in zip(reversed(futures), reversed(parts), strict=True):
             if future.cancel():

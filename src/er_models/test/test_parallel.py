@@ -18,9 +18,9 @@ from er_models import parallel
 @pytest.fixture(params=[1, 2, 3])
 def cores(request, monkeypatch):
     monkeypatch.setattr(parallel, "cores", lambda: request.param)
-    parallel._pool.cache_clear()
+    parallel.threads.cache_clear()
     yield request.param
-    parallel._pool.cache_clear()
+    parallel.threads.cache_clear()
 
 
 @pytest.mark.parametrize("n", [0, 1, 2, 7, 100])
@@ -72,7 +72,7 @@ def test_a_piece_may_spread_work_of_its_own(cores):
 def test_what_no_other_thread_begins_is_done_here(cores):
     """All threads of the pool are busy with something else."""
     free = threading.Event()
-    busy = [parallel._pool().submit(free.wait, 30.0) for _ in range(cores)]
+    busy = [parallel.threads().submit(free.wait, 30.0) for _ in range(cores)]
     seen = []
     try:
         over_cores(lambda i, j: seen.append(threading.current_thread()), 8, 10 * WORTH)
@@ -95,7 +95,7 @@ def test_after_an_error_here_no_piece_is_begun(cores):
     with pytest.raises(ZeroDivisionError):
         over_cores(run, 100, 10 * WORTH)
     over.set()
-    parallel._pool().shutdown()
+    parallel.threads().shutdown()
     assert len(begun) <= cores + 1
 
 

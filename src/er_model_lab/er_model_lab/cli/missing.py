@@ -110,8 +110,6 @@ def improve_command(
     """Diagnose and add, again and again, until the model is adequate or nothing known helps."""
 
     def work() -> Result:
-        from er_models.files import save_model
-
         from er_model_lab.verbs.improve import improve
         from er_model_lab.verbs.load import load, load_model
 
@@ -121,8 +119,14 @@ def improve_command(
                 load(*data), begun, name=out.stem, interrupted=_left(out, beside, effects_from),
                 held_out=loaded(hold_out), level=level, seed=seed,
                 rule=Rule(false_alarm, smallest, helps), anyway=anyway, progress=told,
-                keep=lambda begun: save_model(begun, beside),
+                keep=keep,
             )  # fmt: skip
+
+    def keep(so_far: Model) -> None:
+        from er_models.files import save_model
+
+        with suppress(ErError, OSError):  # a full disk ends no search
+            save_model(so_far, beside)
 
     beside = out.with_suffix(f".begun{out.suffix}")
     read = read_by(data, [model], effects_from, hold_out)

@@ -12,10 +12,7 @@ from concurrent.futures import (
     ThreadPoolExecutor,
     wait,
 )
-from functools import lru_cache
 from typing import Any
-
-from er_models.parallel import cores
 
 from er_model_lab.jobs.call import Call, packed
 from er_model_lab.jobs.processes import Processes, lost
@@ -25,12 +22,6 @@ LOOK = 0.1
 
 Told = Callable[[int, Any], None]
 """Called with the place of each job that is done, and its result."""
-
-
-@lru_cache(maxsize=1)
-def threads() -> ThreadPoolExecutor:
-    """Threads of this process, one for every core: the compiled kernel holds no lock of Python."""
-    return ThreadPoolExecutor(cores(), "er_model_lab")
 
 
 def here(call: Call, jobs: Sequence[Any], told: Told, check: Callable[[], None]) -> None:

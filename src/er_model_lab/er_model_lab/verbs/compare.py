@@ -15,6 +15,9 @@ from er_model_lab.blas import on_one_thread
 from er_model_lab.results.result import ComparisonResult
 from er_model_lab.work import Event, Progress, Work
 
+SOURCES = ("er_model_lab", "er_records", "er_common")
+"""Packages that decide a comparison, beside `er_models`, which always counts."""
+
 
 @on_one_thread
 def compare(
@@ -44,7 +47,7 @@ def compare(
         )
         return compared(asked, others)
 
-    result = kept(__name__, (data, held_out, model, others, level, seed, anyway), made)
+    result = kept(SOURCES, (data, held_out, model, others, level, seed, anyway), made)
     now = {"command_line": command_line(), "versions": versions()}
     view = replace(result.view, provenance={**result.view.provenance, **now})
     return replace(result, view=view)
