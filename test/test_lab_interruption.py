@@ -1,6 +1,7 @@
 """Ctrl-C in `lab improve` keeps what is done, and the same command goes on from there."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -119,10 +120,13 @@ def test_before_an_effect_is_found_the_fits_are_kept_beside(data, tmp_path, monk
 
 
 BEGIN = """
+import time
 import er_model_lab.verbs.improve as verb
 from er_model_lab.cli.app import main
+from er_models.parallel import threads
 
 verb.KEEP_EVERY = 0.1
+threads().submit(time.sleep, 30.0)  # a fit that takes long
 main()
 """
 
@@ -133,13 +137,18 @@ def test_whatever_ends_it_what_was_done_is_kept(number, data, tmp_path):
     """Within two seconds, and it is gone on from."""
     out = tmp_path / "m.yaml"
     command = [sys.executable, "-c", BEGIN, "improve", data, "--model", MODEL, "--out", out]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    env = os.environ | {"PYTHONFAULTHANDLER": "1"}
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=env)
     while not (kept := tmp_path / "m.begun.yaml").exists():
         assert process.poll() is None
         time.sleep(0.02)
     asked = time.monotonic()
     process.send_signal(number)
-    said = process.communicate()[1]
+    try:
+        said = process.communicate(timeout=25.0)[1]
+    except subprocess.TimeoutExpired:
+        process.send_signal(signal.SIGABRT)
+        pytest.fail(process.communicate()[1])  # where it stands
     assert time.monotonic() - asked < 2.0
     if number != signal.SIGKILL:
         assert (process.returncode, said.count("\n")) == (130, 1)

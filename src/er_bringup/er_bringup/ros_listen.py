@@ -13,8 +13,9 @@ from er_common.topics import Topic
 from er_ros_common.builders import tick_of
 from er_ros_common.graph_check import UNNAMED, Ends, compatible, endpoints
 from er_ros_common.parameter_reader import ParameterReader
-from rclpy.executors import SingleThreadedExecutor
+from er_ros_common.spin import make_executor
 from rclpy.node import Node
+from rclpy.task import Future
 from rclpy.utilities import try_shutdown
 
 from er_bringup.ros_checks import CONTRACT, Heard, Observation, SeenNode, clocks, namespaces
@@ -93,7 +94,10 @@ def observe(namespace: str | None, seconds: float) -> list[Observation]:
         seen = []
         for space in spaces:
             node = Node("doctor", namespace=space, enable_rosout=False)
-            seen.append(_Listener(node, space, known=namespace is None).observe(seconds))
+            listener = _Listener(node, space, known=namespace is None)
+            seen.append(listener.observe(seconds))
+            listener.executor.remove_node(node)
+            listener.executor.shutdown(timeout_sec=0.0)
             node.destroy_node()
         return seen
     finally:
@@ -127,7 +131,7 @@ class _Listener:
         self.said: dict[str, tuple[int, str]] = {}
         self.diagnosed = False
         self.parameters = ParameterReader(node, self._inside)
-        self.executor = SingleThreadedExecutor()
+        self.executor = make_executor(node)
         self.executor.add_node(node)
 
     def _inside(self, full: str) -> bool:
@@ -188,12 +192,9 @@ class _Listener:
     def _turn(self, seconds: float) -> None:
         """Handle messages for this time, looking for new topics now and then."""
         until = monotonic() + seconds
-        look = 0.0
-        while monotonic() < until:
-            if monotonic() >= look:
-                self._look()
-                look = monotonic() + LOOK
-            self.executor.spin_once(timeout_sec=0.02)
+        while (left := until - monotonic()) > 0.0:
+            self._look()
+            self.executor.spin_until_future_complete(Future(), timeout_sec=min(LOOK, left))
 
     def _look(self) -> None:
         self.parameters.look()

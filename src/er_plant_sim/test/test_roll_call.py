@@ -64,7 +64,9 @@ def after(monkeypatch: pytest.MonkeyPatch, each: Gathering, seconds: float) -> b
 def gathering(graph: Any) -> Gathering:
     """It waits for two observers, and for one subscriber of one topic."""
     out: Any = SimpleNamespace(subscribers=lambda: (1,))
-    return Gathering(graph, out, (1,), ("one", "two"), PATIENCE)
+    each = Gathering(graph, out, (1,), ("one", "two"), PATIENCE)
+    each.made_at = 1000.0  # a time whose sums are exact
+    return each
 
 
 def test_it_begins_when_everybody_is_ready(graph: Graph, monkeypatch: pytest.MonkeyPatch) -> None:

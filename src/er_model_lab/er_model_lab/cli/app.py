@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import sys
 from collections.abc import Callable
 from typing import ClassVar
 
@@ -13,6 +15,7 @@ from er_common.usage import OneLineGroup
 from er_model_lab.cli.data import check_command, compare_command, identify_command
 from er_model_lab.cli.missing import add_command, diagnose_command, improve_command
 from er_model_lab.cli.plan import effects_command, plan_command
+from er_model_lab.cli.running import INTERRUPTED
 
 COMMANDS: dict[str, tuple[Callable[..., None], str]] = {
     "check": (check_command, "Check measurements before anything is fitted."),
@@ -48,7 +51,15 @@ for name, (command, line) in COMMANDS.items():
 def main() -> None:
     """Entry point; who asks to end (SIGTERM) gets what Ctrl-C gives: what was done is kept."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    app(prog_name="./er lab" if by_er() else None)
+    try:
+        app(prog_name="./er lab" if by_er() else None)
+    except SystemExit as end:
+        if end.code == INTERRUPTED:
+            # at once: Python would wait for every thread, which may be in the middle of a long fit
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(INTERRUPTED)
+        raise
 
 
 if __name__ == "__main__":

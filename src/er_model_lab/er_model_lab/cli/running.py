@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from er_model_lab.results.result import Result
     from er_model_lab.work import Leader, Progress
 
+INTERRUPTED = 130
+"""Exit status after Ctrl-C."""
+
 
 def loaded(paths: Sequence[Path] | None) -> Dataset | None:
     """The data of an option; None where it was not given."""
@@ -91,12 +94,12 @@ def run(
         fail(error)
     except KeyboardInterrupt:
         typer.echo(f"interrupted: {_left_of(written, beside)}", err=True)
-        raise typer.Exit(130) from None
+        raise typer.Exit(INTERRUPTED) from None
     if result.interrupted:
         typer.echo(
             "interrupted: what was done is written; the same command goes on from there", err=True
         )
-        raise typer.Exit(130)
+        raise typer.Exit(INTERRUPTED)
     if strict and not result.complete:
         typer.echo("the data were incomplete: see the notes", err=True)
         raise typer.Exit(3)

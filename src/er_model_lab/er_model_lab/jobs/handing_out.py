@@ -4,14 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    BrokenExecutor,
-    Executor,
-    Future,
-    ThreadPoolExecutor,
-    wait,
-)
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+from contextlib import suppress
+from queue import Empty, SimpleQueue
 from typing import Any
 
 from er_model_lab.jobs.call import Call, packed
@@ -22,6 +17,31 @@ LOOK = 0.1
 
 Told = Callable[[int, Any], None]
 """Called with the place of each job that is done, and its result."""
+
+
+class _Done:
+    """Futures in the order in which they end.
+
+    `concurrent.futures.wait` holds their locks one after the other: Ctrl-C in between leaves them held, and every
+    thread that has a result waits for ever.
+    """
+
+    def __init__(self) -> None:
+        self._queue: SimpleQueue[Future[Any]] = SimpleQueue()
+
+    def told_of(self, future: Future[Any]) -> Future[Any]:
+        """The same future, which comes to `wait` once it has ended."""
+        future.add_done_callback(self._queue.put)
+        return future
+
+    def wait(self, seconds: float) -> list[Future[Any]]:
+        """Those that have ended since; waits so long for the first [s]."""
+        found = []
+        with suppress(Empty):
+            found.append(self._queue.get(timeout=seconds) if seconds else self._queue.get_nowait())
+            while True:
+                found.append(self._queue.get_nowait())
+        return found
 
 
 def here(call: Call, jobs: Sequence[Any], told: Told, check: Callable[[], None]) -> None:
@@ -38,13 +58,13 @@ def by(
     sent = call if isinstance(executor, ThreadPoolExecutor) else packed(call)
     if sent is None:
         return here(call, jobs, told, check)
-    running: dict[Future[Any], int] = {}
+    running, done = dict[Future[Any], int](), _Done()
     try:
         for k, job in enumerate(jobs):
-            running[executor.submit(sent, job)] = k
+            running[done.told_of(executor.submit(sent, job))] = k
         while running:
             check()
-            for future in wait(running, LOOK, FIRST_COMPLETED).done:
+            for future in done.wait(LOOK):
                 told(running.pop(future), future.result())
     finally:
         for future in running:
@@ -56,7 +76,7 @@ def beside(
     own: Processes, call: Call, jobs: Sequence[Any], told: Told, check: Callable[[], None]
 ) -> None:
     """Do jobs here while the lab's own processes, as they become ready, do others."""
-    left, running = deque(range(len(jobs))), dict[Future[Any], int]()
+    left, running, done = deque(range(len(jobs))), dict[Future[Any], int](), _Done()
     sent, able = None, True
     try:
         while left or running:
@@ -65,11 +85,11 @@ def beside(
                 sent = packed(call, own.folder)
                 able = sent is not None
             if sent is not None:
-                _submitted(own, sent, jobs, left, running)
+                _submitted(own, sent, jobs, left, running, done)
             mine = left.popleft() if left else None
             if mine is not None:
                 told(mine, call(jobs[mine]))
-            for future in wait(running, LOOK if mine is None else 0.0, FIRST_COMPLETED).done:
+            for future in done.wait(LOOK if mine is None else 0.0):
                 k = running.pop(future)
                 if lost(future.exception()):
                     left.append(k)
@@ -84,12 +104,12 @@ def beside(
 
 
 def _submitted(
-    own: Processes, call: Call, jobs: Sequence[Any], left: deque[int], running: dict[Future[Any], int]
+    own: Processes, call: Call, jobs: Sequence[Any], left: deque[int], running: dict[Future[Any], int], done: _Done
 ) -> None:  # fmt: skip
     """Hand out as many jobs as there is room for."""
     while left and len(running) < own.room:
         k = left.popleft()
         try:
-            running[own.submit(call, jobs[k])] = k
+            running[done.told_of(own.submit(call, jobs[k]))] = k
         except BrokenExecutor:
             left.appendleft(k)
