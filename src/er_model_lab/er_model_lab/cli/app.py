@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import threading
 from collections.abc import Callable
 from typing import ClassVar
 
@@ -28,6 +29,8 @@ COMMANDS: dict[str, tuple[Callable[..., None], str]] = {
     "effects": (effects_command, "The catalogue of effects, or one effect's card."),
 }
 """In the order in which they are used, with one line each that fits a terminal."""
+WAIT = 1.0
+"""Longest wait for threads and processes after Ctrl-C [s]."""
 
 
 class _Lab(OneLineGroup):
@@ -55,11 +58,16 @@ def main() -> None:
         app(prog_name="./er lab" if by_er() else None)
     except SystemExit as end:
         if end.code == INTERRUPTED:
-            # at once: Python would wait for every thread, which may be in the middle of a long fit
-            sys.stdout.flush()
-            sys.stderr.flush()
-            os._exit(INTERRUPTED)
+            _end_soon()
         raise
+
+
+def _end_soon() -> None:
+    """End this process before long: Python waits for every thread, which may be in the middle of a long fit."""
+    sys.stdout.flush()
+    last = threading.Timer(WAIT, os._exit, (INTERRUPTED,))
+    last.daemon = True
+    last.start()
 
 
 if __name__ == "__main__":
