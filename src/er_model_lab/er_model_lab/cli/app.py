@@ -64,10 +64,13 @@ def main() -> None:
 
 def _end_soon() -> None:
     """End this process before long: Python waits for every thread, which may be in the middle of a long fit."""
+    from er_model_lab.jobs.processes import PROCESSES
+
     sys.stdout.flush()
     last = threading.Timer(WAIT, os._exit, (INTERRUPTED,))
     last.daemon = True
     last.start()
+    PROCESSES.shutdown()
 
 
 if __name__ == "__main__":
