@@ -10,7 +10,7 @@ import numpy as np
 
 from er_models.kernel.fast import entry, inline, inner
 from er_models.kernel.inputs import at, cubic, delayed, split
-from er_models.kernel.states import HOLD, ROWS, G, R, W, keep, settle, solve, visit, W0
+from er_models.kernel.states import HOLD, ROWS, W0, G, R, W, keep, settle, solve, visit
 
 
 def input_delay(on, p):  # type: ignore[no-untyped-def]
