@@ -1,15 +1,13 @@
 """Where the states of a record begin: the measured force says it, and nothing is assumed. Own small equations."""
 
+import time
+
 import numpy as np
 import pytest
 from er_model_lab.diagnosis.candidates import baseline, refit
-from er_model_lab.fitting.fit import fit
-from er_model_lab.problem.forward import DamperForward
 from er_model_lab.problem.prepare import prepare
-from er_models import prediction
 from er_models.files import load_model
-from er_models.kernel.load import kernel
-from er_models.prediction import Told, beginnings, motion, predict
+from er_models.prediction import Told, beginnings, motion, predict, predict_many
 from er_records.dataset import Dataset
 from er_records.record import Record
 from lab_help import DT, FORCE_NOISE, GUO, imposed
@@ -85,9 +83,10 @@ def grown(effect, records=4):
 @pytest.mark.parametrize("effect", TWINS)
 def test_an_effect_whose_state_begins_anywhere_leaves_the_noise(effect):
     problem, _, found = grown(effect)
-    left = found.fit.residual
-    assert np.sqrt(np.mean(left[problem.held_out] ** 2)) < 1.2 * FORCE_NOISE
-    assert np.sqrt(found.mse) < 1.2 * FORCE_NOISE
+    square, late = found.fit.residual**2, problem.held_out & (problem.motion.t > 5.0)
+    left = np.sqrt(np.mean(square[problem.held_out]))
+    assert left < 1.05 * np.sqrt(np.mean(square[late]))  # where any beginning is forgotten
+    assert max(left, np.sqrt(found.mse)) < 1.25 * FORCE_NOISE  # errors of the motion add a fifth
 
 
 @pytest.mark.parametrize("effect", TWINS)
@@ -108,7 +107,9 @@ def test_a_force_that_tells_nothing_leaves_the_old_rule():
     x, v, a, u = imposed(np.random.default_rng(0), 800)
     inputs, model = motion(DT, x, v, u, a), load_model(GUO).with_effect("viscoelastic_branch")
     nothing = Told(np.zeros(800), np.zeros(800), 60)
-    np.testing.assert_allclose(predict(model, inputs, nothing), predict(model, inputs), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        predict(model, inputs, nothing), predict(model, inputs), rtol=0, atol=1e-12
+    )
     assert beginnings(model, inputs, nothing) == 0.0
 
 
@@ -125,22 +126,15 @@ def test_a_beginning_is_found_to_the_last_digits_where_there_is_no_noise():
     assert np.abs(found[60:]).max() < 0.01 * np.abs(assumed).max()
 
 
-def test_beginnings_cost_little(monkeypatch):
-    """Looks at the equations with and without beginnings: steps of the integrator, by the rows that each run computes."""
-    problem, base, found = grown("viscoelastic_branch")
-    through, rows = DamperForward.predict_many, []
-
-    def counted(self, data, model, vectors):
-        rows.append(vectors.shape[0])
-        return through(self, data, model, vectors)
-
-    monkeypatch.setattr(DamperForward, "predict_many", counted)
-    fit(found.fit.model, problem)
-    with_beginnings = sum(rows)
-    assert with_beginnings > 0
-    t_m, dt = found.fit.model.value("viscoelastic_branch", "t_m"), problem.motion.dt
-    coarse, lengths = prediction.substeps(dt), np.diff(problem.motion.starts)
-    module = kernel(found.fit.model.catalogue)
-    seen = np.minimum(module.FADED * t_m / dt, lengths)
-    steps = sum(2.0 * seen) / (coarse * lengths.sum())
-    assert 1.0 + steps < 1.3
+def test_beginnings_cost_little():
+    """Processor time of the same predictions with and without them."""
+    problem, _, found = grown("viscoelastic_branch")
+    model, inputs = found.fit.model, problem.motion
+    vectors = np.tile(model.compiled().p, (20, 1))
+    took = [np.inf, np.inf]
+    for _ in range(7):
+        for k, told in enumerate((None, problem.told)):
+            began = time.process_time()
+            predict_many(model, vectors, inputs, told)
+            took[k] = min(took[k], time.process_time() - began)
+    assert took[1] < 1.3 * took[0]

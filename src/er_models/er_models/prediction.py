@@ -50,8 +50,8 @@ class Motion:
 class Told:
     """What tells where the states of each record begin.
 
-    force (n,): measured [N]; weight (n,): how much each sample tells [1/N2], zero where it tells nothing; unscored: first
-    samples of a record that nothing is judged by.
+    force (n,): measured [N]; weight (n,): how much each sample tells [1/N2], zero where it tells nothing; unscored:
+    first samples of a record, which nothing is judged by.
     """
 
     force: Array
@@ -123,9 +123,7 @@ def predict(model: Model, inputs: Motion, told: Told | None = None) -> Array:
     return np.asarray(_predicted(model, model.compiled().p[None], inputs, told)[0][0])
 
 
-def predict_many(
-    model: Model, vectors: Array, inputs: Motion, told: Told | None = None
-) -> Array:
+def predict_many(model: Model, vectors: Array, inputs: Motion, told: Told | None = None) -> Array:
     """Forces (m, n) [N] of one model with m sets of parameters, as `predict` gives each, over all cores.
 
     vectors (m, n_parameters): of the whole catalogue, as `model.compiled().p` [SI]; `model.catalogue.column` says where
@@ -149,7 +147,9 @@ def _predicted(
     forces, spent = np.empty((vectors.shape[0], inputs.n)), np.zeros(vectors.shape[0])
     rows = _rows(model, vectors, inputs, told)
     over_cores(
-        lambda i, j: rows(forces[i:j], spent[i:j], i, j), spent.size, forces.size * substeps(inputs.dt)
+        lambda i, j: rows(forces[i:j], spent[i:j], i, j),
+        spent.size,
+        forces.size * substeps(inputs.dt),
     )
     return forces, spent
 
@@ -168,8 +168,6 @@ def _rows(
     force, weight = plain(told.force), plain(told.weight)
 
     def rows(forces: Array, spent: Array, i: int, j: int) -> None:
-        made.begun_rows(
-            *shared, vectors[i:j], *along, force, weight, told.unscored, forces, spent
-        )
+        made.begun_rows(*shared, vectors[i:j], *along, force, weight, told.unscored, forces, spent)
 
     return rows

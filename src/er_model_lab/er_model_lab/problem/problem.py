@@ -123,7 +123,7 @@ class Problem:
 
     @cached_property
     def told(self) -> Told:
-        """What tells where the states of each record begin: its first samples, and what is learnt from or else scored."""
+        """What tells where the states of each record begin."""
         weight = self.weight_of(telling(self.motion, self.train, self.held_out))
         return Told(self.force, weight, round(WARM_UP / self.motion.dt))
 

@@ -1,7 +1,7 @@
 """Where the states of a record begin, as its measured force says.
 
-A state that relaxes stays between the equilibria that its motion asks for, so that is where it may have begun: somewhere
-on the way from where it would have settled to the farther end of them, or short of the nearer one. Its prior is normal
+A state that relaxes stays between the equilibria that its motion asks for, so that is where it may have begun:
+somewhere on the way from where it would have settled to the farther end of them, or short of the nearer one. Its prior is normal
 about where it would have settled, with that way as its deviation. The force follows a beginning in a straight line. Its
 slope is how the force differs when the record is run again from the farther end, in steps of a whole sample, for as
 long as that shows: a few time constants of the state. The shares of all ways that meet the measured force best are
@@ -36,11 +36,13 @@ def way(reach, j):
 
 
 @inner
-def slopes(on, slots, links, at_rest, p, dt, x, v, a, u, theta, s, reach, shift, shown, left, near, raw):
+def slopes(
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, s, reach, shift, shown, left, near, raw
+):
     """How the force follows the beginning of each state over its way: shown (S, n) [N]; how many rows show it.
 
-    States that begin at zero are counted from there. near (S,): the near ends, as shares; left (S, n), raw (n,): scratch,
-    and the last row of shown (S + 1, n).
+    States that begin at zero are counted from there. near (S,): the near ends, as shares; left (S, n), raw (n,):
+    scratch, and so is the last row of shown (S + 1, n).
     """
     many, n, rows = slots.shape[0], x.shape[0], 0
     for q in range(many):
@@ -48,8 +50,8 @@ def slopes(on, slots, links, at_rest, p, dt, x, v, a, u, theta, s, reach, shift,
         away, near[q] = way(reach, own)
         if not at_rest[own] and away != 0.0:
             seen = predict(
-                on, slots, links, at_rest, p, dt, x, v, a, u, theta, 1, s, shown[q], reach, own, away, left[q]
-            )
+                on, slots, links, at_rest, p, dt, x, v, a, u, theta, 1, s, shown[q], reach, own, away, left[q],
+            )  # fmt: skip
         for k in range(seen, n):
             shown[q, k] = left[q, k] = 0.0
         rows = max(rows, seen)
@@ -116,10 +118,11 @@ def begun_rows(
         shift, spent[k] = output_delay(on, p) / dt, 0.0
         for r in range(starts.shape[0] - 1):
             i, j = starts[r], starts[r + 1]
-            x_r, v_r, a_r, u_r, theta_r, f_r = x[i:j], v[i:j], a[i:j], u[i:j], theta[i:j], force[i:j]
+            x_r, v_r, a_r = x[i:j], v[i:j], a[i:j]
+            u_r, theta_r, f_r = u[i:j], theta[i:j], force[i:j]
             predict(
-                on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, n_sub, s, f_r, reach, -1, 0.0, raw
-            )
+                on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, n_sub, s, f_r, reach, -1, 0.0, raw,
+            )  # fmt: skip
             late(f_r, shift, raw[i:j])
             rows = slopes(
                 on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, s, reach, shift, shown,
@@ -132,5 +135,3 @@ def begun_rows(
             for q in range(many):
                 for row in range(rows):
                     f_r[row] += share[q] * shown[q, row]
-
-

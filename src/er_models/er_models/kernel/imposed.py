@@ -82,7 +82,9 @@ def start(on, slots, links, at_rest, p, s, reach, own, away, x, v, a, u, theta):
 
 
 @inner
-def predict(on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, s, force, reach, own, away, left):
+def predict(
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, s, force, reach, own, away, left
+):
     """Measured force [N] over one record of imposed motion, arrays of length n; how many rows were computed.
 
     The duty is held from each sample on, later by the dead time: a step that it jumps in is cut in
@@ -93,7 +95,9 @@ def predict(on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, s, force
     whole, cut = split(input_delay(on, p) / dt)
     turn = turning(cut, n_sub)
     u_now, faded = u[0], 0.0
-    f_m = start(on, slots, links, at_rest, p, s, reach, own, away, x[0], v[0], a[0], u_now, theta[0])
+    f_m = start(
+        on, slots, links, at_rest, p, s, reach, own, away, x[0], v[0], a[0], u_now, theta[0]
+    )
     force[0], left[0] = f_m, 1.0
     for k in range(n):
         m = min(k + 1, n - 1)
@@ -141,7 +145,11 @@ def predict_rows(on, slots, links, at_rest, ps, dt, starts, x, v, a, u, theta, n
 
     Several records are laid end to end; `starts` holds their first rows and the end.
     """
-    s, reach, raw = np.empty((ROWS, at_rest.shape[0])), np.empty((3, at_rest.shape[0])), np.empty_like(x)
+    s, reach, raw = (
+        np.empty((ROWS, at_rest.shape[0])),
+        np.empty((3, at_rest.shape[0])),
+        np.empty_like(x),
+    )
     for k in range(ps.shape[0]):
         p, force = ps[k], forces[k]
         shift = output_delay(on, p) / dt
