@@ -1,11 +1,11 @@
 """Where the states of a record begin, as its measured force says.
 
 A state that relaxes stays between the equilibria that its motion asks for, so that is where it may have begun:
-somewhere on the way from where it would have settled to the farther end of them, or short of the nearer one. Its prior is normal
-about where it would have settled, with that way as its deviation. The force follows a beginning in a straight line. Its
-slope is how the force differs when the record is run again from the farther end, in steps of a whole sample, for as
-long as that shows: a few time constants of the state. The shares of all ways that meet the measured force best are
-those of least squares.
+somewhere on the way from where it would have settled to the farther end of them, or short of the nearer one. Its prior
+is normal about where it would have settled, with that way as its deviation. The force follows a beginning in a straight
+line. Its slope is how the force differs when the record is run again from the farther end, in steps of a whole sample,
+for as long as that shows: a few time constants of the state. The shares of all ways that meet the measured force best
+are those of least squares.
 
 Source: separable least squares, Golub and Pereyra 1973.
 
