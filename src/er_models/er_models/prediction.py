@@ -46,6 +46,19 @@ class Motion:
         return out
 
 
+@dataclass(frozen=True)
+class Told:
+    """What tells where the states of each record begin.
+
+    force (n,): measured [N]; weight (n,): how much each sample tells [1/N2], zero where it tells nothing; unscored:
+    first samples of a record, which nothing is judged by.
+    """
+
+    force: Array
+    weight: Array
+    unscored: int
+
+
 def motion(
     dt: float, x: Array, v: Array, u: Array, a: Array | None = None, theta: Array | None = None
 ) -> Motion:
@@ -97,41 +110,64 @@ def substeps(dt: float) -> int:
     return max(1, int(np.ceil(dt / SUBSTEP - 1e-9)))
 
 
-def predict(model: Model, inputs: Motion) -> Array:
+def predict(model: Model, inputs: Motion, told: Told | None = None) -> Array:
     """Damper force that the load cell shows along a motion (n,) [N].
 
     model: a damper, or a car, of which the damper is taken; inputs: one or more records, each of which begins in
-    equilibrium with its first sample but for states that begin at rest. The integrator takes equal steps of at most
-    `SUBSTEP`. Not finite where the motion is not, or where parameters lie far outside their bounds.
+    equilibrium with its first sample but for states that begin at rest; or, where a measured force is told, where that
+    says. The integrator takes equal steps of at most `SUBSTEP`. Not finite where the motion is not, or where parameters
+    lie far outside their bounds.
 
     Source: thesis (1.12) for the core, that of each effect for the rest (`effects()[name].source`).
     """
-    force = np.empty(inputs.n)
-    _rows(model, model.compiled().p[None], inputs)(force[None], 0, 1)
-    return force
+    return np.asarray(_predicted(model, model.compiled().p[None], inputs, told)[0][0])
 
 
-def predict_many(model: Model, vectors: Array, inputs: Motion) -> Array:
+def predict_many(model: Model, vectors: Array, inputs: Motion, told: Told | None = None) -> Array:
     """Forces (m, n) [N] of one model with m sets of parameters, as `predict` gives each, over all cores.
 
     vectors (m, n_parameters): of the whole catalogue, as `model.compiled().p` [SI]; `model.catalogue.column` says where
     a parameter stands.
     """
-    forces = np.empty((vectors.shape[0], inputs.n))
-    rows = _rows(model, vectors, inputs)
-    over_cores(lambda i, j: rows(forces, i, j), forces.shape[0], forces.size * substeps(inputs.dt))
-    return forces
+    return _predicted(model, vectors, inputs, told)[0]
 
 
-def _rows(model: Model, vectors: Array, inputs: Motion) -> Callable[[Array, int, int], None]:
-    """What predicts rows i to j of the vectors into those of an array (m, n); it holds no lock of Python."""
-    c, run, n_sub = model.compiled(), kernel(model.catalogue).predict_rows, substeps(inputs.dt)
+def beginnings(model: Model, inputs: Motion, told: Told) -> float:
+    """How many numbers the measured force has told of where the states of all records begin.
+
+    One of which it tells nothing, or that is forgotten before anything is judged, does not count.
+    """
+    return float(_predicted(model, model.compiled().p[None], inputs, told)[1][0])
+
+
+def _predicted(
+    model: Model, vectors: Array, inputs: Motion, told: Told | None
+) -> tuple[Array, Array]:
+    """Forces (m, n) [N] and the beginnings that were told (m,)."""
+    forces, spent = np.empty((vectors.shape[0], inputs.n)), np.zeros(vectors.shape[0])
+    rows = _rows(model, vectors, inputs, told)
+    over_cores(
+        lambda i, j: rows(forces[i:j], spent[i:j], i, j),
+        spent.size,
+        forces.size * substeps(inputs.dt),
+    )
+    return forces, spent
+
+
+def _rows(
+    model: Model, vectors: Array, inputs: Motion, told: Told | None
+) -> Callable[[Array, Array, int, int], None]:
+    """What predicts rows i to j of the vectors into arrays of as many; it holds no lock of Python."""
+    c, made, n_sub = model.compiled(), kernel(model.catalogue), substeps(inputs.dt)
     x, v, a, u, theta = map(plain, (inputs.x, inputs.v, inputs.a, inputs.u, inputs.theta))
     vectors, starts = plain(vectors), inputs.starts
+    shared = (c.on, c.slots, c.links, c.at_rest)
+    along = (inputs.dt, starts, x, v, a, u, theta, n_sub)
+    if told is None or not c.slots.size:
+        return lambda forces, _, i, j: made.predict_rows(*shared, vectors[i:j], *along, forces)
+    force, weight = plain(told.force), plain(told.weight)
 
-    def rows(forces: Array, i: int, j: int) -> None:
-        run(
-            c.on, c.slots, c.links, c.at_rest, vectors[i:j], inputs.dt, starts, x, v, a, u, theta, n_sub, forces[i:j],
-        )  # fmt: skip
+    def rows(forces: Array, spent: Array, i: int, j: int) -> None:
+        made.begun_rows(*shared, vectors[i:j], *along, force, weight, told.unscored, forces, spent)
 
     return rows

@@ -25,7 +25,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from er_models.effect import SWITCH
 from er_models.model import Array, Model
-from er_models.prediction import Motion, predict, predict_many
+from er_models.prediction import predict
 from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
 
@@ -61,12 +61,12 @@ class Estimate:
 
 
 def secants(
-    box: Box, theta: Array, motion: Motion, share: float = SECANTS[0]
+    box: Box, theta: Array, problem: Problem, share: float = SECANTS[0]
 ) -> tuple[Array, Array]:
     """Force (n,) and its derivative (n, p) by scaled parameters, over a share of each value."""
 
     def forces(points: Array) -> Array:
-        return predict_many(box.model, box.vectors(points), motion)
+        return problem.predict_many(box.model, box.vectors(points))
 
     here = forces(theta[None])[0]
     return here, quotients(forces, theta, steps(box.parameters, theta, share), here)
@@ -82,19 +82,19 @@ def _step(j: Array, e: Array, inner: NDArray[np.bool_]) -> Array:
 def polished(fitted: Fit, problem: Problem, share: float) -> Fit:
     """The fit moved along secants while that lowers the error, with those derivatives."""
     box, train, theta = Box(fitted.model, fitted.free, problem.scales), problem.train, fitted.theta
-    f, j = secants(box, theta, problem.motion, share)
+    f, j = secants(box, theta, problem, share)
     inner = ~fitted.at_bound
     for _ in range(POLISH):
         e = problem.force - f
         step = _step(j[train], e[train], inner)
         points = np.clip(theta + np.outer((1.0, 0.5, 0.2), step), box.low, box.high)
-        forces = predict_many(box.model, box.vectors(points), problem.motion)
+        forces = problem.predict_many(box.model, box.vectors(points))
         costs = np.mean((problem.force - forces)[:, train] ** 2, axis=1)
         best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
         if not costs[best] < np.mean(e[train] ** 2) * (1.0 - 1e-6):
             break
         theta = points[best]
-        f, j = secants(box, theta, problem.motion, share)
+        f, j = secants(box, theta, problem, share)
     edge = (theta <= box.low) | (theta >= box.high)
     return replace(
         fitted, model=box.model_at(theta), theta=theta, residual=problem.force - f, jacobian=j,
@@ -158,7 +158,7 @@ def _looked(fitted: Fit, problem: Problem) -> tuple[Array, Array]:
         return np.empty((0, fitted.theta.size)), np.empty(0)
     points = fitted.theta * _about(box, switching)
     points = points[((points >= box.low) & (points <= box.high)).all(axis=1)]
-    left = (problem.force - predict_many(box.model, box.vectors(points), problem.motion)).T[train]
+    left = (problem.force - problem.predict_many(box.model, box.vectors(points))).T[train]
     finite = np.isfinite(left).all(axis=0)
     points, left = points[finite], left[:, finite]
     others = ~switching & ~fitted.at_bound
@@ -188,10 +188,10 @@ def estimate(fitted: Fit, problem: Problem, seed: int) -> Estimate:
         np.random.default_rng(seed),
         problem.train,
     )
-    seen, j = secants(box, fitted.theta, problem.motion)
+    seen, j = secants(box, fitted.theta, problem)
     inner, moves = ~fitted.at_bound, []
     for _ in range(DRAWS):
-        f = predict(fitted.model, drawn(problem, rng))
+        f = predict(fitted.model, drawn(problem, rng), problem.told)
         moves.append(_step(j[train], (f - seen)[train], inner))
     bias, spread = np.mean(moves, axis=0), np.std(moves, axis=0, ddof=1)
     found = covariance(fitted, problem)

@@ -220,7 +220,8 @@ def cross_validated(
 
     One Gauss-Newton step from the full fit leaves a block out: (H - H_b) d = g - g_b. Where the straight line
     of that step would rather be a jump (a gap that closes, a void that collapses), the model itself predicts
-    the block, from as much of the step as lowers the error of the other blocks; straight: the line is believed.
+    the block, from as much of the step as lowers the error of the other blocks; straight: the line is believed. Where a
+    record's states begin is told by its own samples: the error is raised by what each such number gains by chance.
     """
     steps = _leaving_out(fitted, problem)
     r = fitted.residual.copy()
@@ -231,6 +232,8 @@ def cross_validated(
     train = problem.train
     if not straight and np.mean(r[train] ** 2) > DOUBTFUL * fitted.mse(train):
         r = _truly_left_out(fitted, problem, steps)
+    told, n = problem.forward.beginnings(problem, fitted.model), int(train.sum())
+    r[train] *= np.sqrt((n + told) / max(n - told, 1.0))
     losses = [float(np.mean(r[problem.fold == b] ** 2)) for b in blocks]
     return r, np.array(losses)
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from er_models.model import Model
-from er_models.prediction import predict_many
 
 from er_model_lab.diagnosis.starts import starts
 from er_model_lab.fitting.fit import Box, Fit, fit, with_deviations
@@ -145,7 +144,7 @@ def _starts(model: Model, free: Free, problem: Problem, follow: int) -> list[Mod
         known = dict(zip(effects, values, strict=True))
         point = np.array([known[effect][name] for effect, name in free]) / box.scale
         points.append(np.clip(point, box.low, box.high))
-    forces = predict_many(box.model, box.vectors(np.array(points)), problem.motion)
+    forces = problem.predict_many(box.model, box.vectors(np.array(points)))
     costs = np.mean((problem.force - forces)[:, problem.train] ** 2, axis=1)
     best = np.argsort(np.nan_to_num(costs[1:], nan=np.inf), kind="stable")[:follow]
     return [box.model_at(points[k]) for k in (0, *(1 + best))]

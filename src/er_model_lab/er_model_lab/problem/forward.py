@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
-from er_models.prediction import Motion, predict, predict_many
+from er_models.prediction import Motion, beginnings, predict, predict_many
 from er_models.scales import Scales
 from numpy.typing import NDArray
 from scipy.signal import lfilter
@@ -63,6 +63,9 @@ class Forward(Protocol):
     def predict(self, data: Sensed, model: Model) -> Array:
         """Rows (n,) of a model."""
 
+    def beginnings(self, data: Sensed, model: Model) -> float:
+        """How many numbers the data have told of where the states of a model begin, beside its parameters."""
+
     def free(self, model: Model) -> Free:
         """Fitted parameters of a model."""
 
@@ -85,7 +88,7 @@ class Forward(Protocol):
 
 
 class DamperForward:
-    """The force of the damper, from its measured motion."""
+    """The force of the damper, from its measured motion; its states begin where the measured force says."""
 
     outputs = 1
     channels = (Output("damper_force", 1.0),)
@@ -94,11 +97,15 @@ class DamperForward:
 
     def predict_many(self, data: Sensed, model: Model, vectors: Array) -> Array:
         """Forces (m, n) along the motion."""
-        return predict_many(model, vectors, data.motion)
+        return predict_many(model, vectors, data.motion, data.told)
 
     def predict(self, data: Sensed, model: Model) -> Array:
         """Force (n,) along the motion."""
-        return predict(model, data.motion)
+        return predict(model, data.motion, data.told)
+
+    def beginnings(self, data: Sensed, model: Model) -> float:
+        """Of all states and records."""
+        return beginnings(model, data.motion, data.told)
 
     def free(self, model: Model) -> Free:
         """Fitted parameters of the damper.
@@ -122,8 +129,8 @@ class DamperForward:
 
     def input_errors(self, data: Sensed, model: Model, rng: np.random.Generator, m: int) -> Array:
         """Forces along motions that the sensors may have meant, less that along the fused one."""
-        seen = predict(model, data.motion)
-        return np.array([predict(model, drawn(data, rng)) - seen for _ in range(m)])
+        seen = predict(model, data.motion, data.told)
+        return np.array([predict(model, drawn(data, rng), data.told) - seen for _ in range(m)])
 
     def output_errors(
         self, residual: Array, size: float, colour: float, rng: np.random.Generator, m: int

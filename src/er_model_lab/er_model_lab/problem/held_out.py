@@ -12,7 +12,7 @@ from er_models.prediction import Motion
 from numpy.typing import NDArray
 
 WARM_UP = 0.3
-"""Time at the start of each record in which unknown initial states fade [s]; not scored."""
+"""Time at the start of each record in which unknown initial states show most [s]; not scored."""
 FOLDS = 12
 """Blocks for cross-validation."""
 GUARD = 0.25
@@ -72,6 +72,21 @@ def split(
         raise InputError("data", "length", expected, found)
     fold[order] = np.arange(order.size) * FOLDS // order.size
     return fold, held
+
+
+def telling(
+    motion: Motion, train: NDArray[np.bool_], held_out: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Samples (n,) that tell where the states of their record begin, of masks (n,) of those learnt from and held out.
+
+    The first ones, which nothing is judged by, and those that are learnt from; in a record that only scores all do.
+    """
+    told = train.copy()
+    for i, j in itertools.pairwise(motion.starts.tolist()):
+        if not train[i:j].any():
+            told[i:j] = held_out[i:j]
+        told[i : min(i + round(WARM_UP / motion.dt), j)] = True
+    return told
 
 
 def switching(motion: Motion) -> NDArray[np.bool_]:

@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 from er_models.model import Array
-from er_models.prediction import Motion, join
+from er_models.prediction import Motion, Told, join
 
 from er_model_lab.motion.chain import compiled, diffusion, transition
 from er_model_lab.motion.fuse import Channels, Fused, as_measured, fuse
@@ -32,6 +32,10 @@ class Sensed(Protocol):
     @property
     def fused(self) -> tuple[Fused, ...]:
         """Motion of each record, with the noise model it was fused by."""
+
+    @property
+    def told(self) -> Told:
+        """What tells where the states of each record begin."""
 
 
 @compiled

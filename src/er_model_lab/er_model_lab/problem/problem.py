@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 from er_models.model import Array, Model
 from er_models.parallel import cores
-from er_models.prediction import Motion
+from er_models.prediction import Motion, Told
 from er_models.scales import Scales, peak
 from numpy.typing import NDArray
 
@@ -19,12 +19,14 @@ from er_model_lab.motion.fuse import Channels, Fused, Noise
 from er_model_lab.motion.repetition import Cycle, cycles
 from er_model_lab.problem.fit_store import Notes
 from er_model_lab.problem.forward import DAMPER, DamperForward, Forward, PartForward
-from er_model_lab.problem.held_out import WARM_UP
+from er_model_lab.problem.held_out import WARM_UP, telling
 from er_model_lab.problem.subset import stretches_to_practise_on
 from er_model_lab.work import HERE, Leader, Work
 
 Result = TypeVar("Result")
 
+LEAST_NOISE = 1e-12
+"""White noise [N] in place of none."""
 AT_ONCE = 100_000
 """Samples that are predicted at once, a good part of a second, where the work may be cancelled."""
 
@@ -118,6 +120,16 @@ class Problem:
     def second(self) -> int:
         """Rows of a second."""
         return max(round(1.0 / self.motion.dt), 1) * self.forward.outputs
+
+    @cached_property
+    def told(self) -> Told:
+        """What tells where the states of each record begin."""
+        weight = self.weight_of(telling(self.motion, self.train, self.held_out))
+        return Told(self.force, weight, round(WARM_UP / self.motion.dt))
+
+    def weight_of(self, mask: NDArray[np.bool_]) -> Array:
+        """Weight (n,) [1/N2] of the samples of a mask, by the white noise of the force."""
+        return mask / max(self.sd_force, LEAST_NOISE) ** 2
 
     @cached_property
     def learnt(self) -> tuple[tuple[int, int], ...]:

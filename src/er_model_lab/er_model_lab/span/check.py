@@ -151,7 +151,10 @@ def rms(y: Array) -> float:
 
 def checked(whole: WholeRecords, held_out: Array, **models: Model) -> Checked:
     """Predict whole records with each model; held_out: what the last one leaves of the samples that score it [N]."""
-    left = {name: whole.force - predict(model, whole.motion) for name, model in models.items()}
+    left = {
+        name: whole.force - predict(model, whole.motion, whole.told)
+        for name, model in models.items()
+    }
     places = places_of(whole.data)
     inside = np.zeros(whole.motion.n, bool)
     inside[whole.rows] = True

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
-from er_models.prediction import Motion, join, predict_many
+from er_models.prediction import Motion, Told, beginnings, join, predict_many
 from er_records.dataset import Dataset
 from er_records.record import Record
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from er_model_lab.motion.drift import without_drift
 from er_model_lab.motion.fuse import WITHOUT_A, Channels, Noise, channels_of, fuse
 from er_model_lab.motion.noise_levels import adapt
 from er_model_lab.problem.forward import DamperForward, Past
+from er_model_lab.problem.held_out import telling
 from er_model_lab.problem.motion_error import Sensed
 from er_model_lab.problem.prepare import (
     FOR_NOISE,
@@ -39,13 +40,14 @@ AT_ONCE = 4
 
 @dataclass(frozen=True)
 class WholeRecords:
-    """All records from beginning to end: motion and measured force (N,) [N].
+    """All records from beginning to end: motion, measured force (N,) [N], and what tells where their states begin.
 
     rows (n,): where a problem's samples are; data: the records, the first `learn` of which may be learnt from.
     """
 
     motion: Motion
     force: Array
+    told: Told
     rows: NDArray[np.intp]
     data: tuple[Record, ...]
     learn: int
@@ -60,12 +62,19 @@ class LongForward(DamperForward):
     def predict_many(self, data: Sensed, model: Model, vectors: Array) -> Array:
         """Forces (m, n) along the stretches."""
         if not remembers(model):
-            return predict_many(model, vectors, data.motion)
+            return super().predict_many(data, model, vectors)
         out = np.empty((vectors.shape[0], self.whole.rows.size))
         for k in range(0, vectors.shape[0], AT_ONCE):
-            forces = predict_many(model, vectors[k : k + AT_ONCE], self.whole.motion)
+            some = vectors[k : k + AT_ONCE]
+            forces = predict_many(model, some, self.whole.motion, self.whole.told)
             out[k : k + AT_ONCE] = forces[:, self.whole.rows]
         return out
+
+    def beginnings(self, data: Sensed, model: Model) -> float:
+        """Of all states, of the stretches or of whole records."""
+        if not remembers(model):
+            return super().beginnings(data, model)
+        return beginnings(model, self.whole.motion, self.whole.told)
 
     def past(self, data: Sensed) -> Past | None:
         """The motion of all records, and where the stretches are."""
@@ -114,7 +123,16 @@ def _whole(problem: Problem, data: Dataset) -> WholeRecords:
     for place, n in zip(data.places, np.diff(problem.motion.starts), strict=True):
         begin = first_row(motion, sources, place.record, place.i)
         rows.append(np.minimum(begin + np.arange(n), motion.n - 1))
-    return WholeRecords(motion, force, np.concatenate(rows), sources, len(data.whole.learn))
+    found = np.concatenate(rows)
+    told = replace(problem.told, force=force, weight=_weight(problem, motion, found))
+    return WholeRecords(motion, force, told, found, sources, len(data.whole.learn))
+
+
+def _weight(problem: Problem, motion: Motion, rows: NDArray[np.intp]) -> Array:
+    """How much each sample of whole records tells of their beginnings: all do that are not held out of a stretch."""
+    free = np.ones(motion.n, bool)
+    free[rows[problem.held_out]] = False
+    return problem.weight_of(telling(motion, free, ~free))
 
 
 def first_row(motion: Motion, data: Sequence[Record], record: int, row: int) -> int:

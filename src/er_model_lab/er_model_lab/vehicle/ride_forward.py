@@ -106,6 +106,11 @@ class RideForward:
         """Rows (n,) of a model."""
         return np.asarray(self.predict_many(data, model, model.compiled().p[None])[0])
 
+    def beginnings(self, data: Sensed, model: Model) -> float:
+        """None: the rows that the starts are made from are not scored."""
+        del data, model
+        return 0.0
+
     def ride(self, model: Model) -> tuple[Array, Array]:
         """Mechanical states (n, 4) and outputs (n, 6) of all records."""
         blocks = np.cumsum([0, *(len(p.edges) - 1 for p in self.courses)])

@@ -10,7 +10,7 @@ import numpy as np
 
 from er_models.kernel.fast import entry, inline, inner
 from er_models.kernel.inputs import at, cubic, delayed, split
-from er_models.kernel.states import HOLD, ROWS, keep, settle, solve, visit
+from er_models.kernel.states import HOLD, ROWS, W0, G, R, W, keep, settle, solve, visit
 
 
 def input_delay(on, p):  # type: ignore[no-untyped-def]
@@ -24,6 +24,12 @@ def output_delay(on, p):  # type: ignore[no-untyped-def]
 
 
 # --- below this line: compiled with the composed equations ---
+FADED = 7.0
+"""Time constants of a state after which its beginning no longer shows; within the last of them it is faded out."""
+LEAST, MOST, SETTLED = range(3)
+"""Rows of the reach of each state (3, n_states): ends of where it and its equilibria are, and where it settled."""
+
+
 @inner
 def turning(cut, n_sub):
     """Step of a sample in which the duty changes, for the share of the sample where it does."""
@@ -50,18 +56,49 @@ def stop(j, n_sub, turn, cut, u_now, u_next):
 
 
 @inner
-def predict(on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, s, force):
-    """Measured force [N] over one record of imposed motion, arrays of length n.
+def reached(slots, s, slowest, reach):
+    """Widen the reach of each state by where it is and by its equilibrium, as far as that draws it within a record."""
+    for i in range(slots.shape[0]):
+        j = slots[i]
+        goal = s[G, j] / max(s[R, j], slowest)
+        reach[LEAST, j] = min(reach[LEAST, j], s[W, j], goal)
+        reach[MOST, j] = max(reach[MOST, j], s[W, j], goal)
+
+
+@inner
+def start(on, slots, links, at_rest, p, s, reach, own, away, x, v, a, u, theta):
+    """Settle every state, then move one of them away from there, or note where they settled; measured force [N]."""
+    f_m = settle(on, slots, links, at_rest, p, s, x, v, a, u, theta)
+    if own >= 0:
+        s[W, own] += away
+        s[W0, own] = s[W, own]
+        _, f_m, _ = visit(on, links, p, s, 0.0, HOLD, x, v, a, u, 0.0, theta)
+        keep(slots, s)
+        return f_m
+    for j in range(reach.shape[1]):
+        for i in range(reach.shape[0]):
+            reach[i, j] = s[W, j]
+    return f_m
+
+
+@inner
+def predict(
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, s, force, reach, own, away, left
+):
+    """Measured force [N] over one record of imposed motion, arrays of length n; how many rows were computed.
 
     The duty is held from each sample on, later by the dead time: a step that it jumps in is cut in
-    two.
+    two. own: a state that begins `away` from where it settles, followed for as long as that shows (`left` (n,), from 1
+    to 0); or -1: none, and the reach of each state (3, n_states) is noted.
     """
     n, step = x.shape[0], dt / n_sub
     whole, cut = split(input_delay(on, p) / dt)
     turn = turning(cut, n_sub)
-    u_now = u[0]
-    f_m = settle(on, slots, links, at_rest, p, s, x[0], v[0], a[0], u_now, theta[0])
-    force[0] = f_m
+    u_now, faded = u[0], 0.0
+    f_m = start(
+        on, slots, links, at_rest, p, s, reach, own, away, x[0], v[0], a[0], u_now, theta[0]
+    )
+    force[0], left[0] = f_m, 1.0
     for k in range(n):
         m = min(k + 1, n - 1)
         u_next = u[max(k - whole, 0)]
@@ -83,6 +120,23 @@ def predict(on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, s, force
                 force[k] = f_m
         if m > k:
             force[m] = f_m
+            if own < 0:
+                reached(slots, s, 1.0 / (n * dt), reach)
+                continue
+            faded += dt * s[R, own]
+            if not faded < FADED:
+                return m
+            left[m] = min(FADED - faded, 1.0)
+    return n
+
+
+@inner
+def late(force, shift, raw):
+    """Delay a record (n,) by so many samples; raw (n,): scratch."""
+    if shift != 0.0 and force.shape[0] > 1:
+        for k in range(force.shape[0]):
+            raw[k] = force[k]
+        delayed(raw, shift, force)
 
 
 @entry
@@ -91,19 +145,21 @@ def predict_rows(on, slots, links, at_rest, ps, dt, starts, x, v, a, u, theta, n
 
     Several records are laid end to end; `starts` holds their first rows and the end.
     """
-    s = np.empty((ROWS, at_rest.shape[0]))
+    s, reach, raw = (
+        np.empty((ROWS, at_rest.shape[0])),
+        np.empty((3, at_rest.shape[0])),
+        np.empty_like(x),
+    )
     for k in range(ps.shape[0]):
         p, force = ps[k], forces[k]
         shift = output_delay(on, p) / dt
         for r in range(starts.shape[0] - 1):
             i, j = starts[r], starts[r + 1]
             predict(
-                on, slots, links, at_rest, p, dt,
-                x[i:j], v[i:j], a[i:j], u[i:j], theta[i:j], n_sub, s, force[i:j],
+                on, slots, links, at_rest, p, dt, x[i:j], v[i:j], a[i:j], u[i:j], theta[i:j], n_sub, s, force[i:j],
+                reach, -1, 0.0, raw,
             )  # fmt: skip
-            if shift != 0.0 and j - i > 1:
-                raw = force[i:j].copy()
-                delayed(raw, shift, force[i:j])
+            late(force[i:j], shift, raw[i:j])
 
 
 @entry

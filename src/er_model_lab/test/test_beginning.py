@@ -1,0 +1,152 @@
+"""Where the states of a record begin: the measured force says it, and nothing is assumed. Own small equations."""
+
+import time
+
+import numpy as np
+import pytest
+from er_model_lab.diagnosis.candidates import baseline, effect_size, refit
+from er_model_lab.problem.prepare import prepare
+from er_models.files import load_model
+from er_models.prediction import Told, beginnings, motion, predict, predict_many
+from er_records.dataset import Dataset
+from er_records.record import Record
+from lab_help import DT, FORCE_NOISE, GUO, imposed
+
+FINE = 20
+"""Steps of the tests' own equations in a sample."""
+PASSIVE = 300.0
+"""Damping beside the hidden element [N s/m]."""
+
+
+def at_rest_first(v, x, seconds):
+    """A motion that begins at rest and is let go within half a second; deflection, velocity, acceleration."""
+    t = np.arange(v.size) * DT
+    gate = np.clip((t - seconds) / 0.5, 0.0, 1.0)
+    smooth = gate**3 * (10.0 - 15.0 * gate + 6.0 * gate**2)
+    moved = (x - x[0]) * smooth
+    return moved, np.gradient(moved, DT), np.gradient(np.gradient(moved, DT), DT)
+
+
+def relaxed(v, rate, drive, w):
+    """A state w' = drive(v) - rate(v) w at the samples, from the value w, by short explicit steps."""
+    out = np.empty(v.size)
+    for k in range(v.size):
+        out[k] = w
+        after = v[min(k + 1, v.size - 1)]
+        for j in range(FINE):
+            here = v[k] + (j + 0.5) / FINE * (after - v[k])
+            w += DT / FINE * (drive(here) - rate(here) * w)
+    return out
+
+
+def measured(rng, x, v, a, force):
+    """One record with the noise of the sensors."""
+    n = x.size
+    return Record("made", np.arange(n) * DT, {
+        "deflection": x + 2e-5 * rng.standard_normal(n),
+        "deflection_velocity": v + 1e-3 * rng.standard_normal(n),
+        "duty": np.zeros(n),
+        "sprung_acceleration": a + 0.025 * rng.standard_normal(n),
+        "unsprung_acceleration": 0.025 * rng.standard_normal(n),
+        "damper_force": force + FORCE_NOISE * rng.standard_normal(n),
+    })  # fmt: skip
+
+
+def dahl(rng, n=3200):
+    """A damper with a Dahl element, from rest with its spring unbent."""
+    x, v, a, _ = imposed(rng, n)
+    x, v, a = at_rest_first(v, x, 1.0)
+    z_y = 1e-3
+    z = relaxed(v, lambda y: abs(y) / z_y, lambda y: y, 0.0)
+    return measured(rng, x, v, a, PASSIVE * v + 20.0 * z / z_y)
+
+
+def maxwell(rng, n=3200):
+    """A damper with a Maxwell branch, from the middle of a motion."""
+    x, v, a, _ = imposed(rng, n + 600)
+    f = relaxed(v, lambda _: 1.0 / 0.6, lambda y: 4000.0 * y, 0.0)
+    record = measured(rng, x, v, a, PASSIVE * v + f)
+    return record.slice(600, n + 600)
+
+
+TWINS = {"bouc_wen_hysteresis": dahl, "viscoelastic_branch": maxwell}
+
+
+def grown(effect, records=4):
+    """A problem whose records hold an effect, the model without it, and with it, fitted."""
+    rng = np.random.default_rng(3)
+    problem = prepare(Dataset.of([TWINS[effect](rng) for _ in range(records)]))
+    base = baseline(load_model(GUO), problem)
+    return problem, base, refit(base, base.fit.model.catalogue[effect], problem, max_iter=30)
+
+
+@pytest.mark.parametrize("effect", TWINS)
+def test_an_effect_whose_state_begins_anywhere_leaves_the_noise(effect):
+    problem, _, found = grown(effect)
+    square, late = found.fit.residual**2, problem.held_out & (problem.motion.t > 5.0)
+    left = np.sqrt(np.mean(square[problem.held_out]))
+    assert left < 1.05 * np.sqrt(np.mean(square[late]))  # where any beginning is forgotten
+    assert max(left, np.sqrt(found.mse)) < 1.25 * FORCE_NOISE  # errors of the motion add a fifth
+
+
+@pytest.mark.parametrize("effect", TWINS)
+def test_the_beginnings_of_records_are_counted(effect):
+    problem, base, found = grown(effect, records=3)
+    told = problem.forward.beginnings(problem, found.fit.model)
+    assert 0.5 < told - problem.forward.beginnings(problem, base.fit.model) <= 3.0
+
+
+def test_held_out_samples_of_a_record_that_is_learnt_from_do_not_tell():
+    problem = prepare(Dataset.of([maxwell(np.random.default_rng(0))]))
+    later = problem.held_out & (problem.motion.t > 1.0)
+    assert later.any()
+    assert not problem.told.weight[later].any()
+
+
+def test_a_force_that_tells_nothing_leaves_the_old_rule():
+    x, v, a, u = imposed(np.random.default_rng(0), 800)
+    inputs, model = motion(DT, x, v, u, a), load_model(GUO).with_effect("viscoelastic_branch")
+    nothing = Told(np.zeros(800), np.zeros(800), 60)
+    np.testing.assert_allclose(
+        predict(model, inputs, nothing), predict(model, inputs), rtol=0, atol=1e-12
+    )
+    assert beginnings(model, inputs, nothing) == 0.0
+
+
+def test_a_beginning_is_found_to_the_last_digits_where_there_is_no_noise():
+    """The middle of a motion, predicted from its beginning on, is predicted from the middle on."""
+    x, v, a, u = imposed(np.random.default_rng(0), 2400)
+    model = load_model(GUO).with_effect("viscoelastic_branch")
+    model = model.with_effect("viscoelastic_branch", {"k_m": 4000.0, "t_m": 0.3})
+    whole = predict(model, motion(DT, x, v, u, a))[400:]
+    part = motion(DT, x[400:], v[400:], u[400:], a[400:])
+    told = Told(whole, np.full(2000, 1e6), 60)
+    assumed, found = predict(model, part) - whole, predict(model, part, told) - whole
+    assert np.abs(assumed).max() > 1.0
+    assert np.abs(found[60:]).max() < 0.01 * np.abs(assumed).max()
+
+
+def test_a_complete_model_from_rest_stays_complete():
+    """Beginnings of their own are no gain: neither effect reaches what counts as one (0.12 of the noise)."""
+    rng = np.random.default_rng(5)
+    x, v, a = at_rest_first(*imposed(rng, 3200)[1::-1], 1.0)
+    records = [measured(rng, x, v, a, PASSIVE * v) for _ in range(4)]
+    problem = prepare(Dataset.of(records))
+    base = baseline(load_model(GUO), problem)
+    for effect in TWINS:
+        found = refit(base, base.fit.model.catalogue[effect], problem)
+        assert effect_size(base, found) < 0.12 * FORCE_NOISE
+
+
+def test_beginnings_cost_little():
+    """Processor time of the same predictions with and without them."""
+    problem, _, found = grown("viscoelastic_branch")
+    model, inputs = found.fit.model, problem.motion
+    vectors = np.tile(model.compiled().p, (20, 1))
+    took = [np.inf, np.inf]
+    for _ in range(7):
+        for k, told in enumerate((None, problem.told)):
+            began = time.process_time()
+            predict_many(model, vectors, inputs, told)
+            took[k] = min(took[k], time.process_time() - began)
+    assert took[1] < 1.3 * took[0]

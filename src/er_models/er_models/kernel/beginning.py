@@ -1,0 +1,137 @@
+"""Where the states of a record begin, as its measured force says.
+
+A state that relaxes stays between the equilibria that its motion asks for, so that is where it may have begun:
+somewhere on the way from where it would have settled to the farther end of them, or short of the nearer one. Its prior
+is normal about where it would have settled, with that way as its deviation. The force follows a beginning in a straight
+line. Its slope is how the force differs when the record is run again from the farther end, in steps of a whole sample,
+for as long as that shows: a few time constants of the state. The shares of all ways that meet the measured force best
+are those of least squares.
+
+Source: separable least squares, Golub and Pereyra 1973.
+
+The text below the marker is compiled together with the equations of a catalogue
+(`kernel.compose`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from er_models.kernel.fast import entry, inner
+from er_models.kernel.imposed import LEAST, MOST, SETTLED, late, output_delay, predict
+from er_models.kernel.states import ROWS
+
+# --- below this line: compiled with the composed equations ---
+TURNS = 40
+"""Turns through the states in which the shares of their ways are found, one after the other."""
+
+
+@inner
+def way(reach, j):
+    """Way of a state from where it settles to the far end of its reach; the near end as a share of that way."""
+    up, down = reach[MOST, j] - reach[SETTLED, j], reach[SETTLED, j] - reach[LEAST, j]
+    if up > down:
+        return up, -down / up
+    return -down, -up / down if down > 0.0 else 0.0
+
+
+@inner
+def slopes(
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, s, reach, shift, shown, left, near, raw
+):
+    """How the force follows the beginning of each state over its way: shown (S, n) [N]; how many rows show it.
+
+    States that begin at zero are counted from there. near (S,): the near ends, as shares; left (S, n), raw (n,):
+    scratch, and so is the last row of shown (S + 1, n).
+    """
+    many, n, rows = slots.shape[0], x.shape[0], 0
+    for q in range(many):
+        own, seen = slots[q], 0
+        away, near[q] = way(reach, own)
+        if not at_rest[own] and away != 0.0:
+            seen = predict(
+                on, slots, links, at_rest, p, dt, x, v, a, u, theta, 1, s, shown[q], reach, own, away, left[q],
+            )  # fmt: skip
+        for k in range(seen, n):
+            shown[q, k] = left[q, k] = 0.0
+        rows = max(rows, seen)
+    if rows:
+        predict(
+            on, slots, links, at_rest, p, dt, x[:rows], v[:rows], a[:rows], u[:rows], theta[:rows], 1, s, shown[many],
+            reach, -1, 0.0, raw,
+        )  # fmt: skip
+    for q in range(many):
+        for k in range(rows):
+            shown[q, k] = (shown[q, k] - shown[many, k]) * left[q, k]
+        late(shown[q, :rows], shift, raw[:rows])
+    return rows
+
+
+@inner
+def products(error, weight, shown, unscored, sums):
+    """Normal equations of the shares, priors included: sums (S, S + 1); freedom that they take from `unscored` on."""
+    many, spent = sums.shape[0], 0.0
+    for q in range(many):
+        for other in range(many + 1):
+            sums[q, other] = 1.0 if other == q else 0.0
+        told = 0.0
+        for k in range(error.shape[0]):
+            pull = weight[k] * shown[q, k]
+            for other in range(many):
+                sums[q, other] += pull * shown[other, k]
+            sums[q, many] += pull * error[k]
+            if k >= unscored:
+                told += pull * shown[q, k]
+        spent += told / sums[q, q]
+    return spent
+
+
+@inner
+def shares(sums, near, share):
+    """Share (S,) of its way that each state begins at, between `near` and 1."""
+    many = share.shape[0]
+    for q in range(many):
+        share[q] = 0.0
+    for _ in range(TURNS):
+        for q in range(many):
+            rest = sums[q, many] + sums[q, q] * share[q]
+            for other in range(many):
+                rest -= sums[q, other] * share[other]
+            share[q] = min(max(rest / sums[q, q], near[q]), 1.0)
+
+
+@entry
+def begun_rows(
+    on, slots, links, at_rest, ps, dt, starts, x, v, a, u, theta, n_sub, measured, weight, unscored, forces, spent
+):  # fmt: skip
+    """As `predict_rows`, but each state begins where the measured force (n,) [N] says.
+
+    weight (n,) [1/N2]: how much each sample tells; spent (m,): freedom that this took among the samples of each record
+    from `unscored` on.
+    """
+    many, n = slots.shape[0], x.shape[0]
+    s, reach = np.empty((ROWS, at_rest.shape[0])), np.empty((3, at_rest.shape[0]))
+    shown, left, sums = np.empty((many + 1, n)), np.empty((many, n)), np.empty((many, many + 1))
+    near, share, raw, error = np.empty(many), np.empty(many), np.empty(n), np.empty(n)
+    for k in range(ps.shape[0]):
+        p, force = ps[k], forces[k]
+        shift, spent[k] = output_delay(on, p) / dt, 0.0
+        for r in range(starts.shape[0] - 1):
+            i, j = starts[r], starts[r + 1]
+            x_r, v_r, a_r = x[i:j], v[i:j], a[i:j]
+            u_r, theta_r, f_r = u[i:j], theta[i:j], force[i:j]
+            predict(
+                on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, n_sub, s, f_r, reach, -1, 0.0, raw,
+            )  # fmt: skip
+            late(f_r, shift, raw[i:j])
+            rows = slopes(
+                on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, s, reach, shift, shown,
+                left, near, raw,
+            )  # fmt: skip
+            for row in range(rows):
+                error[row] = measured[i + row] - f_r[row]
+            spent[k] += products(error[:rows], weight[i:j], shown, unscored, sums)
+            shares(sums, near, share)
+            for q in range(many):
+                for row in range(rows):
+                    f_r[row] += share[q] * shown[q, row]
