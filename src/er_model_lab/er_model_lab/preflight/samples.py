@@ -27,6 +27,8 @@ MOVED = 0.2
 """Share of its range by which another channel must move meanwhile."""
 ALIVE = 0.01
 """Share of its range by which another channel must move in a run that is called clipped."""
+LONE = 10
+"""Samples of a single run from which on it is no chance."""
 STUCK_FAIL = 0.2
 """Share of a record in which a stuck channel makes it useless."""
 
@@ -100,7 +102,7 @@ def held_findings(record: Record) -> Iterator[Finding]:
                 f"{y[0]:g} throughout", "check the wiring and the topic", record.source,
             )  # fmt: skip
             continue
-        if clipped(y, _others(record, name)) > FEW * y.size:
+        if clipped(y, others(record, name)).sum() > FEW * y.size:
             continue
         found = runs(y)
         yield from _slower(record, name, y, found)
@@ -132,7 +134,7 @@ def _slower(record: Record, name: str, y: Array, found: Runs) -> Iterator[Findin
 
 def _stuck(record: Record, name: str, found: Runs) -> Iterator[Finding]:
     """A channel that stands still while others move."""
-    others, rows = _others(record, name), 0
+    others, rows = others(record, name), 0
     least = max(round(STUCK / record.dt), 10)
     long = found.length >= least
     for i, n in zip(found.first[long], found.length[long], strict=True):
@@ -147,28 +149,29 @@ def _stuck(record: Record, name: str, found: Runs) -> Iterator[Finding]:
         )  # fmt: skip
 
 
-def clipped(y: Array, others: list[Array]) -> int:
-    """How many samples lie in runs of three or more at the largest or at the smallest value while others move.
+def clipped(y: Array, others: list[Array]) -> NDArray[np.bool_]:
+    """Samples (n,) in runs of three or more at the largest or at the smallest value while others move.
 
     The last step before the run must be a large one: a coarse converter stays at its highest value, too, but
     comes there in its smallest steps. others: channels (n,) over their ranges.
     """
-    steps = np.abs(np.diff(y))
+    steps, top = np.abs(np.diff(y)), np.zeros(y.size, bool)
     moves = steps[steps > 0.0]
     if not moves.size:
-        return 0
-    quantum, found, total = float(moves.min()), runs(y), 0
+        return top
+    quantum, found = float(moves.min()), runs(y)
     for extreme in (float(y.max()), float(y.min())):
         at = (y[found.first] == extreme) & (found.length >= 3) & (found.first > 0)
-        # one run alone is a rest, or a channel that hangs
-        if at.sum() < 2:
+        # one short run alone is chance, or a rest
+        if at.sum() < 2 and found.length[at].sum() < LONE:
             continue
         into = steps[found.first[at] - 1]
         first, length = found.first[at], found.length[at]
         moved = [_moved(others, int(i), int(n)) for i, n in zip(first, length, strict=True)]
         if float(np.median(into)) > 5.0 * quantum and float(np.median(moved)) > ALIVE:
-            total += int(length.sum())
-    return total
+            for i, n in zip(first, length, strict=True):
+                top[i : i + n] = True
+    return top
 
 
 def _moved(others: list[Array], i: int, n: int) -> float:
@@ -176,7 +179,7 @@ def _moved(others: list[Array], i: int, n: int) -> float:
     return max((float(np.ptp(y[i : i + n])) for y in others), default=1.0)
 
 
-def _others(record: Record, name: str) -> list[Array]:
+def others(record: Record, name: str) -> list[Array]:
     """The other channels of motion and force over their ranges."""
     return [
         y / max(float(np.ptp(y)), 1e-300)
@@ -190,7 +193,7 @@ def clipping_findings(record: Record) -> Iterator[Finding]:
     for name, y in record.channels.items():
         if not is_core(name) or name in EXEMPT or name in record.derived:
             continue
-        n = clipped(y, _others(record, name))
+        n = int(clipped(y, others(record, name)).sum())
         share = n / len(record)
         if share < FEW / 10.0:
             continue

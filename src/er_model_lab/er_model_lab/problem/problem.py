@@ -46,7 +46,7 @@ class Problem:
     training sample, -1 elsewhere; held_out: mask of samples that only score; raw: measured channels before
     fusion; fused: per record, each with the noise model of its own motion; noise: that of the longest record
     with most channels; sd_force: white noise of the force; noted: fits that were made before, to which new ones are
-    added; work: how its jobs are done, in another process one after the other.
+    added; wild: samples without weight; work: how its jobs are done, in another process one after the other.
     """
 
     motion: Motion
@@ -65,6 +65,7 @@ class Problem:
     extra: tuple[tuple[str, Array], ...] = ()
     noted: Notes | None = None
     work: Work = HERE
+    wild: NDArray[np.bool_] | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "work": HERE}
@@ -167,6 +168,14 @@ class Problem:
     def train(self) -> NDArray[np.bool_]:
         """Mask of the training samples."""
         return self.fold >= 0
+
+    def without(self, wild: NDArray[np.bool_] | None) -> Problem:
+        """The problem with no weight on further samples (n,)."""
+        if wild is None or not wild.any():
+            return self
+        all_wild = wild if self.wild is None else wild | self.wild
+        fold, held_out = np.where(wild, -1, self.fold), self.held_out & ~wild
+        return replace(self, fold=fold, held_out=held_out, wild=all_wild)
 
     @property
     def measures_velocity(self) -> bool:

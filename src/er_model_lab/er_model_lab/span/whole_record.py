@@ -26,6 +26,7 @@ from er_model_lab.problem.prepare import (
     reference_temperature,
     resampled,
     warmth,
+    without_weight,
 )
 from er_model_lab.problem.problem import Problem
 
@@ -41,7 +42,7 @@ AT_ONCE = 4
 class WholeRecords:
     """All records from beginning to end: motion and measured force (N,) [N].
 
-    rows (n,): where a problem's samples are; data: the records, the first `learn` of which may be learnt from.
+    wild (N,): samples without weight; rows (n,): where a problem's samples are; data: the records, the first `learn` of which may be learnt from.
     """
 
     motion: Motion
@@ -49,6 +50,7 @@ class WholeRecords:
     rows: NDArray[np.intp]
     data: tuple[Record, ...]
     learn: int
+    wild: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -114,7 +116,8 @@ def _whole(problem: Problem, data: Dataset) -> WholeRecords:
     for place, n in zip(data.places, np.diff(problem.motion.starts), strict=True):
         begin = first_row(motion, sources, place.record, place.i)
         rows.append(np.minimum(begin + np.arange(n), motion.n - 1))
-    return WholeRecords(motion, force, np.concatenate(rows), sources, len(data.whole.learn))
+    wild = np.concatenate([without_weight(record, dt) for record in sources])
+    return WholeRecords(motion, force, np.concatenate(rows), sources, len(data.whole.learn), wild)
 
 
 def first_row(motion: Motion, data: Sequence[Record], record: int, row: int) -> int:
@@ -171,5 +174,7 @@ def _pieces(channels: Channels, noise: Noise) -> Array:
 def rows_of(channels: Channels, i: int, j: int) -> Channels:
     """Rows i to j of the channels, with their own local activity."""
     x, v, a = (channels.z[i:j, c].copy() for c in range(3))
-    part = channels_of(channels.dt, x, v, a if channels.measured_a else None)
+    part = channels_of(
+        channels.dt, x, v, a if channels.measured_a else None, channels.lost[i:j]
+    )
     return replace(part, has=channels.has)
