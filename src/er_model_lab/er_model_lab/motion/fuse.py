@@ -107,9 +107,7 @@ class Channels:
         power = np.array([np.var(y[i : i + n]) for i in begins])
         i = 0 if power[0] >= STANDSTILL * power.max() else begins[int(np.argmax(power))]
         rows = slice(i, i + n)
-        return replace(
-            self, z=self.z[rows], activity=self.activity[rows], lost=self.lost[rows]
-        )
+        return replace(self, z=self.z[rows], activity=self.activity[rows], lost=self.lost[rows])
 
 
 def _run(
@@ -123,7 +121,7 @@ def _run(
         rows[1, 5] = 1.0
     else:
         rows[1, 1], rows[1, 2] = 1.0, -noise.lag
-    kept = n if keep else 0
+    kept, seen = n if keep else 0, (ch.has * ~ch.lost).astype(np.uint8)
     xs, xp = np.empty((kept, m)), np.empty((kept, m))
     ps, pp = np.empty((kept, m, m)), np.empty((kept, m, m))
     chain = ch.spread if spread is None else spread
@@ -132,7 +130,7 @@ def _run(
     first[4] = (10.0 * noise.a) ** 2 if ch.has[2] else 1e-18
     first[5:] = chain[1]
     value = filtered(
-        ch.dt, noise.order, noise.lag, ch.z, (ch.has * ~ch.lost).astype(np.uint8), rows, np.array([noise.x, noise.v, noise.a]) ** 2, noise.drive,
+        ch.dt, noise.order, noise.lag, ch.z, seen, rows, np.array([noise.x, noise.v, noise.a]) ** 2, noise.drive,
         ch.activity if noise.local else np.ones(n), tuple(first.tolist()), xs, ps, xp, pp,
     )  # fmt: skip
     return float(value), xs, ps, xp, pp

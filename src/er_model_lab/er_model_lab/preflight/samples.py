@@ -15,8 +15,9 @@ JITTERY = 0.1
 """Jitter over the sample time that is worth a word."""
 SLOW = 100.0
 """Sampling rate [Hz] below which the force of the field cannot be followed."""
-FEW, MANY = 0.001, 0.02
-"""Shares of clipped samples from which on a finding is a warning, and a failure."""
+FEW, MANY, MANY_FORCES = 0.001, 0.02, 0.05
+"""Shares of clipped samples from which on a finding is a warning, and a failure; of the force a larger one, since its
+clipped samples get no weight."""
 LOST = 0.001
 """Share of lost samples that is worth a warning."""
 OWN_RATE = 0.3
@@ -134,11 +135,11 @@ def _slower(record: Record, name: str, y: Array, found: Runs) -> Iterator[Findin
 
 def _stuck(record: Record, name: str, found: Runs) -> Iterator[Finding]:
     """A channel that stands still while others move."""
-    others, rows = others(record, name), 0
+    moving, rows = others(record, name), 0
     least = max(round(STUCK / record.dt), 10)
     long = found.length >= least
     for i, n in zip(found.first[long], found.length[long], strict=True):
-        if others and _moved(others, int(i), int(n)) > MOVED:
+        if moving and _moved(moving, int(i), int(n)) > MOVED:
             rows += int(n)
     if rows:
         share = rows / len(record)
@@ -197,7 +198,8 @@ def clipping_findings(record: Record) -> Iterator[Finding]:
         share = n / len(record)
         if share < FEW / 10.0:
             continue
-        level: Level = "fail" if share > MANY else "warning" if share > FEW else "note"
+        most = MANY_FORCES if name == "damper_force" else MANY
+        level: Level = "fail" if share > most else "warning" if share > FEW else "note"
         yield Finding(
             "clipping", level, record.name, name, "no flat tops",
             f"{n} samples ({share:.2%}) at the end of the range, {float(np.abs(y).max()):.4g}",

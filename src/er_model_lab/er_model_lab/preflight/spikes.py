@@ -95,7 +95,9 @@ def _aside(y: Array, least: float) -> Mask:
     out = np.zeros(y.size, bool)
     before = y[2:-2] - 2.0 * y[1:-3] + y[:-4]
     behind = y[2:-2] - 2.0 * y[3:-1] + y[4:]
-    out[2:-2] = (before * behind > 0.0) & (np.minimum(np.abs(before), np.abs(behind)) > 0.5 * least)
+    out[2:-2] = (before * behind > 0.0) & (
+        np.minimum(np.abs(before), np.abs(behind)) > 0.5 * least
+    )
     off = missed(y, 3)[1]
     out[3:-3] &= np.minimum(np.abs(before), np.abs(behind))[1:-1] >= 0.5 * np.abs(off)
     return out

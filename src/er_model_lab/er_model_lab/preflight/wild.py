@@ -1,4 +1,4 @@
-"""Samples that are no measurements: those that stand alone, bent ends, flat tops; found once, before anything is fitted."""
+"""Samples that are no measurements, found before anything is fitted: those that stand alone, bent ends, flat tops."""
 
 from __future__ import annotations
 
@@ -45,7 +45,8 @@ def marked(record: Record) -> Record:
 def _wild(record: Record, name: str) -> Mask:
     """Wild samples (n,) of a channel."""
     y = record.channels[name]
-    flat = clipped(y, others(record, name))
+    moving = {c: z for c, z in record.channels.items() if c == name or c != "damper_force"}
+    flat = clipped(y, others(replace(record, channels=moving), name))
     alone = spikes(y)
     if flat.any() or alone.any():
         rows = np.arange(y.size)
@@ -66,7 +67,10 @@ def places(record: Record) -> Iterator[dict[str, Any]]:
     for name, mask in (record.wild or {}).items():
         if name in record.derived:
             continue
-        y, edges = record.channels[name], np.flatnonzero(np.diff(mask, prepend=False, append=False))
+        y, edges = (
+            record.channels[name],
+            np.flatnonzero(np.diff(mask, prepend=False, append=False)),
+        )
         for i, j in edges.reshape(-1, 2).tolist():
             level = j - i > 2 and np.ptp(y[i:j]) == 0.0
             kind = "flat" if level else "ends" if i == 0 or j == y.size else "spikes"

@@ -46,7 +46,8 @@ class Problem:
     training sample, -1 elsewhere; held_out: mask of samples that only score; raw: measured channels before
     fusion; fused: per record, each with the noise model of its own motion; noise: that of the longest record
     with most channels; sd_force: white noise of the force; noted: fits that were made before, to which new ones are
-    added; wild: samples without weight; work: how its jobs are done, in another process one after the other.
+    added; wild: samples without weight, `beside` of them found by what a
+    model leaves; work: how its jobs are done, in another process one after the other.
     """
 
     motion: Motion
@@ -66,6 +67,7 @@ class Problem:
     noted: Notes | None = None
     work: Work = HERE
     wild: NDArray[np.bool_] | None = None
+    beside: int = 0
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "work": HERE}

@@ -174,7 +174,5 @@ def _pieces(channels: Channels, noise: Noise) -> Array:
 def rows_of(channels: Channels, i: int, j: int) -> Channels:
     """Rows i to j of the channels, with their own local activity."""
     x, v, a = (channels.z[i:j, c].copy() for c in range(3))
-    part = channels_of(
-        channels.dt, x, v, a if channels.measured_a else None, channels.lost[i:j]
-    )
+    part = channels_of(channels.dt, x, v, a if channels.measured_a else None, channels.lost[i:j])
     return replace(part, has=channels.has)
