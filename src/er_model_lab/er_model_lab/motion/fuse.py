@@ -130,8 +130,8 @@ def _run(
     first[4] = (10.0 * noise.a) ** 2 if ch.has[2] else 1e-18
     first[5:] = chain[1]
     value = filtered(
-        ch.dt, noise.order, noise.lag, ch.z, seen, rows, np.array([noise.x, noise.v, noise.a]) ** 2, noise.drive,
-        ch.activity if noise.local else np.ones(n), tuple(first.tolist()), xs, ps, xp, pp,
+        ch.dt, noise.order, noise.lag, ch.z, seen, rows, np.array([noise.x, noise.v, noise.a]) ** 2,
+        noise.drive, ch.activity if noise.local else np.ones(n), tuple(first.tolist()), xs, ps, xp, pp,
     )  # fmt: skip
     return float(value), xs, ps, xp, pp
 

@@ -15,8 +15,8 @@ class Finding:
     """A check of one record.
 
     check: channels, sampling, dropouts, held, clipping, spikes, ends, units, clock, bias, power, motion or size;
-    channel: the one concerned, or empty; expected and found: as an error says them; remedy: what to do; a finding of level `fail`
-    stops a command.
+    channel: the one concerned, or empty; expected and found: as an error says them; remedy: what to do; a finding of
+    level `fail` stops a command.
     """
 
     check: str

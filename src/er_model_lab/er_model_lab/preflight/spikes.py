@@ -20,6 +20,8 @@ SHARE = 0.1
 """Share of a spike by which its neighbours may be off beside that: more is the shoulder of a pulse."""
 LEAST = 0.01
 """Share of the channel's range that a spike has at least."""
+STEEP = 0.2
+"""Share of the way between both sides of it that a spike has at least: on a steep flank less is the flank's own."""
 MOST = 0.02
 """Share of wild samples beyond which they are the nature of the channel."""
 BLOCK = 50
@@ -76,7 +78,8 @@ def _found(y: Array, pattern: tuple[int, ...], least: float) -> Mask:
     e = missed(y, width)
     far = [k for k in range(width) if pattern[k]]
     height = np.abs(e[far]).min(axis=0)
-    begun = np.flatnonzero(height > least)
+    sides = np.lib.stride_tricks.sliding_window_view(y, width + 4)[:, [0, 1, width + 2, width + 3]]
+    begun = np.flatnonzero(height > np.maximum(least, STEEP * np.ptp(sides, axis=1)))
     if not begun.size:
         return out
     scale = np.array([usual(row)[begun] for row in e])

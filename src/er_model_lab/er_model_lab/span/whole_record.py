@@ -42,7 +42,8 @@ AT_ONCE = 4
 class WholeRecords:
     """All records from beginning to end: motion and measured force (N,) [N].
 
-    wild (N,): samples without weight; rows (n,): where a problem's samples are; data: the records, the first `learn` of which may be learnt from.
+    wild (N,): samples without weight; rows (n,): where a problem's samples are; data: the records,
+    the first `learn` of which may be learnt from.
     """
 
     motion: Motion
