@@ -128,6 +128,12 @@ def test_no_verdict_and_no_value_changes(clean, effect):
     assert after.effects == ((effect,) if effect else ())
 
 
+def test_a_corner_of_the_road_strikes_the_wheel_for_one_sample(clean):
+    y = clean[None].channels["sprung_acceleration"].copy()
+    y[1234] += 0.2 * np.ptp(y)
+    assert marked(changed(clean[None], "sprung_acceleration", y)).wild == {}
+
+
 PULSES = {
     "step": [0.0, 0.0, 1.0, 1.0, 1.0], "corner": [0.0, 0.0, 0.0, 1.0, 2.0], "stop": [0.0, 0.3, 1.0, 0.3, 0.0],
     "two": [0.0, 1.0, 1.0, 0.0, 0.0], "edge": [0.0, 0.0, 0.5, 1.0, 1.0],

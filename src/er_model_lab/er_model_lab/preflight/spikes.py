@@ -32,12 +32,15 @@ NORMAL = 1.4826
 """Standard deviation of normal noise over the median of its size."""
 
 
-def spikes(y: Array) -> Mask:
-    """Samples (n,) of a channel in any unit that stand alone; none where they would be more than `MOST`."""
+def spikes(y: Array, share: float = LEAST) -> Mask:
+    """Samples (n,) of a channel in any unit that stand alone; none where they would be more than `MOST`.
+
+    share: of the channel's range that they have at least.
+    """
     wild = np.zeros(y.size, bool)
     if y.size < 2 * BLOCK:
         return wild
-    least = LEAST * float(np.ptp(np.quantile(y, (0.01, 0.99))))
+    least = share * float(np.ptp(np.quantile(y, (0.01, 0.99))))
     single = _found(y, (0, 1, 0), least)
     single &= _aside(y, least)
     wild |= single

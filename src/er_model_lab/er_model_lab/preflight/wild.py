@@ -7,15 +7,17 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from er_records.missing_channels import ACCELEROMETERS
 from er_records.record import Record
 
 from er_model_lab.preflight.bent_ends import bent_ends
 from er_model_lab.preflight.finding import Finding, Level
 from er_model_lab.preflight.samples import FEW, clipped, others
-from er_model_lab.preflight.spikes import Mask, spikes
+from er_model_lab.preflight.spikes import LEAST, Mask, spikes
 
-MOTION = ("deflection", "deflection_velocity", "sprung_acceleration", "unsprung_acceleration")
-JUDGED = ("damper_force", *MOTION)
+JUDGED = ("damper_force", "deflection", "deflection_velocity", *ACCELEROMETERS)
+STRUCK = 0.3
+"""Share of an acceleration's range that a spike has at least: a corner of the road may strike for one sample."""
 SLOPE = 3
 """Samples to either side that the slope of a derived velocity is taken from."""
 WORDS = {
@@ -47,7 +49,7 @@ def _wild(record: Record, name: str) -> Mask:
     y = record.channels[name]
     moving = {c: z for c, z in record.channels.items() if c == name or c != "damper_force"}
     flat = clipped(y, others(replace(record, channels=moving), name))
-    alone = spikes(y)
+    alone = spikes(y, STRUCK if name in ACCELEROMETERS else LEAST)
     if flat.any() or alone.any():
         rows = np.arange(y.size)
         sound = ~(flat | alone)
