@@ -54,7 +54,18 @@ def test_filter_and_smoother_are_the_posterior(order, lag, has):
     m, rows, activity, spread, zs = case(order, lag)
     xs, xp, ps, pp = (np.empty((N, *(m,) * k)) for k in (1, 1, 2, 2))
     first = tuple(spread.tolist())
-    given = (DT, order, lag, zs, np.array(has, np.uint8), rows, VARIANCES, drive, activity, first)
+    given = (
+        DT,
+        order,
+        lag,
+        zs,
+        np.tile(np.array(has, np.uint8), (N, 1)),
+        rows,
+        VARIANCES,
+        drive,
+        activity,
+        first,
+    )
     likelihood = filtered(*given, xs, ps, xp, pp)
     smoothed(DT, order, lag, first, xs, ps, xp, pp)
     mean, covariance, density = posterior(order, lag, has, drive)

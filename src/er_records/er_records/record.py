@@ -72,6 +72,7 @@ class Record:
         waits: Of a bag, time from stamp to arrival of each topic [s]: median and 90 % spread.
         timing: How it was sampled before any repair; None when it was not loaded.
         file: File or folder it was read from; empty where it was not.
+        wild: Channel to the mask (N,) of its samples that are no measurements; None: nobody has looked.
     """
 
     name: str
@@ -87,6 +88,7 @@ class Record:
     timing: Timing | None = None
     waits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     file: str = ""
+    wild: Mapping[str, npt.NDArray[np.bool_]] | None = None
 
     def __post_init__(self) -> None:
         t = _frozen(self.t)
@@ -128,7 +130,15 @@ class Record:
     def slice(self, i: int, j: int) -> Record:
         """Samples i to j (Python slice rules); the time axis keeps its values."""
         part = {name: samples[i:j] for name, samples in self.channels.items()}
-        return replace(self, t=self.t[i:j], channels=part)
+        wild = self.wild and {name: mask[i:j] for name, mask in self.wild.items()}
+        return replace(self, t=self.t[i:j], channels=part, wild=wild)
+
+    def bridged(self, channel: str) -> Array:
+        """Samples (N,) of a channel it has, with straight lines in the place of wild ones."""
+        y, mask = self.channels[channel], (self.wild or {}).get(channel)
+        if mask is None or not mask.any() or mask.all():
+            return y
+        return _frozen(np.interp(self.t, self.t[~mask], y[~mask]))
 
     def noted(self, *sentences: str) -> Record:
         """The same data with further notes."""

@@ -130,4 +130,4 @@ def learn_from_all(problem: Problem, scored: int) -> Problem:
             fold[rows] = 0
         else:
             held[rows] = True
-    return replace(problem, fold=fold, held_out=held)
+    return replace(problem, fold=fold, held_out=held).without(problem.wild)

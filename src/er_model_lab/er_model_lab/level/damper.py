@@ -35,6 +35,7 @@ from er_model_lab.fitting.velocity_channel import (
     on_fused,
     put_back,
 )
+from er_model_lab.fitting.wild_beside import without_wild
 from er_model_lab.level.level import Judged, Question
 from er_model_lab.level.study import Lag, Opened, Study
 from er_model_lab.preflight.size import centre_notes
@@ -94,7 +95,7 @@ class DamperLevel:
     def searched(self, asked: Question, noted: Notes | None) -> Study:
         """What the model lacks; a velocity channel that lags is undone first and named."""
         found, rule = self.given(asked), asked.rule
-        found = replace(found, problem=replace(found.problem, noted=noted))
+        found = _looked_again(replace(found, problem=replace(found.problem, noted=noted)))
         before = _as_measured(found) if found.lag else None
         seen = search_effects(found.searched, found.problem, seed=asked.seed, rule=rule)
         seen = _restored(seen, asked.model)
@@ -106,7 +107,7 @@ class DamperLevel:
         """One effect judged alone; a lag of the velocity channel is undone whatever it is asked for."""
         if effect == "velocity_lag":
             return _with_asked_lag(asked)
-        found = self.given(asked)
+        found = _looked_again(self.given(asked))
         if found.lag:
             said = f"{_lagging(found.lag)}: that is undone here, and the model does not hold it (add velocity_lag)"
             found = _noting(found, said)
@@ -138,6 +139,7 @@ def opened(data: Dataset, model: Model, *, any_lag: bool = False, work: Work = H
     scaled, bare = in_scale(data, model), on_fused(model)
     problem, span, lag = _fused(scaled, known_lag(model), work, any_lag=any_lag)
     given = np.asarray(problem.force - problem.predict(bare))
+    problem = without_wild(problem, given)
     return Opened(data, model, bare, problem, span, given, lag)
 
 
@@ -175,6 +177,15 @@ def _with_asked_lag(asked: Question) -> Study:
     if sure(found.lag, found.problem.motion.dt):
         return Study(found, _with_lag(seen, before, found.lag, RULE), before)
     return Study(found, _beside_lag(seen, before, found.lag), before)
+
+
+def _looked_again(asked: Opened) -> Opened:
+    """Where samples are wild, without those as well that only show beside the fitted model."""
+    problem = asked.problem
+    if problem.wild is None or not problem.wild.any():
+        return asked
+    fitted = baseline(asked.searched, problem).fit
+    return replace(asked, problem=without_wild(problem, fitted.residual))
 
 
 def _noting(asked: Opened, note: str) -> Opened:

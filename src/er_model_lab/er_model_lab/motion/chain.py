@@ -155,11 +155,12 @@ def _store(k: int, x: Array, p: Array, xs: Array, ps: Array) -> None:
 
 @compiled
 def filtered(
-    dt: float, order: int, lag: float, zs: Array, has: NDArray[np.uint8], rows: Array, variances: Array, drive: float,
+    dt: float, order: int, lag: float, zs: Array, seen: NDArray[np.uint8], rows: Array, variances: Array, drive: float,
     activity: Array, spread: States, xs: Array, ps: Array, xp: Array, pp: Array,
 ) -> float:  # fmt: skip
     """Kalman filter over measurements (n, 3), one channel after the other; returns the log likelihood.
 
+    seen (n, 3): which of them there are;
     rows (3, m): what of the state each channel shows, variances (3,) of its noise; drive, activity (n,): intensity of
     the noise at the end of the chain; spread (m): variance of the first state. Filled: state and covariance of each
     sample after its measurements (xs, ps) and before them (xp, pp), where these arrays hold samples.
@@ -175,7 +176,7 @@ def filtered(
             _advance(f, spread, d, drive * activity[k], x, p)
         _store(k, x, p, xp, pp)
         for c in range(3):
-            if not has[c]:
+            if not seen[k, c]:
                 continue
             h, e = rows[c], zs[k, c]
             s = _gain_of(p, spread, h, variances[c], gain)

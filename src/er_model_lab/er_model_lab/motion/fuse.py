@@ -73,13 +73,14 @@ class Fused:
 
 @dataclass(frozen=True)
 class Channels:
-    """Measurements (n, 3) with the channels there are, on a uniform grid."""
+    """Measurements (n, 3) with the channels there are, on a uniform grid; lost (n, 3): those that were none."""
 
     dt: float
     z: Array
     has: NDArray[np.uint8]
     activity: Array
     measured_a: bool
+    lost: NDArray[np.bool_]
 
     @cached_property
     def spread(self) -> Array:
@@ -105,7 +106,8 @@ class Channels:
         begins = range(0, max(y.size - n, 0) + 1, max(n // 2, 1))
         power = np.array([np.var(y[i : i + n]) for i in begins])
         i = 0 if power[0] >= STANDSTILL * power.max() else begins[int(np.argmax(power))]
-        return replace(self, z=self.z[i : i + n], activity=self.activity[i : i + n])
+        rows = slice(i, i + n)
+        return replace(self, z=self.z[rows], activity=self.activity[rows], lost=self.lost[rows])
 
 
 def _run(
@@ -119,7 +121,7 @@ def _run(
         rows[1, 5] = 1.0
     else:
         rows[1, 1], rows[1, 2] = 1.0, -noise.lag
-    kept = n if keep else 0
+    kept, seen = n if keep else 0, (ch.has * ~ch.lost).astype(np.uint8)
     xs, xp = np.empty((kept, m)), np.empty((kept, m))
     ps, pp = np.empty((kept, m, m)), np.empty((kept, m, m))
     chain = ch.spread if spread is None else spread
@@ -128,8 +130,8 @@ def _run(
     first[4] = (10.0 * noise.a) ** 2 if ch.has[2] else 1e-18
     first[5:] = chain[1]
     value = filtered(
-        ch.dt, noise.order, noise.lag, ch.z, ch.has, rows, np.array([noise.x, noise.v, noise.a]) ** 2, noise.drive,
-        ch.activity if noise.local else np.ones(n), tuple(first.tolist()), xs, ps, xp, pp,
+        ch.dt, noise.order, noise.lag, ch.z, seen, rows, np.array([noise.x, noise.v, noise.a]) ** 2,
+        noise.drive, ch.activity if noise.local else np.ones(n), tuple(first.tolist()), xs, ps, xp, pp,
     )  # fmt: skip
     return float(value), xs, ps, xp, pp
 
@@ -139,16 +141,19 @@ def likelihood(ch: Channels, noise: Noise) -> float:
     return _run(ch, noise, keep=False)[0]
 
 
-def channels_of(dt: float, x: Array | None, v: Array | None, a: Array | None) -> Channels:
-    """Pack the channels there are; at least deflection or velocity is needed."""
+def channels_of(
+    dt: float, x: Array | None, v: Array | None, a: Array | None, lost: NDArray[np.bool_] | None = None
+) -> Channels:  # fmt: skip
+    """Pack the channels there are; at least deflection or velocity is needed. lost (n, 3): samples that were none."""
     n = next(c.shape[0] for c in (x, v, a) if c is not None)
     z = np.zeros((n, 3))
     has = np.zeros(3, np.uint8)
+    gone = np.zeros((n, 3), bool) if lost is None else lost
     for c, channel in enumerate((x, v, a)):
         if channel is not None:
             z[:, c] = channel
             has[c] = 1
-    return Channels(dt, z, has, _activity(a) if a is not None else np.ones(n), a is not None)
+    return Channels(dt, z, has, _activity(a) if a is not None else np.ones(n), a is not None, gone)
 
 
 def _activity(a: Array) -> Array:

@@ -17,6 +17,7 @@ from er_model_lab.preflight.motion import motion_findings
 from er_model_lab.preflight.occupancy import CoverMap, maps
 from er_model_lab.preflight.size import size_findings
 from er_model_lab.preflight.usable_channels import use_findings
+from er_model_lab.preflight.wild import bridged, marked, wild_findings
 
 Verdict = Literal["usable", "not_usable"]
 
@@ -77,12 +78,15 @@ class Preflight:
 
 def findings(record: Record) -> list[Finding]:
     """Everything that is checked of one record; a check that finds nothing says so once."""
+    record = marked(record)
+    whole, record = record, bridged(record)
     known = kinematics.pairs(record)
     found = [
         *samples.time_findings(record),
         *samples.wait_findings(record),
-        *samples.held_findings(record),
-        *samples.clipping_findings(record),
+        *samples.held_findings(whole),
+        *samples.clipping_findings(whole),
+        *wild_findings(whole),
         *kinematics.unit_findings(record, known),
         *kinematics.unchecked_findings(record, known),
         *kinematics.clock_findings(record, known),
@@ -116,7 +120,7 @@ def preflight(
         found += [f for record in records for f in use_findings(record)]
     found += motion_findings(records)
     found += size_findings(records, model) if model is not None else ()
-    courses = [excitation.course_of(r) for r in records]
+    courses = [excitation.course_of(bridged(r)) for r in records]
     reach = _reach(model, excitation.reach_of(courses))
     have = excitation.counts(courses, reach)
     return Preflight(

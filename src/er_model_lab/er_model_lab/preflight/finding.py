@@ -14,9 +14,9 @@ ORDER: dict[str, int] = {"fail": 0, "warning": 1, "note": 2, "ok": 3}
 class Finding:
     """A check of one record.
 
-    check: channels, sampling, dropouts, held, clipping, units, clock, bias, power, motion or size; channel: the one
-    concerned, or empty; expected and found: as an error says them; remedy: what to do; a finding of level `fail`
-    stops a command.
+    check: channels, sampling, dropouts, held, clipping, spikes, ends, units, clock, bias, power, motion or size;
+    channel: the one concerned, or empty; expected and found: as an error says them; remedy: what to do; a finding of
+    level `fail` stops a command.
     """
 
     check: str

@@ -15,8 +15,9 @@ JITTERY = 0.1
 """Jitter over the sample time that is worth a word."""
 SLOW = 100.0
 """Sampling rate [Hz] below which the force of the field cannot be followed."""
-FEW, MANY = 0.001, 0.02
-"""Shares of clipped samples from which on a finding is a warning, and a failure."""
+FEW, MANY, MANY_FORCES = 0.001, 0.02, 0.05
+"""Shares of clipped samples from which on a finding is a warning, and a failure; of the force a larger one, since its
+clipped samples get no weight."""
 LOST = 0.001
 """Share of lost samples that is worth a warning."""
 OWN_RATE = 0.3
@@ -27,6 +28,8 @@ MOVED = 0.2
 """Share of its range by which another channel must move meanwhile."""
 ALIVE = 0.01
 """Share of its range by which another channel must move in a run that is called clipped."""
+LONE = 10
+"""Samples of a single run from which on it is no chance."""
 STUCK_FAIL = 0.2
 """Share of a record in which a stuck channel makes it useless."""
 
@@ -100,7 +103,7 @@ def held_findings(record: Record) -> Iterator[Finding]:
                 f"{y[0]:g} throughout", "check the wiring and the topic", record.source,
             )  # fmt: skip
             continue
-        if clipped(y, _others(record, name)) > FEW * y.size:
+        if clipped(y, others(record, name)).sum() > FEW * y.size:
             continue
         found = runs(y)
         yield from _slower(record, name, y, found)
@@ -132,11 +135,11 @@ def _slower(record: Record, name: str, y: Array, found: Runs) -> Iterator[Findin
 
 def _stuck(record: Record, name: str, found: Runs) -> Iterator[Finding]:
     """A channel that stands still while others move."""
-    others, rows = _others(record, name), 0
+    moving, rows = others(record, name), 0
     least = max(round(STUCK / record.dt), 10)
     long = found.length >= least
     for i, n in zip(found.first[long], found.length[long], strict=True):
-        if others and _moved(others, int(i), int(n)) > MOVED:
+        if moving and _moved(moving, int(i), int(n)) > MOVED:
             rows += int(n)
     if rows:
         share = rows / len(record)
@@ -147,28 +150,29 @@ def _stuck(record: Record, name: str, found: Runs) -> Iterator[Finding]:
         )  # fmt: skip
 
 
-def clipped(y: Array, others: list[Array]) -> int:
-    """How many samples lie in runs of three or more at the largest or at the smallest value while others move.
+def clipped(y: Array, others: list[Array]) -> NDArray[np.bool_]:
+    """Samples (n,) in runs of three or more at the largest or at the smallest value while others move.
 
     The last step before the run must be a large one: a coarse converter stays at its highest value, too, but
     comes there in its smallest steps. others: channels (n,) over their ranges.
     """
-    steps = np.abs(np.diff(y))
+    steps, top = np.abs(np.diff(y)), np.zeros(y.size, bool)
     moves = steps[steps > 0.0]
     if not moves.size:
-        return 0
-    quantum, found, total = float(moves.min()), runs(y), 0
+        return top
+    quantum, found = float(moves.min()), runs(y)
     for extreme in (float(y.max()), float(y.min())):
         at = (y[found.first] == extreme) & (found.length >= 3) & (found.first > 0)
-        # one run alone is a rest, or a channel that hangs
-        if at.sum() < 2:
+        # one short run alone is chance, or a rest
+        if at.sum() < 2 and found.length[at].sum() < LONE:
             continue
         into = steps[found.first[at] - 1]
         first, length = found.first[at], found.length[at]
         moved = [_moved(others, int(i), int(n)) for i, n in zip(first, length, strict=True)]
         if float(np.median(into)) > 5.0 * quantum and float(np.median(moved)) > ALIVE:
-            total += int(length.sum())
-    return total
+            for i, n in zip(first, length, strict=True):
+                top[i : i + n] = True
+    return top
 
 
 def _moved(others: list[Array], i: int, n: int) -> float:
@@ -176,7 +180,7 @@ def _moved(others: list[Array], i: int, n: int) -> float:
     return max((float(np.ptp(y[i : i + n])) for y in others), default=1.0)
 
 
-def _others(record: Record, name: str) -> list[Array]:
+def others(record: Record, name: str) -> list[Array]:
     """The other channels of motion and force over their ranges."""
     return [
         y / max(float(np.ptp(y)), 1e-300)
@@ -190,11 +194,12 @@ def clipping_findings(record: Record) -> Iterator[Finding]:
     for name, y in record.channels.items():
         if not is_core(name) or name in EXEMPT or name in record.derived:
             continue
-        n = clipped(y, _others(record, name))
+        n = int(clipped(y, others(record, name)).sum())
         share = n / len(record)
         if share < FEW / 10.0:
             continue
-        level: Level = "fail" if share > MANY else "warning" if share > FEW else "note"
+        most = MANY_FORCES if name == "damper_force" else MANY
+        level: Level = "fail" if share > most else "warning" if share > FEW else "note"
         yield Finding(
             "clipping", level, record.name, name, "no flat tops",
             f"{n} samples ({share:.2%}) at the end of the range, {float(np.abs(y).max()):.4g}",

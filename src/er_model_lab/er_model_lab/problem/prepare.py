@@ -14,9 +14,10 @@ from er_models.errors import InputError, MissingChannel
 from er_models.model import Array
 from er_models.prediction import Motion, join
 from er_records.dataset import Dataset
-from er_records.missing_channels import losses
+from er_records.missing_channels import ACCELEROMETERS, losses
 from er_records.record import HELD, Record
 from er_records.sampling import ROUNDED, at
+from numpy.typing import NDArray
 
 from er_model_lab.motion.drift import without_drift
 from er_model_lab.motion.fuse import WITHOUT_A, Channels, Fused, Noise, channels_of, fuse
@@ -28,6 +29,10 @@ from er_model_lab.work import HERE, Work
 
 FOR_NOISE = 2500
 """Samples from which the noise levels of the motion sensors and the intensity of a motion are estimated."""
+MOTION = ("deflection", "deflection_velocity", *ACCELEROMETERS)
+"""Channels of the motion."""
+BESIDE = 2
+"""Samples to either side of wild motion whose force says nothing, either."""
 CONTRADICTION = 0.03
 """Difference of two estimates of a lag, in samples, above which accelerometers contradict the other channels."""
 CONTRADICTION_SD = 4.0
@@ -77,6 +82,8 @@ def prepare(
         [_motion(r, f, c, dt, reference) for r, f, c in zip(records, fused, raw, strict=True)]
     )
     fold, held_out = split(motion, len(data.score))
+    wild = np.concatenate([without_weight(r, dt) for r in records])
+    fold[wild], held_out[wild] = -1, False
     learnt = [r for r, (i, j) in enumerate(pairwise(motion.starts)) if np.any(fold[i:j] >= 0)]
     if learn is None and not {longest, telling} <= set(learnt):
         return prepare(data, velocity_lag=velocity_lag, learn=learnt, work=work)
@@ -86,7 +93,7 @@ def prepare(
         names=tuple(r.name for r in records),
         notes=tuple(dict.fromkeys(n for r in records for n in r.notes)) + unresolved + losses(records),
         complete=all(r.complete for r in records), sd_force=white_noise(force), velocity_lag=(lag, lag_sd),
-        work=work,
+        work=work, wild=wild,
     )  # fmt: skip
 
 
@@ -117,7 +124,26 @@ def measured_channels(record: Record, dt: float) -> Channels:
     if record.has("deflection_velocity") and "deflection_velocity" not in record.derived:
         v = resampled(record, "deflection_velocity", dt)
     x = resampled(record, "deflection", dt) if record.has("deflection") else None
-    return channels_of(dt, x, v, a)
+    gone = [_wild(record, c, dt) for c in MOTION]
+    lost = np.stack([gone[0], gone[1], gone[2] | gone[3]], axis=1)
+    return channels_of(dt, x, v, a, lost)
+
+
+def _wild(record: Record, channel: str, dt: float) -> NDArray[np.bool_]:
+    """Samples of a channel on the common grid in which a wild one takes part."""
+    found = (record.wild or {}).get(channel)
+    ratio, mask = dt / record.dt, np.zeros(len(record)) if found is None else found
+    if abs(ratio - 1.0) <= ROUNDED:
+        return mask > 0.0
+    wide = np.convolve(mask, np.ones(2 * max(round(ratio), 1) + 1), "same")
+    return at(record.t, wide, np.arange(record.t[0], record.t[-1], dt), channel) > 0.0
+
+
+def without_weight(record: Record, dt: float) -> NDArray[np.bool_]:
+    """Samples (n,) on the common grid at which the force, or the motion that it is predicted from, is wild."""
+    moved = np.logical_or.reduce([_wild(record, c, dt) for c in MOTION if c not in record.derived])
+    beside = np.convolve(moved, np.ones(2 * BESIDE + 1), "same") > 0.5
+    return np.asarray(beside | _wild(record, "damper_force", dt))
 
 
 def _without_motion(a: Array | None, dt: float) -> str:
@@ -133,7 +159,8 @@ def _without_motion(a: Array | None, dt: float) -> str:
 
 def resampled(record: Record, channel: str, dt: float) -> Array:
     """A channel on the common grid; averaged over the longer step when the grid is coarser."""
-    y = record.need(channel, "to compare the damper force")
+    record.need(channel, "to compare the damper force")
+    y = record.bridged(channel)
     ratio = dt / record.dt
     if abs(ratio - 1.0) <= ROUNDED:
         return np.asarray(y)

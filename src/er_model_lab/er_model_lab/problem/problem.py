@@ -48,7 +48,8 @@ class Problem:
     training sample, -1 elsewhere; held_out: mask of samples that only score; raw: measured channels before
     fusion; fused: per record, each with the noise model of its own motion; noise: that of the longest record
     with most channels; sd_force: white noise of the force; noted: fits that were made before, to which new ones are
-    added; work: how its jobs are done, in another process one after the other.
+    added; wild: samples without weight, `beside` of them found by what a model leaves; work: how its jobs are done, in
+    another process one after the other.
     """
 
     motion: Motion
@@ -67,6 +68,8 @@ class Problem:
     extra: tuple[tuple[str, Array], ...] = ()
     noted: Notes | None = None
     work: Work = HERE
+    wild: NDArray[np.bool_] | None = None
+    beside: int = 0
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "work": HERE}
@@ -124,7 +127,8 @@ class Problem:
     @cached_property
     def told(self) -> Told:
         """What tells where the states of each record begin."""
-        weight = self.weight_of(telling(self.motion, self.train, self.held_out))
+        tells = telling(self.motion, self.train, self.held_out)
+        weight = self.weight_of(tells if self.wild is None else tells & ~self.wild)
         return Told(self.force, weight, round(WARM_UP / self.motion.dt))
 
     def weight_of(self, mask: NDArray[np.bool_]) -> Array:
@@ -179,6 +183,14 @@ class Problem:
     def train(self) -> NDArray[np.bool_]:
         """Mask of the training samples."""
         return self.fold >= 0
+
+    def without(self, wild: NDArray[np.bool_] | None) -> Problem:
+        """The problem with no weight on further samples (n,)."""
+        if wild is None or not wild.any():
+            return self
+        all_wild = wild if self.wild is None else wild | self.wild
+        fold, held_out = np.where(wild, -1, self.fold), self.held_out & ~wild
+        return replace(self, fold=fold, held_out=held_out, wild=all_wild)
 
     @property
     def measures_velocity(self) -> bool:

@@ -14,6 +14,7 @@ from er_model_lab.diagnosis.evidence import VISIBLE
 from er_model_lab.diagnosis.floor_estimates import floors
 from er_model_lab.diagnosis.search import Round
 from er_model_lab.level.study import Study
+from er_model_lab.preflight.wild import outliers
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors, size_notes
 from er_model_lab.residual.unexplained import describe
@@ -49,6 +50,7 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
             for name, side in floors(problem, found.best.fit.residual, found.floor.first).items()
         },
         "coverage": _coverage(found.coverage),
+        "outliers": outliers(study.data.originals, problem.beside),
         "model": model_after.name,
         "notes": [*_sizes(study), *unseen(left["rmse_after"]), *problem.notes],
         "complete": problem.complete,

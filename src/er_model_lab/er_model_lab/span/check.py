@@ -45,9 +45,9 @@ class Checked:
 
     @property
     def used(self) -> NDArray[np.bool_]:
-        """Samples (N,) that count: after the warm-up of each record."""
+        """Samples (N,) that count: after the warm-up of each record, wild ones aside."""
         motion = self.whole.motion
-        used = np.ones(motion.n, bool)
+        used = ~self.whole.wild
         for i in motion.starts[:-1]:
             used[i : i + round(WARM_UP / motion.dt)] = False
         return used
@@ -164,6 +164,7 @@ def checked(whole: WholeRecords, held_out: Array, **models: Model) -> Checked:
         j = first_row(whole.motion, whole.data, p.record, p.j - 1) + 1
         i += round(WARM_UP / whole.motion.dt) if p.i == 0 else 0
         searched.append(bool(inside[i:j].mean() > 0.5))
-        square.append(float(np.mean(last[i:j] ** 2)))
+        kept = last[i:j][~whole.wild[i:j]]
+        square.append(float(np.mean(kept**2)) if kept.size else 0.0)
     held = float(np.mean(held_out**2))
     return Checked(whole, left, places, np.array(searched), np.array(square), held, whole.learn)

@@ -27,6 +27,7 @@ from er_model_lab.problem.prepare import (
     reference_temperature,
     resampled,
     warmth,
+    without_weight,
 )
 from er_model_lab.problem.problem import Problem
 
@@ -42,7 +43,8 @@ AT_ONCE = 4
 class WholeRecords:
     """All records from beginning to end: motion, measured force (N,) [N], and what tells where their states begin.
 
-    rows (n,): where a problem's samples are; data: the records, the first `learn` of which may be learnt from.
+    wild (N,): samples without weight; rows (n,): where a problem's samples are; data: the records,
+    the first `learn` of which may be learnt from.
     """
 
     motion: Motion
@@ -51,6 +53,7 @@ class WholeRecords:
     rows: NDArray[np.intp]
     data: tuple[Record, ...]
     learn: int
+    wild: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -124,15 +127,18 @@ def _whole(problem: Problem, data: Dataset) -> WholeRecords:
         begin = first_row(motion, sources, place.record, place.i)
         rows.append(np.minimum(begin + np.arange(n), motion.n - 1))
     found = np.concatenate(rows)
-    told = replace(problem.told, force=force, weight=_weight(problem, motion, found))
-    return WholeRecords(motion, force, told, found, sources, len(data.whole.learn))
+    wild = np.concatenate([without_weight(record, dt) for record in sources])
+    told = replace(problem.told, force=force, weight=_weight(problem, motion, found, wild))
+    return WholeRecords(motion, force, told, found, sources, len(data.whole.learn), wild)
 
 
-def _weight(problem: Problem, motion: Motion, rows: NDArray[np.intp]) -> Array:
+def _weight(
+    problem: Problem, motion: Motion, rows: NDArray[np.intp], wild: NDArray[np.bool_]
+) -> Array:
     """How much each sample of whole records tells of their beginnings: all do that are not held out of a stretch."""
     free = np.ones(motion.n, bool)
     free[rows[problem.held_out]] = False
-    return problem.weight_of(telling(motion, free, ~free))
+    return problem.weight_of(telling(motion, free, ~free) & ~wild)
 
 
 def first_row(motion: Motion, data: Sequence[Record], record: int, row: int) -> int:
@@ -189,5 +195,5 @@ def _pieces(channels: Channels, noise: Noise) -> Array:
 def rows_of(channels: Channels, i: int, j: int) -> Channels:
     """Rows i to j of the channels, with their own local activity."""
     x, v, a = (channels.z[i:j, c].copy() for c in range(3))
-    part = channels_of(channels.dt, x, v, a if channels.measured_a else None)
+    part = channels_of(channels.dt, x, v, a if channels.measured_a else None, channels.lost[i:j])
     return replace(part, has=channels.has)

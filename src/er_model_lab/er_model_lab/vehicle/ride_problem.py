@@ -18,7 +18,7 @@ from er_model_lab.fitting.fit import Fit, fit
 from er_model_lab.motion.fuse import Noise
 from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.problem.held_out import FOLDS, TO_FIT, TO_HOLD_OUT, split
-from er_model_lab.problem.prepare import resampled
+from er_model_lab.problem.prepare import resampled, without_weight
 from er_model_lab.problem.problem import Problem
 from er_model_lab.vehicle.ride import CHANNELS, SETTLE, Course, course, drive
 from er_model_lab.vehicle.ride_forward import RideForward, with_starts
@@ -235,6 +235,8 @@ def _problem(given: Dataset, data: Measured, forward: RideForward, model: Model)
     for i, j in forward.blocks():
         first = slice(i, min(i + round(SETTLE / data.dt), j))
         fold[first], held_out[first] = -1, False
+    wild = np.concatenate([without_weight(r, data.dt) for r in records])
+    fold[wild], held_out[wild] = -1, False
     order = np.flatnonzero(fold >= 0)
     if np.unique(fold[order]).size < FOLDS:
         fold[order] = np.arange(order.size) * FOLDS // max(order.size, 1)
@@ -247,4 +249,5 @@ def _problem(given: Dataset, data: Measured, forward: RideForward, model: Model)
         notes=tuple(dict.fromkeys(n for r in records for n in r.notes)), complete=all(r.complete for r in records),
         sd_force=float(forward.weights[0] * forward.noise[0]), velocity_lag=(0.0, float("inf")), forward=forward,
         extra=(("tyre deflection", states[:, 2]), ("tyre velocity", states[:, 3] - slope)),
+        wild=np.repeat(wild, c),
     )  # fmt: skip

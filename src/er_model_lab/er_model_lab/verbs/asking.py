@@ -16,6 +16,7 @@ from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.level.investigate import level_of
 from er_model_lab.level.level import Question
 from er_model_lab.preflight.check import gate, preflight
+from er_model_lab.preflight.wild import marked
 from er_model_lab.problem.stretches import shortened
 from er_model_lab.work import HERE, Work
 
@@ -43,7 +44,7 @@ def question(
     scored = () if held_out is None else held_out.records
     both = Dataset.of(data.learn, (*data.score, *scored))
     check_apart(both)
-    records = told_apart(list(both.records))
+    records = [marked(r) for r in told_apart(list(both.records))]
     found = preflight(records, model, model.catalogue)
     passed = both.with_records(gate(found, records, anyway=anyway))
     return Question(shortened(chosen.usable(passed)), model, chosen, found, seed, rule, work)

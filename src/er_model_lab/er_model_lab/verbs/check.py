@@ -10,6 +10,7 @@ from er_records.dataset import Dataset
 from er_records.load import fingerprint
 
 from er_model_lab.preflight.check import preflight
+from er_model_lab.preflight.wild import marked, outliers
 from er_model_lab.results.result import CheckResult
 from er_model_lab.results.values import clean
 from er_model_lab.view import View
@@ -17,14 +18,14 @@ from er_model_lab.view import View
 
 def check(data: Dataset, model: Model | None = None) -> CheckResult:
     """Check all records; with a model, coverage is measured against the reach of its rig."""
-    records = data.records
+    records = tuple(marked(r) for r in data.records)
     found = preflight(records, model, model.catalogue if model else CATALOGUE, levels=True)
     seconds = sum(len(r) * r.dt for r in records)
     warnings = found.counted("warning")
     notes = tuple(dict.fromkeys(n for r in records for n in r.notes))
     result = clean({
         "command": "check", "verdict": found.verdict, "preflight": found.as_json(),
-        "notes": list(notes), "complete": all(r.complete for r in records),
+        "notes": list(notes), "outliers": outliers(records), "complete": all(r.complete for r in records),
     })  # fmt: skip
     what = records[0].name if len(records) == 1 else f"{len(records)} records"
     line = (

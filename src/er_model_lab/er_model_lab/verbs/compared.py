@@ -10,6 +10,7 @@ from er_records.load import fingerprint
 
 from er_model_lab.level.level import Judged, Question
 from er_model_lab.level.study import Opened
+from er_model_lab.preflight.wild import outliers
 from er_model_lab.residual.excess import region_tables
 from er_model_lab.residual.region import RegionTable
 from er_model_lab.results.comparison import compare_json
@@ -46,6 +47,8 @@ def _content(
     """The result of one model without its notes; of long data the errors are those on all of them."""
     content = compare_json(judged.opened.problem, judged.opened.given, judged.floor, tables)
     content |= {"command": "compare", "model": asked.model.name, **judged.content}
+    beside = judged.opened.problem.beside
+    content["outliers"] = outliers(asked.data.originals, beside)
     content["preflight"] = asked.preflight.as_json()
     if whole is not None:
         content |= {"long": whole.as_json(again=False), **whole.errors(judged.floor)}

@@ -13,6 +13,7 @@ from er_records.load import fingerprint
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.identification.present import identified_json, new_model, view
 from er_model_lab.identification.procedure import identified
+from er_model_lab.preflight.wild import outliers
 from er_model_lab.results.result import IdentificationResult
 from er_model_lab.span.span import noted
 from er_model_lab.verbs.asking import provenance, question
@@ -51,6 +52,7 @@ def identify(
     }  # fmt: skip
     grown = new_model(found, name or f"{model.name}_identified", entry)
     content = identified_json(found) | {"model": grown.name}
+    content["outliers"] = outliers(records, found.problem.beside)
     if whole is not None:
         content["long"] = whole.as_json(again=False)
     drawn = view(found, content, seed, provenance(asked.data, model, seed))

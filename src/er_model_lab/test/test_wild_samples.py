@@ -1,0 +1,168 @@
+"""Wild samples are found, told, and change neither a verdict nor a value; what is sharp but real is left alone."""
+
+import numpy as np
+import pytest
+from er_model_lab.preflight.bent_ends import bent_ends
+from er_model_lab.preflight.spikes import spikes
+from er_model_lab.preflight.wild import marked, places
+from er_model_lab.verbs.check import check
+from er_model_lab.verbs.compare import compare
+from er_model_lab.verbs.diagnose import diagnose
+from er_models.files import load_model
+from er_models.prediction import motion, predict
+from er_records.dataset import Dataset
+from er_records.record import Record
+from lab_help import DT, FORCE_NOISE, GUO, imposed
+
+HIDDEN = ("coulomb_friction", {"F_c": 1.0, "v_0": 0.003})
+
+
+def record(effect=None, seconds=16.0, seed=3):
+    """A record of the Guo damper, with a hidden effect or complete."""
+    model, rng, n = load_model(GUO), np.random.default_rng(seed), round(seconds / DT)
+    x, v, a, u = imposed(rng, n)
+    truth = model.with_effect(*effect) if effect else model
+    channels = {
+        "deflection": x + 2e-5 * rng.standard_normal(n),
+        "deflection_velocity": v + 1e-3 * rng.standard_normal(n),
+        "duty": u,
+        "damper_force": predict(truth, motion(DT, x, v, u, a)) + FORCE_NOISE * rng.standard_normal(n),
+        "sprung_acceleration": a + 0.025 * rng.standard_normal(n),
+        "unsprung_acceleration": 0.025 * rng.standard_normal(n),
+    }  # fmt: skip
+    return Record("made", np.arange(n) * DT, channels)
+
+
+def changed(given, name, y):
+    return Record(given.name, given.t, {**given.channels, name: y})
+
+
+def scattered(given):
+    """0.5 % of the forces are anything within three times their range."""
+    y, rng = given.channels["damper_force"].copy(), np.random.default_rng(8)
+    rows = rng.choice(y.size, round(0.005 * y.size), replace=False)
+    y[rows] = 3.0 * np.abs(y).max() * rng.uniform(-1.0, 1.0, rows.size)
+    return changed(given, "damper_force", y)
+
+
+def bent(given):
+    """Three samples at either end as a filter that decimates leaves them."""
+    y = given.channels["sprung_acceleration"].copy()
+    y[:3], y[-3:] = (44.0, 25.0, 9.0), (-9.0, -25.0, -44.0)
+    return changed(given, "sprung_acceleration", y)
+
+
+def struck(given):
+    y = given.channels["sprung_acceleration"].copy()
+    y[1234] += 60.0
+    return changed(given, "sprung_acceleration", y)
+
+
+def clipped(given):
+    """A load cell at the end of its range for 0.4 s."""
+    y = given.channels["damper_force"].copy()
+    top = np.abs(y).max() * 1.05
+    k = int(np.argmax(np.abs(y[400:-400]))) + 400
+    y[k - 40 : k + 40] = top
+    return changed(given, "damper_force", y)
+
+
+KINDS = {"scattered": scattered, "bent": bent, "struck": struck, "clipped": clipped}
+
+
+@pytest.fixture(scope="module")
+def clean():
+    return {None: record(), HIDDEN[0]: record(HIDDEN)}
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_nothing_is_wild_in_sound_data(seed):
+    for effect in (None, HIDDEN):
+        assert marked(record(effect, seed=seed)).wild == {}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_wild_samples_are_found_and_told(clean, kind):
+    given = clean[HIDDEN[0]]
+    spoilt = KINDS[kind](given)
+    truly = {c: spoilt.channels[c] != given.channels[c] for c in given.channels}
+    found = marked(spoilt)
+    for name, mask in found.wild.items():
+        assert np.mean(truly[name][mask]) > (0.5 if kind == "bent" else 0.99)
+        assert mask.sum() >= 0.85 * truly[name].sum()
+    said = check(Dataset.of([spoilt])).to_dict()
+    assert said["outliers"]["count"] == sum(p["samples"] for p in places(found)) > 0
+    assert any("wild" in note for note in said["notes"])
+    worst = {"scattered": "spikes", "struck": "spikes", "bent": "ends", "clipped": "clipping"}
+    assert worst[kind] in {f["check"] for f in said["preflight"]["findings"] if f["level"] != "ok"}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_comparison_is_as_without_them(clean, kind):
+    model = load_model(GUO)
+    for given in clean.values():
+        before, after = (compare(Dataset.of([r]), model) for r in (given, KINDS[kind](given)))
+        assert after.rmse == pytest.approx(before.rmse, rel=0.05)
+        assert after.to_dict()["outliers"]["count"] > 0
+
+
+def same(before, after):
+    """Verdict and names are the same, every value within two deviations."""
+    assert (after.verdict, after.effects) == (before.verdict, before.effects)
+    for effect, values in before.model.effects.items():
+        for name, value in values.items():
+            sd = before.model.deviations.get(effect, {}).get(name, 0.0)
+            if np.isfinite(sd) and sd > 0.0:
+                assert abs(after.model.value(effect, name) - value) < 2.0 * sd, (effect, name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("effect", [None, HIDDEN[0]])
+def test_no_verdict_and_no_value_changes(clean, effect):
+    """All four kinds in one record."""
+    spoilt = clean[effect]
+    for change in KINDS.values():
+        spoilt = change(spoilt)
+    before, after = (diagnose(Dataset.of([r]), load_model(GUO)) for r in (clean[effect], spoilt))
+    same(before, after)
+    assert after.effects == ((effect,) if effect else ())
+
+
+def test_a_corner_of_the_road_strikes_the_wheel_for_one_sample(clean):
+    y = clean[None].channels["sprung_acceleration"].copy()
+    y[1234] += 0.2 * np.ptp(y)
+    assert marked(changed(clean[None], "sprung_acceleration", y)).wild == {}
+
+
+PULSES = {
+    "step": [0.0, 0.0, 1.0, 1.0, 1.0], "corner": [0.0, 0.0, 0.0, 1.0, 2.0], "stop": [0.0, 0.3, 1.0, 0.3, 0.0],
+    "two": [0.0, 1.0, 1.0, 0.0, 0.0], "edge": [0.0, 0.0, 0.5, 1.0, 1.0],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("size", [5.0, 20.0, 50.0, 1000.0])
+@pytest.mark.parametrize("shape", PULSES)
+def test_what_lasts_several_samples_is_not_wild(shape, size):
+    rng = np.random.default_rng(1)
+    y = rng.standard_normal(3000)
+    for k in range(50, 2900, 60):
+        y[k : k + 5] += size * np.array(PULSES[shape])
+        if shape in ("step", "edge", "corner"):
+            y[k + 5 : k + 60] += size * PULSES[shape][-1]
+    assert not spikes(y).any()
+
+
+def test_two_spikes_that_chance_puts_together_are_both_found():
+    y = np.random.default_rng(2).standard_normal(3000)
+    rows = [100, 400, 700, 1000, 1500, 1501, 2000, 2002, 2500, 2503]
+    y[rows] += 300.0
+    assert np.flatnonzero(spikes(y)).tolist() == rows
+
+
+def test_an_end_is_bent_only_where_the_inside_never_is():
+    y = np.sin(np.arange(2000) * 0.2) + 1e-3 * np.random.default_rng(3).standard_normal(2000)
+    assert not bent_ends(y).any()
+    y[-3:] += (0.5, 1.0, 2.0)
+    assert np.flatnonzero(bent_ends(y)).tolist() == [1995, 1996, 1997, 1998, 1999]
+    y[np.arange(100, 1900, 100)] += 2.0
+    assert not bent_ends(y).any()
