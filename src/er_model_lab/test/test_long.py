@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.diagnosis.by_record import by_record
+from er_model_lab.diagnosis.by_record import by_record, flagged
 from er_model_lab.diagnosis.candidates import baseline
 from er_model_lab.fitting.fit import fit
 from er_model_lab.planning.question import ask
@@ -197,6 +197,17 @@ def test_a_record_left_out_is_predicted_from_the_others():
     assert found["odd"]["rmse_left_out"] > 1.2 * found["odd"]["rmse_after"]
     first = Dataset.of(records[:1])
     assert by_record(Found, prepare(first), first) == []
+
+
+@pytest.mark.parametrize(
+    ("after", "than"), [(0.9, []), (1.04, []), (1.1, ["before"]), (3.0, ["nothing", "before"])]
+)
+def test_a_record_that_is_described_worse_is_flagged(after, than):
+    known = {"record": "a", "rms_force": 2.0, "rmse_before": 1.0, "rmse_after": after}
+    (told,), notes = flagged([known])
+    assert told["worse_than"] == than
+    assert len(notes) == bool(than)
+    assert all("record a" in note and f"{after:.3g} N" in note for note in notes)
 
 
 def problem_of_rows(problem, rows):

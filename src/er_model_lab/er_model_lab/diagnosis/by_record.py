@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,12 +16,15 @@ from er_model_lab.problem.problem import Problem
 
 FEWEST = 3
 """Records from which on one of them can be left out."""
+BAND = 0.05
+"""Share [1] by which the error of a record may grow and still counts as the same."""
 
 
 def by_record(found: Diagnosis, problem: Problem, data: Dataset) -> list[dict[str, Any]]:
     """Error [N] of each record: before, after, and after with the parameters that the other records give.
 
-    The samples that were held out count as well. Empty for fewer than three records.
+    The samples that were held out count as well. `rms_force` is what predicting nothing leaves. Empty for fewer than
+    three records.
     """
     place = _record_of(problem, data)
     names, used = data.originals, problem.used
@@ -35,9 +39,33 @@ def by_record(found: Diagnosis, problem: Problem, data: Dataset) -> list[dict[st
     }  # fmt: skip
     return [
         {"record": names[r].name, "samples": int(rows.sum())}
+        | {"rms_force": float(np.sqrt(np.mean(problem.force[rows] ** 2)))}
         | {key: float(np.sqrt(np.mean(e[rows] ** 2))) for key, e in left.items()}
         for r, rows in ((int(r), used & (place == r)) for r in known)
     ]
+
+
+def flagged(records: Sequence[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[str]]:
+    """Records as `by_record` gives them, each with a flag `worse_than`, and a note on those that have one.
+
+    The flag names what leaves less than the model does: "nothing" (a force of zero), the model "before".
+    """
+    told = [each | {"worse_than": _worse_than(each)} for each in records]
+    return told, [_said(each) for each in told if each["worse_than"]]
+
+
+def _worse_than(each: Mapping[str, Any]) -> list[str]:
+    """What leaves less of a record than the model does."""
+    limits = {"nothing": each["rms_force"], "before": (1.0 + BAND) * each["rmse_before"]}
+    return [name for name, limit in limits.items() if each["rmse_after"] > limit]
+
+
+def _said(each: Mapping[str, Any]) -> str:
+    """A record's flag in words."""
+    left = f"record {each['record']}: the model errs by {each['rmse_after']:.3g} N"
+    if "nothing" in each["worse_than"]:
+        return f"{left}, a force of zero by {each['rms_force']:.3g} N"
+    return f"{left}, before by {each['rmse_before']:.3g} N"
 
 
 def _record_of(problem: Problem, data: Dataset) -> NDArray[np.int64]:

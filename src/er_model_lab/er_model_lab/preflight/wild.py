@@ -34,7 +34,7 @@ def marked(record: Record) -> Record:
     found = {name: _wild(record, name) for name in measured}
     wild = {name: mask for name, mask in found.items() if mask.any()}
     notes = [
-        f"{int(mask.sum())} samples of {name} ({mask.mean():.2g} of all) are wild and get no weight"
+        f"{int(mask.sum())} samples of {name} ({mask.mean():.2%}) are wild and get no weight"
         for name, mask in wild.items()
     ]
     velocity = "deflection_velocity"

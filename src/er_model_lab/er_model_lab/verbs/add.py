@@ -12,7 +12,7 @@ from er_model_lab.blas import on_one_thread
 from er_model_lab.level.investigate import added
 from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.verbs.asking import question
-from er_model_lab.verbs.diagnose import result_of
+from er_model_lab.verbs.diagnose import with_flags, result_of
 from er_model_lab.verbs.history import with_history
 from er_model_lab.work import Event, Progress, Work
 
@@ -46,7 +46,7 @@ def add(
     study = added(asked, effect)
     best = asked.level.finished(study, seed)
     grown = with_history(best, model, study, seed, name or f"{model.name}_{effect}")
-    return result_of("add", study, grown, asked)
+    return with_flags(result_of("add", study, grown, asked))
 
 
 def _may_add(model: Model, effect: str, level: str) -> None:

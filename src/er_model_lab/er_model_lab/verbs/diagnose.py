@@ -9,7 +9,7 @@ from er_models.model import Model
 from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
-from er_model_lab.diagnosis.by_record import by_record
+from er_model_lab.diagnosis.by_record import by_record, flagged
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
@@ -51,7 +51,16 @@ def diagnose(
     )
     study = investigate(asked)
     asked.work.wind_up()
-    return result_of("diagnose", study, asked.level.finished(study, seed), asked)
+    return with_flags(result_of("diagnose", study, asked.level.finished(study, seed), asked))
+
+
+def with_flags(result: DiagnosisResult) -> DiagnosisResult:
+    """The result with a flag and a note at each record that the model describes worse than it did, or than nothing."""
+    content = dict(result.view.result)
+    content["by_record"], notes = flagged(content["by_record"])
+    content["notes"] = [*notes, *content["notes"]]
+    view = replace(result.view, result=content, notes=(*notes, *result.view.notes))
+    return replace(result, view=view)
 
 
 def result_of(command: str, study: Study, model: Model, asked: Question) -> DiagnosisResult:

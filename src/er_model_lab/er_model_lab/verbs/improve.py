@@ -25,7 +25,7 @@ from er_model_lab.results.passes import explained_by, taken_last, told_together
 from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.results.values import clean, headline
 from er_model_lab.verbs.asking import question
-from er_model_lab.verbs.diagnose import result_of
+from er_model_lab.verbs.diagnose import with_flags, result_of
 from er_model_lab.verbs.history import with_history
 from er_model_lab.verbs.resume import Begun, begun, finished, left_by, marked, resume, with_fits
 from er_model_lab.work import STOPPED, Event, Leader, Progress, Work
@@ -152,7 +152,7 @@ def _improved(studies: list[Study], model: Model, asked: Question) -> DiagnosisR
         told, now = (s.checked.note(again=s.again) for s in (first, last) if s.checked)
         whole["notes"] = [now if note == told else note for note in whole["notes"]]
         view = replace(view, notes=tuple(now if note == told else note for note in view.notes))
-    return replace(result, view=replace(view, result=whole), model=model)
+    return with_flags(replace(result, view=replace(view, result=whole), model=model))
 
 
 def _before(first: Study, last: Study) -> Array:
