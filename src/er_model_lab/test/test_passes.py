@@ -2,8 +2,11 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from er_model_lab.level.level import Question
 from er_model_lab.results.passes import explained_by, taken_last, told_together
+from er_model_lab.verbs import improve
 from lab_help import EVIDENCE
 from report_views import card, record
 
@@ -150,3 +153,35 @@ def test_cards_of_what_a_later_pass_took_come_after_those_of_the_first():
     assert kept[2] is first[1]
     tied = found(["cavitation"], alternatives=[("cavitation", "freeplay")])
     assert taken_last([first, later], [FIRST, tied]) == (first[0], *later)
+
+
+@pytest.mark.parametrize(("later", "taken"), [(0.9, 2), (1.04, 2), (1.2, 1)])
+def test_a_later_pass_that_makes_held_out_data_worse_is_not_taken(monkeypatch, later, taken):
+    """What the data that are learnt from ask for may be wrong elsewhere: the better model is kept, and it is told."""
+
+    def study(before, after, effects):
+        left = [
+            SimpleNamespace(fit=SimpleNamespace(residual=np.full(8, e))) for e in (before, after)
+        ]
+        found = SimpleNamespace(
+            base=left[0], best=left[1], effects=effects, verdict="partial", interrupted=False
+        )
+        return SimpleNamespace(diagnosis=found, problem=problem, data=None)
+
+    problem = SimpleNamespace(
+        held_out=np.ones(8, bool), force=np.arange(8.0), forward=SimpleNamespace(outputs=1)
+    )
+    studies = iter(
+        [study(2.0, 1.0, ("preload",)), study(1.0, later, ("end_stop",)), study(1, 1, ())]
+    )
+    monkeypatch.setattr(improve, "investigate", lambda *_: next(studies))
+    monkeypatch.setattr(improve, "with_history", lambda best, *_: best)
+    monkeypatch.setattr(improve, "marked", lambda model, _: model)
+    monkeypatch.setattr(improve, "begun", lambda model, *_: model)
+    monkeypatch.setattr(improve, "MOST_PASSES", 2)
+    level = SimpleNamespace(finished=lambda study, _: study.diagnosis.effects)
+    asked = Question(data=None, model=(), level=level, preflight=None)
+    made = improve._passes(asked, SimpleNamespace(noted={}, digest=""), "m", None)
+    assert len(made.studies) == taken
+    assert made.model == (("preload",) if taken == 1 else ("end_stop",))
+    assert ("end_stop not added" in " ".join(made.notes)) == (taken == 1)

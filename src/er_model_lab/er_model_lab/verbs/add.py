@@ -12,7 +12,7 @@ from er_model_lab.blas import on_one_thread
 from er_model_lab.level.investigate import added
 from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.verbs.asking import question
-from er_model_lab.verbs.diagnose import with_flags, result_of
+from er_model_lab.verbs.diagnose import result_of, with_flags
 from er_model_lab.verbs.history import with_history
 from er_model_lab.work import Event, Progress, Work
 

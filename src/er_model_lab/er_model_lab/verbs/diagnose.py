@@ -56,11 +56,16 @@ def diagnose(
 
 def with_flags(result: DiagnosisResult) -> DiagnosisResult:
     """The result with a flag and a note at each record that the model describes worse than it did, or than nothing."""
-    content = dict(result.view.result)
-    content["by_record"], notes = flagged(content["by_record"])
-    content["notes"] = [*notes, *content["notes"]]
-    view = replace(result.view, result=content, notes=(*notes, *result.view.notes))
-    return replace(result, view=view)
+    records, notes = flagged(result.view.result["by_record"])
+    content = dict(result.view.result) | {"by_record": records}
+    return noted(replace(result, view=replace(result.view, result=content)), *notes)
+
+
+def noted(result: DiagnosisResult, *notes: str) -> DiagnosisResult:
+    """The result with further notes before its own."""
+    view = result.view
+    content = dict(view.result) | {"notes": [*notes, *view.result["notes"]]}
+    return replace(result, view=replace(view, result=content, notes=(*notes, *view.notes)))
 
 
 def result_of(command: str, study: Study, model: Model, asked: Question) -> DiagnosisResult:

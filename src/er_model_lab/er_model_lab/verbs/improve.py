@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,19 +13,20 @@ from er_models.model import Array, Model
 from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
-from er_model_lab.diagnosis.by_record import by_record
+from er_model_lab.diagnosis.by_record import BAND, by_record
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.fitting.velocity_channel import as_searched
 from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study
+from er_model_lab.residual.errors import errors
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import candidate_views, views
 from er_model_lab.results.passes import explained_by, taken_last, told_together
 from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.results.values import clean, headline
 from er_model_lab.verbs.asking import question
-from er_model_lab.verbs.diagnose import with_flags, result_of
+from er_model_lab.verbs.diagnose import noted, result_of, with_flags
 from er_model_lab.verbs.history import with_history
 from er_model_lab.verbs.resume import Begun, begun, finished, left_by, marked, resume, with_fits
 from er_model_lab.work import STOPPED, Event, Leader, Progress, Work
@@ -74,20 +75,28 @@ def improve(
     )
     start = resume(interrupted, model, asked.data)
     named = name or f"{model.name}_improved"
-    studies, current, stopped = _passes(asked, start, named, keep)
-    current = finished(current, interrupted=stopped)
-    result = gone_on(_improved(studies, current, asked), start)
-    content = dict(result.view.result) | {"interrupted": stopped}
-    kept = with_fits(current, start.noted) if stopped else current
+    made = _passes(asked, start, named, keep)
+    current = finished(made.model, interrupted=made.stopped)
+    result = noted(gone_on(_improved(made.studies, current, asked), start), *made.notes)
+    content = dict(result.view.result) | {"interrupted": made.stopped}
+    kept = with_fits(current, start.noted) if made.stopped else current
     return replace(
-        result, view=replace(result.view, result=content), model=kept, interrupted=stopped
+        result, view=replace(result.view, result=content), model=kept, interrupted=made.stopped
     )
 
 
-def _passes(
-    asked: Question, start: Begun, name: str, keep: Keep | None
-) -> tuple[list[Study], Model, bool]:
-    """One study after another, the model that they made, and whether Ctrl-C ended them."""
+@dataclass(frozen=True)
+class _Passes:
+    """Studies one after another, the model that they made, whether Ctrl-C ended them, and what else there is to say."""
+
+    studies: list[Study]
+    model: Model
+    stopped: bool = False
+    notes: tuple[str, ...] = ()
+
+
+def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Passes:
+    """One study after another; none after the first is taken whose model errs more on held-out data."""
     current, studies = asked.model, list[Study]()
     for n in range(MOST_PASSES):
         left = current if studies else begun(current, asked.data, start)
@@ -102,7 +111,9 @@ def _passes(
                 if keep is not None and start.noted:
                     keep(left_by(left, start))
                 raise
-            return studies, current, True
+            return _Passes(studies, current, stopped=True)
+        if studies and (why := _worse(study)):
+            return _Passes(studies, current, notes=(why,))
         studies.append(study)
         # of long data with the stretches where the model did worst
         asked = replace(asked, data=study.data)
@@ -113,8 +124,22 @@ def _passes(
         if found.effects or refitted:
             current = marked(with_history(best, current, study, asked.seed, name), start.digest)
         if found.interrupted or found.verdict != "partial":
-            return studies, current, found.interrupted
-    return studies, current, False
+            return _Passes(studies, current, stopped=found.interrupted)
+    return _Passes(studies, current)
+
+
+def _worse(study: Study) -> str:
+    """Why a further pass is not taken: what it adds errs more on held-out data than the model without it."""
+    found, problem = study.diagnosis, study.problem
+    before, after = (
+        errors(problem, c.fit.residual, problem.held_out).rmse for c in (found.base, found.best)
+    )
+    if not found.effects or after <= (1.0 + BAND) * before:
+        return ""
+    return (
+        f"{' and '.join(found.effects)} not added: the error on held-out data would rise from {before:.3g} N to "
+        f"{after:.3g} N"
+    )
 
 
 def _keeping(work: Work, left: Model, start: Begun, keep: Keep | None) -> Work:
@@ -178,6 +203,4 @@ def gone_on(result: DiagnosisResult, start: Begun) -> DiagnosisResult:
     if start.added is None:
         return result
     note = f"went on from where an interruption had left it, with {len(start.added)} done"
-    view = result.view
-    content = dict(view.result) | {"notes": [note, *view.result["notes"]]}
-    return replace(result, view=replace(view, result=content, notes=(note, *view.notes)))
+    return noted(result, note)
