@@ -13,9 +13,10 @@ from er_model_lab.problem.problem import Problem
 
 
 def among(problem: Problem, *masks: NDArray[np.bool_]) -> Problem:
-    """The problem with only some rows to learn from."""
+    """The problem with only some rows to learn from, wild ones aside."""
     rows = np.logical_or.reduce(masks)
-    return replace(problem, fold=np.where(rows, 0, -1), held_out=np.zeros(rows.size, bool))
+    some = replace(problem, fold=np.where(rows, 0, -1), held_out=np.zeros(rows.size, bool))
+    return some.without(problem.wild)
 
 
 def only(problem: Problem, *masks: NDArray[np.bool_]) -> Problem:
@@ -23,7 +24,9 @@ def only(problem: Problem, *masks: NDArray[np.bool_]) -> Problem:
     part = among(problem, *masks)
     motion, kept = records_of(problem.motion, part.train)
     fold, held_out = part.fold[kept], part.held_out[kept]
-    return replace(part, motion=motion, force=problem.force[kept], fold=fold, held_out=held_out)
+    return replace(
+        part, motion=motion, force=problem.force[kept], fold=fold, held_out=held_out, wild=problem.wild_at(kept)
+    )  # fmt: skip
 
 
 def records_of(motion: Motion, rows: NDArray[np.bool_]) -> tuple[Motion, NDArray[np.int64]]:

@@ -114,7 +114,8 @@ class Problem:
             return (self,)
         return tuple(
             replace(
-                self, force=self.force[c::n], fold=self.fold[c::n], held_out=self.held_out[c::n], forward=DAMPER
+                self, force=self.force[c::n], fold=self.fold[c::n], held_out=self.held_out[c::n], forward=DAMPER,
+                wild=self.wild_at(slice(c, None, n)),
             )
             for c in range(n)
         )  # fmt: skip
@@ -176,13 +177,17 @@ class Problem:
         return replace(
             self, motion=replace(m, starts=starts, **signals), force=self.force[rows], fold=fold,
             held_out=self.held_out[rows], raw=(), fused=(), forward=PartForward(self.scales),
-            extra=tuple((name, y[rows]) for name, y in self.extra),
+            extra=tuple((name, y[rows]) for name, y in self.extra), wild=self.wild_at(rows),
         )  # fmt: skip
 
     @property
     def train(self) -> NDArray[np.bool_]:
         """Mask of the training samples."""
         return self.fold >= 0
+
+    def wild_at(self, rows: slice | NDArray[np.int64]) -> NDArray[np.bool_] | None:
+        """Mask of the samples without weight, of some rows; None where nobody looked for them."""
+        return None if self.wild is None else self.wild[rows]
 
     def without(self, wild: NDArray[np.bool_] | None) -> Problem:
         """The problem with no weight on further samples (n,)."""
