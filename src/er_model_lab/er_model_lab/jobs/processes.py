@@ -112,7 +112,7 @@ class Processes(Executor):
             if child.pid in pids:
                 os.kill(child.pid, signal.SIGKILL)
         if pool is not None:
-            pool.shutdown(wait=False, kill_workers=True)  # those, too, that are only being started
+            pool.shutdown(wait=False)
         if folder is not None:
             folder.cleanup()
 

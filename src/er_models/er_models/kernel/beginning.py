@@ -18,7 +18,7 @@ from __future__ import annotations
 import numpy as np
 
 from er_models.kernel.fast import entry, inner
-from er_models.kernel.imposed import LEAST, MOST, SETTLED, late, output_delay, predict
+from er_models.kernel.imposed import LEAST, MOST, NOTED, PLAIN, SETTLED, late, output_delay, predict
 from er_models.kernel.states import ROWS
 
 # --- below this line: compiled with the composed equations ---
@@ -58,7 +58,7 @@ def slopes(
     if rows:
         predict(
             on, slots, links, at_rest, p, dt, x[:rows], v[:rows], a[:rows], u[:rows], theta[:rows], 1, s, shown[many],
-            reach, -1, 0.0, raw,
+            reach, PLAIN, 0.0, raw,
         )  # fmt: skip
     for q in range(many):
         for k in range(rows):
@@ -121,7 +121,7 @@ def begun_rows(
             x_r, v_r, a_r = x[i:j], v[i:j], a[i:j]
             u_r, theta_r, f_r = u[i:j], theta[i:j], force[i:j]
             predict(
-                on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, n_sub, s, f_r, reach, -1, 0.0, raw,
+                on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, n_sub, s, f_r, reach, NOTED, 0.0, raw,
             )  # fmt: skip
             late(f_r, shift, raw[i:j])
             rows = slopes(

@@ -28,6 +28,8 @@ FADED = 7.0
 """Time constants of a state after which its beginning no longer shows; within the last of them it is faded out."""
 LEAST, MOST, SETTLED = range(3)
 """Rows of the reach of each state (3, n_states): ends of where it and its equilibria are, and where it settled."""
+NOTED, PLAIN = -1, -2
+"""In place of a state that is moved away from where it settles: the reach of each is noted, or nothing is."""
 
 
 @inner
@@ -74,10 +76,10 @@ def start(on, slots, links, at_rest, p, s, reach, own, away, x, v, a, u, theta):
         s[W0, own] = s[W, own]
         _, f_m, _ = visit(on, links, p, s, 0.0, HOLD, x, v, a, u, 0.0, theta)
         keep(slots, s)
-        return f_m
-    for j in range(reach.shape[1]):
-        for i in range(reach.shape[0]):
-            reach[i, j] = s[W, j]
+    elif own == NOTED:
+        for j in range(reach.shape[1]):
+            for i in range(reach.shape[0]):
+                reach[i, j] = s[W, j]
     return f_m
 
 
@@ -89,7 +91,7 @@ def predict(
 
     The duty is held from each sample on, later by the dead time: a step that it jumps in is cut in
     two. own: a state that begins `away` from where it settles, followed for as long as that shows (`left` (n,), from 1
-    to 0); or -1: none, and the reach of each state (3, n_states) is noted.
+    to 0); `NOTED`: none, and the reach of each state (3, n_states) is noted; `PLAIN`: none.
     """
     n, step = x.shape[0], dt / n_sub
     whole, cut = split(input_delay(on, p) / dt)
@@ -98,7 +100,9 @@ def predict(
     f_m = start(
         on, slots, links, at_rest, p, s, reach, own, away, x[0], v[0], a[0], u_now, theta[0]
     )
-    force[0], left[0] = f_m, 1.0
+    force[0] = f_m
+    if own >= 0:
+        left[0] = 1.0
     for k in range(n):
         m = min(k + 1, n - 1)
         u_next = u[max(k - whole, 0)]
@@ -120,8 +124,9 @@ def predict(
                 force[k] = f_m
         if m > k:
             force[m] = f_m
-            if own < 0:
+            if own == NOTED:
                 reached(slots, s, 1.0 / (n * dt), reach)
+            if own < 0:
                 continue
             faded += dt * s[R, own]
             if not faded < FADED:
@@ -145,11 +150,7 @@ def predict_rows(on, slots, links, at_rest, ps, dt, starts, x, v, a, u, theta, n
 
     Several records are laid end to end; `starts` holds their first rows and the end.
     """
-    s, reach, raw = (
-        np.empty((ROWS, at_rest.shape[0])),
-        np.empty((3, at_rest.shape[0])),
-        np.empty_like(x),
-    )
+    s = np.empty((ROWS, at_rest.shape[0]))
     for k in range(ps.shape[0]):
         p, force = ps[k], forces[k]
         shift = output_delay(on, p) / dt
@@ -157,9 +158,10 @@ def predict_rows(on, slots, links, at_rest, ps, dt, starts, x, v, a, u, theta, n
             i, j = starts[r], starts[r + 1]
             predict(
                 on, slots, links, at_rest, p, dt, x[i:j], v[i:j], a[i:j], u[i:j], theta[i:j], n_sub, s, force[i:j],
-                reach, -1, 0.0, raw,
+                s, PLAIN, 0.0, force[i:j],
             )  # fmt: skip
-            late(force[i:j], shift, raw[i:j])
+            if shift != 0.0:
+                late(force[i:j], shift, np.empty(j - i))
 
 
 @entry
