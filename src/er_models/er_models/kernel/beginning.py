@@ -18,7 +18,16 @@ from __future__ import annotations
 import numpy as np
 
 from er_models.kernel.fast import entry, inner
-from er_models.kernel.imposed import LEAST, MOST, NOTED, PLAIN, SETTLED, late, output_delay, predict
+from er_models.kernel.imposed import (
+    LEAST,
+    MOST,
+    NOTED,
+    PLAIN,
+    SETTLED,
+    late,
+    output_delay,
+    predict,
+)
 from er_models.kernel.states import ROWS
 
 # --- below this line: compiled with the composed equations ---
