@@ -13,7 +13,7 @@ from pathlib import Path
 from statistics import median
 
 from er_models.files import write_whole
-from er_models.one_line import OneLine, end_with
+from er_models.one_line import INTERRUPTED, OneLine, end_with
 from er_ros_common.graph_check import Problem
 from rich.console import Console
 from rich.table import Table
@@ -22,7 +22,7 @@ from er_bringup.arguments import NAMESPACE, is_namespace
 from er_bringup.ros_checks import Heard, Observation, plant_of, problems, real_time
 from er_bringup.terminal import console
 
-HEALTHY, UNHEALTHY, INTERRUPTED = 0, 1, 130
+HEALTHY, UNHEALTHY = 0, 1
 
 
 def namespace(text: str) -> str:

@@ -11,6 +11,8 @@ from er_models.errors import ErError
 
 BAD_USAGE = 2
 """Exit status of wrong usage."""
+INTERRUPTED = 130
+"""Exit status after Ctrl-C."""
 
 
 class OneLine(argparse.ArgumentParser):

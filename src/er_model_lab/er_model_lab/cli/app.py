@@ -12,11 +12,11 @@ from typing import ClassVar
 import typer
 from er_common.command_line import by_er
 from er_common.usage import OneLineGroup
+from er_models.one_line import INTERRUPTED
 
 from er_model_lab.cli.data import check_command, compare_command, identify_command
 from er_model_lab.cli.missing import add_command, diagnose_command, improve_command
 from er_model_lab.cli.plan import effects_command, plan_command
-from er_model_lab.cli.running import INTERRUPTED
 
 COMMANDS: dict[str, tuple[Callable[..., None], str]] = {
     "check": (check_command, "Check measurements before anything is fitted."),

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 from er_models.errors import ErError, InputError
+from er_models.one_line import INTERRUPTED
 from rich.console import Console
 
 from er_model_lab.cli.options import in_options, worded
@@ -25,9 +26,6 @@ if TYPE_CHECKING:
 
     from er_model_lab.results.result import Result
     from er_model_lab.work import Leader, Progress
-
-INTERRUPTED = 130
-"""Exit status after Ctrl-C."""
 
 
 def loaded(paths: Sequence[Path] | None) -> Dataset | None:
