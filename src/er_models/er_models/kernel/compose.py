@@ -53,8 +53,13 @@ def _call(
     return lines
 
 
-def _masked(catalogue: Catalogue, hook: str, lines_of: Callable[[Effect], list[str]]) -> list[str]:
-    """Masked lines of every effect that has the hook; all but one stand behind one more mask for them together."""
+def _masked(
+    catalogue: Catalogue,
+    hook: str,
+    lines_of: Callable[[Effect], list[str]],
+    places: str = "alone, more",
+) -> list[str]:
+    """Masked lines of every effect that has the hook: the one that stands alone, then the others behind one mask."""
     alone: list[str] = []
     more: list[str] = []
     for i, effect in enumerate(catalogue.effects):
@@ -63,15 +68,21 @@ def _masked(catalogue: Catalogue, hook: str, lines_of: Callable[[Effect], list[s
             block = [f"if on[{i}]:", *("    " + line for line in lines)]
             (alone if stands_alone(catalogue, effect, hook) else more).extend(block)
     if more:
-        alone += [f"if on[{of_hook(catalogue, hook)}]:", *("    " + line for line in more)]
-    return ["    " + line for line in alone]
+        more = [f"if on[{of_hook(catalogue, hook)}]:", *("    " + line for line in more)]
+    lines = alone * ("alone" in places) + more * ("more" in places)
+    return ["    " + line for line in lines]
 
 
-def _run(catalogue: Catalogue, run: str, lines: list[str]) -> list[str]:
-    """Lines of a run of hooks behind one mask for them all."""
+def _run(
+    catalogue: Catalogue, run: str, lines: list[str], otherwise: list[str] | None = None
+) -> list[str]:
+    """Lines of a run of hooks behind one mask for them all, and what stands in their place without it."""
     if not lines:
-        return []
-    return [f"    if on[{of_run(catalogue, run)}]:", *("    " + line for line in lines)]
+        return otherwise or []
+    body = [f"    if on[{of_run(catalogue, run)}]:", *("    " + line for line in lines)]
+    return (
+        body if otherwise is None else [*body, "    else:", *("    " + line for line in otherwise)]
+    )
 
 
 def _relax(
@@ -101,9 +112,13 @@ def _bound(catalogue: Catalogue, effect: Effect, slot: int) -> list[str]:
 
 
 def _lines(
-    catalogue: Catalogue, hook: str, pattern: str, signals: Mapping[str, str] = {}
+    catalogue: Catalogue,
+    hook: str,
+    pattern: str,
+    signals: Mapping[str, str] = {},
+    places: str = "alone, more",
 ) -> list[str]:
-    """Lines of a hook that computes; `pattern` holds {call}.
+    """Lines of a hook that computes, as `_masked` gives them; `pattern` holds {call}.
 
     Where the hook maps a signal that the effect's own state follows, the state's equation comes
     first: it is driven by the signal before the mapping.
@@ -113,7 +128,7 @@ def _lines(
         first = _relax(catalogue, effect) if relaxes_at(effect) == hook else []
         return [*first, *_call(catalogue, effect, hook, pattern, signals)]
 
-    return _masked(catalogue, hook, lines)
+    return _masked(catalogue, hook, lines, places)
 
 
 def _states(catalogue: Catalogue, place: str) -> list[str]:
@@ -131,28 +146,18 @@ def _damper(catalogue: Catalogue) -> list[str]:
     body += [
         "    first = 0 * s.shape[0]  # a bare number is a type to Numba: each would be a compilation"
     ]
-    body += _lines(catalogue, "duty", "u = {call}")
     body += [f"    k_0 = p[{passive}]", f"    c_0 = p[{passive + 1}]", f"    f_y = s[W, {slot}]"]
     body += [f"    f_r = s[W, {catalogue.rest}]"]
-    body += _lines(catalogue, "passive_stiffness", "k_0 += {call}")
-    body += _lines(catalogue, "passive_damping", "c_0 += {call}")
     body += ["    yield_scale = 1.0", "    viscous_scale = 1.0", "    stiffness_scale = 1.0"]
     body += ["    tau_scale = 1.0", "    tau_y = 0.0", "    y = 0.0"]
     body += _early(catalogue)
-    body += ["    x_d, v_d = x, v"]
-    body += _lines(catalogue, "flow_deflection", "x = {call}")
-    body += _lines(catalogue, "flow_velocity", "v = {call}")
-    body += _lines(catalogue, "target", "y += {call}")
-    body += ["    y *= yield_scale", "    x, v = x_d, v_d"]
-    body += _scales(catalogue)
-    body += _lines(catalogue, "response_time", "tau_y += {call}")
+    body += _yield(catalogue)
     response = ["    " + line for line in _relax(catalogue, catalogue["response"])]
-    body += [*_run(catalogue, LAG, response), "    else:", f"        s[W, {slot}] = y"]
+    body += _run(catalogue, LAG, response, [f"    s[W, {slot}] = y"])
     body += [f"    f_y = s[W, {slot}]", "    f_d = f_y", "    u_f = u", *_field(catalogue)]
     body += _states(catalogue, "states")
     body += ["    f_h = f_y + viscous_scale * c_0 * v", *_forces(catalogue)]
-    rest = [f"    s[W, {catalogue.rest}] = f_d - k_0 * x - c_0 * v"]
-    return [*body, *_end(catalogue), *_run(catalogue, "early", rest), "    return f_d, f_m, u"]
+    return [*body, *_end(catalogue), "    return f_d, f_m, u"]
 
 
 def _field(catalogue: Catalogue) -> list[str]:
@@ -178,23 +183,35 @@ def _forces(catalogue: Catalogue) -> list[str]:
 
 
 def _early(catalogue: Catalogue) -> list[str]:
-    """The scale of the yield force and what acts on the motion, before anything uses them."""
-    lines = _lines(catalogue, "yield_scale", "yield_scale *= {call}")
+    """The duty, the passive terms, the scale of the yield force and the motion, before anything uses them."""
+    lines = _lines(catalogue, "duty", "u = {call}")
+    lines += _lines(catalogue, "passive_stiffness", "k_0 += {call}")
+    lines += _lines(catalogue, "passive_damping", "c_0 += {call}")
+    lines += _lines(catalogue, "yield_scale", "yield_scale *= {call}")
     lines += _lines(catalogue, "shift_deflection", "x = {call}")
-    return _run(catalogue, "early", lines + _lines(catalogue, "shift_velocity", "v = {call}"))
+    lines += _lines(catalogue, "shift_velocity", "v = {call}")
+    keep = ["    x_d, v_d = x, v"]
+    lines += keep + _lines(catalogue, "flow_deflection", "x = {call}")
+    return _run(catalogue, "early", lines + _lines(catalogue, "flow_velocity", "v = {call}"), keep)
 
 
-def _scales(catalogue: Catalogue) -> list[str]:
-    """Scales of viscosity, stiffness and response time."""
-    names = ("viscous_scale", "stiffness_scale", "tau_scale")
-    lines = [line for name in names for line in _lines(catalogue, name, f"{name} *= {{call}}")]
-    return _run(catalogue, "scales", lines)
+def _yield(catalogue: Catalogue) -> list[str]:
+    """The yield force that the field asks for, the scales of viscosity, stiffness and time, and the response time."""
+    target, time = ("target", "y += {call}"), ("response_time", "tau_y += {call}")
+    done = ["    y *= yield_scale", "    x, v = x_d, v_d"]
+    lines = _lines(catalogue, *target, places="more") + done
+    for name in ("viscous_scale", "stiffness_scale", "tau_scale"):
+        lines += _lines(catalogue, name, f"{name} *= {{call}}")
+    lines += _lines(catalogue, *time, places="more")
+    alone = [line for hook in (target, time) for line in _lines(catalogue, *hook, places="alone")]
+    return alone + _run(catalogue, "yield", lines, done)
 
 
 def _end(catalogue: Catalogue) -> list[str]:
-    """What follows once the force is there: its limits, what is driven by it, and its sensor."""
+    """What follows once the force is there: its limits, what is driven by it, its sensor, and the rest of it."""
     lines = _lines(catalogue, "limit", "f_d = {call}") + _states(catalogue, "late")
     lines += ["    f_m = f_d", *_lines(catalogue, "sense", "f_m = {call}")]
+    lines += [f"    s[W, {catalogue.rest}] = f_d - k_0 * x - c_0 * v"]
     return ["    f_m = f_d", *_run(catalogue, "end", lines)]
 
 

@@ -17,17 +17,22 @@ from er_models.catalogue import Catalogue
 from er_models.effect import HOOKS, Effect
 from er_models.kernel.order import reads, relaxes_at
 
+ALONE = ("target", "response_time", "force")
+"""Hooks of which the first core effect stands alone: nearly every model has it."""
 LAG = "lag"
 """Mask of a yield force with a response time, whichever effect gives it."""
 FIELD = "field"
 """Mask of a duty whose chains take that time to form, where an effect acts with them."""
 RUNS: dict[str, tuple[str, ...]] = {
-    "early": ("yield_scale", "shift_deflection", "shift_velocity"),
-    "scales": ("viscous_scale", "stiffness_scale", "tau_scale"),
+    "early": (
+        "duty", "passive_stiffness", "passive_damping", "yield_scale", "shift_deflection", "shift_velocity",
+        "flow_deflection", "flow_velocity",
+    ),
+    "yield": ("target", "viscous_scale", "stiffness_scale", "tau_scale", "response_time"),
     "end": ("limit", "late", "sense"),
-    LAG: ("response_time",),
+    LAG: (),
     FIELD: (),
-}
+}  # fmt: skip
 """Places of `kernel.order.ORDER` that follow one another."""
 
 
@@ -37,15 +42,15 @@ def of_hook(catalogue: Catalogue, hook: str) -> int:
 
 
 def of_run(catalogue: Catalogue, run: str) -> int:
-    """Place in the mask that says whether any effect acts in a run of hooks."""
+    """Place in the mask that says whether any effect acts in a run of hooks, but for those that stand alone."""
     return len(catalogue.effects) + len(HOOKS) + tuple(RUNS).index(run)
 
 
 @lru_cache(maxsize=8)
 def _alone(catalogue: Catalogue) -> dict[str, Effect]:
-    """The first core effect of every hook that has one."""
+    """The core effects that stand alone, by their hook."""
     core = [e for e in reversed(catalogue.effects) if e.stage == "core"]
-    return {hook: e for e in core for hook in e.hooks}
+    return {hook: e for e in core for hook in e.hooks if hook in ALONE}
 
 
 def stands_alone(catalogue: Catalogue, effect: Effect, hook: str) -> bool:
@@ -59,10 +64,14 @@ def mask(catalogue: Catalogue, used: Iterable[Effect]) -> NDArray[np.uint8]:
     on = np.zeros(len(catalogue.effects) + len(HOOKS) + len(RUNS), np.uint8)
     for effect in used:
         on[catalogue.effects.index(effect)] = 1
-        for hook in effect.hooks:
-            on[of_hook(catalogue, hook)] |= not stands_alone(catalogue, effect, hook)
+        more = {hook for hook in effect.hooks if not stands_alone(catalogue, effect, hook)}
+        for hook in more:
+            on[of_hook(catalogue, hook)] = 1
         for run, places in RUNS.items():
-            acts = {*effect.hooks, relaxes_at(effect)}
-            on[of_run(catalogue, run)] |= not acts.isdisjoint(places)
+            on[of_run(catalogue, run)] |= not {*more, relaxes_at(effect)}.isdisjoint(places)
+        on[of_run(catalogue, LAG)] |= "response_time" in effect.hooks
+    on[of_run(catalogue, "end")] |= on[
+        of_run(catalogue, "early")
+    ]  # which may read the rest of the force
     on[of_run(catalogue, FIELD)] = on[of_run(catalogue, LAG)] and reads(used, "u_f")
     return on
