@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from er_model_lab.diagnosis.by_record import by_record, flagged
 from er_model_lab.diagnosis.candidates import baseline
 from er_model_lab.fitting.fit import fit
 from er_model_lab.planning.question import ask
 from er_model_lab.problem import stretches
 from er_model_lab.problem.prepare import prepare
+from er_model_lab.results.by_record import by_record, flagged
 from er_model_lab.span.span import spanned
 from er_model_lab.span.whole_record import on_whole
 from er_model_lab.verbs import plan

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from er_models.model import Model
 
-from er_model_lab.diagnosis.candidates import Candidate, effect_size
 from er_model_lab.diagnosis.coverage import Coverage
 from er_model_lab.diagnosis.evidence import VISIBLE
 from er_model_lab.diagnosis.floor_estimates import floors
-from er_model_lab.diagnosis.search import Round
 from er_model_lab.level.study import Study
 from er_model_lab.preflight.wild import outliers
-from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors, size_notes
 from er_model_lab.residual.unexplained import describe
 from er_model_lab.results.candidate import candidates
+from er_model_lab.results.steps import steps
 
 MOST_INPUTS, LEAST_WEIGHT = 5, 0.01
 """Inputs that the unexplained part is said to depend on, at most, and the share of it that each must carry [1]."""
@@ -30,6 +27,7 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
     """The contract's JSON of `diagnose`, `add` and `improve`."""
     found, problem = study.diagnosis, study.problem
     left = _errors(study)
+    unlike = unseen(left["rmse_after"])
     return {
         "verdict": found.verdict,
         "effects": list(found.effects),
@@ -37,22 +35,22 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         **left,
         "explainable": found.explainable,
         "explained": found.explained,
+        "unexplained": _unexplained(study),
         "candidates": candidates(study, model_after),
         "unknowable": [
             {"effect": e.name, "because": e.unknowable_because} for e in model_after.catalogue.unknowable()
         ],
         "steps": steps(study),
         "reasons": list(found.reasons),
-        "unexplained": _unexplained(study),
         "noise": _noise(study),
         "floors": {
             name: side.as_json()
             for name, side in floors(problem, found.best.fit.residual, found.floor.first).items()
         },
         "coverage": _coverage(found.coverage),
-        "outliers": outliers(study.data.originals, problem.beside),
         "model": model_after.name,
-        "notes": [*_sizes(study), *unseen(left["rmse_after"]), *problem.notes],
+        "notes": [*_sizes(study), *unlike, *problem.notes],
+        "outliers": outliers(study.data.originals, problem.beside),
         "complete": problem.complete,
     }  # fmt: skip
 
@@ -130,48 +128,3 @@ def _rest(study: Study) -> dict[str, Any]:
     if not unsaid:
         return {}
     return {"rest": describe(study.problem, found.best.fit.residual).as_json()}
-
-
-def steps(study: Study) -> list[dict[str, Any]]:
-    """The falling error on held-out data, one entry per effect taken, with the evidence for it."""
-    problem, found = study.problem, study.diagnosis
-    held = problem.held_out
-    base = study.before or found.rounds[0].base
-    out: list[dict[str, Any]] = [
-        {"added": None, "rmse_held_out": errors(problem, base.fit.residual, held).rmse}
-    ]
-    if study.opened.lag:
-        rmse = errors(problem, found.rounds[0].base.fit.residual, held).rmse
-        out.append({"added": "velocity_lag", "rmse_held_out": rmse})
-    for step in found.rounds:
-        taken = step.taken
-        if taken is not None and set(taken.effects) <= set(found.effects):
-            rmse = errors(problem, taken.fit.residual, held).rmse
-            out.append(
-                {"added": taken.name, "rmse_held_out": rmse, **_evidence(step, taken, problem)}
-            )
-    named = {s["added"] for s in out}
-    left = [e for e in found.effects if e not in named]
-    if left:
-        rmse = errors(problem, found.best.fit.residual, held).rmse
-        out.append({"added": " + ".join(left), "rmse_held_out": rmse})
-    tried = found.rounds[0].candidates
-    if len(out) == 1 and len(tried) == 1:
-        # one effect was asked for: it is in the model, whether it helps or not
-        rmse = errors(problem, tried[0].fit.residual, held).rmse
-        out.append({"added": tried[0].name, "rmse_held_out": rmse})
-    return out
-
-
-def _evidence(step: Round, taken: Candidate, problem: Problem) -> dict[str, float]:
-    """Effect size and its threshold [N], and the shares of blocks left out and of records whose error fell."""
-    base, used = step.base, problem.used
-    starts = problem.motion.starts * problem.forward.outputs
-    runs = [slice(int(i), int(j)) for i, j in pairwise(starts) if used[i:j].any()]
-    falls = used * (base.fit.residual**2 - taken.fit.residual**2)
-    return {
-        "evidence": float(effect_size(base, taken)),
-        "threshold": float(step.threshold),
-        "blocks": float(np.mean(base.losses > taken.losses)),
-        "records": float(np.mean([falls[run].sum() > 0.0 for run in runs])),
-    }

@@ -101,9 +101,9 @@ def study_view(
 ) -> View:
     """Everything a report of `diagnose`, `add` or `improve` shows."""
     found = study.diagnosis
-    line = headline(result["rmse"]["held_out"], result["noise_floor"])
     return View(
-        command=command, model=study.model.name, headline=line, result=result, records=record_views(study),
+        command=command, model=study.model.name, result=result, records=record_views(study),
         candidates=candidate_views(study, result),
+        headline=headline(result["rmse"]["held_out"], result["noise_floor"]),
         notes=(*result["notes"], *found.coverage.hints), provenance=provenance,
     )  # fmt: skip

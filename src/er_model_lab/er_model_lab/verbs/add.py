@@ -10,9 +10,10 @@ from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.level.investigate import added
+from er_model_lab.results.by_record import with_flags
 from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.verbs.asking import question
-from er_model_lab.verbs.diagnose import result_of, with_flags
+from er_model_lab.verbs.diagnose import result_of
 from er_model_lab.verbs.history import with_history
 from er_model_lab.work import Event, Progress, Work
 

@@ -9,13 +9,13 @@ from er_models.model import Model
 from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
-from er_model_lab.diagnosis.by_record import by_record, flagged
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study
 from er_model_lab.planning.suggest import suggestions
 from er_model_lab.residual.errors import regions_json, worst
+from er_model_lab.results.by_record import by_record, with_flags
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import study_regions, study_view
 from er_model_lab.results.result import DiagnosisResult
@@ -52,20 +52,6 @@ def diagnose(
     study = investigate(asked)
     asked.work.wind_up()
     return with_flags(result_of("diagnose", study, asked.level.finished(study, seed), asked))
-
-
-def with_flags(result: DiagnosisResult) -> DiagnosisResult:
-    """The result with a flag and a note at each record that the model describes worse than it did, or than nothing."""
-    records, notes = flagged(result.view.result["by_record"])
-    content = dict(result.view.result) | {"by_record": records}
-    return noted(replace(result, view=replace(result.view, result=content)), *notes)
-
-
-def noted(result: DiagnosisResult, *notes: str) -> DiagnosisResult:
-    """The result with further notes before its own."""
-    view = result.view
-    content = dict(view.result) | {"notes": [*notes, *view.result["notes"]]}
-    return replace(result, view=replace(view, result=content, notes=(*notes, *view.notes)))
 
 
 def result_of(command: str, study: Study, model: Model, asked: Question) -> DiagnosisResult:

@@ -13,20 +13,20 @@ from er_models.model import Array, Model
 from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
-from er_model_lab.diagnosis.by_record import BAND, by_record
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.fitting.velocity_channel import as_searched
 from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study
 from er_model_lab.residual.errors import errors
+from er_model_lab.results.by_record import BAND, by_record, noted, with_flags
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import candidate_views, views
 from er_model_lab.results.passes import explained_by, taken_last, told_together
 from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.results.values import clean, headline
 from er_model_lab.verbs.asking import question
-from er_model_lab.verbs.diagnose import noted, result_of, with_flags
+from er_model_lab.verbs.diagnose import result_of
 from er_model_lab.verbs.history import with_history
 from er_model_lab.verbs.resume import Begun, begun, finished, left_by, marked, resume, with_fits
 from er_model_lab.work import STOPPED, Event, Leader, Progress, Work
