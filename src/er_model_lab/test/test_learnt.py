@@ -1,10 +1,12 @@
 """A fitted model knows what it was fitted to, and data beyond that are told apart, with the error there."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from er_model_lab.fitting.data_reach import REACH, beyond, reach
+from er_model_lab.diagnosis.noise_floor import noise_floor
+from er_model_lab.fitting.data_reach import REACH, beyond, held_out_beyond, reach, within_learnt
 from lab_help import problem_of
 
 
@@ -55,8 +57,10 @@ def test_larger_motion_is_beyond_where_it_is_larger(known, channel, name):
     assert name in found.reach
     assert found.reach[name][1] == (low, high)
     assert (found.rms_beyond, found.rms_inside) == pytest.approx((3.0, 0.5))
-    assert "3 N there and 0.5 N elsewhere" in found.note("better")
-    assert f"({name} " in found.note("better")
+    assert "3 N there and 0.5 N elsewhere" in found.note(
+        "these data", "what 'better' was fitted to"
+    )
+    assert f"({name} " in found.note("these data", "what 'better' was fitted to")
 
 
 def test_more_power_is_named_and_less_is_not(known):
@@ -66,8 +70,8 @@ def test_more_power_is_named_and_less_is_not(known):
     assert found.share == 0.0
     assert found.matters
     assert list(found.reach) == ["power"]
-    assert "(power up to " in found.note("better")
-    assert "%" not in found.note("better")
+    assert "(power up to " in found.note("these data", "what 'better' was fitted to")
+    assert "%" not in found.note("these data", "what 'better' was fitted to")
     assert beyond(model, larger(problem, power=1.4), problem.force) is None
     assert beyond(model, larger(problem, power=0.1), problem.force) is None
 
@@ -83,3 +87,29 @@ def test_a_few_samples_count_where_they_carry_the_error(known):
     loud[at] = 100.0
     assert not beyond(model, beside, quiet).matters
     assert beyond(model, beside, loud).matters
+
+
+def test_held_out_data_beyond_what_was_learnt_are_told_and_are_no_noise(known):
+    _, problem = known
+    fast = problem.motion.v.copy()
+    rows = np.flatnonzero(problem.held_out)
+    fast[rows[: rows.size // 3]] *= 5.0
+    beyond_it = replace(problem, motion=replace(problem.motion, v=fast))
+    outside = problem.held_out & ~within_learnt(beyond_it)
+    assert 0.1 * rows.size < outside.sum() < 0.4 * rows.size
+    rng = np.random.default_rng(0)
+    residual = rng.standard_normal(fast.size) * np.where(outside, 20.0, 0.5)
+    found = held_out_beyond(beyond_it, residual)
+    assert found is not None
+    assert found.share == pytest.approx(outside.sum() / rows.size)
+    assert (found.rms_beyond, found.rms_inside) == pytest.approx((20.0, 0.5), rel=0.2)
+    assert "the held-out data go beyond those learnt from (velocity" in found.note(
+        "the held-out data", "those learnt from"
+    )
+    assert held_out_beyond(problem, residual) is None
+    assert np.array_equal(within_learnt(problem), problem.held_out)
+    left = SimpleNamespace(residual=residual, fit=SimpleNamespace(residual=residual), mse=1.0)
+    null = SimpleNamespace(
+        input_square=np.zeros(fast.size), bursts=(0.0,), outputs=1, input_error=0.0
+    )
+    assert noise_floor(beyond_it, left, null, 0).held_out < 0.7

@@ -19,6 +19,8 @@ SHORT = ("too short",)
 WITHOUT_EFFECTS = [
     ({}, "adequate"),
     ({"within_errors": True}, "insufficient_data"),
+    ({"unlike_sensors": True}, "insufficient_data"),
+    ({"unlike_sensors": True, "remains": True}, "unknown_effect"),
     ({"remains": True}, "unknown_effect"),
     ({"remains": True, "within_errors": True}, "unknown_effect"),
     ({"blocking": SHORT}, "insufficient_data"),

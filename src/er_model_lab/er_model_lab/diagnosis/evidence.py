@@ -9,6 +9,7 @@ import numpy as np
 
 from er_model_lab.diagnosis.candidates import Candidate, effect_size
 from er_model_lab.diagnosis.coverage import Coverage
+from er_model_lab.diagnosis.floor_estimates import AGREE
 from er_model_lab.diagnosis.noise_floor import Floor
 from er_model_lab.diagnosis.rule import Rule
 from er_model_lab.diagnosis.search import MOST_EFFECTS, Round, passes, threshold
@@ -54,6 +55,14 @@ def evidence(
         blocking=cover.blocking,
         remains=not added and _remains(first, floor, beyond_fit),
         within_errors=not added and _within_errors(first, rule) is not None,
+        unlike_sensors=not added and _unlike_sensors(best, floor),
+    )
+
+
+def _unlike_sensors(best: Candidate, floor: Floor) -> bool:
+    """Whether more is left than the white noise and the motion sensors make, and no rest or repeat shows the noise."""
+    return (
+        floor.measured is None and not floor.parts and np.sqrt(best.mse) > AGREE * floor.of_sensors
     )
 
 
@@ -89,6 +98,8 @@ def reasons(
 ) -> tuple[str, ...]:  # fmt: skip
     """The evidence in plain sentences, as far as the verdict rests on it."""
     left = f"root mean square error {np.sqrt(base.mse):.3g} N after refitting, noise floor {floor.floor:.3g} N"
+    if floor.learnt is not None:
+        left += f" (as a rest or repeats show it; trees and filters leave {floor.learnt[0]:.3g} N unexplained)"
     if not seen.effects:
         return (left, *_reasons_of_nothing(verdict, seen, first, floor, rule))
     catalogue = best.fit.model.catalogue
@@ -134,6 +145,12 @@ def _reasons_of_nothing(
             else "can be predicted from the inputs"
         )
         return (f"no known effect passes, yet the residual {what}",)
+    if seen.unlike_sensors:
+        return (
+            f"{np.sqrt(first.base.mse):.3g} N are left, the noise of the sensors makes {floor.of_sensors:.3g} N; the "
+            "rest is noise of another kind, or something that neither a known effect nor trees predict: record a rest "
+            "of two seconds or the same motion twice, and the noise shows",
+        )
     near = _within_errors(first, rule)
     if verdict == "adequate" or near is None:
         return (

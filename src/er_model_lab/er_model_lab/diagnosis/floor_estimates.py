@@ -1,13 +1,14 @@
 """The noise floor from several sides: standstill, repeated motion, the sensors, and what no regression explains.
 
-None of them needs the others to be right, so they are shown side by side. What counts is the bound of
-`diagnose.floor`; these say whether to believe it.
+None of them needs the others to be right, so they are shown side by side. Trees cannot predict what hangs on a state
+that they do not see, nor what they saw too little of: they take an error of the model for noise. So a rest or a
+repeated motion, where there is one, bounds what they say.
 """
 
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,10 @@ APART = 0.5
 """Shortest time between a motion and its repeat [s]."""
 MOST = 30_000
 """Samples looked at for repeats."""
+AGREE = 1.15
+"""Ratio up to which two estimates of the noise agree."""
+SURE = 0.1
+"""Standard deviation of an estimate, as a share of it, up to which it counts."""
 GROUPS = 4
 """Groups of windows of time; repeats are sought in the others."""
 
@@ -56,16 +61,46 @@ def floors(problem: Problem, residual: Array, floor: Floor) -> dict[str, Side]:
     n, problem = problem.forward.outputs, problem.parts[0]
     at_rest = standstill(problem)
     moved = floor.input_error
-    both = None if at_rest.value is None else float(np.hypot(at_rest.value, moved))
+    learnt = floor.learnt or (floor.floor, floor.held_out)
     return {
         "standstill": at_rest,
-        "standstill_and_motion_sensors": Side(both, at_rest.sd if both else None, "both together"),
+        "standstill_and_motion_sensors": _moving(at_rest, moved),
         "repeats": repeats(problem, residual[::n]),
         "force_white": Side(floor.white, None, "white part of what is left"),
         "motion_sensors": Side(moved, None, "errors of the motion sensors, through the model"),
-        "bound": Side(floor.held_out, None, "what trees and filters cannot explain, held-out data"),
-        "bound_train": Side(floor.floor, None, "the same, training data"),
+        "bound": Side(learnt[1], None, "what trees and filters cannot explain, held-out data"),
+        "bound_train": Side(learnt[0], None, "the same, training data"),
     }  # fmt: skip
+
+
+def _moving(at_rest: Side, moved: float) -> Side:
+    """Noise at rest together with what the errors of the motion sensors make [N]."""
+    if at_rest.value is None:
+        return Side(None, None, at_rest.says)
+    return Side(float(np.hypot(at_rest.value, moved)), at_rest.sd, "both together")
+
+
+def credible(floor: Floor, problem: Problem, residual: Array) -> Floor:
+    """The floor that counts: that of trees and filters, or the noise that was measured, where that is clearly less.
+
+    residual (n,): what a model leaves [N]. Of several outputs the floor stays as it is.
+    """
+    if problem.forward.outputs > 1:
+        return floor
+    sides = (_moving(standstill(problem), floor.input_error), repeats(problem, residual))
+    sure = [
+        s.value
+        for s in sides
+        if s.value is not None and s.sd is not None and s.sd <= SURE * s.value
+    ]
+    if not sure:
+        return floor
+    least = min(sure)
+    if floor.floor <= AGREE * least:
+        return replace(floor, measured=least)
+    return replace(
+        floor, floor=least, held_out=min(floor.held_out, least), measured=least, learnt=(floor.floor, floor.held_out)
+    )  # fmt: skip
 
 
 def standstill(problem: Problem) -> Side:

@@ -11,6 +11,7 @@ from er_model_lab.diagnosis.clock import clock_ties
 from er_model_lab.diagnosis.coverage import Coverage, coverage
 from er_model_lab.diagnosis.determined import loose
 from er_model_lab.diagnosis.evidence import VISIBLE, evidence, reasons, shares
+from er_model_lab.diagnosis.floor_estimates import credible
 from er_model_lab.diagnosis.noise_floor import Floor, noise_floor
 from er_model_lab.diagnosis.null import Null, simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule
@@ -73,7 +74,7 @@ def search_effects(
     base = baseline(model, problem)
     rounds = [one_round(base, problem, seed, rule)]
     best = rounds[0].taken or base
-    floor = noise_floor(problem, _leader(rounds[0]), rounds[0].null, seed)
+    floor = _floor(problem, _leader(rounds[0]), rounds[0].null, seed)
     try:
         best, floor, ties = _searched(best, rounds, floor, problem, seed, rule)
     except STOPPED:
@@ -92,7 +93,7 @@ def one_effect(model: Model, problem: Problem, effect: str | None, seed: int) ->
     base = baseline(model, problem)
     tried = [refit(base, model.catalogue[effect], problem, max_iter=20)] if effect else []
     null = simulate_null(base, tried, problem, seed)
-    floor = noise_floor(problem, min([base, *tried], key=lambda c: c.mse), null, seed)
+    floor = _floor(problem, min([base, *tried], key=lambda c: c.mse), null, seed)
     limit = threshold(null, floor.floor)
     able = [c for c in tried if passes(base, c, limit)]
     step = Round(base, tried, null, limit, able[0] if able else None, [])
@@ -140,6 +141,11 @@ def judge(
     )  # fmt: skip
 
 
+def _floor(problem: Problem, leader: Candidate, null: Null, seed: int) -> Floor:
+    """The floor that counts under what the leader of a round leaves."""
+    return credible(noise_floor(problem, leader, null, seed), problem, leader.fit.residual)
+
+
 def _leader(step: Round) -> Candidate:
     """The candidate that gains most in a round, or its beginning: no more than its fit gains is believed."""
     return max([step.base, *step.candidates], key=lambda c: effect_size(step.base, c))
@@ -157,7 +163,7 @@ def _grow(
             break
         step = one_round(best, problem, seed + len(rounds), rule)
         leader = _leader(step)
-        deeper = noise_floor(problem, leader, step.null, seed)
+        deeper = _floor(problem, leader, step.null, seed)
         floor = deeper if deeper.floor < floor.floor else floor
         if step.taken is None:
             break

@@ -20,6 +20,7 @@ from threadpoolctl import threadpool_limits
 from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.leftover_structure import bursts, filtered
 from er_model_lab.diagnosis.null import Null
+from er_model_lab.fitting.data_reach import within_learnt
 from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.problem.problem import Problem
 
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from sklearn.ensemble import HistGradientBoostingRegressor
 
 MAX_SAMPLES = 5000
+ENOUGH = 200
+"""Held-out samples from which a floor is learnt."""
 FEATURES = (
     "deflection", "velocity", "acceleration", "duty", "duty 20 ms ago", "duty 60 ms ago", "velocity 10 ms ago",
     "velocity 30 ms ago", "model force", "yield force lagged", "time", "dissipated power, slow",
@@ -39,11 +42,13 @@ class Floor:
     """Noise floor [N] and its parts.
 
     floor: root of the smallest mean square left on unseen stretches; held_out: the same on the samples held
-    out, which have motion of their own and so feel errors of its sensors differently; white: white force
+    out, which have motion of their own and so feel errors of its sensors differently, as far as they stay within what
+    was learnt from; white: white force
     noise; input_error: from the sensors of the motion; explained: share of the residual that boosted trees
     or linear filters explain; importance: of each feature, by name; line: (frequency [Hz], amplitude [N],
     share) of the strongest spectral line; bursts: share that comes in bursts; parts: floors of the outputs,
-    where there are several.
+    where there are several; measured: noise that a rest or a repeated motion shows, None where neither does; learnt:
+    `floor` and `held_out` as trees and filters have it, where measured noise lies lower and counts instead.
     """
 
     floor: float
@@ -55,6 +60,13 @@ class Floor:
     line: tuple[float, float, float]
     bursts: float = 0.0
     parts: tuple[Floor, ...] = ()
+    measured: float | None = None
+    learnt: tuple[float, float] | None = None
+
+    @property
+    def of_sensors(self) -> float:
+        """White noise of the force and what the errors of the motion make of it, together [N]."""
+        return float(np.hypot(self.white, self.input_error))
 
     @property
     def each(self) -> tuple[Floor, ...]:
@@ -137,10 +149,16 @@ def boosted(problem: Problem, residual: Array, inputs: Array, seed: int) -> floa
 
 def boosted_held_out(problem: Problem, residual: Array, inputs: Array, seed: int) -> float:
     """Share of the held-out residual that a regression on the training residual explains."""
-    rows, unseen = _rows(problem.train), _rows(problem.held_out)
+    rows, unseen = _rows(problem.train), _rows(_scored(problem))
     out = _trees(seed).fit(inputs[rows], residual[rows]).predict(inputs[unseen])
     target = residual[unseen]
     return 1.0 - float(np.mean((target - out) ** 2) / max(float(np.mean(target**2)), 1e-300))
+
+
+def _scored(problem: Problem) -> NDArray[np.bool_]:
+    """Held-out samples (n,) of which trees can know: those within what was learnt from, where they are enough."""
+    within = within_learnt(problem)
+    return within if within.sum() >= ENOUGH else problem.held_out
 
 
 def importance(problem: Problem, residual: Array, inputs: Array, seed: int) -> dict[str, float]:
@@ -216,7 +234,7 @@ def _floor(
     loud = bursts(problem, residual, square, null.bursts[output])
     starts = problem.motion.starts
     white = white_noise([in_fit[i:j] for i, j in itertools.pairwise(starts)])
-    held = float(np.mean(in_fit[problem.held_out] ** 2))
+    held = float(np.mean(in_fit[_scored(problem)] ** 2))
     left = float(np.mean(residual[problem.train] ** 2))
     return Floor(
         floor=float(np.sqrt(left * (1.0 - share) * (1.0 - loud))),

@@ -39,7 +39,8 @@ class Evidence:
     the same less what a spectral line hides; too_many: they are as many as a search takes and leave more than noise;
     tied: the data cannot tell some of them apart; loose: effects whose values the data do not determine; blocking: what
     the data lack, in sentences; remains: that something unknown is left where no effect was taken; within_errors: that
-    an effect gains more than noise does, but no more than the errors of the motion may cause; with_lag: share explained
+    an effect gains more than noise does, but no more than the errors of the motion may cause; unlike_sensors: that more
+    is left than the sensors' noise makes, and no rest or repeat says whether that is noise; with_lag: share explained
     where the velocity channel was found to lag, which the sensors show whatever the force does; earlier: searches of
     which this one is the last.
     """
@@ -52,6 +53,7 @@ class Evidence:
     blocking: tuple[str, ...]
     remains: bool
     within_errors: bool
+    unlike_sensors: bool = False
     loose: tuple[str, ...] = ()
     with_lag: float | None = None
     earlier: Earlier | None = None
@@ -83,7 +85,7 @@ def _on_nothing(seen: Evidence) -> Verdict:
         return "insufficient_data"
     if seen.remains:
         return "unknown_effect"
-    return "insufficient_data" if seen.within_errors else "adequate"
+    return "insufficient_data" if seen.within_errors or seen.unlike_sensors else "adequate"
 
 
 def _on_lag(verdict: Verdict, explained: float, rule: Rule) -> Verdict:

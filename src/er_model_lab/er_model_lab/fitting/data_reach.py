@@ -24,6 +24,8 @@ HEAT = 1.5
 """Factor of a record's mean power that counts as more heat than was there."""
 FEW, LITTLE = 0.01, 0.05
 """Share of the samples, and of the squared error, below which there is nothing to say."""
+LARGER = 1.3
+"""Ratio of the errors beyond what was learnt from and within it from which the one is told."""
 _SHOWN = {
     "deflection": (1e3, "mm"),
     "velocity": (1.0, "m/s"),
@@ -60,10 +62,10 @@ class Beyond:
             "rms_beyond": self.rms_beyond, "reach": reach,
         }  # fmt: skip
 
-    def note(self, name: str) -> str:
-        """In words, for the model of this name."""
+    def note(self, data: str, fitted: str) -> str:
+        """In words; data: which go beyond; fitted: what."""
         parts = "; ".join(_ranges(k, *ranges) for k, ranges in self.reach.items())
-        said = f"these data go beyond what '{name}' was fitted to ({parts})"
+        said = f"{data} go beyond {fitted} ({parts})"
         if not self.share:
             return said
         rest = f" and {self.rms_inside:.3g} N elsewhere" if self.share < 1.0 else ""
@@ -85,23 +87,41 @@ def beyond(model: Model, problem: Problem, residual: Array) -> Beyond | None:
     None where its history does not say (a model that was never fitted here), or nothing goes beyond.
     """
     fitted = next((e[REACH] for e in reversed(model.history) if REACH in e), None)
-    if fitted is None:
-        return None
+    return None if fitted is None else _beyond(problem, residual, fitted, problem.used)
+
+
+def held_out_beyond(problem: Problem, residual: Array) -> Beyond | None:
+    """How far the held-out samples go beyond those learnt from, where the error there is larger than elsewhere."""
+    found = _beyond(problem, residual, reach(problem), problem.held_out)
+    return found if found and found.rms_beyond > LARGER * found.rms_inside else None
+
+
+def within_learnt(problem: Problem) -> NDArray[np.bool_]:
+    """Held-out samples (n,) whose motion and duty lie within the reach of those learnt from."""
+    samples, ends = _samples(problem), reach(problem)
+    outside = [_outside(k, samples[k], *ends[k]) for k in samples if k != "power"]
+    return np.asarray(problem.held_out & ~np.logical_or.reduce(outside))
+
+
+def _beyond(
+    problem: Problem, residual: Array, fitted: Mapping[str, Any], rows: NDArray[np.bool_]
+) -> Beyond | None:
+    """How far the samples of a mask (n,) go beyond the ends of what was fitted to."""
     outside = np.zeros(problem.force.size, dtype=bool)
     further = {}
     for name, y in _samples(problem).items():
         low, high = (float(v) for v in fitted[name])
-        mask = problem.used & _outside(name, y, low, high)
+        mask = rows & _outside(name, y, low, high)
         if mask.any():
-            seen = y[problem.used]
+            seen = y[rows]
             further[name] = ((float(seen.min()), float(seen.max())), (low, high))
             outside |= mask & (name != "power")
     if not further:
         return None
-    square, inside = residual**2, problem.used & ~outside
+    square, inside = residual**2, rows & ~outside
     return Beyond(
-        float(outside.sum() / problem.used.sum()),
-        float(square[outside].sum() / max(square[problem.used].sum(), 1e-300)),
+        float(outside.sum() / rows.sum()),
+        float(square[outside].sum() / max(square[rows].sum(), 1e-300)),
         _rms(square, inside), _rms(square, outside), further,
     )  # fmt: skip
 

@@ -18,7 +18,7 @@ from er_records.duty_known import driven
 
 from er_model_lab.diagnosis.candidates import Candidate, baseline
 from er_model_lab.diagnosis.evidence import shares
-from er_model_lab.diagnosis.floor_estimates import floors
+from er_model_lab.diagnosis.floor_estimates import credible, floors
 from er_model_lab.diagnosis.investigation import Diagnosis, one_effect, search_effects
 from er_model_lab.diagnosis.noise_floor import noise_floor
 from er_model_lab.diagnosis.null import simulate_null
@@ -73,7 +73,7 @@ class DamperLevel:
         problem, given = found.problem, found.given
         base = baseline(found.searched, problem)
         null = simulate_null(base, [], problem, seed)
-        floor = noise_floor(problem, base, null, seed)
+        floor = credible(noise_floor(problem, base, null, seed), problem, base.fit.residual)
         further = beyond(model, problem, given)
         sides = floors(problem, base.fit.residual, floor)
         content = {
@@ -90,7 +90,11 @@ class DamperLevel:
     def reach_notes(self, opened: Opened) -> tuple[str, ...]:
         """What is said of motion and duty beyond those that the model was fitted to."""
         found = beyond(opened.model, opened.problem, opened.given)
-        return (found.note(opened.model.name),) if found and found.matters else ()
+        return (
+            (found.note("these data", f"what '{opened.model.name}' was fitted to"),)
+            if found and found.matters
+            else ()
+        )
 
     def searched(self, asked: Question, noted: Notes | None) -> Study:
         """What the model lacks; a velocity channel that lags is undone first and named."""

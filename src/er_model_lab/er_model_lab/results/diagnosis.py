@@ -10,6 +10,7 @@ from er_models.model import Model
 from er_model_lab.diagnosis.coverage import Coverage
 from er_model_lab.diagnosis.evidence import VISIBLE
 from er_model_lab.diagnosis.floor_estimates import floors
+from er_model_lab.fitting.data_reach import Beyond, held_out_beyond
 from er_model_lab.level.study import Study
 from er_model_lab.preflight.wild import outliers
 from er_model_lab.residual.errors import errors, size_notes
@@ -27,7 +28,10 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
     """The contract's JSON of `diagnose`, `add` and `improve`."""
     found, problem = study.diagnosis, study.problem
     left = _errors(study)
-    unlike = unseen(left["rmse_after"])
+    further = (
+        held_out_beyond(problem, found.best.fit.residual) if problem.forward.outputs == 1 else None
+    )
+    unlike = _beyond(further) or unseen(left["rmse_after"])
     return {
         "verdict": found.verdict,
         "effects": list(found.effects),
@@ -51,8 +55,14 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         "model": model_after.name,
         "notes": [*_sizes(study), *unlike, *problem.notes],
         "outliers": outliers(study.data.originals, problem.beside),
+        "held_out_beyond": further.as_json() if further else None,
         "complete": problem.complete,
     }  # fmt: skip
+
+
+def _beyond(further: Beyond | None) -> tuple[str, ...]:
+    """A note where the held-out data go beyond those learnt from, with a larger error there: it is no noise."""
+    return () if further is None else (further.note("the held-out data", "those learnt from"),)
 
 
 def _errors(study: Study) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.level.investigate import level_of
 from er_model_lab.level.level import Question
 from er_model_lab.preflight.check import gate, preflight
+from er_model_lab.preflight.rate import at_needed_rate
 from er_model_lab.preflight.wild import marked
 from er_model_lab.problem.stretches import shortened
 from er_model_lab.work import HERE, Work
@@ -46,7 +47,7 @@ def question(
     check_apart(both)
     records = [marked(r) for r in told_apart(list(both.records))]
     found = preflight(records, model, model.catalogue)
-    passed = both.with_records(gate(found, records, anyway=anyway))
+    passed = both.with_records([at_needed_rate(r) for r in gate(found, records, anyway=anyway)])
     return Question(shortened(chosen.usable(passed)), model, chosen, found, seed, rule, work)
 
 

@@ -158,6 +158,11 @@ def _more(view: View) -> str:
     after, floor = left_after(view), view.result.get("noise_floor")
     left, noise = view.result.get("rmse_after"), view.result.get("noise_floor_train")
     learnt = left.get("train") if isinstance(left, Mapping) else None
+    if further := view.result.get("held_out_beyond"):
+        return (
+            f": {newtons(further['rms_inside'])} within what was learnt from, where noise is {_floor(view)}, and "
+            f"{newtons(further['rms_beyond'])} beyond it"
+        )
     within = after is not None and floor is not None and after <= ALIKE * floor
     if within and learnt is not None and noise is not None and learnt > ALIKE * noise:
         return (
@@ -170,6 +175,12 @@ def _more(view: View) -> str:
 def _adequate(view: View) -> str:
     unseen = [e for e in view.result.get("candidates") or () if e.get("status") == "not_excited"]
     hidden = f"; {len(unseen)} would not show in these data" if unseen else ""
+    if further := view.result.get("held_out_beyond"):
+        return (
+            f"Within what was learnt from, the model leaves {newtons(further['rms_inside'])} of the held-out data, "
+            f"noise is {_floor(view)}. Beyond it {newtons(further['rms_beyond'])} are left: what acts there, these "
+            f"data do not show. No known effect helps by more than chance{hidden}."
+        )
     return (
         f"What the model leaves on held-out data, {newtons(rmse(view.result))}, is noise "
         f"({_floor(view)}). No known effect helps by more than chance{hidden}."

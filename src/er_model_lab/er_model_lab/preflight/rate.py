@@ -1,0 +1,75 @@
+"""The rate that a record's content needs: what was sampled far faster is brought there before anything is fitted."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from er_models.model import Array
+from er_records.missing_channels import ACCELEROMETERS
+from er_records.record import HELD, Record
+from scipy.signal import firwin, kaiserord, welch
+
+SPOKEN = ("damper_force", *ACCELEROMETERS)
+"""Channels that a model must describe: their content decides."""
+ABOVE = 1e-4
+"""Share of a channel's variance, noise aside, that may lie above the frequency that counts as its highest."""
+TIMES = 5.0
+"""Samples for each period of that frequency."""
+LEAST, MOST = 200.0, 500.0
+"""A rate [Hz] that is always kept, and one that is always enough: a jump of the force has no highest frequency."""
+PASS, STOP, DOWN = 0.25, 0.75, 45.0
+"""Ends of what the filter lets pass and of what it stops, as shares of the new rate; how far it stops that [dB]."""
+WINDOW = 2.0
+"""Length of the pieces that a spectrum is averaged over [s]."""
+
+
+def highest(y: Array, rate: float) -> float:
+    """Frequency [Hz] above which `ABOVE` of the variance of a channel (n,) lies, white noise aside."""
+    f, power = welch(y, rate, nperseg=min(y.size, round(WINDOW * rate)), detrend="linear")
+    noise = float(np.median(power[f > 0.8 * f[-1]]))
+    signal = np.maximum(power - 2.0 * noise, 0.0)
+    tail = np.cumsum(signal[::-1])[::-1]
+    return float(f[np.argmax(tail <= ABOVE * tail[0])]) if tail[0] > 0.0 else 0.0
+
+
+def at_needed_rate(record: Record) -> Record:
+    """The record at the fraction of its rate that its content needs, with a note; as it is where it needs all."""
+    spoken = [record.bridged(c) for c in SPOKEN if record.has(c)]
+    rate = 1.0 / record.dt
+    if not spoken or rate < 2.0 * LEAST or len(record) < WINDOW * rate:
+        return record
+    top = max(highest(y, rate) for y in spoken)
+    every = int(rate / min(max(TIMES * top, LEAST), MOST) + 1e-6)
+    if every < 2:
+        return record
+    channels = {name: _slower(record, name, every) for name in record.channels}
+    wild = record.wild and {name: _any(mask, every) for name, mask in record.wild.items()}
+    told = f"its content ends at {top:.3g} Hz" if TIMES * top <= MOST else "that is enough"
+    note = f"{rate:.4g} Hz are filtered to {rate / every:.4g} Hz: {told}"
+    return replace(record, t=record.t[::every], channels=channels, wild=wild).noted(note)
+
+
+def _slower(record: Record, name: str, every: int) -> Array:
+    """Every so manieth sample of a channel, what lies between them filtered in; of the duty, its mean until the next.
+
+    Beyond its ends a channel goes on point-symmetrically, so that the filter bends neither a rest nor a steady motion.
+    """
+    y = record.bridged(name)
+    if name in HELD:
+        return np.add.reduceat(y, np.arange(0, y.size, every)) / np.diff(
+            np.append(np.arange(0, y.size, every), y.size)
+        )
+    if not np.isfinite(y).all():
+        return y[::every]
+    taps, beta = kaiserord(DOWN, (STOP - PASS) * 2.0 / every)
+    half = min(taps // 2, y.size - 1)
+    kernel = firwin(2 * half + 1, (PASS + STOP) / every, window=("kaiser", beta))
+    padded = np.pad(y, half, mode="reflect", reflect_type="odd")
+    return np.asarray(np.convolve(padded, kernel, "valid")[::every])
+
+
+def _any(mask: np.ndarray, every: int) -> np.ndarray:
+    """Which of every so many samples stand for a marked one on either side."""
+    near = np.convolve(mask, np.ones(2 * every + 1), "same") > 0.5
+    return np.asarray(near[::every])

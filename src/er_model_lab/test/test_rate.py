@@ -1,0 +1,69 @@
+"""Records that are sampled faster than their content needs."""
+
+import numpy as np
+import pytest
+from er_model_lab.preflight.rate import MOST, at_needed_rate
+from er_records.record import Record
+
+RATE = 1000.0
+
+
+def record(rate=RATE, force=None):
+    """A slow motion that begins and ends in the middle of it, with an encoder's steps, and a smooth force."""
+    n = round(8.0 * rate)
+    t, rng = np.arange(n) / rate, np.random.default_rng(2)
+    x = 0.01 * np.sin(2 * np.pi * 3.0 * t + 0.7)
+    y = 40.0 * np.cos(2 * np.pi * 3.0 * t + 0.7) if force is None else force
+    channels = {
+        "deflection": np.round(x / 5e-6) * 5e-6,
+        "duty": (t % 0.8 < 0.402) * 0.3,
+        "damper_force": y + 0.1 * rng.standard_normal(n),
+    }
+    return Record("run", t, channels), x, y
+
+
+@pytest.mark.parametrize("rate", [RATE, 10_000.0])
+def test_a_slow_motion_is_brought_to_200_hz_and_no_end_is_bent(rate):
+    given, x, force = record(rate)
+    found = at_needed_rate(given)
+    every = round(found.dt / given.dt)
+    assert 200.0 <= 1.0 / found.dt <= MOST
+    assert "Hz are filtered to" in found.notes[-1]
+    assert np.abs(found.channels["deflection"] - x[::every]).max() < 5e-6
+    wrong = found.channels["damper_force"] - force[::every]
+    assert np.abs(wrong).max() < 0.4
+    assert (
+        np.std(wrong) < 0.09 * np.sqrt(5.0 / every) + 0.03
+    )  # noise between the samples is filtered in, not lost
+
+
+def test_a_duty_that_jumps_between_two_samples_is_its_mean_there():
+    given, _, _ = record()
+    found = at_needed_rate(given)
+    every = round(found.dt / given.dt)
+    duty = found.channels["duty"]
+    assert np.sum(duty) * every == pytest.approx(np.sum(given.channels["duty"]), rel=1e-3)
+    assert np.any((duty > 0.0) & (duty < 0.3))
+
+
+def test_a_force_that_jumps_keeps_a_rate_that_shows_it():
+    t = np.arange(8000) / RATE
+    given, _, _ = record(force=40.0 * np.sign(np.sin(2 * np.pi * 1.7 * t)))
+    assert 1.0 / at_needed_rate(given).dt == pytest.approx(MOST)
+
+
+def test_a_wild_sample_marks_what_it_was_filtered_into():
+    given, _, _ = record()
+    mask = np.zeros(8000, bool)
+    mask[4003] = True
+    given = Record("run", given.t, given.channels, wild={"damper_force": mask})
+    found = at_needed_rate(given)
+    every = round(found.dt / given.dt)
+    assert set(np.flatnonzero(found.wild["damper_force"])) >= {4003 // every, 4003 // every + 1}
+    assert found.wild["damper_force"].sum() <= 3
+
+
+@pytest.mark.parametrize("rate", [100.0, 200.0, 333.0])
+def test_a_rate_that_is_needed_stays(rate):
+    given, _, _ = record(rate)
+    assert at_needed_rate(given) is given
