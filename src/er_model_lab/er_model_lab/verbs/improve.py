@@ -37,7 +37,7 @@ from er_model_lab.work import STOPPED, Event, Leader, Progress, Work
 Keep = Callable[[Model], None]
 """Takes what an interruption would leave."""
 
-MOST_PASSES = 10
+MOST_PASSES = 5
 """How often the model that was just improved is diagnosed."""
 FURTHER = 0.05
 """Share of what is explainable that an effect must explain once others have explained a part: a small step."""
