@@ -9,8 +9,10 @@ from pathlib import Path
 import numpy as np
 from er_model_lab.fitting.data_reach import beyond
 from er_model_lab.level.damper import opened
+from er_model_lab.preflight.wild import marked
 from er_model_lab.verbs.load import load
 from er_models.model import Model
+from er_records.dataset import Dataset
 
 Along = Callable[[int, np.ndarray, np.ndarray], np.ndarray]
 """The truth's force [N] (n,) of a record, from its times [s] (n,) and deflection, velocity, acceleration (n, 3)."""
@@ -31,7 +33,8 @@ def errors_on(
     which clean holds times and force of each record; beyond: whether the lab would say that the data go beyond what
     the model was fitted to.
     """
-    found = opened(load(folder), model)
+    data = Dataset.of([marked(record) for record in load(folder).records])
+    found = opened(data, model)
     problem, left = found.problem, found.given
     order = [int(name.rsplit("_", 1)[1]) - 1 for name in problem.names]
     motion = problem.motion

@@ -31,7 +31,7 @@ def main(argv: list[str] | None = None) -> int:
         "--limit",
         type=float,
         default=LIMIT,
-        help="seconds for one case; who needs longer has failed",
+        help="processor time for one case [s]",
     )
     parser.add_argument(
         "--measured-terms", action="store_true", help="improve may add terms that are learnt"
