@@ -165,7 +165,7 @@ def left(rig: Rig, drive: Drive, laws: Array, clean: Columns, noisy: Columns) ->
 
 
 def _drives(asked: Asked, rig: Rig, rng: np.random.Generator) -> tuple[Drive, ...]:
-    """Training drives and a fresh one, of other kinds where nothing is given; all reach as far, the fresh one less."""
+    """Training drives and a fresh one within what they reach; of different kinds where none is given."""
     like = asked.like
     poor = asked.kind == "poor" or like.motion in POOR
     rest = like.rest or (not asked.twin and rng.random() < 0.35)
@@ -178,7 +178,7 @@ def _drives(asked: Asked, rig: Rig, rng: np.random.Generator) -> tuple[Drive, ..
     ]
     out = [draw_drive(rig, rng, m, u, rest=rest) for m, u in zip(motions, duties, strict=True)]
     other = like.motion if like.motion and not poor else kinds[-1]
-    return (*out, draw_drive(rig, rng, other, "steps", rest=rest, size=0.9))
+    return (*out, draw_drive(rig, rng, other, "steps", rest=rest, within=out))
 
 
 def _wrong(asked: Asked, rng: np.random.Generator, count: int) -> tuple[Wrong, ...]:

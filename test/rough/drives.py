@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import pi
 
@@ -186,10 +186,17 @@ def sampled_first(u: Array, every: int, lead: int) -> Array:
     return np.asarray(u[np.maximum(rows, 0)])
 
 
+def inside(y: Array, others: Sequence[Array]) -> float:
+    """Factor at which a signal stays within others, by a twentieth; a side that they hardly reach counts as half."""
+    low, high = -min(z.min() for z in others), max(z.max() for z in others)
+    low, high = max(low, 0.5 * high), max(high, 0.5 * low)
+    return float(0.95 / max(y.max() / high, -y.min() / low))
+
+
 def draw_drive(
-    rig: Rig, rng: Random, motion: str, duty: str, *, rest: bool, size: float = 1.0
+    rig: Rig, rng: Random, motion: str, duty: str, *, rest: bool, within: Sequence[Drive] = ()
 ) -> Drive:
-    """A drive of a kind, scaled to the rig's stroke and velocity, whichever it meets first; size: share of both."""
+    """A drive of a kind, scaled to meet the rig's stroke or velocity, or to stay within other drives."""
     h, lead = 1.0 / rig.fine, round(LEAD * rig.rate) * rig.every
     t = (np.arange(lead + rig.n * rig.every) - lead) * h
     y = (MOTIONS | POOR)[motion](t, rig.frequency, rng)
@@ -198,7 +205,9 @@ def draw_drive(
         gate = rise((t - begins) * max(rig.frequency, 1.0))
         y = (y - np.interp(begins, t, y)) * gate
     v = np.gradient(y, h)
-    scale = size * min(rig.stroke / np.abs(y).max(), rig.velocity / np.abs(v).max())
+    scale = min(rig.stroke / np.abs(y).max(), rig.velocity / np.abs(v).max())
+    for name, z in (("x", y[lead:]), ("v", v[lead:])) if within else ():
+        scale = min(scale, inside(z, [getattr(d, name)[d.lead :] for d in within]))
     u = np.zeros(t.size)
     if rig.device in DRIVEN:
         u = rig.duty * sampled_first(duty_of(duty, t, rng), rig.every, lead)

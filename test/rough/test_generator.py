@@ -142,6 +142,19 @@ def test_motions_are_smooth_within_the_rig_and_begin_as_stated(name, rest):
     assert np.all(inside.reshape(-1, rig.every) == inside[:: rig.every, None])  # held for a sample
 
 
+def test_a_fresh_drive_stays_within_what_was_learnt_from():
+    rig = draw_rig("mr", np.random.default_rng(3), rate=200.0)
+    learnt = [
+        draw_drive(rig, np.random.default_rng(k), m, "steps", rest=False)
+        for k, m in enumerate(("sweep", "noise"))
+    ]
+    new = draw_drive(rig, np.random.default_rng(5), "moves", "steps", rest=False, within=learnt)
+    for name in ("x", "v"):
+        ends = [f(getattr(d, name)[d.lead :]) for d in learnt for f in (np.min, np.max)]
+        y = getattr(new, name)[new.lead :]
+        assert min(ends) < y.min() < y.max() < max(ends)
+
+
 def quick(**changes):
     rig = draw_rig("er", np.random.default_rng(7), rate=200.0, sensors="full")
     drive = draw_drive(rig, np.random.default_rng(2), "noise", "steps", rest=False)
