@@ -12,6 +12,8 @@ from scipy.fft import irfft, next_fast_len
 from test.rough.device import Array
 from test.rough.rig import DRIVEN, TOP, Rig
 
+WITHIN = 0.95
+"""Share of what others reach that a drive within them reaches at most."""
 LEAD = 2.0
 """Seconds simulated before a record begins."""
 Random = np.random.Generator
@@ -186,11 +188,10 @@ def sampled_first(u: Array, every: int, lead: int) -> Array:
     return np.asarray(u[np.maximum(rows, 0)])
 
 
-def inside(y: Array, others: Sequence[Array]) -> float:
-    """Factor at which a signal stays within others, by a twentieth; a side that they hardly reach counts as half."""
-    low, high = -min(z.min() for z in others), max(z.max() for z in others)
-    low, high = max(low, 0.5 * high), max(high, 0.5 * low)
-    return float(0.95 / max(y.max() / high, -y.min() / low))
+def reach(name: str, drives: Sequence[Drive]) -> tuple[float, float]:
+    """Smallest and largest value of a signal in the records of drives."""
+    parts = [getattr(d, name)[d.lead :] for d in drives]
+    return min(float(y.min()) for y in parts), max(float(y.max()) for y in parts)
 
 
 def draw_drive(
@@ -205,11 +206,16 @@ def draw_drive(
         gate = rise((t - begins) * max(rig.frequency, 1.0))
         y = (y - np.interp(begins, t, y)) * gate
     v = np.gradient(y, h)
-    scale = min(rig.stroke / np.abs(y).max(), rig.velocity / np.abs(v).max())
-    for name, z in (("x", y[lead:]), ("v", v[lead:])) if within else ():
-        scale = min(scale, inside(z, [getattr(d, name)[d.lead :] for d in within]))
+    middle, scale = 0.0, min(rig.stroke / np.abs(y).max(), rig.velocity / np.abs(v).max())
+    if within:
+        (low, high), (back, forth) = (reach(name, within) for name in ("x", "v"))
+        middle, y = 0.5 * (low + high), y - 0.5 * (y[lead:].min() + y[lead:].max())
+        fits = (0.5 * (high - low) / y[lead:].max(), forth / v[lead:].max(), back / v[lead:].min())
+        scale = min(scale, WITHIN * min(fits))
     u = np.zeros(t.size)
     if rig.device in DRIVEN:
         u = rig.duty * sampled_first(duty_of(duty, t, rng), rig.every, lead)
         u = np.round(u, 4)
-    return Drive(scale * y, scale * v, scale * np.gradient(v, h), u, lead, motion, duty, rest)
+    return Drive(
+        middle + scale * y, scale * v, scale * np.gradient(v, h), u, lead, motion, duty, rest
+    )

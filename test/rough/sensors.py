@@ -14,6 +14,8 @@ from test.rough.rig import CHANNELS, DRIVEN, TOP, Rig
 Columns = dict[str, Array]
 Random = np.random.Generator
 FORCE, X, V, A = range(4)
+CLIPPED = 0.4
+"""Time in all that a load cell is at the end of its range [s]."""
 BITS = 16
 """Of the converter of the force, over twice its peak."""
 
@@ -22,7 +24,7 @@ BITS = 16
 class Wrong:
     """What goes wrong in a record: ends bent by a decimation filter; wild samples of a kind (empty: none).
 
-    wild: ``outliers`` (share of the force's samples), ``spike`` (of the motion), ``clip`` (the load cell for 0.4 s).
+    wild: ``outliers`` (share of the force's samples), ``spike`` (of the motion), ``clip`` (the end of the load cell).
     """
 
     bent: bool = False
@@ -103,11 +105,8 @@ def spoil(rig: Rig, columns: Columns, wrong: Wrong, rng: Random) -> None:
         peak = np.abs(columns[name]).max()
         columns[name][rng.integers(rig.n // 4, 3 * rig.n // 4)] += 6.0 * peak
     elif wrong.wild == "clip":
-        middle = int(np.argmax(np.abs(force[rig.n // 8 : -rig.n // 8]))) + rig.n // 8
-        half = round(0.2 * rig.rate)
-        rows = slice(middle - half, middle + half)
-        level = 0.6 * np.abs(force[rows]).max()
-        force[rows] = np.clip(force[rows], -level, level)
+        level = float(np.quantile(np.abs(force), 1.0 - min(CLIPPED * rig.rate / rig.n, 0.04)))
+        np.clip(force, -level, level, out=force)
     if wrong.bent:
         ends = np.array([0.5, 0.86, 0.97])
         for name in {*CHANNELS[rig.sensors], "damper_force"}:

@@ -10,7 +10,7 @@ from test.rough import rig as rigs
 from test.rough import sensors
 from test.rough.case import RoughError, left, make_case, rest_of, simulated
 from test.rough.device import FORCE_LATE, FORCE_SLOW, ZERO
-from test.rough.drives import MOTIONS, POOR, draw_drive
+from test.rough.drives import MOTIONS, POOR, draw_drive, reach
 from test.rough.generator import main
 from test.rough.names import BESIDE, RIGHT
 from test.rough.plan import COUNT, KINDS, TWINS, Asked, combinations, of_seed, plan
@@ -142,17 +142,18 @@ def test_motions_are_smooth_within_the_rig_and_begin_as_stated(name, rest):
     assert np.all(inside.reshape(-1, rig.every) == inside[:: rig.every, None])  # held for a sample
 
 
-def test_a_fresh_drive_stays_within_what_was_learnt_from():
+@pytest.mark.parametrize("name", MOTIONS)
+def test_a_fresh_drive_stays_within_what_was_learnt_from(name):
     rig = draw_rig("mr", np.random.default_rng(3), rate=200.0)
     learnt = [
-        draw_drive(rig, np.random.default_rng(k), m, "steps", rest=False)
-        for k, m in enumerate(("sweep", "noise"))
+        draw_drive(rig, np.random.default_rng(k), "moves", "steps", rest=True) for k in (0, 1)
     ]
-    new = draw_drive(rig, np.random.default_rng(5), "moves", "steps", rest=False, within=learnt)
-    for name in ("x", "v"):
-        ends = [f(getattr(d, name)[d.lead :]) for d in learnt for f in (np.min, np.max)]
-        y = getattr(new, name)[new.lead :]
-        assert min(ends) < y.min() < y.max() < max(ends)
+    new = draw_drive(rig, np.random.default_rng(5), name, "steps", rest=True, within=learnt)
+    for signal in ("x", "v"):
+        (low, high), (least, most) = reach(signal, learnt), reach(signal, [new])
+        assert low < least < most < high
+    (low, high), (least, most) = reach("x", learnt), reach("x", [new])
+    assert most - least > 0.3 * (high - low)  # and is no standstill
 
 
 def quick(**changes):
@@ -182,7 +183,7 @@ def test_wild_samples_bent_ends_and_missing_channels():
         seen[wild] = np.flatnonzero(bad[name] != plain[name])
     assert seen["outliers"].size == round(0.003 * rig.n)
     assert seen["spike"].size == 1
-    assert 10 < seen["clip"].size <= 0.4 * rig.rate
+    assert seen["clip"].size == pytest.approx(0.4 * rig.rate, abs=1.0)
     bent = sensors.measured(rig, clean, Wrong(bent=True), np.random.default_rng(0))
     assert set(np.flatnonzero(bent["deflection"] != plain["deflection"])) == {
         *range(3),
