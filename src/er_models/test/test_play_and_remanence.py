@@ -39,15 +39,15 @@ def test_a_bristle_behind_a_play_slides_and_comes_back() -> None:
 
 def test_the_field_is_dragged_along_by_the_duty_and_stays() -> None:
     """Against the play operator, on steps, a ramp and a slow sine of the duty, with and without a response time."""
-    r, n = 0.04, 900
+    r, s, n = 0.04, 0.7, 900
     t, ones = np.arange(n) * DT, np.ones(n)
     duty = np.repeat(np.random.default_rng(2).choice([0.0, 0.1, 0.13, 0.2, 0.3], 10), 30)
     duty = np.concatenate([duty, np.linspace(0.0, 0.3, 300), 0.15 + 0.15 * np.sin(9.0 * t[:300])])
     w, field = 0.0, np.empty(n)
     for k, u in enumerate(duty):
         w = min(max(w, u - r), u + r)
-        field[k] = w
-    model = guo().with_effect("remanence", {"r": r})
+        field[k] = u + s * (w - u)
+    model = guo().with_effect("remanence", {"r": r, "s": s})
     inputs = motion(DT, 0.0 * t, 0.1 * ones, duty, 0.0 * ones)
     dragged = motion(DT, 0.0 * t, 0.1 * ones, field, 0.0 * ones)
     for damper in (model, model.without_effect("response")):
@@ -58,12 +58,12 @@ def test_the_field_is_dragged_along_by_the_duty_and_stays() -> None:
 
 def test_the_field_is_dragged_along_in_the_car_too() -> None:
     """Steps of the duty move the body as the duties of the play operator would."""
-    r, duty = 0.04, np.repeat([0.0, 0.3, 0.1, 0.05, 0.2, 0.0], 30)
+    r, s, duty = 0.04, 0.7, np.repeat([0.0, 0.3, 0.1, 0.05, 0.2, 0.0], 30)
     w, field = 0.0, np.empty(duty.size)
     for k, u in enumerate(duty):
         w = min(max(w, u - r), u + r)
-        field[k] = w
+        field[k] = u + s * (w - u)
     road = 0.004 * np.sin(30.0 * np.arange(duty.size) * DT)
     wanted = simulate(car(), DT, road, field)["damper_force"]
-    found = simulate(car().with_effect("remanence", {"r": r}), DT, road, duty)["damper_force"]
+    found = simulate(car().with_effect("remanence", {"r": r, "s": s}), DT, road, duty)["damper_force"]
     assert np.abs(found - wanted).max() < 1e-6 * span(wanted)

@@ -1,4 +1,4 @@
-"""Remanence: the field follows the duty with a lag of +-r that no waiting takes away (play operator)."""
+"""Remanence: a share s of the field is dragged along by the duty at a distance of r, and stays (play operator)."""
 
 from er_models.effect import INSTANT, Effect, Param, Signature
 
@@ -7,14 +7,14 @@ NEARLY = 1.0 - 1e-9
 
 
 def relax(r: float, u: float, w: float) -> tuple[float, float]:
-    """Rate [1/s] and drive [1/s] of the field, in duty: dragged along at a distance of r, and held within it."""
+    """Rate [1/s] and drive [1/s] of the share that stays, in duty: dragged at a distance of r, held within it."""
     dragged = abs(u - w) >= NEARLY * r
     return (INSTANT, INSTANT * (u - r if u > w else u + r)) if dragged else (0.0, 0.0)
 
 
-def duty(w: float) -> float:
+def duty(s: float, u: float, w: float) -> float:
     """Duty that the yield force follows [1]."""
-    return w
+    return u + s * (w - u)
 
 
 EFFECT = Effect(
@@ -24,7 +24,10 @@ EFFECT = Effect(
     physics="Iron and particles stay magnetised, and electrodes charged: while the duty rises the field lags behind, "
     "while it falls there is more of it, and at zero duty some is left. Waiting does not help, only the "
     "opposite step.",
-    parameters=(Param("r", "duty", 0.0, 0.5, 0.0, (0.05,), "half the width of the loop"),),
+    parameters=(
+        Param("r", "duty", 5e-3, 0.35, None, (0.05, 0.2), "half the duty that turns the field round"),
+        Param("s", "1", 0.0, 1.0, 0.0, (0.5,), "share of the field that lags by it"),
+    ),
     hooks={"relax": relax, "duty": duty},
     signature=Signature(
         mark="the yield force at one duty depends on whether the duty came from above or from below",
