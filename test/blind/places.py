@@ -14,9 +14,8 @@ SIGNALS = {
     "t": "t",  # time since the record began [s]
     "x": "x",  # travel of the rod [m]
     "v": "v",  # its velocity [m/s]
-    "u": "total",  # duty on its way to the field, in the place `field` alone
+    "u": "total",  # duty on its way to the field, in the places `field` and `rate` alone
     "h": f"y[{FLD}]",  # duty after the chains have formed
-    "change": f"dy[{FLD}]",  # its rate [1/s], known in the places of the rod and in `rate`
     "w": "y[{state}]",  # the truth's own state
 }
 """What a law may ask for by name, as it is written into the composed function."""

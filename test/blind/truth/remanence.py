@@ -1,8 +1,8 @@
-"""Iron that stays magnetised: Dahl's law in the field instead of in the travel (Coleman and Hodgdon 1986).
+"""Iron that keeps its field until the duty has gone a way of r beyond it, and follows then within T, for eddy currents.
 
-    w' = -h' - |h'| w / (q s),   field = duty + w / q
+    T w' = [u - w]_r,   field = (1 - s) u + s w,   [.]_r what is beyond +-r
 
-While the field h rises w tends to -q s, while it falls to +q s. With q of two and more no loop has a slope below zero.
+Sources: Bertotti 1998 (coercivity and eddy currents).
 """
 
 from __future__ import annotations
@@ -14,29 +14,31 @@ from test.blind.jit import inner
 
 
 @inner
-def rate(w: float, change: float, strength: float, slow: float) -> float:
-    """Rate [1/s] of what is remembered, while the field changes at a rate [1/s]."""
-    return -change - abs(change) * w / (slow * strength) if strength != 0.0 else 0.0
+def rate(u: float, w: float, strength: float, reach: float, follows: float) -> float:
+    """Rate of the iron's field [1/s]."""
+    if strength == 0.0:
+        return 0.0
+    return (max(u - w - reach, 0.0) + min(u - w + reach, 0.0)) / follows
 
 
 @inner
-def field(u: float, w: float, strength: float, slow: float) -> float:
-    """Duty that the field stands for."""
-    return u + w / slow if strength != 0.0 else u
+def field(u: float, w: float, strength: float, reach: float, follows: float) -> float:
+    """Duty that the whole field stands for."""
+    return u + strength * (w - u)
 
 
 def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:
-    """Change of the duty that turns the iron round, over the strength."""
+    """Duty r that turns the iron, of up to 0.3, and time T in which it follows [s]."""
     del scene
-    return (rng.uniform(2.0, 3.0),)
+    return rng.uniform(0.02, 0.06), rng.uniform(1e-3, 4e-3)
 
 
 EFFECT = Effect(
     "remanence",
-    (("s", "1"), ("q", "1")),
-    0.02,
-    0.003,
-    0.04,
+    (("s", "1"), ("r", "1"), ("T", "s")),
+    0.5,
+    0.05,
+    1.0,
     draw,
     acts={"rate": rate, "field": field},
 )
