@@ -65,5 +65,7 @@ def test_the_field_is_dragged_along_in_the_car_too() -> None:
         field[k] = u + s * (w - u)
     road = 0.004 * np.sin(30.0 * np.arange(duty.size) * DT)
     wanted = simulate(car(), DT, road, field)["damper_force"]
-    found = simulate(car().with_effect("remanence", {"r": r, "s": s}), DT, road, duty)["damper_force"]
+    found = simulate(car().with_effect("remanence", {"r": r, "s": s}), DT, road, duty)[
+        "damper_force"
+    ]
     assert np.abs(found - wanted).max() < 1e-6 * span(wanted)

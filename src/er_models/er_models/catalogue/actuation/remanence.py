@@ -25,7 +25,9 @@ EFFECT = Effect(
     "while it falls there is more of it, and at zero duty some is left. Waiting does not help, only the "
     "opposite step.",
     parameters=(
-        Param("r", "duty", 5e-3, 0.35, None, (0.05, 0.2), "half the duty that turns the field round"),
+        Param(
+            "r", "duty", 5e-3, 0.35, None, (0.05, 0.2), "half the duty that turns the field round"
+        ),
         Param("s", "1", 0.0, 1.0, 0.0, (0.5,), "share of the field that lags by it"),
     ),
     hooks={"relax": relax, "duty": duty},

@@ -20,13 +20,13 @@ EFFECT = Effect(
     parameters=(
         Param("c_e", "N s/m", -10.0, 20.0, 0.0, (0.3,), "change of slope in extension"),
         Param(
-            "v_e", "m/s", 0.02, 1.0, None, (0.25, 0.5), "velocity at which it opens", step=CONTACT
+            "v_e", "m/s", 0.1, 1.0, None, (0.25, 0.5), "velocity at which it opens", step=CONTACT
         ),
         Param("c_c", "N s/m", -10.0, 20.0, 0.0, (0.3, -0.3), "change of slope in compression"),
         Param(
             "v_c",
             "m/s",
-            0.02,
+            0.1,
             1.0,
             None,
             (0.25, 0.5),
@@ -46,5 +46,4 @@ EFFECT = Effect(
     source="Dixon 2007, The Shock Absorber Handbook, ch. 6 (knees of valves); Lang 1977, A Study of the "
     "Characteristics of Automotive Hydraulic Dampers at High Stroking Frequencies",
     fluid=True,
-    generalises=("asymmetric_damping", "quadratic_damping", "shear_thinning"),
 )
