@@ -1,8 +1,6 @@
-"""Half of what a one-sided seal rubs more in one direction than in the other: F (2 / pi) |atan(v / v_e)|."""
+"""Half of what a one-sided seal rubs more in one direction than in the other: F |v| / sqrt(v^2 + v_e^2)."""
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 
@@ -15,7 +13,7 @@ def force(v: float, strength: float, width: float) -> float:
     """Friction [N] at velocity v [m/s]."""
     if strength == 0.0:
         return 0.0
-    return strength * 2.0 / math.pi * abs(math.atan(v / width))
+    return float(strength * abs(v) / (v * v + width * width) ** 0.5)
 
 
 def draw(rng: np.random.Generator, scene: Scene) -> tuple[float, ...]:

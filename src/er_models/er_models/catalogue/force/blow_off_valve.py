@@ -20,13 +20,13 @@ EFFECT = Effect(
     parameters=(
         Param("c_e", "N s/m", -10.0, 20.0, 0.0, (0.3,), "change of slope in extension"),
         Param(
-            "v_e", "m/s", 0.1, 1.0, None, (0.25, 0.5), "velocity at which it opens", step=CONTACT
+            "v_e", "m/s", 0.15, 1.0, None, (0.25, 0.5), "velocity at which it opens", step=CONTACT
         ),
         Param("c_c", "N s/m", -10.0, 20.0, 0.0, (0.3, -0.3), "change of slope in compression"),
         Param(
             "v_c",
             "m/s",
-            0.1,
+            0.15,
             1.0,
             None,
             (0.25, 0.5),

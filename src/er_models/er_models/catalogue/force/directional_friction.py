@@ -27,7 +27,7 @@ EFFECT = Effect(
             (0.05,),
             "half the difference of friction, extension minus compression",
         ),
-        Param("v_0", "m/s", 0.002, 0.15, None, (0.02,), "width of the reversal"),
+        Param("v_0", "m/s", 0.02, 0.3, None, (0.04,), "width of the reversal"),
     ),
     hooks={"force": force},
     signature=Signature(
