@@ -33,6 +33,7 @@ _LISTED = (
     "actuation.varying_time_constant",
     "actuation.rise_fall_asymmetry",
     "heat.self_heating",
+    "heat.temperature_thinning",
     "heat.effectiveness_fade",
     "fault.electrical_fault",
     "fault.oil_leakage",
