@@ -66,7 +66,7 @@ def _experiment(effect: Effect) -> Motion:
         duty = np.where(np.mod(5.0 * t + 1e-9, 1.0) < 0.5, 0.3, 0.05)
     sine, cosine = np.sin(omega * t), np.cos(omega * t)
     x, v, a = amplitude * sine, amplitude * omega * cosine, -amplitude * omega**2 * sine
-    return motion(DT, x, v, duty, a, WARMING * t)
+    return motion(DT, x, v, duty, a, np.asarray(WARMING * t))
 
 
 def _forces(effect: Effect, catalogue: Catalogue) -> tuple[Array, Array, Motion]:
