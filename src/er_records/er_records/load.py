@@ -53,7 +53,7 @@ NOT_ALWAYS_DATA = (".txt", ".dat", ".asc")
 BAG_SUFFIXES = (".mcap", ".db3")
 
 
-def load(paths: Sequence[Path], names: Given | Path | str | None = None) -> list[Record]:
+def load(paths: Sequence[Path], names: Given | Names | Path | str | None = None) -> list[Record]:
     """Records of all paths, checked and repaired, in the order given (folders sorted by name), copies left out.
 
     names: what the files' own columns are, by channel, or a YAML file that says so (`er_records.readers.names`);
@@ -70,7 +70,7 @@ def load(paths: Sequence[Path], names: Given | Path | str | None = None) -> list
     return told_apart(used_once(records))
 
 
-def _given(names: Given | Path | str | None) -> Names | None:
+def _given(names: Given | Names | Path | str | None) -> Names | None:
     """Names that a caller gives."""
     if isinstance(names, str | Path):
         return read_names(Path(names), lenient=True)

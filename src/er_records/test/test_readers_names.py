@@ -87,6 +87,18 @@ def test_a_file_of_a_folder_may_lack_a_column_and_a_note_says_so(tmp_path: Path)
         load([tmp_path / "a.csv"])
 
 
+@pytest.mark.parametrize("full", [1.0, 1.6])
+def test_the_noise_of_a_current_about_its_ends_is_cut_off(full: float) -> None:
+    current = full * U + np.where(np.arange(N) % 2, 0.01, -0.01)
+    frame = pd.DataFrame({"t": T, "deflection": X, "I": current})
+    names = {"duty": {"from": "I", "unit": "A", "full_scale": full}}
+    duty = from_frame(frame, names).records[0].channels["duty"]
+    assert duty.min() == 0.0
+    np.testing.assert_allclose(duty, U, atol=0.011)
+    with pytest.raises(InputError, match=r"0\.\.1"):
+        from_frame(frame.assign(I=2.0 * frame["I"] + 0.2 * full), names)
+
+
 def test_what_the_user_says_goes_before_a_column_of_that_name(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text(text({**OWN, "deflection": 0.0 * T, "position": T}))
     right(load([tmp_path / "a.csv"], NAMES)[0])

@@ -128,7 +128,7 @@ class Collector:
             return
         wanted = self._own.get(topic) or fields_of(place[1])
         try:
-            when = _stamp_ns(message, arrival if topic in self._own else None)
+            when = stamp_ns(message, arrival if topic in self._own else None)
             values = tuple(_value(message, each) for each in wanted)
         except (AttributeError, TypeError, ValueError, IndexError):
             fields = ", ".join(("header", *(each.name for each in wanted)))
@@ -204,7 +204,7 @@ def _own_fields(path: Path, names: Names) -> dict[str, tuple[Field, ...]]:
     return found
 
 
-def _stamp_ns(message: Any, arrival: int | None = None) -> int:
+def stamp_ns(message: Any, arrival: int | None = None) -> int:
     """Header stamp [ns]; the arrival stands for it where a message of others has none."""
     if arrival is not None and not hasattr(message, "header"):
         return arrival

@@ -30,6 +30,8 @@ SYNONYMS: dict[str, str] = {
 
 _PLACE = re.compile(r"[^\s\[(][\[(]\d+[\])]\s*$")
 """What counts columns of a matrix or numbers of a message, and is no unit: `data(2)`, `position[1]`."""
+BEYOND = 0.05
+"""Share of a full scale by which a measured current or voltage may lie outside of it and counts as its end."""
 LEFT_OUT = "is not a channel and was left out"
 _HEADER = re.compile(r"^(?P<name>.*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?$")
 
@@ -173,9 +175,15 @@ def to_si(column: Column, samples: Array) -> tuple[Array, list[str]]:
         notes.append(f"{column.name} is turned round: sign -1")
     if source.offset:
         notes.append(f"{column.name} is shifted by {source.offset:g} {si}")
-    if column.factor == 1.0 and column.shift == 0.0:
+    if column.factor == 1.0 and column.shift == 0.0 and source.full_scale is None:
         return samples, notes
-    return samples * column.factor + column.shift, notes
+    found = samples * column.factor + column.shift
+    if (
+        source.full_scale is not None
+    ):  # a measured current is noisy about nothing and about its full scale
+        near = (found > -BEYOND) & (found < 1.0 + BEYOND)
+        found = np.where(near, np.clip(found, 0.0, 1.0), found)
+    return found, notes
 
 
 def full_scale(column: Column) -> str:
