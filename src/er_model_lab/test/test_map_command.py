@@ -25,7 +25,8 @@ CURRENT = 1.6 * (T > 3.0)
 def folder(tmp_path: Path) -> Path:
     """Two German files with a row of units, the force turned, the current as it is."""
     rows = [
-        ";".join(f"{v:.6f}".replace(".", ",") for v in r) for r in zip(T, X, F, I, strict=True)
+        ";".join(f"{v:.6f}".replace(".", ",") for v in r)
+        for r in zip(T, X, F, CURRENT, strict=True)
     ]
     text = "\n".join(["Zeit;Kolbenweg;Kraft;Strom", "s;mm;kN;A", *rows]) + "\n"
     (tmp_path / "a.csv").write_text(text, encoding="utf-8")
