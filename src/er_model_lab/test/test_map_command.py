@@ -22,17 +22,19 @@ F = -2.0 * np.sign(np.cos(2 * np.pi * T)) - 0.1 * np.cos(2 * np.pi * T)
 CURRENT = 1.6 * (T > 3.0)
 
 
+def text(head: str, units: str, x: np.ndarray) -> str:
+    """A table as German rigs write it."""
+    table = np.column_stack([T, x, F, CURRENT]).tolist()
+    rows = [";".join(f"{v:.6f}".replace(".", ",") for v in row) for row in table]
+    return "\n".join([head, units, *rows]) + "\n"
+
+
 def folder(tmp_path: Path) -> Path:
-    """Two German files with a row of units, the force turned, the current as it is."""
-    rows = [
-        ";".join(f"{v:.6f}".replace(".", ",") for v in r)
-        for r in zip(T, X, F, CURRENT, strict=True)
-    ]
-    text = "\n".join(["Zeit;Kolbenweg;Kraft;Strom", "s;mm;kN;A", *rows]) + "\n"
-    (tmp_path / "a.csv").write_text(text, encoding="utf-8")
-    (tmp_path / "b.csv").write_text(
-        text.replace("Strom", "Temp").replace(";A", ";K"), encoding="utf-8"
-    )
+    """Two German files with a row of units, the force turned, the current as it is; one without a current."""
+    first = text("Zeit;Kolbenweg;Kraft;Strom", "s;mm;kN;A", X)
+    (tmp_path / "a.csv").write_text(first, encoding="utf-8")
+    other = text("Zeit;Kolbenweg;Kraft;Temp", "s;mm;kN;K", 1.004 * X)
+    (tmp_path / "b.csv").write_text(other, encoding="utf-8")
     return tmp_path
 
 
