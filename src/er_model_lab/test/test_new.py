@@ -17,6 +17,7 @@ from lab_help import GUO, imposed
 from typer.testing import CliRunner
 
 import er_model_lab as lab
+from er_models import files
 
 DT, N = 0.005, 3000
 SIZES = ((20.0, 0.005), (1500.0, 0.04), (50e3, 0.2))
@@ -118,6 +119,19 @@ def test_a_constant_force_joins_the_model_or_is_named() -> None:
     assert gas.value("preload", "F_0") == pytest.approx(-1200.0, rel=0.05)
     with pytest.raises(lab.InputError, match=r"offset: 1e\+04|offset: 9"):
         lab.new(with_constant(-1e4), "passive")
+
+
+PAGE = Path(__file__).parents[3] / "docs" / "model_file.md"
+
+
+def test_the_example_of_the_page_is_a_model_and_every_key_is_explained(tmp_path: Path) -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    (tmp_path / "strut.yaml").write_text(text.split("```yaml\n")[1].split("```")[0])
+    assert lab.load_model(tmp_path / "strut.yaml").deviations == {"passive": {"k0": 120.0}}
+    assert all(f"| `{key}` |" in text for key in files._KEYS)
+    for kind, each in KINDS.items():
+        assert f"| `{kind}` |" in text
+        assert all(f"`{effect}`" in text for effect in each.effects)
 
 
 def run(*words: str) -> tuple[int, str, str]:
