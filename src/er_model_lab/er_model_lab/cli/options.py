@@ -26,7 +26,8 @@ def seed_option(text: str) -> Any:
 Data = Annotated[
     list[Path],
     typer.Argument(
-        metavar="DATA", help="rosbag2 folder, .mcap, .csv, .parquet, .mf4, or a folder of them."
+        metavar="DATA",
+        help="rosbag2 folder, .mcap, .csv, .parquet, .mf4, .mat, .tdms, or a folder of them.",
     ),
 ]
 ModelFile = Annotated[

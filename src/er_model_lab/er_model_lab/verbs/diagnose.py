@@ -10,6 +10,7 @@ from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.diagnosis.rule import RULE, Rule
+from er_model_lab.fitting.rig import rig_note
 from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study
@@ -72,7 +73,10 @@ def result_of(command: str, study: Study, model: Model, asked: Question) -> Diag
     if study.checked is not None:
         content["long"] = study.checked.as_json(again=study.again)
     content["next_plans"] = suggestions(content) if asked.level.name == "damper" else []
+    said = rig_note(model, asked.model)
+    content["notes"] = [*said, *content["notes"]]
     view = study_view(command, study, clean(content), origin)
+    view = replace(view, notes=(*said, *view.notes))
     return DiagnosisResult(
         replace(view, regions=tables), model, interrupted=study.diagnosis.interrupted
     )
