@@ -129,6 +129,7 @@ def static_damper(model: Model) -> StaticDamper:
     Raises `InputError` where the damper has other terms, which no such law holds.
     """
     extra = [n for n in model.effects if n not in _KNOWN and model.catalogue[n].stage != "vehicle"]
+    extra += [term.name for term in model.terms]
     laws = [n for n in ("guo_yield", "bingham_yield") if n in model.effects]
     if extra or len(laws) != 1 or "passive" not in model.effects:
         expected = "passive and one of guo_yield and bingham_yield, perhaps response"

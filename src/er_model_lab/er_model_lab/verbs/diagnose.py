@@ -19,6 +19,7 @@ from er_model_lab.residual.errors import regions_json, worst
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import study_regions, study_view
 from er_model_lab.results.result import DiagnosisResult
+from er_model_lab.results.terms import OFFER
 from er_model_lab.results.values import clean
 from er_model_lab.verbs.asking import provenance, question
 from er_model_lab.work import Event, Progress, Work
@@ -51,7 +52,8 @@ def diagnose(
     )
     study = investigate(asked)
     asked.work.wind_up()
-    return with_flags(result_of("diagnose", study, asked.level.finished(study, seed), asked))
+    result = with_flags(result_of("diagnose", study, asked.level.finished(study, seed), asked))
+    return offered(result, asked)
 
 
 def with_flags(result: DiagnosisResult) -> DiagnosisResult:
@@ -59,6 +61,17 @@ def with_flags(result: DiagnosisResult) -> DiagnosisResult:
     records, notes = flagged(result.view.result["by_record"])
     content = dict(result.view.result) | {"by_record": records}
     return noted(replace(result, view=replace(result.view, result=content)), *notes)
+
+
+def offered(result: DiagnosisResult, asked: Question) -> DiagnosisResult:
+    """The result with an offer of a measured term as its last note, where something is left that no effect explains."""
+    last = result.view.result.get("final_verdict", result.verdict)
+    of_use = asked.level.name == "damper" and last in ("unknown_effect", "partial")
+    if not of_use or asked.model.terms or result.interrupted:
+        return result
+    view = result.view
+    content = dict(view.result) | {"notes": [*view.result["notes"], OFFER]}
+    return replace(result, view=replace(view, result=content, notes=(*view.notes, OFFER)))
 
 
 def noted(result: DiagnosisResult, *notes: str) -> DiagnosisResult:

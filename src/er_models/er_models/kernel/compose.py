@@ -21,7 +21,7 @@ import numpy as np
 from er_models.catalogue import Catalogue
 from er_models.effect import INSTANT, Effect, arguments
 from er_models.kernel.inline import inlined
-from er_models.kernel.mask import FIELD, LAG, of_hook, of_run, stands_alone
+from er_models.kernel.mask import FIELD, LAG, TERMS, of_hook, of_run, stands_alone
 from er_models.kernel.order import relaxes_at
 
 OF_FIELD = {"y": "u", "f_y": "u_f", "tau_scale": "u_f_scale"}
@@ -150,7 +150,7 @@ def _damper(catalogue: Catalogue) -> list[str]:
     body += [*_run(catalogue, LAG, response), "    else:", f"        s[W, {slot}] = y"]
     body += [f"    f_y = s[W, {slot}]", "    f_d = f_y", "    u_f = u", *_field(catalogue)]
     body += _states(catalogue, "states")
-    body += ["    f_h = f_y + viscous_scale * c_0 * v", *_forces(catalogue)]
+    body += ["    f_h = f_y + viscous_scale * c_0 * v", *_forces(catalogue), *_terms(catalogue)]
     rest = [f"    s[W, {catalogue.rest}] = f_d - k_0 * x - c_0 * v"]
     return [*body, *_end(catalogue), *_run(catalogue, "early", rest), "    return f_d, f_m, u"]
 
@@ -175,6 +175,20 @@ def _forces(catalogue: Catalogue) -> list[str]:
         return [*added, "f_d += f_i", "f_h += f_i"]
 
     return _masked(catalogue, "force", lines)
+
+
+def _terms(catalogue: Catalogue) -> list[str]:
+    """What measured terms add; the lag of what one of them sees lagged is brought forward first."""
+    at, slot = f"first + {catalogue.size}", catalogue.lagged
+    seen = f"x, v, a, u, u_f, f_y, theta, f_d, s[W, {slot}]"
+    lines = [
+        f"if p[{at} + 1] >= 0.0:",
+        f"    s[R, {slot}] = p[{at} + 2]",
+        f"    s[G, {slot}] = p[{at} + 2] * signal(p[{at} + 1], {seen})",
+        f"    s[W, {slot}] = follow(s, first + {slot}, h, how)",
+        f"f_d += measured(p, {at}, {seen})",
+    ]
+    return _run(catalogue, TERMS, ["    " + line for line in lines])
 
 
 def _early(catalogue: Catalogue) -> list[str]:
@@ -238,6 +252,7 @@ def source(catalogue: Catalogue) -> str:
         "from er_models.kernel.elementary import exp, tanh",
         "from er_models.kernel.fast import entry, inline, inner",
         "from er_models.kernel.hooks import compiled as _compiled",
+        "from er_models.kernel.terms import measured, signal",
         f"INSTANT = {INSTANT!r}",
     ]
     composed = [_damper(catalogue), _chassis(catalogue), _accelerometers(catalogue)]

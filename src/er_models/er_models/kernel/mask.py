@@ -21,12 +21,15 @@ LAG = "lag"
 """Mask of a yield force with a response time, whichever effect gives it."""
 FIELD = "field"
 """Mask of a duty whose chains take that time to form, where an effect acts with them."""
+TERMS = "terms"
+"""Mask of measured terms."""
 RUNS: dict[str, tuple[str, ...]] = {
     "early": ("yield_scale", "shift_deflection", "shift_velocity"),
     "scales": ("viscous_scale", "stiffness_scale", "tau_scale"),
     "end": ("limit", "late", "sense"),
     LAG: ("response_time",),
     FIELD: (),
+    TERMS: (),
 }
 """Places of `kernel.order.ORDER` that follow one another."""
 
@@ -53,8 +56,10 @@ def stands_alone(catalogue: Catalogue, effect: Effect, hook: str) -> bool:
     return _alone(catalogue).get(hook) is effect
 
 
-def mask(catalogue: Catalogue, used: Iterable[Effect]) -> NDArray[np.uint8]:
-    """Mask of a model of these effects (n_effects + n_hooks + n_runs,)."""
+def mask(
+    catalogue: Catalogue, used: Iterable[Effect], terms: frozenset[str] = frozenset()
+) -> NDArray[np.uint8]:
+    """Mask of a model of these effects (n_effects + n_hooks + n_runs,); terms: signals that measured terms read."""
     used = tuple(used)
     on = np.zeros(len(catalogue.effects) + len(HOOKS) + len(RUNS), np.uint8)
     for effect in used:
@@ -64,5 +69,7 @@ def mask(catalogue: Catalogue, used: Iterable[Effect]) -> NDArray[np.uint8]:
         for run, places in RUNS.items():
             acts = {*effect.hooks, relaxes_at(effect)}
             on[of_run(catalogue, run)] |= not acts.isdisjoint(places)
-    on[of_run(catalogue, FIELD)] = on[of_run(catalogue, LAG)] and reads(used, "u_f")
+    field = reads(used, "u_f") or "u_f" in terms
+    on[of_run(catalogue, FIELD)] = on[of_run(catalogue, LAG)] and field
+    on[of_run(catalogue, TERMS)] = bool(terms)
     return on

@@ -1,0 +1,247 @@
+"""Learns a measured term beside a fitted model, and takes it only where data left out gain by it beyond doubt."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from er_models.measured import LAGGED, MeasuredTerm
+from er_models.model import Array, Model
+from numpy.typing import NDArray
+
+from er_model_lab.diagnosis.candidates import Candidate, effect_size
+from er_model_lab.diagnosis.search import DOUBT, paired_t
+from er_model_lab.fitting.fit import Fit, fit
+from er_model_lab.problem.problem import Problem
+from er_model_lab.residual.errors import errors
+from er_model_lab.terms.regression import Normal
+from er_model_lab.terms.search import Choice, Samples, conditioned, searched
+from er_model_lab.terms.seen import distinct, seen
+
+MOST, MOST_AT_END = 8_000, 24_000
+"""Samples that a search looks at, and that the coefficients are learnt from."""
+LAGS = (0.02, 0.06, 0.18)
+"""Time constants of a lag, over the time in which the motion turns."""
+LAG_HELPS = 0.15
+"""Share of the mean square left that a lag must take off."""
+TURNS = 3
+"""How often coefficients and parameters are fitted in turn."""
+AT_ONCE = 0.02
+"""Difference of what a term adds and what its splines say, over the former, from which the model itself is asked."""
+
+
+@dataclass(frozen=True)
+class Learnt:
+    """A term beside a model, both fitted together.
+
+    choice: its shape; candidate: the model with it, judged as an effect is; values (n,): its quantities along all
+    samples; design (n, k): of its coefficients; before: the model without it.
+    """
+
+    term: MeasuredTerm
+    choice: Choice
+    candidate: Candidate
+    before: Candidate
+    values: Mapping[str, Array]
+    design: Array
+
+    @property
+    def force(self) -> Array:
+        """What it adds along the samples (n,) [N]."""
+        return np.asarray(self.design @ np.array(self.term.coefficients))
+
+    @property
+    def model(self) -> Model:
+        """The model with it, with deviations."""
+        return self.candidate.fit.model
+
+
+def learn(before: Candidate, problem: Problem, limit: float) -> Learnt | str:
+    """What a model leaves as one smooth term, or why there is none; limit: size that an effect must exceed [N]."""
+    if before.fit.model.terms:
+        return f"the model holds {before.fit.model.terms[0].name} already: no further term is learnt"
+    values = distinct(seen(before.fit.model, problem), problem)
+    few = _samples(before.fit, values, problem, MOST)
+    base = _base(few)
+    choice = searched(few, base)
+    choice, values = _lagged(choice, values, before.fit, problem)
+    choice = conditioned(choice, _samples(before.fit, values, problem, MOST), base)
+    problem.work.check()
+    found = _together(choice, values, before, problem)
+    refused = _refused(before, found.candidate, problem, limit)
+    return f"{found.term.name} not added: {refused}" if refused else found
+
+
+def _rows(problem: Problem, most: int) -> NDArray[np.intp]:
+    """Rows that are learnt from, thinned."""
+    rows = np.flatnonzero(problem.train)
+    return rows[:: max(1, -(-rows.size // most))]
+
+
+def _samples(fitted: Fit, values: Mapping[str, Array], problem: Problem, most: int) -> Samples:
+    """What a term is learnt from; each fold of the problem is a block."""
+    rows = _rows(problem, most)
+    block = np.unique(problem.fold[rows], return_inverse=True)[1]
+    jacobian = fitted.jacobian[rows][:, ~fitted.at_bound]
+    return Samples({k: v[rows] for k, v in values.items()}, jacobian, fitted.residual[rows], block)
+
+
+def _base(samples: Samples) -> float:
+    """Mean square that the model leaves of blocks left out [N2], judged as a term is."""
+    alone = samples.normal(np.empty((samples.left.size, 0)))
+    ridge = 1e-10 * float(np.trace(alone.h.sum(axis=0))) / max(alone.params, 1)
+    return alone.mean(alone.judged(ridge * np.eye(alone.params)))
+
+
+def _lagged(
+    choice: Choice, values: dict[str, Array], fitted: Fit, problem: Problem
+) -> tuple[Choice, dict[str, Array]]:
+    """The choice with one of its quantities lagged, where that helps clearly."""
+    motion = problem.motion
+    turn = float(np.std(motion.x) / max(float(np.std(motion.v)), 1e-300))
+    best, kept = choice, values
+    for quantity in choice.quantities:
+        for lag in (share * turn for share in LAGS):
+            name = quantity + LAGGED
+            known = values | seen(fitted.model, problem, [(name, lag)])
+            if name not in known:
+                continue
+            axes = tuple(
+                replace(a, quantity=name) if a.quantity == quantity else a for a in choice.axes
+            )
+            tried = replace(choice, axes=axes)
+            samples = _samples(fitted, known, problem, MOST)
+            own = samples.normal(tried.design(samples.values)).through(tried.map)
+            losses = own.judged(tried.penalty(own))
+            mse = own.mean(losses)
+            clear = mse < (1.0 - LAG_HELPS) * choice.mse
+            if clear and mse < best.mse and paired_t(choice.losses - losses) > DOUBT:
+                best, kept = replace(tried, losses=losses, mse=mse, lag=lag), known
+    return best, kept
+
+
+def _together(
+    choice: Choice, values: Mapping[str, Array], before: Candidate, problem: Problem
+) -> Learnt:
+    """The coefficients and the parameters of the model, fitted in turn."""
+    design, fitted, c = choice.design(values), before.fit, np.zeros(len(choice.map))
+    best: tuple[Fit, Array] | None = None
+    for turn in range(TURNS):
+        solved, own, _ = _solved(choice, fitted, design, design @ c, problem)
+        c = choice.map @ solved[own.params :]
+        model = replace(fitted.model, terms=(_term(choice, c, np.zeros(c.size)),))
+        if turn == 0:
+            design = _as_felt(design, c, model, fitted.model, problem)
+        fitted = fit(model, problem, max_iter=4)
+        if best is not None and not fitted.mse(problem.train) < best[0].mse(problem.train):
+            break
+        best = (fitted, c)
+    assert best is not None
+    return _judged(choice, values, design, best, before, problem)
+
+
+def _solved(
+    choice: Choice, fitted: Fit, design: Array, own: Array, problem: Problem
+) -> tuple[Array, Normal, Array]:
+    """Parameters and free coefficients; own (n,): what the term of the fit adds [N]. With equations and penalty."""
+    rows = _rows(problem, MOST_AT_END)
+    block = np.unique(problem.fold[rows], return_inverse=True)[1]
+    jacobian, left = fitted.jacobian[rows][:, ~fitted.at_bound], (fitted.residual + own)[rows]
+    equations = Samples({}, jacobian, left, block).normal(design[rows]).through(choice.map)
+    penalty = choice.penalty(equations)
+    return equations.solved(penalty), equations, penalty
+
+
+def _term(choice: Choice, c: Array, sd: Array) -> MeasuredTerm:
+    """The term with these coefficients and deviations."""
+    knots = tuple(tuple(a.knots) for a in choice.axes)
+    return MeasuredTerm(
+        choice.quantities, knots, tuple(c), tuple(sd), choice.times, choice.lag, choice.shape
+    )
+
+
+def _as_felt(design: Array, c: Array, model: Model, without: Model, problem: Problem) -> Array:
+    """The design as the model passes it on: a lag of the force sensor, a mount in series change what a term adds."""
+    bare = replace(model, terms=(_with(model.terms[0], np.zeros(c.size)),))
+    p, q = model.compiled().p, bare.compiled().p
+    added = np.subtract(*problem.predict_many(model, np.stack([p, q])))
+    train = problem.train
+    off = float(np.sqrt(np.mean((added - design @ c)[train] ** 2)))
+    if not off > AT_ONCE * float(np.sqrt(np.mean(added[train] ** 2))):
+        return design
+    unit = max(float(np.abs(c).max()), 1e-12)
+    vectors = np.tile(q, (c.size + 1, 1))
+    vectors[1:, -c.size :] += unit * np.eye(c.size)
+    rows = problem.predict_many(model, vectors)
+    return np.asarray((rows[1:] - rows[0]).T / unit)
+
+
+def _with(term: MeasuredTerm, c: Array) -> MeasuredTerm:
+    """The term with other coefficients."""
+    return replace(term, coefficients=tuple(c))
+
+
+def _judged(
+    choice: Choice, values: Mapping[str, Array], design: Array, best: tuple[Fit, Array], before: Candidate,
+    problem: Problem,
+) -> Learnt:  # fmt: skip
+    """The term of a fit with its deviations, judged by blocks left out with parameters and coefficients alike."""
+    fitted, c = best
+    own = design @ c
+    solved, equations, penalty = _solved(choice, fitted, design, own, problem)
+    inner = ~fitted.at_bound
+    both = np.hstack([fitted.jacobian[:, inner], design @ choice.map])
+    here = np.concatenate([np.zeros(int(inner.sum())), np.linalg.lstsq(choice.map, c, rcond=None)[0]])
+    residual, losses = fitted.residual.copy(), []
+    blocks = np.unique(problem.fold[problem.train])
+    for b, found in zip(blocks, equations.left_out(penalty), strict=True):
+        rows = problem.fold == b
+        residual[rows] = fitted.residual[rows] - both[rows] @ (found - here)
+        losses.append(float(np.mean(residual[rows] ** 2)))
+    del solved
+    train = problem.train
+    told, n = problem.forward.beginnings(problem, fitted.model), int(train.sum())
+    residual[train] *= np.sqrt((n + told) / max(n - told, 1.0))
+    spread = _spread(both, fitted, equations, penalty, problem)
+    sd = np.sqrt(np.maximum(np.einsum("kr,rs,ks->k", choice.map, spread[equations.params :, equations.params :],
+                                      choice.map, optimize=True), 0.0))  # fmt: skip
+    term = _term(choice, c, sd)
+    deviations = {k: dict(v) for k, v in fitted.model.deviations.items()}
+    of_params = np.full(inner.size, np.inf)
+    of_params[inner] = np.sqrt(np.maximum(np.diag(spread)[: equations.params], 0.0)) * fitted.scale[inner]
+    for (effect, name), value in zip(fitted.free, of_params, strict=True):
+        deviations.setdefault(effect, {})[name] = float(value)
+    model = replace(fitted.model, terms=(term,), deviations=deviations)
+    candidate = Candidate(
+        (*before.effects, term.name), replace(fitted, model=model), residual, np.array(losses),
+        float(np.mean(residual[train] ** 2)), fitted.mse(train), 1.0, np.inf,
+    )  # fmt: skip
+    return Learnt(term, choice, candidate, before, values, design)
+
+
+def _spread(both: Array, fitted: Fit, equations: Normal, penalty: Array, problem: Problem) -> Array:
+    """Covariance of parameters and free coefficients, robust to errors that last: sandwich over one-second blocks."""
+    rows = _rows(problem, MOST_AT_END)
+    scores = both[rows] * fitted.residual[rows][:, None]
+    seconds = rows // problem.second
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(seconds)) + 1])
+    sums = np.add.reduceat(scores, edges, axis=0)
+    bread = np.linalg.inv(equations.h.sum(axis=0) + penalty)
+    return np.asarray(bread @ (sums.T @ sums) @ bread)
+
+
+def _refused(before: Candidate, after: Candidate, problem: Problem, limit: float) -> str:
+    """Why a term is not taken; empty where it is.
+
+    It must gain as an effect must, on blocks left out steadily, and never raise the error of what is held out.
+    """
+    size = effect_size(before, after)
+    if not size > limit:
+        return f"it would lower the error of blocks left out by {size:.3g} N, chance reaches {limit:.3g} N"
+    if not paired_t(before.losses - after.losses) > DOUBT:
+        return "what it gains varies too much from one stretch of time to the next"
+    was, now = (errors(problem, c.fit.residual, problem.held_out).rmse for c in (before, after))
+    if not now < was:
+        return f"the error on held-out data would rise from {was:.3g} N to {now:.3g} N"
+    return ""

@@ -1,0 +1,106 @@
+"""Penalised least squares of a term together with the model's parameters, judged on blocks left out.
+
+A model is a straight line about its fit, as in the lab's cross-validation: what it leaves is
+
+.. math::  r = J d + D c + e, \\quad \\min |e|^2 + \\lambda c^T P c
+
+so that a term takes nothing that the parameters can take, and leaving a block out costs one linear solve.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from er_models.model import Array
+from numpy.typing import NDArray
+
+RIDGE = 1e-10
+"""Weight of every coefficient, over the mean of the diagonal: what nothing tells stays where it is."""
+PRESS = 1e4
+"""Weight of a condition that is not met, over the mean of the diagonal."""
+ROUNDS = 12
+"""How often conditions that are not met are looked for."""
+
+
+@dataclass(frozen=True)
+class Normal:
+    """Normal equations of blocks: h (b, k, k), g (b, k), squares (b,) of what is explained, samples (b,).
+
+    params: how many of the k columns are the model's parameters, which come first.
+    """
+
+    h: Array
+    g: Array
+    squares: Array
+    samples: Array
+    params: int
+
+    def through(self, s: Array) -> Normal:
+        """The same with the term's coefficients made of fewer ones, c = s z."""
+        whole = np.eye(self.params + s.shape[0], self.params + s.shape[1])
+        whole[self.params :, self.params :] = s
+        return Normal(
+            np.einsum("ki,bkl,lj->bij", whole, self.h, whole, optimize=True), self.g @ whole, self.squares,
+            self.samples, self.params,
+        )  # fmt: skip
+
+    def penalty(self, p: Array, weight: float) -> Array:
+        """Penalty (k, k) of the coefficients, of a weight over the size of what the samples say."""
+        h = self.h.sum(axis=0)
+        own = h[self.params :, self.params :]
+        scale = weight * float(np.trace(own)) / max(float(np.trace(p)), 1e-300)
+        out = np.diag(np.full(h.shape[0], RIDGE * float(np.trace(h)) / h.shape[0]))
+        out[self.params :, self.params :] += scale * p
+        return out
+
+    def solved(self, penalty: Array) -> Array:
+        """Parameters and coefficients (k,)."""
+        return np.asarray(np.linalg.solve(self.h.sum(axis=0) + penalty, self.g.sum(axis=0)))
+
+    def left_out(self, penalty: Array) -> Array:
+        """The same without each block (b, k)."""
+        h, g = self.h.sum(axis=0) - self.h + penalty, self.g.sum(axis=0) - self.g
+        return np.asarray(np.linalg.solve(h, g[:, :, None])[:, :, 0])
+
+    def losses(self, found: Array) -> Array:
+        """Mean square (b,) that solutions (b, k) leave of each block."""
+        left = self.squares - 2.0 * np.sum(self.g * found, axis=1)
+        left += np.einsum("bk,bkl,bl->b", found, self.h, found, optimize=True)
+        return np.asarray(left / self.samples)
+
+    def judged(self, penalty: Array) -> Array:
+        """Mean square (b,) of each block by what the others tell."""
+        return self.losses(self.left_out(penalty))
+
+    def mean(self, losses: Array) -> float:
+        """Mean square over all samples."""
+        return float(np.sum(losses * self.samples) / np.sum(self.samples))
+
+    def pressed(self, penalty: Array, a: Array) -> Array:
+        """Penalty with conditions a c >= 0, rows of a (m, coefficients), pressed on where they are not met."""
+        size = PRESS * float(np.trace(self.h.sum(axis=0))) / self.h.shape[1]
+        rows = a / np.maximum(np.linalg.norm(a, axis=1, keepdims=True), 1e-300)
+        out, active = penalty, np.zeros(len(a), bool)
+        for _ in range(ROUNDS):
+            c = self.solved(out)[self.params :]
+            now = active | (rows @ c < 0.0)
+            if np.array_equal(now, active):
+                break
+            active, out = now, penalty.copy()
+            out[self.params :, self.params :] += size * rows[active].T @ rows[active]
+        return out
+
+
+def normal(j: Array, d: Array, r: Array, block: NDArray[np.int64]) -> Normal:
+    """Normal equations of derivatives j (n, p) by parameters and a design d (n, k), for what is left r (n,).
+
+    block (n,): from 0 on, in order.
+    """
+    both = np.hstack([j, d])
+    edges = np.searchsorted(block, np.arange(int(block.max()) + 2))
+    cuts = [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    return Normal(
+        np.array([both[c].T @ both[c] for c in cuts]), np.array([both[c].T @ r[c] for c in cuts]),
+        np.array([float(r[c] @ r[c]) for c in cuts]), np.array([float(c.stop - c.start) for c in cuts]), j.shape[1],
+    )  # fmt: skip
