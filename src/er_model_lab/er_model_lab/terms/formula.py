@@ -58,13 +58,13 @@ class Power(NamedTuple):
         return np.asarray(size * np.sign(y) if self.power else np.tanh(y / NARROW))
 
     def text(self, symbol: str) -> str:
-        """As Python writes it, for a symbol."""
+        """As Python writes it, for a symbol in brackets."""
         if self.odd == bool(self.power % 2):
             return symbol if self.power == 1 else f"{symbol} ** {self.power}"
         if not self.power:
             return f"math.tanh({symbol} / {NARROW:g})"
-        size = f"abs({symbol})" + (f" ** {self.power}" if self.power > 1 and not self.odd else "")
-        return f"{symbol} * abs({symbol})" if self.odd else size
+        size = f"abs{symbol}" + (f" ** {self.power}" if self.power > 1 and not self.odd else "")
+        return f"{symbol} * {size}" if self.odd else size
 
     @property
     def words(self) -> str:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from er_model_lab.diagnosis.candidates import Candidate, effect_size
 from er_model_lab.diagnosis.search import DOUBT, paired_t
-from er_model_lab.fitting.fit import Fit, fit
+from er_model_lab.fitting.fit import SHARES, Box, Fit, fit
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors
 from er_model_lab.terms.regression import Normal
@@ -83,15 +83,22 @@ def _samples(fitted: Fit, values: Mapping[str, Array], problem: Problem, most: i
     """What a term is learnt from; each fold of the problem is a block."""
     rows = _rows(problem, most)
     block = np.unique(problem.fold[rows], return_inverse=True)[1]
-    jacobian = fitted.jacobian[rows][:, ~fitted.at_bound]
+    jacobian = _lines(fitted, problem)[0][rows]
     return Samples({k: v[rows] for k, v in values.items()}, jacobian, fitted.residual[rows], block)
+
+
+def _lines(fitted: Fit, problem: Problem) -> tuple[Array, Array]:
+    """Derivatives (n, p) by the parameters that are not at a bound, of unit size, and what they were divided by (p,)."""
+    inner = fitted.jacobian[:, ~fitted.at_bound]
+    size = np.sqrt(np.mean(inner[problem.train] ** 2, axis=0))
+    size = np.where(size > 0.0, size, 1.0)
+    return inner / size, size
 
 
 def _base(samples: Samples) -> float:
     """Mean square that the model leaves of blocks left out [N2], judged as a term is."""
     alone = samples.normal(np.empty((samples.left.size, 0)))
-    ridge = 1e-10 * float(np.trace(alone.h.sum(axis=0))) / max(alone.params, 1)
-    return alone.mean(alone.judged(ridge * np.eye(alone.params)))
+    return alone.mean(alone.judged(alone.penalty(np.empty((0, 0)), 0.0)))
 
 
 def _lagged(
@@ -133,12 +140,23 @@ def _together(
         model = replace(fitted.model, terms=(_term(choice, c, np.zeros(c.size)),))
         if turn == 0:
             design = _as_felt(design, c, model, fitted.model, problem)
-        fitted = fit(model, problem, max_iter=4)
+        fitted = fit(_begun(model, fitted, solved[: own.params], problem), problem, max_iter=4)
         if best is not None and not fitted.mse(problem.train) < best[0].mse(problem.train):
             break
         best = (fitted, c)
     assert best is not None
     return _judged(choice, values, design, best, before, problem)
+
+
+def _begun(model: Model, fitted: Fit, step: Array, problem: Problem) -> Model:
+    """A model with a new term where its parameters are, or as far along the step (p,) that came with it as helps."""
+    box = Box(model, fitted.free, problem.scales, problem.forward.limits)
+    whole = np.zeros(fitted.theta.size)
+    whole[~fitted.at_bound] = step / _lines(fitted, problem)[1]
+    points = np.clip(fitted.theta + np.multiply.outer(SHARES, whole), box.low, box.high)
+    left = problem.force - problem.predict_many(model, box.vectors(points))
+    costs = np.mean(left[:, problem.train] ** 2, axis=1)
+    return box.model_at(points[int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))])
 
 
 def _solved(
@@ -147,7 +165,7 @@ def _solved(
     """Parameters and free coefficients; own (n,): what the term of the fit adds [N]. With equations and penalty."""
     rows = _rows(problem, MOST_AT_END)
     block = np.unique(problem.fold[rows], return_inverse=True)[1]
-    jacobian, left = fitted.jacobian[rows][:, ~fitted.at_bound], (fitted.residual + own)[rows]
+    jacobian, left = _lines(fitted, problem)[0][rows], (fitted.residual + own)[rows]
     equations = Samples({}, jacobian, left, block).normal(design[rows]).through(choice.map)
     penalty = choice.penalty(equations)
     return equations.solved(penalty), equations, penalty
@@ -191,7 +209,8 @@ def _judged(
     own = design @ c
     solved, equations, penalty = _solved(choice, fitted, design, own, problem)
     inner = ~fitted.at_bound
-    both = np.hstack([fitted.jacobian[:, inner], design @ choice.map])
+    lines, size = _lines(fitted, problem)
+    both = np.hstack([lines, design @ choice.map])
     here = np.concatenate([np.zeros(int(inner.sum())), np.linalg.lstsq(choice.map, c, rcond=None)[0]])
     residual, losses = fitted.residual.copy(), []
     blocks = np.unique(problem.fold[problem.train])
@@ -209,7 +228,7 @@ def _judged(
     term = _term(choice, c, sd)
     deviations = {k: dict(v) for k, v in fitted.model.deviations.items()}
     of_params = np.full(inner.size, np.inf)
-    of_params[inner] = np.sqrt(np.maximum(np.diag(spread)[: equations.params], 0.0)) * fitted.scale[inner]
+    of_params[inner] = np.sqrt(np.maximum(np.diag(spread)[: equations.params], 0.0)) / size * fitted.scale[inner]
     for (effect, name), value in zip(fitted.free, of_params, strict=True):
         deviations.setdefault(effect, {})[name] = float(value)
     model = replace(fitted.model, terms=(term,), deviations=deviations)

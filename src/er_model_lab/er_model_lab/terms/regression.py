@@ -15,8 +15,9 @@ import numpy as np
 from er_models.model import Array
 from numpy.typing import NDArray
 
-RIDGE = 1e-10
-"""Weight of every coefficient, over the mean of the diagonal: what nothing tells stays where it is."""
+RIDGE, DAMPED = 1e-10, 1e-2
+"""Weights of every coefficient, over the mean of the diagonal, and of every parameter, over its own: what nothing tells
+stays where it is, and a straight line is not believed far from where it was drawn."""
 PRESS = 1e4
 """Weight of a condition that is not met, over the mean of the diagonal."""
 ROUNDS = 12
@@ -50,7 +51,8 @@ class Normal:
         h = self.h.sum(axis=0)
         own = h[self.params :, self.params :]
         scale = weight * float(np.trace(own)) / max(float(np.trace(p)), 1e-300)
-        out = np.diag(np.full(h.shape[0], RIDGE * float(np.trace(h)) / h.shape[0]))
+        ridge = np.full(own.shape[0], RIDGE * float(np.trace(own)) / max(own.shape[0], 1))
+        out = np.diag(np.concatenate([DAMPED * np.diag(h)[: self.params], ridge]))
         out[self.params :, self.params :] += scale * p
         return out
 
@@ -79,7 +81,8 @@ class Normal:
 
     def pressed(self, penalty: Array, a: Array) -> Array:
         """Penalty with conditions a c >= 0, rows of a (m, coefficients), pressed on where they are not met."""
-        size = PRESS * float(np.trace(self.h.sum(axis=0))) / self.h.shape[1]
+        own = self.h.sum(axis=0)[self.params :, self.params :]
+        size = PRESS * float(np.trace(own)) / own.shape[0]
         rows = a / np.maximum(np.linalg.norm(a, axis=1, keepdims=True), 1e-300)
         out, active = penalty, np.zeros(len(a), bool)
         for _ in range(ROUNDS):

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from er_model_lab.terms.regression import Normal, normal
 from er_model_lab.terms.spline import SPACINGS, Axis, axis, design, mirrored, roughness
 
-COARSE, FINE, FINEST = 7, 12, 20
-"""Coefficients along a quantity: when many terms are compared, along each of two, and along a single one."""
+COARSE, FINE, SINGLE = 7, 12, (20, 100)
+"""Coefficients along a quantity: of two when many terms are compared, of two, and of a single one, which may be smooth
+or go up and down many times."""
 FEW_STRENGTHS = (1e-4, 1e-2)
 STRENGTHS = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
 """Weights of the roughness that are tried."""
@@ -23,6 +24,10 @@ TILTS = ((1.0, 10.0), (10.0, 1.0))
 FINALISTS = 3
 SIMPLER = 0.02
 """Share of the fall of the mean square that a simpler term may lose and is still taken in place of another."""
+ORDER = (
+    "velocity", "deflection", "acceleration", "force", "yield_force", "temperature", "formed_duty", "duty",
+)  # fmt: skip
+"""In which a term names its quantities."""
 Parts = tuple[tuple[str, ...], str]
 """Quantities of a term, and what it is multiplied by."""
 
@@ -84,7 +89,7 @@ class Choice:
 
 def parts(values: Mapping[str, Array]) -> list[Parts]:
     """Every term that may be: over one quantity or two, and the same times the duty; simplest first."""
-    names = list(values)
+    names = [n for n in ORDER if n in values]
     found: list[Parts] = [((a,), "") for a in names]
     found += [(pair, "") for pair in itertools.combinations(names, 2)]
     if "duty" in names:
@@ -114,15 +119,15 @@ def simplest(found: Sequence[Choice], base: float) -> Choice:
 
 def _coarse(p: Parts, samples: Samples) -> float:
     """Mean square of blocks left out with few coefficients, which says which quantities matter."""
-    many = COARSE if len(p[0]) > 1 else FINE
     spacings = ["dense at zero" if q == "velocity" else "as often" for q in p[0]]
-    axes = _axes(p[0], samples, many, spacings)
-    times = samples.values[p[1]] if p[1] else None
-    equations = samples.normal(design(axes, [samples.values[q] for q in p[0]], times))
-    rough = roughness(axes)
-    return min(
-        equations.mean(equations.judged(equations.penalty(rough, w))) for w in FEW_STRENGTHS
-    )
+    times, found = samples.values[p[1]] if p[1] else None, []
+    for many in (COARSE,) if len(p[0]) > 1 else SINGLE:
+        axes = _axes(p[0], samples, many, spacings)
+        equations = samples.normal(design(axes, [samples.values[q] for q in p[0]], times))
+        rough = roughness(axes)
+        penalties = (equations.penalty(rough, w) for w in FEW_STRENGTHS)
+        found += [equations.mean(equations.judged(penalty)) for penalty in penalties]
+    return min(found)
 
 
 def _axes(
@@ -135,12 +140,11 @@ def _axes(
 
 def refined(p: Parts, samples: Samples, base: float) -> Choice:
     """A term over given quantities: spacing, symmetry and strength of what makes it smooth."""
-    many = FINE if len(p[0]) > 1 else FINEST
-    best: list[Choice] = []
-    for spacing in SPACINGS:
-        axes = _axes(p[0], samples, many, [spacing] * len(p[0]))
-        best.append(_shaped(axes, p[1], samples, base))
-    return min(best, key=lambda c: c.mse)
+    sizes = (FINE,) if len(p[0]) > 1 else SINGLE
+    knots = (
+        _axes(p[0], samples, many, [spacing] * len(p[0])) for many in sizes for spacing in SPACINGS
+    )
+    return min((_shaped(axes, p[1], samples, base) for axes in knots), key=lambda c: c.mse)
 
 
 def _shaped(axes: tuple[Axis, ...], times: str, samples: Samples, base: float) -> Choice:
@@ -174,15 +178,21 @@ def _smooth(choice: Choice, equations: Normal) -> Choice:
 
 
 def conditioned(choice: Choice, samples: Samples, base: float) -> Choice:
-    """The choice kept monotone in a quantity, or taking energy, where that loses next to nothing."""
-    own = samples.normal(choice.design(samples.values)).through(choice.map)
-    limit = choice.mse + SIMPLER * (base - choice.mse)
+    """The choice kept monotone in a quantity, or taking energy, where that loses next to nothing.
+
+    The model's parameters stay where they were best: a stiffness would else make anything rise with the deflection.
+    """
+    design = choice.design(samples.values)
+    own = samples.normal(design).through(choice.map)
+    moved = samples.jacobian @ own.solved(choice.penalty(own))[: own.params]
+    nothing = np.empty((moved.size, 0))
+    alone = replace(samples, jacobian=nothing, left=samples.left - moved)
+    own = alone.normal(design).through(choice.map)
+    free = own.mean(own.judged(choice.penalty(own)))
     for words, held in _conditions(choice):
         tried = replace(choice, held=held, shape=(*choice.shape, words))
-        losses = own.judged(tried.penalty(own))
-        mse = own.mean(losses)
-        if mse < limit:
-            return replace(tried, losses=losses, mse=mse)
+        if own.mean(own.judged(tried.penalty(own))) < free + SIMPLER * (base - choice.mse):
+            return tried
     return choice
 
 
