@@ -25,9 +25,11 @@ LAGS = (0.02, 0.06, 0.18)
 """Time constants of a lag, over the time in which the motion turns."""
 LAG_HELPS = 0.15
 """Share of the mean square left that a lag must take off."""
-TURNS = 3
-"""How often coefficients and parameters are fitted in turn."""
-AT_ONCE = 0.02
+TURNS, WORTH = 3, 0.01
+"""How often coefficients and parameters are fitted in turn, and the share of the mean square that one more must take."""
+MADE = ("force", "yield_force", "formed_duty")
+"""Quantities that follow from the model's parameters."""
+AT_ONCE = 0.1
 """Difference of what a term adds and what its splines say, over the former, from which the model itself is asked."""
 
 
@@ -131,32 +133,65 @@ def _lagged(
 def _together(
     choice: Choice, values: Mapping[str, Array], before: Candidate, problem: Problem
 ) -> Learnt:
-    """The coefficients and the parameters of the model, fitted in turn."""
-    design, fitted, c = choice.design(values), before.fit, np.zeros(len(choice.map))
-    best: tuple[Fit, Array] | None = None
+    """The coefficients and the parameters of the model, fitted in turn as long as that helps."""
+    fitted, c, felt = before.fit, np.zeros(len(choice.map)), None
+    best: tuple[Fit, Array, Array] | None = None
     for turn in range(TURNS):
-        solved, own, _ = _solved(choice, fitted, design, design @ c, problem)
-        c = choice.map @ solved[own.params :]
-        model = replace(fitted.model, terms=(_term(choice, c, np.zeros(c.size)),))
+        design = choice.design(_again(values, choice, fitted, problem) if turn else values)
+        own = design @ c
+        if felt is not None:
+            design = felt
+        found = _tried(choice, fitted, design, own, problem)
         if turn == 0:
-            design = _as_felt(design, c, model, fitted.model, problem)
-        fitted = fit(_begun(model, fitted, solved[: own.params], problem), problem, max_iter=4)
-        if best is not None and not fitted.mse(problem.train) < best[0].mse(problem.train):
+            felt = _as_felt(design, found[0][0], fitted, choice, problem)
+            design = design if felt is None else felt
+            found = found if felt is None else _tried(choice, fitted, felt, own, problem)
+        begun, c = _begun(found, choice, fitted, problem)
+        now = fit(begun, problem, max_iter=0)
+        if best is not None and not now.mse(problem.train) < (1.0 - WORTH) * best[0].mse(problem.train):
             break
-        best = (fitted, c)
+        best = (now, c, design)
+        fitted = fit(begun, problem, known=now.jacobian, max_iter=3)
     assert best is not None
-    return _judged(choice, values, design, best, before, problem)
+    return _judged(choice, values, best[2], best[:2], before, problem)
 
 
-def _begun(model: Model, fitted: Fit, step: Array, problem: Problem) -> Model:
-    """A model with a new term where its parameters are, or as far along the step (p,) that came with it as helps."""
-    box = Box(model, fitted.free, problem.scales, problem.forward.limits)
-    whole = np.zeros(fitted.theta.size)
-    whole[~fitted.at_bound] = step / _lines(fitted, problem)[1]
-    points = np.clip(fitted.theta + np.multiply.outer(SHARES, whole), box.low, box.high)
-    left = problem.force - problem.predict_many(model, box.vectors(points))
-    costs = np.mean(left[:, problem.train] ** 2, axis=1)
-    return box.model_at(points[int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))])
+def _again(
+    values: Mapping[str, Array], choice: Choice, fitted: Fit, problem: Problem
+) -> dict[str, Array]:
+    """The values with those of the term's quantities that follow from the model's parameters, as they are now."""
+    names = [n for n in (*choice.quantities, choice.times) if n.removesuffix(LAGGED) in MADE]
+    return dict(values) | (seen(fitted.model, problem, [(n, choice.lag) for n in names]) if names else {})
+
+
+def _tried(
+    choice: Choice, fitted: Fit, design: Array, own: Array, problem: Problem
+) -> list[tuple[Array, Array]]:
+    """Coefficients (k,) with the step (p,) of the parameters that goes with them, and those beside no step."""
+    solved, equations, penalty = _solved(choice, fitted, design, own, problem)
+    n = equations.params
+    alone = equations.alone().solved(penalty[n:, n:])
+    return [(choice.map @ solved[n:], solved[:n]), (choice.map @ alone, np.zeros(n))]
+
+
+def _begun(
+    found: list[tuple[Array, Array]], choice: Choice, fitted: Fit, problem: Problem
+) -> tuple[Model, Array]:
+    """The model with the coefficients that do best, and as much of the step that goes with them; and these (k,)."""
+    best, least = None, np.inf
+    for c, step in found:
+        model = replace(fitted.model, terms=(_term(choice, c, np.zeros(c.size)),))
+        box = Box(model, fitted.free, problem.scales, problem.forward.limits)
+        whole = np.zeros(fitted.theta.size)
+        whole[~fitted.at_bound] = step / _lines(fitted, problem)[1]
+        shares = SHARES if step.any() else SHARES[:1]
+        points = np.clip(fitted.theta + np.multiply.outer(shares, whole), box.low, box.high)
+        left = problem.force - problem.predict_many(model, box.vectors(points))
+        costs = np.nan_to_num(np.mean(left[:, problem.train] ** 2, axis=1), nan=np.inf)
+        if best is None or costs.min() < least:
+            best, least = (box.model_at(points[int(np.argmin(costs))]), c), float(costs.min())
+    assert best is not None
+    return best
 
 
 def _solved(
@@ -179,25 +214,24 @@ def _term(choice: Choice, c: Array, sd: Array) -> MeasuredTerm:
     )
 
 
-def _as_felt(design: Array, c: Array, model: Model, without: Model, problem: Problem) -> Array:
-    """The design as the model passes it on: a lag of the force sensor, a mount in series change what a term adds."""
-    bare = replace(model, terms=(_with(model.terms[0], np.zeros(c.size)),))
+def _as_felt(
+    design: Array, c: Array, fitted: Fit, choice: Choice, problem: Problem
+) -> Array | None:
+    """The design as the model passes it on, where a sensor that lags or a mount in series changes what a term adds."""
+    bare, model = (
+        replace(fitted.model, terms=(_term(choice, each, np.zeros(c.size)),)) for each in (0.0 * c, c)
+    )
     p, q = model.compiled().p, bare.compiled().p
     added = np.subtract(*problem.predict_many(model, np.stack([p, q])))
     train = problem.train
     off = float(np.sqrt(np.mean((added - design @ c)[train] ** 2)))
     if not off > AT_ONCE * float(np.sqrt(np.mean(added[train] ** 2))):
-        return design
+        return None
     unit = max(float(np.abs(c).max()), 1e-12)
     vectors = np.tile(q, (c.size + 1, 1))
     vectors[1:, -c.size :] += unit * np.eye(c.size)
     rows = problem.predict_many(model, vectors)
     return np.asarray((rows[1:] - rows[0]).T / unit)
-
-
-def _with(term: MeasuredTerm, c: Array) -> MeasuredTerm:
-    """The term with other coefficients."""
-    return replace(term, coefficients=tuple(c))
 
 
 def _judged(
@@ -206,22 +240,14 @@ def _judged(
 ) -> Learnt:  # fmt: skip
     """The term of a fit with its deviations, judged by blocks left out with parameters and coefficients alike."""
     fitted, c = best
-    own = design @ c
-    solved, equations, penalty = _solved(choice, fitted, design, own, problem)
-    inner = ~fitted.at_bound
+    _, equations, penalty = _solved(choice, fitted, design, design @ c, problem)
+    inner, train = ~fitted.at_bound, problem.train
     lines, size = _lines(fitted, problem)
-    both = np.hstack([lines, design @ choice.map])
-    here = np.concatenate([np.zeros(int(inner.sum())), np.linalg.lstsq(choice.map, c, rcond=None)[0]])
-    residual, losses = fitted.residual.copy(), []
-    blocks = np.unique(problem.fold[problem.train])
-    for b, found in zip(blocks, equations.left_out(penalty), strict=True):
-        rows = problem.fold == b
-        residual[rows] = fitted.residual[rows] - both[rows] @ (found - here)
-        losses.append(float(np.mean(residual[rows] ** 2)))
-    del solved
-    train = problem.train
+    residual = _left_out(choice, fitted, equations, penalty, problem)
     told, n = problem.forward.beginnings(problem, fitted.model), int(train.sum())
     residual[train] *= np.sqrt((n + told) / max(n - told, 1.0))
+    losses = [float(np.mean(residual[problem.fold == b] ** 2)) for b in range(int(problem.fold.max()) + 1)]
+    both = np.hstack([lines, design @ choice.map])
     spread = _spread(both, fitted, equations, penalty, problem)
     sd = np.sqrt(np.maximum(np.einsum("kr,rs,ks->k", choice.map, spread[equations.params :, equations.params :],
                                       choice.map, optimize=True), 0.0))  # fmt: skip
@@ -237,6 +263,29 @@ def _judged(
         float(np.mean(residual[train] ** 2)), fitted.mse(train), 1.0, np.inf,
     )  # fmt: skip
     return Learnt(term, choice, candidate, before, values, design)
+
+
+def _left_out(
+    choice: Choice, fitted: Fit, equations: Normal, penalty: Array, problem: Problem
+) -> Array:
+    """Residual (n,), of each block what the model itself leaves with the coefficients that the others tell.
+
+    Its parameters move with them where that lowers the error of the others: their straight line may lead astray.
+    """
+    n, count = equations.params, len(choice.map)
+    box = Box(fitted.model, fitted.free, problem.scales, problem.forward.limits)
+    both = equations.left_out(penalty)
+    alone = equations.alone().left_out(penalty[n:, n:])
+    theta = np.tile(fitted.theta, (2 * len(both), 1))
+    theta[: len(both), ~fitted.at_bound] += both[:, :n] / _lines(fitted, problem)[1]
+    vectors = box.vectors(np.clip(theta, box.low, box.high))
+    vectors[:, -count:] = np.vstack([both[:, n:], alone]) @ choice.map.T
+    left = problem.force - problem.predict_many(fitted.model, vectors)
+    residual = fitted.residual.copy()
+    for b, tried in enumerate(zip(*np.split(left, 2), strict=True)):
+        rows, others = problem.fold == b, problem.train & (problem.fold != b)
+        residual[rows] = min(tried, key=lambda r: float(np.mean(r[others] ** 2)))[rows]
+    return residual
 
 
 def _spread(both: Array, fitted: Fit, equations: Normal, penalty: Array, problem: Problem) -> Array:

@@ -56,13 +56,20 @@ class Normal:
         out[self.params :, self.params :] += scale * p
         return out
 
+    def alone(self) -> Normal:
+        """The same with the parameters where they are."""
+        n = self.params
+        return Normal(self.h[:, n:, n:], self.g[:, n:], self.squares, self.samples, 0)
+
     def solved(self, penalty: Array) -> Array:
         """Parameters and coefficients (k,)."""
         return np.asarray(np.linalg.solve(self.h.sum(axis=0) + penalty, self.g.sum(axis=0)))
 
     def left_out(self, penalty: Array) -> Array:
-        """The same without each block (b, k)."""
-        h, g = self.h.sum(axis=0) - self.h + penalty, self.g.sum(axis=0) - self.g
+        """The same without each block and its neighbours (b, k), which are too like it: often one motion again."""
+        near = sum(np.eye(len(self.h), k=k) for k in (-1, 0, 1))
+        h = self.h.sum(axis=0) - np.einsum("ab,bkl->akl", near, self.h) + penalty
+        g = self.g.sum(axis=0) - near @ self.g
         return np.asarray(np.linalg.solve(h, g[:, :, None])[:, :, 0])
 
     def losses(self, found: Array) -> Array:
@@ -72,7 +79,7 @@ class Normal:
         return np.asarray(left / self.samples)
 
     def judged(self, penalty: Array) -> Array:
-        """Mean square (b,) of each block by what the others tell."""
+        """Mean square (b,) of each block by what those tell that are no neighbours of it."""
         return self.losses(self.left_out(penalty))
 
     def mean(self, losses: Array) -> float:

@@ -17,7 +17,7 @@ COARSE, FINE, SINGLE = 7, 12, (20, 100)
 """Coefficients along a quantity: of two when many terms are compared, of two, and of a single one, which may be smooth
 or go up and down many times."""
 FEW_STRENGTHS = (1e-4, 1e-2)
-STRENGTHS = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
+STRENGTHS = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0)
 """Weights of the roughness that are tried."""
 TILTS = ((1.0, 10.0), (10.0, 1.0))
 """Weights of the roughness along both quantities, beside equal ones."""
@@ -113,7 +113,7 @@ def searched(samples: Samples, base: float) -> Choice:
 def simplest(found: Sequence[Choice], base: float) -> Choice:
     """The best of some terms, or one over a single quantity that does nearly as well."""
     best = min(found, key=lambda c: c.mse)
-    near = [c for c in found if c.mse < best.mse + SIMPLER * (base - best.mse)]
+    near = [c for c in found if c.mse <= best.mse + SIMPLER * max(base - best.mse, 0.0)]
     return min(near, key=lambda c: (len(c.quantities) + bool(c.times), c.mse))
 
 
@@ -152,18 +152,18 @@ def _shaped(axes: tuple[Axis, ...], times: str, samples: Samples, base: float) -
     whole = np.eye(int(np.prod([a.many for a in axes])))
     empty = Choice(axes, times, whole, 0.0, (1.0, 1.0), (), np.inf, np.empty(0))
     equations = samples.normal(empty.design(samples.values))
-    found = [_smooth(empty, equations)]
+    found = [_smooth(empty, equations, base)]
     if any(a.turns for a in axes):
         for word, sign in (("odd", -1.0), ("even", 1.0)):
             half = replace(empty, map=mirrored(axes, sign), shape=(word,))
-            found.append(_smooth(half, equations))
+            found.append(_smooth(half, equations, base))
     best = min(found, key=lambda c: c.mse)
-    near = [c for c in found if c.mse < best.mse + SIMPLER * (base - best.mse)]
+    near = [c for c in found if c.mse <= best.mse + SIMPLER * max(base - best.mse, 0.0)]
     return next((c for c in near if c.shape), best)
 
 
-def _smooth(choice: Choice, equations: Normal) -> Choice:
-    """A choice with the strength of its roughness, and how it lies along its quantities, that do best."""
+def _smooth(choice: Choice, equations: Normal, base: float) -> Choice:
+    """A choice with the roughness along each quantity that does best, as smooth as loses next to nothing."""
     own = equations.through(choice.map)
 
     def judged(strength: float, weights: tuple[float, float]) -> Choice:
@@ -171,10 +171,13 @@ def _smooth(choice: Choice, equations: Normal) -> Choice:
         losses = own.judged(made.penalty(own))
         return replace(made, losses=losses, mse=own.mean(losses))
 
-    best = min((judged(s, (1.0, 1.0)) for s in STRENGTHS), key=lambda c: c.mse)
+    found = [judged(s, (1.0, 1.0)) for s in STRENGTHS]
+    best = min(found, key=lambda c: c.mse)
     tilts = TILTS if len(choice.axes) > 1 else ()
-    tilted = [judged(best.strength * s, t) for t in tilts for s in (0.1, 1.0)]
-    return min([best, *tilted], key=lambda c: c.mse)
+    found += [judged(best.strength * s, t) for t in tilts for s in (0.1, 1.0, 10.0)]
+    best = min(found, key=lambda c: c.mse)
+    near = [c for c in found if c.weights == best.weights and c.mse <= best.mse + SIMPLER * max(base - best.mse, 0.0)]
+    return max(near, key=lambda c: c.strength)
 
 
 def conditioned(choice: Choice, samples: Samples, base: float) -> Choice:
