@@ -1,4 +1,4 @@
-"""Measured terms: force that no known effect explains, as a smooth function that was learnt; measured, not explained.
+r"""Measured terms: force that no known effect explains, as a smooth function that was learnt; measured, not explained.
 
 A term is a tensor product of cubic B-splines over one or two quantities, times the duty where that is said:
 
@@ -115,7 +115,9 @@ def packed(terms: Sequence[MeasuredTerm]) -> NDArray[np.float64]:
 def read_terms(path: Path, found: Any) -> tuple[MeasuredTerm, ...]:
     """Terms of a model file; `InputError` names what is wrong with them."""
     if not isinstance(found, Mapping):
-        raise InputError(path, "measured_terms", "a mapping of names to terms", type(found).__name__)
+        raise InputError(
+            path, "measured_terms", "a mapping of names to terms", type(found).__name__
+        )
     terms = tuple(_read(path, f"measured_terms.{name}", entry) for name, entry in found.items())
     for name, term in zip(found, terms, strict=True):
         if name != term.name:
@@ -129,27 +131,40 @@ def read_terms(path: Path, found: Any) -> tuple[MeasuredTerm, ...]:
 def _read(path: Path, where: str, entry: Any) -> MeasuredTerm:
     """One term of a model file."""
     if not isinstance(entry, Mapping) or set(entry) - set(_KEYS):
-        raise InputError(path, where, f"a mapping with the keys {', '.join(_KEYS)}", repr(entry)[:60])
+        raise InputError(
+            path, where, f"a mapping with the keys {', '.join(_KEYS)}", repr(entry)[:60]
+        )
     quantities = _names(path, f"{where}.quantities", entry.get("quantities"))
-    times, lag = str(entry.get("times") or ""), _floats(path, f"{where}.lag", [entry.get("lag", 0.0)])[0]
+    times, lag = (
+        str(entry.get("times") or ""),
+        _floats(path, f"{where}.lag", [entry.get("lag", 0.0)])[0],
+    )
     if times and times not in QUANTITIES:
-        raise InputError(path, f"{where}.times", f"one of {', '.join(QUANTITIES)}, or empty", times)
+        raise InputError(
+            path, f"{where}.times", f"one of {', '.join(QUANTITIES)}, or empty", times
+        )
     if any(q.endswith(LAGGED) for q in quantities) and not lag > 0.0:
         raise InputError(path, f"{where}.lag", "a time above 0 s", f"{lag:g}")
-    knots = tuple(_knots(path, f"{where}.knots.{q}", (entry.get("knots") or {}).get(q)) for q in quantities)
+    knots = tuple(
+        _knots(path, f"{where}.knots.{q}", (entry.get("knots") or {}).get(q)) for q in quantities
+    )
     count = int(np.prod([len(k) - ORDER for k in knots]))
     tables = {}
     for key in ("coefficients", "deviations"):
         rows = entry.get(key)
-        flat = [c for row in rows for c in row] if _nested(rows) else None
-        if flat is None or len(flat) != count:
+        flat = [c for row in rows or () for c in row] if _nested(rows) else []
+        if len(flat) != count:
             raise InputError(path, f"{where}.{key}", f"{count} numbers in rows", "others")
         tables[key] = _floats(path, f"{where}.{key}", flat)
     shape = tuple(map(str, entry.get("shape") or ()))
-    term = MeasuredTerm(quantities, knots, tables["coefficients"], tables["deviations"], times, lag, shape)
+    term = MeasuredTerm(
+        quantities, knots, tables["coefficients"], tables["deviations"], times, lag, shape
+    )
     ends = {q: list(r) for q, r in zip(quantities, term.ranges, strict=True)}
     if entry.get("range", ends) != ends:
-        raise InputError(path, f"{where}.range", f"that of the knots, {ends}", repr(entry["range"])[:60])
+        raise InputError(
+            path, f"{where}.range", f"that of the knots, {ends}", repr(entry["range"])[:60]
+        )
     return term
 
 

@@ -59,7 +59,8 @@ def test_the_kernel_adds_what_scipy_makes_of_the_splines(times: str) -> None:
     want = want * m.u if times else want
     assert np.abs(added - want).max() < 1e-12 * np.abs(want).max() + 1e-14
     outside = (m.v > V_KNOTS[-1]) | (m.x > X_KNOTS[-1])
-    assert outside.any() and not outside.all()
+    assert outside.any()
+    assert not outside.all()
 
 
 def test_several_terms_add_up() -> None:
@@ -96,14 +97,19 @@ def test_a_term_sees_the_force_and_what_is_lagged() -> None:
 
 
 def test_the_model_file_holds_it_bit_for_bit(tmp_path: Path) -> None:
-    m, model = moved(), with_term(plane(times="duty", shape=("odd",)), line("velocity_lagged", 0.3, 0.02))
+    m, model = (
+        moved(),
+        with_term(plane(times="duty", shape=("odd",)), line("velocity_lagged", 0.3, 0.02)),
+    )
     save_model(model, tmp_path / "model.yaml")
     again = load_model(tmp_path / "model.yaml")
-    assert again.terms == model.terms and again.digest() == model.digest()
+    assert again.terms == model.terms
+    assert again.digest() == model.digest()
     np.testing.assert_array_equal(predict(again, m), predict(model, m))
     assert again.digest() != guo().digest()
     text = (tmp_path / "model.yaml").read_text()
-    assert "measured_velocity_deflection_duty" in text and "measured, not explained" in text
+    assert "measured_velocity_deflection_duty" in text
+    assert "measured, not explained" in text
     assert "[-0.06, 0.07]" in text  # the range that was learnt
 
 
@@ -125,7 +131,9 @@ def test_what_is_wrong_with_it_is_one_line(
     key: str, value: object, said: str, tmp_path: Path
 ) -> None:
     path = tmp_path / "model.yaml"
-    term = plane(quantities=("velocity_lagged", "deflection"), lag=0.1) if key == "lag" else plane()
+    term = (
+        plane(quantities=("velocity_lagged", "deflection"), lag=0.1) if key == "lag" else plane()
+    )
     save_model(with_term(term), path)
     document = yaml.safe_load(path.read_text())
     document["measured_terms"][term.name][key] = value
@@ -136,5 +144,5 @@ def test_what_is_wrong_with_it_is_one_line(
 
 
 def test_a_form_without_room_for_it_says_so() -> None:
-    with pytest.raises(InputError, match="measured_velocity_deflection|passive"):
+    with pytest.raises(InputError, match="measured_velocity_deflection"):
         static_damper(with_term(plane()))

@@ -20,12 +20,17 @@ from er_model_lab.terms.formula import formula
 from er_model_lab.terms.learn import Learnt
 from er_model_lab.terms.own_file import own_effect
 from er_model_lab.terms.shapes import looks_like
+from er_model_lab.terms.spline import design
 
 OFFER = (
     "what is left may be learnt as one smooth term, measured and not explained, with its shape: "
     "improve with measured_terms=True"
 )
 """Note on a verdict that leaves something no known effect explains."""
+DRAWN = 40
+"""Places along each quantity at which a term is drawn."""
+NEAR = 0.25
+"""Share of a term from which an effect is said to come near it."""
 Json = dict[str, Any]
 
 
@@ -39,15 +44,33 @@ def term_json(found: Learnt, problem: Problem) -> Json:
     }
     said: Json | None = None
     if written is not None:
-        said = {"text": written.text, "share": written.share, "share_of_term": 1.0 - now.mse / was.mse}
+        said = {
+            "text": written.text,
+            "share": written.share,
+            "share_of_term": 1.0 - now.mse / was.mse,
+        }
     return {
         "name": term.name, "label": LABEL, "quantities": list(term.quantities), "times": term.times, "lag": term.lag,
         "range": {q: list(r) for q, r in zip(term.quantities, term.ranges, strict=True)},
         "shape": list(term.shape), "rmse_held_out": held,
         "rmse_cross_validated": {"before": float(np.sqrt(was.mse)), "after": float(np.sqrt(now.mse))},
         "outside": _outside(found, problem), "looks_like": looks_like(found, problem), "formula": said,
+        "drawn": _drawn(found, problem),
         "effect_source": own_effect(written, term.name, problem.scales) if written else None, "effect_file": None,
     }  # fmt: skip
+
+
+def _drawn(found: Learnt, problem: Problem) -> Json:
+    """The term on a grid of its quantities, [N] or [N] per unit of `times`; not where no sample lies."""
+    axes = found.choice.axes
+    edges = [np.linspace(*each, DRAWN + 1) for each in found.term.ranges]
+    middles = np.meshgrid(*(0.5 * (e[1:] + e[:-1]) for e in edges), indexing="ij")
+    force = design(axes, [m.ravel() for m in middles]) @ np.array(found.term.coefficients)
+    seen = np.stack([found.values[q][problem.train] for q in found.term.quantities], axis=1)
+    count = np.histogramdd(seen, edges)[0]
+    shown = np.where(count.ravel() > 0, force, np.nan).reshape(count.shape)
+    at = {q: e.tolist() for q, e in zip(found.term.quantities, edges, strict=True)}
+    return {"edges": at, "force": shown.tolist()}
 
 
 def _outside(found: Learnt, problem: Problem) -> float:
@@ -63,7 +86,9 @@ def note(entry: Json) -> str:
     held, like = entry["rmse_held_out"], entry["looks_like"]
     over = " and ".join(name.replace("_", " ") for name in entry["quantities"])
     times = f", times {entry['times'].replace('_', ' ')}" if entry["times"] else ""
-    near = f"; nearest effect {like[0]['effect']} ({like[0]['share']:.0%} of it)" if like else ""
+    near = "; no effect of the catalogue comes near"
+    if like and like[0]["share"] > NEAR:
+        near = f"; nearest effect {like[0]['effect']} ({like[0]['share']:.0%} of it)"
     text = f"; a formula: {entry['formula']['text']}" if entry["formula"] else ""
     shape = f", {', '.join(entry['shape'])}" if entry["shape"] else ""
     ends = "; ".join(
@@ -78,7 +103,7 @@ def note(entry: Json) -> str:
 
 
 def with_term(whole: Json, found: Learnt, study: Study, first: Study, limit: float) -> Json:
-    """The content of a result with a term learnt last; study: of the model with it; limit: size it had to exceed [N]."""
+    """The content of a result with a term learnt last; study: of the model with it; limit: its least size [N]."""
     problem, after = study.problem, found.candidate
     held = errors(problem, after.fit.residual, problem.held_out).rmse
     step = {
@@ -90,23 +115,31 @@ def with_term(whole: Json, found: Learnt, study: Study, first: Study, limit: flo
     out["effects"] = [*whole["effects"], found.term.name]
     train = errors(problem, after.fit.residual, problem.train).rmse
     out["rmse_after"] = {"train": train, "held_out": held}
+    # what it leaves is known to be within reach
+    out["noise_floor"] = min(whole["noise_floor"], held)
+    out["noise_floor_train"] = min(whole["noise_floor_train"], train)
     rest = describe(problem, after.fit.residual).as_json()
     out["unexplained"] = whole["unexplained"] | {"rest": rest}
     left = {e["record"]: e for e in by_record(study.diagnosis, problem, study.data)}
     out["by_record"] = [
-        e | {k: left[e["record"]][k] for k in OF_RECORDS if e["record"] in left} for e in whole["by_record"]
+        e | {k: left[e["record"]][k] for k in OF_RECORDS if e["record"] in left}
+        for e in whole["by_record"]
     ]
     if study.checked is not None and "long" in whole:
         kept = {"before": whole["long"]["rmse"]["before"]}
         long = study.checked.as_json(again=study.again)
         out["long"] = long | {"rmse": long["rmse"] | kept}
     entry = term_json(found, problem)
-    return clean(out | {"measured_terms": [entry], "notes": [note(entry), *whole["notes"]]})
+    told: Json = clean(out | {"measured_terms": [entry], "notes": [note(entry), *whole["notes"]]})
+    return told
 
 
 def as_study(study: Study, found: Learnt) -> Study:
     """The study of a model with what was learnt, as of a pass that added it."""
     diagnosis = replace(
-        study.diagnosis, base=study.diagnosis.best, best=found.candidate, effects=(found.term.name,)
+        study.diagnosis,
+        base=study.diagnosis.best,
+        best=found.candidate,
+        effects=(found.term.name,),
     )
     return replace(study, diagnosis=diagnosis, learnt=True)

@@ -132,7 +132,11 @@ def formula(found: Learnt, problem: Problem) -> Formula | None:
     turn = float(np.std(m.x) / max(float(np.std(m.v)), 1e-300))
     plain = _best(found, problem, rows, 0.0)
     lagged = [_best(found, problem, rows, share * turn) for share in LAGS]
-    clear = [f for f in lagged if f and (plain is None or f.share > plain.share + LAG_HELPS * _of_term(found))]
+    clear = [
+        f
+        for f in lagged
+        if f and (plain is None or f.share > plain.share + LAG_HELPS * _of_term(found))
+    ]
     return max(clear, key=lambda f: f.share, default=plain)
 
 
@@ -184,7 +188,9 @@ def _best(found: Learnt, problem: Problem, rows: NDArray[np.intp], lag: float) -
     c = np.linalg.lstsq(np.hstack([j, f[:, taken]]), r, rcond=1e-12)[0][-len(taken) :]
     units = units_of(problem.scales)
     lag = lag if any(p.signal == "w" for k in taken for p in known[k]) else 0.0
-    return Formula(tuple(known[k] for k in taken), tuple(map(float, c)), 1.0 - left / base, units, lag)
+    return Formula(
+        tuple(known[k] for k in taken), tuple(map(float, c)), 1.0 - left / base, units, lag
+    )
 
 
 def _along(block: Block, signals: Mapping[str, Array]) -> Array:

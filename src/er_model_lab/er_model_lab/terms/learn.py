@@ -26,7 +26,7 @@ LAGS = (0.02, 0.06, 0.18)
 LAG_HELPS = 0.15
 """Share of the mean square left that a lag must take off."""
 TURNS, WORTH = 3, 0.01
-"""How often coefficients and parameters are fitted in turn, and the share of the mean square that one more must take."""
+"""How often coefficients and parameters are fitted in turn, and the share of the mean square that a turn must take."""
 MADE = ("force", "yield_force", "formed_duty")
 """Quantities that follow from the model's parameters."""
 AT_ONCE = 0.1
@@ -62,7 +62,9 @@ class Learnt:
 def learn(before: Candidate, problem: Problem, limit: float) -> Learnt | str:
     """What a model leaves as one smooth term, or why there is none; limit: size that an effect must exceed [N]."""
     if before.fit.model.terms:
-        return f"the model holds {before.fit.model.terms[0].name} already: no further term is learnt"
+        return (
+            f"the model holds {before.fit.model.terms[0].name} already: no further term is learnt"
+        )
     values = distinct(seen(before.fit.model, problem), problem)
     few = _samples(before.fit, values, problem, MOST)
     base = _base(few)
@@ -90,7 +92,7 @@ def _samples(fitted: Fit, values: Mapping[str, Array], problem: Problem, most: i
 
 
 def _lines(fitted: Fit, problem: Problem) -> tuple[Array, Array]:
-    """Derivatives (n, p) by the parameters that are not at a bound, of unit size, and what they were divided by (p,)."""
+    """Derivatives (n, p) of unit size by the parameters that are not at a bound, and what they were divided by (p,)."""
     inner = fitted.jacobian[:, ~fitted.at_bound]
     size = np.sqrt(np.mean(inner[problem.train] ** 2, axis=0))
     size = np.where(size > 0.0, size, 1.0)
@@ -148,7 +150,9 @@ def _together(
             found = found if felt is None else _tried(choice, fitted, felt, own, problem)
         begun, c = _begun(found, choice, fitted, problem)
         now = fit(begun, problem, max_iter=0)
-        if best is not None and not now.mse(problem.train) < (1.0 - WORTH) * best[0].mse(problem.train):
+        if best is not None and not now.mse(problem.train) < (1.0 - WORTH) * best[0].mse(
+            problem.train
+        ):
             break
         best = (now, c, design)
         fitted = fit(begun, problem, known=now.jacobian, max_iter=3)
@@ -161,7 +165,9 @@ def _again(
 ) -> dict[str, Array]:
     """The values with those of the term's quantities that follow from the model's parameters, as they are now."""
     names = [n for n in (*choice.quantities, choice.times) if n.removesuffix(LAGGED) in MADE]
-    return dict(values) | (seen(fitted.model, problem, [(n, choice.lag) for n in names]) if names else {})
+    return dict(values) | (
+        seen(fitted.model, problem, [(n, choice.lag) for n in names]) if names else {}
+    )
 
 
 def _tried(
@@ -219,7 +225,8 @@ def _as_felt(
 ) -> Array | None:
     """The design as the model passes it on, where a sensor that lags or a mount in series changes what a term adds."""
     bare, model = (
-        replace(fitted.model, terms=(_term(choice, each, np.zeros(c.size)),)) for each in (0.0 * c, c)
+        replace(fitted.model, terms=(_term(choice, each, np.zeros(c.size)),))
+        for each in (0.0 * c, c)
     )
     p, q = model.compiled().p, bare.compiled().p
     added = np.subtract(*problem.predict_many(model, np.stack([p, q])))
@@ -246,7 +253,10 @@ def _judged(
     residual = _left_out(choice, fitted, equations, penalty, problem)
     told, n = problem.forward.beginnings(problem, fitted.model), int(train.sum())
     residual[train] *= np.sqrt((n + told) / max(n - told, 1.0))
-    losses = [float(np.mean(residual[problem.fold == b] ** 2)) for b in range(int(problem.fold.max()) + 1)]
+    losses = [
+        float(np.mean(residual[problem.fold == b] ** 2))
+        for b in range(int(problem.fold.max()) + 1)
+    ]
     both = np.hstack([lines, design @ choice.map])
     spread = _spread(both, fitted, equations, penalty, problem)
     sd = np.sqrt(np.maximum(np.einsum("kr,rs,ks->k", choice.map, spread[equations.params :, equations.params :],
@@ -254,7 +264,9 @@ def _judged(
     term = _term(choice, c, sd)
     deviations = {k: dict(v) for k, v in fitted.model.deviations.items()}
     of_params = np.full(inner.size, np.inf)
-    of_params[inner] = np.sqrt(np.maximum(np.diag(spread)[: equations.params], 0.0)) / size * fitted.scale[inner]
+    of_params[inner] = (
+        np.sqrt(np.maximum(np.diag(spread)[: equations.params], 0.0)) / size * fitted.scale[inner]
+    )
     for (effect, name), value in zip(fitted.free, of_params, strict=True):
         deviations.setdefault(effect, {})[name] = float(value)
     model = replace(fitted.model, terms=(term,), deviations=deviations)
@@ -288,7 +300,9 @@ def _left_out(
     return residual
 
 
-def _spread(both: Array, fitted: Fit, equations: Normal, penalty: Array, problem: Problem) -> Array:
+def _spread(
+    both: Array, fitted: Fit, equations: Normal, penalty: Array, problem: Problem
+) -> Array:
     """Covariance of parameters and free coefficients, robust to errors that last: sandwich over one-second blocks."""
     rows = _rows(problem, MOST_AT_END)
     scores = both[rows] * fitted.residual[rows][:, None]

@@ -21,7 +21,9 @@ def own_effect(found: Formula, name: str, scales: Scales) -> str:
     lagged, hooks = "", '{"force": force}'
     if found.lag:
         low, high = 0.1 * found.lag, 10.0 * found.lag
-        params.append(f'Param("T", "s", {low:.4g}, {high:.4g}, None, ({found.lag:.4g},), "lag of the velocity")')
+        params.append(
+            f'Param("T", "s", {low:.4g}, {high:.4g}, None, ({found.lag:.4g},), "lag of the velocity")'
+        )
         hooks = '{"relax": relax, "force": force}'
         lagged = '''def relax(T: float, v: float) -> tuple[float, float]:
     """Velocity w, lagged: w' = (v - w) / T."""

@@ -1,4 +1,4 @@
-"""Penalised least squares of a term together with the model's parameters, judged on blocks left out.
+r"""Penalised least squares of a term together with the model's parameters, judged on blocks left out.
 
 A model is a straight line about its fit, as in the lab's cross-validation: what it leaves is
 
@@ -9,6 +9,7 @@ so that a term takes nothing that the parameters can take, and leaving a block o
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -109,7 +110,7 @@ def normal(j: Array, d: Array, r: Array, block: NDArray[np.int64]) -> Normal:
     """
     both = np.hstack([j, d])
     edges = np.searchsorted(block, np.arange(int(block.max()) + 2))
-    cuts = [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    cuts = [slice(a, b) for a, b in itertools.pairwise(edges)]
     return Normal(
         np.array([both[c].T @ both[c] for c in cuts]), np.array([both[c].T @ r[c] for c in cuts]),
         np.array([float(r[c] @ r[c]) for c in cuts]), np.array([float(c.stop - c.start) for c in cuts]), j.shape[1],

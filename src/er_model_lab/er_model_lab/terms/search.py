@@ -1,4 +1,4 @@
-"""Which quantities a measured term depends on, how finely, and which symmetry and sign it keeps: blocks of time decide."""
+"""What a measured term depends on, how finely, and which symmetry and sign it keeps: blocks of time decide."""
 
 from __future__ import annotations
 
@@ -176,7 +176,11 @@ def _smooth(choice: Choice, equations: Normal, base: float) -> Choice:
     tilts = TILTS if len(choice.axes) > 1 else ()
     found += [judged(best.strength * s, t) for t in tilts for s in (0.1, 1.0, 10.0)]
     best = min(found, key=lambda c: c.mse)
-    near = [c for c in found if c.weights == best.weights and c.mse <= best.mse + SIMPLER * max(base - best.mse, 0.0)]
+    near = [
+        c
+        for c in found
+        if c.weights == best.weights and c.mse <= best.mse + SIMPLER * max(base - best.mse, 0.0)
+    ]
     return max(near, key=lambda c: c.strength)
 
 
@@ -216,8 +220,8 @@ def _conditions(choice: Choice) -> list[tuple[str, Array]]:
     if "velocity" in choice.quantities:
         grid = np.meshgrid(*(_middles(a) for a in choice.axes), indexing="ij")
         points = [g.ravel() for g in grid]
-        sign = np.sign(points[choice.quantities.index("velocity")])
-        out.append(("dissipative", sign[:, None] * design(choice.axes, points)))
+        way = np.sign(points[choice.quantities.index("velocity")])
+        out.append(("dissipative", way[:, None] * design(choice.axes, points)))
     return out
 
 

@@ -26,7 +26,9 @@ def probe(quantity: str, wide: float, slope: float, lag: float = 0.0) -> Measure
     return MeasuredTerm((quantity,), (knots,), line, (0.0,) * ORDER, lag=lag)
 
 
-def seen(model: Model, problem: Problem, lags: Sequence[tuple[str, float]] = ()) -> dict[str, Array]:
+def seen(
+    model: Model, problem: Problem, lags: Sequence[tuple[str, float]] = ()
+) -> dict[str, Array]:
     """Values (n,) of every quantity that changes; lags: (quantity with `LAGGED`, time [s]), in place of them all.
 
     A term in proportion to a quantity adds that quantity to the force, whatever the motion passes on its way.

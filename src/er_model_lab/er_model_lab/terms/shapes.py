@@ -28,7 +28,7 @@ def looks_like(found: Learnt, problem: Problem) -> list[dict[str, Any]]:
     j = np.hstack([found.before.fit.jacobian[rows], np.ones((rows.size, 1))])
     q = np.linalg.qr(j)[0]
     target = _beyond(q, found.force[rows][:, None])[:, 0]
-    model, out = found.before.fit.model, []
+    model, out = found.before.fit.model, list[dict[str, Any]]()
     for effect in missing(model, problem):
         if effect.stage == "vehicle":
             continue

@@ -162,7 +162,9 @@ def _with_term(made: _Passes, asked: Question, start: Begun, name: str) -> _Pass
     kept = put_back(found.model, best.fit.model)
     candidate = replace(found.candidate, fit=replace(found.candidate.fit, model=kept))
     grown = checked(as_study(study, replace(found, candidate=candidate)))
-    model = with_history(asked.level.finished(grown, asked.seed), made.model, grown, asked.seed, name)
+    model = with_history(
+        asked.level.finished(grown, asked.seed), made.model, grown, asked.seed, name
+    )
     return replace(made, model=marked(model, start.digest), term=(found, grown, limit))
 
 
@@ -222,7 +224,8 @@ def _improved(made: _Passes, model: Model, asked: Question) -> DiagnosisResult:
         whole = with_term(whole, found, grown, first, limit)
         after = grown.problem.force - found.candidate.fit.residual
         shown = views(grown.problem, _before(first, grown), after)
-        view = replace(view, records=shown, notes=(whole["notes"][0], *view.notes))
+        line = headline(whole["rmse"]["held_out"], whole["noise_floor"])
+        view = replace(view, headline=line, records=shown, notes=(whole["notes"][0], *view.notes))
     return with_flags(replace(result, view=replace(view, result=whole), model=model))
 
 

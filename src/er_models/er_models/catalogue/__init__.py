@@ -84,8 +84,8 @@ class Catalogue:
 
     origins: by name, where the effects come from that a user added; made: function and arguments by which another
     process makes it, None: it cannot; formed: the slot of the duty u_f whose chains
-    have formed; lagged: that of what a measured term sees lagged; rest: the last slot, where the kernel searches the force
-    f_r of a damper in series with something.
+    have formed; lagged: that of what a measured term sees lagged; rest: the last slot, where the kernel searches the
+    force f_r of a damper in series with something.
     """
 
     effects: tuple[Effect, ...]

@@ -1,7 +1,7 @@
 """The force of measured terms (`er_models.measured`), from the numbers behind the parameters of the effects.
 
-    how many, lagged quantity (-1: none), rate of its lag; then of each term: both quantities (-1: no second), what it
-    is multiplied by (-1: nothing), n and m, n + 4 knots, m + 4 knots of the second, n m coefficients
+how many, lagged quantity (-1: none), rate of its lag; then of each term: both quantities (-1: no second), what it
+is multiplied by (-1: nothing), n and m, n + 4 knots, m + 4 knots of the second, n m coefficients
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ HEAD, OF_TERM = 3, 5
 
 
 @inner
-def signal(code: float, x: float, v: float, a: float, u: float, u_f: float, f_y: float, theta: float, f_d: float, lagged: float) -> float:  # type: ignore[no-untyped-def]  # noqa: E501
+def signal(code, x, v, a, u, u_f, f_y, theta, f_d, lagged):
     """The quantity of a place in `measured.QUANTITIES`, of the one behind them that which is lagged."""
     if code < 4.0:
         if code < 2.0:
@@ -27,7 +27,7 @@ def signal(code: float, x: float, v: float, a: float, u: float, u_f: float, f_y:
 
 
 @inner
-def spline(p, k, n, q):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def spline(p, k, n, q):
     """The first of the four cubic B-splines (of n, knots from p[k] on) that act at q, and their values (de Boor)."""
     q = min(max(q, p[k + 3]), p[k + n])
     i = 3
@@ -44,7 +44,7 @@ def spline(p, k, n, q):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
 
 
 @inner
-def measured(p, at, x, v, a, u, u_f, f_y, theta, f_d, lagged):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def measured(p, at, x, v, a, u, u_f, f_y, theta, f_d, lagged):
     """Force of all terms [N], whose numbers begin at p[at]."""
     total, k = 0.0, at + HEAD
     for _ in range(int(p[at])):
