@@ -6,6 +6,8 @@ from io import StringIO
 import numpy as np
 import pytest
 from er_model_lab.diagnosis.candidates import baseline
+from er_model_lab.output.report.page import write_report
+from er_model_lab.output.report.sections.measured_terms import section
 from er_model_lab.output.terminal.summary import summary
 from er_model_lab.results.terms import note, term_json
 from er_model_lab.terms.formula import formula
@@ -33,7 +35,7 @@ HIDDEN = {
 }
 
 
-def made(hidden, seed=1, seconds=24.0):
+def made(hidden, seed=1, seconds=16.0):
     """A problem whose force holds another one that the model does not know."""
     model, problem = problem_of(None, {}, seconds=seconds, seed=seed)
     m = problem.motion
@@ -138,7 +140,7 @@ def test_a_lagged_formula_is_an_effect_with_a_state(learnt, tmp_path):
 
 
 def test_the_shape_of_an_effect_that_was_left_out_is_told():
-    model, problem = problem_of("quadratic_damping", {"c_2": 120.0}, seconds=24.0)
+    model, problem = problem_of("quadratic_damping", {"c_2": 120.0}, seconds=16.0)
     found = learn(baseline(model, problem), problem, LIMIT)
     assert isinstance(found, Learnt)
     near = looks_like(found, problem)
@@ -226,7 +228,7 @@ def improved():
     return improve(Dataset.of(data), load_model(GUO), measured_terms=True)
 
 
-def data_of(hidden, seed, seconds=8.0):
+def data_of(hidden, seed, seconds=6.0):
     """A record of the force of the model and a hidden one."""
     _, problem = made(hidden, seed=seed, seconds=seconds)
     m, t = problem.motion, np.arange(problem.motion.n) * problem.motion.dt
@@ -260,7 +262,7 @@ def test_terminal_and_report_carry_the_label(improved, tmp_path):
     console = Console(width=100, file=StringIO())
     console.print(summary(improved.view))
     assert "Measured, not explained: a smooth term" in console.file.getvalue()
-    page = improved.report(tmp_path).read_text(encoding="utf-8")
+    page = write_report(improved.view, tmp_path, (section(improved.view),)).read_text(encoding="utf-8")
     assert "What was learnt: measured, not explained" in page
     assert "not why it is there" in page
 
