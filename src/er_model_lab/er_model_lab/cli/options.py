@@ -88,6 +88,13 @@ Anyway = Annotated[
         "--anyway", help="Use data that fail the preflight all the same (exit status 3)."
     ),
 ]
+MeasuredTerms = Annotated[
+    bool,
+    typer.Option(
+        "--measured-terms",
+        help="Learn what no known effect explains as one smooth term, measured and not explained.",
+    ),
+]
 EffectsFrom = Annotated[
     list[Path] | None,
     typer.Option(
@@ -110,6 +117,7 @@ PHRASES = {
     "report: expected a folder": "--report: expected a folder",
     "limits (stroke, velocity, duration)": "limits (--stroke, --velocity, --duration)",
     "set helps to": "set --helps to",
+    "measured_terms=True": "--measured-terms",
 }
 """Arguments in sentences, as the command line writes them."""
 

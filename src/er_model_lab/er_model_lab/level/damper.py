@@ -125,6 +125,10 @@ class DamperLevel:
         undone = set(KINEMATIC) - set(bare.effects)
         if study.diagnosis.interrupted:  # whoever stopped it does not wait for better ones
             found = with_deviations(replace(best, model=bare), problem)
+        elif (
+            study.learnt
+        ):  # parameters and term make up for each other: neither is moved by itself
+            found = bare
         else:
             found = study.opened.span.estimate(replace(best, model=bare), problem, seed)
         found = with_unfelt(found, on_fused(study.model), problem)
