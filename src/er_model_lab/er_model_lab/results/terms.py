@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from er_models.measured import LABEL, QUANTITIES
 
-from er_model_lab.diagnosis.by_record import by_record
 from er_model_lab.diagnosis.candidates import effect_size
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors
 from er_model_lab.residual.unexplained import describe
+from er_model_lab.results.by_record import by_record
 from er_model_lab.results.passes import OF_RECORDS, explained_by
 from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.results.values import clean
