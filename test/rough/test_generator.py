@@ -48,11 +48,9 @@ def test_it_shares_nothing_with_the_lab_or_the_other_generator():
 def short(monkeypatch):
     """Records of 4 s on a coarse grid."""
     for name, value in (
-        ("SHORTEST", 4.0),
-        ("LONGEST", 4.0),
-        ("FINEST", 1000.0),
-        ("SAMPLES", 1000.0),
-    ):
+        ("SHORTEST", 4.0), ("LONGEST", 4.0), ("FINEST", 1000.0), ("SAMPLES", 1000.0),
+        ("RATES", (200.0, 250.0, 1000.0)), ("OFTEN", (0.5, 0.4, 0.1)),
+    ):  # fmt: skip
         monkeypatch.setattr(rigs, name, value)
 
 
