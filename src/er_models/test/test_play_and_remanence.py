@@ -57,15 +57,15 @@ def test_the_field_is_dragged_along_by_the_duty_and_stays() -> None:
 
 
 def test_the_field_is_dragged_along_in_the_car_too() -> None:
-    """Steps of the duty move the body as the duties of the play operator would."""
+    """Steps of the duty, which come within a sample, move the body as the duties of the play operator would."""
     r, s, duty = 0.04, 0.7, np.repeat([0.0, 0.3, 0.1, 0.05, 0.2, 0.0], 30)
     w, field = 0.0, np.empty(duty.size)
     for k, u in enumerate(duty):
         w = min(max(w, u - r), u + r)
         field[k] = u + s * (w - u)
     road = 0.004 * np.sin(30.0 * np.arange(duty.size) * DT)
-    wanted = simulate(car(), DT, road, field)["damper_force"]
-    found = simulate(car().with_effect("remanence", {"r": r, "s": s}), DT, road, duty)[
-        "damper_force"
-    ]
+    late = car().with_effect("dead_time", {"T_d": 0.0031})
+    wanted = simulate(late, DT, road, field)["damper_force"]
+    dragged = late.with_effect("remanence", {"r": r, "s": s})
+    found = simulate(dragged, DT, road, duty)["damper_force"]
     assert np.abs(found - wanted).max() < 1e-6 * span(wanted)
