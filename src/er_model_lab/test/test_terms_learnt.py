@@ -2,21 +2,27 @@
 
 from dataclasses import replace
 from io import StringIO
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from er_model_lab.cli.missing import _with_effect_files
+from er_model_lab.cli.options import worded
 from er_model_lab.diagnosis.candidates import baseline
+from er_model_lab.level.damper import DamperLevel
 from er_model_lab.output.report.page import write_report
 from er_model_lab.output.report.sections.measured_terms import section
 from er_model_lab.output.terminal.summary import summary
 from er_model_lab.results.terms import note, term_json
 from er_model_lab.terms.formula import formula
-from er_model_lab.terms.learn import Learnt, learn
+from er_model_lab.terms.learn import Learnt, _refused, learn
 from er_model_lab.terms.own_file import own_effect
+from er_model_lab.terms.regression import normal
 from er_model_lab.terms.search import Samples, conditioned, refined
 from er_model_lab.terms.seen import seen
 from er_model_lab.terms.shapes import looks_like
 from er_model_lab.verbs.compare import compare
+from er_model_lab.verbs.diagnose import offered
 from er_model_lab.verbs.improve import improve
 from er_models.errors import InputError
 from er_models.files import load_model, save_model
@@ -256,6 +262,54 @@ def test_improve_learns_it_and_says_what_it_is(improved, tmp_path):
         Dataset.of([data_of(HIDDEN["three"], 9)]), load_model(tmp_path / "better.yaml")
     )
     assert again.rmse < 1.15 * FORCE_NOISE
+    assert not any("held constant" in note for note in again.to_dict()["notes"])
+    low = tuple(tuple(0.3 * k for k in knots) for knots in term.knots)
+    narrow = replace(improved.model, terms=(replace(term, knots=low),))
+    beyond = compare(Dataset.of([data_of(HIDDEN["three"], 9)]), narrow)
+    assert any(f"{term.name} is held constant in" in note for note in beyond.to_dict()["notes"])
+
+
+def test_what_is_left_is_offered_to_be_learnt(improved):
+    asked = SimpleNamespace(level=DamperLevel(), model=load_model(GUO))
+    for verdict in ("unknown_effect", "partial", "adequate"):
+        content = dict(improved.view.result) | {"verdict": verdict, "final_verdict": verdict}
+        view = replace(improved.view, result=content)
+        said = offered(replace(improved, view=view), asked).to_dict()["notes"][-1]
+        assert ("measured_terms=True" in said) == (verdict != "adequate")
+        assert ("--measured-terms" in worded(said)) == (verdict != "adequate")
+
+
+def test_it_is_refused_where_chance_a_few_blocks_or_held_out_data_speak_against_it(learnt):
+    problem, found = learnt["taper"]
+    before, after = found.before, found.candidate
+    assert _refused(before, after, problem, LIMIT) == ""
+    assert "chance reaches" in _refused(before, after, problem, 10.0)
+    worse = after.fit.residual + 3.0 * problem.held_out * FORCE_NOISE
+    bad = replace(after, fit=replace(after.fit, residual=worse))
+    assert "held-out data would rise" in _refused(before, bad, problem, LIMIT)
+    losses = after.losses.copy()
+    losses[0] = 20.0 * before.losses[0]
+    assert "varies too much" in _refused(before, replace(after, losses=losses), problem, LIMIT)
+
+
+def test_a_block_is_judged_by_those_that_are_no_neighbours_of_it():
+    rng = np.random.default_rng(0)
+    d, block = rng.normal(size=(120, 3)), np.arange(120) // 10
+    r = rng.normal(size=120)
+    made_of = normal(np.empty((120, 0)), d, r, block)
+    without = made_of.left_out(np.zeros((3, 3)))
+    for b in (0, 5):
+        others = np.abs(block - b) > 1
+        np.testing.assert_allclose(without[b], np.linalg.lstsq(d[others], r[others])[0])
+    left = [np.mean((r - d @ without[b])[block == b] ** 2) for b in range(12)]
+    np.testing.assert_allclose(made_of.judged(np.zeros((3, 3))), left)
+
+
+def test_the_command_writes_the_formula_beside_the_model(improved, tmp_path):
+    told = _with_effect_files(improved, tmp_path / "better.yaml").to_dict()
+    file = tmp_path / "better.measured_velocity_deflection_duty.py"
+    assert told["measured_terms"][0]["effect_file"] == str(file)
+    assert "my_measured_velocity_deflection_duty" in effects([file]).names
 
 
 def test_terminal_and_report_carry_the_label(improved, tmp_path):

@@ -46,6 +46,7 @@ from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import size_notes
 from er_model_lab.residual.excess import noise_at
 from er_model_lab.span.span import Span, spanned
+from er_model_lab.terms.seen import held
 from er_model_lab.work import HERE, Work
 
 SMALLEST_LAG = 0.08
@@ -82,7 +83,9 @@ class DamperLevel:
             "rmse_refitted": float(np.sqrt(base.mse)),
             "beyond": further.as_json() if further else None,
         }
-        notes = (*size_notes(problem, given), *centre_notes(data.originals, model))
+        notes = (
+            *size_notes(problem, given), *centre_notes(data.originals, model), *held(found.searched, problem)
+        )  # fmt: skip
         return Judged(
             found, floor.floor, noise_at(problem, floor.floor, null.input_square), content, notes
         )

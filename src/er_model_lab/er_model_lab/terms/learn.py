@@ -294,7 +294,8 @@ def _left_out(
     vectors[:, -count:] = np.vstack([both[:, n:], alone]) @ choice.map.T
     left = problem.force - problem.predict_many(fitted.model, vectors)
     residual = fitted.residual.copy()
-    for b, tried in enumerate(zip(*np.split(left, 2), strict=True)):
+    blocks = np.unique(problem.fold[problem.train])
+    for b, *tried in zip(blocks, *np.split(left, 2), strict=True):
         rows, others = problem.fold == b, problem.train & (problem.fold != b)
         residual[rows] = min(tried, key=lambda r: float(np.mean(r[others] ** 2)))[rows]
     return residual

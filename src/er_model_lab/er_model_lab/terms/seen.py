@@ -15,6 +15,8 @@ SMALL = 1e-4
 """Size of the force that shows a quantity, over that of the damper: what feeds back does not notice it."""
 WIDE = 1e3
 """Range of a quantity that is shown, over its natural scale."""
+FEW, EDGE = 0.01, 1e-3
+"""Share of samples beyond a range, and of the range, below which there is nothing to say."""
 STILL = 1e-6
 """Spread of a quantity, over its natural scale, below which it does not change."""
 
@@ -58,3 +60,22 @@ def distinct(values: Mapping[str, Array], problem: Problem) -> dict[str, Array]:
         if all(abs(c) < 1.0 - 1e-9 for c in known):
             out[name] = value
     return out
+
+
+def held(model: Model, problem: Problem) -> tuple[str, ...]:
+    """A note on each measured term of a model that many scored samples go beyond, so that it is held constant there."""
+    notes = []
+    for term in model.terms:
+        names = dict.fromkeys(term.quantities)
+        values = seen(replace(model, terms=()), problem, [(name, term.lag) for name in names])
+        outside = np.zeros(problem.used.size, bool)
+        for name, (low, high) in zip(term.quantities, term.ranges, strict=True):
+            y = values.get(name, np.full(outside.size, low))
+            slack = EDGE * (high - low)
+            outside |= (y < low - slack) | (y > high + slack)
+        share = float(np.mean(outside[problem.used]))
+        if share > FEW:
+            notes.append(
+                f"{term.name} is held constant in {share:.0%} of the samples: they lie beyond what it learnt"
+            )
+    return tuple(notes)
