@@ -140,7 +140,7 @@ class Record:
         """What mends a wrong column of the file that it was read from; '' where there is no file."""
         return cure(self.file) if self.file else ""
 
-    def slice(self, i: int, j: int) -> Record:
+    def slice(self, i: int, j: int | None) -> Record:
         """Samples i to j (Python slice rules); the time axis keeps its values."""
         part = {name: samples[i:j] for name, samples in self.channels.items()}
         wild = self.wild and {name: mask[i:j] for name, mask in self.wild.items()}
