@@ -191,6 +191,11 @@ def test_every_error_about_a_column_ends_with_its_cure(
     assert str(caught.value).endswith(f"./er lab map '{path}'")
 
 
+def test_the_cure_of_a_table_in_memory_is_an_argument() -> None:
+    with pytest.raises(InputError, match="names={'damper_force'"):
+        from_frame(pd.DataFrame({"Zeit": T, "Weg": X}))
+
+
 @pytest.mark.parametrize(
     ("si", "unit", "factor"),
     [("N", "kip", 4448.2216152605), ("N", "KIPS", 4448.2216152605), ("N", "lb", 4.4482216152605), ("K", "deg F", 5 / 9),
