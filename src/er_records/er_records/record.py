@@ -49,7 +49,9 @@ def unit_of(name: str) -> str | None:
 
 
 def cure(path: str | Path) -> str:
-    """The command that mends what is wrong with a file's columns."""
+    """What mends wrong columns: of a file a command, of a table in memory an argument."""
+    if not Path(path).exists():
+        return "say what its columns are: names={'damper_force': 'Kraft [kN]'}"
     return f"say what its columns are: ./er lab map {shlex.quote(str(path))}"
 
 
@@ -140,7 +142,7 @@ class Record:
         """What mends a wrong column of the file that it was read from; '' where there is no file."""
         return cure(self.file) if self.file else ""
 
-    def slice(self, i: int, j: int) -> Record:
+    def slice(self, i: int, j: int | None) -> Record:
         """Samples i to j (Python slice rules); the time axis keeps its values."""
         part = {name: samples[i:j] for name, samples in self.channels.items()}
         wild = self.wild and {name: mask[i:j] for name, mask in self.wild.items()}

@@ -143,6 +143,29 @@ def test_a_table_without_names_or_of_spaces_is_read_with_a_mapping(tmp_path: Pat
     assert len(load([tmp_path], names)) == 1
 
 
+@pytest.mark.parametrize(
+    ("first", "form"),
+    [
+        (86398.0, "{h:02d}:{m:02d}:{s:06.3f}"),
+        (44000.0, "29.04.2022 {h:02d}:{m:02d}:{s:06.3f}"),
+        (44000.0, "04/29/2022 {g}:{m:02d}:{s:06.3f} PM"),
+    ],
+)
+def test_a_time_of_day_is_a_time(tmp_path: Path, first: float, form: str) -> None:
+    lines = ["Uhrzeit;Weg [mm]"]
+    for t, x in zip((T + first).tolist(), X.tolist(), strict=True):
+        h, m, s = int(t // 3600) % 24, int(t // 60) % 60, t % 60
+        lines.append(f"{form.format(h=h, g=h % 12 or 12, m=m, s=s)};{1e3 * x!r}")
+    (tmp_path / "a.csv").write_text("\n".join(lines) + "\n")
+    (record,) = load([tmp_path / "a.csv"], {"t": "Uhrzeit", "deflection": "Weg"})
+    np.testing.assert_allclose(record.t, T, atol=1e-3)
+    np.testing.assert_allclose(record.channels["deflection"], X, atol=1e-12)
+    lines[300] = "gestern;1.0"
+    (tmp_path / "a.csv").write_text("\n".join(lines) + "\n")
+    with pytest.raises(InputError, match=r"data row 300.*time of day.*lab map"):
+        load([tmp_path / "a.csv"], {"t": "Uhrzeit", "deflection": "Weg"})
+
+
 def test_a_time_or_a_constant_may_be_made(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text(text({"Weg": X, "Kraft": F}))
     names = {
@@ -189,6 +212,11 @@ def test_every_error_about_a_column_ends_with_its_cure(
     with pytest.raises(ErError) as caught:
         load([path])[0].need("duty", "to know the field")
     assert str(caught.value).endswith(f"./er lab map '{path}'")
+
+
+def test_the_cure_of_a_table_in_memory_is_an_argument() -> None:
+    with pytest.raises(InputError, match=r"names=\{'damper_force'"):
+        from_frame(pd.DataFrame({"Zeit": T, "Weg": X}))
 
 
 @pytest.mark.parametrize(

@@ -44,10 +44,12 @@ def map_command(
 ) -> None:
     """List columns with unit, range and rate, guess what they are, and write names.yaml for the folder."""
     try:
+        from er_records.mapping.mapping import entry
+
         from er_model_lab.output.terminal.mapping import summary
         from er_model_lab.verbs.map import map as mapped
 
-        given = dict(_entry(text) for text in said or ())
+        given = dict(entry(text) for text in said or ())
         writable({"--out": out, "--json": json_file}, None, {"DATA": [path]})
         found = mapped(path, given)
         if sys.stdin.isatty() and sys.stdout.isatty() and not given:
@@ -100,23 +102,6 @@ def _missing(found: Mapped) -> str:
 
     lacking = [c for c in NEEDED if c not in found.sources]
     return " ".join(["say", *(option(c, found.unsure.get(c)) for c in lacking or ASKED[-1:])])
-
-
-def _entry(text: str) -> tuple[str, Any]:
-    """`damper_force=Kraft [kN]` as channel and what is said of it."""
-    import yaml
-
-    channel, mark, value = text.partition("=")
-    if not mark:
-        raise InputError("--set", "", 'CHANNEL=COLUMN, such as damper_force="Kraft [kN]"', text)
-    if value.strip().startswith("{"):
-        try:
-            return channel.strip(), yaml.safe_load(value)
-        except yaml.YAMLError:
-            raise InputError(
-                "--set", channel, "{from: COLUMN, unit: kN, sign: -1}", value
-            ) from None
-    return channel.strip(), value.strip()
 
 
 def _answers(found: Mapped) -> dict[str, Any]:

@@ -178,7 +178,8 @@ def _with_asked_lag(asked: Question) -> Study:
     if not found.problem.measures_velocity:
         first = data.records[0]
         raise MissingChannel(
-            first.source or first.name, "deflection_velocity", "to see that it lags", tuple(first.channels)
+            first.source or first.name, "deflection_velocity", "to see that it lags", tuple(first.channels),
+            first.cure,
         )  # fmt: skip
     if not found.lag:
         seen = one_effect(found.searched, found.problem, "velocity_lag", seed)

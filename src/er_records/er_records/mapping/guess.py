@@ -23,6 +23,12 @@ PHYSICS, AGAINST = 0.1, -0.25
 """What a relation to other columns adds where it holds, and where it contradicts."""
 LARGEST = {"deflection": 1.0, "deflection_velocity": 20.0, "damper_force": 1e6, "duty": 1.0}
 """Largest believable magnitudes [SI]: beyond them a column without a unit is of another one."""
+VOLTAGE = 0.02
+"""What a current is preferred by to a voltage."""
+CONTRACT = "the name of docs/data.md"
+"""Why a column is sure whose name is the channel's own: without a unit it is SI."""
+VOLTAGE = 0.02
+"""What a current is preferred by to a voltage."""
 NOISY = 0.02
 """Share by which noise may lift the largest current above a full scale of two digits."""
 SNAP = 0.04
@@ -98,7 +104,7 @@ def _told(survey: Survey, channel: str, source: Source) -> Guess:
 def _by_words(free: list[Seen], taken: Any) -> dict[str, Guess]:
     """The best fitting column of each channel by name and unit, best fit first."""
     scored = [
-        (fits(channel, seen.name, seen.unit), channel, seen)
+        (_fit(channel, seen), channel, seen)
         for channel in WORDS if channel not in taken for seen in free
         if channel != TIME or physics.is_time(seen.samples)
     ]  # fmt: skip
@@ -107,12 +113,19 @@ def _by_words(free: list[Seen], taken: Any) -> dict[str, Guess]:
     for score, channel, seen in sorted(scored, key=lambda each: -each[0]):
         if score < 0.2 or channel in found or seen.header in used:
             continue
-        named = (
+        said = (
             "name and unit" if score > 0.8 else "unit" if score <= 0.45 and seen.unit else "name"
         )
-        found[channel] = Guess(channel, seen, Source(seen.header), score, (named,))
+        why = CONTRACT if seen.name == channel else said
+        found[channel] = Guess(channel, seen, Source(seen.header), score, (why,))
         used.add(seen.header)
     return found
+
+
+def _fit(channel: str, seen: Seen) -> float:
+    """How well a column fits a channel by name and unit; surest where the name is the channel's own."""
+    score = fits(channel, seen.name, seen.unit) - VOLTAGE * seen.unit.endswith("V")
+    return 0.95 if seen.name == channel and score > 0.0 else score
 
 
 def _timed(
@@ -298,6 +311,8 @@ def _finished(guess: Guess) -> Guess:
         return guess.more(-0.5, f"unknown unit {guess.unit}")
     if not guess.unit and guess.channel != TIME:
         largest = LARGEST.get(guess.channel, math.inf)
+        if guess.why[:1] == (CONTRACT,) and high <= largest:
+            return guess
         if high > largest:
             return guess.more(-0.5, "no unit, and too large for SI")
         return guess.more(-0.05, "no unit: taken as SI")

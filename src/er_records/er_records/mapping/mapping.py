@@ -163,6 +163,20 @@ def said(names: Mapping[str, Any]) -> dict[str, Source]:
     return {**parsed(kept).sources, **{c: Source() for c in names.keys() - kept.keys()}}
 
 
+def entry(text: str) -> tuple[str, Any]:
+    """`damper_force=Kraft [kN]`, or `duty={from: Strom, full_scale: 1.6}`, as a channel and what is said of it."""
+    channel, mark, value = (part.strip() for part in text.partition("="))
+    if not mark:
+        raise InputError("--set", "", 'CHANNEL=COLUMN, such as damper_force="Kraft [kN]"', text)
+    if not value.startswith("{"):
+        return channel, value
+    try:
+        return channel, yaml.safe_load(value)
+    except yaml.YAMLError:
+        expected = "{from: COLUMN, unit: kN, sign: -1}"
+        raise InputError("--set", channel, expected, value) from None
+
+
 def sure_in_words(guess: Guess) -> str:
     """`sure`, `likely` or `unsure`."""
     return "sure" if guess.sure >= SURE else "likely" if guess.sure >= LIKELY else "unsure"

@@ -9,7 +9,7 @@ from er_records.readers.units import quantities
 from er_records.record import unit_of
 
 WORDS: dict[str, str] = {
-    TIME: "t time zeit timestamp zeitstempel messzeit sekunden seconds clock stamp",
+    TIME: "t time zeit timestamp zeitstempel uhrzeit messzeit sekunden seconds clock stamp",
     "deflection": "deflection displacement disp dist distance stroke travel position pos extension elongation "
     "lvdt weg hub kolbenweg federweg einfederung einfederweg ausfederung auslenkung verschiebung relativweg x s",
     "deflection_velocity": "velocity vel speed geschwindigkeit geschw kolbengeschwindigkeit v vrel",

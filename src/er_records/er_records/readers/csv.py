@@ -32,6 +32,11 @@ OLD_WINDOWS = "äöüÄÖÜß°µ²³±·éèàç–"
 MOST_ABOVE = 60
 """Lines among which the first numbers are looked for."""
 
+HALF_DAY = 43_200.0
+"""A step back in a time of day beyond this is midnight [s]."""
+_CLOCK = re.compile(r"(?:^|[ T])(\d{1,2}):(\d{2})(?::(\d{2}(?:[.,]\d+)?))?\s*(?:([AaPp])[Mm])?$")
+"""A time of day, behind a date or not: 23:59:59.995, 2022-04-29T12:11, 04/29/2022 12:11:14.596 PM."""
+
 
 @dataclass(frozen=True)
 class _Text:
@@ -78,15 +83,44 @@ def table(path: Path) -> Table:
         notes.append("the last line is cut off and was dropped")
 
     def numbers(columns: Sequence[Column]) -> Numbers:
-        decimal = _decimal(rows, text.delimiter, columns)
-        how = ["numbers are written with a decimal comma"] * (decimal == ",")
-        return _numbers(path, rows, text.delimiter, decimal, columns), how
+        clocks = [c for c in columns if _CLOCK.search(_cell(rows, text.delimiter, c.index))]
+        plain = [c for c in columns if c not in clocks]
+        decimal = _decimal(rows, text.delimiter, plain)
+        how = ["numbers are written with a decimal comma"] * (decimal == "," and bool(plain))
+        how += [f"{c.name} is a time of day, counted from the first row on" for c in clocks]
+        found = {c.index: _clock(path, rows, text.delimiter, c) for c in clocks}
+        read = _numbers(path, rows, text.delimiter, decimal, plain) if plain else []
+        found |= {c.index: y for c, y in zip(plain, read, strict=True)}
+        return [found[c.index] for c in columns], how
 
     if not text.named:
         notes.insert(0, f"no column names: {rows[0][:60]}")
     return Table(
         path, text.header, numbers, digest_bytes(data), complete, next(iter(comments), ""), None, tuple(notes)
     )  # fmt: skip
+
+
+def _cell(rows: list[str], delimiter: str, index: int) -> str:
+    """A cell of the first row; '' where there is none."""
+    cells = rows[0].split(delimiter) if rows else []
+    return cells[index].strip().strip('"') if index < len(cells) else ""
+
+
+def _clock(path: Path, rows: list[str], delimiter: str, column: Column) -> Array:
+    """Seconds (n,) since the first row, of a column of times of day; a day is added at midnight."""
+    seconds = np.empty(len(rows))
+    for k, row in enumerate(rows):
+        found = _CLOCK.search(_cell([row], delimiter, column.index))
+        if found is None:
+            key = f"data row {k + 1}, column '{column.name}'"
+            raise InputError(path, key, "a time of day such as 12:34:56.789", row[:60], cure(path))
+        hours, minutes, rest, half = found.groups()
+        day = 12.0 * (half is not None and half.lower() == "p") + float(hours) % (
+            12 if half else 24
+        )
+        seconds[k] = 3600.0 * day + 60.0 * float(minutes) + float((rest or "0").replace(",", "."))
+    back = np.cumsum(np.diff(seconds, prepend=seconds[:1]) < -HALF_DAY)
+    return np.asarray(seconds + 2.0 * HALF_DAY * back - seconds[0])
 
 
 def is_table(path: Path) -> bool:
@@ -129,9 +163,9 @@ def _with_unit(name: str, unit: str) -> str:
 
 
 def _numeric(cells: Sequence[str]) -> bool:
-    """Whether at least half of the cells that are filled are numbers."""
+    """Whether at least half of the cells that are filled are numbers, or times of day."""
     filled = [cell for cell in cells if cell.strip()]
-    good = sum(_is_number(c, ".") or _is_number(c, ",") for c in filled)
+    good = sum(_is_number(c, ".") or _is_number(c, ",") or bool(_CLOCK.search(c)) for c in filled)
     return bool(filled) and 2 * good >= len(filled)
 
 
