@@ -109,6 +109,7 @@ PHRASES = {
     "report: expected a folder": "--report: expected a folder",
     "limits (stroke, velocity, duration)": "limits (--stroke, --velocity, --duration)",
     "set helps to": "set --helps to",
+    "something to write: series, lut, c or fmu": "something to write: --series, --lut, --c or --fmu",
 }
 """Arguments in sentences, as the command line writes them."""
 

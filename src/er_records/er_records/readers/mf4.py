@@ -19,7 +19,7 @@ from er_models.errors import ErError, InputError
 
 from er_records.provenance import digest_bytes
 from er_records.readers.columns import Column, resolve, split_header, to_si
-from er_records.record import CHANNELS, HELD, Array, Record
+from er_records.record import CHANNELS, HELD, Array, Record, unit_of
 from er_records.sampling import at
 
 if TYPE_CHECKING:
@@ -93,7 +93,8 @@ def _columns(
     """Channels to read, the file's own name of every channel, and notes."""
     wanted = {*CHANNELS, *names.values(), *(split_header(value)[0] for value in names.values())}
     own = [name for name in mdf.channels_db if not _is_time(mdf, name)]
-    header = [_header(path, mdf, name) if name in wanted else name for name in own]
+    extra_one = {name for name in own if unit_of(name) and len(mdf.whereis(name)) == 1}
+    header = [_header(path, mdf, n) if n in wanted | extra_one else n for n in own]
     if not own:
         raise InputError(path, "channels", f"at least one of {', '.join(CHANNELS)}", "none")
     columns, ignored = resolve(path, header, names, needs_time=False)
