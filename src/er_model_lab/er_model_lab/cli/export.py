@@ -38,10 +38,16 @@ def export_command(
     c: Annotated[
         Path | None, typer.Option("--c", metavar="DIR", help="The damper as C code.")
     ] = None,
+    fmu: Annotated[
+        Path | None,
+        typer.Option("--fmu", metavar="OUT", help="The damper as FMI co-simulation unit: .fmu."),
+    ] = None,
+    fmi: Annotated[int, typer.Option(help="Version of FMI: 2 or 3.")] = 3,
     sensors: Annotated[
         bool,
         typer.Option(
-            "--sensors/--no-sensors", help="Whether C code holds what the sensors do to motion and force."
+            "--sensors/--no-sensors",
+            help="Whether C code and FMU hold what the sensors do to motion and force.",
         ),
     ] = True,
     json_file: Json = None,
@@ -50,19 +56,19 @@ def export_command(
     seed: Annotated[int, seed_option("As of the other commands; nothing here is random.")] = 0,
     anyway: Anyway = False,
 ) -> None:
-    """Take a model to other programs: its force along data, a table of it, C code."""
+    """Take a model to other programs: its force along data, a table of it, C code, an FMU."""
     try:
         damper_only(level, "export")
         if data and series is None:
             raise InputError("DATA", "", "--series with it", "none")
-        files = {"--series": series, "--lut": lut, "--json": json_file}
+        files = {"--series": series, "--lut": lut, "--fmu": fmu, "--json": json_file}
         writable(files, None, read_by(data, [model], effects_from))
         from er_model_lab.verbs.export import export
         from er_model_lab.verbs.load import load_model
 
         result = export(
-            load_model(model, effects_from or ()), loaded(data), series=series, lut=lut, c=c, sensors=sensors,
-            anyway=anyway,
+            load_model(model, effects_from or ()), loaded(data), series=series, lut=lut, c=c, fmu=fmu, fmi=fmi,
+            sensors=sensors, anyway=anyway,
         )  # fmt: skip
         write_json(json_file, result.to_dict() | {"seed": seed})
     except ErError as error:

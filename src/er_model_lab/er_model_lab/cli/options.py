@@ -97,7 +97,7 @@ EffectsFrom = Annotated[
 OPTIONS = {
     "data": "DATA", "held_out": "--hold-out", "level": "--level", "report": "--report", "seed": "--seed",
     "false_alarm": "--false-alarm", "smallest": "--smallest", "helps": "--helps", "stroke": "--stroke",
-    "velocity": "--velocity", "duty_max": "--duty-max", "duration": "--duration",
+    "velocity": "--velocity", "duty_max": "--duty-max", "duration": "--duration", "fmi": "--fmi",
 }  # fmt: skip
 """Arguments of the lab's functions and the options that stand for them."""
 PHRASES = {

@@ -12,6 +12,7 @@ import numpy as np
 from er_models.errors import InputError
 from er_models.export.c_code import write_c
 from er_models.export.force_table import force_table, without_sensors
+from er_models.export.fmu import here, write_fmu
 from er_models.model import Array, Model
 from er_models.prediction import predict
 from er_records.dataset import Dataset
@@ -60,14 +61,15 @@ class ExportResult:
 @on_one_thread
 def export(
     model: Model, data: Dataset | None = None, *, series: str | Path | None = None, lut: str | Path | None = None,
-    c: str | Path | None = None, sensors: bool = True, anyway: bool = False,
+    c: str | Path | None = None, fmu: str | Path | None = None, fmi: int = 3, sensors: bool = True, anyway: bool = False,
 ) -> ExportResult:  # fmt: skip
     """Write a model for other programs, and what it makes of data.
 
     series: .csv, .parquet, .mat or .mf4, one file a record: time, inputs, measured and predicted force, residual, and
     the share of each effect, which is by how much the force differs when that effect alone is switched off; lut: .csv,
-    force over velocity and duty (`er_models.export.force_table`); c: folder for C code; sensors: whether C code holds
-    what the sensors do to motion and force; anyway: data that fail the preflight are used all the same.
+    force over velocity and duty (`er_models.export.force_table`); c: folder for C code; fmu: .fmu, a unit for
+    co-simulation (`er_models.export.fmu`) by version 2 or 3 of FMI; sensors: whether both hold what the sensors do to
+    motion and force; anyway: data that fail the preflight are used all the same.
 
     Raises:
         InputError: nothing to write, a suffix that there is no writer for, data that fail the preflight.
@@ -90,6 +92,9 @@ def export(
     if c is not None:
         folder = Path(c)
         work.append(lambda: ExportResult(model.name, write_c(carried, folder), {"c": str(folder)}))
+    if fmu is not None:
+        unit = Path(fmu)
+        work.append(lambda: _unit(carried, unit, fmi))
     if not work:
         raise InputError("export", "", "something to write: series, lut, c or fmu", "nothing")
     return _together(model.name, [each() for each in work])
@@ -113,6 +118,14 @@ def _table(model: Model, out: Path) -> ExportResult:
         "amplitude": table.amplitude,
     }  # fmt: skip
     return ExportResult(model.name, (out,), {"lut": content})
+
+
+def _unit(model: Model, out: Path, fmi: int) -> ExportResult:
+    """Write a unit for co-simulation."""
+    runs = write_fmu(model, out, fmi)
+    content = {"file": str(out), "fmi": fmi, "library": here() if runs else None}
+    note = "without a C compiler (cc, gcc or clang) the FMU holds sources only: compile them before it runs"
+    return ExportResult(model.name, (out,), {"fmu": content}, () if runs else (note,))
 
 
 def _series(data: Dataset, model: Model, out: Path, *, anyway: bool) -> ExportResult:

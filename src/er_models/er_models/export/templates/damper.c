@@ -48,8 +48,10 @@ static double shown(STATE *d, double now, double delay)
 {
     const double at_time = now - delay;
     int i, older;
-    d->newest = (d->newest + 1) % @QUEUE@;
-    d->kept += d->kept < @QUEUE@;
+    if (!d->kept || now > d->past[d->newest][0]) {
+        d->newest = (d->newest + 1) % @QUEUE@;
+        d->kept += d->kept < @QUEUE@;
+    }
     d->past[d->newest][0] = now;
     d->past[d->newest][1] = d->force;
     if (d->kept < 2 || at_time >= now) return d->force;
@@ -95,13 +97,15 @@ double @NAME@_step(STATE *d, const PARAMETERS *p, double dt, double x, double v,
     const tuple_dddd x_k = cubic(d->x, d->v, x, v, dt), v_k = cubic(d->v, d->a, v, a, dt);
     double end = 0.0, now;
     int j, on_grid = 1;
-    if (!(dt > 0.0)) return d->force;
-    if (dt != d->dt) {
+    if (!(dt >= 0.0)) return d->force;
+    if (dt == 0.0) {
+        look(d, p, 0.0, x, v, a, d->began + d->steps * d->dt, theta);
+    } else if (dt != d->dt) {
         d->began += d->steps * d->dt;
         d->steps = 0.0;
         d->dt = dt;
     }
-    for (j = 1; j <= n; j++) {
+    for (j = 1; j <= n && dt > 0.0; j++) {
         const double q = (double) j / n;
 //if input_delay
         while (d->many && d->waiting[0].due < (1.0 - @ROUNDING@) * dt && d->waiting[0].due < q * dt) {
@@ -117,8 +121,8 @@ double @NAME@_step(STATE *d, const PARAMETERS *p, double dt, double x, double v,
         end = q;
         on_grid = 1;
     }
-    d->steps += 1.0;
-    now = d->began + d->steps * dt;
+    d->steps += dt > 0.0;
+    now = d->began + d->steps * d->dt;
 //if input_delay
     for (j = 0; j < d->many; j++) d->waiting[j].due -= dt;
     if (u != d->asked) {

@@ -43,7 +43,7 @@ double @NAME@_init(@NAME@_state *d, const @NAME@_parameters *p, double x, double
 /* One step of dt [s], to the motion x, v, a and temperature theta at its end. Returns the force [N] there.
  * Within the step the deflection is the cubic through both ends and their velocities, the velocity that through both
  * ends and their accelerations; acceleration and temperature are straight lines. The duty u acts from the end on: within
- * the step the one before is held. Steps of the integrator are at most @SUBSTEP@ s long, whatever dt.
+ * the step the one before is held. A step of no length only looks at other inputs. Steps of the integrator are at most @SUBSTEP@ s long, whatever dt.
 //if input_delay
  * Of the changes of the duty within the dead time @QUEUE@ are kept; of more the newest one replaces the last.
 //end
