@@ -69,9 +69,9 @@ _HOME = {
 
 __all__ = [
     "Cancelled", "CandidateResult", "CheckResult", "ComparisonResult", "Dataset", "DiagnosisResult", "ErError",
-    "Errors", "ExportResult", "IdentificationResult", "InputError", "Leader", "MissingChannel", "Parameter", "PlanResult", "Record",
-    "Rule", "Step", "UnknownName", "__version__", "add", "check", "compare", "diagnose", "export", "from_arrays",
-    "from_frame", "identify", "improve", "load", "load_model", "plan", "save_model",
+    "Errors", "ExportResult", "IdentificationResult", "InputError", "Leader", "MissingChannel", "Parameter",
+    "PlanResult", "Record", "Rule", "Step", "UnknownName", "__version__", "add", "check", "compare", "diagnose",
+    "export", "from_arrays", "from_frame", "identify", "improve", "load", "load_model", "plan", "save_model",
 ]  # fmt: skip
 
 

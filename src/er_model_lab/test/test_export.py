@@ -6,7 +6,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-import er_model_lab as lab
 import numpy as np
 import pytest
 from asammdf import MDF
@@ -19,6 +18,8 @@ from er_models.shipped import names
 from lab_help import DT, GUO, imposed
 from scipy.io import loadmat
 from typer.testing import CliRunner
+
+import er_model_lab as lab
 
 FORCES = ("damper_force", "force_predicted", "force_residual")
 
@@ -99,19 +100,27 @@ def test_a_share_is_what_is_lost_without_the_effect(runs: list[Path], tmp_path: 
 
 
 def test_each_record_gets_its_file(runs: list[Path], tmp_path: Path) -> None:
-    result = call(*runs, "--model", GUO, "--series", tmp_path / "out.parquet", "--json", tmp_path / "r.json")
+    result = call(
+        *runs, "--model", GUO, "--series", tmp_path / "out.parquet", "--json", tmp_path / "r.json"
+    )
     assert result.exit_code == 0, result.output
     made = json.loads((tmp_path / "r.json").read_text())
     assert [Path(f).name for f in made["files"]] == ["out_run1.parquet", "out_run2.parquet"]
     for series, run in zip(made["series"], runs, strict=True):
-        np.testing.assert_array_equal(again(Path(series["file"]))[0]["t"], lab.load(run).records[0].t)
+        np.testing.assert_array_equal(
+            again(Path(series["file"]))[0]["t"], lab.load(run).records[0].t
+        )
         assert set(series["shares"]) == set(load_model(GUO).effects)
 
 
 def test_a_table_holds_the_force_at_the_middle_of_the_stroke(tmp_path: Path) -> None:
     assert call("--model", GUO, "--lut", tmp_path / "lut.csv").exit_code == 0
     head, *rows = (tmp_path / "lut.csv").read_text().splitlines()
-    assert head.split(",")[:3] == ["velocity [m/s]", "force at duty 0 [N]", "force at duty 0.05 [N]"]
+    assert head.split(",")[:3] == [
+        "velocity [m/s]",
+        "force at duty 0 [N]",
+        "force at duty 0.05 [N]",
+    ]
     table = np.array([row.split(",") for row in rows], float)
     m = load_model(GUO)
     assert (table[0, 0], table[-1, 0]) == (-m.rig["velocity_max"], m.rig["velocity_max"])
@@ -132,7 +141,9 @@ def test_every_shipped_model_has_a_table(name: str) -> None:
 def test_a_damper_without_duty_and_sensors_that_lie(tmp_path: Path) -> None:
     plain = load_model(GUO).without_effect("guo_yield").without_effect("response")
     assert force_table(plain).duty.tolist() == [0.0]
-    lying = plain.with_effect("deflection_zero", {"x_0": 0.002}).with_effect("force_gain", {"g_F": 2.0})
+    lying = plain.with_effect("deflection_zero", {"x_0": 0.002}).with_effect(
+        "force_gain", {"g_F": 2.0}
+    )
     np.testing.assert_array_equal(force_table(lying).force, force_table(plain).force)
     assert "force_gain" in c_of(lying, tmp_path)
     assert "force_gain" not in c_of(lying, tmp_path, sensors=False)
@@ -148,7 +159,11 @@ def test_everything_at_once(runs: list[Path], tmp_path: Path) -> None:
     words = [w for option, name in out.items() for w in (option, tmp_path / name)]
     result = call(runs[0], "--model", GUO, *words, "--fmi", 2)
     assert result.exit_code == 0, result.output
-    names = [line.rpartition("/")[2] for line in result.output.splitlines() if line.startswith("written: ")]
+    names = [
+        line.rpartition("/")[2]
+        for line in result.output.splitlines()
+        if line.startswith("written: ")
+    ]
     assert names == ["s.csv", "l.csv", "inove_guo.h", "inove_guo.c", "d.fmu"]
     assert result.output.startswith("run1: 800 rows, error ")
 
@@ -169,7 +184,11 @@ def test_everything_at_once(runs: list[Path], tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_one_line_and_nothing_is_written(
-    words: tuple[str, ...], said: str, runs: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    words: tuple[str, ...],
+    said: str,
+    runs: list[Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("kept")

@@ -43,7 +43,9 @@ def units(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, int], Pat
     return made
 
 
-CASES = pytest.mark.parametrize(("name", "version"), [(n, v) for n in MODELS for v in fmu.VERSIONS])
+CASES = pytest.mark.parametrize(
+    ("name", "version"), [(n, v) for n in MODELS for v in fmu.VERSIONS]
+)
 
 
 def instance(path: Path, tmp_path: Path) -> tuple[Any, Any, dict[str, int]]:
@@ -92,7 +94,9 @@ def stepped(path: Path, inputs: Motion, tmp_path: Path) -> Array:
 
 @needs_compiler
 @CASES
-def test_fmpy_finds_nothing_wrong(name: str, version: int, units: dict[tuple[str, int], Path]) -> None:
+def test_fmpy_finds_nothing_wrong(
+    name: str, version: int, units: dict[tuple[str, int], Path]
+) -> None:
     from fmpy.validation import validate_fmu
 
     assert validate_fmu(str(units[name, version])) == []
@@ -105,7 +109,9 @@ def test_the_force_is_that_of_the_kernel(
 ) -> None:
     inputs = imposed(MODELS[name].scales, 1.0)
     expected = predict(MODELS[name], inputs)
-    assert np.abs(stepped(units[name, version], inputs, tmp_path) - expected).max() < CLOSE * span(expected)
+    assert np.abs(stepped(units[name, version], inputs, tmp_path) - expected).max() < CLOSE * span(
+        expected
+    )
 
 
 def simulated(path: Path, inputs: Motion, **more: Any) -> Array:
@@ -114,7 +120,12 @@ def simulated(path: Path, inputs: Motion, **more: Any) -> Array:
     rows = list(zip(t, inputs.x, inputs.v, inputs.a, inputs.u, strict=True))
     signals = np.array(rows, dtype=[("time", float), *((n, float) for n in NAMES)])
     found = fmpy.simulate_fmu(
-        str(path), stop_time=t[-1], output_interval=inputs.dt, input=signals, output=["force"], **more
+        str(path),
+        stop_time=t[-1],
+        output_interval=inputs.dt,
+        input=signals,
+        output=["force"],
+        **more,
     )
     return np.asarray(found["force"])
 
@@ -141,7 +152,9 @@ def test_with_derivatives_fmi_2_takes_the_inputs_of_the_beginning(
 
 @needs_compiler
 @pytest.mark.parametrize("version", fmu.VERSIONS)
-def test_inputs_at_the_start_carry_the_motion_on(version: int, units: dict[tuple[str, int], Path]) -> None:
+def test_inputs_at_the_start_carry_the_motion_on(
+    version: int, units: dict[tuple[str, int], Path]
+) -> None:
     """Without them the force comes one step late."""
     inputs = imposed(SMALL, 1.0, 1e-3)
     expected = predict(guo(), inputs)
@@ -168,7 +181,10 @@ def test_a_step_can_be_taken_back_and_parameters_changed(
     write(places, [0.004, 0.0, 0.0, 0.0])
     assert read([vr["force"]])[0] == pytest.approx(2.0)
     made.exitInitializationMode()
-    get, back = (getattr(made, f"{w}FMUState", None) or getattr(made, f"{w}FMUstate") for w in ("get", "set"))
+    get, back = (
+        getattr(made, f"{w}FMUState", None) or getattr(made, f"{w}FMUstate")
+        for w in ("get", "set")
+    )
     state = get()
     runs = []
     for _ in range(2):
@@ -189,14 +205,21 @@ def test_parameters_have_values_units_and_bounds(
 ) -> None:
     model = MODELS[name]
     about = fmpy.read_model_description(str(units[name, version]))
-    known = {v.name: v for v in about.modelVariables if v.causality == "parameter" and v.type != "Boolean"}
+    known = {
+        v.name: v
+        for v in about.modelVariables
+        if v.causality == "parameter" and v.type != "Boolean"
+    }
     assert set(known) == {f"{e}.{q}" for e, own in model.effects.items() for q in own}
     for effect, own in model.effects.items():
         for parameter, value in own.items():
             v, low_high = known[f"{effect}.{parameter}"], model.bounds(effect, parameter)
             assert float(v.start) == value
             assert v.unit == model.catalogue[effect].parameter(parameter).unit
-            assert (float(v.min), float(v.max)) == (min(low_high[0], value), max(low_high[1], value))
+            assert (float(v.min), float(v.max)) == (
+                min(low_high[0], value),
+                max(low_high[1], value),
+            )
     units_known = {u.name for u in about.unitDefinitions}
     assert {v.unit for v in known.values()} <= units_known
     inputs = {v.name: v.unit for v in about.modelVariables if v.causality == "input"}
@@ -211,7 +234,9 @@ def test_units_are_made_of_base_units() -> None:
     assert base_units("1") == {}
 
 
-def test_without_a_compiler_it_holds_its_sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_compiler_it_holds_its_sources(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.delenv("CC", raising=False)
     monkeypatch.setattr(fmu, "COMPILERS", ("no_such_compiler",))
     assert not write_fmu(guo(), tmp_path / "a.fmu")

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 def export_command(
     model: ModelFile,
     data: Annotated[
-        list[Path] | None, typer.Argument(metavar="[DATA]", help="Measurements, for --series alone.")
+        list[Path] | None,
+        typer.Argument(metavar="[DATA]", help="Measurements, for --series alone."),
     ] = None,
     series: Annotated[
         Path | None,
@@ -33,7 +34,9 @@ def export_command(
     ] = None,
     lut: Annotated[
         Path | None,
-        typer.Option("--lut", metavar="OUT", help="Force over velocity and duty as a table: .csv."),
+        typer.Option(
+            "--lut", metavar="OUT", help="Force over velocity and duty as a table: .csv."
+        ),
     ] = None,
     c: Annotated[
         Path | None, typer.Option("--c", metavar="DIR", help="The damper as C code.")
@@ -89,7 +92,9 @@ def _print(result: ExportResult) -> None:
     for each in result.content.get("series", ()):
         shares = sorted(each["shares"].items(), key=lambda item: -item[1])
         largest = ", ".join(f"{name} {newtons(size)}" for name, size in shares[:4])
-        typer.echo(f"{each['record']}: {each['rows']} rows, error {newtons(each['rmse'])}; without {largest}")
+        typer.echo(
+            f"{each['record']}: {each['rows']} rows, error {newtons(each['rmse'])}; without {largest}"
+        )
     for path in result.files:
         typer.echo(f"written: {path}")
     for note in result.notes:

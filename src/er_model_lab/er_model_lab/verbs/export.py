@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from er_models.errors import InputError
 from er_models.export.c_code import write_c
-from er_models.export.force_table import force_table, without_sensors
 from er_models.export.fmu import here, write_fmu
+from er_models.export.force_table import force_table, without_sensors
 from er_models.model import Array, Model
 from er_models.prediction import predict
 from er_records.dataset import Dataset
@@ -61,7 +61,8 @@ class ExportResult:
 @on_one_thread
 def export(
     model: Model, data: Dataset | None = None, *, series: str | Path | None = None, lut: str | Path | None = None,
-    c: str | Path | None = None, fmu: str | Path | None = None, fmi: int = 3, sensors: bool = True, anyway: bool = False,
+    c: str | Path | None = None, fmu: str | Path | None = None, fmi: int = 3, sensors: bool = True,
+    anyway: bool = False,
 ) -> ExportResult:  # fmt: skip
     """Write a model for other programs, and what it makes of data.
 
@@ -111,11 +112,13 @@ def _table(model: Model, out: Path) -> ExportResult:
     """Write force over velocity and duty."""
     table = force_table(model)
     columns = {"velocity": (table.velocity, "m/s")}
-    columns |= {f"force at duty {u:.4g}": (table.force[:, i], "N") for i, u in enumerate(table.duty)}
+    columns |= {
+        f"force at duty {u:.4g}": (table.force[:, i], "N") for i, u in enumerate(table.duty)
+    }
     write_table(columns, out)
     content = {
-        "file": str(out), "velocity": table.velocity.tolist(), "duty": table.duty.tolist(), "force": table.force.tolist(),
-        "amplitude": table.amplitude,
+        "file": str(out), "velocity": table.velocity.tolist(), "duty": table.duty.tolist(),
+        "force": table.force.tolist(), "amplitude": table.amplitude,
     }  # fmt: skip
     return ExportResult(model.name, (out,), {"lut": content})
 
@@ -143,8 +146,14 @@ def _series(data: Dataset, model: Model, out: Path, *, anyway: bool) -> ExportRe
     told = []
     for path, name, columns in zip(files, names, _tables(whole), strict=True):
         write_table(columns, path)
-        told.append({"record": name, "file": str(path), "rows": columns["t"][0].size, **_sizes(columns)})
-    content = {"series": told, "data": fingerprint(data.originals), "complete": whole.problem.complete}
+        told.append(
+            {"record": name, "file": str(path), "rows": columns["t"][0].size, **_sizes(columns)}
+        )
+    content = {
+        "series": told,
+        "data": fingerprint(data.originals),
+        "complete": whole.problem.complete,
+    }
     return ExportResult(model.name, tuple(files), content, whole.problem.notes)
 
 
@@ -159,9 +168,15 @@ def _tables(found: Opened) -> Iterator[Columns]:
     problem, model = found.problem, found.searched
     m, predicted = problem.motion, problem.force - found.given
     forces = {
-        "damper_force": problem.force, "force_predicted": predicted, "force_residual": found.given, **shares(model, found)
+        "damper_force": problem.force, "force_predicted": predicted, "force_residual": found.given,
+        **shares(model, found),
     }  # fmt: skip
-    inputs = {"deflection": m.x, "deflection_velocity": m.v, "deflection_acceleration": m.a, "duty": m.u}
+    inputs = {
+        "deflection": m.x,
+        "deflection_velocity": m.v,
+        "deflection_acceleration": m.a,
+        "duty": m.u,
+    }
     inputs |= {"temperature": m.theta} if np.any(m.theta) else {}
     for record, (i, j) in zip(found.data.records, pairwise(m.starts.tolist()), strict=True):
         t = record.t if len(record) == j - i else record.t[0] + np.arange(j - i) * m.dt
@@ -178,11 +193,16 @@ def shares(model: Model, found: Opened) -> dict[str, Array]:
     motion = found.problem.motion
     whole = predict(model, motion)
     acting = [name for name in model.effects if model.catalogue[name].stage != "vehicle"]
-    return {f"force_{name}": whole - predict(model.without_effect(name), motion) for name in acting}
+    return {
+        f"force_{name}": whole - predict(model.without_effect(name), motion) for name in acting
+    }
 
 
 def _sizes(columns: Columns) -> dict[str, Any]:
     """Root mean square of the residual, and of each share [N]."""
     y = {name: float(np.sqrt(np.mean(samples**2))) for name, (samples, _) in columns.items()}
     effects = {n.removeprefix("force_"): v for n, v in y.items() if n.startswith("force_")}
-    return {"rmse": effects.pop("residual"), "shares": {k: v for k, v in effects.items() if k != "predicted"}}
+    return {
+        "rmse": effects.pop("residual"),
+        "shares": {k: v for k, v in effects.items() if k != "predicted"},
+    }

@@ -1,8 +1,8 @@
 """C code of one model: its parameters, its states, `init` and `step`, with the kernel's own integration.
 
 The functions come from the source that `kernel.compose` writes for a catalogue of the model's effects alone
-(`export.translate`). What carries them from sample to sample (`templates/damper.c`) does what `kernel.imposed` does along a
-record, for one step at a time.
+(`export.translate`). What carries them from sample to sample (`templates/damper.c`) does what `kernel.imposed`
+does along a record, one step at a time.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ import numpy as np
 from er_models.catalogue import Catalogue
 from er_models.effect import Effect, Param
 from er_models.errors import InputError
-from er_models.export.translate import KEYWORDS, Program, Source, Value, number, source_of, struct
+from er_models.export.translate import Program
+from er_models.export.values import KEYWORDS, Source, Value, number, source_of, struct
 from er_models.files import write_whole
 from er_models.kernel.compose import source
 from er_models.kernel.inputs import ROUNDING
@@ -39,7 +40,9 @@ NEEDED = ("passive", "response")
 _HELPERS = {
     "lesser": "static double lesser(double a, double b) { return b < a ? b : a; }",
     "greater": "static double greater(double a, double b) { return b > a ? b : a; }",
-    "modulo": "static double modulo(double a, double b) { return a - b * floor(a / b); }",
+    "modulo": "static double modulo(double a, double b)\n{\n    const double r = fmod(a, b);\n"
+    "    return r != 0.0 && (r < 0.0) != (b < 0.0) ? r + b : r;\n}",
+    "quotient": "static double quotient(double a, double b) { return floor((a - modulo(a, b)) / b + 0.5); }",
 }
 _IF = re.compile(r"^//if (not )?(\w+)\n(.*?)^//end\n", re.M | re.S)
 
@@ -124,12 +127,25 @@ class CCode:
             for kind in program.tuples.values() if isinstance(kind, tuple)
         )  # fmt: skip
         tables = "\n".join(
-            f"static const int {name}[] = {{{', '.join(map(str, values))}}};" for name, values in program.tables.items()
+            f"static const int {name}[] = {{{', '.join(map(str, values))}}};"
+            for name, values in program.tables.items()
         )
-        helpers = "\n".join(line for name, line in _HELPERS.items() if f"{name}(" in code or name == "greater")
+        helpers = "\n".join(
+            line
+            for name, line in _HELPERS.items()
+            if f"{name}(" in code
+            or name == "greater"
+            or (name == "modulo" and "quotient(" in code)
+        )
         rows = f"enum {{ {', '.join(self._rows)} }}; /* rows of the states */"
-        told = {"types": "\n".join(filter(None, (rows, tuples, tables, helpers))), "functions": code}
-        return {f"{self.name}.h": self.filled("damper.h", told), f"{self.name}.c": self.filled("damper.c", told)}
+        told = {
+            "types": "\n".join(filter(None, (rows, tuples, tables, helpers))),
+            "functions": code,
+        }
+        return {
+            f"{self.name}.h": self.filled("damper.h", told),
+            f"{self.name}.c": self.filled("damper.c", told),
+        }
 
     def filled(self, template: str, more: Mapping[str, str]) -> str:
         """A template with what is known of the model put in."""
@@ -156,7 +172,9 @@ class CCode:
         for effect in dict.fromkeys(s.effect for s in self.slots):
             own = [s for s in self.slots if s.effect is effect]
             lines += [f"    struct {{ /* {_line(effect.title)} */"]
-            lines += [f"        double {identifier(s.param.name)}; /* {_line(_told(s))} */" for s in own]
+            lines += [
+                f"        double {identifier(s.param.name)}; /* {_line(_told(s))} */" for s in own
+            ]
             lines += [f"    }} {identifier(effect.name)};"]
         return "\n".join(lines) or "    int none;"
 
@@ -181,7 +199,11 @@ class CCode:
     @cached_property
     def _rows(self) -> list[str]:
         """Names of the rows of the states, in order."""
-        rows = {v: k for k, v in self._names.items() if k.isupper() and type(v) is int and k in _ROW_NAMES}
+        rows = {
+            v: k
+            for k, v in self._names.items()
+            if k.isupper() and type(v) is int and k in _ROW_NAMES
+        }
         return [rows[i] for i in range(ROWS)]
 
     def _program(self) -> Program:
@@ -212,9 +234,10 @@ class CCode:
         return [f"{{p}}->{members[i]}" if i in members else "0.0" for i in range(c.size)]
 
 
-_ROW_NAMES = frozenset(
-    "W0 R0 G0 W R G TRY LAST MISS LOW HIGH SLOPE Z DECAY ONE TWO".split()
-)
+_ROW_NAMES = (
+    "W0", "R0", "G0", "W", "R", "G", "TRY", "LAST", "MISS", "LOW", "HIGH", "SLOPE", "Z", "DECAY", "ONE", "TWO",
+)  # fmt: skip
+"""Names of the rows of the states in the kernel."""
 
 
 def _told(slot: Slot) -> str:

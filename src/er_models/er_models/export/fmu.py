@@ -1,9 +1,9 @@
 """The damper of a model as a unit for co-simulation: FMI 2.0 or 3.0, from the C code of the model.
 
-Inputs are deflection, velocity, acceleration and duty (and the temperature where the model reads it), outputs the force as
-the load cell shows it and that of the damper itself. The inputs that are set before a step are those at its end; with the
-derivatives that FMI 2.0 knows, `fmi2SetRealInputDerivatives`, they are those at its beginning, and what is reached with
-them counts. The parameter `inputs_at_start` carries the motion on from its velocity and acceleration instead.
+Inputs are deflection, velocity, acceleration and duty (and the temperature where the model reads it), outputs the
+force as the load cell shows it and that of the damper itself. The inputs that are set before a step are those at its
+end; with the derivatives that FMI 2.0 knows, `fmi2SetRealInputDerivatives`, they are those at its beginning, and what
+is reached with them counts. The parameter `inputs_at_start` carries the motion on from its derivatives instead.
 
 The unit holds its sources, and a library for the machine that it is written on where that has a C compiler.
 """
@@ -54,7 +54,11 @@ INPUTS = (
 )
 OUTPUTS = (
     ("force", "N", "force as the load cell shows it, positive against extension"),
-    ("true_force", "N", "force of the damper itself, before the lag, gain and delay of its sensor"),
+    (
+        "true_force",
+        "N",
+        "force of the damper itself, before the lag, gain and delay of its sensor",
+    ),
 )
 AT_START = "the inputs are those at the beginning of a step, and velocity and acceleration carry the motion on"
 FIRST = 16
@@ -79,7 +83,10 @@ class Variable:
         """Bounds, wide enough for the start."""
         if self.start is None or self.low is None or self.high is None:
             return {}
-        return {"min": repr(float(min(self.low, self.start))), "max": repr(float(max(self.high, self.start)))}
+        return {
+            "min": repr(float(min(self.low, self.start))),
+            "max": repr(float(max(self.high, self.start))),
+        }
 
 
 @dataclass(frozen=True)
@@ -99,13 +106,17 @@ class Unit:
         """Inputs, outputs, parameters."""
         shown = INPUTS if self.code.reads_temperature else INPUTS[:-1]
         inputs = [Variable(1 + i, n, u, "input", t, 0.0) for i, (n, u, t) in enumerate(shown)]
-        outputs = [Variable(1 + len(INPUTS) + i, n, u, "output", t) for i, (n, u, t) in enumerate(OUTPUTS)]
+        outputs = [
+            Variable(1 + len(INPUTS) + i, n, u, "output", t) for i, (n, u, t) in enumerate(OUTPUTS)
+        ]
         parameters = [self._parameter(i, s) for i, s in enumerate(self.code.slots)]
         return (*inputs, *outputs, *parameters)
 
     def _parameter(self, i: int, s: Slot) -> Variable:
         """A parameter of the model."""
-        return Variable(FIRST + i, s.name, s.unit, "parameter", s.param.meaning, s.value, s.low, s.high)
+        return Variable(
+            FIRST + i, s.name, s.unit, "parameter", s.param.meaning, s.value, s.low, s.high
+        )
 
     @cached_property
     def sources(self) -> Mapping[str, str]:
@@ -123,10 +134,15 @@ class Unit:
             "instantiationToken" if three else "guid": self.token,
         }  # fmt: skip
         root = Xml.Element("fmiModelDescription", words)
-        able = {"modelIdentifier": self.code.name, "canHandleVariableCommunicationStepSize": "true"}
+        able = {
+            "modelIdentifier": self.code.name,
+            "canHandleVariableCommunicationStepSize": "true",
+        }
         state = "State" if three else "state"
         able |= {f"canGetAndSetFMU{state}": "true", f"canSerializeFMU{state}": "true"}
-        unit = Xml.SubElement(root, "CoSimulation", able | ({} if three else {"canInterpolateInputs": "true"}))
+        unit = Xml.SubElement(
+            root, "CoSimulation", able | ({} if three else {"canInterpolateInputs": "true"})
+        )
         if not three:
             files = Xml.SubElement(unit, "SourceFiles")
             for name in self._compiled:
@@ -152,11 +168,19 @@ class Unit:
         """Variables and structure of FMI 3."""
         listed = Xml.SubElement(root, "ModelVariables")
         Xml.SubElement(
-            listed, "Float64", name="time", valueReference="0", causality="independent", variability="continuous", unit="s"
+            listed, "Float64", name="time", valueReference="0", causality="independent", variability="continuous",
+            unit="s",
         )  # fmt: skip
         for v in self.variables:
-            Xml.SubElement(listed, "Float64", {**_named(v), "unit": v.unit, **v.bounds, **_started(v)})
-        switch = {"name": "inputs_at_start", "valueReference": "8", "causality": "parameter", "variability": "fixed"}
+            Xml.SubElement(
+                listed, "Float64", {**_named(v), "unit": v.unit, **v.bounds, **_started(v)}
+            )
+        switch = {
+            "name": "inputs_at_start",
+            "valueReference": "8",
+            "causality": "parameter",
+            "variability": "fixed",
+        }
         Xml.SubElement(listed, "Boolean", switch | {"description": AT_START, "start": "false"})
         structure = Xml.SubElement(root, "ModelStructure")
         for kind in ("Output", "InitialUnknown"):
@@ -170,7 +194,12 @@ class Unit:
         for v in self.variables:
             one = Xml.SubElement(listed, "ScalarVariable", _named(v))
             Xml.SubElement(one, "Real", {"unit": v.unit, **v.bounds, **_started(v)})
-        switch = {"name": "inputs_at_start", "valueReference": "8", "causality": "parameter", "variability": "fixed"}
+        switch = {
+            "name": "inputs_at_start",
+            "valueReference": "8",
+            "causality": "parameter",
+            "variability": "fixed",
+        }
         one = Xml.SubElement(listed, "ScalarVariable", switch | {"description": AT_START})
         Xml.SubElement(one, "Boolean", start="false")
         structure = Xml.SubElement(root, "ModelStructure")
@@ -183,8 +212,16 @@ class Unit:
     def build_description(self) -> bytes:
         """sources/buildDescription.xml of FMI 3: what is compiled and linked on each platform."""
         root = Xml.Element("fmiBuildDescription", fmiVersion="3.0")
-        for name in ("x86_64-linux", "aarch64-linux", "x86_64-windows", "x86_64-darwin", "aarch64-darwin"):
-            made = Xml.SubElement(root, "BuildConfiguration", modelIdentifier=self.code.name, platform=name)
+        for name in (
+            "x86_64-linux",
+            "aarch64-linux",
+            "x86_64-windows",
+            "x86_64-darwin",
+            "aarch64-darwin",
+        ):
+            made = Xml.SubElement(
+                root, "BuildConfiguration", modelIdentifier=self.code.name, platform=name
+            )
             files = Xml.SubElement(made, "SourceFileSet", language="C99")
             for source in self._compiled:
                 Xml.SubElement(files, "SourceFile", name=source)
@@ -206,10 +243,20 @@ class Unit:
             for name, text in self.sources.items():
                 (folder / name).write_text(text, encoding="utf-8")
             out = f"{self.code.name}.{LIBRARIES[sys.platform]}"
-            words = [*compiler.split(), "-std=c99", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", *self._compiled]
+            words = [
+                *compiler.split(),
+                "-std=c99",
+                "-O2",
+                "-fPIC",
+                "-shared",
+                "-fvisibility=hidden",
+                *self._compiled,
+            ]
             _compiled([*words, "-o", out, "-lm"], folder)
             name = here()
-            return f"binaries/{PLATFORMS[self.version].get(name, name)}/{out}", (folder / out).read_bytes()
+            return f"binaries/{PLATFORMS[self.version].get(name, name)}/{out}", (
+                folder / out
+            ).read_bytes()
 
 
 def _compiled(words: list[str], folder: Path) -> None:
@@ -252,8 +299,10 @@ def base_units(unit: str) -> dict[str, int]:
 
 def here() -> str:
     """This platform in the words of FMI 3."""
-    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine().lower())
-    return f"{machine}-{ {'win32': 'windows'}.get(sys.platform, sys.platform)}"
+    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(
+        platform.machine().lower(), platform.machine().lower()
+    )
+    return f"{machine}-{ {'win32': 'windows'}.get(sys.platform, sys.platform) }"
 
 
 def write_fmu(model: Model, path: Path, version: int = 3) -> bool:

@@ -1,8 +1,8 @@
 """Force over velocity and duty, as a damper dynamometer finds it: the peak velocity pick-off.
 
-The damper runs a sine of its usual stroke at constant duty. The force is read in the middle of the stroke, where the velocity
-is the peak and acceleration and deflection are zero, after two whole cycles: springs and inertia give nothing there, and what
-lags or slips is in its cycle. Each velocity is a sine of its own frequency; at zero the damper rests in the middle.
+The damper runs a sine of its usual stroke at constant duty. The force is read in the middle of the stroke, where the
+velocity is the peak and acceleration and deflection are zero, after two whole cycles: springs and inertia give nothing
+there, and what lags or slips is in its cycle. Each velocity is a sine of its own frequency; at zero the damper rests.
 
 Source: peak velocity pick-off (PVP), the usual test of damper makers; Dixon, The Shock Absorber Handbook.
 """
