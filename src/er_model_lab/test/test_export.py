@@ -179,6 +179,7 @@ def test_everything_at_once(runs: list[Path], tmp_path: Path) -> None:
         (("--fmu", "d.zip"), "d.zip: suffix: expected .fmu, found '.zip'"),
         (("--fmu", "d.fmu", "--fmi", "1"), "--fmi: expected 2 or 3, found 1"),
         (("--c", "file"), "file: expected a folder, found a file"),
+        (("--c", "file/c"), "file/c/inove_guo.h: expected a folder that can be written to, found "),
         (("RUN", "--series", "RUN"), ": --series: expected another place than DATA, found the same place"),
         (("--lut", "l.csv", "--level", "vehicle"), "--level: expected damper (lab export works on the damper force)"),
     ],
@@ -206,3 +207,11 @@ def test_a_series_of_several_records_overwrites_none_of_them(runs: list[Path]) -
     with pytest.raises(lab.InputError, match="expected another place than the data"):
         lab.export(truth(), lab.load(*runs, taken), series=taken.with_name("s.csv"))
     assert taken.read_bytes() == before
+
+
+def test_a_place_that_cannot_be_written_is_one_line(runs: list[Path], tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("kept")
+    with pytest.raises(
+        lab.InputError, match=r"s\.csv: expected a place that can be written, found "
+    ):
+        lab.export(truth(), lab.load(runs[0]), series=tmp_path / "file" / "s.csv")

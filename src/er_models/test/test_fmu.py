@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,9 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 from c_help import needs_compiler
-from er_models.errors import ErError, InputError
 from er_models.export import fmu
-from er_models.export.fmu import base_units, write_fmu
+from er_models.export.fmu import write_fmu
 from er_models.files import load_model
 from er_models.model import Array, Model
 from er_models.prediction import Motion, predict
@@ -224,36 +222,3 @@ def test_parameters_have_values_units_and_bounds(
     assert {v.unit for v in known.values()} <= units_known
     inputs = {v.name: v.unit for v in about.modelVariables if v.causality == "input"}
     assert inputs == dict(zip(NAMES, ("m", "m/s", "m/s2", "1"), strict=True))
-
-
-def test_units_are_made_of_base_units() -> None:
-    assert base_units("N s/m/duty") == {"kg": 1, "s": -1}
-    assert base_units("N s2/m2") == {"kg": 1, "m": -1}
-    assert base_units("1/W") == {"kg": -1, "m": -2, "s": 3}
-    assert base_units("m/s2") == {"m": 1, "s": -2}
-    assert base_units("1") == {}
-
-
-def test_without_a_compiler_it_holds_its_sources(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.delenv("CC", raising=False)
-    monkeypatch.setattr(fmu, "COMPILERS", ("no_such_compiler",))
-    assert not write_fmu(guo(), tmp_path / "a.fmu")
-    names = set(zipfile.ZipFile(tmp_path / "a.fmu").namelist())
-    assert names == {
-        "modelDescription.xml", "sources/buildDescription.xml", "sources/fmi3.c", "sources/inove_guo.c",
-        "sources/inove_guo.h", "sources/unit.h",
-    }  # fmt: skip
-
-
-def test_what_goes_wrong_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(InputError, match="fmi: expected 2 or 3, found 1"):
-        write_fmu(guo(), tmp_path / "a.fmu", 1)
-    with pytest.raises(InputError, match=r"suffix: expected \.fmu, found '\.zip'"):
-        write_fmu(guo(), tmp_path / "a.zip")
-    monkeypatch.setenv("CC", "no_such_compiler")
-    with pytest.raises(ErError, match="the C compiler 'no_such_compiler' fails: ") as told:
-        write_fmu(guo(), tmp_path / "a.fmu")
-    assert "\n" not in str(told.value)
-    assert not (tmp_path / "a.fmu").exists()

@@ -24,11 +24,16 @@ def write_table(columns: Columns, path: Path) -> None:
     """Write columns in the format of the path's suffix; the file appears when it is finished.
 
     Raises:
-        InputError: a suffix that there is no writer for.
+        InputError: a suffix that there is no writer for, or a place that cannot be written.
         ErError: what writes MF4 is not installed.
     """
-    with finished_only(path) as part:
-        part.write_bytes(writer_of(path)(columns))
+    content = writer_of(path)(columns)
+    try:
+        with finished_only(path) as part:
+            part.write_bytes(content)
+    except OSError as error:
+        found = error.strerror or str(error)
+        raise InputError(path, "", "a place that can be written", found) from None
 
 
 def writer_of(path: Path) -> Callable[[Columns], bytes]:

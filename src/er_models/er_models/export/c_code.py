@@ -260,7 +260,6 @@ def write_c(model: Model, folder: Path) -> tuple[Path, ...]:
     files = CCode(model).files
     if folder.exists() and not folder.is_dir():
         raise InputError(folder, "", "a folder", "a file")
-    folder.mkdir(parents=True, exist_ok=True)
     for name, text in files.items():
         write_whole(folder / name, text)
     return tuple(folder / name for name in files)

@@ -263,7 +263,7 @@ def _compiled(words: list[str], folder: Path) -> None:
     """Run a compiler; what it says is one line."""
     try:
         done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
-        said = done.stderr if done.returncode else ""
+        said = (done.stderr.strip() or f"status {done.returncode}") if done.returncode else ""
     except OSError as error:
         said = str(error)
     if said:
