@@ -135,8 +135,8 @@ def _check_origins(path: Path, found: Any, catalogue: Catalogue) -> None:
                 raise InputError(path, where, expected, f"{given.file} with {given.digest[:12]}")
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Write a text file so that a reader sees the old or the new one, never half."""
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write a file so that a reader sees the old or the new one, never half; text is UTF-8."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
@@ -144,8 +144,8 @@ def write_whole(path: Path, text: str) -> None:
         raise InputError(
             path, "", "a folder that can be written to", error.strerror or error
         ) from error
-    with os.fdopen(handle, "w", encoding="utf-8") as file:
-        file.write(text)
+    with os.fdopen(handle, "wb") as file:
+        file.write(content.encode() if isinstance(content, str) else content)
     os.chmod(temporary, 0o644)
     try:
         os.replace(temporary, path)

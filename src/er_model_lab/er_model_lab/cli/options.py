@@ -105,7 +105,7 @@ EffectsFrom = Annotated[
 OPTIONS = {
     "data": "DATA", "held_out": "--hold-out", "level": "--level", "report": "--report", "seed": "--seed",
     "false_alarm": "--false-alarm", "smallest": "--smallest", "helps": "--helps", "stroke": "--stroke",
-    "velocity": "--velocity", "duty_max": "--duty-max", "duration": "--duration",
+    "velocity": "--velocity", "duty_max": "--duty-max", "duration": "--duration", "fmi": "--fmi",
 }  # fmt: skip
 """Arguments of the lab's functions and the options that stand for them."""
 PHRASES = {
@@ -118,6 +118,7 @@ PHRASES = {
     "limits (stroke, velocity, duration)": "limits (--stroke, --velocity, --duration)",
     "set helps to": "set --helps to",
     "measured_terms=True": "--measured-terms",
+    "something to write: series, lut, c or fmu": "something to write: --series, --lut, --c or --fmu",
 }
 """Arguments in sentences, as the command line writes them."""
 
