@@ -19,7 +19,7 @@ from er_models.kernel.fast import entry, inline, inner
 from er_models.kernel.imposed import input_delay
 from er_models.kernel.inputs import split
 from er_models.kernel.sensors import accelerometers, remember_force, remember_velocity, report
-from er_models.kernel.states import AT_ONCE, HOLD, ROWS, SLOPE, STAGE, W0, G, R, W, settle, visit
+from er_models.kernel.states import HOLD, ROWS, SLOPE, STAGE, W0, G, R, W, settle, visit
 
 
 def chassis(on, p, x, v, z_t, v_t, v_s):  # type: ignore[no-untyped-def]
@@ -30,7 +30,7 @@ def chassis(on, p, x, v, z_t, v_t, v_s):  # type: ignore[no-untyped-def]
 # --- below this line: compiled with the composed equations ---
 GAMMA = 1.0 - 1.0 / math.sqrt(2.0)
 AGAIN = (1.0 - GAMMA) / GAMMA
-"""How much of the first stage's change is in the base of the second; all of it of a state that moves at once."""
+"""How much of the first stage's change is in the base of the second."""
 TRIALS = 60
 
 
@@ -96,8 +96,7 @@ def step(on, slots, links, p, q, q0, s, slope, rate, u, t, h, road_rate, toleran
             for j in range(4):
                 q0[j] += AGAIN * (q[j] - q0[j])
             for i in range(slots.shape[0]):
-                j = slots[i]
-                s[W0, j] += (1.0 if s[R, j] >= AT_ONCE else AGAIN) * (s[W, j] - s[W0, j])
+                s[W0, slots[i]] += AGAIN * (s[W, slots[i]] - s[W0, slots[i]])
         base = q0[1] - q0[3]
         when = t + (gh if c == 0 else h)
         slope, f_m = stage(
