@@ -63,7 +63,9 @@ def warm(inputs: Motion) -> Motion:
 
 ALONE = {f"with_{e.name}": alone(e) for e in CATALOGUE.effects if e.stage != "vehicle"}
 SHIPPED = {n: load_model(n) for n in names("dampers", "vehicles")}
-MODELS = SHIPPED | ALONE | {"crowd": crowd()}
+AT_ONCE = replace(ALONE["with_dead_time"].without_effect("response"), name="at_once")
+"""A dead time before a force that jumps with the duty."""
+MODELS = SHIPPED | ALONE | {"crowd": crowd(), "at_once": AT_ONCE}
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +84,7 @@ def test_the_force_is_that_of_the_kernel(name: str, made: ctypes.CDLL) -> None:
 
 
 @needs_compiler
-@pytest.mark.parametrize("name", ["with_dead_time", "with_force_delay"])
+@pytest.mark.parametrize("name", ["with_dead_time", "with_force_delay", "at_once"])
 def test_a_delay_of_whole_samples_and_other_rates(name: str, made: ctypes.CDLL) -> None:
     for dt in (LATE["dead_time"]["T_d"] / 2.0, 1e-3, 0.4e-3):
         inputs = imposed(MODELS[name].scales, 0.5, dt)
@@ -170,11 +172,11 @@ def series(x: float) -> float:
     return total * k + math.pi * np.sin(x) % 0.7 + (x // 0.3)
 
 
-def relax(T: float, v: float) -> tuple[float, float]:
+def relax(T: float, v: float, theta: float) -> tuple[float, float]:
     rate = 1.0 / max(T, 1e-6)
     if v > 0.0:
-        return 2.0 * rate, rate * v
-    return rate, rate * v
+        return 2.0 * rate, rate * (v + 0.1 * theta)
+    return rate, rate * (v + 0.1 * theta)
 
 
 def force(K: float, x: float, w: float, theta: float) -> float:
