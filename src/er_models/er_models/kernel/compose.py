@@ -154,9 +154,7 @@ def _damper(catalogue: Catalogue) -> list[str]:
     body += _yield(catalogue)
     response = ["    " + line for line in _relax(catalogue, catalogue["response"])]
     body += _run(catalogue, LAG, response, [f"    s[W, {slot}] = y"])
-    body += [f"    f_y = s[W, {slot}]", "    f_d = f_y", "    u_f = u", *_field(catalogue)]
-    body += _states(catalogue, "states")
-    body += ["    f_h = f_y + viscous_scale * c_0 * v", *_forces(catalogue)]
+    body += [f"    f_y = s[W, {slot}]", "    f_d = f_y", "    u_f = u", *_act(catalogue)]
     return [*body, *_end(catalogue), "    return f_d, f_m, u"]
 
 
@@ -170,7 +168,14 @@ def _field(catalogue: Catalogue) -> list[str]:
     return _run(catalogue, FIELD, lines)
 
 
-def _forces(catalogue: Catalogue) -> list[str]:
+def _act(catalogue: Catalogue) -> list[str]:
+    """What acts beside the yield force: the field that has formed, states, and forces."""
+    fluid = ["    f_h = f_y + viscous_scale * c_0 * v"]
+    lines = _field(catalogue) + _states(catalogue, "states") + fluid + _forces(catalogue)
+    return _run(catalogue, "act", lines, fluid + _forces(catalogue, "alone"))
+
+
+def _forces(catalogue: Catalogue, places: str = "alone, more") -> list[str]:
     """What adds to the damper force; what the fluid carries adds to that as well."""
 
     def lines(effect: Effect) -> list[str]:
@@ -179,7 +184,7 @@ def _forces(catalogue: Catalogue) -> list[str]:
         added = _call(catalogue, effect, "force", "f_i = {call}")
         return [*added, "f_d += f_i", "f_h += f_i"]
 
-    return _masked(catalogue, "force", lines)
+    return _masked(catalogue, "force", lines, places)
 
 
 def _terms(catalogue: Catalogue) -> list[str]:

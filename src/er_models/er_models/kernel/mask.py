@@ -31,6 +31,7 @@ RUNS: dict[str, tuple[str, ...]] = {
         "flow_deflection", "flow_velocity",
     ),
     "yield": ("target", "viscous_scale", "stiffness_scale", "tau_scale", "response_time"),
+    "act": ("states", "force"),
     "end": ("limit", "late", "sense"),
     LAG: (),
     FIELD: (),
@@ -80,4 +81,5 @@ def mask(
     on[end] |= on[early] or bool(terms)  # which may read the rest of the force, and add to it
     field = reads(used, "u_f") or "u_f" in terms
     on[of_run(catalogue, FIELD)] = on[of_run(catalogue, LAG)] and field
+    on[of_run(catalogue, "act")] |= on[of_run(catalogue, FIELD)]
     return on
