@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from er_model_lab.verbs.check import check
     from er_model_lab.verbs.compare import compare
     from er_model_lab.verbs.diagnose import diagnose
+    from er_model_lab.verbs.export import ExportResult, export
     from er_model_lab.verbs.identify import identify
     from er_model_lab.verbs.improve import improve
     from er_model_lab.verbs.load import load, load_model
@@ -59,21 +60,22 @@ _HOME = {
         ("CheckResult", "ComparisonResult", "DiagnosisResult", "IdentificationResult", "PlanResult"),
         "er_model_lab.results.result",
     ),
-    **dict.fromkeys(("load", "load_model"), "er_model_lab.verbs.load"),
+    **dict.fromkeys(("load", "load_model"), "er_model_lab.verbs.load"), "ExportResult": "er_model_lab.verbs.export",
     **dict.fromkeys(("Cancelled", "Leader"), "er_model_lab.work"),
     **dict.fromkeys(("models", "new"), "er_model_lab.verbs.new"),
     **{
         verb: f"er_model_lab.verbs.{verb}"
-        for verb in ("add", "check", "compare", "diagnose", "identify", "improve", "map", "plan")
+        for verb in ("add", "check", "compare", "diagnose", "export", "identify", "improve", "map", "plan")
     },
 }  # fmt: skip
 """Where each name lives: it is imported when it is first asked for."""
 
 __all__ = [
     "Cancelled", "CandidateResult", "CheckResult", "ComparisonResult", "Dataset", "DiagnosisResult", "ErError",
-    "Errors", "IdentificationResult", "InputError", "Leader", "MissingChannel", "Parameter", "PlanResult", "Record",
-    "Rule", "Step", "UnknownName", "__version__", "add", "check", "compare", "diagnose", "from_arrays",
-    "from_frame", "identify", "improve", "load", "load_model", "map", "models", "new", "plan", "save_model",
+    "Errors", "ExportResult", "IdentificationResult", "InputError", "Leader", "MissingChannel", "Parameter",
+    "PlanResult", "Record", "Rule", "Step", "UnknownName", "__version__", "add", "check", "compare", "diagnose",
+    "export", "from_arrays", "from_frame", "identify", "improve", "load", "load_model", "map", "models", "new", "plan",
+    "save_model",
 ]  # fmt: skip
 
 

@@ -32,7 +32,7 @@ CHANNELS: dict[str, str] = {
 }
 """Channels of the contract and their units; the time axis `t` [s] stands beside them."""
 
-EXTRA_UNITS: dict[str, str] = {"pressure": "Pa"}
+EXTRA_UNITS: dict[str, str] = {"pressure": "Pa", "deflection_acceleration": "m/s2"}
 """Channels kept beside the contract's; so are estimates named `force_<observer>` [N]."""
 
 HELD: frozenset[str] = frozenset({"duty"})

@@ -15,6 +15,7 @@ from er_common.usage import OneLineGroup
 from er_models.one_line import INTERRUPTED
 
 from er_model_lab.cli.data import check_command, compare_command, identify_command
+from er_model_lab.cli.export import export_command
 from er_model_lab.cli.mapping import map_command
 from er_model_lab.cli.missing import add_command, diagnose_command, improve_command
 from er_model_lab.cli.plan import effects_command, plan_command
@@ -31,6 +32,7 @@ COMMANDS: dict[str, tuple[Callable[..., None], str]] = {
     "improve": (improve_command, "Diagnose and add until nothing is missing."),
     "plan": (plan_command, "Plan the run that tells two effects apart."),
     "identify": (identify_command, "Identify every parameter in stages."),
+    "export": (export_command, "A model as series, table, C code or FMU."),
     "effects": (effects_command, "The catalogue of effects, or one effect's card."),
 }
 """In the order in which they are used, with one line each that fits a terminal."""

@@ -88,6 +88,13 @@ Anyway = Annotated[
         "--anyway", help="Use data that fail the preflight all the same (exit status 3)."
     ),
 ]
+MeasuredTerms = Annotated[
+    bool,
+    typer.Option(
+        "--measured-terms",
+        help="Learn what no known effect explains as one smooth term, measured and not explained.",
+    ),
+]
 EffectsFrom = Annotated[
     list[Path] | None,
     typer.Option(
@@ -98,7 +105,7 @@ EffectsFrom = Annotated[
 OPTIONS = {
     "data": "DATA", "held_out": "--hold-out", "level": "--level", "report": "--report", "seed": "--seed",
     "false_alarm": "--false-alarm", "smallest": "--smallest", "helps": "--helps", "stroke": "--stroke",
-    "velocity": "--velocity", "duty_max": "--duty-max", "duration": "--duration",
+    "velocity": "--velocity", "duty_max": "--duty-max", "duration": "--duration", "fmi": "--fmi",
 }  # fmt: skip
 """Arguments of the lab's functions and the options that stand for them."""
 PHRASES = {
@@ -110,6 +117,8 @@ PHRASES = {
     "report: expected a folder": "--report: expected a folder",
     "limits (stroke, velocity, duration)": "limits (--stroke, --velocity, --duration)",
     "set helps to": "set --helps to",
+    "measured_terms=True": "--measured-terms",
+    "something to write: series, lut, c or fmu": "something to write: --series, --lut, --c or --fmu",
 }
 """Arguments in sentences, as the command line writes them."""
 

@@ -20,6 +20,7 @@ from er_model_lab.results.by_record import by_record, with_flags
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import study_regions, study_view
 from er_model_lab.results.result import DiagnosisResult
+from er_model_lab.results.terms import offered
 from er_model_lab.results.values import clean
 from er_model_lab.verbs.asking import provenance, question
 from er_model_lab.work import Event, Progress, Work
@@ -52,7 +53,8 @@ def diagnose(
     )
     study = investigate(asked)
     asked.work.wind_up()
-    return with_flags(result_of("diagnose", study, asked.level.finished(study, seed), asked))
+    result = with_flags(result_of("diagnose", study, asked.level.finished(study, seed), asked))
+    return offered(result, asked)
 
 
 def result_of(command: str, study: Study, model: Model, asked: Question) -> DiagnosisResult:

@@ -21,7 +21,10 @@ def with_history(grown: Model, before: Model, study: Study, seed: int, name: str
     found, problem, records = study.diagnosis, study.problem, study.data.originals
     held = problem.held_out
     entry: dict[str, Any] = {
-        "added": [e for e in grown.effects if e not in before.effects],
+        "added": [
+            *(e for e in grown.effects if e not in before.effects),
+            *(t.name for t in grown.terms if t not in before.terms),
+        ],
         "verdict": found.verdict,
         "command_line": command_line(),
         "data": fingerprint(records),
