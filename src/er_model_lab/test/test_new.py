@@ -166,7 +166,15 @@ def test_the_commands_write_and_list(tmp_path: Path) -> None:
     assert status == 0
     found = json.loads(result.read_text())
     assert {*found["kinds"]} == {*KINDS}
-    assert {"er", "mr", "passive", "friction", "car"} <= {m["kind"] for m in found["models"]}
+    kinds = {m["name"]: m["kind"] for m in found["models"]}
+    assert {*kinds.values()} == {"er", "mr", "passive", "friction", "car"}
+    for name, kind in {
+        "monotube_passive": "passive",
+        "mr_hysteretic": "mr",
+        "friction_brake": "friction",
+    }.items():
+        assert kinds[name] == kind
+    assert kinds["inove_guo"] == "er"
     assert all(m["name"] in shown for m in found["models"])
 
 

@@ -14,6 +14,7 @@ import yaml
 from er_models.errors import ErError, InputError
 from er_records.in_memory import from_frame
 from er_records.load import load, read
+from er_records.mapping.mapping import mapped
 from er_records.readers.units import UNITS, known_unit
 from rosbags.rosbag2 import Writer
 from rosbags.typesys import Stores, get_typestore
@@ -267,6 +268,23 @@ def bag(path: Path) -> Path:
                 raw = store.serialize_cdr(message, kinds[topic])
                 writer.write(connections[topic], when, raw)
     return path
+
+
+def test_the_numbers_of_a_bag_are_surveyed_and_mapped(tmp_path: Path) -> None:
+    path = bag(tmp_path / "run")
+    known = {
+        "deflection": {"from": "/joints.position[1]", "unit": "mm"},
+        "duty": {"from": "/coil.data", "unit": "A", "full_scale": 1.6},
+        "damper_force": "/loadcell.wrench.force.z [kN]",
+    }
+    found = mapped(path, known)
+    headers = {s.header for s in found.survey.columns}
+    assert {"/joints.position[0]", "/loadcell.wrench.torque.x", "/coil.data"} <= headers
+    assert found.rate_of(found.guesses["damper_force"].seen) == pytest.approx(200.0)
+    assert found.guesses["damper_force"].source.sign == -1.0
+    assert found.save() == path / "names.yaml"
+    (record,) = load([path])
+    np.testing.assert_allclose(record.channels["damper_force"], F - 12.5, atol=1e-6)
 
 
 def test_a_topic_and_field_of_a_bag_is_a_column(tmp_path: Path) -> None:

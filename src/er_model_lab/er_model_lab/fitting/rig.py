@@ -29,8 +29,11 @@ def rig_of(x: Array, v: Array, u: Array | None) -> dict[str, float]:
 def kept_up(model: Model, problem: Problem) -> Model:
     """A fitted model whose rig reaches as far as the data, with the old rig and envelope in its last history entry.
 
-    Limits that the data keep stay as they are, and so does a model without a rig.
+    Limits that the data keep stay as they are, and so does a model without a rig. At the level of the vehicle nobody
+    has measured the damper's motion.
     """
+    if not problem.fused:
+        return model
     reach = rig_of(problem.motion.x, problem.motion.v, problem.motion.u)
     left = {k: v for k, v in reach.items() if k in model.rig and v > (1.0 + LEFT) * model.rig[k]}
     if not left:

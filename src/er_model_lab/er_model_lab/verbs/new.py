@@ -15,6 +15,9 @@ from er_model_lab.fitting.start_model import KINDS, start_model
 from er_model_lab.preflight.check import gate, preflight
 from er_model_lab.preflight.wild import marked
 
+NAMED = {"mr": {"mr"}, "friction": {"friction", "brake", "seal"}, "passive": {"passive"}}
+"""Words in a shipped model's name that tell its kind; the thesis's are electrorheological."""
+
 
 @dataclass(frozen=True)
 class Shipped:
@@ -26,18 +29,11 @@ class Shipped:
 
     @property
     def kind(self) -> str:
-        """What it is a model of: a car, or the kind of `lab new` whose effects are in it."""
+        """What it is a model of: a car, or a kind of `lab new`, by the words of its name."""
         if self.model.is_vehicle:
             return "car"
-        hooks = {h for e in self.model.effects for h in self.model.catalogue[e].hooks}
-        if "target" in hooks:
-            return (
-                "mr"
-                if "magnetorheological" in self.model.source + self.model.name
-                or "_mr" in self.name
-                else "er"
-            )
-        return "friction" if "coulomb_friction" in self.model.effects else "passive"
+        words = {*self.name.split("_")}
+        return next((kind for kind, own in NAMED.items() if own & words), "er")
 
 
 def new(data: Dataset, kind: str, *, name: str | None = None, anyway: bool = False) -> Model:

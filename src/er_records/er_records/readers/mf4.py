@@ -20,7 +20,7 @@ from er_models.errors import ErError, InputError
 from er_records.provenance import digest_bytes
 from er_records.readers.columns import Column
 from er_records.readers.table import Numbers, Table
-from er_records.record import CHANNELS, Array
+from er_records.record import CHANNELS, Array, cure
 
 if TYPE_CHECKING:
     from asammdf import MDF
@@ -106,12 +106,14 @@ def _signal(path: Path, mdf: MDF, name: str) -> tuple[Array, Array]:
     """Times (n,) [s] and samples (n,) of a channel as stored; samples marked invalid become NaN."""
     places = mdf.whereis(name)
     if len(places) > 1:
-        raise InputError(path, f"channel '{name}'", "one channel of that name", f"{len(places)}")
+        key, number = f"channel '{name}'", f"{len(places)}"
+        raise InputError(path, key, "one channel of that name", number, cure(path))
     group, index = places[0]
     signal = mdf.get(group=group, index=index, ignore_invalidation_bits=True)
     raw = np.asarray(signal.samples)
     if raw.dtype.kind not in "iuf" or raw.ndim != 1:
-        raise InputError(path, f"channel '{name}'", "numbers", f"samples of type {raw.dtype}")
+        found = f"samples of type {raw.dtype}"
+        raise InputError(path, f"channel '{name}'", "numbers", found, cure(path))
     samples = raw.astype(np.float64)
     if signal.invalidation_bits is not None:
         samples[np.asarray(signal.invalidation_bits, dtype=bool)] = np.nan
