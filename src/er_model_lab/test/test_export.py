@@ -178,6 +178,7 @@ def test_everything_at_once(runs: list[Path], tmp_path: Path) -> None:
         (("RUN", "--lut", "l.csv"), "DATA: expected --series with it, found none"),
         (("RUN", "--series", "s.xls"), "s.xls: suffix: expected one of .csv, .parquet, .mat, .mf4, found '.xls'"),
         (("--lut", "l.mat"), "l.mat: suffix: expected .csv, found '.mat'"),
+        (("--lut", "l.csv", "--report", "r"), "--report: expected --series with it, found none"),
         (("--fmu", "d.zip"), "d.zip: suffix: expected .fmu, found '.zip'"),
         (("--fmu", "d.fmu", "--fmi", "1"), "--fmi: expected 2 or 3, found 1"),
         (("--c", "file"), "file: expected a folder, found a file"),
