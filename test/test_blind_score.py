@@ -9,11 +9,11 @@ from er_models.errors import InputError
 
 from test.blind.catalogue import INSIDE
 from test.blind_score import __main__ as program
+from test.blind_score.answer import guarded
 from test.blind_score.cases import Asked, Layout, layout, plan
 from test.blind_score.judge import false_names, judged
 from test.blind_score.pool import spread
 from test.blind_score.rows import ROOT, SAYS, append, deciding, digest, read
-from test.blind_score.run import guarded
 from test.blind_score.summary import ordered, page, targets, wilson
 
 

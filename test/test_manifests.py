@@ -36,6 +36,7 @@ JAZZY = {
 SYSTEM = {
     "PIL": "python3-pil",
     "cvxpy": "python3-cvxpy-pip",
+    "h5py": "python3-h5py",
     "jinja2": "python3-jinja2",
     "matplotlib": "python3-matplotlib",
     "numba": "python3-numba",
@@ -51,7 +52,7 @@ SYSTEM = {
     "yaml": "python3-yaml",
 }
 """Modules to their keys of rosdep (rosdistro's rosdep/python.yaml)."""
-WITHOUT_KEY = {"asammdf", "compression", "pyarrow"}
+WITHOUT_KEY = {"asammdf", "compression", "nptdms", "pyarrow"}
 """Modules without a key, and one that Python 3.14 has: `./er setup` or pip installs them."""
 PART_OF = {
     **dict.fromkeys(("rosidl_runtime_py", "rpyutils"), "rclpy"),

@@ -14,7 +14,7 @@ SIGNALS = {
     "t": "t",  # time since the record began [s]
     "x": "x",  # travel of the rod [m]
     "v": "v",  # its velocity [m/s]
-    "u": "total",  # duty on its way to the field, in the place `field` alone
+    "u": "total",  # duty on its way to the field, in the places `field` and `rate` alone
     "h": f"y[{FLD}]",  # duty after the chains have formed
     "w": "y[{state}]",  # the truth's own state
 }

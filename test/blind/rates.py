@@ -128,10 +128,10 @@ def field_rates(
 
 @inner
 def inner_rates(
-    t: float, x: float, v: float, y: Array, dy: Array, rows: Array, base: Array
+    t: float, x: float, v: float, u: float, y: Array, dy: Array, rows: Array, base: Array
 ) -> None:
     """States of effects that ride on the rod's travel: those of single truths, branches, void, heat."""
-    own_rates(0.0, t, x, v, y, dy, rows)
+    own_rates(u, t, x, v, y, dy, rows)
     if rows[VISCOELASTIC, 0] != 0.0:
         dy[MX1] = (x - y[MX1]) / rows[VISCOELASTIC, 2]
         dy[MX2] = 4.0 * (x - y[MX2]) / rows[VISCOELASTIC, 2]
@@ -162,7 +162,7 @@ def damper(
     """Force at the joint [N] without outer inertia; fills the rates of the damper's states."""
     if not joint.present(rows):
         field_rates(t, x, v, u, y, dy, rows, base)
-        inner_rates(t, x, v, y, dy, rows, base)
+        inner_rates(t, x, v, u, y, dy, rows, base)
         return rod.force(t, x, v, burst, y, dy, memory, rows, base)
     mass = rows[INERTIA, 0]
     speed = y[VD] if mass != 0.0 else joint_velocity(t, x, v, burst, y, dy, memory, rows, base)
@@ -171,7 +171,7 @@ def damper(
         dy[VD] = (pull - rod.force(t, y[XD], speed, burst, y, dy, memory, rows, base)) / mass
     dy[XD] = speed
     field_rates(t, y[XD], speed, u, y, dy, rows, base)
-    inner_rates(t, y[XD], speed, y, dy, rows, base)
+    inner_rates(t, y[XD], speed, u, y, dy, rows, base)
     return pull
 
 

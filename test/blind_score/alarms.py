@@ -27,8 +27,9 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from test.blind.generator import make_case
+from test.blind_score.answer import guarded
 from test.blind_score.program import Rows, collect, finish, heading, parser_of, seeds_of
-from test.blind_score.run import MODEL, guarded
+from test.blind_score.run import MODEL
 from test.blind_score.summary import table, wilson
 
 RATES = (0.03, 0.1, 0.3)

@@ -21,11 +21,12 @@ from er_models.catalogue import CATALOGUE
 from er_models.errors import InputError
 from er_models.files import load_model
 
+from test.blind_score.answer import guarded
 from test.blind_score.judge import judged
 from test.blind_score.lab_truth import draw_truth, write_noisy
 from test.blind_score.program import Rows, collect, finish, heading, parser_of, seeds_of
 from test.blind_score.rows import read
-from test.blind_score.run import MODEL, guarded
+from test.blind_score.run import MODEL
 from test.blind_score.summary import table, wilson
 
 Z = 1.959964

@@ -27,10 +27,12 @@ from test.blind.calibrate import clean_records
 from test.blind.case import Case
 from test.blind.generator import more_records
 from test.blind.jit import Array
+from test.blind_score.answer import guarded
 from test.blind_score.cases import Asked, Layout
-from test.blind_score.fresh import fresh_errors, rms
+from test.blind_score.fresh import fresh_errors
+from test.blind_score.fused import rms
 from test.blind_score.program import Rows, collect, finish, heading, parser_of, seeds_of
-from test.blind_score.run import ANOTHER, MODEL, drawn, guarded
+from test.blind_score.run import ANOTHER, MODEL, drawn
 from test.blind_score.summary import WORST_RATIO, table
 
 BENT = 6

@@ -20,10 +20,11 @@ from er_models.files import load_model
 from er_models.model import Model
 
 from test.blind.case import excess_after_refit
+from test.blind_score.answer import said, timed
 from test.blind_score.cases import Asked, Layout, few, plan
 from test.blind_score.conditions import CONDITIONS, changed_case, given, measured
 from test.blind_score.judge import CERTAIN, HONEST, Row, false_names, judged
-from test.blind_score.run import MODEL, begun, drawn, said, timed
+from test.blind_score.run import MODEL, begun, drawn
 from test.blind_score.summary import BEST, table
 
 WORDS = ("right", "modest", "wrong", "failed")

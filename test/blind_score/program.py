@@ -51,9 +51,10 @@ def collect(
     asked: Mapping[str, J],
     work: Callable[[J], dict[str, Any]],
     fits: Callable[[dict[str, Any]], bool] = lambda row: True,
+    code: str = "",
 ) -> Rows:
     """Rows of all cases asked for, by key: those known already from this code, and those made now."""
-    made_by = digest()
+    made_by = code or digest()
     known = read(given.results) if given.results else ()
     rows = {r["key"]: r for r in known if r.get("code") == made_by and fits(r)}
     wanted = [job for key, job in asked.items() if key not in rows and not given.noted]

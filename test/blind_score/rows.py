@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -40,10 +40,10 @@ def _bare(source: str) -> str:
     return ast.dump(tree)
 
 
-def deciding(root: Path = ROOT) -> list[Path]:
+def deciding(root: Path = ROOT, folders: Sequence[str] = DECIDES) -> list[Path]:
     """Files of the code that decides a row, tests left out."""
     found = []
-    for folder in DECIDES:
+    for folder in folders:
         for path in sorted((root / folder).rglob("*.py")):
             parts = path.relative_to(root / folder).with_suffix("").parts
             if SAYS.isdisjoint(parts) and not parts[-1].startswith(("test_", "short", "conftest")):
@@ -51,10 +51,10 @@ def deciding(root: Path = ROOT) -> list[Path]:
     return found
 
 
-def digest(root: Path = ROOT) -> str:
+def digest(root: Path = ROOT, folders: Sequence[str] = DECIDES) -> str:
     """Hash of the code that decides a row."""
     total = hashlib.sha256()
-    for path in deciding(root):
+    for path in deciding(root, folders):
         total.update(path.relative_to(root).as_posix().encode())
         total.update(_bare(path.read_text(encoding="utf-8")).encode())
     return total.hexdigest()[:16]

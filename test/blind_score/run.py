@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import tempfile
-import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from er_model_lab.verbs.improve import improve
 from er_model_lab.verbs.load import load
-from er_models.errors import ErError
 from er_models.files import load_model
 
 from test.blind.case import Case, excess_after_refit
 from test.blind.errors import BlindError
 from test.blind.generator import make_case, more_records
+from test.blind_score.answer import said, timed
 from test.blind_score.cases import Asked, Layout, layout
 from test.blind_score.fresh import fresh_errors
 from test.blind_score.rows import ROOT
@@ -24,8 +22,6 @@ MODEL = ROOT / "config" / "dampers" / "inove_guo.yaml"
 REDRAWS = 5
 ANOTHER = 100_000
 """Distance of the seeds of a case that is drawn again, and of fresh records."""
-SHOWN = 4
-"""Candidates noted with their evidence."""
 
 
 def drawn(asked: Asked, size: Layout, folder: Path) -> tuple[Case, int]:
@@ -58,34 +54,6 @@ def drawn(asked: Asked, size: Layout, folder: Path) -> tuple[Case, int]:
     return poor, trial
 
 
-def said(result: dict[str, Any]) -> dict[str, Any]:
-    """What matters of the lab's result."""
-    shown = result["candidates"][:SHOWN]
-    return {
-        "verdict": result["verdict"],
-        "final_verdict": result["final_verdict"],
-        "names": result["effects"],
-        "alternatives": result["alternatives"],
-        "floor": result["noise_floor"],
-        "before": result["rmse"],
-        "after": result["rmse_after"],
-        "explainable": result["explainable"],
-        "explained": result["explained"],
-        "unexplained": result["unexplained"]["share"],
-        "largest": max(
-            (c["evidence"] for c in result["candidates"] if "threshold" in c), default=0.0
-        ),
-        "least_p": min(
-            (c["p_value"] for c in result["candidates"] if "threshold" in c), default=1.0
-        ),
-        "threshold": next(
-            (c["threshold"] for c in result["candidates"] if "threshold" in c), None
-        ),
-        "candidates": [[c["effect"], c["evidence"], c["p_value"]] for c in shown],
-        "parameters": {c["effect"]: c["parameters"] for c in shown if c["status"] == "present"},
-    }
-
-
 def truth_of(case: Case) -> dict[str, Any]:
     """What was hidden."""
     return {
@@ -113,22 +81,6 @@ def begun(asked: Asked, size: Layout) -> dict[str, Any]:
         "key": asked.key, "kind": asked.kind, "hidden": list(asked.hidden), "program": asked.program,
         "seed": asked.seed, "records": size.records, "seconds": size.seconds,
     }  # fmt: skip
-
-
-def timed(work: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """What the lab answers, and how long it took [s]."""
-    began = time.monotonic()
-    return {**guarded(work), "time": round(time.monotonic() - began, 2)}
-
-
-def guarded(work: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """What the lab answers; its refusal, or its crash, is an answer too."""
-    try:
-        return work()
-    except ErError as error:
-        return {"failed": " ".join(str(error).split())}
-    except (ArithmeticError, ValueError, AssertionError) as error:
-        return {"failed": f"{type(error).__name__}: {error}"}
 
 
 def _answer(asked: Asked, case: Case, folder: Path) -> dict[str, Any]:

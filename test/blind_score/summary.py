@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ import numpy as np
 
 from test.blind_score.cases import KINDS
 from test.blind_score.judge import Row, judged
+from test.blind_score.tables import table, wilson
 
 BEST = {"singles": "first", "pairs": "both", "complete": "right", "outside": "right"}
 """Judgement that leaves nothing to ask, by kind; a poor record leaves nothing to ask unless it is ``wrong``."""
@@ -37,22 +37,6 @@ TARGETS = (
     Target("degenerate", "a wrong certain name", ("wrong", "failed"), 0.0, at_least=False),
 )
 MEDIAN_RATIO, WORST_RATIO = 1.10, 1.30
-
-
-def wilson(hits: int, n: int, z: float = 1.96) -> tuple[float, float]:
-    """95 % interval of a share by Wilson's score; (0, 1) where nothing was tried."""
-    if n == 0:
-        return 0.0, 1.0
-    p, w = hits / n, z * z / n
-    centre = (p + 0.5 * w) / (1.0 + w)
-    half = z / (1.0 + w) * math.sqrt(p * (1.0 - p) / n + 0.25 * w / n)
-    return max(centre - half, 0.0), min(centre + half, 1.0)
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A Markdown table."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
 
 
 def share_row(target: Target, rows: Sequence[Row]) -> list[str]:

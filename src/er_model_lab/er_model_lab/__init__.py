@@ -42,6 +42,8 @@ if TYPE_CHECKING:
     from er_model_lab.verbs.identify import identify
     from er_model_lab.verbs.improve import improve
     from er_model_lab.verbs.load import load, load_model
+    from er_model_lab.verbs.map import map
+    from er_model_lab.verbs.new import models, new
     from er_model_lab.verbs.plan import plan
     from er_model_lab.work import Cancelled, Leader
 
@@ -60,9 +62,10 @@ _HOME = {
     ),
     **dict.fromkeys(("load", "load_model"), "er_model_lab.verbs.load"), "ExportResult": "er_model_lab.verbs.export",
     **dict.fromkeys(("Cancelled", "Leader"), "er_model_lab.work"),
+    **dict.fromkeys(("models", "new"), "er_model_lab.verbs.new"),
     **{
         verb: f"er_model_lab.verbs.{verb}"
-        for verb in ("add", "check", "compare", "diagnose", "export", "identify", "improve", "plan")
+        for verb in ("add", "check", "compare", "diagnose", "export", "identify", "improve", "map", "plan")
     },
 }  # fmt: skip
 """Where each name lives: it is imported when it is first asked for."""
@@ -71,7 +74,8 @@ __all__ = [
     "Cancelled", "CandidateResult", "CheckResult", "ComparisonResult", "Dataset", "DiagnosisResult", "ErError",
     "Errors", "ExportResult", "IdentificationResult", "InputError", "Leader", "MissingChannel", "Parameter",
     "PlanResult", "Record", "Rule", "Step", "UnknownName", "__version__", "add", "check", "compare", "diagnose",
-    "export", "from_arrays", "from_frame", "identify", "improve", "load", "load_model", "plan", "save_model",
+    "export", "from_arrays", "from_frame", "identify", "improve", "load", "load_model", "map", "models", "new", "plan",
+    "save_model",
 ]  # fmt: skip
 
 

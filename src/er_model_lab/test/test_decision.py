@@ -279,7 +279,8 @@ def test_what_the_motions_errors_hide_is_said_to_be_hidden():
         found = [refit(base, model.catalogue["coulomb_friction"], problem)]
         null = simulate_null(base, found, problem, seed=1)
         step = Round(base, found, null, threshold(null, null.force_noise), None, [])
-        floor = Floor(float(np.sqrt(found[0].mse)), 0.0, 0.0, 0.0, 0.0, {}, (0.0, 0.0, 0.0))
+        noise = float(np.sqrt(found[0].mse))
+        floor = Floor(noise, 0.0, noise, 0.0, 0.0, {}, (0.0, 0.0, 0.0))
         said[effect] = judge(base, base, [step], floor, problem)
     assert said[None].verdict == "adequate"
     assert said["coulomb_friction"].verdict == "insufficient_data"

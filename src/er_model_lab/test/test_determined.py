@@ -1,10 +1,13 @@
 """What the data do not determine is no certain name: a value at its bound, or a strength that may be nothing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from er_model_lab.diagnosis.candidates import baseline, refit
-from er_model_lab.diagnosis.determined import loose
+from er_model_lab.diagnosis.determined import far, loose
 from er_model_lab.diagnosis.investigation import search_effects
+from er_model_lab.diagnosis.search import rivals, tied
 from er_model_lab.verbs.diagnose import diagnose
 from er_models.files import load_model
 from er_models.model import Model
@@ -51,6 +54,30 @@ def test_a_neutral_value_at_its_bound_is_determined():
     play = refit(baseline(model, problem), model.catalogue["freeplay"], problem)
     assert isinstance(play.fit.model, Model)
     assert loose(play, problem) == ()
+
+
+def test_a_zero_of_the_sensor_and_a_preload_are_one_where_a_spring_is_all_they_act_on():
+    model, problem = problem_of("preload", {"F_0": 0.6}, seconds=8.0)
+    passive = replace(problem, motion=replace(problem.motion, u=np.zeros(problem.motion.n)))
+    force = predict(model.with_effect("preload", {"F_0": 0.6}), passive.motion)
+    noise = FORCE_NOISE * np.random.default_rng(2).standard_normal(force.size)
+    base = baseline(model, replace(passive, force=force + noise))
+    found = [
+        refit(base, model.catalogue[e], replace(passive, force=force + noise))
+        for e in ("preload", "deflection_zero")
+    ]
+    group = tied(base, sorted(found, key=lambda c: c.mse), passive, 0.05)
+    assert {c.name for c in group} == {"preload", "deflection_zero"}
+    assert rivals(group[0], group[1], passive)
+    zero = next(c for c in found if c.name == "deflection_zero")
+    assert not far(zero)
+    moved = zero.fit.model.with_effect(
+        "deflection_zero", {"x_0": 0.8 * model.bounds("deflection_zero", "x_0")[1]}
+    )
+    beyond = replace(zero, fit=replace(zero.fit, model=moved))
+    assert far(beyond)
+    told = tied(base, sorted([beyond, found[0]], key=lambda c: c.mse), passive, 0.05)
+    assert [c.name for c in told] == ["preload", "deflection_zero"]
 
 
 def test_one_tone_gives_no_certain_name_anywhere():

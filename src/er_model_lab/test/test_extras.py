@@ -11,7 +11,7 @@ import pytest
 WITHOUT = """
 import sys
 
-for name in ("PIL", "asammdf", "jinja2", "lz4", "matplotlib", "plotly", "rosbags"):
+for name in ("PIL", "asammdf", "h5py", "jinja2", "lz4", "matplotlib", "nptdms", "plotly", "rosbags"):
     sys.modules[name] = None
 from er_model_lab.cli.app import main
 
@@ -34,6 +34,8 @@ def here(tmp_path: Path) -> Path:
     (tmp_path / "run.csv").write_text(f"t,deflection,duty,damper_force\n{rows}")
     (tmp_path / "run.mcap").write_text("some")
     (tmp_path / "run.mf4").write_text("MDF     4.10")
+    (tmp_path / "run.mat").write_bytes(b"\x89HDF\r\n\x1a\n")
+    (tmp_path / "run.tdms").write_text("TDSm")
     return tmp_path
 
 
@@ -45,12 +47,14 @@ JINJA = "a report needs the Python package jinja2: pip install 'er_model_lab[plo
     [
         (("check", "run.mcap"), "run.mcap: a bag needs the Python package rosbags: pip install 'er_records[bags]'"),
         (("check", "run.mf4"), "run.mf4: MF4 needs the Python package asammdf: pip install 'er_records[mf4]'"),
+        (("check", "run.mat"), "run.mat: MATLAB 7.3 needs the Python package h5py: pip install 'er_records[mat]'"),
+        (("check", "run.tdms"), "run.tdms: TDMS needs the Python package nptdms: pip install 'er_records[tdms]'"),
         (("compare", "run.csv", *MODEL, "--report", "r"), JINJA),
         (("effects", "preload", "--report", "r"), JINJA),
         (("export", "run.csv", *MODEL, "--series", "o.mf4"),
          "MF4 needs the Python package asammdf: pip install 'er_records[mf4]'"),
     ],
-    ids=["bag", "mf4", "report", "cards", "series"],
+    ids=["bag", "mf4", "mat", "tdms", "report", "cards", "series"],
 )  # fmt: skip
 def test_what_is_not_installed_is_one_line(words: tuple[str, ...], said: str, here: Path) -> None:
     assert lab(*words, cwd=here) == (2, f"{said}\n")

@@ -7,7 +7,7 @@ import pytest
 from er_model_lab.problem.held_out import STRETCHES, every_third, spared_stretches, split
 from er_model_lab.residual.errors import errors
 from er_model_lab.results.diagnosis import unseen
-from er_models.prediction import Motion, motion
+from er_models.prediction import Motion, join, motion
 from lab_help import problem_of
 
 N = 4000
@@ -74,3 +74,30 @@ def test_a_motion_that_is_not_measured_is_split_evenly():
     middles = [sum(parts()[b]) // 2 for b in every_third(STRETCHES)]
     assert held[middles].all()
     assert held.sum() < 3 * N / STRETCHES
+
+
+def test_no_record_that_alone_reaches_far_is_held_out():
+    """Three records, each furthest in something: a stop that one of them alone touches must be learnt."""
+    t = np.arange(2000) * DT
+    runs = []
+    for size, rate, duty in ((1.0, 2.0, 0.1), (0.6, 6.0, 0.2), (0.9, 1.0, 0.3)):
+        w = 2.0 * np.pi * rate
+        runs.append(
+            motion(
+                DT,
+                0.01 * size * np.sin(w * t),
+                0.01 * size * w * np.cos(w * t),
+                np.full(t.size, duty),
+            )
+        )
+    _, held = split(join(runs))
+    assert [
+        bool(held[i:j].any() and not held[i:j].all())
+        for i, j in ((0, 2000), (2000, 4000), (4000, 6000))
+    ] == [True] * 3
+    alike = [
+        motion(DT, k * m.x, k * m.v, m.u)
+        for k, m in ((1.0, runs[0]), (0.97, runs[0]), (0.98, runs[0]))
+    ]
+    _, held = split(join(alike))
+    assert held[2200:3900].all()

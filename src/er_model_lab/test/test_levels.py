@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from er_model_lab.motion import noise_levels
 from er_model_lab.motion.fuse import channels_of, likelihood
-from er_model_lab.motion.noise_levels import BEHIND, FIRST, estimate_noise
+from er_model_lab.motion.noise_levels import BEHIND, FIRST, count, estimate_noise
 
 DT, N = 0.005, 1500
 TRUE = {"x": 2e-5, "v": 1e-3, "a": 0.025}
@@ -67,3 +67,15 @@ def test_a_search_that_pauses_ends_where_it_would_have_ended(free_lag):
     paused.go_on()
     assert asdict(once.noise) == asdict(paused.noise)
     assert once.value == paused.value == -likelihood(ch, once.noise)
+
+
+@pytest.mark.parametrize(("blur", "counts"), [(0.0, True), (1e-6, False)])
+def test_an_encoder_at_a_halt_is_not_more_exact_than_its_counts(blur, counts):
+    dt, step, rng = 0.002, 2e-5, np.random.default_rng(1)
+    t = np.arange(2500) * dt
+    x = 0.02 * np.sin(2.0 * np.pi * 0.7 * t)
+    x = np.where((t % 2.0) < 0.8, x[100], x)
+    read = np.round(x / step) * step + blur * rng.standard_normal(t.size)
+    assert count(read) == pytest.approx(step if counts else 0.0)
+    found = estimate_noise(channels_of(dt, read, None, None, np.zeros((t.size, 3), bool)))
+    assert not counts or found.x >= step / np.sqrt(12.0) * (1.0 - 1e-9)

@@ -167,6 +167,19 @@ def test_every_other_fault_is_found_and_no_second_one(sound):
         assert bad(with_(sound, **changed)) == [expected]
 
 
+@pytest.mark.parametrize(
+    ("without", "level"),
+    [((), "fail"), ((*ACCELERATIONS, "road", "deflection_velocity"), "warning")],
+)
+def test_a_deflection_that_stands_still_while_the_force_changes_may_be_a_damper_that_sticks(
+    sound, without, level
+):
+    x = sound.channels["deflection"]
+    stuck = np.where((sound.t % 2.0) < 0.6, x[1000], x)
+    found = [f for f in findings(with_(sound, without, deflection=stuck)) if f.check == "held"]
+    assert [(f.level, f.channel) for f in found] == [(level, "deflection")]
+
+
 def test_a_coarse_converter_is_neither_held_nor_clipped(sound):
     coarse = {
         "deflection": np.round(sound.channels["deflection"] / 5e-5) * 5e-5,

@@ -13,12 +13,15 @@ class ErError(Exception):
 
 
 class InputError(ErError):
-    """Bad input: names the file, the key, what was expected and what was found."""
+    """Bad input: names the file, the key, what was expected and what was found, and what mends it."""
 
-    def __init__(self, path: str | Path, key: str, expected: str, found: Any) -> None:
+    def __init__(
+        self, path: str | Path, key: str, expected: str, found: Any, cure: str = ""
+    ) -> None:
         self.path, self.key, self.expected, self.found = str(path), key, expected, found
+        self.cure = cure
         where = f"{path}: {key}" if key else str(path)
-        super().__init__(f"{where}: expected {expected}, found {found}")
+        super().__init__(f"{where}: expected {expected}, found {found}{cure and '; ' + cure}")
 
 
 class UnknownName(ErError):
@@ -39,8 +42,13 @@ class MissingChannel(ErError):
     exit_status = 4
 
     def __init__(
-        self, path: str | Path, channel: str, needed_for: str, present: tuple[str, ...]
+        self,
+        path: str | Path,
+        channel: str,
+        needed_for: str,
+        present: tuple[str, ...],
+        cure: str = "",
     ) -> None:
-        super().__init__(
-            f"{path}: channel '{channel}' is needed {needed_for}; present: {', '.join(present) or 'none'}"
-        )
+        there = ", ".join(present) or "none"
+        said = f"{path}: channel '{channel}' is needed {needed_for}; present: {there}"
+        super().__init__(said + (cure and "; " + cure))

@@ -13,6 +13,7 @@ import yaml
 
 from er_models.catalogue import CATALOGUE, Catalogue, Origin
 from er_models.errors import InputError, UnknownName
+from er_models.measured import read_terms
 from er_models.model import Model
 from er_models.scales import Scales
 from er_models.shipped import MODELS, file_of
@@ -20,7 +21,7 @@ from er_models.yaml_file import read_yaml
 
 SCHEMA = "er_model 1"
 _KEYS = (
-    "schema", "name", "source", "envelope", "rig", "damper", "effects_from", "effects", "history"
+    "schema", "name", "source", "envelope", "rig", "damper", "effects_from", "effects", "measured_terms", "history"
 )  # fmt: skip
 _ENVELOPE = ("force", "deflection", "velocity", "duty")
 _VALUE_KEYS = ("value", "sd", "unit")
@@ -56,6 +57,7 @@ def load_model(path: str | Path, catalogue: Catalogue = CATALOGUE) -> Model:
         history=_history(path, text.get("history")) or (base.history if base else ()),
         rig=_numbers(path, "rig", text.get("rig") or (base.rig if base else {})),
         catalogue=catalogue,
+        terms=read_terms(path, text.get("measured_terms", {})) or (base.terms if base else ()),
         file=str(path),
     )
 
@@ -92,6 +94,7 @@ def save_model(model: Model, path: str | Path) -> None:
         "rig": dict(model.rig),
         **_origins(model),
         "effects": effects,
+        **({"measured_terms": {t.name: t.as_json() for t in model.terms}} if model.terms else {}),
         "history": [dict(h) for h in model.history],
     }
     text = yaml.safe_dump(

@@ -15,6 +15,7 @@ from er_models.catalogue import CATALOGUE, Catalogue
 from er_models.errors import InputError
 from er_models.kernel.compose import fingerprint
 from er_models.kernel.layout import layout, responds
+from er_models.measured import MeasuredTerm, packed
 from er_models.scales import Scales
 
 Array = NDArray[np.float64]
@@ -41,7 +42,8 @@ class Model:
     """Effects and their parameter values [SI], the envelope of use, and provenance.
 
     `deviations` holds standard deviations of fitted values; `history` one entry per change the lab made;
-    `file` is where it was read from, empty where it was not.
+    `terms`: what was learnt beside the effects, measured and not explained. `file` is where it was read from, empty
+    where it was not.
     """
 
     name: str
@@ -52,6 +54,7 @@ class Model:
     history: tuple[Mapping[str, Any], ...] = ()
     rig: Mapping[str, float] = field(default_factory=dict)
     catalogue: Catalogue = CATALOGUE
+    terms: tuple[MeasuredTerm, ...] = ()
     file: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -112,11 +115,14 @@ class Model:
             if not (plant and effect.maps_motion):
                 for j, name in enumerate(effect.names):
                     p[c.offsets[effect.name] + j] = self.effects[effect.name][name]
-        on, slots, links, rest = layout(c, frozenset(self.effects), plant)
+        read = frozenset(name for term in self.terms for name in term.signals)
+        on, slots, links, rest = layout(c, frozenset(self.effects), plant, read)
+        p = np.concatenate([p, packed(self.terms)]) if self.terms else p
         return Compiled(on.copy(), p, slots.copy(), links.copy(), rest.copy())
 
     def digest(self) -> str:
         """Hash of what determines the behaviour: effects, values and equations."""
         values = {k: dict(sorted(v.items())) for k, v in sorted(self.effects.items())}
-        text = json.dumps([values, fingerprint(self.catalogue)], sort_keys=True)
+        terms = [term.as_json() for term in self.terms]
+        text = json.dumps([values, fingerprint(self.catalogue), *terms], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]

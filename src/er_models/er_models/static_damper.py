@@ -129,10 +129,11 @@ def static_damper(model: Model) -> StaticDamper:
     Raises `InputError` where the damper has other terms, which no such law holds.
     """
     extra = [n for n in model.effects if n not in _KNOWN and model.catalogue[n].stage != "vehicle"]
+    terms = [term.name for term in model.terms]
     laws = [n for n in ("guo_yield", "bingham_yield") if n in model.effects]
-    if extra or len(laws) != 1 or "passive" not in model.effects:
+    if extra or terms or len(laws) != 1 or "passive" not in model.effects:
         expected = "passive and one of guo_yield and bingham_yield, perhaps response"
-        raise InputError(model.name, "effects", expected, ", ".join(model.effects))
+        raise InputError(model.name, "effects", expected, ", ".join([*model.effects, *terms]))
     k0, c0 = (model.value("passive", name) for name in ("k0", "c0"))
     if laws == ["guo_yield"]:
         f_c, k1, c1 = (model.value("guo_yield", name) for name in ("f_c", "k1", "c1"))

@@ -92,18 +92,19 @@ class Sine:
 
 
 def imposed(scales: Scales, seconds: float, dt: float = DT, seed: int = 0) -> Motion:
-    """The two sines with a duty that steps within the envelope, zero now and then."""
+    """The two sines with a duty that steps within the envelope, zero now and then, while it warms by 4 K a second."""
     n = round(seconds / dt) + 1
     t = np.arange(n) * dt
     sine = Sine(scales)
     levels = scales.duty * np.random.default_rng(seed).choice([0.0, 0.2, 0.5, 0.8, 1.0], n)
     duty = np.repeat(levels, 41)[:n]
-    return motion(dt, sine.derivative(t, 0), sine.derivative(t, 1), duty, sine.derivative(t, 2))
+    x, v, a = (sine.derivative(t, order) for order in range(3))
+    return motion(dt, x, v, duty, a, 4.0 * t)
 
 
-def one_sample(x: float, v: float, u: float, a: float = 0.0) -> Motion:
+def one_sample(x: float, v: float, u: float, a: float = 0.0, theta: float = 0.0) -> Motion:
     """A record of a single sample, in which every state is in equilibrium."""
-    return motion(DT, np.array([x]), np.array([v]), np.array([u]), np.array([a]))
+    return motion(DT, *(np.array([value]) for value in (x, v, u, a, theta)))
 
 
 def span(y: Array) -> float:

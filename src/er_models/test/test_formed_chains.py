@@ -24,6 +24,8 @@ DUTY = np.where((np.arange(N) >= UP) & (np.arange(N) < DOWN), HIGH, LOW)
 CHAINS: dict[str, tuple[Mapping[str, float], Array]] = {
     "field_viscosity": ({"c_u": 100.0}, np.full(N, 100.0 * V)),
     "field_stiffness": ({"k_u": 1000.0}, 1000.0 * V * T),
+    "field_preload": ({"F_u": 10.0}, np.full(N, 10.0)),
+    "field_friction": ({"F_u": 10.0, "v_0": 0.005}, np.full(N, 10.0)),
     "bouc_wen_hysteresis": ({"F_h": 0.0, "F_u": 10.0, "z_y": 1e-3}, np.full(N, 10.0)),
 }
 """Parameters, and the force [N] per formed duty at a constant velocity V from x = 0."""

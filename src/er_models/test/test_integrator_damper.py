@@ -16,7 +16,7 @@ from models_help import DT, SMALL, Sine, bingham, car, guo, imposed, span, typic
 from reference import damper_force
 from scipy.integrate import solve_ivp
 
-CONTACTS = ("freeplay", "piston_play", "cavitation")
+CONTACTS = ("freeplay", "piston_play", "cavitation", "friction_with_play", "remanence")
 """They jump; their tests are of their own."""
 STATES = [
     e.name for e in CATALOGUE.effects if e.has_state and e.name not in ("response", *CONTACTS)

@@ -56,11 +56,13 @@ class Force(Case):
     v: float = 0.0
     u: float = 0.0
     a: float = 0.0
+    theta: float = 0.0
     force: float = 0.0
 
     def check(self, name: str, catalogue: Catalogue) -> None:
         """Compare it with the kernel's."""
-        found = predict(self.model(name, catalogue), one_sample(self.x, self.v, self.u, self.a))
+        sample = one_sample(self.x, self.v, self.u, self.a, self.theta)
+        found = predict(self.model(name, catalogue), sample)
         assert found[0] == pytest.approx(self.force, rel=1e-7)
 
 

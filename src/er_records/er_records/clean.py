@@ -93,7 +93,11 @@ def check_step(record: Record) -> None:
     if record.dt >= SLOWEST:
         hint = " (looks like ms)" if record.dt < 1e3 * SLOWEST else ""
         raise InputError(
-            record.source, "t", f"steps below {SLOWEST:g} s", f"{record.dt:.4g} s as a rule{hint}"
+            record.source,
+            "t",
+            f"steps below {SLOWEST:g} s",
+            f"{record.dt:.4g} s as a rule{hint}",
+            record.cure,
         )
 
 
@@ -124,7 +128,8 @@ def check_values(record: Record) -> None:
         low, high = float(valid.min()), float(valid.max())
         if name == "duty" and not -DUTY_ROUNDING <= low <= high <= 1.0 + DUTY_ROUNDING:
             hint = " (looks like percent)" if 1.5 < high <= 100.0 and low >= 0.0 else ""
-            raise InputError(record.source, name, "0..1", f"{low:.6g}..{high:.6g}{hint}")
+            found = f"{low:.6g}..{high:.6g}{hint}"
+            raise InputError(record.source, name, "0..1", found, record.cure)
         limit, hint = LIMITS.get(name, (np.inf, ""))
         if max(-low, high) > limit:
             unit = CHANNELS[name]
@@ -133,6 +138,7 @@ def check_values(record: Record) -> None:
                 name,
                 f"at most {limit:g} {unit}",
                 f"{max(-low, high):.6g} {unit} ({hint})",
+                record.cure,
             )
 
 

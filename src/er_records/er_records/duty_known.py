@@ -26,7 +26,7 @@ def driven(data: Dataset) -> Dataset:
     if not learn or (data.score and not score):
         r = lacking[0]
         why = "since others are driven (a column of zeros says that the field was off)"
-        raise MissingChannel(r.source or r.name, "duty", why, tuple(r.channels))
+        raise MissingChannel(r.source or r.name, "duty", why, tuple(r.channels), r.cure)
     names = ", ".join(r.name for r in lacking)
     note = (
         f"{names}: left out, as the duty is missing and others are driven (a column of zeros says that the field "

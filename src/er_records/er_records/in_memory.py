@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,7 +13,8 @@ from numpy.typing import ArrayLike
 from er_records.clean import clean
 from er_records.dataset import Dataset
 from er_records.provenance import content_digest
-from er_records.readers.columns import TIME, resolve, to_si
+from er_records.readers.columns import made, resolve, scales_of, to_si
+from er_records.readers.names import TIME, Given, parsed
 from er_records.record import CHANNELS, Record, unit_of
 
 if TYPE_CHECKING:
@@ -38,13 +38,12 @@ def from_arrays(t: ArrayLike, *, name: str = "arrays", **channels: ArrayLike) ->
     return _dataset(Record(name, _numbers(name, TIME, t), samples, source=name))
 
 
-def from_frame(
-    frame: pd.DataFrame, names: Mapping[str, str] | None = None, *, name: str = "table"
-) -> Dataset:
+def from_frame(frame: pd.DataFrame, names: Given | None = None, *, name: str = "table") -> Dataset:
     """One record from a table whose columns are named as in a file, with units in brackets: `damper_force [kN]`.
 
-    names: contract name to the table's own, such as `{"damper_force": "Kraft [kN]"}`; where the table has no column
-    `t`, its index is the time [s].
+    names: what the table's own columns are, such as `{"damper_force": "Kraft [kN]"}` or
+    `{"duty": {"from": "Strom [A]", "full_scale": 1.6}}` (`er_records.readers.names`); where the table has no
+    column `t`, its index is the time [s].
 
     Raises:
         InputError: No time, no channel, a misspelt or repeated column, an unknown unit, text where numbers belong.
@@ -52,14 +51,15 @@ def from_frame(
     """
     header, path = [str(column) for column in frame.columns], Path(name)
     timed = TIME in header or TIME in (names or {}) or any(h.startswith("t ") for h in header)
-    columns, notes = resolve(path, header, names, needs_time=timed)
-    channels = {}
-    for column in columns:
+    columns, notes = resolve(path, header, parsed(names), needs_time=timed)
+    channels = {c.name: made(c, len(frame)) for c in columns if c.index < 0}
+    for column in (c for c in columns if c.index >= 0):
         raw = _numbers(name, column.name, frame.iloc[:, column.index])
         channels[column.name], how = to_si(column, raw)
         notes += how
     t = channels.pop(TIME) if timed else _numbers(name, TIME, frame.index)
-    return _dataset(Record(name, t, channels, tuple(notes), source=name))
+    scales = scales_of(columns)
+    return _dataset(Record(name, t, channels, tuple(notes), source=name, scales=scales))
 
 
 def _numbers(name: str, key: str, values: ArrayLike) -> np.ndarray:

@@ -7,8 +7,10 @@ upwards.
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -44,6 +46,13 @@ def unit_of(name: str) -> str | None:
     if name in EXTRA_UNITS:
         return EXTRA_UNITS[name]
     return "N" if name.startswith("force_") else None
+
+
+def cure(path: str | Path) -> str:
+    """What mends wrong columns: of a file a command, of a table in memory an argument."""
+    if not Path(path).exists():
+        return "say what its columns are: names={'damper_force': 'Kraft [kN]'}"
+    return f"say what its columns are: ./er lab map {shlex.quote(str(path))}"
 
 
 def is_core(name: str) -> bool:
@@ -124,10 +133,16 @@ class Record:
         `why` completes "channel 'x' is needed ...", for instance "to predict the force".
         """
         if channel not in self.channels:
-            raise MissingChannel(self.source or self.name, channel, why, tuple(self.channels))
+            present, where = tuple(self.channels), self.source or self.name
+            raise MissingChannel(where, channel, why, present, self.cure)
         return self.channels[channel]
 
-    def slice(self, i: int, j: int) -> Record:
+    @property
+    def cure(self) -> str:
+        """What mends a wrong column of the file that it was read from; '' where there is no file."""
+        return cure(self.file) if self.file else ""
+
+    def slice(self, i: int, j: int | None) -> Record:
         """Samples i to j (Python slice rules); the time axis keeps its values."""
         part = {name: samples[i:j] for name, samples in self.channels.items()}
         wild = self.wild and {name: mask[i:j] for name, mask in self.wild.items()}

@@ -215,7 +215,7 @@ def test_wrong_units_are_named_by_what_they_look_like(
 def test_names_of_ones_own_are_asked_for_where_none_are_given(tmp_path: Path) -> None:
     own = {"Zeit" if k == "t" else k: v for k, v in columns().items()}
     text = table(tmp_path / "rig.csv", own).read_text()
-    message(tmp_path / "rig.csv", text, "found Zeit", "rig.csv.names.yaml")
+    message(tmp_path / "rig.csv", text, "found Zeit", "./er lab map ", "rig.csv")
 
 
 def test_a_negative_duty_and_an_infinite_force_are_refused(tmp_path: Path) -> None:

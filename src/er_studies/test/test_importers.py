@@ -120,9 +120,26 @@ def test_the_parts_of_the_mts_set() -> None:
     for stem in mts.TRAINING:
         assert mts.split(f"{stem}-0.25A") == mts.split(f"{stem}.txt") == "train"
     assert mts.split("ME10mm2Hz-1A") == "held_out_sine"
-    assert mts.split("15Hz-0A") == mts.split("15Hz1A") == "held_out_sweep"
+    assert (
+        mts.split("15Hz-0A")
+        == mts.split("15Hz1A")
+        == mts.split("15Hz0x5A.txt")
+        == "held_out_sweep"
+    )
     with pytest.raises(ErError, match="unknown run"):
         mts.split("something")
+
+
+@pytest.mark.parametrize(
+    ("name", "amperes"), [("15Hz0x5A", 0.5), ("15Hz0.5A", 0.5), ("15Hz1A", 1.0)]
+)
+def test_a_sweep_is_of_the_current_that_its_name_says(
+    name: str, amperes: float, tmp_path: Path
+) -> None:
+    (tmp_path / f"{name}.txt").write_text(mts_text((100.0,), 1000))
+    (record,) = import_data("mts", tmp_path / f"{name}.txt")
+    assert record.name == f"15Hz-{amperes:g}A"
+    assert set(record.channels["duty"]) == {amperes}
 
 
 def save_run(folder: Path, name: str, plateau: float) -> None:

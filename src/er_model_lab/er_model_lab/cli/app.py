@@ -16,10 +16,15 @@ from er_models.one_line import INTERRUPTED
 
 from er_model_lab.cli.data import check_command, compare_command, identify_command
 from er_model_lab.cli.export import export_command
+from er_model_lab.cli.mapping import map_command
 from er_model_lab.cli.missing import add_command, diagnose_command, improve_command
 from er_model_lab.cli.plan import effects_command, plan_command
+from er_model_lab.cli.start import models_command, new_command
 
 COMMANDS: dict[str, tuple[Callable[..., None], str]] = {
+    "map": (map_command, "Say what the columns of your own files are."),
+    "new": (new_command, "Begin a model of a kind, scaled to your data."),
+    "models": (models_command, "Kinds of start models, and what is shipped."),
     "check": (check_command, "Check measurements before anything is fitted."),
     "compare": (compare_command, "Say where a model fails; several side by side."),
     "diagnose": (diagnose_command, "Say which effect is missing, with evidence."),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,6 +19,7 @@ from er_model_lab.cli.options import (
     HoldOut,
     Json,
     Level,
+    MeasuredTerms,
     ModelFile,
     Out,
     Report,
@@ -106,6 +108,7 @@ def improve_command(
     smallest: Smallest = RULE.smallest,
     helps: Helps = RULE.helps,
     anyway: Anyway = False,
+    measured_terms: MeasuredTerms = False,
 ) -> None:
     """Diagnose and add, again and again, until the model is adequate or nothing known helps."""
 
@@ -115,12 +118,13 @@ def improve_command(
 
         begun = load_model(model, effects_from or ())
         with progress("improving") as told:
-            return improve(
+            found = improve(
                 load(*data), begun, name=out.stem, interrupted=_left(out, beside, effects_from),
                 held_out=loaded(hold_out), level=level, seed=seed,
                 rule=Rule(false_alarm, smallest, helps), anyway=anyway, progress=told,
-                keep=keep,
+                keep=keep, measured_terms=measured_terms,
             )  # fmt: skip
+        return _with_effect_files(found, out)
 
     def keep(so_far: Model) -> None:
         from er_models.files import save_model
@@ -131,6 +135,20 @@ def improve_command(
     beside = out.with_suffix(f".begun{out.suffix}")
     read = read_by(data, [model], effects_from, hold_out)
     run(work, json_file, report, out=out, read=read, beside=beside)
+
+
+def _with_effect_files(result: Result, out: Path) -> Result:
+    """The result once the formula of each measured term is written beside the new model, as an effect to begin with."""
+    from er_models.files import write_whole
+
+    terms = []
+    for entry in result.view.result["measured_terms"]:
+        file = out.with_suffix(f".{entry['name']}.py")
+        if entry["effect_source"]:
+            write_whole(file, entry["effect_source"])
+        terms.append(entry | {"effect_file": str(file) if entry["effect_source"] else None})
+    content = dict(result.view.result) | {"measured_terms": terms}
+    return replace(result, view=replace(result.view, result=content))
 
 
 def _left(out: Path, beside: Path, effects_from: list[Path] | None) -> Model | None:

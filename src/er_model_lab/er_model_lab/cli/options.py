@@ -26,7 +26,8 @@ def seed_option(text: str) -> Any:
 Data = Annotated[
     list[Path],
     typer.Argument(
-        metavar="DATA", help="rosbag2 folder, .mcap, .csv, .parquet, .mf4, or a folder of them."
+        metavar="DATA",
+        help="rosbag2 folder, .mcap, .csv, .parquet, .mf4, .mat, .tdms, or a folder of them.",
     ),
 ]
 ModelFile = Annotated[
@@ -87,6 +88,13 @@ Anyway = Annotated[
         "--anyway", help="Use data that fail the preflight all the same (exit status 3)."
     ),
 ]
+MeasuredTerms = Annotated[
+    bool,
+    typer.Option(
+        "--measured-terms",
+        help="Learn what no known effect explains as one smooth term, measured and not explained.",
+    ),
+]
 EffectsFrom = Annotated[
     list[Path] | None,
     typer.Option(
@@ -109,6 +117,7 @@ PHRASES = {
     "report: expected a folder": "--report: expected a folder",
     "limits (stroke, velocity, duration)": "limits (--stroke, --velocity, --duration)",
     "set helps to": "set --helps to",
+    "measured_terms=True": "--measured-terms",
     "something to write: series, lut, c or fmu": "something to write: --series, --lut, --c or --fmu",
 }
 """Arguments in sentences, as the command line writes them."""

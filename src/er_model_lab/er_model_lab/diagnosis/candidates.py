@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from er_models.effect import Effect
+from er_models.effect import Effect, arguments
 from er_models.model import Array, Model
 from er_models.prediction import motion, predict
 
@@ -90,12 +90,20 @@ def missing(model: Model, problem: Problem) -> tuple[Effect, ...]:
     """Effects that could be added: all candidates of the catalogue the model does not hold.
 
     Where the motion sensors themselves show a lag of the velocity channel, the force must not be asked:
-    a lag of the fused velocity would only imitate its noise. Where no velocity was measured none can lag.
+    a lag of the fused velocity would only imitate its noise. Where no velocity was measured none can lag. What follows
+    a measured temperature is tried where one was measured.
     """
     core = () if model.has_response else (model.catalogue["response"],)
     from_force = (problem.measures_velocity or not problem.raw) and not problem.kinematic_lag
     held = set(model.effects) if from_force else {*model.effects, "velocity_lag"}
-    return tuple(e for e in core + problem.forward.candidates(model) if e.name not in held)
+    warmed = bool(np.ptp(problem.motion.theta))
+    tried = core + problem.forward.candidates(model)
+    return tuple(e for e in tried if e.name not in held and (warmed or not _follows_warmth(e)))
+
+
+def _follows_warmth(effect: Effect) -> bool:
+    """Whether an effect reads the measured temperature."""
+    return any("theta" in arguments(hook) for hook in effect.hooks.values())
 
 
 def additions(

@@ -13,6 +13,22 @@ from er_model_lab.problem.problem import Problem
 CLEAR = 2.0
 """Standard deviations from doing nothing below which the strength of an effect is not determined."""
 
+FAR = 0.5
+"""Share of the way from doing nothing to its bound from which on a strength is far: a zero beyond the stroke."""
+
+
+def far(candidate: Candidate) -> bool:
+    """Whether a strength of the effect added last lies in the outer half of its bounds."""
+    model, name = candidate.fit.model, candidate.name
+    for q in model.catalogue[name].parameters:
+        if q.neutral is None:
+            continue
+        low, high = model.bounds(name, q.name)
+        off = model.value(name, q.name) - q.neutral
+        if abs(off) > FAR * abs((high if off > 0.0 else low) - q.neutral):
+            return True
+    return False
+
 
 def loose(best: Candidate, problem: Problem) -> tuple[str, ...]:
     """Effects of a model whose values the data do not determine.

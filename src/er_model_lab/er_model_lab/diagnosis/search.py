@@ -17,7 +17,7 @@ from er_model_lab.diagnosis.candidates import (
     screen,
     without,
 )
-from er_model_lab.diagnosis.determined import loose
+from er_model_lab.diagnosis.determined import far, loose
 from er_model_lab.diagnosis.null import Null, simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.problem.problem import Problem
@@ -122,9 +122,10 @@ def complexity(candidate: Candidate) -> tuple[int, int]:
 def tied(
     base: Candidate, candidates: list[Candidate], problem: Problem, limit: float
 ) -> list[Candidate]:
-    """Candidates the data cannot tell from the best one: those whose values they determine first, then the simplest.
+    """Candidates the data cannot tell from the best one, in the order in which they are told.
 
-    A tie needs nearly the same effect size, and a paired difference within `DOUBT` standard errors, or within
+    Those whose values the data determine come first, then those that are not far from doing nothing, then the
+    simplest. A tie needs nearly the same effect size, and a paired difference within `DOUBT` standard errors, or within
     `SURE` and too small to count as an effect of its own. A difference that would count, in several blocks and
     nowhere the other way, is not chance, however unevenly it is spread: a stop acts seldom. Where the motion
     repeats itself a difference comes back in every cycle, so that only its size counts. A form of fewer parameters
@@ -147,7 +148,8 @@ def tied(
             near.append(other)
     unsure = {c.name for c in near if len(near) > 1 and c.name in loose(c, problem)}
     return sorted(
-        near, key=lambda c: (c.name in unsure, *complexity(c), disguised(c, near, problem))
+        near,
+        key=lambda c: (c.name in unsure, far(c), *complexity(c), disguised(c, near, problem)),
     )
 
 
@@ -158,7 +160,7 @@ def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
     effects of as many parameters in use: neither is the simpler, unless bounds make the one the very same as the other.
     """
     alike = NESTED
-    if complexity(simple) == complexity(rich):
+    if complexity(simple)[0] == complexity(rich)[0]:
         alike = SAME
         if len(simple.fit.free) >= len(rich.fit.free):
             return False

@@ -204,7 +204,7 @@ def _trials(j: Array, r: Array, theta: Array, box: Box, damping: float) -> Array
     held = ((theta <= box.low) & (g < 0)) | ((theta >= box.high) & (g > 0))
     points = []
     for factor in DAMPINGS:
-        a = h + np.diag(damping * factor * np.diag(h) + 1e-14 * np.trace(h) / len(g))
+        a = h + np.diag(damping * factor * np.diag(h) + 1e-14 * np.trace(h) / max(len(g), 1))
         rhs = np.where(held, 0.0, g)
         a = np.where(held[:, None] | held[None, :], np.diag(np.diag(a) + 1e-300), a)
         step = np.linalg.lstsq(a, rhs, rcond=1e-13)[0]

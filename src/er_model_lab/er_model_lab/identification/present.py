@@ -11,6 +11,7 @@ from er_models.model import Model
 
 from er_model_lab.fitting.data_reach import REACH, reach
 from er_model_lab.fitting.envelope import in_bounds
+from er_model_lab.fitting.rig import kept_up, with_old_envelope
 from er_model_lab.identification.findings import findings, missing, verdict
 from er_model_lab.identification.law import response_time
 from er_model_lab.identification.procedure import Identified
@@ -98,7 +99,8 @@ def new_model(found: Identified, name: str, entry: Mapping[str, Any]) -> Model:
     )
     model = replace(found.model, name=name, source=f"{source} ({found.before.source})",
                     history=(*found.before.history, whole))  # fmt: skip
-    return in_bounds(model, found.problem, found.before.scales)
+    bounded = in_bounds(model, found.problem, found.before.scales)
+    return with_old_envelope(kept_up(bounded, found.problem), found.before)
 
 
 def _parameter(found: Identified, effect: str, name: str) -> dict[str, Any]:

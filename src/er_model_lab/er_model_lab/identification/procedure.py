@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from er_models.effect import arguments
 from er_models.model import Array, Model
 from er_records.dataset import Dataset
 
@@ -73,11 +74,12 @@ def identified(data: Dataset, model: Model, work: Work = HERE) -> Identified:
     Nothing rests on the model's values but what the data do not say: starts come from the data.
 
     Raises:
-        MissingChannel: Without force, duty, or both deflection and velocity.
+        MissingChannel: Without force, both deflection and velocity, or a duty that the model follows.
         InputError: When there is not enough data.
     """
-    for record in data.records:
-        record.need("duty", "to identify the yield force")
+    if _follows_field(model):
+        for record in data.records:
+            record.need("duty", "to identify the yield force")
     asked = opened(data, model, work=work)
     problem = learn_from_all(asked.problem, len(data.score))
     bare = asked.searched
@@ -90,6 +92,12 @@ def identified(data: Dataset, model: Model, work: Work = HERE) -> Identified:
         final, model, problem, stages, tuple(found), table, quadratic(table) if table else None, refined,
         asked.given, asked.lag, asked.span,
     )  # fmt: skip
+
+
+def _follows_field(model: Model) -> bool:
+    """Whether any effect of the model asks for the duty or makes a yield force."""
+    hooks = [h for e in model.effects for h in model.catalogue[e].hooks.items()]
+    return any(name == "target" or "u" in arguments(function) for name, function in hooks)
 
 
 def staged(model: Model, problem: Problem) -> tuple[tuple[Stage, ...], list[Level], Table | None]:

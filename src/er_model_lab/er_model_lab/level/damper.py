@@ -46,6 +46,7 @@ from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import size_notes
 from er_model_lab.residual.excess import noise_at
 from er_model_lab.span.span import Span, spanned
+from er_model_lab.terms.seen import held
 from er_model_lab.work import HERE, Work
 
 SMALLEST_LAG = 0.08
@@ -82,7 +83,9 @@ class DamperLevel:
             "rmse_refitted": float(np.sqrt(base.mse)),
             "beyond": further.as_json() if further else None,
         }
-        notes = (*size_notes(problem, given), *centre_notes(data.originals, model))
+        notes = (
+            *size_notes(problem, given), *centre_notes(data.originals, model), *held(found.searched, problem)
+        )  # fmt: skip
         return Judged(
             found, floor.floor, noise_at(problem, floor.floor, null.input_square), content, notes
         )
@@ -125,6 +128,10 @@ class DamperLevel:
         undone = set(KINEMATIC) - set(bare.effects)
         if study.diagnosis.interrupted:  # whoever stopped it does not wait for better ones
             found = with_deviations(replace(best, model=bare), problem)
+        elif (
+            study.learnt
+        ):  # parameters and term make up for each other: neither is moved by itself
+            found = bare
         else:
             found = study.opened.span.estimate(replace(best, model=bare), problem, seed)
         found = with_unfelt(found, on_fused(study.model), problem)
@@ -171,7 +178,8 @@ def _with_asked_lag(asked: Question) -> Study:
     if not found.problem.measures_velocity:
         first = data.records[0]
         raise MissingChannel(
-            first.source or first.name, "deflection_velocity", "to see that it lags", tuple(first.channels)
+            first.source or first.name, "deflection_velocity", "to see that it lags", tuple(first.channels),
+            first.cure,
         )  # fmt: skip
     if not found.lag:
         seen = one_effect(found.searched, found.problem, "velocity_lag", seed)

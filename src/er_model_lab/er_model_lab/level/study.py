@@ -41,7 +41,8 @@ class Study:
     """A diagnosis with the data before and after what the sensors were found to do.
 
     before: the model refitted on the channel as it was measured, where that was found to lag; checked: the models
-    before and after on all of long data; again: whether the worst of these were searched as well.
+    before and after on all of long data; again: whether the worst of these were searched as well; learnt: whether the
+    best model holds a measured term with estimates of its own.
     """
 
     opened: Opened
@@ -49,6 +50,7 @@ class Study:
     before: Candidate | None = None
     checked: Checked | None = None
     again: bool = False
+    learnt: bool = False
 
     @property
     def problem(self) -> Problem:

@@ -46,6 +46,11 @@ def _kinds(ch: Channels) -> list[tuple[int, bool]]:
     return [(4, False), (3, False)]
 
 
+FEW_STEPS, MOVING, WHOLE, ALL_BUT_A_FEW = 20, 0.95, 0.02, 0.99
+"""Steps from which counts are looked for, the most of all samples that may move, how near to whole counts steps must be
+[1], and how many of them."""
+
+
 class _Search:
     """Search for the likeliest noise levels, and lag where it is free, under the motion model of its start.
 
@@ -110,7 +115,23 @@ def estimate_noise(ch: Channels, lag: float = 0.0) -> Noise:
     limit = min(search.value for search in searches) + BEHIND * ch.z.shape[0]
     near = [search for search in searches if search.value <= limit]
     _go_on(near, ch.z.shape[0])
-    return min(near, key=lambda search: search.value).noise
+    found = min(near, key=lambda search: search.value).noise
+    least = count(ch.z[:, 0]) / np.sqrt(12.0) if ch.has[0] else 0.0
+    return found if found.x >= least else adapt(ch, replace(found, x=least))
+
+
+def count(y: Array) -> float:
+    """Step of an encoder or converter whose counts a channel (n,) shows, in its unit; 0 where it shows none.
+
+    At a halt the counts stand still and look like no noise at all; what they hide is as large as ever.
+    """
+    steps = np.abs(np.diff(y))
+    moves = steps[steps > 1e-9 * max(float(np.ptp(y)), 1e-300)]
+    if moves.size < FEW_STEPS or moves.size > MOVING * steps.size:
+        return 0.0
+    least = float(moves.min())
+    whole = np.abs(moves / least - np.round(moves / least)) < WHOLE
+    return least if np.mean(whole) > ALL_BUT_A_FEW else 0.0
 
 
 def _go_on(searches: list[_Search], rows: int, steps: int | None = None) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from er_records.record import HELD, Array, Record, is_core
@@ -134,19 +134,26 @@ def _slower(record: Record, name: str, y: Array, found: Runs) -> Iterator[Findin
 
 
 def _stuck(record: Record, name: str, found: Runs) -> Iterator[Finding]:
-    """A channel that stands still while others move."""
-    moving, rows = others(record, name), 0
-    least = max(round(STUCK / record.dt), 10)
+    """A channel that stands still while others move.
+
+    A damper that sticks stands still while its force changes: where only that moves, nobody can know.
+    """
+    still = {c: y for c, y in record.channels.items() if c == name or c != "damper_force"}
+    moving, sure = others(replace(record, channels=still), name), True
+    if not moving:
+        moving, sure = others(record, name), False
+    rows, least = 0, max(round(STUCK / record.dt), 10)
     long = found.length >= least
     for i, n in zip(found.first[long], found.length[long], strict=True):
         if moving and _moved(moving, int(i), int(n)) > MOVED:
             rows += int(n)
     if rows:
-        share = rows / len(record)
+        share, what = rows / len(record), "other channels move" if sure else "the force changes"
         yield Finding(
-            "held", "fail" if share > STUCK_FAIL else "warning", record.name, name, "samples that follow the motion",
-            f"{rows * record.dt:.3g} s ({share:.1%}) stuck while other channels move",
-            "check the cable and the amplifier; cut these stretches out", record.source,
+            "held", "fail" if sure and share > STUCK_FAIL else "warning", record.name, name,
+            "samples that follow the motion",
+            f"{rows * record.dt:.3g} s ({share:.1%}) stuck while {what}",
+            "check the cable and the amplifier; cut these stretches out, unless the damper sticks", record.source,
         )  # fmt: skip
 
 

@@ -21,6 +21,8 @@ STRETCHES, SHORTEST = 10, 0.5
 """How many stretches a record is cut into, of which a third is held out; fewer where they were shorter [s]."""
 ALIKE = 0.8
 """How much the stretches held out move at least, as a share of the whole."""
+LOST = 0.1
+"""Share of a reach that may be lost by holding out a record that reaches furthest in something."""
 TO_FIT, TO_HOLD_OUT = 100, 30
 """Samples without which nothing can be fitted or scored."""
 JUMP, SELDOM = 0.05, 0.05
@@ -146,7 +148,8 @@ def spared(motion: Motion) -> set[int]:
     """Records to hold out: about a quarter, none of which reaches furthest in anything the damper feels.
 
     What only the held-out records exercise could never be learnt: an end stop touched once, a cut-off at the
-    fastest stroke. Only inputs decide, never the force. Empty for fewer than three records.
+    fastest stroke. Only inputs decide, never the force. Empty for fewer than three records, and where each of them
+    reaches clearly further than the others in something.
     """
     pairs = list(itertools.pairwise(motion.starts))
     if len(pairs) < 3:
@@ -159,6 +162,8 @@ def spared(motion: Motion) -> set[int]:
     wanted = max(1, len(pairs) // 4)
     inner = [int(r) for r in order if widest[r] < 1.0 - 1e-9]
     if len(inner) < wanted:
-        return {int(r) for r in np.argsort((reach / size).sum(axis=1), kind="stable")[:wanted]}
+        least = np.argsort((reach / size).sum(axis=1), kind="stable")[:wanted]
+        lost = (reach.max(axis=0) - np.delete(reach, least, axis=0).max(axis=0)) / size
+        return {int(r) for r in least} if lost.max() <= LOST else set()
     places = np.linspace(0, len(inner) - 1, wanted).round().astype(int)
     return {inner[k] for k in places}

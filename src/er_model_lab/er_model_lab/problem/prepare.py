@@ -119,7 +119,8 @@ def measured_channels(record: Record, dt: float) -> Channels:
         )
     if not (record.has("deflection") or record.has("deflection_velocity")):
         path = record.source or record.name
-        raise MissingChannel(path, "deflection", _without_motion(a, dt), tuple(record.channels))
+        why, present = _without_motion(a, dt), tuple(record.channels)
+        raise MissingChannel(path, "deflection", why, present, record.cure)
     v = None
     if record.has("deflection_velocity") and "deflection_velocity" not in record.derived:
         v = resampled(record, "deflection_velocity", dt)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from er_model_lab.diagnosis.evidence import leaves_more_than_noise, shares
+from er_model_lab.diagnosis.floor_estimates import AGREE
 from er_model_lab.diagnosis.investigation import Diagnosis
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.search import MOST_EFFECTS
@@ -27,10 +28,12 @@ OF_RECORDS, OF_CHANNELS = ("rmse_after", "rmse_left_out"), ("rmse_after", "noise
 """The same of each record, and of each output of a car."""
 
 
-def told_together(results: Sequence[Result], seen: Evidence, rule: Rule = RULE) -> Result:
+def told_together(
+    results: Sequence[Result], seen: Evidence, rule: Rule = RULE, dropped: Sequence[str] = ()
+) -> Result:
     """The contract's JSON of all passes: candidates as the first saw them, `spoken_of` by a later one as that did.
 
-    seen: evidence of the last pass.
+    seen: evidence of the last pass; dropped: effects that were taken and are needless beside the others.
     """
     whole = dict(results[0])
     for more in results[1:]:
@@ -41,12 +44,22 @@ def told_together(results: Sequence[Result], seen: Evidence, rule: Rule = RULE) 
         whole |= {key: more[key] for key in OF_THE_LAST if key in more}
         whole |= _after(whole, more)
     last = results[-1]
-    whole["final_verdict"] = "adequate" if last["verdict"] in SETTLED else last["verdict"]
+    whole["final_verdict"] = _final(last)
+    whole["effects"] = [e for e in whole["effects"] if e not in dropped]
+    whole["alternatives"] = [g for g in whole["alternatives"] if not set(g) & set(dropped)]
     if len(results) > 1 and results[0]["verdict"] == "partial":
         earlier = Earlier(tied=bool(whole["alternatives"]), too_many=too_many(whole))
         whole["verdict"] = decide(replace(seen, earlier=earlier), rule)
         whole["reasons"] = _with(whole["reasons"], last["reasons"])
     return whole
+
+
+def _final(last: Result) -> str:
+    """The verdict on the model that was made: with what the last pass took, does it lack anything?"""
+    if last["verdict"] not in SETTLED:
+        return str(last["verdict"])
+    left, noise = last["rmse_after"]["train"], last["noise_floor_train"]
+    return "adequate" if left is None or noise is None or left <= AGREE * noise else "partial"
 
 
 def _after(before: Result, more: Result) -> Result:

@@ -138,7 +138,7 @@ def measured(records: Sequence[Record]) -> Measured:
     if not names:
         r, (first, *others) = records[0], CHANNELS
         needed = f"(or {', '.join(others)}, one that all records have) to hold the simulated car against"
-        raise MissingChannel(r.source or r.name, first, needed, tuple(r.channels))
+        raise MissingChannel(r.source or r.name, first, needed, tuple(r.channels), r.cure)
     outputs = [np.stack([resampled(r, c, dt) for c in names], axis=1) for r in records]
     return Measured(
         dt, names, tuple(resampled(r, "road", dt) for r in records),

@@ -10,6 +10,7 @@ from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.diagnosis.rule import RULE, Rule
+from er_model_lab.fitting.rig import rig_note
 from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study
@@ -19,6 +20,7 @@ from er_model_lab.results.by_record import by_record, with_flags
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import study_regions, study_view
 from er_model_lab.results.result import DiagnosisResult
+from er_model_lab.results.terms import offered
 from er_model_lab.results.values import clean
 from er_model_lab.verbs.asking import provenance, question
 from er_model_lab.work import Event, Progress, Work
@@ -51,7 +53,8 @@ def diagnose(
     )
     study = investigate(asked)
     asked.work.wind_up()
-    return with_flags(result_of("diagnose", study, asked.level.finished(study, seed), asked))
+    result = with_flags(result_of("diagnose", study, asked.level.finished(study, seed), asked))
+    return offered(result, asked)
 
 
 def result_of(command: str, study: Study, model: Model, asked: Question) -> DiagnosisResult:
@@ -72,7 +75,10 @@ def result_of(command: str, study: Study, model: Model, asked: Question) -> Diag
     if study.checked is not None:
         content["long"] = study.checked.as_json(again=study.again)
     content["next_plans"] = suggestions(content) if asked.level.name == "damper" else []
+    said = rig_note(model, asked.model)
+    content["notes"] = [*said, *content["notes"]]
     view = study_view(command, study, clean(content), origin)
+    view = replace(view, notes=(*said, *view.notes))
     return DiagnosisResult(
         replace(view, regions=tables), model, interrupted=study.diagnosis.interrupted
     )

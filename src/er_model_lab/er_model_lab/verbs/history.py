@@ -11,6 +11,7 @@ from er_records.load import fingerprint
 
 from er_model_lab.fitting.data_reach import REACH, reach
 from er_model_lab.fitting.envelope import in_bounds
+from er_model_lab.fitting.rig import kept_up, with_old_envelope
 from er_model_lab.level.study import Study
 from er_model_lab.residual.errors import errors
 
@@ -20,7 +21,10 @@ def with_history(grown: Model, before: Model, study: Study, seed: int, name: str
     found, problem, records = study.diagnosis, study.problem, study.data.originals
     held = problem.held_out
     entry: dict[str, Any] = {
-        "added": [e for e in grown.effects if e not in before.effects],
+        "added": [
+            *(e for e in grown.effects if e not in before.effects),
+            *(t.name for t in grown.terms if t not in before.terms),
+        ],
         "verdict": found.verdict,
         "command_line": command_line(),
         "data": fingerprint(records),
@@ -37,4 +41,4 @@ def with_history(grown: Model, before: Model, study: Study, seed: int, name: str
         entry[REACH] = reach(problem)
     source = f"fitted to {len(records)} records, beginning from '{before.name}' ({before.source})"
     named = replace(grown, name=name, source=source, history=(*before.history, entry), file="")
-    return in_bounds(named, problem, before.scales)
+    return with_old_envelope(kept_up(in_bounds(named, problem, before.scales), problem), before)

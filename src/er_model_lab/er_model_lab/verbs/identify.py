@@ -10,6 +10,7 @@ from er_models.model import Model
 from er_records.dataset import Dataset
 from er_records.load import fingerprint
 
+from er_model_lab.fitting.rig import rig_note
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.identification.present import identified_json, new_model, view
 from er_model_lab.identification.procedure import identified
@@ -52,8 +53,10 @@ def identify(
     }  # fmt: skip
     grown = new_model(found, name or f"{model.name}_identified", entry)
     content = identified_json(found) | {"model": grown.name}
+    content["notes"] = [*rig_note(grown, model), *content["notes"]]
     content["outliers"] = outliers(records, found.problem.beside)
     if whole is not None:
         content["long"] = whole.as_json(again=False)
     drawn = view(found, content, seed, provenance(asked.data, model, seed))
+    drawn = replace(drawn, notes=(*rig_note(grown, model), *drawn.notes))
     return IdentificationResult(drawn, grown)

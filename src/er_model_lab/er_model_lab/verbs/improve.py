@@ -9,22 +9,28 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from er_models.errors import InputError
 from er_models.model import Array, Model
 from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
+from er_model_lab.diagnosis.floor_estimates import AGREE
+from er_model_lab.diagnosis.investigation import BEYOND_DOUBT, Diagnosis
 from er_model_lab.diagnosis.rule import RULE, Rule
-from er_model_lab.fitting.velocity_channel import as_searched
+from er_model_lab.diagnosis.search import prune
+from er_model_lab.fitting.velocity_channel import as_searched, put_back
 from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
-from er_model_lab.level.study import Study
+from er_model_lab.level.study import Study, checked
 from er_model_lab.residual.errors import errors
 from er_model_lab.results.by_record import BAND, by_record, noted, with_flags
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import candidate_views, views
 from er_model_lab.results.passes import explained_by, taken_last, told_together
 from er_model_lab.results.result import DiagnosisResult
+from er_model_lab.results.terms import as_study, offered, with_term
 from er_model_lab.results.values import clean, headline
+from er_model_lab.terms.learn import Learnt, learn
 from er_model_lab.verbs.asking import question
 from er_model_lab.verbs.diagnose import result_of
 from er_model_lab.verbs.history import with_history
@@ -34,8 +40,10 @@ from er_model_lab.work import STOPPED, Event, Leader, Progress, Work
 Keep = Callable[[Model], None]
 """Takes what an interruption would leave."""
 
-MOST_PASSES = 10
+MOST_PASSES = 5
 """How often the model that was just improved is diagnosed."""
+FURTHER = 0.05
+"""Share of what is explainable that an effect must explain once others have explained a part: a small step."""
 KEEP_EVERY = 30.0
 """Time from one keeping of what was done to the next [s]."""
 
@@ -56,8 +64,11 @@ def improve(
     cancel: Event | None = None,
     executor: Executor | None = None,
     keep: Keep | None = None,
+    measured_terms: bool = False,
 ) -> DiagnosisResult:
     """Diagnose and add until the model is adequate or nothing known helps; the new model is refitted in any case.
+
+    measured_terms: what is left then is learnt as one smooth term, measured and not explained, where it helps.
 
     Ctrl-C ends it with what was done until then. From the model of that result, given as `interrupted`, the same call
     goes on to the same end. name: of the new model. keep: is called every half minute with such a model, so that
@@ -73,11 +84,16 @@ def improve(
         anyway=anyway,
         work=Work.by(executor, progress, cancel),
     )
+    if measured_terms and asked.level.name != "damper":
+        raise InputError("level", "", "damper (measured terms add to the damper force)", level)
     start = resume(interrupted, model, asked.data)
     named = name or f"{model.name}_improved"
-    made = _passes(asked, start, named, keep)
+    made = _pruned(_passes(asked, start, named, keep), asked, named)
+    if measured_terms and not made.stopped:
+        made = _with_term(made, asked, start, named)
     current = finished(made.model, interrupted=made.stopped)
-    result = noted(gone_on(_improved(made.studies, current, asked), start), *made.notes)
+    result = noted(gone_on(_improved(made, current, asked), start), *made.notes)
+    result = result if measured_terms else offered(result, asked)
     content = dict(result.view.result) | {"interrupted": made.stopped}
     kept = with_fits(current, start.noted) if made.stopped else current
     return replace(
@@ -87,17 +103,26 @@ def improve(
 
 @dataclass(frozen=True)
 class _Passes:
-    """Studies one after another, the model that they made, whether Ctrl-C ended them, and what else there is to say."""
+    """Studies one after another, the model that they made, whether Ctrl-C ended them, and what else there is to say.
+
+    dropped: effects that were added and are not needed beside those added later; term: what was learnt at last, its
+    study, and the size it had to exceed [N].
+    """
 
     studies: list[Study]
     model: Model
     stopped: bool = False
     notes: tuple[str, ...] = ()
+    dropped: tuple[str, ...] = ()
+    term: tuple[Learnt, Study, float] | None = None
 
 
 def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Passes:
-    """One study after another; none after the first is taken whose model errs more on held-out data."""
-    current, studies = asked.model, list[Study]()
+    """One study after another; none after the first is taken whose model errs more on held-out data.
+
+    Where known effects explain a part only, many forms fit nearly: later studies go on in small steps.
+    """
+    current, studies, given = asked.model, list[Study](), asked.rule
     for n in range(MOST_PASSES):
         left = current if studies else begun(current, asked.data, start)
         work = _keeping(asked.work, left, start, keep)
@@ -112,7 +137,7 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
                     keep(left_by(left, start))
                 raise
             return _Passes(studies, current, stopped=True)
-        if studies and (why := _worse(study)):
+        if studies and (why := _worse(study, given)):
             return _Passes(studies, current, notes=(why,))
         studies.append(study)
         # of long data with the stretches where the model did worst
@@ -123,18 +148,89 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
         )
         if found.effects or refitted:
             current = marked(with_history(best, current, study, asked.seed, name), start.digest)
-        if found.interrupted or found.verdict != "partial":
+        if found.interrupted or not _goes_on(found):
             return _Passes(studies, current, stopped=found.interrupted)
+        if found.verdict == "partial":
+            asked = replace(asked, rule=replace(given, helps=min(given.helps, FURTHER)))
     return _Passes(studies, current)
 
 
-def _worse(study: Study) -> str:
-    """Why a further pass is not taken: what it adds errs more on held-out data than the model without it."""
+def _goes_on(found: Diagnosis) -> bool:
+    """Whether a further study may add something: a part is explained, or all of it with more than noise left."""
+    left = float(np.sqrt(found.best.mse)) > AGREE * found.floor.floor
+    return found.verdict == "partial" or (found.verdict == "missing_effect" and left)
+
+
+def _pruned(made: _Passes, asked: Question, name: str) -> _Passes:
+    """What several studies made, without the effects that those added later make needless, or that cancel."""
+    added = tuple(e for e in made.model.effects if e not in asked.model.effects)
+    if len(made.studies) < 2 or len(added) < 2 or made.stopped:
+        return made
+    last = made.studies[-1]
+    found, problem = last.diagnosis, last.problem
+    able = tuple(e for e in found.best.fit.model.effects if e in added)
+    kept = prune(
+        replace(found.best, effects=able), problem, BEYOND_DOUBT * found.rounds[0].threshold
+    )
+    dropped = tuple(e for e in able if e not in kept.effects)
+    study = replace(last, diagnosis=replace(found, best=kept))
+    if not dropped or _worse(
+        replace(study, diagnosis=replace(study.diagnosis, base=found.best)), asked.rule
+    ):
+        return made
+    own = tuple(e for e in found.effects if e not in dropped)
+    study = replace(
+        study, diagnosis=replace(study.diagnosis, best=replace(kept, effects=own), effects=own)
+    )
+    model = with_history(
+        asked.level.finished(study, asked.seed), made.model, study, asked.seed, name
+    )
+    note = f"{' and '.join(dropped)} taken out again: beside the other effects the error stays the same without"
+    return replace(
+        made,
+        studies=[*made.studies[:-1], study],
+        model=model,
+        dropped=dropped,
+        notes=(*made.notes, note),
+    )
+
+
+def _with_term(made: _Passes, asked: Question, start: Begun, name: str) -> _Passes:
+    """The passes with what they leave learnt as a measured term, or a note why there is none."""
+    study = made.studies[-1]
+    if study.diagnosis.verdict in ("adequate", "insufficient_data"):
+        return replace(made, notes=(*made.notes, "nothing is left to learn as a measured term"))
+    best, limit = study.diagnosis.best, study.diagnosis.rounds[-1].threshold
+    bare = replace(best, fit=replace(best.fit, model=as_searched(best.fit)))
+    problem = replace(study.problem, work=asked.work)
+    asked.work.report("learning what is left", 0, 1)
+    try:
+        found = learn(bare, problem, limit)
+    except STOPPED:
+        asked.work.wind_up()
+        return replace(made, stopped=True)
+    if isinstance(found, str):
+        return replace(made, notes=(*made.notes, found))
+    kept = put_back(found.model, best.fit.model)
+    candidate = replace(found.candidate, fit=replace(found.candidate.fit, model=kept))
+    grown = checked(as_study(study, replace(found, candidate=candidate)))
+    model = with_history(
+        asked.level.finished(grown, asked.seed), made.model, grown, asked.seed, name
+    )
+    return replace(made, model=marked(model, start.digest), term=(found, grown, limit))
+
+
+def _worse(study: Study, rule: Rule) -> str:
+    """Why a further pass is not taken: what it adds errs more on held-out data than the model without it.
+
+    A small step must not err more at all.
+    """
     found, problem = study.diagnosis, study.problem
+    band = BAND if found.explained >= rule.helps else 0.0
     before, after = (
         errors(problem, c.fit.residual, problem.held_out).rmse for c in (found.base, found.best)
     )
-    if not found.effects or after <= (1.0 + BAND) * before:
+    if not found.effects or after <= (1.0 + band) * before:
         return ""
     return (
         f"{' and '.join(found.effects)} not added: the error on held-out data would rise from {before:.3g} N to "
@@ -159,14 +255,15 @@ def _keeping(work: Work, left: Model, start: Begun, keep: Keep | None) -> Work:
     return work.reporting(told)
 
 
-def _improved(studies: list[Study], model: Model, asked: Question) -> DiagnosisResult:
+def _improved(made: _Passes, model: Model, asked: Question) -> DiagnosisResult:
     """The result of several passes as one fall of the error."""
+    studies = made.studies
     first, last = studies[0], studies[-1]
     result = result_of("improve", first, model, asked)
     results = [dict(result.view.result), *(_later(s, model, asked) for s in studies[1:])]
     cards = [result.view.candidates]
     cards += [candidate_views(s, r) for s, r in zip(studies[1:], results[1:], strict=True)]
-    whole = told_together(results, last.diagnosis.evidence, asked.rule)
+    whole = told_together(results, last.diagnosis.evidence, asked.rule, made.dropped)
     view = replace(result.view, candidates=taken_last(cards, results))
     if len(studies) > 1:
         whole |= explained_by(first.diagnosis, last.diagnosis)
@@ -177,6 +274,14 @@ def _improved(studies: list[Study], model: Model, asked: Question) -> DiagnosisR
         told, now = (s.checked.note(again=s.again) for s in (first, last) if s.checked)
         whole["notes"] = [now if note == told else note for note in whole["notes"]]
         view = replace(view, notes=tuple(now if note == told else note for note in view.notes))
+    whole["measured_terms"] = list[Any]()
+    if made.term is not None:
+        found, grown, limit = made.term
+        whole = with_term(whole, found, grown, first, limit)
+        after = grown.problem.force - found.candidate.fit.residual
+        shown = views(grown.problem, _before(first, grown), after)
+        line = headline(whole["rmse"]["held_out"], whole["noise_floor"])
+        view = replace(view, headline=line, records=shown, notes=(whole["notes"][0], *view.notes))
     return with_flags(replace(result, view=replace(view, result=whole), model=model))
 
 

@@ -8,21 +8,24 @@ from pathlib import Path
 from er_models.model import Model
 from er_models.own import effects
 from er_records.dataset import Dataset
+from er_records.readers.names import Given
 
 from er_models import files
 from er_records import load as records
 
 
-def load(*paths: str | Path) -> Dataset:
-    """The records of files and folders: rosbag2 recordings, .csv, .parquet, .mf4; checked and repaired.
+def load(*paths: str | Path, names: Given | Path | str | None = None) -> Dataset:
+    """The records of files and folders: rosbag2 recordings, .csv, .parquet, .mf4, .mat, .tdms; checked and repaired.
 
-    What was repaired, derived or left out stands in the notes of each record.
+    What was repaired, derived or left out stands in the notes of each record. names: what the files' own columns are,
+    such as `{"duty": {"from": "Strom [A]", "full_scale": 1.6}}`, or a YAML file that says so; else the `names.yaml` of
+    their folder counts.
 
     Raises:
         InputError: A path that is absent, of unknown kind, empty, damaged, or implausible.
         MissingChannel: A recording without any sensor topic.
     """
-    return Dataset.of(records.load([Path(path) for path in paths]))
+    return Dataset.of(records.load([Path(path) for path in paths], names))
 
 
 def load_model(name: str | Path | Model, effects_from: Sequence[str | Path] = ()) -> Model:

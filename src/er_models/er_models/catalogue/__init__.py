@@ -27,11 +27,13 @@ _LISTED = (
     "actuation.amplifier_lag",
     "actuation.duty_gain",
     "actuation.duty_dead_band",
+    "actuation.remanence",
     "actuation.field_exponent",
     "actuation.field_saturation",
     "actuation.varying_time_constant",
     "actuation.rise_fall_asymmetry",
     "heat.self_heating",
+    "heat.temperature_thinning",
     "heat.effectiveness_fade",
     "fault.electrical_fault",
     "fault.oil_leakage",
@@ -40,11 +42,16 @@ _LISTED = (
     "force.freeplay",
     "force.piston_play",
     "force.preload",
+    "force.field_preload",
     "force.gas_spring",
     "force.coulomb_friction",
     "force.stribeck_friction",
+    "force.directional_friction",
+    "force.field_friction",
+    "force.friction_with_play",
     "force.quadratic_damping",
     "force.asymmetric_damping",
+    "force.blow_off_valve",
     "force.shear_thinning",
     "force.position_dependent_damping",
     "force.end_stop",
@@ -84,7 +91,8 @@ class Catalogue:
 
     origins: by name, where the effects come from that a user added; made: function and arguments by which another
     process makes it, None: it cannot; formed: the slot of the duty u_f whose chains
-    have formed; rest: the last slot, where the kernel searches the force f_r of a damper in series with something.
+    have formed; lagged: that of what a measured term sees lagged; rest: the last slot, where the kernel searches the
+    force f_r of a damper in series with something.
     """
 
     effects: tuple[Effect, ...]
@@ -95,6 +103,7 @@ class Catalogue:
     slots: dict[str, int] = field(init=False, compare=False)
     size: int = field(init=False, compare=False)
     formed: int = field(init=False, compare=False)
+    lagged: int = field(init=False, compare=False)
     rest: int = field(init=False, compare=False)
     n_states: int = field(init=False, compare=False)
 
@@ -114,8 +123,9 @@ class Catalogue:
         object.__setattr__(self, "slots", slots)
         object.__setattr__(self, "size", at)
         object.__setattr__(self, "formed", slot)
-        object.__setattr__(self, "rest", slot + 1)
-        object.__setattr__(self, "n_states", slot + 2)
+        object.__setattr__(self, "lagged", slot + 1)
+        object.__setattr__(self, "rest", slot + 2)
+        object.__setattr__(self, "n_states", slot + 3)
 
     def __reduce__(self) -> tuple[Callable[..., Catalogue], tuple[Any, ...]]:
         if self.made is None:

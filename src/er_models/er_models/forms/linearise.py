@@ -104,7 +104,8 @@ def _check_at_once(model: Model) -> None:
 
 def suspects(model: Model) -> str:
     """Effects beyond the terms of (2.4) and (2.5)."""
-    return ", ".join(name for name in model.effects if name not in _USUAL) or "its core terms"
+    beyond = [*(n for n in model.effects if n not in _USUAL), *(t.name for t in model.terms)]
+    return ", ".join(beyond) or "its core terms"
 
 
 def rounded(matrix: Array) -> Array:

@@ -21,7 +21,7 @@ import numpy as np
 from er_models.catalogue import Catalogue
 from er_models.effect import INSTANT, Effect, arguments
 from er_models.kernel.inline import inlined
-from er_models.kernel.mask import FIELD, LAG, of_hook, of_run, stands_alone
+from er_models.kernel.mask import FIELD, LAG, TERMS, of_hook, of_run, stands_alone
 from er_models.kernel.order import relaxes_at
 
 OF_FIELD = {"y": "u", "f_y": "u_f", "tau_scale": "u_f_scale"}
@@ -182,6 +182,20 @@ def _forces(catalogue: Catalogue) -> list[str]:
     return _masked(catalogue, "force", lines)
 
 
+def _terms(catalogue: Catalogue) -> list[str]:
+    """What measured terms add; the lag of what one of them sees lagged is brought forward first."""
+    at, slot = f"first + {catalogue.size}", catalogue.lagged
+    seen = f"x, v, a, u, u_f, f_y, theta, f_d, s[W, {slot}]"
+    lines = [
+        f"if p[{at} + 1] >= 0.0:",
+        f"    s[R, {slot}] = p[{at} + 2]",
+        f"    s[G, {slot}] = p[{at} + 2] * signal(p[{at} + 1], {seen})",
+        f"    s[W, {slot}] = follow(s, first + {slot}, h, how)",
+        f"f_d += measured(p, {at}, {seen})",
+    ]
+    return _run(catalogue, TERMS, ["    " + line for line in lines])
+
+
 def _early(catalogue: Catalogue) -> list[str]:
     """The duty, the passive terms, the scale of the yield force and the motion, before anything uses them."""
     lines = _lines(catalogue, "duty", "u = {call}")
@@ -208,8 +222,10 @@ def _yield(catalogue: Catalogue) -> list[str]:
 
 
 def _end(catalogue: Catalogue) -> list[str]:
-    """What follows once the force is there: its limits, what is driven by it, its sensor, and the rest of it."""
-    lines = _lines(catalogue, "limit", "f_d = {call}") + _states(catalogue, "late")
+    """What follows once the force is there: measured terms, limits, what is driven by it, its sensor, and the rest."""
+    lines = (
+        _terms(catalogue) + _lines(catalogue, "limit", "f_d = {call}") + _states(catalogue, "late")
+    )
     lines += ["    f_m = f_d", *_lines(catalogue, "sense", "f_m = {call}")]
     lines += [f"    s[W, {catalogue.rest}] = f_d - k_0 * x - c_0 * v"]
     return ["    f_m = f_d", *_run(catalogue, "end", lines)]
@@ -255,6 +271,7 @@ def source(catalogue: Catalogue) -> str:
         "from er_models.kernel.elementary import exp, tanh",
         "from er_models.kernel.fast import entry, inline, inner",
         "from er_models.kernel.hooks import compiled as _compiled",
+        "from er_models.kernel.terms import measured, signal",
         f"INSTANT = {INSTANT!r}",
     ]
     composed = [_damper(catalogue), _chassis(catalogue), _accelerometers(catalogue)]

@@ -34,8 +34,12 @@ def responds(c: Catalogue, names: Iterable[str]) -> bool:
 
 
 @lru_cache(maxsize=256)
-def layout(c: Catalogue, names: frozenset[str], plant: bool) -> Layout:
+def layout(
+    c: Catalogue, names: frozenset[str], plant: bool, terms: frozenset[str] = frozenset()
+) -> Layout:
     """Layout of a model of these effects; plant: without the maps from measured to true motion.
+
+    terms: signals that its measured terms read.
 
     The arrays are shared: whoever writes takes copies.
     """
@@ -47,7 +51,9 @@ def layout(c: Catalogue, names: frozenset[str], plant: bool) -> Layout:
     if reads_yield_early(used):
         slots.add(c.slots["response"])
         links.add(c.slots["response"])
-    if lags and reads(used, "u_f"):
+    if "lagged" in terms:
+        slots.add(c.lagged)
+    if lags and (reads(used, "u_f") or "u_f" in terms):
         slots.add(c.formed)
         if turns_with_the_yield(used):
             links.add(c.formed)
@@ -59,7 +65,7 @@ def layout(c: Catalogue, names: frozenset[str], plant: bool) -> Layout:
             rest[c.slots[effect.name]] = effect.initial == "zero"
         if feeds_back(effect):
             links.add(c.slots[effect.name])
-    return Layout(mask(c, used), _sorted(slots), _sorted(links), rest)
+    return Layout(mask(c, used, terms), _sorted(slots), _sorted(links), rest)
 
 
 def _sorted(slots: set[int]) -> NDArray[np.int64]:

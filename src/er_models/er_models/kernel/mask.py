@@ -23,6 +23,8 @@ LAG = "lag"
 """Mask of a yield force with a response time, whichever effect gives it."""
 FIELD = "field"
 """Mask of a duty whose chains take that time to form, where an effect acts with them."""
+TERMS = "terms"
+"""Mask of measured terms."""
 RUNS: dict[str, tuple[str, ...]] = {
     "early": (
         "duty", "passive_stiffness", "passive_damping", "yield_scale", "shift_deflection", "shift_velocity",
@@ -32,6 +34,7 @@ RUNS: dict[str, tuple[str, ...]] = {
     "end": ("limit", "late", "sense"),
     LAG: (),
     FIELD: (),
+    TERMS: (),
 }  # fmt: skip
 """Places of `kernel.order.ORDER` that follow one another."""
 
@@ -58,8 +61,10 @@ def stands_alone(catalogue: Catalogue, effect: Effect, hook: str) -> bool:
     return _alone(catalogue).get(hook) is effect
 
 
-def mask(catalogue: Catalogue, used: Iterable[Effect]) -> NDArray[np.uint8]:
-    """Mask of a model of these effects (n_effects + n_hooks + n_runs,)."""
+def mask(
+    catalogue: Catalogue, used: Iterable[Effect], terms: frozenset[str] = frozenset()
+) -> NDArray[np.uint8]:
+    """Mask of a model of these effects (n_effects + n_hooks + n_runs,); terms: signals that measured terms read."""
     used = tuple(used)
     on = np.zeros(len(catalogue.effects) + len(HOOKS) + len(RUNS), np.uint8)
     for effect in used:
@@ -70,8 +75,9 @@ def mask(catalogue: Catalogue, used: Iterable[Effect]) -> NDArray[np.uint8]:
         for run, places in RUNS.items():
             on[of_run(catalogue, run)] |= not {*more, relaxes_at(effect)}.isdisjoint(places)
         on[of_run(catalogue, LAG)] |= "response_time" in effect.hooks
-    on[of_run(catalogue, "end")] |= on[
-        of_run(catalogue, "early")
-    ]  # which may read the rest of the force
-    on[of_run(catalogue, FIELD)] = on[of_run(catalogue, LAG)] and reads(used, "u_f")
+    on[of_run(catalogue, TERMS)] = bool(terms)
+    end, early = of_run(catalogue, "end"), of_run(catalogue, "early")
+    on[end] |= on[early] or bool(terms)  # which may read the rest of the force, and add to it
+    field = reads(used, "u_f") or "u_f" in terms
+    on[of_run(catalogue, FIELD)] = on[of_run(catalogue, LAG)] and field
     return on

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from er_records.readers.bag_streams import FIELDS, Stamps, Stream
-from er_records.record import Array, Record
+from er_records.readers.bag_streams import Stamps, Stream
+from er_records.readers.table import BASE
+from er_records.record import HELD, Array, Record
 
 GRID_ORDER = (
     "sensors/deflection",
@@ -19,7 +20,6 @@ GRID_ORDER = (
     "sensors/road",
     "pwm/applied",
 )
-HELD_TOPIC = "pwm/applied"
 SAME_TICK = 0.5
 """Share of grid stamps a stream must carry to count as coming from the same tick."""
 
@@ -33,18 +33,18 @@ TRIM_SECONDS = 5.0
 def align(name: str, streams: list[Stream], source: str, digest: str) -> list[Record]:
     """The record of one namespace, as a list; empty when the grid has fewer than two stamps."""
     by_key = {stream.key: stream for stream in streams}
-    base = next(by_key[key] for key in GRID_ORDER if key in by_key)
+    base = _base(streams, by_key)
     notes: list[str] = []
     used = [s for s in streams if _shares_time(s, base, notes)]
     dropped = len(used) < len(streams)
-    grid = _common_span(base.stamps, [s for s in used if s.key in FIELDS])
+    grid = _common_span(base.stamps, [s for s in used if s.measured])
     if grid.size < 2:
         return []
     trimmed = 1e-9 * float((grid[0] - base.stamps[0]) + (base.stamps[-1] - grid[-1]))
     if trimmed > 0.0:
         notes.append(f"{trimmed:.3g} s cut at the ends, where not all topics were there")
     channels: dict[str, Array] = {}
-    for stream in used:
+    for stream in sorted(used, key=lambda s: s.key.startswith("/")):  # a mapping goes before
         for channel, values in stream.values.items():
             channels[channel] = _onto(stream, values, grid, base, notes)
     notes.append(f"t = 0 is the stamp {grid[0] // 10**9}.{grid[0] % 10**9:09d} s")
@@ -53,17 +53,30 @@ def align(name: str, streams: list[Stream], source: str, digest: str) -> list[Re
     return [Record(name, t, channels, tuple(notes), complete, source, digest)]
 
 
+def _base(streams: list[Stream], by_key: dict[str, Stream]) -> Stream:
+    """The stream whose stamps are the grid: of the usual topics, else that of the first channel of the contract."""
+    usual = [by_key[key] for key in GRID_ORDER if key in by_key]
+    if usual and (usual[0].key == GRID_ORDER[0] or not any(s.key[:1] == "/" for s in streams)):
+        return usual[0]
+    return next(s for c in (*BASE, "temperature") for s in streams if c in s.values)
+
+
+def _is_held(stream: Stream) -> bool:
+    """Whether a stream holds nothing but values that stay in force until the next."""
+    return stream.values.keys() <= HELD
+
+
 def _shares_time(stream: Stream, base: Stream, notes: list[str]) -> bool:
     """Whether a stream covers at least half of the grid's time; a note if not."""
     if stream.stamps.size == 0 or base.stamps.size == 0:
         return False
     span = max(int(base.stamps[-1] - base.stamps[0]), 1)
-    held = stream.key == HELD_TOPIC
+    held = _is_held(stream)
     first = max(int(stream.stamps[0]), int(base.stamps[0]))
     last = min(
         int(stream.stamps[-1]) + (round(_hold_ns(stream)) if held else 0), int(base.stamps[-1])
     )
-    if last - first >= 0.5 * span or stream is base or stream.key not in FIELDS:
+    if last - first >= 0.5 * span or stream is base or not stream.measured:
         return True
     offset = 1e-9 * float(stream.stamps[0] - base.stamps[0])
     covered = 1e-9 * max(last - first, 0)
@@ -88,7 +101,7 @@ def _common_span(grid: Stamps, measured: list[Stream]) -> Stamps:
     """Grid stamps at which every measured stream has begun and none has ended."""
     first = max(int(stream.stamps[0]) for stream in measured)
     last = min(
-        int(stream.stamps[-1]) + (round(_hold_ns(stream)) if stream.key == HELD_TOPIC else 0)
+        int(stream.stamps[-1]) + (round(_hold_ns(stream)) if _is_held(stream) else 0)
         for stream in measured
     )
     return grid[(grid >= first) & (grid <= last)]
@@ -96,11 +109,11 @@ def _common_span(grid: Stamps, measured: list[Stream]) -> Stamps:
 
 def _onto(stream: Stream, values: Array, grid: Stamps, base: Stream, notes: list[str]) -> Array:
     """Values on the grid, NaN where there are none."""
-    if stream.key == HELD_TOPIC:
+    if _is_held(stream):
         return _held(stream, values, grid)
     k = np.clip(np.searchsorted(stream.stamps, grid), 0, stream.stamps.size - 1)
     equal = stream.stamps[k] == grid
-    if float(equal.mean()) >= SAME_TICK or stream.key not in FIELDS:
+    if float(equal.mean()) >= SAME_TICK or not stream.measured:
         return np.where(equal, values[k], np.nan)
     rate = 1e9 / max(_period_ns(stream.stamps), 1.0)
     text = (

@@ -13,18 +13,24 @@ import numpy as np
 import numpy.typing as npt
 from er_models.errors import InputError
 
-from er_records.record import Array
+from er_records.readers.columns import Column, column_of, scales_of, split_header, to_si
+from er_records.readers.names import NONE, TIME, Names
+from er_records.record import Array, cure
 
 Stamps = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A message field, the channel it becomes, and the flags that must be true for it to count."""
+    """A message field, the channel it becomes, and the flags that must be true for it to count.
+
+    column: how it becomes SI, where a user's mapping names the field.
+    """
 
     name: str
     channel: str
     flags: tuple[str, ...] = ("valid",)
+    column: Column | None = None
 
 
 FIELDS: dict[str, tuple[Field, ...]] = {
@@ -72,6 +78,11 @@ class Stream:
     stamps: Stamps
     values: Mapping[str, Array]
 
+    @property
+    def measured(self) -> bool:
+        """Whether it is no mere estimate of an observer."""
+        return self.key in FIELDS or self.key.startswith("/")
+
 
 @dataclass(slots=True)
 class _Rows:
@@ -84,8 +95,10 @@ class _Rows:
 class Collector:
     """Gathers samples by namespace and topic."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, names: Names = NONE) -> None:
         self.path = path
+        self.names = names
+        self._own = _own_fields(path, names)
         self._rows: dict[tuple[str, str], _Rows] = {}
         self._waits: dict[tuple[str, str], list[int]] = {}
         self._places: dict[str, tuple[str, str] | None] = {}
@@ -98,7 +111,7 @@ class Collector:
 
     def copy(self) -> Collector:
         """An independent collector with the same samples, to go back to when a file is damaged."""
-        other = Collector(self.path)
+        other = Collector(self.path, self.names)
         other._rows = {k: _Rows(r.stamps[:], r.values[:]) for k, r in self._rows.items()}
         other._waits = {k: list(w) for k, w in self._waits.items()}
         other._names = dict(self._names)
@@ -113,13 +126,14 @@ class Collector:
         place = self._place(topic)
         if place is None:
             return
+        wanted = self._own.get(topic) or fields_of(place[1])
         try:
-            when = _stamp_ns(message)
-            values = tuple(_value(message, wanted) for wanted in fields_of(place[1]))
-        except (AttributeError, TypeError, ValueError):
-            fields = ", ".join(("header", *(wanted.name for wanted in fields_of(place[1]))))
+            when = stamp_ns(message, arrival if topic in self._own else None)
+            values = tuple(_value(message, each) for each in wanted)
+        except (AttributeError, TypeError, ValueError, IndexError):
+            fields = ", ".join(("header", *(each.name for each in wanted)))
             raise InputError(
-                self.path, f"topic {topic}", f"a message with {fields}", kind
+                self.path, f"topic {topic}", f"a message with {fields}", kind, cure(self.path)
             ) from None
         rows = self._rows.setdefault(place, _Rows())
         rows.stamps.append(when)
@@ -141,31 +155,79 @@ class Collector:
         """Streams of each namespace ('' is the root); disorder is repaired and noted."""
         found: dict[str, list[Stream]] = {}
         for (namespace, key), rows in sorted(self._rows.items()):
-            found.setdefault(namespace, []).append(_ordered(namespace, key, rows, notes))
+            fields = self._own.get(key) or fields_of(key)
+            stream = _ordered(namespace, key, rows, notes, fields)
+            found.setdefault(namespace, []).append(stream)
+        others = found.keys() - {""}
+        if self._own and len(others) == 1 and all(s.key in self._own for s in found.get("", ())):
+            found[next(iter(others))] += found.pop("", [])
         # estimates without any measurement are nothing to compare with
-        return {ns: own for ns, own in found.items() if any(s.key in FIELDS for s in own)}
+        return {ns: own for ns, own in found.items() if any(s.measured for s in own)}
+
+    @property
+    def scales(self) -> dict[str, str]:
+        """What 1 of each scaled channel means."""
+        return scales_of([f.column for own in self._own.values() for f in own if f.column])
+
+    @property
+    def asked(self) -> tuple[str, ...]:
+        """Topics that the user has said something of."""
+        return tuple(self._own)
+
+    def _lacks(self, fields: tuple[Field, ...]) -> bool:
+        """Whether a user's mapping leaves any of these channels to its usual topic."""
+        mapped = {f.channel for own in self._own.values() for f in own}
+        return any(each.channel not in mapped for each in fields)
 
     def _place(self, topic: str) -> tuple[str, str] | None:
         """Namespace and relative topic name; None for topics outside the contract."""
+        if topic in self._own:
+            return "", topic
         if topic not in self._places:
             match = _TOPIC.match(self._names.get(topic, topic))
             self._places[topic] = (match["ns"], match["key"]) if match else None
+            if match and self._own and not self._lacks(fields_of(match["key"])):
+                self._places[topic] = None
         return self._places[topic]
 
 
-def _stamp_ns(message: Any) -> int:
-    """Header stamp [ns]."""
+def _own_fields(path: Path, names: Names) -> dict[str, tuple[Field, ...]]:
+    """Fields by topic that a mapping names as `/topic.field.of.it` or `/topic.data[2]`."""
+    found: dict[str, tuple[Field, ...]] = {}
+    for channel, source in names.sources.items():
+        topic, dot, name = source.column.partition(".")
+        if channel == TIME or not topic.startswith("/") or not dot:
+            continue
+        bare, unit = split_header(name)
+        column = column_of(path, 0, channel, source.unit or unit, source)
+        found[topic] = (*found.get(topic, ()), Field(bare, channel, (), column))
+    return found
+
+
+def stamp_ns(message: Any, arrival: int | None = None) -> int:
+    """Header stamp [ns]; the arrival stands for it where a message of others has none."""
+    if arrival is not None and not hasattr(message, "header"):
+        return arrival
     stamp = message.header.stamp
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
 
 
+def value_at(message: object, name: str) -> float:
+    """The number at a place in a message: `wrench.force.z`, `data[2]`."""
+    for part in re.findall(r"[^.\[\]]+", name):
+        message = message[int(part)] if part.isdigit() else getattr(message, part)  # type: ignore[index]
+    return float(message)  # type: ignore[arg-type]
+
+
 def _value(message: object, wanted: Field) -> float:
     """A field as float, NaN when one of its flags is false."""
-    value = float(getattr(message, wanted.name))
+    value = value_at(message, wanted.name)
     return value if all(getattr(message, flag) for flag in wanted.flags) else float("nan")
 
 
-def _ordered(namespace: str, key: str, rows: _Rows, notes: list[str]) -> Stream:
+def _ordered(
+    namespace: str, key: str, rows: _Rows, notes: list[str], fields: tuple[Field, ...]
+) -> Stream:
     """The stream with stamps strictly increasing; what was left out or sorted is noted."""
     topic = f"{namespace}/{key}"
     stamps = np.asarray(rows.stamps, dtype=np.int64)
@@ -180,7 +242,12 @@ def _ordered(namespace: str, key: str, rows: _Rows, notes: list[str]) -> Stream:
     if unique.size < stamps.size:
         repeats = messages(stamps.size - unique.size)
         notes.append(f"{topic}: {repeats} with a repeated stamp dropped")
-    channels = {wanted.channel: values[first, i] for i, wanted in enumerate(fields_of(key))}
+    channels = {}
+    for i, wanted in enumerate(fields):
+        channels[wanted.channel] = values[first, i]
+        if wanted.column is not None:
+            channels[wanted.channel], how = to_si(wanted.column, values[first, i])
+            notes += [f"{wanted.channel} is {key}.{wanted.name}", *how]
     return Stream(key, unique, channels)
 
 

@@ -1,33 +1,19 @@
-"""Column headers to channels: contract names, stated units, the nearest name for a wrong one."""
+"""Column headers to channels: contract names, names of one's own, stated units, the nearest name for a wrong one."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 
-from er_models.constants import g
-from er_models.errors import InputError, UnknownName
+import numpy as np
+from er_models.errors import InputError
 
-from er_records.record import CHANNELS, Array, unit_of
-
-TIME = "t"
-NAMES_SUFFIX = ".names.yaml"
-"""Of the file beside a data file that says which of its columns is which channel."""
-
-UNITS: dict[str, dict[str, float]] = {
-    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0},
-    "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254},
-    "m/s": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3, "in/s": 0.0254},
-    "1": {"1": 1.0, "-": 1.0, "%": 1e-2},
-    "N": {"N": 1.0, "kN": 1e3, "kgf": g, "lbf": 4.4482216152605},
-    "m/s2": {"m/s2": 1.0, "m/s^2": 1.0, "m/s²": 1.0, "mm/s2": 1e-3, "g": g},
-    "K": {"K": 1.0, "degC": 1.0, "°C": 1.0},
-    "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5},
-}
-"""SI unit to the accepted ways of stating it and their factors (exact by definition)."""
+from er_records.readers.names import NOTHING, TIME, Given, Names, Source, parsed
+from er_records.readers.units import UNITS, ZERO, known_unit
+from er_records.record import CHANNELS, Array, cure, unit_of
 
 SYNONYMS: dict[str, str] = {
     "time": TIME, "timestamp": TIME, "seconds": TIME,
@@ -42,23 +28,33 @@ SYNONYMS: dict[str, str] = {
 }  # fmt: skip
 """Frequent names for a channel: only used to say which name is meant, never to guess."""
 
+_PLACE = re.compile(r"[^\s\[(][\[(]\d+[\])]\s*$")
+"""What counts columns of a matrix or numbers of a message, and is no unit: `data(2)`, `position[1]`."""
+BEYOND = 0.05
+"""Share of a full scale by which a measured current or voltage may lie outside of it and counts as its end."""
+LEFT_OUT = "is not a channel and was left out"
 _HEADER = re.compile(r"^(?P<name>.*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?$")
 
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column to read: place in the file, channel, factor to SI, unit as stated or ''."""
+    """A column to read: place in the file, channel, unit as stated or ''; SI is factor * stored + shift.
+
+    source: what the user said of it; index is -1 where `source` makes it without a column.
+    """
 
     index: int
     name: str
     factor: float
     stated: str
+    shift: float = 0.0
+    source: Source = NOTHING
 
 
 def split_header(cell: str) -> tuple[str, str]:
     """Name and stated unit of a header cell such as `deflection [mm]`; unit '' when absent."""
     found = _HEADER.match(cell.strip().strip('"').strip())
-    if found is None:
+    if found is None or _PLACE.search(cell):
         return cell.strip(), ""
     return found["name"].strip(), (found["unit"] or "").strip()
 
@@ -72,18 +68,25 @@ def nearest(name: str) -> str | None:
     return near[0] if near else None
 
 
-def factor_to_si(path: Path, name: str, unit: str) -> float:
-    """Factor from a stated unit to SI; 1 when none is stated; `InputError` for an unknown one."""
-    known = UNITS["s" if name == TIME else unit_of(name) or "1"]
-    if unit and unit not in known:
-        raise InputError(path, f"column '{name}'", f"a unit among {', '.join(known)}", unit)
-    return known[unit] if unit else 1.0
+def column_of(path: Path, index: int, name: str, unit: str, source: Source) -> Column:
+    """A column with what makes it SI; `InputError` for a unit that is none of the channel's."""
+    si = "s" if name == TIME else unit_of(name) or "1"
+    known = known_unit(si, unit) if unit else None
+    scaled = source.scale is not None or source.full_scale is not None
+    if unit and known is None and not scaled:
+        raise InputError(
+            path, f"column '{name}'", f"a unit among {', '.join(UNITS[si])}", unit, cure(path)
+        )
+    factor = UNITS[si][known] if known and source.full_scale is None else 1.0
+    factor *= source.sign * (source.scale or 1.0) / (source.full_scale or 1.0)
+    shift = source.offset - factor * ZERO.get(known or "", 0.0)
+    return Column(index, name, factor, known or unit, shift, source)
 
 
 def resolve(
     path: Path,
     header: Sequence[str],
-    names: Mapping[str, str] | None = None,
+    names: Given | Names | None = None,
     *,
     needs_time: bool = True,
 ) -> tuple[list[Column], list[str]]:
@@ -92,7 +95,7 @@ def resolve(
     Args:
         path: File, for messages.
         header: Header cells, each a name with an optional unit in brackets.
-        names: Contract name to name in this file, for files with other names.
+        names: What the file's own columns are, by channel.
         needs_time: Whether a column `t` must be there.
 
     Returns:
@@ -102,27 +105,45 @@ def resolve(
         InputError: No `t`, no channel, a misspelt or repeated column, an unknown unit.
         UnknownName: A key of `names` that is no channel.
     """
-    cells = _renamed(path, [split_header(cell) for cell in header], names or {})
+    own = parsed(names)
+    cells, sources, notes = _renamed(path, header, own)
     columns = [
-        Column(index, name, factor_to_si(path, name, unit), unit)
+        column_of(path, index, name, unit, sources.get(index, NOTHING))
         for index, (name, unit) in enumerate(cells)
         if name == TIME or (unit_of(name) is not None and with_unit(name) is None)
     ]
-    ignored = _ignored(path, cells, {column.name for column in columns})
+    columns += [_made(name, s) for name, s in own.sources.items() if not s.column]
+    ignored = _ignored(path, cells, {column.name for column in columns}, own)
     _check(path, columns, cells, needs_time=needs_time)
-    return columns, [f"column '{name}' is not a channel and was left out" for name in ignored]
+    notes += [f"column '{name}' {LEFT_OUT}" for name in ignored]
+    return columns, notes
 
 
-def _ignored(path: Path, cells: list[tuple[str, str]], read: set[str]) -> list[str]:
-    """Names of columns that are left out; `InputError` for one that a channel is missing from."""
+def _made(name: str, source: Source) -> Column:
+    """A channel that no column holds."""
+    return Column(-1, name, 1.0, "", source=source)
+
+
+def made(column: Column, n: int) -> Array:
+    """Samples (n,) of a channel that no column holds [SI]: equal steps of time, or a constant."""
+    if column.source.rate is not None:
+        return np.asarray(np.arange(n) / column.source.rate)
+    return np.full(n, float(column.source.value or 0.0))
+
+
+def _ignored(path: Path, cells: list[tuple[str, str]], read: set[str], own: Names) -> list[str]:
+    """Names of columns that are left out; `InputError` for one that a channel is missing from.
+
+    Where the user has said what the columns are, the rest are left out without a question.
+    """
     others = [name for name, _ in cells if name and name not in read]
-    for name in others:
+    for name in () if own.sources else others:
         stated = with_unit(name)
         meant = stated[0] if stated else nearest(name)
         if meant is not None and meant not in read:
             written = f"{meant} [{stated[1]}]" if stated else meant
             found = f"'{name}' (did you mean '{written}'?)"
-            raise InputError(path, "columns", f"'{meant}'", found)
+            raise InputError(path, "columns", f"'{meant}'", found, cure(path))
     return others
 
 
@@ -137,30 +158,90 @@ def with_unit(name: str) -> tuple[str, str] | None:
 
 
 def to_si(column: Column, samples: Array) -> tuple[Array, list[str]]:
-    """Samples in SI units, and the note on it; degC becomes a difference to 0 degC, the same in all files."""
-    if column.stated in ("degC", "°C"):
-        return samples, ["temperature is the difference to 0 degC"]
-    if column.factor == 1.0:
-        return samples, []
-    si = "s" if column.name == TIME else unit_of(column.name)
-    return samples * column.factor, [f"{column.name} converted from {column.stated} to {si}"]
+    """Samples in SI units, and notes on what was done; a temperature becomes the difference to 0 degC."""
+    si, source = "s" if column.name == TIME else unit_of(column.name), column.source
+    notes = []
+    if column.stated in ZERO:
+        notes.append("temperature is the difference to 0 degC")
+    if source.full_scale is not None:
+        notes.append(
+            f"{column.name} is '{source.column}' over its full scale: {full_scale(column)}"
+        )
+    elif column.stated not in (*ZERO, "", si) and source.scale is None:
+        notes.append(f"{column.name} converted from {column.stated} to {si}")
+    if source.scale is not None:
+        notes.append(f"{column.name} is '{source.column}' times {abs(column.factor):g} {si}")
+    if source.sign < 0.0:
+        notes.append(f"{column.name} is turned round: sign -1")
+    if source.offset:
+        notes.append(f"{column.name} is shifted by {source.offset:g} {si}")
+    if column.factor == 1.0 and column.shift == 0.0 and source.full_scale is None:
+        return samples, notes
+    found = samples * column.factor + column.shift
+    if (
+        source.full_scale is not None
+    ):  # a measured current is noisy about nothing and about its full scale
+        near = (found > -BEYOND) & (found < 1.0 + BEYOND)
+        found = np.where(near, np.clip(found, 0.0, 1.0), found)
+    return found, notes
+
+
+def full_scale(column: Column) -> str:
+    """What a duty of 1 is: `1 = 1.6 A`."""
+    return f"1 = {column.source.full_scale:g} {column.stated}".rstrip()
+
+
+def scales_of(columns: Sequence[Column]) -> dict[str, str]:
+    """What 1 of each scaled channel means, for the record."""
+    return {c.name: full_scale(c) for c in columns if c.source.full_scale is not None}
 
 
 def _renamed(
-    path: Path, cells: list[tuple[str, str]], names: Mapping[str, str]
-) -> list[tuple[str, str]]:
-    """Header cells with the file's own names replaced by the contract's."""
-    renamed = list(cells)
-    for channel, own in names.items():
-        if channel != TIME and unit_of(channel) is None:
-            raise UnknownName("channel", channel, (TIME, *CHANNELS))
-        own_name, own_unit = split_header(own)
-        hits = [i for i, (name, _) in enumerate(cells) if name in (own, own_name)]
-        if not hits:
+    path: Path, header: Sequence[str], own: Names
+) -> tuple[list[tuple[str, str]], dict[int, Source], list[str]]:
+    """Names and units of header cells with the file's own names replaced by the contract's.
+
+    Returns also what was said of each by its place, and a note for each column that one file of a folder lacks.
+    """
+    cells = [split_header(cell) for cell in header]
+    places = {c: _place(header, cells, s.column) for c, s in own.sources.items() if s.column}
+    missing = [c for c, index in places.items() if index is None]
+    notes = []
+    for channel in missing:
+        column = own.sources[channel].column
+        if not own.lenient:
             found = ", ".join(name for name, _ in cells)
-            raise InputError(path, f"column for '{channel}'", f"'{own}'", found)
-        renamed[hits[0]] = (channel, own_unit or cells[hits[0]][1])
-    return renamed
+            raise InputError(path, f"column for '{channel}'", f"'{column}'", found, cure(path))
+        if channel not in {name for name, _ in cells}:
+            notes.append(f"no column '{column}', which {own.where} takes for {channel}")
+    # what the user says goes before a column that happens to have the channel's name
+    renamed = [
+        (f"{name} of the file" if name in own.sources.keys() - {*missing} else name, unit)
+        for name, unit in cells
+    ]
+    sources: dict[int, Source] = {}
+    for channel, index in places.items():
+        if index in sources:
+            raise InputError(
+                path, f"column '{cells[index][0]}'", "one channel", channel, cure(path)
+            )
+        if index is not None:
+            source = own.sources[channel]
+            unit = source.unit or split_header(source.column)[1] or cells[index][1]
+            renamed[index], sources[index] = (channel, unit), source
+    return renamed, sources, notes
+
+
+def _place(header: Sequence[str], cells: list[tuple[str, str]], column: str) -> int | None:
+    """Place of a column by its whole header, else by its name; None where there is none."""
+    if not column:
+        return None
+    bare = split_header(column)[0]
+    whole = [
+        i for i, cell in enumerate(header) if cell.strip().strip('"').strip() == column.strip()
+    ]
+    named = [i for i, (name, _) in enumerate(cells) if name in (column, bare)]
+    return next(iter([*whole, *named]), None)
 
 
 def _check(
@@ -172,17 +253,11 @@ def _check(
     for name in names:
         number = sum(column.name == name for column in columns)
         if number > 1:
-            raise InputError(path, f"column '{name}'", "one column of that name", number)
+            raise InputError(
+                path, f"column '{name}'", "one column of that name", number, cure(path)
+            )
     if needs_time and TIME not in names:
-        raise InputError(path, "columns", "a column 't' [s]", found + _hint(path))
+        raise InputError(path, "columns", "a column 't' [s]", found, cure(path))
     if not names & set(CHANNELS):
         expected = f"at least one of {', '.join(CHANNELS)}"
-        raise InputError(path, "columns", expected, found + _hint(path))
-
-
-def _hint(path: Path) -> str:
-    """How a file with names of its own is read, where nothing says so yet."""
-    beside = path.name + NAMES_SUFFIX
-    return (
-        "" if path.with_name(beside).exists() else f" (names of your own: {beside}, docs/data.md)"
-    )
+        raise InputError(path, "columns", expected, found, cure(path))

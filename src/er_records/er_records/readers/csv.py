@@ -1,73 +1,177 @@
-"""CSV: a header with the contract's names, then numbers; delimiter comma, semicolon or tab.
+"""CSV and other text tables: column names, perhaps a row of units, then numbers.
 
-An empty cell or NaN is a missing sample. Lines starting with `#` above the header are comments;
-one of them may carry the provenance that `er_records.write` stores. With semicolons, numbers may
-have decimal commas; the columns that are read say whether they do.
+Delimiter comma, semicolon, tab or spaces. An empty cell or NaN is a missing sample. Lines starting with `#` above the
+names are comments; one of them may carry the provenance that `er_records.write` stores. Lines of other widths above
+the names are left out. Unless the delimiter is a comma, numbers may have decimal commas; the columns that are read say
+whether they do. A table without names has columns `column 1`, `column 2`, ... for a mapping to name.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from er_models.arrow import samples
 from er_models.errors import InputError
 
-from er_records.provenance import METADATA_KEY, digest_bytes, restore
-from er_records.readers.columns import TIME, Column, resolve, to_si
-from er_records.record import Array, Record
+from er_records.provenance import METADATA_KEY, digest_bytes
+from er_records.readers.columns import Column
+from er_records.readers.names import Given, Names
+from er_records.readers.table import Numbers, Table, record
+from er_records.readers.units import looks_like_unit
+from er_records.record import Array, Record, cure
 
 SIGNS = {".": "decimal point", ",": "decimal comma"}
 DELIMITERS = (",", ";", "\t")
 MISSING = ("", "nan", "NaN", "NAN", "NA", "null")
+OLD_WINDOWS = "äöüÄÖÜß°µ²³±·éèàç–"
+"""What text of measuring programs that is not UTF-8 holds beside ASCII, in Windows-1252."""
+MOST_ABOVE = 60
+"""Lines among which the first numbers are looked for."""
+
+HALF_DAY = 43_200.0
+"""A step back in a time of day beyond this is midnight [s]."""
+_CLOCK = re.compile(r"(?:^|[ T])(\d{1,2}):(\d{2})(?::(\d{2}(?:[.,]\d+)?))?\s*(?:([AaPp])[Mm])?$")
+"""A time of day, behind a date or not: 23:59:59.995, 2022-04-29T12:11, 04/29/2022 12:11:14.596 PM."""
 
 
-def read(path: Path, names: Mapping[str, str] | None = None) -> list[Record]:
-    """The one record of a CSV file.
+@dataclass(frozen=True)
+class _Text:
+    """A table as text: cells of names with units, rows of numbers; named: whether it has names."""
+
+    header: tuple[str, ...]
+    rows: list[str]
+    delimiter: str
+    named: bool = True
+
+
+def read(path: Path, names: Given | Names | None = None) -> list[Record]:
+    """The one record of a text table.
 
     Args:
-        path: File; UTF-8 text.
-        names: Contract name to column name, for files with other headers.
+        path: File; UTF-8, UTF-16 or Windows-1252 text.
+        names: What the file's own columns are, by channel.
 
     Raises:
-        InputError: Empty, not text, no header, wrong columns, a cell that is no number.
+        InputError: Empty, not text, no names, wrong columns, a cell that is no number.
+    """
+    found = table(path)
+    sources = names.sources if isinstance(names, Names) else names
+    if found.header[:1] == ("column 1",) and not sources:
+        row = found.notes[0]
+        expected = "a header with column names such as t, deflection"
+        raise InputError(path, "row 1", expected, row, cure(path))
+    return [record(found, names)]
+
+
+def table(path: Path) -> Table:
+    """The columns of a text table.
+
+    Raises:
+        InputError: Empty, not text, no row of names; where it is read, a cell that is no number.
     """
     data = path.read_bytes()
     if not data.strip():
         raise InputError(path, "", "a CSV table with a header row", "an empty file")
-    comments, lines = _lines(path, data)
-    delimiter = max(DELIMITERS, key=lines[0].count)
-    header = lines[0].split(delimiter)
-    if all(_is_number(cell, ".") for cell in header):
-        raise InputError(
-            path, "row 1", "a header with column names such as t, deflection", lines[0][:60]
-        )
-    columns, notes = resolve(path, header, names)
-    rows, complete = _without_cut_line(lines, delimiter, data)
-    decimal = _decimal(rows, delimiter, columns)
-    if decimal == ",":
-        notes.append("numbers are written with a decimal comma")
+    comments, lines, notes = _lines(path, data)
+    text = _parted(lines)
+    rows, complete = _without_cut_line(text, data)
     if not complete:
         notes.append("the last line is cut off and was dropped")
-    samples = {TIME: np.empty(0)}
-    for column, raw in zip(
-        columns, _numbers(path, rows, delimiter, decimal, columns), strict=True
-    ):
-        samples[column.name], how = to_si(column, raw)
-        notes += how
-    t = samples.pop(TIME)
-    record = Record(path.stem, t, samples, tuple(notes), complete, str(path), digest_bytes(data))
-    return [restore(record, text, path) for text in comments] or [record]
+
+    def numbers(columns: Sequence[Column]) -> Numbers:
+        clocks = [c for c in columns if _CLOCK.search(_cell(rows, text.delimiter, c.index))]
+        plain = [c for c in columns if c not in clocks]
+        decimal = _decimal(rows, text.delimiter, plain)
+        how = ["numbers are written with a decimal comma"] * (decimal == "," and bool(plain))
+        how += [f"{c.name} is a time of day, counted from the first row on" for c in clocks]
+        found = {c.index: _clock(path, rows, text.delimiter, c) for c in clocks}
+        read = _numbers(path, rows, text.delimiter, decimal, plain) if plain else []
+        found |= {c.index: y for c, y in zip(plain, read, strict=True)}
+        return [found[c.index] for c in columns], how
+
+    if not text.named:
+        notes.insert(0, f"no column names: {rows[0][:60]}")
+    return Table(
+        path, text.header, numbers, digest_bytes(data), complete, next(iter(comments), ""), None, tuple(notes)
+    )  # fmt: skip
 
 
-def _lines(path: Path, data: bytes) -> tuple[list[str], list[str]]:
-    """Provenance texts from the comments above the header, and the lines of the table."""
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        found = f"byte 0x{data[error.start]:02x} at position {error.start}"
-        raise InputError(path, "", "text in UTF-8", found) from None
+def _cell(rows: list[str], delimiter: str, index: int) -> str:
+    """A cell of the first row; '' where there is none."""
+    cells = rows[0].split(delimiter) if rows else []
+    return cells[index].strip().strip('"') if index < len(cells) else ""
+
+
+def _clock(path: Path, rows: list[str], delimiter: str, column: Column) -> Array:
+    """Seconds (n,) since the first row, of a column of times of day; a day is added at midnight."""
+    seconds = np.empty(len(rows))
+    for k, row in enumerate(rows):
+        found = _CLOCK.search(_cell([row], delimiter, column.index))
+        if found is None:
+            key = f"data row {k + 1}, column '{column.name}'"
+            raise InputError(path, key, "a time of day such as 12:34:56.789", row[:60], cure(path))
+        hours, minutes, rest, half = found.groups()
+        day = 12.0 * (half is not None and half.lower() == "p") + float(hours) % (
+            12 if half else 24
+        )
+        seconds[k] = 3600.0 * day + 60.0 * float(minutes) + float((rest or "0").replace(",", "."))
+    back = np.cumsum(np.diff(seconds, prepend=seconds[:1]) < -HALF_DAY)
+    return np.asarray(seconds + 2.0 * HALF_DAY * back - seconds[0])
+
+
+def is_table(path: Path) -> bool:
+    """Whether a text file is a table: most of its lines near the beginning are rows of two numbers or more."""
+    with path.open("rb") as stream:
+        data = stream.read(20_000)
+    lines = [line for line in data.decode("latin-1").splitlines()[:-1] if line.strip()][-40:]
+    cells = [re.split(r"[;\t]|,\s|\s+|,(?=\S*,)", line.strip()) for line in lines]
+    good = sum(len(each) > 1 and _numeric(each) for each in cells)
+    return len(lines) >= 10 and 2 * good > len(lines)
+
+
+def _parted(lines: list[str]) -> _Text:
+    """Lines of a table as names, units and rows, whatever stands above them."""
+    body = lines[len(lines) // 2 :][:50]
+    usual = {d: sorted(line.count(d) for line in body)[len(body) // 2] for d in DELIMITERS}
+    delimiter = next((d for d in (";", "\t") if usual[d]), ",")
+    if not usual[delimiter] and len(body[0].split()) > 1 and _numeric(body[0].split()):
+        apart = [re.sub(r"\s+(?=[\[(])", "", line) for line in lines]
+        lines, delimiter = ["\t".join(line.split()) for line in apart], "\t"
+        usual[delimiter] = lines[len(lines) // 2].count(delimiter)
+    split = [line.split(delimiter) for line in lines[:MOST_ABOVE]]
+    width = usual[delimiter] + 1
+    wide = [len(cells) == width for cells in split]
+    first = next((i for i, c in enumerate(split) if wide[i] and _numeric(c)), None)
+    if first == 0:
+        return _Text(tuple(f"column {i + 1}" for i in range(width)), lines, delimiter, named=False)
+    if first is None or not wide[first - 1]:
+        return _Text(tuple(split[0]), lines[1:], delimiter)
+    units, names = split[first - 1], split[first - 2] if first > 1 else []
+    if len(names) == width and any(map(looks_like_unit, units)) and not _numeric(names):
+        return _Text(tuple(map(_with_unit, names, units)), lines[first:], delimiter)
+    return _Text(tuple(units), lines[first:], delimiter)
+
+
+def _with_unit(name: str, unit: str) -> str:
+    """Header cell from the cells of a row of names and of a row of units."""
+    name, bare = name.strip().strip('"'), unit.strip().strip('"').strip().strip("[]()").strip()
+    return f"{name} [{bare}]" if bare and bare not in ("-", "1") else name
+
+
+def _numeric(cells: Sequence[str]) -> bool:
+    """Whether at least half of the cells that are filled are numbers, or times of day."""
+    filled = [cell for cell in cells if cell.strip()]
+    good = sum(_is_number(c, ".") or _is_number(c, ",") or bool(_CLOCK.search(c)) for c in filled)
+    return bool(filled) and 2 * good >= len(filled)
+
+
+def _lines(path: Path, data: bytes) -> tuple[list[str], list[str], list[str]]:
+    """Provenance texts from the comments above the names, the lines of the table, and notes."""
+    text, notes = _decoded(path, data)
     if "\0" in text:
         raise InputError(path, "", "text in UTF-8", "binary data")
     lines = text.splitlines()
@@ -76,24 +180,38 @@ def _lines(path: Path, data: bytes) -> tuple[list[str], list[str]]:
     )
     marker = f"# {METADATA_KEY} "
     comments = [line[len(marker) :] for line in lines[:first] if line.startswith(marker)]
-    table = [line for line in lines[first:] if line.strip()]
-    if not table:
+    rows = [line for line in lines[first:] if line.strip()]
+    if not rows:
         raise InputError(path, "", "a header row with column names", "only comments")
-    return comments[:1], table
+    return comments[:1], rows, notes
 
 
-def _without_cut_line(lines: list[str], delimiter: str, data: bytes) -> tuple[list[str], bool]:
-    """Rows below the header without a last one that a broken-off writer left unfinished."""
-    rows = lines[1:]
-    whole = lines[0].count(delimiter)
-    if rows and not data.endswith((b"\n", b"\r")) and rows[-1].count(delimiter) < whole:
+def _decoded(path: Path, data: bytes) -> tuple[str, list[str]]:
+    """The text of a file, and a note where it is not in UTF-8."""
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return data.decode("utf-16", errors="replace"), ["read as UTF-16"]
+    try:
+        return data.decode("utf-8-sig"), []
+    except UnicodeDecodeError as error:
+        text = data.decode("cp1252", errors="replace")
+        if set(filter(lambda c: not c.isascii(), text)) <= set(OLD_WINDOWS):
+            return text, ["read as Windows-1252"]
+        found = f"byte 0x{data[error.start]:02x} at position {error.start}"
+        raise InputError(path, "", "text in UTF-8", found) from None
+
+
+def _without_cut_line(text: _Text, data: bytes) -> tuple[list[str], bool]:
+    """Rows below the names without a last one that a broken-off writer left unfinished."""
+    rows, whole = text.rows, len(text.header) - 1
+    ended = data.rstrip(b"\0").endswith((b"\n", b"\r"))
+    if rows and not ended and rows[-1].count(text.delimiter) < whole:
         return rows[:-1], False
     return rows, True
 
 
-def _decimal(rows: list[str], delimiter: str, columns: list[Column]) -> str:
-    """The decimal sign: with semicolons, that of most cells in the columns that are read."""
-    if delimiter != ";" or not any("," in row for row in rows):
+def _decimal(rows: list[str], delimiter: str, columns: Sequence[Column]) -> str:
+    """The decimal sign: unless cells are parted by it, that of most cells in the columns that are read."""
+    if delimiter == "," or not any("," in row for row in rows):
         return "."
     count = dict.fromkeys(SIGNS, 0)
     for row in rows:
@@ -105,7 +223,7 @@ def _decimal(rows: list[str], delimiter: str, columns: list[Column]) -> str:
 
 
 def _numbers(
-    path: Path, rows: list[str], delimiter: str, decimal: str, columns: list[Column]
+    path: Path, rows: list[str], delimiter: str, decimal: str, columns: Sequence[Column]
 ) -> list[Array]:
     """Samples of each column (N,), NaN where missing."""
     import pyarrow as pa
@@ -134,7 +252,12 @@ def _numbers(
 
 
 def _explain(
-    path: Path, rows: list[str], delimiter: str, decimal: str, columns: list[Column], reason: str
+    path: Path,
+    rows: list[str],
+    delimiter: str,
+    decimal: str,
+    columns: Sequence[Column],
+    reason: str,
 ) -> InputError:
     """The first cell that cannot be read, in the terms of the person who wrote the file."""
     width = max(len(rows[0].split(delimiter)), max(column.index for column in columns) + 1)
@@ -146,7 +269,8 @@ def _explain(
             cell = cells[column.index].strip()
             if cell not in MISSING and not _is_number(cell, decimal):
                 key = f"data row {number}, column '{column.name}'"
-                return InputError(path, key, f"a number with {SIGNS[decimal]}", f"'{cell}'")
+                expected = f"a number with {SIGNS[decimal]}"
+                return InputError(path, key, expected, f"'{cell}'", cure(path))
     return InputError(path, "", "a CSV table", reason.splitlines()[0])
 
 

@@ -35,7 +35,8 @@ from er_records.readers.bag_files import (
 from er_records.readers.bag_names import hint, usual_names
 from er_records.readers.bag_streams import Collector
 from er_records.readers.mcap_salvage import salvage
-from er_records.record import Record
+from er_records.readers.names import NONE, Names
+from er_records.record import Record, cure
 
 Decode = Callable[[bytes, str], object]
 
@@ -60,15 +61,17 @@ class Bag:
         self.notes += [sentence for sentence in guessed if sentence not in self.notes]
 
 
-def read(path: Path) -> list[Record]:
+def read(path: Path, names: Names = NONE) -> list[Record]:
     """Records of a rosbag2 folder or of a single `.mcap` or `.db3` file.
+
+    names: channels that topics of others hold, `damper_force: /loadcell.wrench.force.z`.
 
     Raises:
         InputError: No data file, or nothing readable in it.
         MissingChannel: A whole recording without sensor topics (exit status 4).
     """
     files = data_files(path)
-    bag = Bag(path, Collector(path))
+    bag = Bag(path, Collector(path, names))
     if path.is_dir():
         _read_folder(bag, files)
     else:
@@ -83,7 +86,8 @@ def read(path: Path) -> list[Record]:
         name = path.stem + (namespace if len(streams) > 1 else "")
         for record in align(name, own, str(path), digest):
             marked = _marked(record, notes, whole=not bag.damage)
-            records.append(replace(marked, waits=bag.collector.waits(namespace)))
+            waits, scales = bag.collector.waits(namespace), bag.collector.scales
+            records.append(replace(marked, waits=waits, scales=scales))
     if not records:
         raise InputError(
             path, "header stamps", "sensor topics that overlap in time", "; ".join(notes) or "none"
@@ -96,7 +100,7 @@ def _nothing(bag: Bag) -> ErError:
     if bag.topics and not bag.damage:
         present = tuple(sorted(bag.topics))
         needed = f"to know the motion{hint(bag.kinds)}"
-        return MissingChannel(bag.path, "sensors/deflection", needed, present)
+        return MissingChannel(bag.path, "sensors/deflection", needed, present, cure(bag.path))
     found = "; ".join(bag.damage) or "no message"
     return InputError(bag.path, "topics", "sensors/deflection, sensors/force ...", found)
 
@@ -181,7 +185,7 @@ def _read_salvaged(bag: Bag, file: Path) -> int:
     kept = 0
     kinds = {schema: name for schema, (name, _, _) in found.schemas.items()}
     bag.saw({topic: kinds.get(schema, "") for topic, schema in found.channels.values()})
-    for topic, schema, raw, _ in found.messages:
+    for topic, schema, raw, when in found.messages:
         if not bag.collector.wants(topic) or schema not in found.schemas:
             continue
         kind = found.schemas[schema][0]
@@ -189,7 +193,7 @@ def _read_salvaged(bag: Bag, file: Path) -> int:
             message = decode(raw, kind)
         except Exception:  # a garbled message raises whatever its bytes provoke
             continue
-        bag.collector.add(topic, kind, message)
+        bag.collector.add(topic, kind, message, when if topic in bag.collector.asked else None)
         kept += 1
     return kept
 

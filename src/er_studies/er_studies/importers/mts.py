@@ -2,7 +2,7 @@
 
 Source: github.com/DanielMaurelE/vRTHS_AMBC_MRdamper, commit 08753ff, MIT (c) 2022 mequiroz (see
 SOURCE.txt beside the data). Sines in `ME<amplitude>mm<frequency>Hz.txt`, five currents a file, cut
-by the events 'DAQ Pause' and 'DAQ Resume'; sweeps in `15Hz<current>A.txt`.
+by the events 'DAQ Pause' and 'DAQ Resume'; sweeps in `15Hz<current>A.txt` (0x5 for 0.5).
 
 Sign: force and displacement rise together with a gas force that is positive everywhere and grows
 with the displacement, so the machine counts compression positive; both are turned round here.
@@ -37,7 +37,7 @@ LICENCE = "MIT (c) 2022 mequiroz"
 TRAINING = ("ME2mm5Hz", "ME5mm3Hz", "ME25mm0x25Hz", "ME25mm0x5Hz")
 
 _SINE = re.compile(r"^ME\d+mm[\dx]+Hz$")
-_SWEEP = re.compile(r"^15Hz(?P<current>[\d.]+)A$")
+_SWEEP = re.compile(r"^15Hz(?P<current>\d+(?:[.x]\d+)?)A$")
 
 
 def split(name: str) -> str:
@@ -86,7 +86,7 @@ def _currents(path: Path, runs: int) -> Sequence[float]:
         raise InputError(
             path, "name", "ME<amplitude>mm<frequency>Hz.txt or 15Hz<current>A.txt", path.name
         )
-    currents = CURRENTS if sweep is None else (float(sweep["current"]),)
+    currents = CURRENTS if sweep is None else (float(sweep["current"].replace("x", ".")),)
     if runs != len(currents):
         raise InputError(path, "events", f"{len(currents)} runs between 'DAQ Resume' events", runs)
     return currents
@@ -102,7 +102,7 @@ def _run(path: Path, current: float, x: Array, force: Array, acquired: Acquisiti
         note,
     )
     record = Record(
-        f"{path.stem.removesuffix(f'{current:g}A')}-{current:g}A",
+        f"{_SWEEP.sub('15Hz', path.stem)}-{current:g}A",
         np.arange(x.size) / acquired.rate,
         {"deflection": x, "duty": np.full(x.size, current / FULL_CURRENT), "damper_force": force},
         notes,

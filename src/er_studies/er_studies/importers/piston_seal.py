@@ -15,17 +15,24 @@ from pathlib import Path
 
 import numpy as np
 from er_models.errors import InputError
-from er_records.provenance import digest_bytes
-from er_records.record import Array, Record
+from er_records.readers.csv import table
+from er_records.readers.names import Given
+from er_records.readers.table import record
+from er_records.record import Record
 
 from er_studies.importers.checks import centred, check_dissipates
 
 FULL_PRESSURE = 7.0
-PASCAL_PER_BAR = 1e5
 SOURCE = "github.com/EvaZillen/3D-printed-pneumatic-actuator 6e0bcb4"
 LICENCE = "CC0 1.0"
 COLUMNS = 7
-TIME_MS, POSITION_MM, PRESSURE_BAR, FORCE_N = 0, 4, 5, 6
+NAMES: Given = {
+    "t": "column 1 [ms]",
+    "deflection": {"from": "column 5", "unit": "mm", "sign": -1},
+    "pressure": "column 6 [bar]",
+    "damper_force": {"from": "column 7", "sign": -1},
+}
+"""What the columns of a file are, as `names.yaml` would say it."""
 
 _NAME = re.compile(r"^(?P<seal>.+)_(?P<bar>\d+)bar$")
 
@@ -39,15 +46,14 @@ def read(path: Path) -> list[Record]:
     found = _NAME.match(path.stem)
     if found is None or not 0.0 < float(found["bar"]) <= FULL_PRESSURE:
         raise InputError(path, "name", "<seal>_<pressure up to 7>bar.csv", path.name)
-    data = path.read_bytes()
-    table = _table(path, data)[1:]
-    deflection, note = centred(-1e-3 * table[:, POSITION_MM])
-    channels = {
-        "deflection": deflection,
-        "duty": np.full(len(table), float(found["bar"]) / FULL_PRESSURE),
-        "damper_force": -table[:, FORCE_N],
-        "pressure": PASCAL_PER_BAR * table[:, PRESSURE_BAR],
-    }
+    stored = table(path)
+    if len(stored.header) != COLUMNS or stored.header[0] != "column 1":
+        found_there = f"{len(stored.header)}: {', '.join(stored.header)}"
+        raise InputError(path, "columns", f"{COLUMNS} of numbers without a header", found_there)
+    rows = record(stored, NAMES).slice(1, None)
+    deflection, note = centred(rows.channels["deflection"])
+    duty = np.full(len(rows), float(found["bar"]) / FULL_PRESSURE)
+    channels = {**rows.channels, "deflection": deflection, "duty": duty}
     notes = (
         "the first row is a tare and was left out",
         "deflection and force turned round: the rig counts compression positive",
@@ -55,27 +61,15 @@ def read(path: Path) -> list[Record]:
         "the measured one is the channel 'pressure'",
         note,
     )
-    record = Record(
+    run = Record(
         path.stem,
-        1e-3 * table[:, TIME_MS],
+        rows.t,
         channels,
         notes,
         source=f"{SOURCE} {path.name}",
-        digest=digest_bytes(data),
+        digest=stored.digest,
         scales={"duty": f"1 = {FULL_PRESSURE:g} bar"},
         licence=LICENCE,
     )
-    check_dissipates(record, path)
-    return [record]
-
-
-def _table(path: Path, data: bytes) -> Array:
-    """The numbers of a file (N, 7)."""
-    try:
-        table = np.loadtxt(data.decode().splitlines(), delimiter="\t", ndmin=2)
-    except (ValueError, UnicodeDecodeError) as error:
-        found = str(error).splitlines()[0]
-        raise InputError(path, "", "a table of numbers, tab separated", found) from None
-    if table.shape[1] != COLUMNS or len(table) < 2:
-        raise InputError(path, "columns", f"{COLUMNS} without a header", table.shape[1])
-    return np.asarray(table)
+    check_dissipates(run, path)
+    return [run]

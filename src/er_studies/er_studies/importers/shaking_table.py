@@ -19,8 +19,10 @@ from pathlib import Path
 import numpy as np
 from er_models.errors import InputError
 from er_records.provenance import digest_files
+from er_records.readers.mat import table
+from er_records.readers.names import Given
+from er_records.readers.table import record
 from er_records.record import Array, Record
-from scipy.io import loadmat
 from scipy.signal import savgol_filter
 
 from er_studies.importers.checks import centred, check_dissipates
@@ -41,8 +43,13 @@ LEVELS: tuple[tuple[str, float | None], ...] = (
 )
 """File name (without .mat) to voltage [V]; None where it is not stated."""
 
+NAMES: Given = {
+    "deflection": {"from": "dist", "unit": "mm", "sign": -1},
+    "damper_force": {"from": "forc", "sign": -1},
+    "t": "Tout",
+}
+"""What the variables of a file are, as `names.yaml` would say it."""
 VARIABLES = ("dist", "forc", "Tout")
-"""Displacement [mm], force [N] and time [s] in a file."""
 
 SPEED_BAND = (0.015, 0.025)
 """Speeds at which forces are compared to infer a voltage [m/s]: every run passes through them."""
@@ -63,11 +70,11 @@ def read(path: Path, known: Sequence[tuple[float, float]] = ()) -> list[Record]:
     inferred = voltage is None and len({level for level, _ in known}) >= 2
     if inferred:
         voltage = infer_voltage(plateau(x, force, t), known)
-    deflection, note = centred(-x)
-    channels = {"deflection": deflection, "damper_force": -force}
+    deflection, note = centred(x)
+    channels = {"deflection": deflection, "damper_force": force}
     if voltage is not None:
         channels["duty"] = np.full(t.size, min(voltage / FULL_VOLTAGE, 1.0))
-    record = Record(
+    run = Record(
         path.stem,
         t,
         channels,
@@ -78,8 +85,8 @@ def read(path: Path, known: Sequence[tuple[float, float]] = ()) -> list[Record]:
         derived=("duty",) if inferred else (),
         licence=LICENCE,
     )
-    check_dissipates(record, path)
-    return [record]
+    check_dissipates(run, path)
+    return [run]
 
 
 def read_folder(folder: Path) -> list[Record]:
@@ -92,7 +99,7 @@ def read_folder(folder: Path) -> list[Record]:
         voltage = stated_voltage(file)
         if voltage is not None:
             known.append((voltage, plateau(*_variables(file))))
-    return [record for file in files for record in read(file, known)]
+    return [run for file in files for run in read(file, known)]
 
 
 def stated_voltage(path: Path) -> float | None:
@@ -137,24 +144,13 @@ def _duty_note(voltage: float | None, *, inferred: bool) -> str:
 
 
 def _variables(path: Path) -> tuple[Array, Array, Array]:
-    """Displacement [m], force [N] and time [s] as stored."""
-    try:
-        stored = loadmat(path)
-    except Exception as error:  # damaged files raise errors of scipy, zlib, struct ...
-        found = (str(error).splitlines() or [type(error).__name__])[0]
-        raise InputError(path, "", "a MATLAB 5 file", found) from None
-    missing = [key for key in VARIABLES if key not in stored]
+    """Displacement [m] and force [N], both turned round, and time [s]."""
+    stored = table(path)
+    missing = [key for key in VARIABLES if key not in stored.header]
     if missing:
         raise InputError(path, "variables", ", ".join(VARIABLES), f"no {', '.join(missing)}")
-    x, force, t = (np.asarray(stored[key], dtype=np.float64).ravel() for key in VARIABLES)
-    if not x.size == force.size == t.size:
-        raise InputError(
-            path,
-            "variables",
-            "equal lengths",
-            f"{x.size}, {force.size}, {t.size}",
-        )
-    return 1e-3 * x, force, t
+    run = record(stored, NAMES)
+    return run.channels["deflection"], run.channels["damper_force"], run.t
 
 
 def _natural(path: Path) -> tuple[str | int, ...]:

@@ -22,7 +22,13 @@ from er_model_lab.output.terminal.preflight import preflight_lines
 from er_model_lab.output.text.ranking import effect_size, largest, limit, ranked
 from er_model_lab.output.text.regions import worst
 from er_model_lab.output.text.units import gain, newtons, parameter, percent, short, where
-from er_model_lab.output.text.verdict_text import joined, title_of, verdict_sentence, verdict_title
+from er_model_lab.output.text.verdict_text import (
+    joined,
+    learnt,
+    title_of,
+    verdict_sentence,
+    verdict_title,
+)
 from er_model_lab.view import View
 
 WIDTH = 100
@@ -102,6 +108,7 @@ def _head(view: View, pen: Pen) -> Iterator[RenderableType]:
     tone = TONES.get(str(view.result.get("verdict")), "bold")
     yield pen.line(pen.cut(f"{view.command} {view.model}: {verdict_title(view)}", pen.width), tone)
     yield pen.line(pen.cut(verdict_sentence(view), 2 * pen.width - 20))
+    yield from (pen.line(pen.cut(said, pen.width)) for said in learnt(view))
     share = view.result.get("explainable")
     more = f"; explainable {percent(share)}" if share is not None else ""
     yield pen.line(view.headline + more)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from er_models.catalogue import CATALOGUE
+from er_models.measured import LABEL, PREFIX
 
 from er_model_lab.output.text.units import newtons, percent
 from er_model_lab.view import View
@@ -53,7 +54,9 @@ def title_of(view: View, effect: str) -> str:
     titles = {card.effect: card.title for card in view.candidates}
     titles |= {e.name: e.title for e in CATALOGUE.effects if e.name not in titles}
     parts = [part.strip() for part in effect.split("+")]
-    return " + ".join(titles.get(part, part.replace("_", " ")) for part in parts)
+    words = (titles.get(part, part.replace("_", " ")) for part in parts)
+    learnt = (f" ({LABEL})" if _is_term(part) else "" for part in parts)
+    return " + ".join(map("".join, zip(words, learnt, strict=True)))
 
 
 def unknowable(view: View) -> list[tuple[str, str]]:
@@ -98,6 +101,14 @@ def verdict_sentence(view: View) -> str:
     return maker(view) if maker else _compared(view)
 
 
+def learnt(view: View) -> list[str]:
+    """What each term that was learnt at last does, in a sentence."""
+    return [
+        f"{LABEL.capitalize()}: a smooth term ({e['name']}) brings it to {newtons(e['rmse_held_out']['after'])}."
+        for e in view.result.get("measured_terms") or ()
+    ]
+
+
 def _in_vain(view: View) -> str | None:
     """The effect that was added on request and explains nothing; None otherwise."""
     tried = [str(e["effect"]) for e in view.result.get("candidates") or ()]
@@ -130,15 +141,20 @@ ALIKE = 1.05
 
 
 def left_after(view: View) -> float | None:
-    """Error on held-out data with what was added [N]; None when nothing was."""
-    steps = view.result.get("steps") or []
+    """Error on held-out data with the effects that were added [N]; None when none was."""
+    steps = [s for s in view.result.get("steps") or [] if not _is_term(s["added"])]
     if len(steps) > 1:
         return float(steps[-1]["rmse_held_out"])
-    return rmse(view.result, "rmse_after") if view.result.get("effects") else None
+    return rmse(view.result, "rmse_after") if _names(view) else None
+
+
+def _is_term(name: str | None) -> bool:
+    """Whether a name is that of a measured term, which explains nothing."""
+    return str(name).startswith(PREFIX)
 
 
 def _names(view: View) -> list[str]:
-    return [title_of(view, e) for e in view.result.get("effects", ())]
+    return [title_of(view, e) for e in view.result.get("effects", ()) if not _is_term(e)]
 
 
 def _fall(view: View) -> str:
@@ -208,7 +224,7 @@ def _rivals(view: View) -> str:
     left = {
         str(e["effect"]): rmse(e, "rmse_held_out") for e in view.result.get("candidates") or ()
     }
-    group = view.result["alternatives"][0] if len(view.result.get("effects", ())) == 1 else ()
+    group = view.result["alternatives"][0] if len(_names(view)) == 1 else ()
     found = [value for e in group if (value := left.get(e)) is not None]
     if not found or max(found) <= ALIKE * min(found):
         return f"Each explains the error as well: {_fall(view)}"

@@ -1,0 +1,65 @@
+"""Start models: one of a kind scaled to data, and those that are shipped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from er_models.catalogue import CATALOGUE
+from er_models.files import load_model
+from er_models.model import Model
+from er_models.shipped import MODELS, names, shipped
+from er_records.dataset import Dataset
+
+from er_model_lab.fitting.start_model import KINDS, start_model
+from er_model_lab.preflight.check import gate, preflight
+from er_model_lab.preflight.wild import marked
+
+
+@dataclass(frozen=True)
+class Shipped:
+    """A model that comes with the package: its name, its file, and the model."""
+
+    name: str
+    file: Path
+    model: Model
+
+    @property
+    def kind(self) -> str:
+        """What it is a model of: a car, or the kind of `lab new` whose effects are in it."""
+        if self.model.is_vehicle:
+            return "car"
+        hooks = {h for e in self.model.effects for h in self.model.catalogue[e].hooks}
+        if "target" in hooks:
+            return (
+                "mr"
+                if "magnetorheological" in self.model.source + self.model.name
+                or "_mr" in self.name
+                else "er"
+            )
+        return "friction" if "coulomb_friction" in self.model.effects else "passive"
+
+
+def new(data: Dataset, kind: str, *, name: str | None = None, anyway: bool = False) -> Model:
+    """A start model of a kind (`er`, `mr`, `passive`, `friction`), scaled to the data, its rig as far as they reach.
+
+    The data need a force and a deflection; without a duty it counts as 0. Coefficients that the force is linear in are
+    fitted, all others start where the catalogue says. anyway: data that fail the preflight are used all the same.
+
+    Raises:
+        UnknownName: No such kind.
+        MissingChannel: No force or no deflection.
+        InputError: Data that fail the preflight.
+    """
+    records = [marked(r) for r in data.learn]
+    records = gate(preflight(records, None, CATALOGUE), records, anyway=anyway)
+    return start_model(records, kind, name or f"start_{kind}")
+
+
+def models() -> tuple[Shipped, ...]:
+    """The models that come with the package, in the order of their names; `load_model` takes the name."""
+    found = ((name, shipped(name, *MODELS)) for name in names(*MODELS))
+    return tuple(Shipped(name, file, load_model(file)) for name, file in found)
+
+
+__all__ = ["KINDS", "Shipped", "models", "new"]

@@ -1,0 +1,71 @@
+"""What is dragged along and what slides behind a play: against small explicit steps and the play written once more."""
+
+from __future__ import annotations
+
+import numpy as np
+from er_models.model import Model
+from er_models.prediction import motion, predict
+from er_models.simulation import simulate
+from models_help import DT, SMALL, Sine, car, guo, span
+
+
+def test_a_bristle_behind_a_play_slides_and_comes_back() -> None:
+    """Against small explicit steps of the gap and of Dahl's bristle, each a state of its own."""
+    F_h, z_y, b, h = 4.0, 6e-4, 8e-4, 5e-6
+    sine = Sine(SMALL).derivative
+    fine = np.arange(round(2.0 / h) + 1) * h
+    v, gap, z = sine(fine, 1), 0.0, 0.0
+    force = np.empty(fine.size)
+    for i, speed in enumerate(v):
+        force[i] = F_h * z / z_y
+        inside = gap + h * speed
+        if z == 0.0 and abs(inside) <= b:
+            gap = inside
+            continue
+        gap = b if gap > 0.0 else -b
+        after = z + h * (speed - abs(speed) * z / z_y)
+        z = after if after * gap > 0.0 else 0.0
+    every = slice(None, None, round(DT / h))
+    t = np.arange(fine[every].size) * DT
+    inputs = motion(DT, sine(t, 0), sine(t, 1), 0.0 * t, sine(t, 2))
+    brake = {"F_h": F_h, "F_u": 0.0, "z_y": z_y, "b": b}
+    error = predict(Model("brake", {"friction_with_play": brake}, SMALL), inputs) - force[every]
+    assert error.std() < 2e-3 * span(force)
+    assert np.mean(force[every] == 0.0) > 0.05
+    brake = {**brake, "b": 0.0}
+    error = predict(Model("brake", {"friction_with_play": brake}, SMALL), inputs) - force[every]
+    assert error.std() > 5e-2 * span(force)
+
+
+def test_the_field_is_dragged_along_by_the_duty_and_stays() -> None:
+    """Against the play operator, on steps, a ramp and a slow sine of the duty, with and without a response time."""
+    r, s, n = 0.04, 0.7, 900
+    t, ones = np.arange(n) * DT, np.ones(n)
+    duty = np.repeat(np.random.default_rng(2).choice([0.0, 0.1, 0.13, 0.2, 0.3], 10), 30)
+    duty = np.concatenate([duty, np.linspace(0.0, 0.3, 300), 0.15 + 0.15 * np.sin(9.0 * t[:300])])
+    w, field = 0.0, np.empty(n)
+    for k, u in enumerate(duty):
+        w = min(max(w, u - r), u + r)
+        field[k] = u + s * (w - u)
+    model = guo().with_effect("remanence", {"r": r, "s": s})
+    inputs = motion(DT, 0.0 * t, 0.1 * ones, duty, 0.0 * ones)
+    dragged = motion(DT, 0.0 * t, 0.1 * ones, field, 0.0 * ones)
+    for damper in (model, model.without_effect("response")):
+        plain = damper.without_effect("remanence")
+        assert np.abs(predict(damper, inputs) - predict(plain, dragged)).max() < 1e-8
+    assert np.abs(predict(model, inputs) - predict(guo(), inputs)).max() > 0.5
+
+
+def test_the_field_is_dragged_along_in_the_car_too() -> None:
+    """Steps of the duty, which come within a sample, move the body as the duties of the play operator would."""
+    r, s, duty = 0.04, 0.7, np.repeat([0.0, 0.3, 0.1, 0.05, 0.2, 0.0], 30)
+    w, field = 0.0, np.empty(duty.size)
+    for k, u in enumerate(duty):
+        w = min(max(w, u - r), u + r)
+        field[k] = u + s * (w - u)
+    road = 0.004 * np.sin(30.0 * np.arange(duty.size) * DT)
+    late = car().with_effect("dead_time", {"T_d": 0.0031})
+    wanted = simulate(late, DT, road, field)["damper_force"]
+    dragged = late.with_effect("remanence", {"r": r, "s": s})
+    found = simulate(dragged, DT, road, duty)["damper_force"]
+    assert np.abs(found - wanted).max() < 1e-6 * span(wanted)

@@ -1,0 +1,221 @@
+"""Folders in foreign shape, made anew with random names, units, signs and sizes, are understood by themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+import yaml
+from er_models.errors import ErError, InputError
+from er_records.load import load
+from er_records.mapping.guess import nice
+from er_records.mapping.mapping import mapped
+from er_records.mapping.words import fits
+from nptdms import ChannelObject, TdmsWriter
+from scipy.io import savemat
+
+RATE, SECONDS = 250.0, 12.0
+T = np.arange(0.0, SECONDS, 1.0 / RATE)
+Columns = dict[str, tuple[np.ndarray, str]]
+
+WORDS = {
+    "t": ["Zeit", "Time", "Messzeit", "t", "Zeitstempel"],
+    "deflection": ["Weg", "Kolbenweg", "Displacement", "Stroke_VL", "Hub", "rPosition", "Einfederweg"],
+    "deflection_velocity": ["Geschwindigkeit", "Velocity", "v_Kolben", "Kolbengeschw", "speed"],
+    "duty": ["Strom", "Coil current", "Spulenspannung", "PWM", "I_ist"],
+    "damper_force": ["Kraft", "Force", "Dämpferkraft", "Load_Cell", "rKraft_HR"],
+    "temperature": ["Temperatur", "OilTemp", "T_Öltemperatur"],
+}  # fmt: skip
+UNITS = {
+    "t": {"s": 1.0, "ms": 1e-3, "min": 60.0},
+    "deflection": {"mm": 1e-3, "m": 1.0, "cm": 1e-2, "in": 0.0254, "inch": 0.0254},
+    "deflection_velocity": {"mm/s": 1e-3, "m/s": 1.0, "in/s": 0.0254},
+    "duty": {"A": 1.0, "V": 1.0, "mA": 1.0, "%": 1e-2},
+    "damper_force": {"N": 1.0, "kN": 1e3, "lbf": 4.4482216152605, "kip": 4448.2216152605, "daN": 10.0},
+    "temperature": {"°C": 1.0, "deg F": 5.0 / 9.0, "K": 1.0},
+}  # fmt: skip
+
+
+def truth(rng: np.random.Generator) -> dict[str, np.ndarray]:
+    """A damper of any size along a motion of several tones [SI]."""
+    force, stroke = 10 ** rng.uniform(np.log10(20.0), np.log10(50e3)), rng.uniform(0.005, 0.2)
+    f = rng.uniform(0.5, 1.5)
+    x = stroke / 2.2 * (np.sin(2 * np.pi * f * T) + 0.1 * np.sin(2 * np.pi * 2.7 * f * T + 1.0))
+    v = np.gradient(x, T)
+    u = np.repeat(rng.permutation([0.0, 0.3, 0.6, 1.0]), T.size // 4)
+    F = force * (0.4 * v / np.max(v) + (0.1 + 0.4 * u) * np.tanh(v / (0.02 * np.max(v))))
+    F += rng.normal(0.0, 2e-3 * force, T.size)
+    return {
+        "t": T + 3.0, "deflection": x, "deflection_velocity": v, "duty": u, "damper_force": F,
+        "temperature": np.linspace(20.0, 30.0, T.size),
+    }  # fmt: skip
+
+
+def foreign(
+    rng: np.random.Generator, data: dict[str, np.ndarray]
+) -> tuple[Columns, dict[str, str]]:
+    """The same with names, units and signs of somebody's own, among columns of no interest; names by channel."""
+    columns: Columns = {"Zyklus": (np.floor(T), "")}
+    named = {}
+    for channel in rng.permutation([*data]):
+        name = str(rng.choice(WORDS[channel]))
+        unit = str(rng.choice([*UNITS[channel]]))
+        y = data[channel]
+        if channel == "temperature":
+            y = y * 1.8 + 32.0 if unit == "deg F" else y
+        elif channel == "duty":
+            y = y * (100.0 if unit == "%" else 10 ** rng.uniform(-1, 2))
+        else:
+            y = y / UNITS[channel][unit]
+        turned = (channel == "damper_force" and rng.random() < 0.5) or name == "Einfederweg"
+        columns[name] = (-y if turned else y, unit)
+        named[channel] = name
+    columns["Bemerkung"] = (np.zeros(T.size), "")
+    return columns, named
+
+
+def text(columns: Columns, path: Path, rng: np.random.Generator) -> None:
+    """A text table with units in brackets or in a row, any delimiter, decimal commas, a preamble."""
+    delimiter = str(rng.choice([";", "\t", ","]))
+    decimal = "." if delimiter == "," else str(rng.choice([",", "."]))
+    row = rng.random() < 0.5
+    heads = [n if row or not u else f"{n} [{u}]" for n, (_, u) in columns.items()]
+    lines = ["Prüfstand 7", "Bediener: Müller"] * int(rng.integers(2)) + [delimiter.join(heads)]
+    lines += [delimiter.join(u for _, u in columns.values())] * row
+    for values in np.column_stack([y for y, _ in columns.values()]).tolist():
+        lines.append(delimiter.join(f"{v:.9g}".replace(".", decimal) for v in values))
+    path.with_suffix(".csv").write_text(
+        "\n".join(lines) + "\n", encoding=str(rng.choice(["utf-8", "cp1252"]))
+    )
+
+
+def parquet(columns: Columns, path: Path, _: np.random.Generator) -> None:
+    """A table with units in brackets."""
+    pq.write_table(
+        pa.table({f"{n} ({u})": y for n, (y, u) in columns.items()}), path.with_suffix(".parquet")
+    )
+
+
+def tdms(columns: Columns, path: Path, _: np.random.Generator) -> None:
+    """Channels with units as properties."""
+    channels = [ChannelObject("G", n, y, {"unit_string": u}) for n, (y, u) in columns.items()]
+    with TdmsWriter(path.with_suffix(".tdms")) as writer:
+        writer.write_segment(channels)
+
+
+@pytest.mark.parametrize("write", [text, parquet, tdms])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_foreign_folder_is_understood(
+    seed: int, write: Callable[[Columns, Path, np.random.Generator], None], tmp_path: Path
+) -> None:
+    rng = np.random.default_rng([seed, len(write.__name__)])
+    data = truth(rng)
+    columns, named = foreign(rng, data)
+    write(columns, tmp_path / "run", rng)
+    found = mapped(tmp_path)
+    assert found.trouble == ""
+    assert {c: g.seen.name for c, g in found.guesses.items()} == named
+    assert all(g.sure >= 0.5 for g in found.guesses.values())
+    found.save()
+    (record,) = load([tmp_path])
+    for channel in data.keys() - {"t"}:
+        wanted = data[channel]
+        spread = float(np.ptp(wanted))
+        tolerance = 0.021 if channel == "duty" else 1e-5
+        np.testing.assert_allclose(record.channels[channel], wanted, atol=tolerance * spread)
+    assert record.dt == pytest.approx(1.0 / RATE, rel=1e-4)
+
+
+def test_physics_finds_what_no_name_tells(tmp_path: Path) -> None:
+    data = truth(np.random.default_rng(5))
+    own = {
+        "AI0": -data["damper_force"], "AI1": data["duty"], "AI2": data["deflection_velocity"],
+        "AI3": data["deflection"], "AI4": data["t"],
+    }  # fmt: skip
+    savemat(tmp_path / "run.mat", own)
+    found = mapped(tmp_path / "run.mat")
+    channels = {c: g.seen.name for c, g in found.guesses.items()}
+    assert channels == {
+        "t": "AI4", "deflection": "AI3", "deflection_velocity": "AI2", "damper_force": "AI0", "duty": "AI1",
+    }  # fmt: skip
+    assert found.guesses["damper_force"].source.sign == -1.0
+    assert found.guesses["damper_force"].sure < found.guesses["deflection"].sure < 0.85
+    assert {"damper_force", "duty"} <= found.unsure.keys()
+
+
+def test_a_unit_that_is_not_stated_follows_from_the_derivative(tmp_path: Path) -> None:
+    data = truth(np.random.default_rng(6))
+    own = {"t": data["t"], "Weg": 1e3 * data["deflection"], "v [m/s]": data["deflection_velocity"]}
+    pq.write_table(pa.table(own), tmp_path / "run.parquet")
+    assert mapped(tmp_path).guesses["deflection"].unit == "mm"
+
+
+def folder(tmp_path: Path) -> Path:
+    """A folder with one file whose force has no unit, and with two currents."""
+    data = truth(np.random.default_rng(7))
+    own = {
+        "Zeit [s]": data["t"], "Weg [mm]": 1e3 * data["deflection"], "Kraft": data["damper_force"],
+        "Strom [A]": 2.0 * data["duty"], "I_soll [A]": 2.0 * data["duty"][::-1],
+    }  # fmt: skip
+    pq.write_table(pa.table(own), tmp_path / "run.parquet")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("said", "channel", "expected"),
+    [
+        ({"damper_force": "Kraft [kN]"}, "damper_force", {"from": "Kraft", "unit": "kN"}),
+        ({"duty": "I_soll [A]"}, "duty", {"from": "I_soll", "full_scale": 2.0}),
+        ({"duty": {"from": "Strom", "full_scale": 4}}, "duty", {"from": "Strom", "full_scale": 4.0}),
+        ({"duty": ""}, "duty", None),
+        ({"damper_force": {"from": "Kraft", "sign": -1, "offset": 3}}, "damper_force",
+         {"from": "Kraft", "sign": -1, "offset": 3.0}),
+        ({"t": {"rate": 250}}, "t", {"rate": 250.0}),
+        ({}, "duty", {"from": "Strom", "full_scale": 2.0}),
+    ],
+)  # fmt: skip
+def test_what_the_user_says_counts(tmp_path: Path, said: Any, channel: str, expected: Any) -> None:
+    found = mapped(folder(tmp_path), said)
+    assert found.names.get(channel) == expected
+    assert yaml.safe_load(found.text()) == found.names
+
+
+def test_nothing_is_overwritten_without_being_told(tmp_path: Path) -> None:
+    found = mapped(folder(tmp_path))
+    path = found.save()
+    before = path.read_text(encoding="utf-8")
+    with pytest.raises(InputError, match="--replace"):
+        mapped(tmp_path, {"duty": ""}).save()
+    assert path.read_text(encoding="utf-8") == before
+    mapped(tmp_path, {"duty": ""}).save(replaced=True)
+    assert "duty" not in yaml.safe_load(path.read_text(encoding="utf-8"))
+    with pytest.raises(ErError, match=r"'Krft'.*Kraft"):
+        mapped(tmp_path, {"damper_force": "Krft"})
+    with pytest.raises(ErError, match="did you mean damper_force"):
+        mapped(tmp_path, {"damper_forces": "Kraft"})
+
+
+def test_columns_of_the_contract_need_no_mapping(tmp_path: Path) -> None:
+    data = truth(np.random.default_rng(8))
+    pq.write_table(pa.table(data), tmp_path / "run.parquet")
+    assert mapped(tmp_path).needless
+
+
+@pytest.mark.parametrize(
+    ("channel", "name", "unit", "least"),
+    [("damper_force", "Dämpferkraft_VL", "kN", 0.8), ("deflection", "rKolbenWeg", "mm", 0.7),
+     ("deflection", "hub", "mm", 0.85),
+     ("sprung_acceleration", "Beschl. Aufbau", "g", 0.7), ("unsprung_acceleration", "wheel acc", "m/s²", 0.85)],
+)  # fmt: skip
+def test_names_fit_in_both_languages(channel: str, name: str, unit: str, least: float) -> None:
+    assert fits(channel, name, unit) >= least
+    assert fits(channel, name, "Pa") == 0.0
+
+
+def test_a_full_scale_is_no_smaller_than_the_largest_value() -> None:
+    assert [nice(v) for v in (1.6, 0.99951, 12.34, 437.0)] == [1.6, 1.0, 12.4, 437.0]
