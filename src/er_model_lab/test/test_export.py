@@ -86,8 +86,9 @@ def test_a_series_is_read_again_whole(suffix: str, runs: list[Path], tmp_path: P
     np.testing.assert_array_equal(columns["damper_force"], given.channels["damper_force"])
     measured, predicted, residual = (columns[name] for name in FORCES)
     np.testing.assert_allclose(measured - predicted, residual, atol=1e-12)
-    if suffix != ".mat":
-        assert lab.load(tmp_path / f"out{suffix}").records[0].notes == ()
+    (loaded,) = lab.load(tmp_path / f"out{suffix}").records
+    assert loaded.notes == ()
+    np.testing.assert_array_equal(loaded.channels["force_residual"], columns["force_residual"])
     assert result.to_dict()["series"][0]["rmse"] == pytest.approx(np.sqrt(np.mean(residual**2)))
 
 
@@ -178,6 +179,7 @@ def test_everything_at_once(runs: list[Path], tmp_path: Path) -> None:
         (("RUN", "--lut", "l.csv"), "DATA: expected --series with it, found none"),
         (("RUN", "--series", "s.xls"), "s.xls: suffix: expected one of .csv, .parquet, .mat, .mf4, found '.xls'"),
         (("--lut", "l.mat"), "l.mat: suffix: expected .csv, found '.mat'"),
+        (("--lut", "l.csv", "--report", "r"), "--report: expected --series with it, found none"),
         (("--fmu", "d.zip"), "d.zip: suffix: expected .fmu, found '.zip'"),
         (("--fmu", "d.fmu", "--fmi", "1"), "--fmi: expected 2 or 3, found 1"),
         (("--c", "file"), "file: expected a folder, found a file"),

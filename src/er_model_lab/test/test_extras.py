@@ -51,8 +51,10 @@ JINJA = "a report needs the Python package jinja2: pip install 'er_model_lab[plo
         (("check", "run.tdms"), "run.tdms: TDMS needs the Python package nptdms: pip install 'er_records[tdms]'"),
         (("compare", "run.csv", *MODEL, "--report", "r"), JINJA),
         (("effects", "preload", "--report", "r"), JINJA),
+        (("export", "run.csv", *MODEL, "--series", "o.mf4"),
+         "MF4 needs the Python package asammdf: pip install 'er_records[mf4]'"),
     ],
-    ids=["bag", "mf4", "mat", "tdms", "report", "cards"],
+    ids=["bag", "mf4", "mat", "tdms", "report", "cards", "series"],
 )  # fmt: skip
 def test_what_is_not_installed_is_one_line(words: tuple[str, ...], said: str, here: Path) -> None:
     assert lab(*words, cwd=here) == (2, f"{said}\n")

@@ -1,6 +1,6 @@
 """Writes columns with their units as other programs read them: CSV, Parquet, MATLAB and MF4.
 
-The first column is the time where the table has one. `load` reads CSV, Parquet and MF4 again, by the contract's names.
+The first column is the time where the table has one. `load` reads all of them again, by the contract's names.
 """
 
 from __future__ import annotations

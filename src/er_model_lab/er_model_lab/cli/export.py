@@ -9,7 +9,7 @@ import typer
 from er_models.errors import ErError, InputError
 from er_models.one_line import INTERRUPTED
 
-from er_model_lab.cli.options import Anyway, EffectsFrom, Json, Level, ModelFile, seed_option
+from er_model_lab.cli.options import Anyway, EffectsFrom, Json, Level, ModelFile, Report, Seed
 from er_model_lab.cli.places import writable
 from er_model_lab.cli.running import damper_only, fail, loaded, read_by, write_json
 
@@ -54,32 +54,44 @@ def export_command(
         ),
     ] = True,
     json_file: Json = None,
+    report: Report = None,
     effects_from: EffectsFrom = None,
     level: Level = "damper",
-    seed: Annotated[int, seed_option("As of the other commands; nothing here is random.")] = 0,
+    seed: Seed = 0,
     anyway: Anyway = False,
 ) -> None:
-    """Take a model to other programs: its force along data, a table of it, C code, an FMU."""
+    """Take a model to other programs: its force along data, a table of it, C code, an FMU.
+
+    The report is that of compare.
+    """
     try:
         damper_only(level, "export")
-        if data and series is None:
-            raise InputError("DATA", "", "--series with it", "none")
+        for what, given in (("DATA", data), ("report", report)):
+            if given and series is None:
+                raise InputError(what, "", "--series with it", "none")
         files = {"--series": series, "--lut": lut, "--fmu": fmu, "--json": json_file}
-        writable(files, None, read_by(data, [model], effects_from))
+        writable(files, report, read_by(data, [model], effects_from))
         from er_model_lab.verbs.export import export
         from er_model_lab.verbs.load import load_model
 
+        taken, measured = load_model(model, effects_from or ()), loaded(data)
         result = export(
-            load_model(model, effects_from or ()), loaded(data), series=series, lut=lut, c=c, fmu=fmu, fmi=fmi,
+            taken, measured, series=series, lut=lut, c=c, fmu=fmu, fmi=fmi,
             sensors=sensors, anyway=anyway,
         )  # fmt: skip
         write_json(json_file, result.to_dict() | {"seed": seed})
+        if report is not None and measured is not None:
+            from er_model_lab.verbs.compare import compare
+
+            page = compare(measured, taken, seed=seed, anyway=anyway).report(report)
     except ErError as error:
         fail(error)
     except KeyboardInterrupt:
         typer.echo("interrupted: what was finished is written", err=True)
         raise typer.Exit(INTERRUPTED) from None
     _print(result)
+    if report is not None:
+        typer.echo(f"report: {page}")
     if not result.complete:
         typer.echo("the data were incomplete: see the notes", err=True)
         raise typer.Exit(3)
