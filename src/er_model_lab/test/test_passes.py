@@ -164,7 +164,12 @@ def test_a_later_pass_that_makes_held_out_data_worse_is_not_taken(monkeypatch, l
             SimpleNamespace(fit=SimpleNamespace(residual=np.full(8, e))) for e in (before, after)
         ]
         found = SimpleNamespace(
-            base=left[0], best=left[1], effects=effects, verdict="partial", interrupted=False
+            base=left[0],
+            best=left[1],
+            effects=effects,
+            verdict="partial",
+            interrupted=False,
+            explained=1.0,
         )
         return SimpleNamespace(diagnosis=found, problem=problem, data=None)
 

@@ -161,6 +161,15 @@ def test_every_figure_is_a_picture_on_disk(written: Path) -> None:
         ElementTree.parse(written.parent / "figures" / f"{name}.svg")
 
 
+TERM = {
+    "name": "measured_velocity", "quantities": ["velocity"], "times": "", "shape": ["odd"],
+    "rmse_held_out": {"before": 0.3, "after": 0.15}, "looks_like": [{"effect": "coulomb_friction", "share": 0.9}],
+    "formula": {"text": "v |x|", "share": 0.8, "share_of_term": 0.9}, "effect_source": "",
+    "drawn": {"edges": {"velocity": [-0.1, 0.0, 0.1]}, "force": [-1.0, 1.0]},
+}  # fmt: skip
+"""A measured term as `improve` tells it."""
+
+
 def test_all_sections_appear_with_their_data() -> None:
     rest = {
         "depends_on": {"deflection": 0.3},
@@ -175,6 +184,7 @@ def test_all_sections_appear_with_their_data() -> None:
         history=HISTORY,
         fusion=FUSION,
         models=MODELS,
+        measured_terms=[TERM],
         **IDENTIFIED,
         **PLANNED,
     )

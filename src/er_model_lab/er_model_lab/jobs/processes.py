@@ -51,9 +51,12 @@ class Processes(Executor):
 
     @property
     def ready(self) -> set[int]:
-        """Processes that have begun."""
-        folder = self.folder
-        return {int(p.name[len(READY) :]) for p in folder.glob(f"{READY}*")} if folder else set()
+        """Processes that have begun; none where another thread has just ended them."""
+        try:
+            names = os.listdir(self.folder) if self.folder else []
+        except FileNotFoundError:
+            return set()
+        return {int(name[len(READY) :]) for name in names if name.startswith(READY)}
 
     @property
     def room(self) -> int:

@@ -58,7 +58,7 @@ def _final(last: Result) -> str:
     """The verdict on the model that was made: with what the last pass took, does it lack anything?"""
     if last["verdict"] not in SETTLED:
         return str(last["verdict"])
-    left, noise = last["rmse_after"]["train"], last["noise_floor_train"]
+    left, noise = last["rmse_after"].get("train"), last.get("noise_floor_train")
     return "adequate" if left is None or noise is None or left <= AGREE * noise else "partial"
 
 

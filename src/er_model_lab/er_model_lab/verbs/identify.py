@@ -53,10 +53,10 @@ def identify(
     }  # fmt: skip
     grown = new_model(found, name or f"{model.name}_identified", entry)
     content = identified_json(found) | {"model": grown.name}
-    content["notes"] = [*rig_note(grown, model), *content["notes"]]
+    content["notes"] = [*content["notes"], *rig_note(grown, model)]
     content["outliers"] = outliers(records, found.problem.beside)
     if whole is not None:
         content["long"] = whole.as_json(again=False)
     drawn = view(found, content, seed, provenance(asked.data, model, seed))
-    drawn = replace(drawn, notes=(*rig_note(grown, model), *drawn.notes))
+    drawn = replace(drawn, notes=(*drawn.notes, *rig_note(grown, model)))
     return IdentificationResult(drawn, grown)

@@ -157,8 +157,9 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
 
 def _goes_on(found: Diagnosis) -> bool:
     """Whether a further study may add something: a part is explained, or all of it with more than noise left."""
-    left = float(np.sqrt(found.best.mse)) > AGREE * found.floor.floor
-    return found.verdict == "partial" or (found.verdict == "missing_effect" and left)
+    if found.verdict != "missing_effect":
+        return found.verdict == "partial"
+    return float(np.sqrt(found.best.mse)) > AGREE * found.floor.floor
 
 
 def _pruned(made: _Passes, asked: Question, name: str) -> _Passes:
