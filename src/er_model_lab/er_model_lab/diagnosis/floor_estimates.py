@@ -83,19 +83,26 @@ def _moving(at_rest: Side, moved: float) -> Side:
 def credible(floor: Floor, problem: Problem, residual: Array) -> Floor:
     """The floor that counts: that of trees and filters, or the noise that was measured, where that is clearly less.
 
-    residual (n,): what a model leaves [N]. Of several outputs the floor stays as it is.
+    A rest shows the noise of the force; the motion sensors add to it. What samples differ by that repeat others is
+    noise there, and what they have in common beside it is the model's; all samples together have no less than what
+    the sensors make. residual (n,): what a model leaves [N].
+    Of several outputs the floor stays as it is.
     """
     if problem.forward.outputs > 1:
         return floor
-    sides = (_moving(standstill(problem), floor.input_error), repeats(problem, residual))
-    sure = [
-        s.value
-        for s in sides
-        if s.value is not None and s.sd is not None and s.sd <= SURE * s.value
-    ]
-    if not sure:
+    sides = []
+    rest, twice = _moving(standstill(problem), floor.input_error), _repeated(problem, residual)
+    if rest.value is not None and rest.sd is not None and rest.sd <= SURE * rest.value:
+        sides.append(rest.value)
+    if isinstance(twice, Repeats) and twice.sd <= SURE * twice.noise:
+        common = (
+            max(twice.left**2 - twice.noise**2, 0.0) if twice.left > AGREE * twice.noise else 0.0
+        )
+        below = float(np.sqrt(max(floor.floor**2 - twice.share * common, twice.noise**2)))
+        sides.append(max(below, floor.of_sensors))
+    if not sides:
         return floor
-    least = min(sure)
+    least = min(sides)
     if floor.floor <= AGREE * least:
         return replace(floor, measured=least)
     return replace(
@@ -145,6 +152,17 @@ def _runs(mask: NDArray[np.bool_], starts: NDArray[np.int64]) -> list[tuple[int,
     return found
 
 
+@dataclass(frozen=True)
+class Repeats:
+    """Samples that repeat others: how many, their share [1], noise with its deviation, what a model leaves there [N]."""
+
+    many: int
+    share: float
+    noise: float
+    sd: float
+    left: float
+
+
 def repeats(problem: Problem, residual: Array) -> Side:
     """Noise from samples that have the same motion and duty behind them: half the mean square of their difference.
 
@@ -152,21 +170,29 @@ def repeats(problem: Problem, residual: Array) -> Side:
     what the two motions still differ by is predicted well enough. What depends on more than the recent past
     (temperature, ageing) stays in it.
     """
+    found = _repeated(problem, residual)
+    if isinstance(found, str):
+        return Side(None, None, found)
+    says = f"{found.many} samples that repeat others ({found.share:.0%} of those looked at)"
+    return Side(found.noise, found.sd, says)
+
+
+def _repeated(problem: Problem, residual: Array) -> Repeats | str:
+    """Samples that repeat others, or why there are none."""
     rows, points = _past(problem)
     if rows.size < ENOUGH:
-        return Side(None, None, "too short to hold a repeat")
+        return "too short to hold a repeat"
     found = _partners(rows, points, problem)
     a, b = rows[found[0]], rows[found[1]]
     if a.size < ENOUGH:
-        return Side(None, None, "no motion is repeated in these records")
+        return "no motion is repeated in these records"
     half = 0.5 * (residual[a] - residual[b]) ** 2
     value = float(np.sqrt(np.mean(half)))
     _, block = np.unique(a // problem.second, return_inverse=True)
     means = np.bincount(block, half) / np.bincount(block)
     sd = float(np.std(means) / np.sqrt(means.size) / max(2.0 * value, 1e-300))
-    return Side(
-        value, sd, f"{a.size} samples that repeat others ({a.size / rows.size:.0%} of those looked at)"
-    )  # fmt: skip
+    left = float(np.sqrt(np.mean(residual[a] ** 2)))
+    return Repeats(int(a.size), a.size / rows.size, value, sd, left)
 
 
 def _partners(
