@@ -154,7 +154,7 @@ def _runs(mask: NDArray[np.bool_], starts: NDArray[np.int64]) -> list[tuple[int,
 
 @dataclass(frozen=True)
 class Repeats:
-    """Samples that repeat others: how many, their share [1], noise with its deviation, what a model leaves there [N]."""
+    """Samples that repeat others: how many, their share [1], noise with deviation, and what a model leaves [N]."""
 
     many: int
     share: float
