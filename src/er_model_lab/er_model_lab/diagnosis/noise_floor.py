@@ -147,9 +147,11 @@ def boosted(problem: Problem, residual: Array, inputs: Array, seed: int) -> floa
     return 1.0 - float(np.mean((target - out) ** 2) / max(float(np.mean(target**2)), 1e-300))
 
 
-def boosted_held_out(problem: Problem, residual: Array, inputs: Array, seed: int) -> float:
-    """Share of the held-out residual that a regression on the training residual explains."""
-    rows, unseen = _rows(problem.train), _rows(_scored(problem))
+def boosted_held_out(
+    problem: Problem, scored: NDArray[np.bool_], residual: Array, inputs: Array, seed: int
+) -> float:
+    """Share of the residual of scored samples (n,) that a regression on the training residual explains."""
+    rows, unseen = _rows(problem.train), _rows(scored)
     out = _trees(seed).fit(inputs[rows], residual[rows]).predict(inputs[unseen])
     target = residual[unseen]
     return 1.0 - float(np.mean((target - out) ** 2) / max(float(np.mean(target**2)), 1e-300))
@@ -222,19 +224,19 @@ def _floor(
     """
     import sklearn.ensemble  # noqa: F401
 
-    inputs = features(problem, problem.force - in_fit)
+    inputs, scored = features(problem, problem.force - in_fit), _scored(problem)
     share, unseen, weights = filtered(problem, residual, in_fit)
     with threadpool_limits(1, "openmp"):
         trees = boosted(problem, residual, inputs, seed)
         if trees > max(share, 0.03):
             weights = importance(problem, residual, inputs, seed)
-        unseen = max(boosted_held_out(problem, in_fit, inputs, seed), unseen, 0.0)
+        unseen = max(boosted_held_out(problem, scored, in_fit, inputs, seed), unseen, 0.0)
     share = max(trees, share, 0.0)
     square = null.input_square[output :: null.outputs]
     loud = bursts(problem, residual, square, null.bursts[output])
     starts = problem.motion.starts
     white = white_noise([in_fit[i:j] for i, j in itertools.pairwise(starts)])
-    held = float(np.mean(in_fit[_scored(problem)] ** 2))
+    held = float(np.mean(in_fit[scored] ** 2))
     left = float(np.mean(residual[problem.train] ** 2))
     return Floor(
         floor=float(np.sqrt(left * (1.0 - share) * (1.0 - loud))),

@@ -15,6 +15,7 @@ from er_model_lab.preflight import excitation, kinematics, samples
 from er_model_lab.preflight.finding import ORDER, Finding
 from er_model_lab.preflight.motion import motion_findings
 from er_model_lab.preflight.occupancy import CoverMap, maps
+from er_model_lab.preflight.rate import at_needed_rate
 from er_model_lab.preflight.size import size_findings
 from er_model_lab.preflight.usable_channels import use_findings
 from er_model_lab.preflight.wild import bridged, marked, wild_findings
@@ -137,6 +138,23 @@ def _reach(model: Model | None, seen: excitation.Reach) -> excitation.Reach:
     }  # fmt: skip
     given = {k: float(v) for k, v in known.items() if v is not None}
     return replace(seen, **given, known_from="the model's rig") if given else seen  # type: ignore[arg-type]
+
+
+def admitted(
+    records: Sequence[Record],
+    model: Model | None = None,
+    catalogue: Catalogue = CATALOGUE,
+    *,
+    anyway: bool,
+) -> tuple[Preflight, list[Record]]:
+    """What the preflight finds, and the records that every verb works on: wild samples marked, at the rate they need.
+
+    Raises:
+        InputError: The first failure, with what to do, unless the user wants to go on (`anyway`).
+    """
+    looked_at = [marked(record) for record in records]
+    found = preflight(looked_at, model, catalogue)
+    return found, [at_needed_rate(r) for r in gate(found, looked_at, anyway=anyway)]
 
 
 def gate(found: Preflight, records: Sequence[Record], *, anyway: bool) -> list[Record]:

@@ -57,9 +57,8 @@ def _slower(record: Record, name: str, every: int) -> Array:
     """
     y = record.bridged(name)
     if name in HELD:
-        return np.add.reduceat(y, np.arange(0, y.size, every)) / np.diff(
-            np.append(np.arange(0, y.size, every), y.size)
-        )
+        begins = np.arange(0, y.size, every)
+        return np.add.reduceat(y, begins) / np.diff(begins, append=y.size)
     if not np.isfinite(y).all():
         return y[::every]
     taps, beta = kaiserord(DOWN, (STOP - PASS) * 2.0 / every)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from er_model_lab.diagnosis.investigation import Diagnosis
 from er_model_lab.fitting.fit import cross_validated
 from er_model_lab.problem.problem import Problem
-from er_model_lab.results.result import DiagnosisResult
+from er_model_lab.results.result import DiagnosisResult, with_notes
 
 FEWEST = 3
 """Records from which on one of them can be left out."""
@@ -59,14 +59,7 @@ def with_flags(result: DiagnosisResult) -> DiagnosisResult:
     """The result with a flag and a note at each record that the model describes worse than it did, or than nothing."""
     records, notes = flagged(result.view.result["by_record"])
     content = dict(result.view.result) | {"by_record": records}
-    return noted(replace(result, view=replace(result.view, result=content)), *notes)
-
-
-def noted(result: DiagnosisResult, *notes: str) -> DiagnosisResult:
-    """The result with further notes before its own."""
-    view = result.view
-    content = dict(view.result) | {"notes": [*notes, *view.result["notes"]]}
-    return replace(result, view=replace(view, result=content, notes=(*notes, *view.notes)))
+    return with_notes(replace(result, view=replace(result.view, result=content)), *notes)
 
 
 def _worse_than(each: Mapping[str, Any]) -> list[str]:

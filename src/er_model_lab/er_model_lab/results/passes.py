@@ -42,7 +42,7 @@ def told_together(
         whole["alternatives"] = _with(whole["alternatives"], more["alternatives"])
         whole["candidates"] = _candidates(whole["candidates"], more, whole["effects"])
         whole |= {key: more[key] for key in OF_THE_LAST if key in more}
-        whole |= _after(whole, more)
+        whole |= left_after(whole, more)
     last = results[-1]
     whole["final_verdict"] = _final(last)
     whole["effects"] = [e for e in whole["effects"] if e not in dropped]
@@ -62,7 +62,7 @@ def _final(last: Result) -> str:
     return "adequate" if left is None or noise is None or left <= AGREE * noise else "partial"
 
 
-def _after(before: Result, more: Result) -> Result:
+def left_after(before: Result, more: Result) -> Result:
     """Errors of each record and of each output before, and of all of long data, with those that a later pass left."""
     out: Result = {}
     if before.get("channels") and more.get("channels"):

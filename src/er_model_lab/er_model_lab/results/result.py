@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from er_common.extras import extra
 from er_models.errors import InputError
@@ -322,3 +322,13 @@ class CheckResult(Result):
 
     def _rows(self) -> Iterable[Row]:
         return self.findings
+
+
+R = TypeVar("R", bound=Result)
+
+
+def with_notes(result: R, *first: str, last: Iterable[str] = ()) -> R:
+    """The result with further notes before its own, and after them."""
+    view = result.view
+    content = dict(view.result) | {"notes": [*first, *view.result["notes"], *last]}
+    return replace(result, view=replace(view, result=content, notes=(*first, *view.notes, *last)))

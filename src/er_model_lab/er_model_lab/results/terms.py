@@ -15,8 +15,8 @@ from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors
 from er_model_lab.residual.unexplained import describe
 from er_model_lab.results.by_record import by_record
-from er_model_lab.results.passes import OF_RECORDS, explained_by
-from er_model_lab.results.result import DiagnosisResult
+from er_model_lab.results.passes import explained_by, left_after
+from er_model_lab.results.result import DiagnosisResult, with_notes
 from er_model_lab.results.values import clean
 from er_model_lab.terms.formula import formula
 from er_model_lab.terms.learn import Learnt
@@ -122,15 +122,10 @@ def with_term(whole: Json, found: Learnt, study: Study, first: Study, limit: flo
     out["noise_floor_train"] = min(whole["noise_floor_train"], train)
     rest = describe(problem, after.fit.residual).as_json()
     out["unexplained"] = whole["unexplained"] | {"rest": rest}
-    left = {e["record"]: e for e in by_record(study.diagnosis, problem, study.data)}
-    out["by_record"] = [
-        e | {k: left[e["record"]][k] for k in OF_RECORDS if e["record"] in left}
-        for e in whole["by_record"]
-    ]
-    if study.checked is not None and "long" in whole:
-        kept = {"before": whole["long"]["rmse"]["before"]}
-        long = study.checked.as_json(again=study.again)
-        out["long"] = long | {"rmse": long["rmse"] | kept}
+    more: Json = {"by_record": by_record(study.diagnosis, problem, study.data)}
+    if study.checked is not None:
+        more["long"] = study.checked.as_json(again=study.again)
+    out |= left_after(whole, more)
     entry = term_json(found, problem)
     told: Json = clean(out | {"measured_terms": [entry], "notes": [note(entry), *whole["notes"]]})
     return told
@@ -153,6 +148,4 @@ def offered(result: DiagnosisResult, asked: Question) -> DiagnosisResult:
     of_use = asked.level.name == "damper" and last in ("unknown_effect", "partial")
     if not of_use or asked.model.terms or result.interrupted:
         return result
-    view = result.view
-    content = dict(view.result) | {"notes": [*view.result["notes"], OFFER]}
-    return replace(result, view=replace(view, result=content, notes=(*view.notes, OFFER)))
+    return with_notes(result, last=(OFFER,))

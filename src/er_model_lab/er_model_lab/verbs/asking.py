@@ -15,9 +15,7 @@ from er_records.load import fingerprint, told_apart
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.level.investigate import level_of
 from er_model_lab.level.level import Question
-from er_model_lab.preflight.check import gate, preflight
-from er_model_lab.preflight.rate import at_needed_rate
-from er_model_lab.preflight.wild import marked
+from er_model_lab.preflight.check import admitted
 from er_model_lab.problem.stretches import shortened
 from er_model_lab.work import HERE, Work
 
@@ -45,9 +43,9 @@ def question(
     scored = () if held_out is None else held_out.records
     both = Dataset.of(data.learn, (*data.score, *scored))
     check_apart(both)
-    records = [marked(r) for r in told_apart(list(both.records))]
-    found = preflight(records, model, model.catalogue)
-    passed = both.with_records([at_needed_rate(r) for r in gate(found, records, anyway=anyway)])
+    apart = told_apart(list(both.records))
+    found, records = admitted(apart, model, model.catalogue, anyway=anyway)
+    passed = both.with_records(records)
     return Question(shortened(chosen.usable(passed)), model, chosen, found, seed, rule, work)
 
 

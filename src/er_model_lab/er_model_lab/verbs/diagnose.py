@@ -19,7 +19,7 @@ from er_model_lab.residual.errors import regions_json, worst
 from er_model_lab.results.by_record import by_record, with_flags
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import study_regions, study_view
-from er_model_lab.results.result import DiagnosisResult
+from er_model_lab.results.result import DiagnosisResult, with_notes
 from er_model_lab.results.terms import offered
 from er_model_lab.results.values import clean
 from er_model_lab.verbs.asking import provenance, question
@@ -75,10 +75,8 @@ def result_of(command: str, study: Study, model: Model, asked: Question) -> Diag
     if study.checked is not None:
         content["long"] = study.checked.as_json(again=study.again)
     content["next_plans"] = suggestions(content) if asked.level.name == "damper" else []
-    said = rig_note(model, asked.model)
-    content["notes"] = [*said, *content["notes"]]
     view = study_view(command, study, clean(content), origin)
-    view = replace(view, notes=(*said, *view.notes))
-    return DiagnosisResult(
+    result = DiagnosisResult(
         replace(view, regions=tables), model, interrupted=study.diagnosis.interrupted
     )
+    return with_notes(result, *rig_note(model, asked.model))

@@ -22,9 +22,7 @@ from er_records.write_table import Columns, write_table, writer_of
 from er_model_lab.blas import on_one_thread
 from er_model_lab.level.damper import DamperLevel, opened
 from er_model_lab.level.study import Opened
-from er_model_lab.preflight.check import gate, preflight
-from er_model_lab.preflight.rate import at_needed_rate
-from er_model_lab.preflight.wild import marked
+from er_model_lab.preflight.check import admitted
 
 UNITS = {
     "t": "s", "deflection": "m", "deflection_velocity": "m/s", "deflection_acceleration": "m/s2", "duty": "1",
@@ -133,10 +131,8 @@ def _unit(model: Model, out: Path, fmi: int) -> ExportResult:
 
 def _series(data: Dataset, model: Model, out: Path, *, anyway: bool) -> ExportResult:
     """Write one file a record."""
-    records = [marked(r) for r in data.records]
-    found = preflight(records, model, model.catalogue)
-    passed = data.with_records([at_needed_rate(r) for r in gate(found, records, anyway=anyway)])
-    whole = opened(DamperLevel().usable(passed), model)
+    _, records = admitted(data.records, model, model.catalogue, anyway=anyway)
+    whole = opened(DamperLevel().usable(data.with_records(records)), model)
     names = whole.problem.names
     files = [out if len(names) == 1 else _beside(out, name) for name in names]
     read = {Path(r.file).resolve() for r in data.originals if r.file}

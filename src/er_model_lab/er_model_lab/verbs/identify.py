@@ -15,7 +15,7 @@ from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.identification.present import identified_json, new_model, view
 from er_model_lab.identification.procedure import identified
 from er_model_lab.preflight.wild import outliers
-from er_model_lab.results.result import IdentificationResult
+from er_model_lab.results.result import IdentificationResult, with_notes
 from er_model_lab.span.span import noted
 from er_model_lab.verbs.asking import provenance, question
 from er_model_lab.work import Event, Progress, Work
@@ -53,10 +53,8 @@ def identify(
     }  # fmt: skip
     grown = new_model(found, name or f"{model.name}_identified", entry)
     content = identified_json(found) | {"model": grown.name}
-    content["notes"] = [*content["notes"], *rig_note(grown, model)]
     content["outliers"] = outliers(records, found.problem.beside)
     if whole is not None:
         content["long"] = whole.as_json(again=False)
     drawn = view(found, content, seed, provenance(asked.data, model, seed))
-    drawn = replace(drawn, notes=(*drawn.notes, *rig_note(grown, model)))
-    return IdentificationResult(drawn, grown)
+    return with_notes(IdentificationResult(drawn, grown), last=rig_note(grown, model))

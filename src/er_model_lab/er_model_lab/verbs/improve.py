@@ -23,11 +23,11 @@ from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study, checked
 from er_model_lab.residual.errors import errors
-from er_model_lab.results.by_record import BAND, by_record, noted, with_flags
+from er_model_lab.results.by_record import BAND, by_record, with_flags
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import candidate_views, views
 from er_model_lab.results.passes import explained_by, taken_last, told_together
-from er_model_lab.results.result import DiagnosisResult
+from er_model_lab.results.result import DiagnosisResult, with_notes
 from er_model_lab.results.terms import as_study, offered, with_term
 from er_model_lab.results.values import clean, headline
 from er_model_lab.terms.learn import Learnt, learn
@@ -92,7 +92,7 @@ def improve(
     if measured_terms and not made.stopped:
         made = _with_term(made, asked, start, named)
     current = finished(made.model, interrupted=made.stopped)
-    result = noted(gone_on(_improved(made, current, asked), start), *made.notes)
+    result = with_notes(gone_on(_improved(made, current, asked), start), *made.notes)
     result = result if measured_terms else offered(result, asked)
     content = dict(result.view.result) | {"interrupted": made.stopped}
     kept = with_fits(current, start.noted) if made.stopped else current
@@ -309,4 +309,4 @@ def gone_on(result: DiagnosisResult, start: Begun) -> DiagnosisResult:
     if start.added is None:
         return result
     note = f"went on from where an interruption had left it, with {len(start.added)} done"
-    return noted(result, note)
+    return with_notes(result, note)

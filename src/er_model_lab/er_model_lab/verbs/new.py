@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from er_models.catalogue import CATALOGUE
 from er_models.files import load_model
 from er_models.model import Model
 from er_models.shipped import MODELS, names, shipped
 from er_records.dataset import Dataset
 
 from er_model_lab.fitting.start_model import KINDS, start_model
-from er_model_lab.preflight.check import gate, preflight
-from er_model_lab.preflight.wild import marked
+from er_model_lab.preflight.check import admitted
 
 NAMED = {"mr": {"mr"}, "friction": {"friction", "brake", "seal"}, "passive": {"passive"}}
 """Words in a shipped model's name that tell its kind; the thesis's are electrorheological."""
@@ -47,8 +45,7 @@ def new(data: Dataset, kind: str, *, name: str | None = None, anyway: bool = Fal
         MissingChannel: No force or no deflection.
         InputError: Data that fail the preflight.
     """
-    records = [marked(r) for r in data.learn]
-    records = gate(preflight(records, None, CATALOGUE), records, anyway=anyway)
+    _, records = admitted(data.learn, anyway=anyway)
     return start_model(records, kind, name or f"start_{kind}")
 
 
