@@ -1,5 +1,6 @@
 """Passes of `improve` are told as one, each effect as the pass saw it that took it."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -190,3 +191,61 @@ def test_a_later_pass_that_makes_held_out_data_worse_is_not_taken(monkeypatch, l
     assert len(made.studies) == taken
     assert made.model == (("preload",) if taken == 1 else ("end_stop",))
     assert ("end_stop not added" in " ".join(made.notes)) == (taken == 1)
+
+
+@dataclass(frozen=True)
+class Part:
+    """A stand-in for what `improve` takes apart: a candidate, a search, a study or a model."""
+
+    effects: tuple[str, ...] = ()
+    fit: SimpleNamespace | None = None
+    best: object = None
+    diagnosis: object = None
+    problem: object = None
+    rounds: tuple[SimpleNamespace, ...] = (SimpleNamespace(threshold=0.1),)
+    data: object = None
+
+
+def pruned(monkeypatch, kept, after):
+    """What is left of two searches that added a delay and a lag, where one of them may be taken out again."""
+    problem = SimpleNamespace(
+        held_out=np.ones(8, bool), force=np.arange(8.0), forward=SimpleNamespace(outputs=1)
+    )
+
+    def candidate(effects, left):
+        fitted = SimpleNamespace(model=Part(effects), residual=np.full(8, left))
+        return Part(effects, fitted)
+
+    def prune(*_):
+        if isinstance(after, BaseException):
+            raise after
+        return candidate(kept, after)
+
+    both = ("force_delay", "force_lag")
+    study = Part(diagnosis=Part((), best=candidate(both, 1.0)), problem=problem)
+    monkeypatch.setattr(improve, "prune", prune)
+    monkeypatch.setattr(improve, "with_history", lambda best, *_: best)
+    monkeypatch.setattr(improve, "marked", lambda model, _: model)
+    level = SimpleNamespace(finished=lambda study, _: Part(study.diagnosis.best.fit.model.effects))
+    work = SimpleNamespace(wind_up=lambda: None)
+    asked = SimpleNamespace(model=Part(), level=level, seed=0, work=work)
+    made = improve._Passes([study, study], Part(both))
+    return improve._pruned(made, asked, SimpleNamespace(digest=""), "m")
+
+
+@pytest.mark.parametrize(
+    ("after", "dropped"), [(1.0, ("force_lag",)), (1.04, ("force_lag",)), (1.2, ())]
+)
+def test_what_became_needless_is_taken_out_unless_held_out_data_ask_for_it(
+    monkeypatch, after, dropped
+):
+    made = pruned(monkeypatch, ("force_delay",), after)
+    assert made.dropped == dropped
+    assert made.model.effects == (("force_delay",) if dropped else ("force_delay", "force_lag"))
+    assert ("force_lag taken out again" in " ".join(made.notes)) == bool(dropped)
+
+
+def test_ctrl_c_while_effects_are_taken_out_keeps_what_was_done(monkeypatch):
+    made = pruned(monkeypatch, (), KeyboardInterrupt())
+    assert made.stopped
+    assert made.model.effects == ("force_delay", "force_lag")

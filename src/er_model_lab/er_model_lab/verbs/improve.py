@@ -14,6 +14,7 @@ from er_models.model import Array, Model
 from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
+from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.floor_estimates import AGREE
 from er_model_lab.diagnosis.investigation import BEYOND_DOUBT, Diagnosis
 from er_model_lab.diagnosis.rule import RULE, Rule
@@ -22,6 +23,7 @@ from er_model_lab.fitting.velocity_channel import as_searched, put_back
 from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study, checked
+from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors
 from er_model_lab.results.by_record import BAND, by_record, with_flags
 from er_model_lab.results.diagnosis import diagnosis_json
@@ -88,7 +90,7 @@ def improve(
         raise InputError("level", "", "damper (measured terms add to the damper force)", level)
     start = resume(interrupted, model, asked.data)
     named = name or f"{model.name}_improved"
-    made = _pruned(_passes(asked, start, named, keep), asked, named)
+    made = _pruned(_passes(asked, start, named, keep), asked, start, named)
     if measured_terms and not made.stopped:
         made = _with_term(made, asked, start, named)
     current = finished(made.model, interrupted=made.stopped)
@@ -162,7 +164,7 @@ def _goes_on(found: Diagnosis) -> bool:
     return float(np.sqrt(found.best.mse)) > AGREE * found.floor.floor
 
 
-def _pruned(made: _Passes, asked: Question, name: str) -> _Passes:
+def _pruned(made: _Passes, asked: Question, start: Begun, name: str) -> _Passes:
     """What several studies made, without the effects that those added later make needless, or that cancel."""
     added = tuple(e for e in made.model.effects if e not in asked.model.effects)
     if len(made.studies) < 2 or len(added) < 2 or made.stopped:
@@ -170,19 +172,18 @@ def _pruned(made: _Passes, asked: Question, name: str) -> _Passes:
     last = made.studies[-1]
     found, problem = last.diagnosis, last.problem
     able = tuple(e for e in found.best.fit.model.effects if e in added)
-    kept = prune(
-        replace(found.best, effects=able), problem, BEYOND_DOUBT * found.rounds[0].threshold
-    )
+    limit = BEYOND_DOUBT * found.rounds[0].threshold
+    try:
+        kept = prune(replace(found.best, effects=able), problem, limit)
+    except STOPPED:
+        asked.work.wind_up()
+        return replace(made, stopped=True)
     dropped = tuple(e for e in able if e not in kept.effects)
-    study = replace(last, diagnosis=replace(found, best=kept))
-    if not dropped or _worse(
-        replace(study, diagnosis=replace(study.diagnosis, base=found.best)), asked.rule
-    ):
+    if not dropped or _rise(problem, found.best, kept, BAND):
         return made
     own = tuple(e for e in found.effects if e not in dropped)
-    study = replace(
-        study, diagnosis=replace(study.diagnosis, best=replace(kept, effects=own), effects=own)
-    )
+    left = replace(found, best=replace(kept, effects=own), effects=own)
+    study = replace(last, diagnosis=left)
     model = with_history(
         asked.level.finished(study, asked.seed), made.model, study, asked.seed, name
     )
@@ -190,7 +191,7 @@ def _pruned(made: _Passes, asked: Question, name: str) -> _Passes:
     return replace(
         made,
         studies=[*made.studies[:-1], study],
-        model=model,
+        model=marked(model, start.digest),
         dropped=dropped,
         notes=(*made.notes, note),
     )
@@ -226,17 +227,18 @@ def _worse(study: Study, rule: Rule) -> str:
 
     A small step must not err more at all.
     """
-    found, problem = study.diagnosis, study.problem
+    found = study.diagnosis
     band = BAND if found.explained >= rule.helps else 0.0
-    before, after = (
-        errors(problem, c.fit.residual, problem.held_out).rmse for c in (found.base, found.best)
-    )
-    if not found.effects or after <= (1.0 + band) * before:
+    said = _rise(study.problem, found.base, found.best, band) if found.effects else ""
+    return f"{' and '.join(found.effects)} not added: {said}" if said else ""
+
+
+def _rise(problem: Problem, before: Candidate, after: Candidate, band: float) -> str:
+    """By how much the error on held-out data would rise, in a clause; empty where it rises by no more than a share."""
+    old, new = (errors(problem, c.fit.residual, problem.held_out).rmse for c in (before, after))
+    if new <= (1.0 + band) * old:
         return ""
-    return (
-        f"{' and '.join(found.effects)} not added: the error on held-out data would rise from {before:.3g} N to "
-        f"{after:.3g} N"
-    )
+    return f"the error on held-out data would rise from {old:.3g} N to {new:.3g} N"
 
 
 def _keeping(work: Work, left: Model, start: Begun, keep: Keep | None) -> Work:
