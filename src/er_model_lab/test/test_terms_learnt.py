@@ -13,6 +13,7 @@ from er_model_lab.level.damper import DamperLevel
 from er_model_lab.output.report.page import write_report
 from er_model_lab.output.report.sections.measured_terms import section
 from er_model_lab.output.terminal.summary import summary
+from er_model_lab.results.result import with_notes
 from er_model_lab.results.terms import note, term_json
 from er_model_lab.terms.formula import formula
 from er_model_lab.terms.learn import Learnt, _refused, learn
@@ -22,7 +23,7 @@ from er_model_lab.terms.search import Samples, conditioned, refined
 from er_model_lab.terms.seen import seen
 from er_model_lab.terms.shapes import looks_like
 from er_model_lab.verbs.compare import compare
-from er_model_lab.verbs.diagnose import offered
+from er_model_lab.verbs.diagnose import offer
 from er_model_lab.verbs.improve import improve
 from er_models.errors import InputError
 from er_models.files import load_model, save_model
@@ -269,12 +270,21 @@ def test_improve_learns_it_and_says_what_it_is(improved, tmp_path):
     assert any(f"{term.name} is held constant in" in note for note in beyond.to_dict()["notes"])
 
 
+def test_an_offer_is_the_last_note(improved):
+    before = improved.to_dict()["notes"]
+    assert with_notes(improved, "first", last=("last",)).to_dict()["notes"] == [
+        "first",
+        *before,
+        "last",
+    ]
+
+
 def test_what_is_left_is_offered_to_be_learnt(improved):
     asked = SimpleNamespace(level=DamperLevel(), model=load_model(GUO))
     for verdict in ("unknown_effect", "partial", "adequate"):
         content = dict(improved.view.result) | {"verdict": verdict, "final_verdict": verdict}
         view = replace(improved.view, result=content)
-        said = offered(replace(improved, view=view), asked).to_dict()["notes"][-1]
+        said = " ".join(offer(replace(improved, view=view), asked))
         assert ("measured_terms=True" in said) == (verdict != "adequate")
         assert ("--measured-terms" in worded(said)) == (verdict != "adequate")
 

@@ -55,11 +55,16 @@ def flagged(records: Sequence[dict[str, Any]]) -> tuple[list[dict[str, Any]], li
     return told, [_said(each) for each in told if each["worse_than"]]
 
 
-def with_flags(result: DiagnosisResult) -> DiagnosisResult:
-    """The result with a flag and a note at each record that the model describes worse than it did, or than nothing."""
+def with_flags(result: DiagnosisResult, last: Sequence[str] = ()) -> DiagnosisResult:
+    """The result with a flag and a note at each record that the model describes worse than it did, or than nothing.
+
+    last: further notes, behind all others.
+    """
     records, notes = flagged(result.view.result["by_record"])
     content = dict(result.view.result) | {"by_record": records}
-    return with_notes(replace(result, view=replace(result.view, result=content)), *notes)
+    return with_notes(
+        replace(result, view=replace(result.view, result=content)), *notes, last=last
+    )
 
 
 def _worse_than(each: Mapping[str, Any]) -> list[str]:

@@ -71,13 +71,17 @@ def _lag_entry(study: Study) -> dict[str, Any]:
 def candidates(study: Study, model_after: Model) -> list[dict[str, Any]]:
     """Entries of all candidates: those that were taken, in their order, then the others by their error."""
     found = study.diagnosis
-    entries = [entry(c, step, found, study.problem, model_after) for c, step in told(found)]
-    if study.opened.lag:
-        entries = [e for e in entries if e["effect"] != "velocity_lag"]
-        entries.insert(0, _lag_entry(study))
+    lag = [_lag_entry(study)] if study.opened.lag else []
+    others = [
+        entry(c, step, found, study.problem, model_after)
+        for c, step in told(found)
+        if not lag or c.name != "velocity_lag"
+    ]
     order = {name: i for i, name in enumerate(found.effects)}
-    entries.sort(key=lambda e: (order.get(e["effect"], len(order)), e["rmse_cross_validated"]))
-    return entries
+    return sorted(
+        [*lag, *others],
+        key=lambda e: (order.get(e["effect"], len(order)), e["rmse_cross_validated"]),
+    )
 
 
 def _status(candidate: Candidate, found: Diagnosis) -> tuple[str, list[str]]:

@@ -9,14 +9,12 @@ import numpy as np
 from er_models.measured import LABEL, QUANTITIES
 
 from er_model_lab.diagnosis.candidates import effect_size
-from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors
 from er_model_lab.residual.unexplained import describe
 from er_model_lab.results.by_record import by_record
 from er_model_lab.results.passes import explained_by, left_after
-from er_model_lab.results.result import DiagnosisResult, with_notes
 from er_model_lab.results.values import clean
 from er_model_lab.terms.formula import formula
 from er_model_lab.terms.learn import Learnt
@@ -24,11 +22,6 @@ from er_model_lab.terms.own_file import own_effect
 from er_model_lab.terms.shapes import looks_like
 from er_model_lab.terms.spline import design
 
-OFFER = (
-    "what is left may be learnt as one smooth term, measured and not explained, with its shape: "
-    "improve with measured_terms=True"
-)
-"""Note on a verdict that leaves something no known effect explains."""
 DRAWN = 40
 """Places along each quantity at which a term is drawn."""
 NEAR = 0.25
@@ -140,12 +133,3 @@ def as_study(study: Study, found: Learnt) -> Study:
         effects=(found.term.name,),
     )
     return replace(study, diagnosis=diagnosis, learnt=True)
-
-
-def offered(result: DiagnosisResult, asked: Question) -> DiagnosisResult:
-    """The result with an offer of a measured term as its last note, where something is left that no effect explains."""
-    last = result.view.result.get("final_verdict", result.verdict)
-    of_use = asked.level.name == "damper" and last in ("unknown_effect", "partial")
-    if not of_use or asked.model.terms or result.interrupted:
-        return result
-    return with_notes(result, last=(OFFER,))

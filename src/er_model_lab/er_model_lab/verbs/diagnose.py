@@ -19,11 +19,16 @@ from er_model_lab.residual.errors import regions_json, worst
 from er_model_lab.results.by_record import by_record, with_flags
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import study_regions, study_view
-from er_model_lab.results.result import DiagnosisResult, with_notes
-from er_model_lab.results.terms import offered
+from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.results.values import clean
 from er_model_lab.verbs.asking import provenance, question
 from er_model_lab.work import Event, Progress, Work
+
+OFFER = (
+    "what is left may be learnt as one smooth term, measured and not explained, with its shape: "
+    "improve with measured_terms=True"
+)
+"""Note on a verdict that leaves something no known effect explains."""
 
 
 @on_one_thread
@@ -53,8 +58,15 @@ def diagnose(
     )
     study = investigate(asked)
     asked.work.wind_up()
-    result = with_flags(result_of("diagnose", study, asked.level.finished(study, seed), asked))
-    return offered(result, asked)
+    result = result_of("diagnose", study, asked.level.finished(study, seed), asked)
+    return with_flags(result, last=offer(result, asked))
+
+
+def offer(result: DiagnosisResult, asked: Question) -> tuple[str, ...]:
+    """The offer of a measured term, where something is left that no effect explains."""
+    last = result.view.result.get("final_verdict", result.verdict)
+    of_use = asked.level.name == "damper" and last in ("unknown_effect", "partial")
+    return (OFFER,) if of_use and not asked.model.terms and not result.interrupted else ()
 
 
 def result_of(command: str, study: Study, model: Model, asked: Question) -> DiagnosisResult:
@@ -75,8 +87,8 @@ def result_of(command: str, study: Study, model: Model, asked: Question) -> Diag
     if study.checked is not None:
         content["long"] = study.checked.as_json(again=study.again)
     content["next_plans"] = suggestions(content) if asked.level.name == "damper" else []
+    content["notes"] = [*rig_note(model, asked.model), *content["notes"]]
     view = study_view(command, study, clean(content), origin)
-    result = DiagnosisResult(
+    return DiagnosisResult(
         replace(view, regions=tables), model, interrupted=study.diagnosis.interrupted
     )
-    return with_notes(result, *rig_note(model, asked.model))

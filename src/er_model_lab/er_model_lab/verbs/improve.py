@@ -30,11 +30,11 @@ from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import candidate_views, views
 from er_model_lab.results.passes import explained_by, taken_last, told_together
 from er_model_lab.results.result import DiagnosisResult, with_notes
-from er_model_lab.results.terms import as_study, offered, with_term
+from er_model_lab.results.terms import as_study, with_term
 from er_model_lab.results.values import clean, headline
 from er_model_lab.terms.learn import Learnt, learn
 from er_model_lab.verbs.asking import question
-from er_model_lab.verbs.diagnose import result_of
+from er_model_lab.verbs.diagnose import offer, result_of
 from er_model_lab.verbs.history import with_history
 from er_model_lab.verbs.resume import Begun, begun, finished, left_by, marked, resume, with_fits
 from er_model_lab.work import STOPPED, Event, Leader, Progress, Work
@@ -95,7 +95,7 @@ def improve(
         made = _with_term(made, asked, start, named)
     current = finished(made.model, interrupted=made.stopped)
     result = with_notes(gone_on(_improved(made, current, asked), start), *made.notes)
-    result = result if measured_terms else offered(result, asked)
+    result = result if measured_terms else with_notes(result, last=offer(result, asked))
     content = dict(result.view.result) | {"interrupted": made.stopped}
     kept = with_fits(current, start.noted) if made.stopped else current
     return replace(
