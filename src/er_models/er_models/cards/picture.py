@@ -16,8 +16,8 @@ WARMING = 0.5
 """Rise of the measured temperature in the standard experiment [K/s]."""
 
 EXPERIMENT = (
-    "Sine of 2 Hz and 90 % of the stroke for 60 s, its last second shown; duty 0.15, for effects of the "
-    "actuation a square wave of 5 Hz between 0.05 and 0.3; the measured temperature rises by 0.5 K a second. "
+    "Sine of 2 Hz and 90 % of the stroke for 60 s; the picture shows its last second. The duty is 0.15, for effects "
+    "of the actuation a square wave of 5 Hz between 0.05 and 0.3. The measured temperature rises by 0.5 K a second. "
     "Grey: damper without the effect; blue: with it, at the start that shows most; red: the difference."
 )
 
