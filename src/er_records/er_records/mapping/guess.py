@@ -27,8 +27,6 @@ VOLTAGE = 0.02
 """What a current is preferred by to a voltage."""
 CONTRACT = "the name of docs/data.md"
 """Why a column is sure whose name is the channel's own: without a unit it is SI."""
-VOLTAGE = 0.02
-"""What a current is preferred by to a voltage."""
 NOISY = 0.02
 """Share by which noise may lift the largest current above a full scale of two digits."""
 SNAP = 0.04
@@ -226,7 +224,7 @@ def _with_velocity(
         doubt = f"is no derivative of '{x.seen.name}'"
         return found | {"deflection_velocity": guess.more(AGAINST, doubt)}
     guess = guess.more(PHYSICS, f"is the derivative of '{x.seen.name}'")
-    x, guess = x.more(PHYSICS, f"'{guess.seen.name}' is its derivative"), guess
+    x = x.more(PHYSICS, f"'{guess.seen.name}' is its derivative")
     gain = abs(relation.gain)
     x = _unit_by(x, guess.factor and guess.factor * gain)
     guess = _unit_by(guess, x.factor and x.factor / gain)

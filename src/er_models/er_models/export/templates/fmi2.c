@@ -84,9 +84,7 @@ NONE(SetString, const fmi2String)
 
 EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
 {
-    if (!*state) *state = malloc(sizeof(UNIT));
-    if (*state) memcpy(*state, c, sizeof(UNIT));
-    return status(*state != NULL);
+    return status(unit_save(c, state));
 }
 EXPORT fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) { memcpy(c, state, sizeof(UNIT)); return fmi2OK; }
 EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state)
@@ -105,15 +103,11 @@ EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state
 EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
 {
     UNUSED(c);
-    if (size < sizeof(UNIT)) return fmi2Error;
-    memcpy(bytes, state, sizeof(UNIT));
-    return fmi2OK;
+    return status(unit_write(state, bytes, size));
 }
 EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
 {
-    if (size != sizeof(UNIT) || fmi2GetFMUstate(c, state) != fmi2OK) return fmi2Error;
-    memcpy(*state, bytes, sizeof(UNIT));
-    return fmi2OK;
+    return status(unit_read(c, bytes, size, state));
 }
 EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t n,
                                                const fmi2ValueReference known[], size_t m, const fmi2Real seed[],

@@ -166,9 +166,7 @@ NOT_OFFERED(ActivateModelPartition)
 
 EXPORT fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state)
 {
-    if (!*state) *state = malloc(sizeof(UNIT));
-    if (*state) memcpy(*state, c, sizeof(UNIT));
-    return status(*state != NULL);
+    return status(unit_save(c, state));
 }
 EXPORT fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state) { memcpy(c, state, sizeof(UNIT)); return fmi3OK; }
 EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state)
@@ -187,15 +185,11 @@ EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state,
 EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size)
 {
     UNUSED(c);
-    if (size < sizeof(UNIT)) return fmi3Error;
-    memcpy(bytes, state, sizeof(UNIT));
-    return fmi3OK;
+    return status(unit_write(state, bytes, size));
 }
 EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size, fmi3FMUState *state)
 {
-    if (size != sizeof(UNIT) || fmi3GetFMUState(c, state) != fmi3OK) return fmi3Error;
-    memcpy(*state, bytes, sizeof(UNIT));
-    return fmi3OK;
+    return status(unit_read(c, bytes, size, state));
 }
 EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 start, fmi3Float64 step, fmi3Boolean no_return, fmi3Boolean *event,
                              fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *last)

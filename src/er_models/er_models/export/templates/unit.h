@@ -90,6 +90,28 @@ static int unit_step(UNIT *m, double start, double h)
     return isfinite(m->d.force) != 0;
 }
 
+/* A unit as it is, in memory of its own or as bytes. */
+static int unit_save(const void *m, void **state)
+{
+    if (!*state) *state = malloc(sizeof(UNIT));
+    if (*state) memcpy(*state, m, sizeof(UNIT));
+    return *state != NULL;
+}
+
+static int unit_write(const void *state, void *bytes, size_t size)
+{
+    if (size < sizeof(UNIT)) return 0;
+    memcpy(bytes, state, sizeof(UNIT));
+    return 1;
+}
+
+static int unit_read(const void *m, const void *bytes, size_t size, void **state)
+{
+    if (size != sizeof(UNIT) || !unit_save(m, state)) return 0;
+    memcpy(*state, bytes, sizeof(UNIT));
+    return 1;
+}
+
 static void unit_reset(UNIT *m)
 {
     memset(m, 0, sizeof *m);
