@@ -1,6 +1,6 @@
 """Passes of `improve` are told as one, each effect as the pass saw it that took it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,7 +8,8 @@ import pytest
 from er_model_lab.level.level import Question
 from er_model_lab.results.passes import explained_by, taken_last, told_together
 from er_model_lab.verbs import improve
-from lab_help import EVIDENCE
+from er_models.files import load_model
+from lab_help import EVIDENCE, GUO
 from report_views import card, record
 
 
@@ -195,42 +196,47 @@ def test_a_later_pass_that_makes_held_out_data_worse_is_not_taken(monkeypatch, l
 
 @dataclass(frozen=True)
 class Part:
-    """A stand-in for what `improve` takes apart: a candidate, a search, a study or a model."""
+    """A stand-in for what `improve` takes apart: a fit, a candidate, a search or a study."""
 
     effects: tuple[str, ...] = ()
-    fit: SimpleNamespace | None = None
+    model: object = None
+    residual: object = None
+    free: tuple[tuple[str, str], ...] = ()
+    fit: object = None
     best: object = None
     diagnosis: object = None
     problem: object = None
     rounds: tuple[SimpleNamespace, ...] = (SimpleNamespace(threshold=0.1),)
-    data: object = None
 
 
-def pruned(monkeypatch, kept, after):
-    """What is left of two searches that added a delay and a lag, where one of them may be taken out again."""
+def pruned(monkeypatch, after):
+    """What is left of two searches that added a delay and a lag beside a lag of the velocity; the lag may go again."""
     problem = SimpleNamespace(
         held_out=np.ones(8, bool), force=np.arange(8.0), forward=SimpleNamespace(outputs=1)
     )
+    given = load_model(GUO)
+    grown = given.with_effect("force_delay").with_effect("force_lag").with_effect("velocity_lag")
 
-    def candidate(effects, left):
-        fitted = SimpleNamespace(model=Part(effects), residual=np.full(8, left))
-        return Part(effects, fitted)
+    def candidate(model, left):
+        return Part(fit=Part(model=model, residual=np.full(8, left)))
 
-    def prune(*_):
+    def prune(found, *_):
+        assert "velocity_lag" not in {*found.effects, *found.fit.model.effects}
         if isinstance(after, BaseException):
             raise after
-        return candidate(kept, after)
+        made = candidate(found.fit.model.without_effect("force_lag"), after)
+        return replace(made, effects=tuple(e for e in found.effects if e != "force_lag"))
 
-    both = ("force_delay", "force_lag")
-    study = Part(diagnosis=Part((), best=candidate(both, 1.0)), problem=problem)
+    study = Part(diagnosis=Part(best=candidate(grown, 1.0)), problem=problem)
     monkeypatch.setattr(improve, "prune", prune)
     monkeypatch.setattr(improve, "with_history", lambda best, *_: best)
     monkeypatch.setattr(improve, "marked", lambda model, _: model)
-    level = SimpleNamespace(finished=lambda study, _: Part(study.diagnosis.best.fit.model.effects))
+    level = SimpleNamespace(finished=lambda study, _: study.diagnosis.best.fit.model)
     work = SimpleNamespace(wind_up=lambda: None)
-    asked = SimpleNamespace(model=Part(), level=level, seed=0, work=work)
-    made = improve._Passes([study, study], Part(both))
-    return improve._pruned(made, asked, SimpleNamespace(digest=""), "m")
+    asked = SimpleNamespace(model=given, level=level, seed=0, work=work)
+    made = improve._Passes([study, study], grown)
+    found = improve._pruned(made, asked, SimpleNamespace(digest=""), "m")
+    return found, [e for e in found.model.effects if e not in given.effects]
 
 
 @pytest.mark.parametrize(
@@ -239,13 +245,13 @@ def pruned(monkeypatch, kept, after):
 def test_what_became_needless_is_taken_out_unless_held_out_data_ask_for_it(
     monkeypatch, after, dropped
 ):
-    made = pruned(monkeypatch, ("force_delay",), after)
+    made, added = pruned(monkeypatch, after)
     assert made.dropped == dropped
-    assert made.model.effects == (("force_delay",) if dropped else ("force_delay", "force_lag"))
+    assert sorted(added) == sorted({"force_delay", "force_lag", "velocity_lag"} - {*dropped})
     assert ("force_lag taken out again" in " ".join(made.notes)) == bool(dropped)
 
 
 def test_ctrl_c_while_effects_are_taken_out_keeps_what_was_done(monkeypatch):
-    made = pruned(monkeypatch, (), KeyboardInterrupt())
+    made, added = pruned(monkeypatch, KeyboardInterrupt())
     assert made.stopped
-    assert made.model.effects == ("force_delay", "force_lag")
+    assert sorted(added) == ["force_delay", "force_lag", "velocity_lag"]

@@ -12,6 +12,7 @@ from er_model_lab.output.text.ranking import effect_size, largest, limit, ranked
 from er_model_lab.output.text.regions import worst
 from er_model_lab.output.text.units import gain, newtons, parameter, percent, short, ticks, where
 from er_model_lab.output.text.verdict_text import TITLES, verdict_sentence, verdict_title
+from er_model_lab.residual.region import Region
 from report_views import PLANNED, PREFLIGHT, TABLES, compared, entry, table, view
 
 SAID = {
@@ -228,3 +229,8 @@ def test_a_size_that_is_not_stated_follows_from_the_errors() -> None:
 
 def test_no_sentence_of_a_view_holds_a_raw_number() -> None:
     assert not re.search(r"\d\.\d{5,}", verdict_sentence(view(noise_floor=0.204376043)))
+
+
+def test_an_end_of_a_range_that_is_zero_but_for_rounding_is_zero() -> None:
+    region = Region("velocity", "m/s", (-0.013, 1.8e-35), 0.3, 0.2, 1.0, (0.9, 1.1))
+    assert where(region, single=False).endswith("13 to 0 mm/s")

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from er_model_lab.diagnosis.candidates import Candidate
-from er_model_lab.fitting.fit import covariance
+from er_model_lab.fitting.fit import standard_deviations
 from er_model_lab.problem.problem import Problem
 
 CLEAR = 2.0
@@ -47,7 +47,7 @@ def loose(best: Candidate, problem: Problem) -> tuple[str, ...]:
     }
     form = np.array([e in best.effects and (e, p) not in strength for e, p in fitted.free])
     given = replace(fitted, at_bound=fitted.at_bound | form)
-    deviations = np.sqrt(np.diag(covariance(given, problem)))
+    deviations = standard_deviations(given, problem)
     for name in best.effects:
         clear = []
         for place, at_bound, sd in zip(fitted.free, fitted.at_bound, deviations, strict=True):

@@ -289,12 +289,15 @@ def covariance(fitted: Fit, problem: Problem) -> Array:
     return out
 
 
-def with_deviations(fitted: Fit, problem: Problem) -> Model:
-    """The fitted model with standard deviations; infinite where the data say nothing."""
+def standard_deviations(fitted: Fit, problem: Problem) -> Array:
+    """Standard deviations (p,) of the parameters [SI]; infinite where the data say nothing."""
     variance = np.diag(covariance(fitted, problem))
+    return np.asarray(np.sqrt(np.where(variance >= 0.0, variance, np.inf)))
+
+
+def with_deviations(fitted: Fit, problem: Problem) -> Model:
+    """The fitted model with standard deviations."""
     deviations = {k: dict(v) for k, v in fitted.model.deviations.items()}
-    for (effect, name), value in zip(fitted.free, variance, strict=True):
-        deviations.setdefault(effect, {})[name] = (
-            float(np.sqrt(value)) if value >= 0 else float("inf")
-        )
+    for (effect, name), sd in zip(fitted.free, standard_deviations(fitted, problem), strict=True):
+        deviations.setdefault(effect, {})[name] = float(sd)
     return replace(fitted.model, deviations=deviations)

@@ -165,22 +165,28 @@ def _goes_on(found: Diagnosis) -> bool:
 
 
 def _pruned(made: _Passes, asked: Question, start: Begun, name: str) -> _Passes:
-    """What several studies made, without the effects that those added later make needless, or that cancel."""
+    """What several studies made, without the effects that those added later make needless, or that cancel.
+
+    Errors of the velocity channel that were undone before are no part of what is searched.
+    """
     added = tuple(e for e in made.model.effects if e not in asked.model.effects)
     if len(made.studies) < 2 or len(added) < 2 or made.stopped:
         return made
     last = made.studies[-1]
     found, problem = last.diagnosis, last.problem
-    able = tuple(e for e in found.best.fit.model.effects if e in added)
+    bare = _as_searched(found.best)
+    able = tuple(e for e in bare.fit.model.effects if e in added)
     limit = BEYOND_DOUBT * found.rounds[0].threshold
     try:
-        kept = prune(replace(found.best, effects=able), problem, limit)
+        kept = prune(replace(bare, effects=able), problem, limit)
     except STOPPED:
         asked.work.wind_up()
         return replace(made, stopped=True)
     dropped = tuple(e for e in able if e not in kept.effects)
     if not dropped or _rise(problem, found.best, kept, BAND):
         return made
+    restored = put_back(kept.fit.model, found.best.fit.model)
+    kept = replace(kept, fit=replace(kept.fit, model=restored))
     own = tuple(e for e in found.effects if e not in dropped)
     left = replace(found, best=replace(kept, effects=own), effects=own)
     study = replace(last, diagnosis=left)
@@ -197,14 +203,18 @@ def _pruned(made: _Passes, asked: Question, start: Begun, name: str) -> _Passes:
     )
 
 
+def _as_searched(best: Candidate) -> Candidate:
+    """A candidate with its model as it was fitted: without what was undone before."""
+    return replace(best, fit=replace(best.fit, model=as_searched(best.fit)))
+
+
 def _with_term(made: _Passes, asked: Question, start: Begun, name: str) -> _Passes:
     """The passes with what they leave learnt as a measured term, or a note why there is none."""
     study = made.studies[-1]
     if study.diagnosis.verdict in ("adequate", "insufficient_data"):
         return replace(made, notes=(*made.notes, "nothing is left to learn as a measured term"))
     best, limit = study.diagnosis.best, study.diagnosis.rounds[-1].threshold
-    bare = replace(best, fit=replace(best.fit, model=as_searched(best.fit)))
-    problem = replace(study.problem, work=asked.work)
+    bare, problem = _as_searched(best), replace(study.problem, work=asked.work)
     asked.work.report("learning what is left", 0, 1)
     try:
         found = learn(bare, problem, limit)

@@ -13,6 +13,9 @@ MINUS = "\N{MINUS SIGN}"
 MILLI = {"m": "mm", "m/s": "mm/s"}
 """SI units that are shown in thousandths, because a damper moves by millimetres."""
 
+ROUNDING = 1e-9
+"""Share of a range below which an end of it is zero."""
+
 
 def factor(unit: str) -> float:
     """Multiplier from SI to the unit shown."""
@@ -92,7 +95,10 @@ def where(region: Region, *, single: bool) -> str:
     """The range of a region in words: "velocity -12 to 3.4 mm/s", "direction: extension"."""
     if region.quantity == "direction" and single:
         return f"direction: {_direction(region.edges[0])}"
-    low, high = (e * factor(region.unit) for e in region.edges)
+    span = region.edges[1] - region.edges[0]
+    low, high = (
+        0.0 if abs(e) < ROUNDING * span else e * factor(region.unit) for e in region.edges
+    )
     unit = f" {shown(region.unit)}" if shown(region.unit) else ""
     if single:
         return f"{region.quantity} {short(low)}{unit}"
