@@ -24,11 +24,11 @@ MOTIONS = ("heave", "roll", "pitch")
 class Car:
     """Body and corners [SI].
 
-    mass: of the body [kg]; roll_inertia, pitch_inertia: about its centre [kg m2]; to_front, to_rear: from the centre to
-    the axles [m]; front_track, rear_track: between the wheels [m]; front_bar, rear_bar: anti-roll bars, force at a wheel
-    per difference of both deflections [N/m]; height: of the centre above the road [m]; seat: its place (x, y) [m]; corners:
-    vehicle models in the order of `CORNERS`. Their own sprung mass is what observers and controllers of a corner
-    believe; here the body's counts.
+    mass: of the body [kg]; roll_inertia, pitch_inertia: about its centre [kg m2]; to_front, to_rear: from the centre
+    to the axles [m]; front_track, rear_track: between the wheels [m]; front_bar, rear_bar: anti-roll bars, force at a
+    wheel per difference of both deflections [N/m]; height: of the centre above the road [m]; seat: its place (x, y)
+    [m]; corners: vehicle models in the order of `CORNERS`. Their own sprung mass is what observers and controllers of
+    a corner believe; here the body's counts.
     """
 
     name: str
@@ -81,10 +81,12 @@ class Car:
     def push(self, forward: Array, left: Array) -> Array:
         """Acceleration of the body at the corners while it is driven, (n, 4) [m/s2].
 
-        forward, left: acceleration of the car [m/s2], (n,). Its forces act at the road, `height` below the centre: braking
-        (forward below zero) lowers the nose, a turn to the left (left above zero) the right side.
+        forward, left: acceleration of the car [m/s2], (n,). Its forces act at the road, `height` below the centre:
+        braking (forward below zero) lowers the nose, a turn to the left (left above zero) the right side.
         """
-        moments = np.stack([np.zeros_like(left), left, -forward], axis=1) * (self.mass * self.height)
+        moments = np.stack([np.zeros_like(left), left, -forward], axis=1) * (
+            self.mass * self.height
+        )
         return np.asarray(moments @ self.inverse_mass @ self.shape.T)
 
     def at(self, motions: Mapping[str, Array], place: tuple[float, float]) -> Array:

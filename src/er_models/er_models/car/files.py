@@ -59,7 +59,9 @@ def load_car(path: str | Path, catalogue: Catalogue = CATALOGUE) -> Car:
     top = settings(_TOP, text, path, also=("body", "corners"))
     body = settings(BODY, _part(path, text, "body"), path, "body", also=())
     seat = (body.pop("seat_forward"), body.pop("seat_left"))
-    corners = tuple(_corner(path, _part(path, text, "corners"), name, catalogue) for name in CORNERS)
+    corners = tuple(
+        _corner(path, _part(path, text, "corners"), name, catalogue) for name in CORNERS
+    )
     return Car(
         top["name"] or path.stem, **body, seat=seat, corners=corners, source=top["source"]
     )  # fmt: skip
@@ -76,14 +78,18 @@ def _corner(path: Path, given: Mapping[str, Any], name: str, catalogue: Catalogu
     """The model of a corner."""
     for key in given:
         if key not in _CORNERS:
-            raise InputError(path, f"corners.{key}", f"one of {', '.join(_CORNERS)}", "an unknown key")
+            raise InputError(
+                path, f"corners.{key}", f"one of {', '.join(_CORNERS)}", "an unknown key"
+            )
     key = name if name in given else name.split("_")[0]
     if not isinstance(given.get(key), str):
         raise InputError(path, f"corners.{key}", "a vehicle model file", repr(given.get(key)))
     near = path.parent / given[key]
     model = load_model(near if near.exists() else given[key], catalogue)
     if not model.is_vehicle:
-        raise InputError(path, f"corners.{key}", "a vehicle model with quarter_car", "a damper only")
+        raise InputError(
+            path, f"corners.{key}", "a vehicle model with quarter_car", "a damper only"
+        )
     if "sprung_mass_error" in model.effects:
         expected = "no sprung_mass_error: the body's mass counts"
         raise InputError(path, f"corners.{key}", expected, "one")

@@ -27,7 +27,9 @@ class CarPlant:
     @cached_property
     def compiled(self) -> tuple[Compiled, ...]:
         """The corners for the kernel: their sprung mass is what the body opposes there."""
-        return tuple(_with_mass(p, m) for p, m in zip(self.corners, 1 / np.diag(self.car.compliance)))
+        return tuple(
+            _with_mass(p, m) for p, m in zip(self.corners, 1 / np.diag(self.car.compliance))
+        )
 
     @cached_property
     def wheels(self) -> Array:
@@ -86,14 +88,19 @@ def step_car(
 
 
 def simulate_car(
-    car: Car, dt: float, road: Array, duty: Array, forward: Array | None = None, left: Array | None = None
+    car: Car,
+    dt: float,
+    road: Array,
+    duty: Array,
+    forward: Array | None = None,
+    left: Array | None = None,
 ) -> dict[str, Array]:
     """Record of the car without noise, from rest: channels by name [SI].
 
-    dt: time between samples [s]; duty (4, n): held from each sample on; road (4, m (n - 1) + 1): heights [m] that part each
-    sample into m lines, m a divisor of the substeps; forward, left: acceleration of the car [m/s2], (n,). Channels: t (n,),
-    `CORNER/deflection` and so on as `er_models.simulate` names them, and `heave`, `roll`, `pitch` of the body with
-    `heave_acceleration` and so on, `seat_acceleration`.
+    dt: time between samples [s]; duty (4, n): held from each sample on; road (4, m (n - 1) + 1): heights [m] that
+    part each sample into m lines, m a divisor of the substeps; forward, left: acceleration of the car [m/s2], (n,).
+    Channels: t (n,), `CORNER/deflection` and so on as `er_models.simulate` names them, and `heave`, `roll`, `pitch`
+    of the body with `heave_acceleration` and so on, `seat_acceleration`.
 
     Source: Milliken and Milliken, Race Car Vehicle Dynamics, ch. 16 to 18 (bars, load transfer); thesis, perspective.
 
@@ -103,18 +110,38 @@ def simulate_car(
     plant = prepare_car(car, dt)
     n = duty.shape[-1]
     lines = (road.shape[-1] - 1) // max(n - 1, 1)
-    if duty.shape != (4, n) or road.shape != (4, lines * (n - 1) + 1) or plant.corners[0].n_sub % max(lines, 1):
+    if (
+        duty.shape != (4, n)
+        or road.shape != (4, lines * (n - 1) + 1)
+        or plant.corners[0].n_sub % max(lines, 1)
+    ):
         expected = f"(4, m (n - 1) + 1) heights beside (4, n) duties, m a divisor of {plant.corners[0].n_sub}"
         raise InputError("simulate_car", "road", expected, f"{road.shape} beside {duty.shape}")
-    loads = car.push(*(np.zeros(n) if a is None else np.asarray(a, float) for a in (forward, left)))
+    loads = car.push(
+        *(np.zeros(n) if a is None else np.asarray(a, float) for a in (forward, left))
+    )
     start = car_at_rest(plant, road[:, 0], duty[:, 0])
     rates = np.diff(road)[:, lines - 1 :: lines] * (lines / dt)
     _, states, outputs, true = _run(plant, start, road, duty[:, :-1], rates, loads[:-1])
-    return _channels(car, dt, road[:, ::lines], duty, np.concatenate([[[s.q for s in start]], states]), outputs, true)
+    return _channels(
+        car,
+        dt,
+        road[:, ::lines],
+        duty,
+        np.concatenate([[[s.q for s in start]], states]),
+        outputs,
+        true,
+    )
 
 
 def _channels(
-    car: Car, dt: float, road: Array, duty: Array, states: Array, outputs: Sequence[Array], true: Array
+    car: Car,
+    dt: float,
+    road: Array,
+    duty: Array,
+    states: Array,
+    outputs: Sequence[Array],
+    true: Array,
 ) -> dict[str, Array]:
     """A record's channels; at its first sample the car still stands."""
     record = {"t": dt * np.arange(duty.shape[1])}
@@ -150,9 +177,9 @@ def _run(
     catalogue = corners[0].model.catalogue
     kernel(catalogue).run_car(
         tuple(x.on for x in c), tuple(x.slots for x in c), tuple(x.links for x in c), tuple(x.p for x in c), q, w,
-        tuple(s.duties for s in states), plain(duty), states[0].t, plant.dt, plain(road), plain(rates), corners[0].n_sub,
-        min(p.tolerance for p in corners), tuple(p.reading for p in corners), memory, plain(plant.car.compliance),
-        plant.car.bars, plant.wheels, plain(push), mechanical, outputs, true,
+        tuple(s.duties for s in states), plain(duty), states[0].t, plant.dt, plain(road), plain(rates),
+        corners[0].n_sub, min(p.tolerance for p in corners), tuple(p.reading for p in corners), memory,
+        plain(plant.car.compliance), plant.car.bars, plant.wheels, plain(push), mechanical, outputs, true,
     )  # fmt: skip
     ends = tuple(
         State(

@@ -20,7 +20,6 @@ from er_models.kernel.sensors import remember_force, remember_velocity, report
 from er_models.kernel.states import HOLD, ROWS, SLOPE, W0, W, visit
 from er_models.kernel.vehicle import AGAIN, GAMMA, chassis, duty_at, stage
 
-
 # --- below this line: compiled with the composed equations ---
 CORNERS = 4
 ROUNDS = 60
@@ -38,7 +37,25 @@ def from_others(body, push, down, i):
 
 @inner
 def car_stage(
-    on, links, p, q0, s, q, v, slope, body, bars, wheels, push, down, f_m, u, t, h, rates, tolerance
+    on,
+    links,
+    p,
+    q0,
+    s,
+    q,
+    v,
+    slope,
+    body,
+    bars,
+    wheels,
+    push,
+    down,
+    f_m,
+    u,
+    t,
+    h,
+    rates,
+    tolerance,
 ):
     """Solve one implicit stage of length h of all corners, in place; down: what presses on the body [N]."""
     own = q0[CORNERS]
@@ -51,7 +68,19 @@ def car_stage(
             own[3] = q0[i, 3] + h * bar / wheels[i]
             before = v[i]
             slope[i], f_m[i] = stage(
-                on[i], links[i], p[i], own, s[i], q[i], before, slope[i], u[i], t, h, rates[i], tolerance
+                on[i],
+                links[i],
+                p[i],
+                own,
+                s[i],
+                q[i],
+                before,
+                slope[i],
+                u[i],
+                t,
+                h,
+                rates[i],
+                tolerance,
             )
             q0[i, 4] = own[4]
             v[i] = q[i, 1] - q[i, 3]
@@ -63,7 +92,27 @@ def car_stage(
 
 @inner
 def car_step(
-    on, slots, links, p, q0, s, q, v, slope, rate, body, bars, wheels, push, down, f_m, u, t, h, rates, tolerance
+    on,
+    slots,
+    links,
+    p,
+    q0,
+    s,
+    q,
+    v,
+    slope,
+    rate,
+    body,
+    bars,
+    wheels,
+    push,
+    down,
+    f_m,
+    u,
+    t,
+    h,
+    rates,
+    tolerance,
 ):
     """One SDIRK2 step of length h of all corners, in place; rate (4,): deflection accelerations to begin with."""
     for i in range(CORNERS):
@@ -83,7 +132,25 @@ def car_step(
             v[i] = q0[i, 1] - q0[i, 3] + gh * rate[i]
         when = t + (gh if c == 0 else h)
         car_stage(
-            on, links, p, q0, s, q, v, slope, body, bars, wheels, push, down, f_m, u, when, gh, rates, tolerance
+            on,
+            links,
+            p,
+            q0,
+            s,
+            q,
+            v,
+            slope,
+            body,
+            bars,
+            wheels,
+            push,
+            down,
+            f_m,
+            u,
+            when,
+            gh,
+            rates,
+            tolerance,
         )
         for i in range(CORNERS):
             rate[i] = (q[i, 1] - q[i, 3] - (q0[i, 1] - q0[i, 3])) / gh
@@ -91,7 +158,25 @@ def car_step(
 
 @inner
 def car_observe(
-    on, slots, links, p, q, s, u, t, rates, body, bars, wheels, push, down, a, close, outputs, true, k
+    on,
+    slots,
+    links,
+    p,
+    q,
+    s,
+    u,
+    t,
+    rates,
+    body,
+    bars,
+    wheels,
+    push,
+    down,
+    a,
+    close,
+    outputs,
+    true,
+    k,
 ):
     """Fill row k of outputs with accelerations and forces of a state, and of true with the body's at the corners."""
     for i in range(CORNERS):
@@ -105,7 +190,9 @@ def car_observe(
             bar = bars[i] * (q[i, 0] - q[i ^ 1, 0])
             around, before, a_last, ahead_last = from_others(body, push, down, i), a[i], 0.0, 0.0
             for trial in range(3):
-                f_d, f_m, _ = visit(on[i], links[i], p[i], s[i], 0.0, HOLD, q[i, 0], v, a[i], u[i], t, 0.0)
+                f_d, f_m, _ = visit(
+                    on[i], links[i], p[i], s[i], 0.0, HOLD, q[i, 0], v, a[i], u[i], t, 0.0
+                )
                 down[i] = f_s + f_d + bar
                 a_s, a_us = around - body[i, i] * down[i], (down[i] - f_t) / wheels[i]
                 out = outputs[i]
@@ -118,6 +205,34 @@ def car_observe(
             moved = max(moved, abs(a[i] - before))
         if not moved > close:
             break
+
+
+@inner
+def anew(links, q0, s, slope, rate, down, a):
+    """Forget what a sample before led to: a record can be cut anywhere."""
+    for i in range(CORNERS):
+        slope[i], rate[i], down[i], a[i], q0[i, 4] = 1.0, 0.0, 0.0, 0.0, 1.0
+        for j in range(links[i].shape[0]):
+            s[i, SLOPE, links[i][j]] = 0.0
+
+
+@inner
+def driven(on, p, past, u, k, share, dt, n_sub, now):
+    """Duties in force in sample k from a share of it on; a dead time ends at the nearest substep."""
+    for i in range(CORNERS):
+        whole, cut = split(input_delay(on[i], p[i]) / dt)
+        now[i] = duty_at(
+            past[i], u[i], k - whole - (1 if share < round(cut * n_sub) / n_sub else 0)
+        )
+
+
+@inner
+def hear(on, p, q, reading, memory, h, states, outputs, k):
+    """Fill row k of outputs with what the sensors say, and of states with q."""
+    for i in range(CORNERS):
+        report(on[i], p[i], q[i], reading[i], memory[i], h, outputs[i], k)
+        for j in range(4):
+            states[k, i, j] = q[i, j]
 
 
 @entry
@@ -133,49 +248,38 @@ def run_car(
     [N/m]; wheels (4,): unsprung masses [kg]; push (n, 4): acceleration by loads on the body [m/s2]. Fills states
     (n, 4, 4), outputs with (n, 6) a corner, as `run_vehicle`, and true (n, 4): acceleration of the body at the corners.
     """
-    n = states.shape[0]
+    n, h = states.shape[0], dt / n_sub
+    lines = (road.shape[1] - 1) // max(n, 1)
     s = np.zeros((CORNERS, ROWS, w[0].shape[0]))
     for i in range(CORNERS):
         for j in range(w[i].shape[0]):
             s[i, W, j] = w[i][j]
-    q0, v, slope, rate = np.zeros((CORNERS + 1, 5)), np.zeros(4), np.ones(4), np.zeros(4)
+    q0, v, slope, rate = np.zeros((CORNERS + 1, 5)), np.zeros(4), np.zeros(4), np.zeros(4)
     down, f_m, a, now = np.zeros(4), np.zeros(4), np.zeros(4), np.zeros(4)
     street, before = np.zeros(4), np.zeros(4)
-    lines = (road.shape[1] - 1) // max(n, 1)
-    whole, cut = np.zeros(4, np.int64), np.zeros(4)
-    for i in range(CORNERS):
-        q0[i, 4] = 1.0
-        whole[i], cut[i] = split(input_delay(on[i], p[i]) / dt)
-        cut[i] = round(cut[i] * n_sub) / n_sub
     for k in range(n):
-        slope[:], rate[:] = 1.0, 0.0
-        for i in range(CORNERS):
-            q0[i, 4] = 1.0
-            for j in range(links[i].shape[0]):
-                s[i, SLOPE, links[i][j]] = 0.0
+        anew(links, q0, s, slope, rate, down, a)
         for m in range(n_sub):
             node = k * lines + m * lines // n_sub
-            h = dt / n_sub
+            driven(on, p, past, u, k, m / n_sub, dt, n_sub, now)
             for i in range(CORNERS):
                 street[i] = (road[i, node + 1] - road[i, node]) * lines / dt
-                now[i] = duty_at(past[i], u[i], k - whole[i] - (1 if m / n_sub < cut[i] else 0))
                 before[i] = q[i, 1] - q[i, 3]
             car_step(
-                on, slots, links, p, q0, s, q, v, slope, rate, body, bars, wheels, push[k], down, f_m, now, t + m * h, h,
-                street, tolerance,
+                on, slots, links, p, q0, s, q, v, slope, rate, body, bars, wheels, push[k], down, f_m, now, t + m * h,
+                h, street, tolerance,
             )  # fmt: skip
             for i in range(CORNERS):
                 remember_velocity(reading[i], memory[i], before[i], q[i, 1] - q[i, 3], h)
                 remember_force(memory[i], f_m[i])
         t += dt
-        car_observe(
-            on, slots, links, p, q, s, now, t, rates[:, k].copy(), body, bars, wheels, push[k], down, a, tolerance / dt,
-            outputs, true, k,
-        )  # fmt: skip
         for i in range(CORNERS):
-            report(on[i], p[i], q[i], reading[i], memory[i], dt / n_sub, outputs[i], k)
-            for j in range(4):
-                states[k, i, j] = q[i, j]
+            street[i] = rates[i, k]
+        car_observe(
+            on, slots, links, p, q, s, now, t, street, body, bars, wheels, push[k], down, a, tolerance / dt, outputs,
+            true, k,
+        )  # fmt: skip
+        hear(on, p, q, reading, memory, h, states, outputs, k)
     for i in range(CORNERS):
         for j in range(w[i].shape[0]):
             w[i][j] = s[i, W, j]
