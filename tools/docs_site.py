@@ -35,7 +35,7 @@ SECTIONS = {
     "Python": ["docs/library", "docs/interface", "examples/index"],
     "Observers and control": ["docs/observers", "docs/fault_estimator", "docs/control"],
     "ROS 2": [
-        "docs/nodes", "docs/vehicle", "docs/hardware", "docs/monitor", "docs/reliability", "docs/security",
+        "docs/nodes", "docs/vehicle", "docs/car", "docs/hardware", "docs/monitor", "docs/reliability", "docs/security",
     ],
     "Effects": ["docs/effects/README"],
     "Results": ["docs/results/*"],

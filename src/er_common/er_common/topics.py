@@ -103,6 +103,19 @@ DIAGNOSTICS: Final = Topic(
 CLOCK: Final = Topic(
     "/clock", "rosgraph_msgs/msg/Clock", "simulated time", SAMPLE_RATE, quality.CLOCK
 )
+BODY_ACCELERATION: Final = Topic(
+    "body/acceleration",
+    "geometry_msgs/msg/AccelStamped",
+    "heave (linear.z) [m/s2], roll and pitch (angular.x, y) [rad/s2] of the body",
+    SAMPLE_RATE,
+)
+BODY_LOAD: Final = Topic(
+    "body/load",
+    "geometry_msgs/msg/AccelStamped",
+    "acceleration of the car forward and left (linear.x, y) by braking and cornering [m/s2]",
+    SAMPLE_RATE,
+    every_tick=False,
+)
 
 SENSORS: Final = (ACCELERATION, DEFLECTION, FORCE, ROAD, PWM_APPLIED)
 """What the plant says, or the bridge to a rig."""

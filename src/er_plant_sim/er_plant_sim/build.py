@@ -14,7 +14,7 @@ from er_models.program import SCHEMA, Program, load_program, parse_program
 from er_plant_sim.noise import Errors, Noise
 from er_plant_sim.rig import Rig
 from er_plant_sim.rig_parameters import for_this_run, gate, of_a_wheel, scaled
-from er_plant_sim.settings import PlantParameters, program_values
+from er_plant_sim.settings import PlantParameters, SensorErrors, program_values
 from er_plant_sim.simulator import damper_replaced, simulator
 
 
@@ -27,7 +27,7 @@ def build(p: PlantParameters) -> Rig:
     _consistent(p)
     model, dt = load_plant_model(p), 1.0 / p.rate
     program = of_a_wheel(p, load_given_program(p))
-    noise = Noise(_errors(p, "noise"), _errors(p, "bias"), program.seed)
+    noise = Noise(sensor_errors(p, "noise"), sensor_errors(p, "bias"), program.seed)
     # a road scaled to a peak velocity means the vehicle as it is known, not what is hidden in it
     known = load_model(p.model_file, effects(p.effects_from))
     program, heights = scaled(program, known, dt)
@@ -69,7 +69,8 @@ def _merged(base: Any, given: dict[str, Any]) -> dict[str, Any]:
     return listed if "kind" in listed else {**base, **listed}
 
 
-def _errors(p: PlantParameters, prefix: str) -> Errors:
+def sensor_errors(p: SensorErrors, prefix: str) -> Errors:
+    """Standard deviations (prefix `noise`) or constant errors (`bias`) of all sensors."""
     names = ("sprung", "unsprung", "deflection", "velocity", "force")
     return Errors(*(getattr(p, f"{prefix}_{name}") for name in names))
 

@@ -15,7 +15,10 @@ BRIDGE: Final = Program(
     PACKAGE,
     "A real rig behind a serial port or UDP, with the topics of the plant: docs/hardware.md.",
 )
+CAR: Final = Program(
+    "car_plant", PACKAGE, "A whole car: four corners below one body, measured at every tick."
+)
 EMULATOR: Final = Program(
     "device_emulator", PACKAGE, "A rig that is only a program.", module="hardware.emulator"
 )
-PROGRAMS: Final = (PLANT, BRIDGE, EMULATOR)
+PROGRAMS: Final = (PLANT, BRIDGE, CAR, EMULATOR)

@@ -20,12 +20,9 @@ LONGEST = 120.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class RigParameters(NodeParameters):
-    """Parameters of whatever publishes measurements and takes duties."""
+class RunParameters(NodeParameters):
+    """Parameters of a run, of whatever publishes measurements and takes duties."""
 
-    model_file: str = param(
-        REQUIRED, text="model of the vehicle; the limits of the duty are in its section rig"
-    )
     effects_from: tuple[str, ...] = param(
         (), text="Python files with own effects that the models use"
     )
@@ -53,6 +50,23 @@ class RigParameters(NodeParameters):
     duty_slew: float = param(
         0.0, unit="1/s", low=0.0, high=1e4, text="fastest change of the duty; 0: no limit"
     )
+    noise_force: float = param(
+        0.0,
+        unit="N",
+        low=0.0,
+        high=1e3,
+        name="noise.force",
+        text="standard deviation of the noise of the force",
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigParameters(RunParameters):
+    """Parameters of one corner: its model, who is waited for, and faults."""
+
+    model_file: str = param(
+        REQUIRED, text="model of the vehicle; the limits of the duty are in its section rig"
+    )
     wait_for: tuple[int, ...] = param(
         (0,) * 5,
         length=5,
@@ -71,17 +85,9 @@ class RigParameters(NodeParameters):
         text="how long to wait for them at most; three times as long for one that still compiles",
     )
     enable_fault_injection: bool = injection_allowed()
-    noise_force: float = param(
-        0.0,
-        unit="N",
-        low=0.0,
-        high=1e3,
-        name="noise.force",
-        text="standard deviation of the noise of the force",
-    )
 
 
-def gate(p: RigParameters, model: Model) -> Gate:
+def gate(p: RunParameters, model: Model) -> Gate:
     """Limits of the duty: the model's rig and the parameters."""
     return Gate(
         duty_min=model.rig.get("duty_min", 0.0),
@@ -92,14 +98,14 @@ def gate(p: RigParameters, model: Model) -> Gate:
     )
 
 
-def for_this_run(p: RigParameters, program: Program) -> Program:
+def for_this_run(p: RunParameters, program: Program) -> Program:
     """The program with duration and seed of the parameters."""
     if p.duration >= 0.0:
         program = replace(program, duration=p.duration)
     return program if p.seed < 0 else replace(program, seed=p.seed)
 
 
-def of_a_wheel(p: RigParameters, program: Program) -> Program:
+def of_a_wheel(p: RunParameters, program: Program) -> Program:
     """The program, if it is one that drives a car.
 
     Raises:

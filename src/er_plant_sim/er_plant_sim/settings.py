@@ -32,7 +32,22 @@ def _bias(sensor: str, unit: str) -> Any:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlantParameters(RigParameters):
+class SensorErrors:
+    """Noise and constant errors of simulated sensors; the noise of the force is every rig's."""
+
+    noise_sprung: float = _deviation("sprung_acceleration", "m/s2")
+    noise_unsprung: float = _deviation("unsprung_acceleration", "m/s2")
+    noise_deflection: float = _deviation("deflection", "m")
+    noise_velocity: float = _deviation("deflection_velocity", "m/s")
+    bias_sprung: float = _bias("sprung_acceleration", "m/s2")
+    bias_unsprung: float = _bias("unsprung_acceleration", "m/s2")
+    bias_deflection: float = _bias("deflection", "m")
+    bias_velocity: float = _bias("deflection_velocity", "m/s")
+    bias_force: float = _bias("force", "N")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlantParameters(RigParameters, SensorErrors):
     """Every parameter of the plant but those of the program (`road.*`, `duty.*`), which override its file."""
 
     damper_file: str = param("", text="model file whose damper replaces that of the vehicle")
@@ -51,15 +66,6 @@ class PlantParameters(RigParameters):
     duty_source: str = param(
         "program", choices=("program", "topic"), text="where the duty comes from"
     )
-    noise_sprung: float = _deviation("sprung_acceleration", "m/s2")
-    noise_unsprung: float = _deviation("unsprung_acceleration", "m/s2")
-    noise_deflection: float = _deviation("deflection", "m")
-    noise_velocity: float = _deviation("deflection_velocity", "m/s")
-    bias_sprung: float = _bias("sprung_acceleration", "m/s2")
-    bias_unsprung: float = _bias("unsprung_acceleration", "m/s2")
-    bias_deflection: float = _bias("deflection", "m")
-    bias_velocity: float = _bias("deflection_velocity", "m/s")
-    bias_force: float = _bias("force", "N")
 
 
 def table(given: Iterable[str]) -> type[Any]:
