@@ -20,9 +20,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from er_models.errors import InputError
+from er_models.model import Array
+
+N = TypeVar("N", float, Array)
 
 
 @dataclass(frozen=True)
@@ -86,7 +89,8 @@ def step(p: Skyhook, state: State, sample: Sample) -> tuple[State, Command]:
     elif not 0.0 < sample.t - last.t <= p.gap:
         state = State(0.0, sample, state.resets + 1)
     else:
-        velocity = _integrated(p, state.velocity, last, sample)
+        a0, a1 = last.sprung_acceleration, sample.sprung_acceleration
+        velocity = leaky(p.corner_frequency, sample.t - last.t, state.velocity, a0, a1)
         state = State(velocity, sample, state.resets)
     brakes_body = state.velocity * sample.deflection_velocity >= 0.0
     return state, Command(p.u_max if brakes_body else p.u_min, state.velocity)
@@ -99,12 +103,10 @@ def usable(sample: Sample) -> bool:
     return math.isfinite(sample.t) and believable
 
 
-def _integrated(p: Skyhook, velocity: float, last: Sample, sample: Sample) -> float:
-    """Leaky integral one sample later, exact for an acceleration linear in between."""
-    h = sample.t - last.t
-    w = 2.0 * math.pi * p.corner_frequency
+def leaky(frequency: float, h: float, velocity: N, a0: N, a1: N) -> N:
+    """Leaky integral h [s] later of accelerations that go from a0 to a1 in a line, exact; frequency: its corner [Hz]."""
+    w = 2.0 * math.pi * frequency
     decay = math.exp(-w * h)
-    a0, a1 = last.sprung_acceleration, sample.sprung_acceleration
     mean = -math.expm1(-w * h) / w
     slope = (h - mean) / w
     return decay * velocity + a0 * mean + (a1 - a0) / h * slope
