@@ -1,23 +1,27 @@
-"""``er synth``: gains of observers, and of the LPV controller by its name."""
+"""``er synth``: gains of observers, and of controllers by their names."""
 
 from __future__ import annotations
 
 import sys
+from importlib import import_module
 
-CONTROLLER = "lpv_ftc"
+CONTROLLERS = {
+    "lpv_ftc": "er_ftc_controller.synth",
+    "body_lqr": "er_ftc_controller.body_synth",
+}
+"""Names of controllers, and the module that makes the gains of each."""
 
 
 def main() -> None:
     """Hand the arguments to the package that knows the design they name."""
-    if sys.argv[1:2] == [CONTROLLER]:
-        from er_ftc_controller.synth import main as controller
-
-        controller(sys.argv[2:])
+    if (found := CONTROLLERS.get("".join(sys.argv[1:2]))) is not None:
+        import_module(found).main(sys.argv[2:])
         return
     from er_observers.synth import main as observers
 
     if sys.argv[1:2] in ([], ["--help"]):
-        print(f"er synth {CONTROLLER} --help: the LPV controller; all else: observers")  # noqa: T201
+        for name in CONTROLLERS:
+            print(f"er synth {name} --help: a controller")  # noqa: T201
     observers()
 
 

@@ -131,3 +131,9 @@ ESTIMATED: Final = "force/"
 def estimated_force(observer: str) -> Topic:
     """The damper force that an observer says; the same object whenever it is asked for."""
     return _ours(f"{ESTIMATED}{observer}", "DamperForce", f"force of the observer {observer} [N]")
+
+
+@cache
+def below(topic: Topic, corner: str) -> Topic:
+    """A topic of a corner of a whole car, `front_left/sensors/force`; the same object whenever it is asked for."""
+    return replace(topic, name=f"{corner}/{topic.name}")

@@ -1,9 +1,9 @@
 r"""Control of heave, roll and pitch by four semi-active dampers: a clipped linear-quadratic regulator.
 
-The state of the car is read, not observed: deflections and their rates are measured, the body's velocities are
-leaky integrals of its accelerations, a wheel's velocity is the body's above it less the deflection's, and a tyre's
-deflection follows from the forces at its wheel. The regulator asks for a yield force in each damper, and the force loop of
-the corner gives the duty that comes nearest to it: a damper cannot push.
+The state of the car is read, not observed: deflections and their rates are measured, the body's velocities are leaky
+integrals of its accelerations, a wheel's velocity is the body's above it less the deflection's, and a tyre's
+deflection follows from the forces at its wheel. The regulator asks for a yield force in each damper, and the force
+loop of the corner gives the duty that comes nearest to it: a damper cannot push.
 
 Source: Karnopp, Crosby and Harwood 1974 (clipping); `synthesis.body_lqr` makes the gain.
 """
@@ -27,7 +27,7 @@ HEALTHY = Factors()
 
 @dataclass(frozen=True, eq=False)
 class BodyLaw:
-    """Gain K (4, 15), the car, force loops of its corners, corner frequency [Hz] of the integrals, longest gap [s]."""
+    """Gain K (4, 15), the car, force loops of its corners; corner frequency [Hz] of the integrals, longest gap [s]."""
 
     gain: Array
     car: Car
@@ -41,7 +41,7 @@ class BodyLaw:
 
 
 class BodySample(NamedTuple):
-    """One tick of all corners: time [s]; deflections [m], their rates [m/s], body and wheel accelerations [m/s2], (4,)."""
+    """One tick: time [s]; deflections [m], their rates [m/s], accelerations of body and wheels [m/s2], (4,) each."""
 
     t: float
     x: Array
@@ -51,7 +51,7 @@ class BodySample(NamedTuple):
 
 
 class BodyState(NamedTuple):
-    """Rates of heave, roll and pitch, (3,); their last accelerations, (3,); force loops; time of the last sample [s]."""
+    """Rates of heave, roll, pitch, (3,), their last accelerations, (3,), force loops, time of the last sample [s]."""
 
     rates: Array
     accelerations: Array
@@ -87,15 +87,21 @@ def step(p: BodyLaw, state: BodyState, sample: BodySample) -> tuple[BodyState, A
     made = []
     for i, (loop, held) in enumerate(zip(p.loops, loops)):
         rate = float(sample.sprung[i] - sample.unsprung[i])
-        gate = float(loop.damper.gate(*ahead(float(sample.x[i]), float(sample.v[i]), rate, loop.horizon)))
+        gate = float(
+            loop.damper.gate(*ahead(float(sample.x[i]), float(sample.v[i]), rate, loop.horizon))
+        )
         made.append(duty_for(loop, held, float(wanted[i]), gate, h, HEALTHY))
-    return BodyState(rates, accelerations, tuple(m[0] for m in made), sample.t), np.array([m[1] for m in made])
+    return BodyState(rates, accelerations, tuple(m[0] for m in made), sample.t), np.array(
+        [m[1] for m in made]
+    )
 
 
 def read(p: BodyLaw, sample: BodySample, rates: Array, yielding: Array) -> Array:
     """State (15,) of `linear_car` from what is measured; yielding: yield forces of the dampers, (4,) [N]."""
     wheels = p.car.shape @ rates - sample.v
-    passive = np.array([loop.damper.passive(x, v) for loop, x, v in zip(p.loops, sample.x, sample.v)])
+    passive = np.array(
+        [loop.damper.passive(x, v) for loop, x, v in zip(p.loops, sample.x, sample.v)]
+    )
     twist = p.car.bars * (sample.x - sample.x[[1, 0, 3, 2]])
     pressed = p.quarter("k_s") * sample.x + passive + yielding + twist
     tyres = (pressed - p.quarter("m_us") * sample.unsprung) / p.quarter("k_t")

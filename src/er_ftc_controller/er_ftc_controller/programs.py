@@ -30,4 +30,10 @@ FTC: Final = Program(
     rate=True,
     gains="lpv_ftc",
 )
-PROGRAMS: Final = (SKYHOOK, FTC)
+BODY: Final = Program(
+    "body_controller",
+    PACKAGE,
+    "Heave, roll and pitch of a whole car by its four dampers: a clipped linear-quadratic regulator.",
+    module="ros_body",
+)
+PROGRAMS: Final = (SKYHOOK, FTC, BODY)

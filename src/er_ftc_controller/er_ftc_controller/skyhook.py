@@ -104,7 +104,7 @@ def usable(sample: Sample) -> bool:
 
 
 def leaky(frequency: float, h: float, velocity: N, a0: N, a1: N) -> N:
-    """Leaky integral h [s] later of accelerations that go from a0 to a1 in a line, exact; frequency: its corner [Hz]."""
+    """Leaky integral h [s] later, exact for an acceleration in a line from a0 to a1; frequency: its corner [Hz]."""
     w = 2.0 * math.pi * frequency
     decay = math.exp(-w * h)
     mean = -math.expm1(-w * h) / w

@@ -169,7 +169,9 @@ def roads(rig: CarRig, tick: int) -> Array:
 def _heights(rig: CarRig, block: int) -> Array:
     """Roads from a block's first tick to the next one's, (4, m BLOCK + 1)."""
     lines = rig.plant.corners[0].n_sub
-    t = np.arange(block * BLOCK * lines, (block + 1) * BLOCK * lines + 1) * (rig.dt / lines)
+    t = (rig.dt / lines) * np.arange(
+        block * BLOCK * lines, (block + 1) * BLOCK * lines + 1, dtype=np.float64
+    )
     return four_roads(rig.program, rig.car, rig.speed, rig.coherence, t)
 
 

@@ -10,7 +10,7 @@ Source: Hrovat 1997, Survey of advanced suspension developments, Automatica 33 (
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass
+from dataclasses import astuple
 
 import numpy as np
 from er_models.car.body import Car
@@ -19,25 +19,7 @@ from er_models.errors import InputError
 from er_models.model import Array
 from scipy.linalg import LinAlgError, solve_continuous_are
 
-FORGET = 0.5
-"""Rate at which a tyre's deflection by the road is forgotten [1/s]."""
-
-
-@dataclass(frozen=True)
-class BodyWeights:
-    """Sizes that count as one: accelerations [m/s2, rad/s2], deflection and tyre deflection [m], yield force [N]."""
-
-    heave: float
-    roll: float
-    pitch: float
-    deflection: float
-    tyre: float
-    force: float
-
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            if not 0.0 < value < np.inf:
-                raise InputError("weights", name, "a number above 0", f"{value:g}")
+from er_ftc_controller.body_weights import FORGET, BodyWeights
 
 
 def body_gain(car: Car, weights: BodyWeights) -> Array:

@@ -13,7 +13,7 @@ from er_models.model import Array
 
 @dataclass(frozen=True, eq=False)
 class LinearCar:
-    """s' = A s + B f + D r', with s = [deflections (4), heave, roll, pitch rates (3), tyre deflections (4), wheels' velocities (4)].
+    """s' = A s + B f + D r', s = [deflections (4), rates of heave, roll, pitch, tyre deflections (4), v_us (4)].
 
     f (4,): yield forces of the dampers [N], r' (4,): rates of the roads [m/s]. acceleration: of heave, roll, pitch from
     s, (3, 15), and from f, (3, 4).
@@ -41,7 +41,14 @@ def linear_car(car: Car) -> LinearCar:
         for row, scales in ((1, [-m for m in masses]), (3, [1.0] * 4))
     )
     twist = np.diag(bars) @ (eye - np.roll(eye.reshape(2, 2, 4), 1, axis=1).reshape(4, 4))
-    p = np.hstack([np.diag(press[:, 0]) + twist, press[:, 1:2] * body, np.diag(press[:, 2]), np.diag(press[:, 3])])
+    p = np.hstack(
+        [
+            np.diag(press[:, 0]) + twist,
+            press[:, 1:2] * body,
+            np.diag(press[:, 2]),
+            np.diag(press[:, 3]),
+        ]
+    )
     w = np.hstack([
         np.diag(wheel[:, 0]) + twist / wheels[:, None], wheel[:, 1:2] * body, np.diag(wheel[:, 2]), np.diag(wheel[:, 3])
     ])  # fmt: skip

@@ -144,7 +144,7 @@ def _channels(
     true: Array,
 ) -> dict[str, Array]:
     """A record's channels; at its first sample the car still stands."""
-    record = {"t": dt * np.arange(duty.shape[1])}
+    record: dict[str, Array] = {"t": dt * np.arange(duty.shape[1], dtype=np.float64)}
     for i, name in enumerate(CORNERS):
         read = np.concatenate([np.zeros((1, 6)), outputs[i]])
         read[0, 2:4] = read[1, 2:4]
@@ -162,7 +162,8 @@ def _channels(
         record[name] = (height @ car.motions.T)[:, k]
         record[f"{name}_acceleration"] = accelerations[:, k]
     body = {name: accelerations[:, k] for k, name in enumerate(MOTIONS)}
-    return record | {"seat_acceleration": car.at(body, car.seat)}
+    record["seat_acceleration"] = car.at(body, car.seat)
+    return record
 
 
 def _run(

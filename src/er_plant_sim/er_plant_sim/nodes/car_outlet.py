@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import cache
-
-from er_common.topics import Topic
+from er_common.topics import below
 from er_models.car.body import CORNERS
 from er_ros_common.builders import Tick
 from er_ros_common.clock import to_stamp
@@ -18,12 +15,6 @@ from er_plant_sim import ros_msgs
 from er_plant_sim.car_rig import CarState
 from er_plant_sim.duty_gate import Applied
 from er_plant_sim.simulator import Measurement
-
-
-@cache
-def below(topic: Topic, corner: str) -> Topic:
-    """A topic of a corner: `front_left/sensors/force`; the same object whenever it is asked for."""
-    return replace(topic, name=f"{corner}/{topic.name}")
 
 
 class CarOutlet:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from time import monotonic, perf_counter
 
 from er_common.stamps import StampLimits
+from er_common.topics import below
 from er_models.car.body import CORNERS
 from er_ros_common.builders import Tick
 from er_ros_common.clock import until_next
@@ -28,7 +29,7 @@ from er_damper_msgs.msg import NodeStatus, PwmDuty
 from er_plant_sim import car_rig, ros_commands
 from er_plant_sim.car_settings import CarParameters
 from er_plant_sim.duty_gate import Applied, Reason
-from er_plant_sim.nodes.car_outlet import CarOutlet, below
+from er_plant_sim.nodes.car_outlet import CarOutlet
 from er_plant_sim.nodes.drive import Timed
 from er_plant_sim.nodes.pace import Pace
 from er_plant_sim.programs import CAR
