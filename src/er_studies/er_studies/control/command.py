@@ -15,7 +15,7 @@ from er_models.files import write_whole
 from er_models.places import writable
 from rich.console import Console
 
-from er_studies.control import inner, tradeoff
+from er_studies.control import inner, tradeoff, whole_car
 from er_studies.control.closed_loop import known
 from er_studies.control.estimated import estimated
 from er_studies.control.run import WatchOf, compare, run, setup
@@ -62,6 +62,26 @@ def compare_command(
     _print(text)
     if out is not None:
         write_whole(out, text + "\n")
+
+
+@app.command("car")
+def car_command(
+    seeds: Annotated[int, typer.Option(min=1, help="Number of random roads.")] = 5,
+    seconds: Annotated[float, typer.Option(min=1.0, help="Length of a random road [s].")] = 20.0,
+    first: Annotated[int, typer.Option(min=0, help="Seed of the first road.")] = 0,
+    out: Annotated[Path | None, typer.Option(help="Write the tables here as well.")] = None,
+) -> None:
+    """Controllers of the whole car: on random roads, in turns and while braking."""
+    writable({"--out": out})
+    with progress_of("rides") as tick:
+        found = []
+        for row in whole_car.rows(configuration(), seeds, seconds, first):
+            found.append(row)
+            if tick:
+                tick(len(found), 10)
+    _print(whole_car.markdown(found))
+    if out is not None:
+        write_whole(out, whole_car.markdown(found) + "\n")
 
 
 @app.command("inner")
