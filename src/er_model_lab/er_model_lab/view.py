@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from er_models.cards.equation import Equation
 from numpy.typing import NDArray
 
 from er_model_lab.residual.region import RegionTable
@@ -41,7 +42,7 @@ class CandidateView:
     effect: str
     title: str
     physics: str
-    equation: str
+    equations: tuple[Equation, ...]
     mark: str
     experiment: str
     entry: Mapping[str, Any]

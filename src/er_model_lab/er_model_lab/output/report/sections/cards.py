@@ -44,7 +44,7 @@ def _card(view: View, card: CandidateView, k: int) -> dict[str, Any]:
     status = str(e.get("status", ""))
     return {
         "effect": card.effect, "title": card.title, "physics": card.physics,
-        "equation": card.equation,
+        "equations": card.equations,
         "mark": card.mark, "experiment": card.experiment, "reason": card.reason,
         "status": SAID.get(status, status), "colour": STATUS.get(status, INK),
         "open": k < OPEN or status in ("present", "confounded"), "numbers": [*_numbers(view, e), *_taken(card)],
