@@ -16,9 +16,12 @@ import numpy as np
 import pytest
 from er_model_lab.cli.options import in_options
 from er_model_lab.output.report import page as page_module
+from er_model_lab.output.report.effects import write_cards
 from er_model_lab.output.report.order import SECTIONS
 from er_model_lab.output.report.page import figures, render, write_report
 from er_model_lab.view import View
+from er_models.cards.equation import equations
+from er_models.catalogue import CATALOGUE
 from er_models.errors import InputError
 from PIL import Image
 from report_views import (
@@ -53,6 +56,7 @@ class Page(HTMLParser):
 
     def __init__(self, text: str) -> None:
         super().__init__()
+        self.raw = text
         self.stack: list[str] = []
         self.ids: list[str] = []
         self.loads: list[str] = []
@@ -222,8 +226,9 @@ def test_a_planned_program_is_drawn_with_the_forces_of_both_truths() -> None:
             {"summary"},
         ),
         (lambda v: replace(v, result={**v.result, "floors": {}}), {"noise"}),
+        (lambda v: replace(v, result={**v.result, "parameters": {}}), {"identified"}),
         (lambda v: replace(v, notes=(), provenance={}), {"provenance"}),
-        (lambda _: compared(), {"candidates", "cards", "falling_error"}),
+        (lambda _: compared(), {"candidates", "cards", "falling_error", "identified"}),
     ],
 )
 def test_a_section_without_data_is_left_out(change, gone: set[str]) -> None:
@@ -257,6 +262,17 @@ def test_the_page_shows_the_numbers_of_the_result() -> None:
         "./er lab diagnose DATA --model inove_guo.yaml --seed 7 --report DIR",
     ):  # fmt: skip
         assert words in text, words
+
+
+def test_cards_typeset_the_equation_and_show_no_code(tmp_path: Path) -> None:
+    effect = CATALOGUE["freeplay"]
+    path = write_cards([effect], CATALOGUE, {}, tmp_path)
+    for page in (rendered(view()).raw, path.read_text(encoding="utf-8")):
+        formulas = [re.sub(r"\s+", "", f) for f in re.findall(r"<math.*?</math>", page, re.S)]
+        assert formulas
+        assert not re.search(r"def \w+\(|math\.tanh", page.partition("<script")[0])
+    written = [e.mathml.replace(" ", "") for e in equations(effect)]
+    assert formulas == [re.sub(r"\s+", "", f) for f in written], "a card is its hooks"
 
 
 def test_what_no_record_can_show_is_said_with_its_reason() -> None:

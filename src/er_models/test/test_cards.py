@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import math
 import re
 import xml.etree.ElementTree as ElementTree
 from math import exp
@@ -15,6 +16,7 @@ from er_models.card import card_markdown, card_text, index_markdown, pages, writ
 from er_models.cards import equation as translation
 from er_models.cards.equation import equations
 from er_models.cards.formula import Latex, Plain
+from er_models.cards.mathml import MathMl, symbol
 from er_models.cards.picture import panels, svg
 from er_models.cards.symbols import latex
 from er_models.catalogue import CATALOGUE, Catalogue
@@ -50,6 +52,66 @@ def test_the_formula_is_the_code(effect: Effect) -> None:
             }
             found = eval(code, {**function.__globals__, **point})
             assert found == pytest.approx(function(**point), rel=1e-12)
+
+
+SIGNS = {"\u2212": "-", "\u2265": ">=", "\u2264": "<=", "\u2260": "!=", "=": "==", "\u00b7": "*"}
+
+
+def read(node: ElementTree.Element) -> str:
+    """MathML as Python: a reader that shares nothing with what wrote it but the names of the symbols."""
+    if node.tag == "msub":
+        return ElementTree.tostring(node, encoding="unicode")
+    parts = [read(child) for child in node]
+    if not parts:
+        return read_leaf(node)
+    if node.tag in ("mfrac", "msup", "mtr"):
+        return read_pair(node.tag, *parts)
+    if parts[0] == parts[-1] == "|":
+        return f"abs({''.join(parts[1:-1])})"
+    return f"({''.join(parts[1:])})" if parts[0] == "{" else "".join(parts)
+
+
+def read_pair(tag: str, first: str, second: str) -> str:
+    """A fraction, a power, or a case with its test."""
+    if tag == "mtr":
+        return f"({first}) " + (f"{second} else " if second != " else " else "")
+    if first == "<mi>e</mi>":
+        return f"exp({second})"
+    return f"(({first}) {'/' if tag == 'mfrac' else '**'} ({second}))"
+
+
+def read_leaf(node: ElementTree.Element) -> str:
+    """A symbol, a sign, a number or a word; a space is a product."""
+    text = (node.text or "").strip("\u00a0")
+    if node.tag == "mi":
+        return text if node.get("mathvariant") else f"<mi>{text}</mi>"
+    if node.tag == "mo":
+        return SIGNS.get(text, text)
+    return {"mspace": " * ", "mtext": f" {text} "}.get(node.tag, text.replace("\u2212", "-"))
+
+
+@EFFECTS
+def test_the_formula_that_is_typeset_is_the_code(effect: Effect) -> None:
+    """The MathML, read back and evaluated at random points, is what the hook returns."""
+    rng = np.random.default_rng(6)
+    for (hook, function), e in zip(effect.hooks.items(), equations(effect), strict=True):
+        tree = ElementTree.fromstring(e.mathml.replace("&nbsp;", "\u00a0"))
+        assert tree.get("display") == "block"
+        value = translation._value(inspect.getsource(function), translation._constants(function))
+        written = translation._written(hook, value, MathMl()).replace("&nbsp;", "\u00a0")
+        assert written in e.mathml.replace("&nbsp;", "\u00a0")
+        text = read(ElementTree.fromstring(f"<mrow>{written}</mrow>"))
+        names = tuple(inspect.signature(function).parameters)
+        known = {k: v for k, v in {**vars(math), **function.__globals__}.items() if k.isalpha()}
+        for name in sorted({*names, *known, "w"}, key=len, reverse=True):
+            text = text.replace(symbol(name), name)
+        for _ in range(10):
+            point = dict(zip(names, (float(x) for x in rng.uniform(0.1, 2.0, len(names)))))
+            wanted = function(**point)
+            if hook == "relax":
+                point.setdefault("w", 0.7)
+                wanted = wanted[1] - wanted[0] * point["w"]
+            assert eval(text, {**known, **point}) == pytest.approx(wanted, rel=1e-9), text
 
 
 FORMULAS = {

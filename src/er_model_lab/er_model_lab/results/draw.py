@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib import import_module
 from typing import Any
 
 import numpy as np
-from er_models.model import Array, Model
+from er_models.cards.equation import equations
+from er_models.model import Array
 
 from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.decisive_round import told
@@ -25,13 +25,6 @@ SHOWN = 12
 """Candidates that get an evidence card."""
 POINTS = 600
 """Points of a signature picture."""
-
-
-def equation_of(model: Model, effect: str) -> str:
-    """The equation of an effect as text, from its module."""
-    hooks = model.catalogue[effect].hooks
-    module = import_module(next(iter(hooks.values())).__module__) if hooks else None
-    return (module.__doc__ or "").split("\n")[0].rstrip(".") if module else ""
 
 
 def record_views(study: Study) -> tuple[RecordView, ...]:
@@ -83,17 +76,17 @@ def _card(
     left = step.base.fit.residual[::n]
     change = left - candidate.fit.residual[::n]
     return CandidateView(
-        candidate.name, effect.title, effect.physics, equation_of(candidate.fit.model, candidate.name),
+        candidate.name, effect.title, effect.physics, equations(effect),
         effect.signature.mark, effect.signature.experiment, fields, reason(candidate, step, found),
         effect.signature.plane, axis[rows], change[rows], left[rows],
     )  # fmt: skip
 
 
-def study_regions(study: Study, seed: int) -> tuple[RegionTable, ...]:
-    """Where the model, refitted with nothing added, fails."""
+def study_regions(study: Study, seed: int, residual: Array) -> tuple[RegionTable, ...]:
+    """Where a model fails that leaves this residual (n,) [N] of the data of a study."""
     found, problem = study.diagnosis, study.problem
     noise = noise_at(problem, found.floor.first.floor, found.null.input_square)
-    return region_tables(problem, found.base.fit.residual, seed, noise)
+    return region_tables(problem, residual, seed, noise)
 
 
 def study_view(

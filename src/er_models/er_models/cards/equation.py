@@ -9,18 +9,20 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from er_models.cards.formula import Formula, Latex, Plain, Unwritable
+from er_models.cards.mathml import MathMl, left_side, whole
 from er_models.cards.symbols import ACTS
 from er_models.effect import Effect, arguments
 
 
 @dataclass(frozen=True, slots=True)
 class Equation:
-    """What one hook does: its name, meaning, the equation in text and in LaTeX (empty: see source), and its source."""
+    """What one hook does: its name, meaning, the equation in text, LaTeX and MathML (empty: see source), its source."""
 
     hook: str
     meaning: str
     plain: str
     latex: str
+    mathml: str
     source: str
 
 
@@ -36,10 +38,12 @@ def _equation(hook: str, function: Callable[..., object]) -> Equation:
     sides = ACTS[hook]
     try:
         value = _value(source, _constants(function))
-        texts = [_written(hook, value, formula) for formula in (Plain(), Latex())]
+        texts = [_written(hook, value, formula) for formula in (Plain(), Latex(), MathMl())]
     except Unwritable:
-        return Equation(hook, meaning, "", "", source)
-    return Equation(hook, meaning, f"{sides[0]} {texts[0]}", f"{sides[1]} {texts[1]}", source)
+        return Equation(hook, meaning, "", "", "", source)
+    written = [f"{side} {text}" for side, text in zip(sides, texts, strict=False)]
+    mathml = whole(left_side(sides[0]) + texts[2])
+    return Equation(hook, meaning, written[0], written[1], mathml, source)
 
 
 def _written(hook: str, value: ast.expr, formula: Formula) -> str:
@@ -61,6 +65,8 @@ def _rate(value: ast.expr) -> ast.expr:
     product = isinstance(drive, ast.BinOp) and isinstance(drive.op, ast.Mult)
     if isinstance(drive, ast.BinOp) and product and ast.dump(drive.left) == ast.dump(rate):
         return _times(rate, ast.BinOp(drive.right, ast.Sub(), state))
+    if isinstance(rate, ast.Constant) and rate.value == 0.0:
+        return drive
     decay = _times(rate, state)
     if isinstance(drive, ast.Constant) and drive.value == 0.0:
         return ast.UnaryOp(ast.USub(), decay)

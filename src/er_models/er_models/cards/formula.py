@@ -15,7 +15,8 @@ _LEVEL: dict[type[ast.AST], int] = {
     ast.IfExp: 0, ast.BoolOp: 0, ast.Compare: 1, ast.Add: 2, ast.Sub: 2, ast.Mult: 3, ast.Div: 3,
     ast.USub: 3, ast.Pow: 5,
 }  # fmt: skip
-_ATOM = 6
+ATOM = 6
+"""How tightly a name or a number binds."""
 _COMPARE = {ast.Gt: ">", ast.GtE: ">=", ast.Lt: "<", ast.LtE: "<=", ast.Eq: "=", ast.NotEq: "!="}
 _LATEX_COMPARE = {">=": r"\ge", "<=": r"\le", "!=": r"\ne"}
 
@@ -27,10 +28,10 @@ class Unwritable(Exception):
 def level(node: ast.AST) -> int:
     """How tightly an expression binds."""
     if isinstance(node, ast.BinOp):
-        return _LEVEL.get(type(node.op), _ATOM)
+        return _LEVEL.get(type(node.op), ATOM)
     if isinstance(node, ast.UnaryOp):
         return _LEVEL[ast.USub]
-    return _LEVEL.get(type(node), _ATOM)
+    return _LEVEL.get(type(node), ATOM)
 
 
 def number(value: object) -> str:
@@ -70,7 +71,7 @@ class Formula:
         if isinstance(node, ast.Constant):
             return self.number(number(node.value))
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
-            return f"-{self.inside(node.operand, 3)}"
+            return self.negative(self.inside(node.operand, 3))
         if isinstance(node, ast.BinOp):
             return self.operation(node)
         if isinstance(node, ast.Call):
@@ -101,7 +102,7 @@ class Formula:
         if name == "float":
             return self.write(node.args[0])
         if name == "abs":
-            return f"|{self.write(node.args[0])}|"
+            return self.absolute(self.write(node.args[0]))
         return self.function(name, [self.write(a) for a in node.args])
 
     name: Callable[[str], str]
@@ -113,6 +114,14 @@ class Formula:
     def brackets(self, text: str) -> str:
         """Brackets."""
         return f"({text})"
+
+    def negative(self, text: str) -> str:
+        """A sign."""
+        return f"-{text}"
+
+    def absolute(self, text: str) -> str:
+        """Bars."""
+        return f"|{text}|"
 
     def word(self, text: str) -> str:
         """A word between formulas."""
@@ -143,7 +152,7 @@ class Plain(Formula):
     def operation(self, node: ast.BinOp) -> str:
         """Sums and products with spaces, powers without."""
         if isinstance(node.op, ast.Pow):
-            return f"{self.inside(node.left, _ATOM)}^{self.inside(node.right, _ATOM)}"
+            return f"{self.inside(node.left, ATOM)}^{self.inside(node.right, ATOM)}"
         if isinstance(node.op, ast.Mult):
             return " ".join(self.factor(f, n, i) for i, (f, n) in enumerate(factors(node)))
         if isinstance(node.op, ast.Div):
@@ -154,7 +163,7 @@ class Plain(Formula):
     def factor(self, node: ast.expr, power: int, place: int) -> str:
         """A factor of a product, with its power; only the first may carry a sign."""
         if power > 1:
-            return f"{self.inside(node, _ATOM)}^{power}"
+            return f"{self.inside(node, ATOM)}^{power}"
         return self.inside(node, 3 if place == 0 and isinstance(node, ast.UnaryOp) else 4)
 
     def cases(self, node: ast.IfExp) -> str:
@@ -191,7 +200,7 @@ class Latex(Formula):
     def operation(self, node: ast.BinOp) -> str:
         """Quotients as fractions, powers as such."""
         if isinstance(node.op, ast.Pow):
-            return f"{self.inside(node.left, _ATOM)}^{{{self.write(node.right)}}}"
+            return f"{self.inside(node.left, ATOM)}^{{{self.write(node.right)}}}"
         if isinstance(node.op, ast.Mult):
             return r" \, ".join(self.factor(f, n) for f, n in factors(node))
         if isinstance(node.op, ast.Div) and isinstance(node.left, ast.UnaryOp):
@@ -205,7 +214,7 @@ class Latex(Formula):
         """A factor of a product, with its power."""
         if power == 1:
             return self.inside(node, 3)
-        return f"{self.inside(node, _ATOM)}^{power}"
+        return f"{self.inside(node, ATOM)}^{power}"
 
     def function(self, name: str, arguments: list[str]) -> str:
         """Functions LaTeX knows, the exponential as a power, others upright."""

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from er_models.card import card_text
+from er_models.card import SCALED, STAGES, rows, terms
+from er_models.cards.equation import equations
 from er_models.cards.picture import experiment, svg
 from er_models.catalogue import Catalogue
 from er_models.effect import Effect
@@ -22,14 +23,23 @@ def write_cards(
 ) -> Path:
     """The cards with their pictures as a page of its own; returns its file."""
     sections = [
-        Section(
-            e.name, e.title, template="effect_card",
-            facts={
-                "name": e.name, "text": card_text(e), "experiment": experiment(e),
-                "picture": drawing(svg(e, catalogue).encode()),
-            },
-        )
+        Section(e.name, e.title, template="effect_card", facts=_facts(e, catalogue))
         for e in effects
-    ]  # fmt: skip
+    ]
     name = effects[0].name if len(effects) == 1 else "catalogue"
     return write_report(View("effects", name, "", result, ()), folder, sections)
+
+
+def _facts(e: Effect, catalogue: Catalogue) -> dict[str, Any]:
+    """What a card shows: what the card in the terminal holds, typeset."""
+    s = e.signature
+    return {
+        "name": e.name, "stage": STAGES[e.stage].lower(), "physics": e.physics,
+        "equations": equations(e), "terms": terms(e),
+        "unknowable": "" if e.knowable else e.unknowable_because, "rows": rows(e), "scaled": SCALED,
+        "experiment": experiment(e), "picture": drawing(svg(e, catalogue).encode()),
+        "signature": [
+            ("shows as", f"{s.mark} ({s.plane})"), ("shown best by", s.experiment),
+            ("rivals", ", ".join(s.rivals) or "none"), ("source", e.source),
+        ],
+    }  # fmt: skip

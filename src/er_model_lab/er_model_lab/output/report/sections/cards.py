@@ -12,9 +12,14 @@ from er_model_lab.output.report.palette import AFTER, INK, RESIDUAL, STATUS
 from er_model_lab.output.report.samples import binned_mean
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.ranking import effect_size, largest
-from er_model_lab.output.text.units import gain, newtons, parameter, percent, short
-from er_model_lab.output.text.verdict_text import STATUS as SAID
-from er_model_lab.output.text.verdict_text import joined, rmse, title_of
+from er_model_lab.output.text.units import arrow, gain, newtons, parameter, percent, short
+from er_model_lab.output.text.verdict_text import (
+    joined,
+    rmse,
+    standing,
+    standing_words,
+    title_of,
+)
 from er_model_lab.view import CandidateView, View
 
 PLANES: dict[str, tuple[str, float]] = {
@@ -44,9 +49,9 @@ def _card(view: View, card: CandidateView, k: int) -> dict[str, Any]:
     status = str(e.get("status", ""))
     return {
         "effect": card.effect, "title": card.title, "physics": card.physics,
-        "equation": card.equation,
+        "equations": card.equations,
         "mark": card.mark, "experiment": card.experiment, "reason": card.reason,
-        "status": SAID.get(status, status), "colour": STATUS.get(status, INK),
+        "status": standing_words(view, e), "colour": STATUS.get(standing(e), INK),
         "open": k < OPEN or status in ("present", "confounded"), "numbers": [*_numbers(view, e), *_taken(card)],
         "parameters": [(name, parameter(v)) for name, v in (e.get("parameters") or {}).items()],
         "confounded": joined([title_of(view, o) for o in e.get("confounded_with") or ()], "or"),
@@ -60,8 +65,8 @@ def _numbers(view: View, e: Mapping[str, Any]) -> list[tuple[str, str]]:
     size = effect_size(view, e)
     rows = [
         (
-            "error on held-out data",
-            f"{newtons(before)} \N{RIGHTWARDS ARROW} {newtons(e.get('rmse_held_out'))}",
+            "error on held-out data, without and with it",
+            arrow(before, e.get("rmse_held_out")),
         )
     ]
     if "basis" in e:
@@ -70,9 +75,11 @@ def _numbers(view: View, e: Mapping[str, Any]) -> list[tuple[str, str]]:
         chance = (
             f", chance reaches {newtons(e['threshold'])}" if e.get("threshold") is not None else ""
         )
-        rows.append(("effect size", gain(size, largest(view)) + chance))
+        rows.append(("effect size, training data", gain(size, largest(view)) + chance))
     if e.get("explains") is not None:
-        rows.append(("explains", f"{percent(e['explains'])} of what can be explained"))
+        rows.append(
+            ("explains, training data", f"{percent(e['explains'])} of what can be explained")
+        )
     if e.get("p_value") is not None:
         rows.append(("p value", short(e["p_value"], 2)))
     if e.get("kept_fraction") is not None:
@@ -86,7 +93,12 @@ def _taken(card: CandidateView) -> list[tuple[str, str]]:
     power = float(np.mean(left**2)) if left.size else 0.0
     if power <= 0.0:
         return []
-    return [("takes of the residual", percent(max(1.0 - float(np.mean(after**2)) / power, 0.0)))]
+    return [
+        (
+            "takes of the residual, training data",
+            percent(max(1.0 - float(np.mean(after**2)) / power, 0.0)),
+        )
+    ]
 
 
 def _figure(card: CandidateView) -> Figure:
