@@ -27,6 +27,9 @@ LIMITS: dict[str, tuple[float, str]] = {
     "damper_force": (1e6, "looks like mN"),
     "sprung_acceleration": (2000.0, "looks like mm/s2"),
     "unsprung_acceleration": (5000.0, "looks like mm/s2"),
+    "actuator_force": (1e6, "looks like mN"),
+    "sprung_displacement": (10.0, "looks like mm"),
+    "unsprung_displacement": (10.0, "looks like mm"),
     "temperature": (500.0, "a temperature difference in K is meant"),
 }
 """Largest believable magnitude in SI units, and what a larger one suggests."""

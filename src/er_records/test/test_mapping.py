@@ -15,6 +15,7 @@ from er_models.errors import ErError, InputError
 from er_records.load import load
 from er_records.mapping.guess import nice
 from er_records.mapping.mapping import mapped
+from er_records.mapping.words import WORDS as KNOWN
 from er_records.mapping.words import fits
 from nptdms import ChannelObject, TdmsWriter
 from scipy.io import savemat
@@ -219,3 +220,23 @@ def test_names_fit_in_both_languages(channel: str, name: str, unit: str, least: 
 
 def test_a_full_scale_is_no_smaller_than_the_largest_value() -> None:
     assert [nice(v) for v in (1.6, 0.99951, 12.34, 437.0)] == [1.6, 1.0, 12.4, 437.0]
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "channel"),
+    [
+        ("Aufbauweg", "mm", "sprung_displacement"),
+        ("wheel_position", "mm", "unsprung_displacement"),
+        ("z_us", "m", "unsprung_displacement"),
+        ("Aktorkraft", "kN", "actuator_force"),
+        ("actuator force", "N", "actuator_force"),
+        ("Dämpferkraft", "N", "damper_force"),
+        ("Kolbenweg", "mm", "deflection"),
+        ("Position_VL", "mm", "deflection"),
+        ("Radbeschleunigung", "m/s2", "unsprung_acceleration"),
+    ],
+)
+def test_channels_of_a_car_are_told_from_those_of_its_damper(
+    name: str, unit: str, channel: str
+) -> None:
+    assert max(KNOWN, key=lambda each: fits(each, name, unit)) == channel

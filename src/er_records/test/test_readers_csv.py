@@ -403,4 +403,7 @@ def test_every_channel_of_the_contract_has_a_unit() -> None:
         "sprung_acceleration",
         "unsprung_acceleration",
         "temperature",
+        "actuator_force",
+        "sprung_displacement",
+        "unsprung_displacement",
     }
