@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-DT, SECONDS, RECORDS = 0.005, 9.0, 2
+DT, SECONDS, RECORDS, FINE = 0.005, 9.0, 2, 25
 DECIMALS = 7
 """Significant digits of a table."""
 TIMES = ("Zeit", "Time", "Messzeit", "timestamp", "t")
@@ -54,21 +54,24 @@ class Foreign:
 
 
 def motion(rng: np.random.Generator, n: int, stroke: float) -> tuple[Array, Array]:
-    """Deflection [m] and velocity [m/s] of six sines that reach a stroke."""
+    """Deflection [m] and velocity [m/s] of six sines that reach a stroke, at `FINE` points a sample (FINE n,)."""
     w = 2 * np.pi * np.array([0.7, 1.3, 2.1, 3.4, 5.2, 7.3]) * rng.uniform(0.85, 1.15, 6)
-    angle = np.multiply.outer(np.arange(n) * DT, w) + rng.uniform(0, 2 * np.pi, w.size)
+    angle = np.multiply.outer(np.arange(FINE * n) * (DT / FINE), w) + rng.uniform(
+        0, 2 * np.pi, w.size
+    )
     x, v = np.sin(angle) @ (1 / w), np.cos(angle) @ np.ones(w.size)
     scale = stroke / np.max(np.abs(x))
     return scale * x, scale * v
 
 
-def formed(u: Array, tau: float) -> Array:
-    """The field (n,) behind a duty that holds for a sample, with a response time [s]."""
-    h, keep = np.empty(u.size), np.exp(-DT / tau)
-    h[0] = u[0]
-    for k in range(1, u.size):
-        h[k] = u[k - 1] + keep * (h[k - 1] - u[k - 1])
-    return h
+def yielding(u: Array, gate: Array, tau: float) -> Array:
+    """Yield force (n,) over its largest: duty times gate, (1.12) with a response time [s]; gate (FINE n,) is finer."""
+    goal = np.repeat(u, FINE) * gate
+    h, step = np.empty(goal.size), DT / FINE
+    keep, h[0] = np.exp(-step / tau), goal[0]
+    for k in range(1, goal.size):
+        h[k] = goal[k - 1] + keep * (h[k - 1] - goal[k - 1])
+    return h[::FINE]
 
 
 def hidden_force(effect: str, size: float, x: Array, v: Array, stroke: float, top: float) -> Array:
@@ -95,19 +98,20 @@ def measured(
     tau, skew = rng.uniform(0.015, 0.035), rng.uniform(0.4, 0.7)
     motions = [motion(rng, n, stroke * s) for s in (1.0, rng.uniform(0.85, 1.0))]
     top = float(np.max(np.abs(motions[0][1])))
-    for x, v in motions[:RECORDS]:
-        width = 0.02 * top
+    width = 0.02 * top
+    for fine_x, fine_v in motions:
+        x, v = fine_x[::FINE], fine_v[::FINE]
         F = force * (c * v / top + k * x / stroke)
         if kind == "passive":
             F = F - force * c * skew * np.minimum(v, 0.0) / top
         if kind in ("mr", "friction"):
             F = F + friction * force * np.tanh(v / width)
         F = F + hidden_force(hidden, share * force, x, v, stroke, top)
-        record = {"t": np.arange(n) * DT, "x": x, "v": v}
+        record = {"t": np.arange(n) * DT, "wished": x}
         if driven:
             u = np.repeat(rng.choice([0.0, 0.33, 0.67, 1.0], n // 120 + 1), 120)[:n]
             u[:120] = 1.0
-            F = F + level * force * formed(u, tau) * np.tanh(v / width)
+            F = F + level * force * yielding(u, np.tanh(fine_v / width), tau)
             record["u"] = u
         record["F"] = F + 3e-3 * force * rng.standard_normal(n)
         record["x"] = x + 2e-4 * stroke * rng.standard_normal(n)
@@ -125,6 +129,7 @@ def make(folder: Path, seed: int, kind: str | None = None) -> Foreign:
     records = measured(rng, kind, hidden, float(force), float(stroke))
     shape = str(rng.choice(SHAPES))
     around, turned = rng.choice([-1.0, 1.0], 2)
+    style = int(rng.integers(3))
     full, unit = rng.uniform(0.5, 5.0), str(rng.choice(list(DUTIES)))
     full = 100.0 if unit == "%" else full
     length = str(rng.choice(list(METRE)))
@@ -138,12 +143,17 @@ def make(folder: Path, seed: int, kind: str | None = None) -> Foreign:
         columns.append(("v", str(rng.choice(SPEEDS)), speed, around * METRE[speed.split("/")[0]]))
     if "u" in records[0]:
         columns.append(("u", str(rng.choice(DUTIES[unit])), unit, full))
+    others = [
+        ("t", "Zyklus", "", 0.0),
+        ("wished", f"{columns[1][1]}_soll", length, around * METRE[length]),
+    ]
+    columns += [each for each in others if rng.uniform() < 0.5]
     columns = [columns[0], *(columns[1 + k] for k in rng.permutation(len(columns) - 1))]
     folder.mkdir(parents=True)
     for number, record in enumerate(records, start=1):
         table = {f"{name}": record[key] * factor for key, name, _, factor in columns}
         units = {name: unit for _, name, unit, _ in columns}
-        WRITERS[shape](folder / f"Lauf {number}", table, units, bool(seed % 2))
+        WRITERS[shape](folder / f"Lauf {number}", table, units, style)
     said = _said(columns) if shape == "mat" else {}
     return Foreign(
         kind, hidden, float(force), float(stroke), shape, {c[1]: c[2] for c in columns}, said
@@ -167,7 +177,11 @@ def _said(columns: list[tuple[str, str, str, float]]) -> dict[str, str]:
         "F": "damper_force",
         "u": "duty",
     }
-    return {channels[key]: f"{_plain(name)} [{unit}]" for key, name, unit, _ in columns}
+    return {
+        channels[key]: f"{_plain(name)} [{unit}]"
+        for key, name, unit, _ in columns
+        if key in channels and unit
+    }
 
 
 def _plain(name: str) -> str:
@@ -177,11 +191,12 @@ def _plain(name: str) -> str:
 
 def _text(
     delimiter: str, comma: bool
-) -> Callable[[Path, dict[str, Array], dict[str, str], bool], None]:
-    """A writer of text tables; in_row: units stand in a row of their own, else in brackets."""
+) -> Callable[[Path, dict[str, Array], dict[str, str], int], None]:
+    """A writer of text tables; style 0, 1, 2: units in a row of their own, in square or in round brackets."""
 
-    def write(path: Path, table: dict[str, Array], units: dict[str, str], in_row: bool) -> None:
-        names = list(table) if in_row else [f"{n} [{units[n]}]" for n in table]
+    def write(path: Path, table: dict[str, Array], units: dict[str, str], style: int) -> None:
+        marks = ("{}", "{} [{}]", "{} ({})")
+        names = [marks[style if units[n] else 0].format(n, units[n]) for n in table]
         rows = [
             delimiter.join(f"{v:.{DECIMALS}g}" for v in row)
             for row in np.stack(list(table.values()), axis=1)
@@ -189,16 +204,16 @@ def _text(
         rows = [row.replace(".", ",") for row in rows] if comma else rows
         head = [
             delimiter.join(names),
-            *([delimiter.join(units[n] for n in table)] if in_row else []),
+            *([delimiter.join(units[n] for n in table)] if style == 0 else []),
         ]
         path.with_suffix(".csv").write_text("\n".join([*head, *rows]) + "\n", encoding="utf-8")
 
     return write
 
 
-def _tdms(path: Path, table: dict[str, Array], units: dict[str, str], in_row: bool) -> None:
+def _tdms(path: Path, table: dict[str, Array], units: dict[str, str], style: int) -> None:
     """LabVIEW: units as properties of the channels."""
-    del in_row
+    del style
     from nptdms import ChannelObject, TdmsWriter
 
     with TdmsWriter(str(path.with_suffix(".tdms"))) as writer:
@@ -207,9 +222,9 @@ def _tdms(path: Path, table: dict[str, Array], units: dict[str, str], in_row: bo
         )
 
 
-def _mat(path: Path, table: dict[str, Array], units: dict[str, str], in_row: bool) -> None:
+def _mat(path: Path, table: dict[str, Array], units: dict[str, str], style: int) -> None:
     """MATLAB: vectors without units."""
-    del in_row, units
+    del style, units
     from scipy.io import savemat
 
     savemat(path.with_suffix(".mat"), {_plain(n): y for n, y in table.items()})

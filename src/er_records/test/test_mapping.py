@@ -222,6 +222,23 @@ def test_a_full_scale_is_no_smaller_than_the_largest_value() -> None:
     assert [nice(v) for v in (1.6, 0.99951, 12.34, 437.0)] == [1.6, 1.0, 12.4, 437.0]
 
 
+def test_a_unit_that_one_format_states_counts_for_the_one_that_cannot(tmp_path: Path) -> None:
+    data = truth(np.random.default_rng(5))
+    y = {"Zeit": data["t"], "Weg": 1e3 * data["deflection"], "Kraft": 1e-3 * data["damper_force"]}
+    with TdmsWriter(str(tmp_path / "a.tdms")) as writer:
+        units = {"Zeit": "s", "Weg": "mm", "Kraft": "kN"}
+        writer.write_segment(
+            [ChannelObject("g", n, v, {"unit_string": units[n]}) for n, v in y.items()]
+        )
+    savemat(tmp_path / "b.mat", y)
+    found = mapped(tmp_path)
+    assert found.names["damper_force"] == {"from": "Kraft", "unit": "kN"}
+    found.save()
+    for record in load([tmp_path]):
+        for channel in ("deflection", "damper_force"):
+            np.testing.assert_allclose(record.channels[channel], data[channel], rtol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("name", "unit", "channel"),
     [
