@@ -1,4 +1,4 @@
-"""docs/my_rig.md, command by command as a stranger would type it; and folders that nobody has seen, all the same way."""
+"""docs/my_rig.md, command by command as a stranger types it; and folders that nobody has seen, all the same way."""
 
 import json
 import re
@@ -18,6 +18,12 @@ from test.foreign import make
 TEXT = (ROOT / PAGE).read_text(encoding="utf-8")
 DATA = ROOT / "docs" / "my_rig" / "messung"
 MAKE = runpy.run_path(str(ROOT / "docs" / "my_rig" / "make.py"))
+
+NAMES = {
+    "t": "Zeit", "deflection": {"from": "Kolbenweg", "unit": "mm"},
+    "duty": {"from": "Strom", "unit": "A", "full_scale": MAKE["TOP_CURRENT"]},
+    "damper_force": {"from": "Kraft", "unit": "kN", "sign": -1},
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -57,19 +63,12 @@ def test_the_numbers_of_the_page_are_those_that_come_out(followed_page):
 
 def test_the_data_of_the_page_are_made_by_the_script_beside_them(tmp_path):
     MAKE["main"](tmp_path)
-    made, kept = (lab.load(p, names=MAKE_NAMES).records for p in (tmp_path, DATA))
+    made, kept = (lab.load(p, names=NAMES).records for p in (tmp_path, DATA))
     assert [r.name for r in made] == [r.name for r in kept] == ["fahrt_1", "fahrt_2", "fahrt_3"]
     for one, other in zip(made, kept, strict=True):
         for channel, samples in one.channels.items():
             np.testing.assert_allclose(samples, other.channels[channel], rtol=1e-6, atol=1e-9)
     assert sum(path.stat().st_size for path in DATA.iterdir()) < 500e3
-
-
-MAKE_NAMES = {
-    "t": "Zeit", "deflection": {"from": "Kolbenweg", "unit": "mm"},
-    "duty": {"from": "Strom", "unit": "A", "full_scale": MAKE["TOP_CURRENT"]},
-    "damper_force": {"from": "Kraft", "unit": "kN", "sign": -1},
-}  # fmt: skip
 
 
 def run(*words):

@@ -233,6 +233,9 @@ def test_a_unit_that_one_format_states_counts_for_the_one_that_cannot(tmp_path: 
     savemat(tmp_path / "b.mat", y)
     found = mapped(tmp_path)
     assert found.names["damper_force"] == {"from": "Kraft", "unit": "kN"}
+    assert [g.channel for s in found.survey.columns if (g := found.channel_of(s))] == [
+        "t", "deflection", "damper_force", "t", "deflection", "damper_force",
+    ]  # fmt: skip
     found.save()
     for record in load([tmp_path]):
         for channel in ("deflection", "damper_force"):

@@ -61,9 +61,10 @@ class Mapped:
 
     def channel_of(self, seen: Seen) -> Guess | None:
         """What a column is taken for."""
-        each = self.guesses.values()
-        alike = (g for g in each if g.seen.name == seen.name and not seen.unit)
-        return next((*(g for g in each if g.seen.header == seen.header), *alike), None)
+        each = list(self.guesses.values())
+        own = [g for g in each if g.seen.header == seen.header]
+        alike = [g for g in each if g.seen.name == seen.name and not seen.unit]
+        return next(iter(own + alike), None)
 
     def rate_of(self, seen: Seen) -> float:
         """Rate of a column [Hz]; nan where no time is known."""
