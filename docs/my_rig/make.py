@@ -22,8 +22,8 @@ STROKE, TOP_CURRENT = 0.032, 1.6
 """Largest deflection [m] and current [A]."""
 VISCOUS, FRICTION, YIELD, RESPONSE, WIDTH = 900.0, 90.0, 650.0, 0.022, 0.012
 """Damping [N s/m], friction [N], yield force at full current [N], its response time [s], pre-yield velocity [m/s]."""
-STOP, RUBBER, POWER = 0.024, 9.0e5, 1.6
-"""Where the rubber begins [m], its stiffness [N/m^POWER] and the power of its course."""
+STOP, RUBBER = 0.024, 5.0e4
+"""Where the rubber begins [m], and its stiffness [N/m]."""
 NOISE = {"Kolbenweg": 0.006, "Kraft": 0.0025, "Strom": 0.0}
 """Standard deviations in the units of the files."""
 UNITS = {"Zeit": "s", "Kolbenweg": "mm", "Kraft": "kN", "Strom": "A"}
@@ -36,7 +36,7 @@ def force(x: Array, v: Array, duty: Array) -> Array:
     for k, goal in enumerate(duty * gate):
         field[k] = level
         level = goal + keep * (level - goal)
-    rubber = RUBBER * np.sign(x) * np.maximum(np.abs(x) - STOP, 0.0) ** POWER
+    rubber = RUBBER * np.sign(x) * np.maximum(np.abs(x) - STOP, 0.0)
     return VISCOUS * v + FRICTION * gate + YIELD * field + rubber
 
 
