@@ -30,6 +30,8 @@ METRE = {"m": 1.0, "cm": 1e2, "mm": 1e3, "in": 1 / 0.0254}
 NEWTON = {
     "N": 1.0, "kN": 1e-3, "daN": 0.1, "kgf": 1 / 9.80665, "lbf": 1 / 4.4482216152605, "kip": 1 / 4448.2216152605,
 }  # fmt: skip
+MARKS = ("{}", "{} [{}]", "{} ({})", "{} / {}", "{} in {}")
+"""How a unit stands behind a name; the first: in a row of its own."""
 SHAPES = ("semicolon", "comma", "tab", "tdms", "mat")
 HIDDEN = {
     "er": ("coulomb_friction", "gas_spring", "end_stop", "quadratic_damping", "asymmetric_damping"),
@@ -129,7 +131,7 @@ def make(folder: Path, seed: int, kind: str | None = None) -> Foreign:
     records = measured(rng, kind, hidden, float(force), float(stroke))
     shape = str(rng.choice(SHAPES))
     around, turned = rng.choice([-1.0, 1.0], 2)
-    style = int(rng.integers(3))
+    style = int(rng.integers(len(MARKS)))
     full, unit = rng.uniform(0.5, 5.0), str(rng.choice(list(DUTIES)))
     full = 100.0 if unit == "%" else full
     length = str(rng.choice(list(METRE)))
@@ -192,11 +194,10 @@ def _plain(name: str) -> str:
 def _text(
     delimiter: str, comma: bool
 ) -> Callable[[Path, dict[str, Array], dict[str, str], int], None]:
-    """A writer of text tables; style 0, 1, 2: units in a row of their own, in square or in round brackets."""
+    """A writer of text tables; style: of `MARKS`, or a row of its own for the units."""
 
     def write(path: Path, table: dict[str, Array], units: dict[str, str], style: int) -> None:
-        marks = ("{}", "{} [{}]", "{} ({})")
-        names = [marks[style if units[n] else 0].format(n, units[n]) for n in table]
+        names = [MARKS[style if units[n] else 0].format(n, units[n]) for n in table]
         rows = [
             delimiter.join(f"{v:.{DECIMALS}g}" for v in row)
             for row in np.stack(list(table.values()), axis=1)
