@@ -29,6 +29,8 @@ CONTRACT = "the name of docs/data.md"
 """Why a column is sure whose name is the channel's own: without a unit it is SI."""
 NOISY = 0.02
 """Share by which noise may lift the largest current above a full scale of two digits."""
+HELD, EXACT = 0.01, 1e-4
+"""Share of samples that are the largest one, and how exactly, where no noise lifts it."""
 SNAP = 0.04
 """Share by which a factor that physics finds may miss a unit's."""
 
@@ -325,6 +327,8 @@ def _with_full_scale(guess: Guess, high: float) -> Guess:
     if high <= 0.0:
         return guess.more(0.0, "zero throughout", full_scale=1.0)
     near = float(f"{high:.2g}")
+    if float(np.mean(guess.seen.samples >= (1.0 - EXACT) * high)) > HELD:
+        near = float(f"{high:.5g}")
     full = near if abs(high / near - 1.0) <= NOISY else nice(high)
     return guess.more(
         -0.05,
