@@ -67,7 +67,8 @@ def clean(record: Record) -> list[Record]:
     notes = [
         f"{piece.name} ({len(piece)} samples) is too short and was dropped" for piece in dropped
     ]
-    return [sampling.with_velocity(sampling.even(piece)).noted(*notes) for piece in long_enough]
+    even = (sampling.with_deflection(sampling.even(piece)) for piece in long_enough)
+    return [sampling.with_velocity(piece).noted(*notes) for piece in even]
 
 
 def check_time(record: Record) -> None:
