@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 DT, SECONDS, RECORDS, FINE = 0.005, 9.0, 2, 25
+DELAY, POWER = 0.004, 1.7
+"""Delay of a force channel [s], and power of a field."""
 DECIMALS = 7
 """Significant digits of a table."""
 TIMES = ("Zeit", "Time", "Messzeit", "timestamp", "t")
@@ -33,12 +35,13 @@ NEWTON = {
 MARKS = ("{}", "{} [{}]", "{} ({})", "{} / {}", "{} in {}")
 """How a unit stands behind a name; the first: in a row of its own."""
 SHAPES = ("semicolon", "comma", "tab", "tdms", "mat")
+_ANY = ("gas_spring", "end_stop", "quadratic_damping", "preload", "force_delay")
 HIDDEN = {
-    "er": ("coulomb_friction", "gas_spring", "end_stop", "quadratic_damping", "asymmetric_damping"),
-    "mr": ("gas_spring", "end_stop", "quadratic_damping", "asymmetric_damping"),
-    "passive": ("coulomb_friction", "gas_spring", "end_stop", "quadratic_damping"),
-    "friction": ("gas_spring", "end_stop", "quadratic_damping", "asymmetric_damping"),
-}  # fmt: skip
+    "er": (*_ANY, "coulomb_friction", "asymmetric_damping", "field_exponent"),
+    "mr": (*_ANY, "asymmetric_damping", "field_exponent"),
+    "passive": (*_ANY, "coulomb_friction"),
+    "friction": (*_ANY, "asymmetric_damping"),
+}
 """Kinds of start models, and effects that none of them holds."""
 
 
@@ -84,8 +87,9 @@ def hidden_force(effect: str, size: float, x: Array, v: Array, stroke: float, to
         "end_stop": lambda: size * np.sign(x) * (np.maximum(np.abs(x) / stroke - 0.7, 0.0) / 0.3) ** 1.5,
         "quadratic_damping": lambda: size * v * np.abs(v) / top**2,
         "asymmetric_damping": lambda: size * np.maximum(v, 0.0) / top,
+        "preload": lambda: np.full(x.size, 0.25 * size),
     }  # fmt: skip
-    return laws[effect]()
+    return laws[effect]() if effect in laws else np.zeros(x.size)
 
 
 def measured(
@@ -113,9 +117,11 @@ def measured(
         if driven:
             u = np.repeat(rng.choice([0.0, 0.33, 0.67, 1.0], n // 120 + 1), 120)[:n]
             u[:120] = 1.0
-            F = F + level * force * yielding(u, np.tanh(fine_v / width), tau)
+            shown = u**POWER if hidden == "field_exponent" else u
+            F = F + level * force * yielding(shown, np.tanh(fine_v / width), tau)
             record["u"] = u
-        record["F"] = F + 3e-3 * force * rng.standard_normal(n)
+        t, late = record["t"], DELAY if hidden == "force_delay" else 0.0
+        record["F"] = np.interp(t - late, t, F) + 3e-3 * force * rng.standard_normal(n)
         record["x"] = x + 2e-4 * stroke * rng.standard_normal(n)
         record["v"] = v + 2e-3 * top * rng.standard_normal(n)
         records.append(record)
