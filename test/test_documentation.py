@@ -15,8 +15,8 @@ from test.conftest import ROOT
 from test.graph_help import own_domain
 
 pytestmark = pytest.mark.slow
-IN_ORDER = ("tutorial.md",)
-"""Documents whose commands need those before them: test_tutorial runs them."""
+IN_ORDER = ("tutorial.md", "my_rig.md")
+"""Documents whose commands need those before them: test_tutorial and test_my_rig run them."""
 DOCUMENTS = [
     ROOT / "README.md",
     *(path for path in sorted((ROOT / "docs").glob("*.md")) if path.name not in IN_ORDER),

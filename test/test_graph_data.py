@@ -73,6 +73,7 @@ def test_a_bad_argument_is_one_line(pair: str, words: str) -> None:
         ),
         ("observers:=unified, unified", "observers: expected .*, found 'unified' twice"),
         ("gains:=unified", "gains: expected one observer beside it .*found unified,nlpv"),
+        ("damper:=monotube_passive", "one that belongs to this car, found one of 1500 N"),
         ("hardware:=udp:rig:5005", "calibration: expected the calibration .*found nothing"),
         ("hardware:=udp:127.0.0.1:99999", "hardware: expected a port of at most 65535"),
         ("hardware:=can:0", "hardware: expected serial:PORT or serial:PORT@BAUD, udp:HOST:PORT"),

@@ -210,7 +210,11 @@ def _plant(given: Mapping[str, str], config: Path) -> dict[str, Value]:
         "rate_factor": float(given["rate_factor"]),
     }
     if given["damper"]:
+        from er_plant_sim.build import car  # a kernel, which no other argument needs
+
         parameters["damper_file"] = find(given["damper"], config, "dampers")
+        own = [find(file.strip(), config) for file in given["effects_from"].split(",") if file]
+        car(find(given["model"], config, "vehicles"), str(parameters["damper_file"]), own)
     return parameters
 
 

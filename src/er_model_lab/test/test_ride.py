@@ -12,14 +12,17 @@ from er_model_lab.diagnosis.null import simulate_null
 from er_model_lab.level.car_outputs import confounded
 from er_model_lab.problem import stretches
 from er_model_lab.problem.held_out import FOLDS
-from er_model_lab.vehicle.ride import CHANNELS, SETTLE
+from er_model_lab.vehicle.ride import SETTLE
 from er_model_lab.vehicle.ride_problem import open_ride
 from er_models.errors import InputError
 from er_models.files import load_model, save_model
 from er_models.simulation import simulate
 from er_records.dataset import Dataset
 from er_records.record import Record
+from scipy.integrate import solve_ivp
 from typer.testing import CliRunner
+
+from er_model_lab import add
 
 CAR = Path(__file__).resolve().parents[3] / "config" / "vehicles" / "inove_quarter_car.yaml"
 DT, LEAD = 0.005, 200
@@ -48,6 +51,92 @@ def ride(seed=1, seconds=14.0, truth=None, without=(), finer=1):
     return Record(f"ride {seed}", t[LEAD * finer :: finer], kept)
 
 
+def active(seed=1, seconds=8.0, truth=None):
+    """A ride with an actuator beside the damper and heights of body and wheel; SciPy integrates (2.1)-(2.5), (1.22)."""
+    rng, model = np.random.default_rng(seed), truth or load_model(CAR)
+    c, d, g = (model.effects[name] for name in ("quarter_car", "passive", "guo_yield"))
+    tau, extra = model.value("response", "tau"), model.effects.get("guide_friction")
+    n = round(seconds / DT)
+    t, f = DT * np.arange(n), np.array([1.3, 2.2, 3.1, 4.4])
+    road = np.sin(np.multiply.outer(t, 2 * np.pi * f) + rng.uniform(0, 6.0, 4)) @ (0.006 / f)
+    force = 3.0 * np.sin(np.multiply.outer(t, 2 * np.pi * f[::-1] * 1.17)) @ np.ones(4) / 2.0
+    duty = np.repeat(rng.choice([0.0, 0.1, 0.3], n // 100 + 1), 100)[:n]
+
+    def rate(s, y, k):
+        z_s, z_us, v_s, v_us, f_y = y
+        x, v, share = z_s - z_us, v_s - v_us, s / DT - k
+        f_a, z_r = ((1 - share) * w[k] + share * w[min(k + 1, n - 1)] for w in (force, road))
+        gate = g["f_c"] * duty[k] * np.tanh(g["k1"] * x + g["c1"] * v)
+        f_d = d["k0"] * x + d["c0"] * v + f_y
+        f_g = extra["F_g"] * np.tanh(v / extra["v_0"]) if extra else 0.0
+        pull, tyre = c["k_s"] * x + f_d + f_a + f_g, c["k_t"] * (z_us - z_r)
+        return [v_s, v_us, -pull / c["m_s"], (pull - tyre) / c["m_us"], (gate - f_y) / tau], f_d
+
+    y, rows = np.array([road[0], road[0], 0.0, 0.0, 0.0]), []
+    for k in range(n):
+        slope, f_d = rate(t[k], y, k)
+        rows.append((y[0] - y[1], y[0], y[1], f_d, slope[2]))
+        end = solve_ivp(
+            lambda s, y, k=k: rate(s, y, k)[0],
+            (t[k], t[k] + DT),
+            y,
+            method="LSODA",
+            rtol=1e-8,
+            atol=1e-11,
+        )
+        y = end.y[:, -1]
+    names = (
+        "deflection",
+        "sprung_displacement",
+        "unsprung_displacement",
+        "damper_force",
+        "sprung_acceleration",
+    )
+    noise = {**NOISE, "sprung_displacement": 3e-5, "unsprung_displacement": 3e-5}
+    clean = dict(zip(names, np.array(rows).T, strict=True))
+    channels = {k: v + noise[k] * rng.standard_normal(n) for k, v in clean.items()}
+    return Record(
+        f"active {seed}", t, channels | {"road": road, "duty": duty, "actuator_force": force}
+    )
+
+
+def test_a_car_with_an_actuator_is_compared_and_leaves_its_noise(tmp_path):
+    import json
+
+    record, found = active(), tmp_path / "r.json"
+    noise = {**NOISE, "sprung_displacement": 3e-5, "unsprung_displacement": 3e-5}
+    words = ("--model", CAR, "--level", "vehicle", "--json", found)
+    assert lab("compare", write(tmp_path / "a.csv", record), *words).exit_code == 0
+    channels = json.loads(found.read_text())["channels"]
+    assert {*channels} == {*record.channels} - {"road", "duty", "actuator_force"}
+    for name, entry in channels.items():
+        assert entry["rmse"] == pytest.approx(noise[name], rel=0.08), name
+    assert channels["sprung_displacement"]["unit"] == "m"
+    left = {k: v for k, v in record.channels.items() if k != "actuator_force"}
+    assert (
+        lab("compare", write(tmp_path / "b.csv", replace(record, channels=left)), *words).exit_code
+        == 0
+    )
+    without = json.loads(found.read_text())["channels"]["sprung_displacement"]["rmse"]
+    assert without > 10.0 * noise["sprung_displacement"]
+
+
+def test_with_an_actuator_a_spring_is_fitted_and_friction_beside_the_damper_added(tmp_path):
+    record = active(seconds=5.0, truth=hidden())
+    car = load_model(CAR)
+    softer = {**car.effects["quarter_car"], "k_s": 1300.0}
+    given = replace(car, effects={**car.effects, "quarter_car": softer})
+    one = add(Dataset.of([record]), given, "guide_friction", level="vehicle")
+    assert one.model.value("quarter_car", "k_s") == pytest.approx(1396.0, rel=0.01)
+    assert one.model.value("guide_friction", "F_g") == pytest.approx(FRICTION["F_g"], rel=0.05)
+
+
+def test_where_only_some_records_have_an_actuator_it_counts_as_none_in_the_others():
+    problem, _ = open_ride(Dataset.of([active(seconds=4.0), ride(seconds=5.0)]), load_model(CAR))
+    assert "actuator_force counts as 0 in 1 of 2 records, which lack it" in problem.notes
+    assert not problem.forward.courses[1].beside.any()
+
+
 def hidden():
     return load_model(CAR).with_effect("guide_friction", FRICTION)
 
@@ -60,7 +149,7 @@ def opened():
 def test_a_record_that_begins_in_motion_leaves_its_noise_alone(opened):
     problem, fitted = opened
     forward = problem.forward
-    assert forward.names == tuple(CHANNELS)
+    assert forward.names == tuple(NOISE)
     for c, name in enumerate(forward.names):
         left = fitted.residual[c :: len(forward.names)][problem.used[c :: len(forward.names)]]
         assert np.std(left) / forward.weights[c] == pytest.approx(NOISE[name], rel=0.06)

@@ -14,18 +14,24 @@ from er_models.model import Array, Model
 
 
 def vehicle_point(
-    model: Model, q: Array, w: Array, u: float, road_rate: float, t: float = 0.0
+    model: Model,
+    q: Array,
+    w: Array,
+    u: float,
+    road_rate: float,
+    t: float = 0.0,
+    beside: float = 0.0,
 ) -> tuple[Array, Array, Array]:
     """Rates of the mechanical state (4,) and of the damper states (n_states,), and outputs (6,).
 
     q = [z_def, v_s, z_us - z_r, v_us] as in (2.11), [m, m/s]; no dead time. The outputs are a_s, a_us [m/s2], F_d, the
-    measured force [N] and both reported accelerations [m/s2].
+    measured force [N] and both reported accelerations [m/s2]. beside: force between the masses beside the damper [N].
     """
     c = model.compiled(plant=True)
     rate, drive, out = np.zeros(w.shape[0]), np.zeros(w.shape[0]), np.zeros((1, 6))
     kernel(model.catalogue).vehicle_point(
         c.on, c.slots, c.links, c.p, np.asarray(q, float), np.asarray(w, float), float(u), float(t),
-        float(road_rate), rate, drive, out,
+        float(beside), float(road_rate), rate, drive, out,
     )  # fmt: skip
     dw = np.zeros(w.shape[0])
     dw[c.slots] = drive[c.slots] - rate[c.slots] * w[c.slots]

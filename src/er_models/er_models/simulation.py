@@ -16,6 +16,8 @@ SUBSTEP = 0.3125e-3
 """Longest step of the integrator in the quarter car [s]."""
 LONGEST_DELAY = 0.08
 """Duties are remembered this long for the dead time [s]."""
+NOTHING = np.zeros(2)
+"""Force beside the damper where there is none [N]."""
 
 
 class State(NamedTuple):
@@ -101,34 +103,48 @@ def step(plant: Plant, state: State, inputs: tuple[float, float]) -> tuple[State
     road, duty = inputs
     heights = np.array([state.road, road], float)
     rates = np.array([(road - state.road) / plant.dt])
-    end, _, outputs = _run(plant, state, heights, np.array([duty], float), rates, False)
+    end, _, outputs = _run(
+        plant, state, heights, np.array([duty], float), rates, False, np.zeros(2)
+    )
     sprung, unsprung, true, measured, deflection, velocity = outputs[0].tolist()
     return end, Output(sprung, unsprung, deflection, velocity, true, measured)
 
 
 def simulate(
-    model: Model, dt: float, road: Array, duty: Array, q: Array | None = None
+    model: Model,
+    dt: float,
+    road: Array,
+    duty: Array,
+    q: Array | None = None,
+    actuator_force: Array | None = None,
 ) -> dict[str, Array]:
     """Record of the quarter car without noise: channels by name, (n,) each [SI].
 
     dt: time between samples [s]; road (n,): height at each sample [m], straight between two; duty (n,): held from each
-    sample on; q (4,): mechanical state to begin with, at rest on the road where absent. Channels: t, road, deflection,
-    deflection_velocity, duty, damper_force, sprung_acceleration, unsprung_acceleration, tyre_deflection. Where the
-    force jumps with the duty (no response time) a row holds the force under its own duty, while `step` cannot know
-    the next one yet.
+    sample on; q (4,): mechanical state to begin with, at rest on the road where absent. actuator_force (n,): acts
+    between the masses beside the damper, positive where it resists extension as a damper force does, straight between
+    two samples [N].
+
+    Channels: t, road, deflection, deflection_velocity, duty, damper_force, sprung_acceleration, unsprung_acceleration,
+    tyre_deflection, sprung_displacement, unsprung_displacement, and the actuator's force where it is given.
+    Displacements are 0 where the car stands on a road of height 0. Where the damper force jumps with the duty (no
+    response time) a row holds the force under its own duty, while `step` cannot know the next one yet.
 
     Source: thesis (2.5).
 
     Raises:
-        InputError: No quarter car in the model, a sensor that cannot be simulated, or a duty that is not as long as the
-            road.
+        InputError: No quarter car in the model, a sensor that cannot be simulated, or an input that is not as long as
+            the road.
     """
     plant = prepare(model, dt)
     road, duty = np.asarray(road, np.float64), np.asarray(duty, np.float64)
-    if road.ndim != 1 or not road.size or duty.shape != road.shape:
-        raise InputError("simulate", "duty", f"samples as the road, {road.shape}", f"{duty.shape}")
+    given = {} if actuator_force is None else {"actuator_force": np.asarray(actuator_force, float)}
+    for name, y in {"duty": duty, **given}.items():
+        if road.ndim != 1 or not road.size or y.shape != road.shape:
+            raise InputError("simulate", name, f"samples as the road, {road.shape}", f"{y.shape}")
     start = initial_state(plant, float(road[0]), float(duty[0]), q)
-    _, states, outputs = history(plant, start, road, duty)
+    _, states, outputs = history(plant, start, road, duty, beside=given.get("actuator_force"))
+    wheel = states[:, 2] + road
     return {
         "t": dt * np.arange(road.size, dtype=np.float64),
         "road": road,
@@ -139,27 +155,37 @@ def simulate(
         "sprung_acceleration": outputs[:, 0],
         "unsprung_acceleration": outputs[:, 1],
         "tyre_deflection": states[:, 2],
-    }
+        "sprung_displacement": states[:, 0] + wheel,
+        "unsprung_displacement": wheel,
+    } | given
 
 
 def history(
-    plant: Plant, start: State, road: Array, duty: Array, rates: Array | None = None
+    plant: Plant,
+    start: State,
+    road: Array,
+    duty: Array,
+    rates: Array | None = None,
+    beside: Array | None = None,
 ) -> tuple[State, Array, Array]:
     """A record (n,) from a state on: the state at its last sample, mechanical states (n, 4) and outputs (n, 6).
 
     outputs: both reported accelerations, true and measured force, reported deflection and velocity. road
     (m (n - 1) + 1,): m straight lines a sample, of which the plant's steps are a multiple. rates (n,): of the road
-    at each sample [m/s]; else those of the lines to the next one, m being 1.
+    at each sample [m/s]; else those of the lines to the next one, m being 1. beside (n,): force beside the damper at
+    each sample [N]; none where absent.
     """
     if rates is None:
         rates = np.append(np.diff(road) / plant.dt, 0.0)
-    end, states, outputs = _run(plant, start, road, duty, rates[1:], True)
+    beside = np.zeros(rates.size) if beside is None else beside
+    end, states, outputs = _run(plant, start, road, duty, rates[1:], True, beside)
     states = np.concatenate([start.q[None], states])
-    return end, states, np.concatenate([_first(plant, start, float(rates[0])), outputs])
+    first = _first(plant, start, float(rates[0]), float(beside[0]))
+    return end, states, np.concatenate([first, outputs])
 
 
 def _run(
-    plant: Plant, state: State, road: Array, duty: Array, rates: Array, ahead: bool
+    plant: Plant, state: State, road: Array, duty: Array, rates: Array, ahead: bool, beside: Array
 ) -> tuple[State, Array, Array]:
     """State after a road, mechanical states (n, 4) and outputs (n, 6) at the end of each sample."""
     c, n = plant.c, rates.shape[0]
@@ -167,14 +193,14 @@ def _run(
     states, outputs = np.empty((n, 4)), np.empty((n, 6))
     kernel(plant.model.catalogue).run_vehicle(
         c.on, c.slots, c.links, c.p, q, w, state.duties, plain(duty), state.t, plant.dt, plain(road), plain(rates),
-        plant.n_sub, plant.tolerance, ahead, plant.reading, memory, states, outputs,
+        plain(beside), plant.n_sub, plant.tolerance, ahead, plant.reading, memory, states, outputs,
     )  # fmt: skip
     duties = np.concatenate([state.duties, duty[:n]])[-plant.depth :]
     end = State(state.t + n * plant.dt, float(road[-1]), q, w, duties, memory)
     return end, states, outputs
 
 
-def _first(plant: Plant, start: State, slope: float) -> Array:
+def _first(plant: Plant, start: State, slope: float, beside: float) -> Array:
     """Outputs (1, 6) at the start of a record."""
     c, out, rate = plant.c, np.zeros((1, 6)), np.zeros(start.w.shape[0])
     kernel(plant.model.catalogue).vehicle_point(
@@ -186,6 +212,7 @@ def _first(plant: Plant, start: State, slope: float) -> Array:
         start.w,
         start.duties[-1],
         start.t,
+        beside,
         slope,
         rate,
         rate.copy(),

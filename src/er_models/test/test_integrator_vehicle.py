@@ -12,6 +12,7 @@ from er_models.program import times
 from er_models.simulation import initial_state, prepare, simulate, step
 from models_help import CONFIG, DT, car, guo, span
 from reference import vehicle_run
+from scipy.integrate import solve_ivp
 
 
 def inputs(seconds: float, dt: float = DT) -> tuple[Array, Array]:
@@ -60,6 +61,48 @@ def test_against_scipy(names: tuple[str, ...]) -> None:
     assert np.abs(run["damper_force"] - force).max() < 1e-3 * span(force)
     assert np.abs(run["deflection"] - states[:, 0]).max() < 1e-3 * span(states[:, 0])
     assert np.abs(run["tyre_deflection"] - states[:, 2]).max() < 1e-3 * span(states[:, 2])
+
+
+def test_a_force_beside_the_damper_against_equations_written_anew() -> None:
+    """SciPy on the thesis's (2.1)-(2.5) and (1.22) with F_a beside F_d, all of it written here."""
+    model = car()
+    p, d, g = (model.effects[name] for name in ("quarter_car", "passive", "guo_yield"))
+    tau = model.value("response", "tau")
+    road, duty = inputs(1.0)
+    t = DT * np.arange(road.size)
+    force = 6.0 * np.sin(2.0 * np.pi * 3.0 * t) + 2.0 * (t > 0.3)
+
+    def rate(s: float, y: Array) -> Array:
+        z_s, z_us, v_s, v_us, f_y = y
+        x, v, f_a = z_s - z_us, v_s - v_us, np.interp(s, t, force)
+        u = duty[min(int(s / DT + 1e-9), duty.size - 1)]
+        f = p["k_s"] * x + d["k0"] * x + d["c0"] * v + f_y + f_a
+        tyre = p["k_t"] * (z_us - np.interp(s, t, road))
+        gate = g["f_c"] * u * np.tanh(g["k1"] * x + g["c1"] * v)
+        return np.array([v_s, v_us, -f / p["m_s"], (f - tyre) / p["m_us"], (gate - f_y) / tau])
+
+    y, states = np.array([road[0], road[0], 0.0, 0.0, 0.0]), []
+    for k in range(road.size):
+        states.append(y)
+        y = solve_ivp(rate, (t[k], t[k] + DT), y, method="LSODA", rtol=1e-9, atol=1e-12).y[:, -1]
+    exact = np.array(states)
+    run = simulate(model, DT, road, duty, actuator_force=force)
+    for name, y in {
+        "sprung_displacement": exact[:, 0],
+        "unsprung_displacement": exact[:, 1],
+        "deflection": exact[:, 0] - exact[:, 1],
+        "damper_force": [
+            -p["m_s"] * rate(s, e)[2] - p["k_s"] * (e[0] - e[1]) - np.interp(s, t, force)
+            for s, e in zip(t, exact)
+        ],
+        "sprung_acceleration": [rate(s, e)[2] for s, e in zip(t, exact)],
+        "unsprung_acceleration": [rate(s, e)[3] for s, e in zip(t, exact)],
+    }.items():
+        assert np.abs(run[name] - y).max() < 1e-3 * span(np.asarray(y)), name
+    without = simulate(model, DT, road, duty)
+    assert np.abs(run["deflection"] - without["deflection"]).max() > 0.1 * span(run["deflection"])
+    with pytest.raises(InputError, match="actuator_force: expected samples as the road"):
+        simulate(model, DT, road, duty, actuator_force=force[:-1])
 
 
 @pytest.mark.parametrize("model", [with_damper(guo().without_effect("response")), bingham_car()])

@@ -135,7 +135,7 @@ class Ride:
         x, v_s, z_t, v_us, road_rate = self.state
         w, rate, out = np.zeros(catalogue.n_states), np.zeros(catalogue.n_states), np.zeros((1, 6))
         kernel(catalogue).vehicle_point(
-            c.on, c.slots, c.links, c.p, np.array([x, v_s, z_t, v_us]), w, 0.0, 0.0, road_rate, rate, rate, out
+            c.on, c.slots, c.links, c.p, np.array([x, v_s, z_t, v_us]), w, 0.0, 0.0, 0.0, road_rate, rate, rate, out
         )  # fmt: skip
         assert out[0, 4:] == pytest.approx(self.reported, rel=1e-9)
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from er_models.belonging import check_belonging
 from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Model
@@ -37,11 +39,22 @@ def build(p: PlantParameters) -> Rig:
 
 def load_plant_model(p: PlantParameters) -> Model:
     """The vehicle, with the damper of another file where one is given; both may use the own effects."""
-    catalogue = effects(p.effects_from)
-    vehicle = load_model(p.model_file, catalogue)
-    if not p.damper_file:
-        return vehicle
-    return damper_replaced(vehicle, load_model(p.damper_file, catalogue))
+    return car(p.model_file, p.damper_file, p.effects_from)
+
+
+def car(model_file: str, damper_file: str, effects_from: Sequence[str] = ()) -> Model:
+    """The vehicle of a file with the damper of another one, "" for its own.
+
+    Raises:
+        InputError: A file cannot be used, or the damper does not belong to this car.
+    """
+    catalogue = effects(effects_from)
+    vehicle = load_model(model_file, catalogue)
+    if damper_file:
+        vehicle = damper_replaced(vehicle, load_model(damper_file, catalogue))
+    if vehicle.is_vehicle:  # else `prepare` says so
+        check_belonging(vehicle)
+    return vehicle
 
 
 def load_given_program(p: PlantParameters) -> Program:

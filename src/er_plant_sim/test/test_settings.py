@@ -125,6 +125,14 @@ def test_a_peak_velocity_means_the_known_vehicle_not_what_is_hidden_in_it() -> N
     assert "bingham_yield" in other.sim.plant.model.effects
 
 
+def test_a_damper_of_another_size_is_refused_with_its_numbers() -> None:
+    monotube = str(CONFIG / "dampers/monotube_passive.yaml")
+    with pytest.raises(InputError, match=r"1500 N on a body of 2.27 kg: static deflection 75"):
+        rig(program_file=CHIRP, damper_file=monotube)
+    car = str(CONFIG / "vehicles/small_car.yaml")
+    assert rig(program_file=CHIRP, model_file=car, damper_file=monotube).dt == 0.005
+
+
 def test_the_rig_ends_with_the_program() -> None:
     made = rig(program_file=CHIRP, duration=0.05)
     state, ticks = start(made), []

@@ -27,6 +27,9 @@ LIMITS: dict[str, tuple[float, str]] = {
     "damper_force": (1e6, "looks like mN"),
     "sprung_acceleration": (2000.0, "looks like mm/s2"),
     "unsprung_acceleration": (5000.0, "looks like mm/s2"),
+    "actuator_force": (1e6, "looks like mN"),
+    "sprung_displacement": (10.0, "looks like mm"),
+    "unsprung_displacement": (10.0, "looks like mm"),
     "temperature": (500.0, "a temperature difference in K is meant"),
 }
 """Largest believable magnitude in SI units, and what a larger one suggests."""
@@ -64,7 +67,8 @@ def clean(record: Record) -> list[Record]:
     notes = [
         f"{piece.name} ({len(piece)} samples) is too short and was dropped" for piece in dropped
     ]
-    return [sampling.with_velocity(sampling.even(piece)).noted(*notes) for piece in long_enough]
+    even = (sampling.with_deflection(sampling.even(piece)) for piece in long_enough)
+    return [sampling.with_velocity(piece).noted(*notes) for piece in even]
 
 
 def check_time(record: Record) -> None:

@@ -16,7 +16,7 @@ CELL = 1e-5
 """Relative width of the cells of root mean squares in which copies are looked for."""
 TELLING = (
     "damper_force", "sprung_acceleration", "unsprung_acceleration", "deflection", "deflection_velocity", "road",
-    "temperature", "duty",
+    "sprung_displacement", "unsprung_displacement", "actuator_force", "temperature", "duty",
 )  # fmt: skip
 """Channels, those first that hardly ever are alike in two runs."""
 

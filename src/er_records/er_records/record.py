@@ -29,6 +29,9 @@ CHANNELS: dict[str, str] = {
     "sprung_acceleration": "m/s2",
     "unsprung_acceleration": "m/s2",
     "temperature": "K",
+    "actuator_force": "N",
+    "sprung_displacement": "m",
+    "unsprung_displacement": "m",
 }
 """Channels of the contract and their units; the time axis `t` [s] stands beside them."""
 

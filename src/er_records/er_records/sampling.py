@@ -86,6 +86,19 @@ def at(t: Array, samples: Array, grid: Array, name: str, early: float = 0.0) -> 
     return np.asarray(np.interp(grid, t, samples))
 
 
+def with_deflection(record: Record) -> Record:
+    """Add the deflection that heights of body and wheel show when none was measured."""
+    heights = ("sprung_displacement", "unsprung_displacement")
+    if record.has("deflection") or not all(map(record.has, heights)):
+        return record
+    body, wheel = (record.channels[name] for name in heights)
+    derived = (*record.derived, "deflection")
+    note = "deflection derived: sprung_displacement less unsprung_displacement"
+    return replace(
+        record, channels={**record.channels, "deflection": body - wheel}, derived=derived
+    ).noted(note)
+
+
 def with_velocity(record: Record) -> Record:
     """Add the deflection's derivative when no velocity was measured.
 

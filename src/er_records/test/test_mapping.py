@@ -15,6 +15,7 @@ from er_models.errors import ErError, InputError
 from er_records.load import load
 from er_records.mapping.guess import nice
 from er_records.mapping.mapping import mapped
+from er_records.mapping.words import WORDS as KNOWN
 from er_records.mapping.words import fits
 from nptdms import ChannelObject, TdmsWriter
 from scipy.io import savemat
@@ -219,3 +220,43 @@ def test_names_fit_in_both_languages(channel: str, name: str, unit: str, least: 
 
 def test_a_full_scale_is_no_smaller_than_the_largest_value() -> None:
     assert [nice(v) for v in (1.6, 0.99951, 12.34, 437.0)] == [1.6, 1.0, 12.4, 437.0]
+
+
+def test_a_unit_that_one_format_states_counts_for_the_one_that_cannot(tmp_path: Path) -> None:
+    data = truth(np.random.default_rng(5))
+    y = {"Zeit": data["t"], "Weg": 1e3 * data["deflection"], "Kraft": 1e-3 * data["damper_force"]}
+    with TdmsWriter(str(tmp_path / "a.tdms")) as writer:
+        units = {"Zeit": "s", "Weg": "mm", "Kraft": "kN"}
+        writer.write_segment(
+            [ChannelObject("g", n, v, {"unit_string": units[n]}) for n, v in y.items()]
+        )
+    savemat(tmp_path / "b.mat", y)
+    found = mapped(tmp_path)
+    assert found.names["damper_force"] == {"from": "Kraft", "unit": "kN"}
+    assert [g.channel for s in found.survey.columns if (g := found.channel_of(s))] == [
+        "t", "deflection", "damper_force", "t", "deflection", "damper_force",
+    ]  # fmt: skip
+    found.save()
+    for record in load([tmp_path]):
+        for channel in ("deflection", "damper_force"):
+            np.testing.assert_allclose(record.channels[channel], data[channel], rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "channel"),
+    [
+        ("Aufbauweg", "mm", "sprung_displacement"),
+        ("wheel_position", "mm", "unsprung_displacement"),
+        ("z_us", "m", "unsprung_displacement"),
+        ("Aktorkraft", "kN", "actuator_force"),
+        ("actuator force", "N", "actuator_force"),
+        ("Dämpferkraft", "N", "damper_force"),
+        ("Kolbenweg", "mm", "deflection"),
+        ("Position_VL", "mm", "deflection"),
+        ("Radbeschleunigung", "m/s2", "unsprung_acceleration"),
+    ],
+)
+def test_channels_of_a_car_are_told_from_those_of_its_damper(
+    name: str, unit: str, channel: str
+) -> None:
+    assert max(KNOWN, key=lambda each: fits(each, name, unit)) == channel

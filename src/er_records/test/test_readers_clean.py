@@ -235,3 +235,15 @@ def _rows(raw: Record, keep: Array) -> Record:
     """The rows to keep."""
     channels = {name: samples[keep] for name, samples in raw.channels.items()}
     return replace(raw, t=raw.t[keep], channels=channels)
+
+
+def test_heights_of_body_and_wheel_give_the_deflection_that_was_not_measured() -> None:
+    whole = record()
+    x = whole.channels["deflection"]
+    heights = {"sprung_displacement": 3.0 * x, "unsprung_displacement": 2.0 * x}
+    bare = {k: y for k, y in whole.channels.items() if k != "deflection"}
+    (made,) = clean(replace(whole, channels=bare | heights))
+    np.testing.assert_allclose(made.channels["deflection"], x, atol=1e-15)
+    assert {"deflection", "deflection_velocity"} == {*made.derived}
+    (kept,) = clean(replace(whole, channels=whole.channels | heights))
+    assert "deflection" not in kept.derived

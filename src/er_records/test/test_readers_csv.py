@@ -12,7 +12,7 @@ import pytest
 from er_models.errors import ErError, InputError, MissingChannel
 from er_records.load import fingerprint, load, read
 from er_records.provenance import digest_bytes
-from er_records.readers.columns import UNITS
+from er_records.readers.columns import UNITS, split_header
 from er_records.record import CHANNELS, Array, Record
 from er_records.write import write_csv, write_parquet
 from hypothesis import HealthCheck, given, settings
@@ -403,4 +403,26 @@ def test_every_channel_of_the_contract_has_a_unit() -> None:
         "sprung_acceleration",
         "unsprung_acceleration",
         "temperature",
+        "actuator_force",
+        "sprung_displacement",
+        "unsprung_displacement",
     }
+
+
+@pytest.mark.parametrize(
+    ("cell", "name", "unit"),
+    [
+        ("Kraft / kN", "Kraft", "kN"),
+        ("Weg/mm", "Weg", "mm"),
+        ("Kraft in kN", "Kraft", "kN"),
+        ("v / m/s", "v", "m/s"),
+        ("Kolbenweg [mm]", "Kolbenweg", "mm"),
+        ("v (m/s)", "v", "m/s"),
+        ("/loadcell.wrench.force.z", "/loadcell.wrench.force.z", ""),
+        ("Messung/F", "Messung/F", ""),
+        ("Messung/Kraft", "Messung/Kraft", ""),
+        ("left in front", "left in front", ""),
+    ],
+)
+def test_a_unit_stands_in_brackets_or_under_a_stroke(cell: str, name: str, unit: str) -> None:
+    assert split_header(cell) == (name, unit)

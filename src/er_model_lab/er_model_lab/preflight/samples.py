@@ -33,7 +33,7 @@ LONE = 10
 STUCK_FAIL = 0.2
 """Share of a record in which a stuck channel makes it useless."""
 
-EXEMPT = HELD | {"temperature", "road"}
+EXEMPT = HELD | {"temperature", "road", "actuator_force"}
 """Channels that may stand still."""
 
 

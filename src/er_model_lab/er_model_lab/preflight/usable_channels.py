@@ -9,7 +9,10 @@ from er_records.record import Record
 from er_model_lab.preflight.finding import Finding, Level
 
 MOTION = ("deflection", "deflection_velocity")
-OUTPUTS = ("damper_force", "sprung_acceleration", "unsprung_acceleration", *MOTION)
+OUTPUTS = (
+    "damper_force", "sprung_acceleration", "unsprung_acceleration", *MOTION, "sprung_displacement",
+    "unsprung_displacement",
+)  # fmt: skip
 """What the level of the vehicle can be held against."""
 
 

@@ -33,22 +33,28 @@ EXACT = 1e-2
 """Tolerance of the integrator over its usual one, so that small steps of a parameter show."""
 CHANNELS = {
     "damper_force": 3, "sprung_acceleration": 0, "unsprung_acceleration": 1, "deflection": 4,
-    "deflection_velocity": 5,
+    "deflection_velocity": 5, "sprung_displacement": 6, "unsprung_displacement": 7,
 }  # fmt: skip
 """Outputs of the car that may be measured, and where `drive` has them."""
+OUTPUTS = 8
+"""How many `drive` gives: those of `er_models.simulation.history`, and both displacements."""
 
 
 @dataclass(frozen=True)
 class Course:
-    """Inputs of one record: road at each step (m (n - 1) + 1,), its rate and duty (n,), first rows of blocks, end."""
+    """Inputs of one record: road at each step (m (n - 1) + 1,), its rate and duty (n,), first rows of blocks, end.
+
+    beside (n,): force of an actuator beside the damper [N].
+    """
 
     road: Array
     rates: Array
     duty: Array
     edges: tuple[int, ...]
+    beside: Array
 
 
-def course(dt: float, road: Array, duty: Array, *, smooth: bool) -> Course:
+def course(dt: float, road: Array, duty: Array, beside: Array, *, smooth: bool) -> Course:
     """Inputs of a record; between samples the road is a cubic spline, or straight lines."""
     n, m = road.size, steps(dt)
     at, fine = np.arange(n) * dt, np.arange(m * (n - 1) + 1) * (dt / m)
@@ -63,6 +69,7 @@ def course(dt: float, road: Array, duty: Array, *, smooth: bool) -> Course:
         np.asarray(rates),
         duty,
         tuple(int(e) for e in np.linspace(0, n, count + 1)),
+        beside,
     )
 
 
@@ -72,7 +79,7 @@ def steps(dt: float) -> int:
 
 
 def drive(model: Model, dt: float, path: Course, starts: Array | None) -> tuple[Array, Array]:
-    """Mechanical states (n, 4) and outputs (n, 6) along a record.
+    """Mechanical states (n, 4) and outputs (n, 8) along a record.
 
     starts (blocks, 4): mechanical state at the start of each block; None: at rest, and no cuts.
     """
@@ -80,7 +87,7 @@ def drive(model: Model, dt: float, path: Course, starts: Array | None) -> tuple[
     plant = prepare(model, dt)
     plant = replace(plant, n_sub=m, tolerance=EXACT * plant.tolerance)
     edges = path.edges if starts is not None else (0, path.edges[-1])
-    states, outputs = np.empty((edges[-1], 4)), np.empty((edges[-1], 6))
+    states, outputs = np.empty((edges[-1], 4)), np.empty((edges[-1], OUTPUTS))
     state: State | None = None
     for b, (i, j) in enumerate(itertools.pairwise(edges)):
         q = starts[b] if starts is not None else np.zeros(4)
@@ -89,8 +96,12 @@ def drive(model: Model, dt: float, path: Course, starts: Array | None) -> tuple[
         state = state._replace(q=np.array(q, float))
         last = min(j, edges[-1] - 1)
         road, at = path.road[i * m : last * m + 1], slice(i, last + 1)
-        state, found, seen = history(plant, state, road, path.duty[at], path.rates[at])
-        states[i:j], outputs[i:j] = found[: j - i], seen[: j - i]
+        state, found, seen = history(
+            plant, state, road, path.duty[at], path.rates[at], path.beside[at]
+        )
+        states[i:j], outputs[i:j, :6] = found[: j - i], seen[: j - i]
+    outputs[:, 7] = states[:, 2] + path.road[::m]
+    outputs[:, 6] = states[:, 0] + outputs[:, 7]
     return states, outputs
 
 
@@ -105,13 +116,13 @@ def with_values(model: Model, vector: Array) -> Model:
 
 
 def drive_many(jobs: list[tuple[Model, Array]], dt: float, paths: tuple[Course, ...]) -> Array:
-    """Outputs (m, n, 6) along all records of models with their starts (blocks, 4), over all cores.
+    """Outputs (m, n, 8) along all records of models with their starts (blocks, 4), over all cores.
 
     NaN for what cannot be simulated.
     """
     rows = np.cumsum([0, *(p.edges[-1] for p in paths)])
     blocks = np.cumsum([0, *(len(p.edges) - 1 for p in paths)])
-    out = np.full((len(jobs), int(rows[-1]), 6), np.nan)
+    out = np.full((len(jobs), int(rows[-1]), OUTPUTS), np.nan)
 
     def run(i: int, j: int) -> None:
         for k in range(i, j):

@@ -112,14 +112,14 @@ class RideForward:
         return 0.0
 
     def ride(self, model: Model) -> tuple[Array, Array]:
-        """Mechanical states (n, 4) and outputs (n, 6) of all records."""
+        """Mechanical states (n, 4) and outputs (n, 8) of all records."""
         blocks = np.cumsum([0, *(len(p.edges) - 1 for p in self.courses)])
         pairs = zip(self.courses, itertools.pairwise(blocks), strict=True)
         runs = [drive(model, self.dt, path, self.starts[i:j]) for path, (i, j) in pairs]
         return np.concatenate([q for q, _ in runs]), np.concatenate([o for _, o in runs])
 
     def weighted(self, seen: Array) -> Array:
-        """Rows (m, n c) of outputs (m, n, 6)."""
+        """Rows (m, n c) of outputs (m, n, 8)."""
         columns = [CHANNELS[name] for name in self.names]
         return np.asarray(
             (seen[:, :, columns] * self.weights).reshape(len(seen), self.measured.size)

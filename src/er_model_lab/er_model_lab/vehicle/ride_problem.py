@@ -28,6 +28,8 @@ ROADS = {
     "the road between samples is taken as smooth": True,
     "the road between samples is taken as straight: that leaves less than a smooth one": False,
 }
+ACTUATOR = "actuator_force"
+"""Input that a car may have beside road and duty."""
 SHORTEST_RIDE = 3.0
 """Shortest ride of all records together [s]: what a model leaves is moved along it by a second and more."""
 LEAST_NOISE = 1e-3
@@ -36,12 +38,13 @@ LEAST_NOISE = 1e-3
 
 @dataclass(frozen=True)
 class Measured:
-    """Records of a car on a common grid: per record road and duty (n,), and all outputs laid end to end (n, c)."""
+    """Records of a car on a common grid: per record road, duty and force beside the damper (n,), all outputs (n, c)."""
 
     dt: float
     names: tuple[str, ...]
     roads: tuple[Array, ...]
     duties: tuple[Array, ...]
+    beside: tuple[Array, ...]
     outputs: Array
 
 
@@ -119,6 +122,9 @@ def _not_used(given: Dataset, data: Measured) -> Iterator[str]:
         having = sum(r.has(c) and c not in r.derived for r in whole)
         if c not in data.names and having:
             yield f"{c} is not used: {len(whole) - having} of {len(whole)} records lack it"
+    driven = sum(r.has(ACTUATOR) for r in whole)
+    if 0 < driven < len(whole):
+        yield f"{ACTUATOR} counts as 0 in {len(whole) - driven} of {len(whole)} records, which lack it"
 
 
 def _measure(data: Measured) -> str:
@@ -142,14 +148,22 @@ def measured(records: Sequence[Record]) -> Measured:
     outputs = [np.stack([resampled(r, c, dt) for c in names], axis=1) for r in records]
     return Measured(
         dt, names, tuple(resampled(r, "road", dt) for r in records),
-        tuple(resampled(r, "duty", dt) for r in records), np.concatenate(outputs),
+        tuple(resampled(r, "duty", dt) for r in records), tuple(_beside(r, dt) for r in records),
+        np.concatenate(outputs),
     )  # fmt: skip
+
+
+def _beside(record: Record, dt: float) -> Array:
+    """Force of an actuator beside the damper (n,) [N], none where it was not recorded."""
+    if record.has(ACTUATOR):
+        return resampled(record, ACTUATOR, dt)
+    return np.zeros(resampled(record, "road", dt).size)
 
 
 def _courses(data: Measured, *, smooth: bool) -> tuple[Course, ...]:
     """Inputs of all records."""
-    pairs = zip(data.roads, data.duties, strict=True)
-    return tuple(course(data.dt, road, duty, smooth=smooth) for road, duty in pairs)
+    each = zip(data.roads, data.duties, data.beside, strict=True)
+    return tuple(course(data.dt, *inputs, smooth=smooth) for inputs in each)
 
 
 def _ride(data: Measured, model: Model) -> RideForward:
@@ -205,7 +219,8 @@ def _weighted(forward: RideForward, data: Measured, model: Model, noise: Array) 
     car, s = model.effects["quarter_car"], forward.envelope
     newtons = {
         "damper_force": 1.0, "sprung_acceleration": car["m_s"], "unsprung_acceleration": car["m_us"],
-        "deflection": car["k_s"], "deflection_velocity": s.force / s.velocity,
+        "deflection": car["k_s"], "deflection_velocity": s.force / s.velocity, "sprung_displacement": car["k_s"],
+        "unsprung_displacement": car["k_t"],
     }  # fmt: skip
     weights = newtons[data.names[0]] * noise[0] / noise
     return replace(

@@ -52,8 +52,8 @@ def bodies(on, p, q0, q, v, f_d, h, road_rate, tolerance):
 
 
 @inline
-def stage(on, links, p, q0, s, q, v, slope, u, t, h, road_rate, tolerance):
-    """Solve one implicit stage of length h from the velocity v on, q and s in place.
+def stage(on, links, p, q0, s, q, v, slope, u, t, h, beside, road_rate, tolerance):
+    """Solve one implicit stage of length h from the velocity v on, q and s in place; beside: force beside the damper.
 
     Returns the slope of the miss and the measured force.
     """
@@ -63,7 +63,7 @@ def stage(on, links, p, q0, s, q, v, slope, u, t, h, road_rate, tolerance):
         q[0] = q0[0] + h * v
         a = (v - (q0[1] - q0[3])) / h
         f_d, f_m, _ = visit(on, links, p, s, h, STAGE, q[0], v, a, u, t, 0.0)
-        bodies(on, p, q0, q, v, f_d, h, road_rate, tolerance)
+        bodies(on, p, q0, q, v, f_d + beside, h, road_rate, tolerance)
         miss = v - (q[1] - q[3])
         if not abs(miss) > tolerance:
             break
@@ -81,8 +81,12 @@ def stage(on, links, p, q0, s, q, v, slope, u, t, h, road_rate, tolerance):
 
 
 @inner
-def step(on, slots, links, p, q, q0, s, slope, rate, u, t, h, road_rate, tolerance):
+def step(
+    on, slots, links, p, q, q0, s, slope, rate, u, t, h, beside, change, road_rate, tolerance
+):
     """One SDIRK2 step of length h, in place; rate: acceleration to begin with.
+
+    beside: force beside the damper at the start of the step [N]; change: by how much it differs at the end.
 
     Returns slope and rate for the next step, and the measured force.
     """
@@ -98,10 +102,11 @@ def step(on, slots, links, p, q, q0, s, slope, rate, u, t, h, road_rate, toleran
             for i in range(slots.shape[0]):
                 s[W0, slots[i]] += AGAIN * (s[W, slots[i]] - s[W0, slots[i]])
         base = q0[1] - q0[3]
-        when = t + (gh if c == 0 else h)
+        part = GAMMA if c == 0 else 1.0
         slope, f_m = stage(
-            on, links, p, q0, s, q, base + gh * rate, slope, u, when, gh, road_rate, tolerance
-        )
+            on, links, p, q0, s, q, base + gh * rate, slope, u, t + (gh if c == 0 else h), gh,
+            beside + part * change, road_rate, tolerance,
+        )  # fmt: skip
         rate = (q[1] - q[3] - base) / gh
     return slope, rate, f_m
 
@@ -124,13 +129,15 @@ def sample(
     road,
     first,
     lines,
+    beside,
+    change,
     tolerance,
     reading,
     memory,
 ):
     """One sample of the quarter car, in place: the duty is u_0 until the share `cut` of the sample, then u_1.
 
-    The road goes on from its node `first` in so many straight lines.
+    The road goes on from its node `first` in so many straight lines, the force beside the damper in one.
 
     Nothing is remembered from the sample before but q, the states and the sensors' memory, so that
     a record can be cut anywhere.
@@ -160,6 +167,8 @@ def sample(
                 u,
                 t + end * dt,
                 h,
+                beside + end * change,
+                (q_end - end) * change,
                 road_rate,
                 tolerance,
             )
@@ -169,7 +178,7 @@ def sample(
 
 
 @inner
-def observe(on, slots, links, p, q, s, u, t, road_rate, out, k):
+def observe(on, slots, links, p, q, s, u, t, beside, road_rate, out, k):
     """Fill row k of out with both accelerations [m/s2], true and measured force [N] of a state; rates of s in place.
 
     The damper force may depend on the acceleration (fluid inertia) in a straight line: two trials
@@ -182,7 +191,8 @@ def observe(on, slots, links, p, q, s, u, t, road_rate, out, k):
     a, a_last, ahead_last = 0.0, 0.0, 0.0
     for i in range(3):
         f_d, f_m, _ = visit(on, links, p, s, 0.0, HOLD, q[0], v, a, u, t, 0.0)
-        a_s, a_us = -(f_s + f_d) / m_s, (f_s + f_d - f_t) / m_us
+        f = f_d + beside
+        a_s, a_us = -(f_s + f) / m_s, (f_s + f - f_t) / m_us
         out[k, 0], out[k, 1], out[k, 2], out[k, 3] = a_s, a_us, f_d, f_m
         ahead = a_s - a_us - a
         if i == 0:
@@ -208,13 +218,16 @@ def start_vehicle(on, slots, links, at_rest, p, q, w, u):
 
 
 @entry
-def vehicle_point(on, slots, links, p, q, w, u, t, road_rate, rate, drive, out):
-    """Accelerations and forces of a state, the reported accelerations, and rate and drive of every damper state."""
+def vehicle_point(on, slots, links, p, q, w, u, t, beside, road_rate, rate, drive, out):
+    """Accelerations and forces of a state, the reported accelerations, and rate and drive of every damper state.
+
+    beside: force between the masses beside the damper [N], positive where it resists extension.
+    """
     s = np.zeros((ROWS, w.shape[0]))
     for j in range(w.shape[0]):
         s[W, j] = w[j]
     first = 0 * out.shape[0]  # a bare number is a type to Numba: `observe` would be compiled twice
-    observe(on, slots, links, p, q, s, u, t, road_rate, out, first)
+    observe(on, slots, links, p, q, s, u, t, beside, road_rate, out, first)
     out[0, 4], out[0, 5] = accelerometers(on, p, out[0, 0], out[0, 1])
     for j in range(w.shape[0]):
         rate[j], drive[j] = s[R, j], s[G, j]
@@ -234,6 +247,7 @@ def run_vehicle(
     dt,
     road,
     rates,
+    beside,
     n_sub,
     tolerance,
     ahead,
@@ -246,7 +260,8 @@ def run_vehicle(
 
     past: duties before, newest last, as many as the dead time needs. u: held from each sample on.
     road (lines n + 1,), in straight lines of equal length; rates (n,): of the road, as the outputs
-    at the end of each sample see it. ahead: whether these see the duty of the next sample (a record, u (n + 1,)) or
+    at the end of each sample see it. beside (n + 1,): force beside the damper at each sample and at the end, straight
+    between. ahead: whether these see the duty of the next sample (a record, u (n + 1,)) or
     not yet (a plant, u (n,)). Fills states (n, 4) with q, and outputs (n, 6) with both
     accelerations, true and measured force, reported deflection and velocity, all at the end of
     each sample.
@@ -262,12 +277,12 @@ def run_vehicle(
         before, now = duty_at(past, u, k - whole - 1), duty_at(past, u, k - whole)
         sample(
             on, slots, links, p, q, q0, s, before, now, cut, t, dt, n_sub, road, k * lines, lines,
-            tolerance, reading, memory,
+            beside[k], beside[k + 1] - beside[k], tolerance, reading, memory,
         )  # fmt: skip
         t += dt
         if ahead:
             now = duty_at(past, u, k + 1 - whole) if cut == 0.0 else now
-        observe(on, slots, links, p, q, s, now, t, rates[k], outputs, k)
+        observe(on, slots, links, p, q, s, now, t, beside[k + 1], rates[k], outputs, k)
         report(on, p, q, reading, memory, dt / n_sub, outputs, k)
         for j in range(4):
             states[k, j] = q[j]

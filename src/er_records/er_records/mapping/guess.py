@@ -29,6 +29,8 @@ CONTRACT = "the name of docs/data.md"
 """Why a column is sure whose name is the channel's own: without a unit it is SI."""
 NOISY = 0.02
 """Share by which noise may lift the largest current above a full scale of two digits."""
+HELD, EXACT = 0.01, 1e-4
+"""Share of samples that are the largest one, and how exactly, where no noise lifts it."""
 SNAP = 0.04
 """Share by which a factor that physics finds may miss a unit's."""
 
@@ -78,8 +80,8 @@ def guessed(survey: Survey, given: Mapping[str, Source] | None = None) -> dict[s
     """
     given = dict(given or {})
     found = {c: _told(survey, c, s) for c, s in given.items() if s.column}
-    taken = {g.seen.header for g in found.values()}
-    free = [s for s in survey.columns if s.header not in taken]
+    taken = {g.seen.name for g in found.values()}
+    free = [s for s in survey.columns if s.name not in taken]
     found |= _by_words(free, given.keys() | found.keys())
     timed = _timed(survey, found, given)
     found = {c: g for c, g in timed.items() if c not in given or given[c].column}
@@ -109,14 +111,14 @@ def _by_words(free: list[Seen], taken: Any) -> dict[str, Guess]:
     found: dict[str, Guess] = {}
     used: set[str] = set()
     for score, channel, seen in sorted(scored, key=lambda each: -each[0]):
-        if score < 0.2 or channel in found or seen.header in used:
+        if score < 0.2 or channel in found or seen.name in used:
             continue
         said = (
             "name and unit" if score > 0.8 else "unit" if score <= 0.45 and seen.unit else "name"
         )
         why = CONTRACT if seen.name == channel else said
         found[channel] = Guess(channel, seen, Source(seen.header), score, (why,))
-        used.add(seen.header)
+        used.add(seen.name)  # another format may spell it with another unit
     return found
 
 
@@ -136,8 +138,8 @@ def _timed(
     rising = [s for s in survey.columns if physics.is_time(s.samples)]
     if TIME in found:
         return found | {TIME: found[TIME].more(PHYSICS, "rises steadily")}
-    used = {g.seen.header for g in found.values()}
-    free = [s for s in rising if s.header not in used]
+    used = {g.seen.name for g in found.values()}
+    free = [s for s in rising if s.name not in used]
     if free:
         counts = np.array_equal(np.unique(np.diff(free[0].samples)), [1.0])
         why = ("rises steadily", *["but may count rows"] * counts)
@@ -174,8 +176,8 @@ def _related(
     found = _with_direction(found, given)
     v = _velocity(found, t)
     found = _with_force(found, same, v, given)
-    used = {g.seen.header for g in found.values()}
-    switched = [s for s in same if s.header not in used and physics.is_switched(s.samples)]
+    used = {g.seen.name for g in found.values()}
+    switched = [s for s in same if s.name not in used and physics.is_switched(s.samples)]
     if "duty" not in found and "duty" not in given and switched:
         why = ("holds a few values, as a duty does",)
         found = found | {"duty": Guess("duty", switched[0], Source(switched[0].header), 0.4, why)}
@@ -186,8 +188,8 @@ def _by_derivative(
     survey: Survey, found: dict[str, Guess], given: Mapping[str, Source]
 ) -> tuple[dict[str, Guess], Guess | None]:
     """Deflection and velocity as the two free columns of which one is the derivative of the other."""
-    used = {g.seen.header for g in found.values()}
-    free = [s for s in survey.columns if s.header not in used and s.high > s.low]
+    used = {g.seen.name for g in found.values()}
+    free = [s for s in survey.columns if s.name not in used and s.high > s.low]
     for of in free:
         t = time_of(found, given, of)
         others = [s for s in free if s is not of and s.samples.size == of.samples.size == t.size]
@@ -206,13 +208,13 @@ def _with_velocity(
     x = found.get("deflection")
     if x is None or x.seen.samples.size != t.size:
         return found
-    used = {g.seen.header for g in found.values()}
+    used = {g.seen.name for g in found.values()}
     guess = found.get("deflection_velocity")
     if guess is None and "deflection_velocity" not in given:
         each = {
             s.header: (physics.derivative(x.seen.samples, s.samples, t), s)
             for s in same
-            if s.header not in used
+            if s.name not in used
         }
         best = max(each.values(), key=lambda d: abs(d[0].correlation), default=None)
         if best is not None and best[0].holds:
@@ -274,11 +276,11 @@ def _with_force(
     """The force found or confirmed as what takes energy out of the motion, with its sign."""
     guess = found.get("damper_force")
     if guess is None and "damper_force" not in given:
-        used = {g.seen.header for g in found.values()}
+        used = {g.seen.name for g in found.values()}
         free = {
             s.header: (abs(physics.dissipation(s.samples, v)), s)
             for s in same
-            if s.header not in used and s.high > s.low
+            if s.name not in used and s.high > s.low
         }
         best = max(free.values(), key=lambda each: each[0], default=None)
         if best is not None and best[0] > 0.5:
@@ -325,6 +327,8 @@ def _with_full_scale(guess: Guess, high: float) -> Guess:
     if high <= 0.0:
         return guess.more(0.0, "zero throughout", full_scale=1.0)
     near = float(f"{high:.2g}")
+    if float(np.mean(guess.seen.samples >= (1.0 - EXACT) * high)) > HELD:
+        near = float(f"{high:.5g}")
     full = near if abs(high / near - 1.0) <= NOISY else nice(high)
     return guess.more(
         -0.05,

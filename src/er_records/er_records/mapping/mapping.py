@@ -61,7 +61,10 @@ class Mapped:
 
     def channel_of(self, seen: Seen) -> Guess | None:
         """What a column is taken for."""
-        return next((g for g in self.guesses.values() if g.seen.header == seen.header), None)
+        each = list(self.guesses.values())
+        own = [g for g in each if g.seen.header == seen.header]
+        alike = [g for g in each if g.seen.name == seen.name and not seen.unit]
+        return next(iter(own + alike), None)
 
     def rate_of(self, seen: Seen) -> float:
         """Rate of a column [Hz]; nan where no time is known."""
@@ -70,10 +73,18 @@ class Mapped:
         return physics.rate_of(time_of(self.guesses, self.made, seen))
 
     def _written(self, guess: Guess) -> Source:
-        """A source as it is written: by the bare name, so that the unit of each file counts, where that is clear."""
-        seen = guess.seen
-        same = [s for s in self.survey.columns if s.name == seen.name and s.file == seen.file]
-        return replace(guess.source, column=seen.name if len(same) == 1 else seen.header)
+        """A source as it is written: by the bare name, so that the unit of each file counts, where that is clear.
+
+        Where some files state the unit of a name and others none, the one that is stated counts for all.
+        """
+        seen, named = guess.seen, [s for s in self.survey.columns if s.name == guess.seen.name]
+        if len([s for s in named if s.file == seen.file]) > 1:
+            return replace(guess.source, column=seen.header)
+        units = {s.unit for s in named}
+        stated = guess.source.unit or (
+            "".join(units - {""}) if "" in units and len(units) == 2 else ""
+        )
+        return replace(guess.source, column=seen.name, unit=stated)
 
     def text(self) -> str:
         """The `names.yaml`, each line with how sure it is and why."""

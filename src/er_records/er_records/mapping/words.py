@@ -10,6 +10,9 @@ from er_records.record import unit_of
 
 WORDS: dict[str, str] = {
     TIME: "t time zeit timestamp zeitstempel uhrzeit messzeit sekunden seconds clock stamp",
+    "actuator_force": "actuator aktor aktuator stellkraft stellmotor",
+    "sprung_displacement": "body sprung chassis upper top aufbau karosserie gefedert oben zs",
+    "unsprung_displacement": "wheel unsprung axle lower bottom rad achse ungefedert unten knuckle zus radweg",
     "deflection": "deflection displacement disp dist distance stroke travel position pos extension elongation "
     "lvdt weg hub kolbenweg federweg einfederung einfederweg ausfederung auslenkung verschiebung relativweg x s",
     "deflection_velocity": "velocity vel speed geschwindigkeit geschw kolbengeschwindigkeit v vrel",
@@ -17,14 +20,28 @@ WORDS: dict[str, str] = {
     "aussteuerung bestromung stellgroesse stellsignal feld field coil spule spulenstrom i u",
     "damper_force": "force load loadcell kraft daempferkraft daempfkraft kraftmessdose kmd f fd last",
     "sprung_acceleration": "body sprung chassis upper top aufbau karosserie gefedert oben",
-    "unsprung_acceleration": "wheel unsprung axle lower bottom rad achse ungefedert unten knuckle",
+    "unsprung_acceleration": "wheel unsprung axle lower bottom rad achse ungefedert unten knuckle radbeschleunigung",
     "road": "road base table platform excitation strasse fahrbahn anregung fusspunkt fusspunktweg tisch zr",
     "temperature": "temperature temp temperatur oeltemperatur",
     "pressure": "pressure druck press p",
 }  # fmt: skip
-"""Channel to the words that name it; a longer word (`Kolbenweg`) counts by its end or beginning."""
+"""Channel to the words that name it; a longer word (`Kolbenweg`) counts by its end or beginning. Those of a car come
+before those of its damper, which share words with them."""
 ACCELERATION = ("acceleration", "accel", "acc", "beschleunigung", "beschl", "a")
-"""Words of both accelerations: where the sensor sits tells which."""
+DISPLACEMENT = (
+    "displacement",
+    "disp",
+    "position",
+    "pos",
+    "height",
+    "weg",
+    "hoehe",
+    "z",
+    "zs",
+    "zus",
+)
+"""Words of what sits on body or wheel: a place tells which, and without a word of the kind it is none."""
+KINDS = {"acceleration": ACCELERATION, "displacement": DISPLACEMENT}
 WISHES = ("soll", "sollwert", "set", "setpoint", "target", "demand", "ref", "reference")
 """Words of what was asked for: the measured one is meant."""
 COMPRESSION = (
@@ -64,11 +81,11 @@ def fits(channel: str, name: str, unit: str) -> float:
 def _called(channel: str, words: list[str]) -> float:
     """How clearly words name a channel, 0 to 1."""
     known = WORDS[channel].split()
-    place = channel.endswith("sprung_acceleration")
+    kinds = next((own for kind, own in KINDS.items() if channel.endswith(f"sprung_{kind}")), ())
     best = max((_same(word, each, of) for each in known for of in [words] for word in words), default=0.0)  # fmt: skip
-    if place:
-        kind = max((_same(w, each, words) for each in ACCELERATION for w in words), default=0.0)
-        best = min(best, kind) if best else 0.4 * kind
+    if kinds:
+        kind = max((_same(w, each, words) for each in kinds for w in words), default=0.0)
+        best = min(best, kind) if best else 0.4 * kind * (kinds is ACCELERATION)
     return best - 0.3 * (best > 0.3 and channel != "duty" and any(w in WISHES for w in words))
 
 

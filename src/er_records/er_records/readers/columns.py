@@ -12,7 +12,7 @@ import numpy as np
 from er_models.errors import InputError
 
 from er_records.readers.names import NOTHING, TIME, Given, Names, Source, parsed
-from er_records.readers.units import UNITS, ZERO, known_unit
+from er_records.readers.units import UNITS, ZERO, known_unit, quantities
 from er_records.record import CHANNELS, Array, cure, unit_of
 
 SYNONYMS: dict[str, str] = {
@@ -34,6 +34,10 @@ BEYOND = 0.05
 """Share of a full scale by which a measured current or voltage may lie outside of it and counts as its end."""
 LEFT_OUT = "is not a channel and was left out"
 _HEADER = re.compile(r"^(?P<name>.*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?$")
+_QUANTITY = re.compile(
+    r"^(?P<name>[^/]*[^/\s])(?:\s+(?:/|in)\s+(?P<unit>\S.*)|/(?P<close>N|%|\S.+))$"
+)
+"""How DIN 1313 writes a quantity over its unit, `Kraft / kN` or `Kraft/kN`, and `Kraft in kN`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +56,12 @@ class Column:
 
 
 def split_header(cell: str) -> tuple[str, str]:
-    """Name and stated unit of a header cell such as `deflection [mm]`; unit '' when absent."""
-    found = _HEADER.match(cell.strip().strip('"').strip())
+    """Name and stated unit of a header cell such as `deflection [mm]` or `Weg / mm`; unit '' when absent."""
+    bare = cell.strip().strip('"').strip()
+    found, over = _HEADER.match(bare), _QUANTITY.match(bare)
+    bracketed = found is not None and found["unit"]
+    if over is not None and not bracketed and quantities(unit := over["unit"] or over["close"]):
+        return over["name"].strip(), unit.strip()
     if found is None or _PLACE.search(cell):
         return cell.strip(), ""
     return found["name"].strip(), (found["unit"] or "").strip()

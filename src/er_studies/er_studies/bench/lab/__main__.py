@@ -11,17 +11,20 @@ from pathlib import Path
 from er_models.one_line import OneLine
 
 from er_studies.bench.lab.measure import LENGTHS, Line, length, minute, number
+from er_studies.bench.lab.page import page
 from er_studies.bench.lab.picture import picture
 
 PARTS: dict[str, Callable[[Path], list[Line]]] = {
     "minute": minute,
     "length": length,
     "number": number,
+    "page": page,
 }
 TINY: dict[str, Callable[[Path], list[Line]]] = {
     "minute": lambda model: minute(model, seconds=6.0),
     "length": lambda model: length(model, lengths=(6.0, 8.0)),
     "number": lambda model: number(model, seconds=6.0, numbers=(2, 3)),
+    "page": page,
 }
 
 
