@@ -27,7 +27,7 @@ class Trial:
 
     left: what the fault leaves, by factor, from `fault_time` [s] on. hidden: effects that the model does not know,
     from the start. spread: every parameter of the plant is off by a random share within it. duty: held instead of
-    Skyhook's. still: the car stands.
+    Skyhook's. still: the car stands. straight: the road is so between samples, a special case.
     """
 
     seed: int
@@ -39,6 +39,7 @@ class Trial:
     duty: float | None = None
     still: bool = False
     road: str = ""
+    straight: bool = False
 
 
 class Drive(NamedTuple):
@@ -108,7 +109,7 @@ def _road(trial: Trial, model: Model, random: np.random.Generator) -> Array:
         spec = {"kind": "sequence", "fade": 0.1, "parts": [part]}
     document = {
         "schema": "er_program 1", "duration": trial.duration, "seed": trial.seed,
-        "road": {**spec, "peak_velocity": float(peak)}, "duty": {"kind": "constant", "level": 0.0},
+        "road": {**spec, "peak_velocity": float(peak), "straight": DT * trial.straight}, "duty": {"kind": "constant", "level": 0.0},
     }  # fmt: skip
     program = resolve(parse_program(document, Path("trial")), model, DT)
     height = program.ride(DT)[0]
