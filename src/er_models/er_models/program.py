@@ -31,15 +31,17 @@ from er_models.duty import duty_profile as duty
 from er_models.errors import InputError
 from er_models.files import write_whole
 from er_models.model import Model
-from er_models.road import FACTOR, road_profile
+from er_models.road import COMMON, road_profile
 from er_models.road import KINDS as ROADS
 from er_models.road.peak import factor_for_peak_velocity
 from er_models.shipped import file_of
+from er_models.simulation import substeps
 from er_models.spec import REQUIRED, Array, Kind, Number, Setting, Text, choose, settings
 from er_models.yaml_file import read_yaml
 
 __all__ = [
     "Program", "document_of", "duty", "load_program", "parse_program", "resolve", "save_program", "times",
+    "within",
 ]  # fmt: skip
 
 SCHEMA = "er_program 1"
@@ -72,6 +74,11 @@ class Program:
         """Road [m] and duty [1] at the times t, each (n,)."""
         return self.heights(t), self.duties(t)
 
+    def ride(self, dt: float) -> tuple[Array, Array]:
+        """Road [m] at every step of the integrator, (m (n - 1) + 1,), and duty [1] at the n samples dt [s] apart."""
+        t = times(self.duration, dt)
+        return self.heights(within(t.size, dt)), self.duties(t)
+
     def heights(self, t: Array) -> Array:
         """Road [m] at the times t (n,)."""
         return road_profile(self.road, t, self.seed)
@@ -86,6 +93,12 @@ def times(duration: float, dt: float) -> Array:
     return dt * np.arange(int(np.floor(duration / dt + 1e-9)) + 1, dtype=float)
 
 
+def within(n: int, dt: float, first: int = 0) -> Array:
+    """Times [s] of the integrator's steps through n samples dt [s] apart, `first` the first one: (m (n - 1) + 1,)."""
+    lines = substeps(dt)
+    return dt / lines * np.arange(lines * first, lines * (first + n - 1) + 1, dtype=float)
+
+
 def resolve(program: Program, model: Model, dt: float) -> Program:
     """The program with `peak_velocity`, if it asks for one, turned into a factor for this vehicle.
 
@@ -95,13 +108,14 @@ def resolve(program: Program, model: Model, dt: float) -> Program:
 
 
 def resolved(program: Program, model: Model, dt: float) -> tuple[Program, Array]:
-    """The same, and its road [m] at `times`, (n,), which had to be known for that; (0,) where it had not."""
+    """The same, and its road [m] as of `Program.ride`, which had to be known for that; (0,) where it had not."""
     road = dict(program.road)
     if "peak_velocity" not in road:
         return program, np.empty(0)
     peak = float(road.pop("peak_velocity"))  # type: ignore[arg-type]
-    heights = road_profile(road, times(program.duration or 60.0, dt), program.seed)
-    factor = factor_for_peak_velocity(model, heights, dt, peak)
+    n = times(program.duration or 60.0, dt).size
+    heights = road_profile(road, within(n, dt), program.seed)
+    factor = factor_for_peak_velocity(model, heights, dt, peak, substeps(dt))
     return replace(program, road={**road, "factor": factor}), factor * heights
 
 
@@ -147,7 +161,7 @@ def parse_program(document: object, path: Path) -> Program:
     if top["seed"] != int(top["seed"]):
         raise InputError(path, "seed", "a whole number", top["seed"])
     return Program(
-        road=_spec(document, "road", ROADS, (FACTOR, PEAK_VELOCITY), path),
+        road=_spec(document, "road", ROADS, (*COMMON, PEAK_VELOCITY), path),
         duty=_spec(document, "duty", DUTIES, (), path),
         duration=top["duration"],
         seed=int(top["seed"]),

@@ -63,6 +63,17 @@ class Plant:
     kept: int
 
 
+def substeps(dt: float) -> int:
+    """Steps of the integrator within a sample of dt [s]: the road is known at the end of each."""
+    return max(1, int(np.ceil(dt / SUBSTEP - 1e-9)))
+
+
+def straight(road: Array, dt: float) -> Array:
+    """The special case of a road that is straight between samples (n,) dt [s] apart: its heights at every step."""
+    lines = substeps(dt)
+    return np.interp(np.arange(lines * (len(road) - 1) + 1), lines * np.arange(len(road)), road)
+
+
 def prepare(model: Model, dt: float) -> Plant:
     """A vehicle model ready for `step`; dt: time of a step [s].
 
@@ -72,7 +83,7 @@ def prepare(model: Model, dt: float) -> Plant:
         raise InputError(
             model.name, "quarter_car", "a vehicle model with quarter_car", "a damper only"
         )
-    n_sub = max(1, int(np.ceil(dt / SUBSTEP - 1e-9)))
+    n_sub = substeps(dt)
     return Plant(
         model, dt, model.compiled(plant=True), n_sub, 1e-9 * model.scales.velocity, reading(model),
         depth=int(np.ceil(LONGEST_DELAY / dt)) + 1, kept=int(np.ceil(delay(model) * n_sub / dt)) + 3,
@@ -95,14 +106,15 @@ def initial_state(
     return State(0.0, float(road), state, w, np.full(plant.depth, float(duty)), memory)
 
 
-def step(plant: Plant, state: State, inputs: tuple[float, float]) -> tuple[State, Output]:
+def step(plant: Plant, state: State, inputs: tuple[float | Array, float]) -> tuple[State, Output]:
     """The car one sample later, and what its sensors read then: a pure step, as `simulate` makes them.
 
-    inputs: height of the road at the end of the sample [m], and the duty that is held during it [1].
+    inputs: heights of the road [m] at the ends of m equal parts of the sample, (m,), m a divisor of `substeps`, or
+    at its end alone, and the duty that is held during it [1].
     """
-    road, duty = inputs
-    heights = np.array([state.road, road], float)
-    rates = np.array([(road - state.road) / plant.dt])
+    way, duty = inputs
+    heights = np.append(state.road, way)
+    rates = (heights[-1:] - heights[-2:-1]) * ((heights.size - 1) / plant.dt)
     end, _, outputs = _run(
         plant, state, heights, np.array([duty], float), rates, False, np.zeros(2)
     )
@@ -120,10 +132,10 @@ def simulate(
 ) -> dict[str, Array]:
     """Record of the quarter car without noise: channels by name, (n,) each [SI].
 
-    dt: time between samples [s]; road (n,): height at each sample [m], straight between two; duty (n,): held from each
-    sample on; q (4,): mechanical state to begin with, at rest on the road where absent. actuator_force (n,): acts
-    between the masses beside the damper, positive where it resists extension as a damper force does, straight between
-    two samples [N].
+    dt: time between samples [s]; duty (n,): held from each sample on; road (m (n - 1) + 1,): heights [m] that part
+    each sample into m lines, m a divisor of `substeps`; with m = 1 it is straight between samples; q (4,): mechanical
+    state to begin with, at rest on the road where absent. actuator_force (n,): acts between the masses beside the
+    damper, positive where it resists extension as a damper force does, straight between two samples [N].
 
     Channels: t, road, deflection, deflection_velocity, duty, damper_force, sprung_acceleration, unsprung_acceleration,
     tyre_deflection, sprung_displacement, unsprung_displacement, and the actuator's force where it is given.
@@ -133,21 +145,22 @@ def simulate(
     Source: thesis (2.5).
 
     Raises:
-        InputError: No quarter car in the model, a sensor that cannot be simulated, or an input that is not as long as
-            the road.
+        InputError: No quarter car in the model, a sensor that cannot be simulated, or an input that does not fit the
+            road.
     """
     plant = prepare(model, dt)
     road, duty = np.asarray(road, np.float64), np.asarray(duty, np.float64)
+    lines = _lines(plant, road, duty)
     given = {} if actuator_force is None else {"actuator_force": np.asarray(actuator_force, float)}
-    for name, y in {"duty": duty, **given}.items():
-        if road.ndim != 1 or not road.size or y.shape != road.shape:
-            raise InputError("simulate", name, f"samples as the road, {road.shape}", f"{y.shape}")
+    for name, y in given.items():
+        if y.shape != duty.shape:
+            raise InputError("simulate", name, f"samples as the duty, {duty.shape}", f"{y.shape}")
     start = initial_state(plant, float(road[0]), float(duty[0]), q)
     _, states, outputs = history(plant, start, road, duty, beside=given.get("actuator_force"))
-    wheel = states[:, 2] + road
+    wheel = states[:, 2] + road[::lines]
     return {
-        "t": dt * np.arange(road.size, dtype=np.float64),
-        "road": road,
+        "t": dt * np.arange(duty.size, dtype=np.float64),
+        "road": road[::lines],
         "deflection": outputs[:, 4],
         "deflection_velocity": outputs[:, 5],
         "duty": duty,
@@ -158,6 +171,18 @@ def simulate(
         "sprung_displacement": states[:, 0] + wheel,
         "unsprung_displacement": wheel,
     } | given
+
+
+def _lines(plant: Plant, road: Array, duty: Array) -> int:
+    """Into how many lines a road parts each sample; `InputError` where it does not fit the duty."""
+    if road.ndim == duty.ndim == 1 and road.size and duty.size:
+        lines, rest = divmod(road.size - 1, duty.size - 1) if duty.size > 1 else (1, road.size - 1)
+        if not rest and lines and not plant.n_sub % lines:
+            return lines
+    expected = (
+        f"samples as the road, {road.shape}, or one in a divisor of {plant.n_sub} of its heights"
+    )
+    raise InputError("simulate", "duty", expected, f"{duty.shape}")
 
 
 def history(
@@ -172,11 +197,12 @@ def history(
 
     outputs: both reported accelerations, true and measured force, reported deflection and velocity. road
     (m (n - 1) + 1,): m straight lines a sample, of which the plant's steps are a multiple. rates (n,): of the road
-    at each sample [m/s]; else those of the lines to the next one, m being 1. beside (n,): force beside the damper at
-    each sample [N]; none where absent.
+    at each sample [m/s]; else those of the lines that follow. beside (n,): force beside the damper at each sample [N];
+    none where absent.
     """
     if rates is None:
-        rates = np.append(np.diff(road) / plant.dt, 0.0)
+        lines = max((road.size - 1) // max(duty.size - 1, 1), 1)
+        rates = np.append(np.diff(road)[::lines] * (lines / plant.dt), 0.0)
     beside = np.zeros(rates.size) if beside is None else beside
     end, states, outputs = _run(plant, start, road, duty, rates[1:], True, beside)
     states = np.concatenate([start.q[None], states])

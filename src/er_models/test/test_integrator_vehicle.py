@@ -8,8 +8,8 @@ import pytest
 from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Array, Model
-from er_models.program import times
-from er_models.simulation import initial_state, prepare, simulate, step
+from er_models.program import Program, times
+from er_models.simulation import initial_state, prepare, simulate, step, straight
 from models_help import CONFIG, DT, car, guo, span
 from reference import vehicle_run
 from scipy.integrate import solve_ivp
@@ -148,8 +148,9 @@ def _stepped(model: Model, road: Array, duty: Array) -> dict[str, Array]:
     """Outputs of the plant, one sample at a time; the first row is the start."""
     plant = prepare(model, DT)
     state, rows = initial_state(plant, float(road[0]), float(duty[0])), []
-    for k in range(1, road.size):
-        state, o = step(plant, state, (float(road[k]), float(duty[k - 1])))
+    lines = (road.size - 1) // (duty.size - 1)
+    for way, held in zip(road[1:].reshape(-1, lines), duty, strict=False):
+        state, o = step(plant, state, (way, float(held)))
         rows.append((*o, state.q[2]))
     names = (
         "sprung_acceleration", "unsprung_acceleration", "deflection", "deflection_velocity",
@@ -225,3 +226,36 @@ def test_settles_to_rest_after_a_step_of_the_road() -> None:
 def test_a_damper_alone_is_no_vehicle() -> None:
     with pytest.raises(InputError, match="quarter_car: expected a vehicle model"):
         prepare(guo(), DT)
+
+
+@pytest.mark.parametrize(
+    ("road", "least"),
+    [
+        ({"kind": "iso8608", "road_class": "C", "factor": 0.2}, 0.01),
+        ({"kind": "bumps", "height": 0.004, "length": 0.2, "spacing": 6.0, "edge": 0.05}, 0.1),
+    ],
+    ids=("iso8608", "sharp bumps"),
+)
+def test_a_road_goes_on_between_samples(road: dict[str, object], least: float) -> None:
+    """As in samples that are as short as the steps; a road that is straight between samples is another one."""
+    program, lines = Program(road, {"kind": "steps"}, 1.5, 3), simulation.substeps(DT)
+    heights, duty = program.ride(DT)
+    run = simulate(car(), DT, heights, duty)
+    held = np.repeat(duty, lines)[: heights.size]
+    fine = simulate(car(), DT / lines, heights, held)
+    held_apart = Program({**road, "straight": DT}, program.duty, 1.5, 3).ride(DT)[0]
+    assert held_apart == pytest.approx(straight(heights[::lines], DT), abs=1e-12)
+    bent = simulate(car(), DT, held_apart, duty)
+    for channel in ("unsprung_acceleration", "damper_force", "tyre_deflection"):
+        size = float(np.std(fine[channel]))
+        assert np.std(run[channel] - fine[channel][::lines]) < 1e-6 * size
+    off = np.std(run["unsprung_acceleration"] - bent["unsprung_acceleration"])
+    assert off > least * np.std(bent["unsprung_acceleration"])
+    stepped = _stepped(car(), heights, duty)
+    assert np.array_equal(stepped["deflection"], run["deflection"][1:])
+
+
+def test_a_road_that_does_not_fit_the_duty_is_refused() -> None:
+    for points in (12, 21, 33 * 9):
+        with pytest.raises(InputError, match="a divisor of 16 of its heights"):
+            simulate(car(), DT, np.zeros(points), np.zeros(10))

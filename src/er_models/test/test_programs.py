@@ -138,7 +138,7 @@ def test_program_is_read_and_resolved_for_a_car(tmp_path: Path) -> None:
     assert t[-1] == pytest.approx(2.0)
     road, levels_ = ready.signals(t)
     assert set(levels_) == {0.1, 0.3}
-    passive = simulate(car(), DT, road, np.zeros(t.size))
+    passive = simulate(car(), DT, ready.ride(DT)[0], np.zeros(t.size))
     assert np.abs(passive["deflection_velocity"]).max() == pytest.approx(0.1, rel=1e-3)
     assert resolve(ready, car(), DT) is ready
     again = load_program(written(tmp_path))

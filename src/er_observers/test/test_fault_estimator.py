@@ -234,7 +234,9 @@ def followed(car: Model, record: Drive) -> tuple[Array, Array]:
 
 def test_the_follower_knows_how_wrong_it_is_and_errs_on_its_own(car: Model) -> None:
     """A filter whose model is right has errors as large as it says, and innovations that are white."""
-    errors, innovations = followed(car, drive(Trial(1005, duration=8.0, road="iso8608"), car))
+    errors, innovations = followed(
+        car, drive(Trial(1005, duration=8.0, road="iso8608", straight=True), car)
+    )
     assert np.all(np.abs(np.sqrt(np.mean(errors**2, axis=0)) - 1.0) < 0.2)
     assert np.all(np.abs(np.sqrt(np.mean(innovations**2, axis=0)) - 1.0) < 0.08)
     for each in innovations.T:
@@ -301,7 +303,7 @@ def test_a_sample_is_that_of_the_simulated_car(car: Model, dt: float, pieces: in
 
 def test_a_change_is_followed_anew_from_a_beginning_that_may_be_far_off(car: Model) -> None:
     """All three at once, and most of it lost: rows made for a healthy damper would lead nowhere."""
-    trial = next(faults("combined", 11, 1))
+    trial = replace(next(faults("combined", 11, 1)), straight=True)
     samples = drive(trial, car).samples[: round((trial.fault_time + 2.0) / DT)]
     p = estimator(car)
     setup = p.setup.copy()

@@ -14,6 +14,7 @@ from er_observers.forms import form_of
 from er_observers.gains import Gains
 from er_observers.observers import payload
 from er_observers.observers.payload import Payload, Verdict
+from er_observers.observers.status import Status
 from er_observers.programs import OBSERVERS
 from er_observers.running.ready import ready
 from er_observers.running.runtime import Estimate, Sample, State, payload_of, start, step
@@ -29,9 +30,11 @@ HEAVY: Mapping[str, Mapping[str, float]] = {"sprung_mass_error": {"e": 0.2}}
 
 @pytest.fixture(scope="session")
 def hidden(car: Model):
-    """Record of 6 s of the scenario with these effects hidden: ``hidden({name: values})``."""
+    """Record of 6 s of the scenario with these effects hidden: ``hidden({name: values})``, its road straight between
+    samples: there two accelerometers tell the motion between them, and what is tried is the regression alone."""
     (usual, *_) = load_scenario(CONFIG / "scenarios" / "hidden_effects.yaml")
-    short = replace(usual, program=replace(usual.program, duration=6.0))
+    road = {**usual.program.road, "straight": DT}
+    short = replace(usual, program=replace(usual.program, road=road, duration=6.0))
 
     @lru_cache
     def record(names: tuple[tuple[str, tuple[tuple[str, float], ...]], ...]) -> dict[str, Array]:
@@ -163,10 +166,11 @@ def test_what_is_no_mass_is_not_taken_for_one(gains: Gains, hidden, effects) -> 
     """Nothing hidden, or something else: the estimates are those without the regression, bit by bit."""
     record = hidden(effects)
     state, told = run(gains, samples_of(record))
-    assert payload_of(gains, state).verdict is Verdict.OTHER
+    assert payload_of(gains, state).verdict in (Verdict.OTHER, Verdict.UNDECIDED)
     assert payload_of(gains, state).share < payload.ENOUGH
     assert payload_of(gains, state).asymmetry == 0.0
-    assert told == run(replace(gains, payload=False), samples_of(record))[1]
+    plain = run(replace(gains, payload=False), samples_of(record))[1]
+    assert [e[:3] for e in told] == [e[:3] for e in plain]
 
 
 @pytest.mark.parametrize("observer", OBSERVERS)
@@ -182,14 +186,41 @@ def test_a_wrong_start_teaches_nothing(car, hidden, observer) -> None:
     assert error(record, told) < 0.01
 
 
-def test_a_share_that_damping_explains_better_is_not_used() -> None:
-    """Twice the same disagreement, once seen along the mass, once along the damping."""
-    memory = payload.begin()
-    memory[[payload.MM, payload.NN, payload.DD, payload.EE]], memory[payload.MN] = 1.0, -0.97
-    for damping, expected in ((0.5, 1.0), (0.98, 0.0)):
-        memory[payload.DN] = damping
-        found = payload.judged(memory)
-        assert found == pytest.approx((0.97, 0.97**2, expected, 0.0, 0.0, 1.0 - 0.97**2))
+def test_a_mass_that_losses_explain_as_well_is_not_told_from_them() -> None:
+    """The same disagreement, more and more of it seen along the losses of damping and field as well."""
+    memory, told = payload.begin(), []
+    ones = [payload.MM, payload.NN, payload.DD, payload.HH, payload.EE]
+    memory[ones], memory[payload.MN] = 1.0, -0.97
+    for damping, field in ((0.5, 0.0), (0.97, 0.0), (0.69, 0.69), (0.9, 0.41)):
+        memory[[payload.DN, payload.HN]] = damping, field
+        error, share, _, even, _, left, lost = payload.judged(memory)
+        assert (error, share, even) == pytest.approx((0.97, 0.97**2, 0.0))
+        assert (left, lost) == pytest.approx((1.0 - 0.97**2, 1.0 - damping**2 - field**2))
+        told.append(payload._told(left, lost))
+    assert told[0] == told[1] == 1.0
+    assert told[2:] == pytest.approx([0.0, 0.0])
+
+
+FAULTY = {"oil_leakage": {"f": 0.6, "t_0": 5.0, "t_r": 0.0, "q": 0.0, "d": 0.5}}
+
+
+@pytest.mark.parametrize("observer", OBSERVERS)
+def test_a_leak_never_becomes_a_payload(car, observer) -> None:
+    """f2 = 0.6 on a road that goes on between samples: the mass stays, the error with it, and doubt is said.
+
+    Two accelerometers see a lighter damper much as a heavier body, so a load under field is followed in part only.
+    """
+    (usual, *_) = load_scenario(CONFIG / "scenarios" / "hidden_effects.yaml")
+    gains = ready(CONFIG / "gains" / f"{observer}.yaml", car, observer)
+    for effects, ratios, most in ((FAULTY, (0.999, 1.001), 0.02), (HEAVY, (1.0, 1.25), 0.02)):
+        s = replace(usual, program=replace(usual.program, duration=30.0))
+        record = drive(replace(s, plant=Plant(effects=effects)), car, number=60)
+        state, told = run(gains, samples_of(record))
+        assert ratios[0] <= payload_of(gains, state).ratio <= ratios[1]
+        assert error(record, told) < most
+        assert told[-1].status is Status.DEGRADED
+        assert "a load or a loss" in told[-1].reason
+        assert payload_of(gains, state).verdict is Verdict.UNDECIDED
 
 
 def test_a_car_that_stands_teaches_nothing_and_forgets_nothing(gains: Gains, hidden) -> None:

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from er_models.errors import InputError
+from er_models.program import Program, resolve
+from er_models.simulation import history, initial_state, prepare
 from er_observers.filters.flow import flow
 from er_observers.observers.phi import phi_functions
 from er_observers.observers.status import Status
@@ -44,6 +46,30 @@ def test_every_observer_settles_in_a_fifth_of_the_time(car, record, name):
     assert nrmse(true, found.force) < 0.4 * nrmse(true, plain.force)
     wrong = np.abs(found.force - true) > 0.02 * np.ptp(true)
     assert not np.any(wrong[t < 0.5] & (found.status[t < 0.5] == Status.OK))
+
+
+@pytest.mark.parametrize("name", ["nlpv_polytopic", "nlpv_gridding", "unified"])
+def test_a_car_that_really_starts_off_is_found(car, name):
+    """10 mm and 5 N off, nothing told: the first sample counts once, not as a start and again as a measurement."""
+    (e,) = [e for e in estimators_of(car, CONFIG / "gains") if e.name == name]
+    road = {"kind": "iso8608", "road_class": "C", "peak_velocity": 0.15}
+    plant, found = prepare(car, 0.005), []
+    for seed in range(4):
+        program = Program(road, {"kind": "constant", "level": 0.17}, 2.0, seed)
+        ways, duty = resolve(program, car, 0.005).ride(0.005)
+        begin = initial_state(plant, ways[0], 0.17, np.array([0.01, 0.0, 0.0, 0.0]))
+        out = history(plant, begin, ways, duty)[2]
+        assert out[0, 2] == pytest.approx(7.44, abs=0.01)  # of which the field has 4.8 N
+        noise = 0.025 * np.random.default_rng(seed).standard_normal((out.shape[0], 2))
+        rows = zip(0.005 * np.arange(out.shape[0]), *(out[:, :2] + noise).T, duty, strict=True)
+        samples = [Sample(*map(float, row)) for row in rows]
+        state = e.start(e.parameters, samples[0], None)
+        force = [state.estimate.force]
+        for sample in samples[1:]:
+            state, estimate = e.step(e.parameters, state, sample)
+            force.append(estimate.force)
+        found.append(nrmse(out[:, 2], np.array(force)))
+    assert np.mean(found) < 0.015
 
 
 def test_it_ends_and_the_proved_gain_goes_on_from_there(gains, drive):

@@ -14,7 +14,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from er_models.program import Program
+from er_models.program import Program, within
+from er_models.simulation import substeps
 from numpy.typing import NDArray
 
 from er_plant_sim import duty_gate, simulator
@@ -24,15 +25,15 @@ from er_plant_sim.simulator import Measurement, SimState, Simulator
 Array = NDArray[np.float64]
 
 BLOCK = 16
-"""Ticks for which road and duty are computed at once: a random road takes 15 us a tick, and the loop waits."""
+"""Ticks for which road and duty are computed at once: a random road takes 50 us a tick, and the loop waits."""
 
 
 @dataclass(frozen=True, eq=False)
 class Rig:
     """Simulator, limits of the duty, and the program of road and duty (peak velocity resolved).
 
-    programmed: the duty is that of the program; otherwise commands are waited for. known: road [m] at the first
-    ticks, (n,), where it was computed beforehand.
+    programmed: the duty is that of the program; otherwise commands are waited for. known: road [m] of the first
+    ticks, as `Program.ride` has it, where it was computed beforehand.
     """
 
     sim: Simulator
@@ -59,7 +60,7 @@ def start(rig: Rig) -> RigState:
     duty = wanted_duty(rig, 0) if rig.programmed else rig.gate.safe_duty
     gate = GateState(min(max(duty, rig.gate.duty_min), rig.gate.duty_max), 0.0)
     at_rest = simulator.at_rest(rig.sim, road(rig, 0), gate.duty)
-    return RigState(simulator.advance(rig.sim, at_rest, road(rig, 1), gate.duty), gate)
+    return RigState(simulator.advance(rig.sim, at_rest, way(rig, 1), gate.duty), gate)
 
 
 def sense(rig: Rig, state: RigState) -> Measurement:
@@ -99,8 +100,8 @@ def decide(rig: Rig, state: RigState, *, conflict: bool = False) -> tuple[RigSta
 
 def advance(rig: Rig, state: RigState) -> RigState:
     """The state at the next tick, with the duty that was decided."""
-    height = road(rig, state.sim.tick + 1)
-    return RigState(simulator.advance(rig.sim, state.sim, height, state.gate.duty), state.gate)
+    ahead = way(rig, state.sim.tick + 1)
+    return RigState(simulator.advance(rig.sim, state.sim, ahead, state.gate.duty), state.gate)
 
 
 def time(rig: Rig, state: RigState) -> float:
@@ -115,9 +116,19 @@ def finished(rig: Rig, state: RigState) -> bool:
 
 def road(rig: Rig, tick: int) -> float:
     """Height of the road at a tick [m]."""
-    if tick < rig.known.size:
-        return rig.known.item(tick)
-    return float(_heights(rig, tick // BLOCK)[tick % BLOCK])
+    return float(way(rig, tick)[-1])
+
+
+def way(rig: Rig, tick: int) -> Array:
+    """Heights of the road [m] at every step of the integrator after the tick before, (m,); at tick 0 only there."""
+    lines = substeps(rig.dt)
+    if tick == 0:
+        return rig.known[:1] if rig.known.size else _heights(rig, 0)[:1]
+    first = (tick - 1) * lines + 1
+    if first + lines <= rig.known.size:
+        return rig.known[first : first + lines]
+    first -= (tick - 1) // BLOCK * BLOCK * lines
+    return _heights(rig, (tick - 1) // BLOCK)[first : first + lines]
 
 
 def wanted_duty(rig: Rig, tick: int) -> float:
@@ -127,8 +138,8 @@ def wanted_duty(rig: Rig, tick: int) -> float:
 
 @lru_cache(maxsize=4)
 def _heights(rig: Rig, block: int) -> Array:
-    """Road of one block of ticks (BLOCK,)."""
-    return rig.program.heights(_times(rig, block))
+    """Road from a block's first tick to the next one's, (m BLOCK + 1,)."""
+    return rig.program.heights(within(BLOCK + 1, rig.dt, block * BLOCK))
 
 
 @lru_cache(maxsize=4)

@@ -120,7 +120,7 @@ def of_a_wheel(p: RunParameters, program: Program) -> Program:
 def scaled(program: Program, model: Model, dt: float) -> tuple[Program, Array]:
     """The program with its road scaled to the peak velocity it names, for this car at this step [s].
 
-    And the road's heights [m] at the first ticks, (n,), as many as are known by then.
+    And the road's heights [m] of the first ticks, as `Program.ride` has them, as many as are known by then.
     """
     bounded = replace(program, duration=min(program.duration or LONGEST, LONGEST))
     found, heights = resolved(bounded, model, dt)

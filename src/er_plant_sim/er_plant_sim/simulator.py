@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from er_models.model import Model
+from er_models.model import Array, Model
 from er_models.simulation import Output, Plant, State, initial_state, prepare
 from er_models.simulation import step as step_plant
 
@@ -64,9 +64,9 @@ def at_rest(p: Simulator, road: float, duty: float) -> SimState:
     return SimState(0, initial_state(p.plant, road, duty))
 
 
-def advance(p: Simulator, state: SimState, road: float, duty: float) -> SimState:
-    """The state one sample later: road is its height there [m], duty what was held until then."""
-    plant, output = step_plant(p.plant, state.plant, (road, duty))
+def advance(p: Simulator, state: SimState, way: float | Array, duty: float) -> SimState:
+    """The state one sample later: way is the road on it (m,) [m], see `step`, duty what was held until then."""
+    plant, output = step_plant(p.plant, state.plant, (way, duty))
     return SimState(state.tick + 1, plant, output)
 
 

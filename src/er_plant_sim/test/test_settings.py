@@ -9,6 +9,7 @@ import pytest
 from er_common.parameter_table import build as checked
 from er_models.errors import InputError
 from er_models.program import load_program
+from er_models.simulation import substeps
 from er_plant_sim.build import build, load_given_program
 from er_plant_sim.duty_gate import Command, Reason
 from er_plant_sim.rig import Rig, advance, decide, finished, receive, road, sense, start, time
@@ -110,7 +111,7 @@ def test_a_road_that_was_scaled_is_known_beforehand() -> None:
     path = str(CONFIG / "experiments/identification.yaml")
     made = rig(program_file=path, duration=2.0, rate=1000.0)
     later = replace(made, known=np.empty(0))
-    assert made.known.size == 2001
+    assert made.known.size == 2000 * substeps(made.dt) + 1
     expected = [road(later, k) for k in range(2100)]
     assert max(map(abs, expected)) > 1e-3
     # but for the order in which sums of many rows are taken

@@ -24,6 +24,13 @@ FACTOR = Number(
     "factor", "1", 1.0, -1e3, 1e3, "multiplies the height, e.g. 0.2 for a car of scale 1/5"
 )
 """A setting that every road takes."""
+STRAIGHT = Number(
+    "straight", "s", 0.0, 0.0, 1.0, "straight between points so far apart; 0 for the road itself"
+)
+"""Another one: a special case, for what is made for such roads."""
+COMMON = (FACTOR, STRAIGHT)
+_ROUNDING = 1e-9
+"""Share of the way between two points that a time may lie before one through rounding."""
 
 _SINGLE = {
     module.KIND.name: module.KIND
@@ -41,10 +48,17 @@ KINDS: dict[str, Kind] = {
 def road_profile(spec: Mapping[str, object], t: Array, seed: int = 0) -> Array:
     """Height of the road [m] at the times t [s], shape (n,).
 
-    spec: `kind`, one of `KINDS`, its settings and `factor`. The height at a time does not depend
+    spec: `kind`, one of `KINDS`, its settings, `factor` and `straight`. The height at a time does not depend
     on which other times are asked for. Raises `InputError` for an unknown kind or key and for a
     value out of bounds.
     """
     kind = choose(KINDS, spec, "road")
-    values = settings((*kind.settings, FACTOR), spec, "road")
-    return np.asarray(values["factor"] * kind.make(values, t, seed))
+    values = settings((*kind.settings, *COMMON), spec, "road")
+    apart = values["straight"]
+    if not apart:
+        return np.asarray(values["factor"] * kind.make(values, t, seed))
+    place = np.asarray(t, float) / apart
+    first = np.floor(place + _ROUNDING)
+    nodes, where = np.unique(np.concatenate([first, first + 1.0]), return_inverse=True)
+    begin, end = kind.make(values, apart * nodes, seed)[where].reshape(2, -1)
+    return np.asarray(values["factor"] * (begin + (end - begin) * np.maximum(place - first, 0.0)))

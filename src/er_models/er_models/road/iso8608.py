@@ -27,6 +27,8 @@ N_0 = 0.1
 LINES = 1024
 _BLOCK = 256
 """Samples in a row that are summed at once."""
+_PLACE = 3e-13
+"""What rounding of the time between samples makes of a block [s]: no road is so fast that it shows."""
 _ROUNDING = 1e-15
 """Share of a time that a sum of two differs from it by, in samples that are even."""
 
@@ -63,22 +65,30 @@ def _sum(amplitude: Array, omega: Array, phase: Array, t: Array) -> Array:
     Where samples follow each other evenly every block has the angles of the first one and some more, the same for all
     its samples: by the addition theorem a minute at 2 kHz takes one sine in eighty.
     """
-    begins, within = t[::_BLOCK], t[:_BLOCK] - t[:1]
-    height = np.empty(t.shape)
-    even = np.add.outer(begins, within).ravel()[: t.size]
-    if t.size <= _BLOCK or np.abs(even - t).max() > _ROUNDING * np.abs(t).max():
+    apart = round(
+        float(t[-1] - t[0]) / max(t.size - 1, 1), 15
+    )  # the same for every stretch of a road
+    begins, height = t[::_BLOCK], np.empty(t.shape)
+    even = np.add.outer(begins, apart * np.arange(_BLOCK)).ravel()[: t.size]
+    if t.size < _BLOCK // 2 or np.abs(even - t).max() > _ROUNDING * np.abs(t).max() + _PLACE:
         for i in range(0, t.size, _BLOCK):
             height[i : i + _BLOCK] = (
                 np.sin(np.multiply.outer(t[i : i + _BLOCK], omega) + phase) @ amplitude
             )
         return height
-    turned = np.multiply.outer(within, omega)
-    turns = np.hstack([np.cos(turned), np.sin(turned)])
+    turns = _turns(apart, omega.tobytes())
     for i, begin in zip(range(0, t.size, _BLOCK), begins, strict=True):
         angle, some = omega * begin + phase, turns[: t.size - i]
         both = np.concatenate([amplitude * np.sin(angle), amplitude * np.cos(angle)])
         height[i : i + _BLOCK] = some @ both
     return height
+
+
+@lru_cache(maxsize=4)
+def _turns(apart: float, omega: bytes) -> Array:
+    """Cosines and sines (_BLOCK, 2 LINES) of the angles that sines of these omega [rad/s] turn by within a block."""
+    turned = np.multiply.outer(apart * np.arange(_BLOCK), np.frombuffer(omega))
+    return np.hstack([np.cos(turned), np.sin(turned)])
 
 
 KIND = Kind(

@@ -158,9 +158,8 @@ def _belief(model: Model, tolerance: float, *, with_body: bool) -> tuple[Array, 
     mean[:3] = 1.0
     deviations = np.full(N, tolerance)
     deviations[4] = 0.1 * model.scales.force
-    deviations[5:] *= (
-        2.0  # of the gate and the response time: a noisy velocity makes any gate look wider
-    )
+    # a noisy velocity, and a road that bends within a sample, make any gate look wider
+    deviations[5:] *= 2.0, 3.0, 3.0
     P = np.diag(deviations**2)
     if with_body:
         P[:4, :4] += tolerance**2

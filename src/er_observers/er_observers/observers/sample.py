@@ -1,7 +1,7 @@
 """One sample of an observer in one compiled call: the state, what it says, and its health.
 
 The memory between samples is one array: health (8,), change of the relative acceleration [m/s2], y (m,), pace (m,),
-x (n,), z (N,), payload (36,). `Layout` says where each begins.
+x (n,), z (N,), payload (48,). `Layout` says where each begins.
 """
 
 from __future__ import annotations
@@ -16,7 +16,15 @@ from er_observers.observers import payload, watch
 from er_observers.observers.compiled import compiled
 from er_observers.observers.kernel import HEAD, SUBSTEP, advance
 from er_observers.observers.matrices import Plan
-from er_observers.observers.payload import RATIO, SPEED, even_drive, learn
+from er_observers.observers.payload import (
+    RATIO,
+    SPEED,
+    UNDECIDED,
+    YIELD,
+    even_drive,
+    learn,
+)
+from er_observers.observers.status import BLIND, FINE, UNTOLD
 from er_observers.observers.watch import (
     DOUBT,
     FLOOR,
@@ -168,8 +176,8 @@ def run_sample(
     y_1[0], y_0[0] = sprung, sprung_before
     if memory[DOUBT] > rules[SETTLED]:
         mass_known[SPEED] = math.nan  # the error of a start without start phase teaches nothing
-    v = memory[x + 1]
-    learn(mass, mass_known, y_0[0], y_0[1], sprung, unsprung, v, end, last, dt)
+    v, f = memory[x + 1], memory[x + int(mass[YIELD])]
+    learn(mass, mass_known, y_0[0], y_0[1], sprung, unsprung, v, end, f, last, dt)
     force, x_1, v_1, ratio, verdict = keep(
         reading, rules, before, last, dt, repaired, end, lay, memory
     )
@@ -221,4 +229,7 @@ def said(
     for i in range(n):
         force += reading[at + i] * memory[x + i]
     ratio = contradiction(memory[POWER], memory[FLOOR])
-    return force, memory[x], memory[x + 1], ratio, judge(rules, memory[HEALTH])
+    verdict = judge(rules, memory[HEALTH])
+    if verdict in (FINE, BLIND) and memory[lay.payload_at + UNDECIDED] > 0.0:
+        verdict = UNTOLD
+    return force, memory[x], memory[x + 1], ratio, verdict

@@ -69,7 +69,7 @@ class Health(NamedTuple):
     contradicted: bool
 
 
-FINE, UNSETTLED, REPAIRED, GONE, BLIND, CONFLICTING = range(6)
+FINE, UNSETTLED, REPAIRED, GONE, BLIND, CONFLICTING, UNTOLD = range(7)
 VERDICTS = {
     FINE: (Status.OK, ""),
     UNSETTLED: (Status.INITIALISING, "the first error has not decayed yet"),
@@ -77,5 +77,6 @@ VERDICTS = {
     GONE: (Status.INVALID, "no valid sample for too long"),
     BLIND: (Status.WEAK, "the fluid hardly yields: accelerometers do not see the deflection"),
     CONFLICTING: (Status.DEGRADED, "the accelerations contradict the damper model"),
+    UNTOLD: (Status.DEGRADED, "a load or a loss of the damper: not told apart"),
 }
-"""What `watch.judge` may say: a status and its reason."""
+"""What `watch.judge` and `payload` may say: a status and its reason."""

@@ -77,7 +77,7 @@ def evaluate(plant: Model, gains: Gains, scenario: Scenario) -> Score:
     """Simulate the plant, add noise, run the observer, compare with the true force."""
     program = resolve(scenario.program, plant, DT)
     t = times(program.duration, DT)
-    record = simulate(plant, DT, *program.signals(t))
+    record = simulate(plant, DT, *program.ride(DT))
     estimates = replay(gains, noisy(record, scenario), _first(gains, record, scenario))
     force = np.array([e.force for e in estimates])
     status = np.array([e.status for e in estimates])

@@ -119,7 +119,11 @@ def start(
     known = payload.begin() if known is None else payload.interrupted(known)
     y = _outputs(gains, sample) if running else np.zeros(law.S.shape[1])
     seen = payload.seen(known, y)
-    first, P = _likeliest(gains, seen, duty) if x is None else np.array(x, float), None
+    P = None
+    if x is not None:
+        first = np.array(x, float)
+    else:  # the start phase weighs the sample itself, against a car at rest
+        first = _likeliest(gains, seen, duty) if gains.opening is None else np.zeros(gains.form.n)
     if running and gains.opening is not None:
         prior = gains.opening.prior
         first, P = start_phase.follow(gains.opening, first, prior, duty, 0.0, seen)

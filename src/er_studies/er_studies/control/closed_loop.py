@@ -81,23 +81,24 @@ def drive(
     car: Model, road: Array, dt: float, law: Law, watch: Watch, sensors: Sensors, seed: int,
     tick: Callable[[float], None] | None = None,
 ) -> dict[str, Array]:  # fmt: skip
-    """The car on a road (n,) of samples dt [s] apart: `COLUMNS`, each (n,), and left, believed (n, 3).
+    """The car on a road as of `Program.ride`, n samples dt [s] apart: `COLUMNS`, each (n,), left, believed (n, 3).
 
     The duty of a sample acts until the next one, or `latency` samples later. No controller sees the road.
     tick: told the time [s] every `_TICK` samples.
     """
     plant = prepare(car, dt)
     state, out = initial_state(plant, float(road[0])), Output(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    noise = _noise(sensors, road.size, seed)
+    ways = road[1:].reshape(-1, plant.n_sub)
+    noise = _noise(sensors, len(ways) + 1, seed)
     mind, opinion = law.start(), watch.start()
     pending, told_duty = [0.0] * (sensors.latency + 1), 0.0
     rows, left, believed = [], [], []
-    for k, height in enumerate(road.tolist()):
+    for k in range(len(ways) + 1):
         t = k * dt
         if tick is not None and k % _TICK == 0:
             tick(t)
         if k > 0:
-            state, out = step_plant(plant, state, (height, told_duty))
+            state, out = step_plant(plant, state, (ways[k - 1], told_duty))
         seen = _seen(out, noise[k])
         sample = Sample(seen[2], seen[3], seen[0], seen[1], duty=told_duty)
         mind, command = law.step(mind, t, sample)
@@ -107,7 +108,7 @@ def drive(
         if faults is not None:
             mind = law.hear(mind, faults)
         rows.append((
-            t, height, out.deflection, out.deflection_velocity, out.sprung_acceleration, float(state.q[2]),
+            t, state.road, out.deflection, out.deflection_velocity, out.sprung_acceleration, float(state.q[2]),
             out.damper_force, told_duty, command.wanted, command.given, command.rho,
             command.mode is Mode.SAFE, command.mode is Mode.FAULT_TOLERANT, command.x, command.v,
         ))  # fmt: skip

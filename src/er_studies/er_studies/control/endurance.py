@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model, Values
-from er_models.program import Program, resolve, times
+from er_models.program import Program, resolve
 
 from er_studies.control.closed_loop import Sensors, drive, known
 from er_studies.control.rivals import passive
@@ -63,7 +63,7 @@ def ride(
         {"kind": "iso8608", "road_class": "C", "peak_velocity": 0.15},
         {"kind": "constant", "level": 0.0}, r.seconds, r.seed,
     )  # fmt: skip
-    road = resolve(program, setup.model, DT).signals(times(r.seconds, DT))[0]
+    road = resolve(program, setup.model, DT).ride(DT)[0]
     p = replace(setup.parameters, u_max=r.duty_max, latency=r.latency * DT)
     sensors, source = Sensors(latency=r.latency), watch(setup.model, car)
     ours = drive(car, road, DT, setup.built(p), source, sensors, r.seed, _seconds(r, tick, 0))

@@ -28,7 +28,7 @@ from er_models.errors import InputError, UnknownName
 from er_models.fault_profile import PARAMETERS
 from er_models.model import Array, Model, Values
 from er_models.program import SCHEMA as PROGRAM_SCHEMA
-from er_models.program import Program, parse_program, resolve, times
+from er_models.program import Program, parse_program, resolve
 from er_models.spec import REQUIRED, Number, Setting, Text, settings
 from er_models.yaml_file import read_yaml
 
@@ -65,9 +65,9 @@ class Scenario:
     faults: Mapping[str, Values]
 
     def road(self, model: Model, number: int) -> Array:
-        """Heights (n,) of road `number`, scaled by the healthy car."""
+        """Heights of road `number`, as of `Program.ride`, scaled by the healthy car."""
         program = replace(self.program, seed=self.program.seed + number)
-        return resolve(program, model, DT).signals(times(program.duration, DT))[0]
+        return resolve(program, model, DT).ride(DT)[0]
 
     def car(self, model: Model, fault: str) -> Model:
         """The car with the effects of a fault."""

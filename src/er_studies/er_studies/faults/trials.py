@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Array, Model
-from er_models.program import parse_program, resolve, times
+from er_models.program import parse_program, resolve
 from er_models.simulation import initial_state, prepare, step
 from er_observers.faults.sample import Sample
 
@@ -27,7 +27,7 @@ class Trial:
 
     left: what the fault leaves, by factor, from `fault_time` [s] on. hidden: effects that the model does not know,
     from the start. spread: every parameter of the plant is off by a random share within it. duty: held instead of
-    Skyhook's. still: the car stands.
+    Skyhook's. still: the car stands. straight: the road is so between samples, a special case.
     """
 
     seed: int
@@ -39,6 +39,7 @@ class Trial:
     duty: float | None = None
     still: bool = False
     road: str = ""
+    straight: bool = False
 
 
 class Drive(NamedTuple):
@@ -56,12 +57,13 @@ def drive(trial: Trial, model: Model) -> Drive:
     duties = model.rig.get("duty_min", 0.0), model.rig.get("duty_max", model.scales.duty)
     names = ("acceleration", "acceleration", "deflection", "velocity", "force")
     sizes = np.array([model.rig[f"{name}_noise"] for name in names])
-    noise = sizes * random.standard_normal((road.size, 5))
     prepared = prepare(plant, DT)
+    ways = road[1:].reshape(-1, prepared.n_sub)
+    noise = sizes * random.standard_normal((len(ways) + 1, 5))
     state = initial_state(prepared, float(road[0]), duties[0])
-    samples, motion, duty = [], np.zeros((road.size, 2)), duties[0]
-    for k in range(1, road.size):
-        state, out = step(prepared, state, (float(road[k]), duty))
+    samples, motion, duty = [], np.zeros((len(ways) + 1, 2)), duties[0]
+    for k, way in enumerate(ways, start=1):
+        state, out = step(prepared, state, (way, duty))
         body, relative = state.q[1], state.q[1] - state.q[3]
         duty = duties[int(body * relative >= 0.0)] if trial.duty is None else trial.duty
         e = noise[k]
@@ -89,7 +91,7 @@ def _plant(trial: Trial, model: Model, random: np.random.Generator) -> Model:
 
 
 def _road(trial: Trial, model: Model, random: np.random.Generator) -> Array:
-    """Height of the road at each sample [m]: a random kind, scaled to the velocity of the rig."""
+    """Heights of the road [m], as of `Program.ride`: a random kind, scaled to the velocity of the rig."""
     kind = trial.road or str(random.choice(_ROADS, p=(0.5, 0.25, 0.25)))
     peak = random.uniform(0.8, 1.0) * model.rig.get("velocity_max", model.scales.velocity)
     spec: dict[str, Any] = {"kind": "iso8608", "road_class": "C"}
@@ -107,10 +109,10 @@ def _road(trial: Trial, model: Model, random: np.random.Generator) -> Array:
         spec = {"kind": "sequence", "fade": 0.1, "parts": [part]}
     document = {
         "schema": "er_program 1", "duration": trial.duration, "seed": trial.seed,
-        "road": {**spec, "peak_velocity": float(peak)}, "duty": {"kind": "constant", "level": 0.0},
+        "road": {**spec, "peak_velocity": float(peak), "straight": DT * trial.straight}, "duty": {"kind": "constant", "level": 0.0},
     }  # fmt: skip
     program = resolve(parse_program(document, Path("trial")), model, DT)
-    height = program.signals(times(trial.duration, DT))[0]
+    height = program.ride(DT)[0]
     return np.zeros_like(height) if trial.still else height
 
 

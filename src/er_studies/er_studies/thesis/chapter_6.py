@@ -87,7 +87,7 @@ def chapter_6(config: Path, tick: Callable[[str], None] | None = None) -> Chapte
     program = resolve(load_program(config / "simulations" / "chapter_6.yaml"), car, DT)
     say("riding")
     t = times(program.duration, DT)
-    road, duty = program.signals(t)
+    road, duty = program.ride(DT)
     record = simulate(car, DT, road, duty)
     x, v = record["deflection"], record["deflection_velocity"]
     cases = []

@@ -10,7 +10,7 @@ from er_model_lab.planning.simulated_decision import measured
 from er_model_lab.planning.virtual_rig import Run
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.model import Model
-from er_models.program import Program, resolve, times
+from er_models.program import Program, resolve
 from er_models.simulation import simulate
 from er_records.record import CHANNELS, Record
 
@@ -21,8 +21,7 @@ def measure(vehicle: Model, program: Program, seed: int) -> Record:
     seed: of the noise; the road has the program's own. Raises `InputError` for a model without a car.
     """
     program = resolve(program, vehicle, DT)
-    t = times(program.duration, DT)
-    run = simulate(vehicle, DT, *program.signals(t))
+    run = simulate(vehicle, DT, *program.ride(DT))
     made = Run(DT, {name: run[name] for name in ("t", *CHANNELS) if name in run})
     sensors, _ = sensors_of(vehicle, None)
     record = measured(made, sensors, np.random.default_rng(seed), program.name)

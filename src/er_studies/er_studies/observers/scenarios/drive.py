@@ -9,7 +9,7 @@ import numpy as np
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.files import load_model
 from er_models.model import Array, Model
-from er_models.program import resolve, times
+from er_models.program import resolve
 from er_models.simulation import Plant as Prepared
 from er_models.simulation import initial_state, prepare, simulate, step
 
@@ -30,7 +30,7 @@ def drive(scenario: Scenario, believed: Model, number: int = 0) -> dict[str, Arr
     """
     seed = scenario.program.seed + number
     program = resolve(replace(scenario.program, seed=seed), believed, DT)
-    road, duty = program.signals(times(program.duration, DT))
+    road, duty = program.ride(DT)
     plant = plant_of(scenario.plant, believed, seed)
     duty_step = scenario.sensors.duty_step
     if scenario.skyhook is not None:
@@ -62,16 +62,16 @@ def quantised(duty: Array, step_of_duty: float) -> Array:
 
 
 def _closed_loop(plant: Model, road: Array, limits: Skyhook) -> dict[str, Array]:
-    """The plant on a road (n,), the duty from (3.81) on the true velocities, sample by sample."""
+    """The plant on a road (m (n - 1) + 1,), the duty from (3.81) on the true velocities, sample by sample."""
     prepared = prepare(plant, DT)
     state = initial_state(prepared, float(road[0]), limits.low)
     rows = [_first(prepared, plant, road)]
-    for height in road[1:]:
+    for way in road[1:].reshape(-1, prepared.n_sub):
         duty = _skyhook(limits, state.q)
         rows[-1][4] = duty
-        state, out = step(prepared, state, (float(height), duty))
+        state, out = step(prepared, state, (way, duty))
         rows.append([
-            state.t, float(height), out.deflection, out.deflection_velocity, duty, out.measured_force,
+            state.t, state.road, out.deflection, out.deflection_velocity, duty, out.measured_force,
             out.sprung_acceleration, out.unsprung_acceleration, float(state.q[2]),
         ])  # fmt: skip
     rows[-1][4] = _skyhook(limits, state.q)
@@ -80,7 +80,7 @@ def _closed_loop(plant: Model, road: Array, limits: Skyhook) -> dict[str, Array]
 
 def _first(prepared: Prepared, plant: Model, road: Array) -> list[float]:
     """The first row, at rest: what an open loop of two samples begins with."""
-    record = simulate(plant, prepared.dt, road[:2], np.zeros(2))
+    record = simulate(plant, prepared.dt, road[: prepared.n_sub + 1], np.zeros(2))
     return [float(record[name][0]) for name in COLUMNS]
 
 
