@@ -29,7 +29,7 @@ class Sample(NamedTuple):
 
 
 class Following(NamedTuple):
-    """Where m dampers are: forces (m,) [N] as their sensor shows them, time since the start [s], and what is remembered.
+    """Where m dampers are: forces (m,) [N] as their sensor shows them, time since the start [s], what is remembered.
 
     sample (5,): the last one; states (m, ROWS, n_states); duties (depth,), forces_before (m, depth): newest last.
     """

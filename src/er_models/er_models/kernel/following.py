@@ -20,8 +20,8 @@ def advance(
     """Bring m dampers from the sample before, at t [s], to the next one, in place; the forces shown there (m,) [N].
 
     states (m, ROWS, n_states); before, now (5,): deflection, velocity, acceleration, duty and temperature at both
-    samples; apart (m,): what each damper moves faster [m/s]; duties: held from each sample on, this one's last, at least
-    three more than the dead time has samples; forces (m, n): of the last samples, this one's last.
+    samples; apart (m,): what each damper moves faster [m/s]; duties: held from each sample on, this one's last, three
+    more than the dead time has samples at least; forces (m, n): of the last samples, this one's last.
     """
     whole, cut = split(input_delay(on, p) / dt)
     shift, last = output_delay(on, p) / dt, duties.shape[0] - 1 - whole
