@@ -25,12 +25,11 @@ def advance(
     """
     whole, cut = split(input_delay(on, p) / dt)
     shift, last = output_delay(on, p) / dt, duties.shape[0] - 1 - whole
-    x = cubic(before[0], before[1], now[0], now[1], dt)
-    v = cubic(before[1], before[2], now[1], now[2], dt)
     a_rise, theta_rise = now[2] - before[2], now[4] - before[4]
     turn = turning(cut, n_sub)
     for i in range(states.shape[0]):
-        s, more = states[i], apart[i]
+        s, v_0, v_1 = states[i], before[1] + apart[i], now[1] + apart[i]
+        x, v = cubic(before[0], v_0, now[0], v_1, dt), cubic(v_0, before[2], v_1, now[2], dt)
         # a change without a part of a sample was looked at in the sample before
         u_now, u_next = duties[last - 2 if cut > 0.0 else last - 1], duties[last - 1]
         jump, h, end, f_m = u_now != u_next, dt / n_sub, 0.0, 0.0
@@ -40,14 +39,14 @@ def advance(
                 q, u_now = stop(j, n_sub, turn, cut, u_now, u_next)
                 h, end = (q - end) * dt, q
             _, f_m, _ = visit(
-                on, links, p, s, h, HOLD, at(x, q), at(v, q) + more, before[2] + q * a_rise, u_now,
+                on, links, p, s, h, HOLD, at(x, q), at(v, q), before[2] + q * a_rise, u_now,
                 t + q * dt, before[4] + q * theta_rise,
             )  # fmt: skip
             keep(slots, s)
         if cut == 0.0 and duties[last] != u_now:
             for k in range(last - 1, last + 1):
                 _, f_m, _ = visit(
-                    on, links, p, s, 0.0, HOLD, now[0], now[1] + more, now[2], duties[k], t + dt, now[4],
+                    on, links, p, s, 0.0, HOLD, now[0], v_1, now[2], duties[k], t + dt, now[4],
                 )  # fmt: skip
                 keep(slots, s)
         past = forces[i]
