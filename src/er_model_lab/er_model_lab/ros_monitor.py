@@ -211,5 +211,6 @@ CORES = {
         says=MONITOR.said,
         period=0.05,
         asked=quality.FOLLOWER,
+        around="er_model_lab.nodes.model_monitor",
     )
 }

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from er_models.errors import InputError
+from er_models.files import load_model
 from er_models.following import Sample, begin, follow, follower
 from er_models.model import Array, Model
 from er_models.prediction import Motion, motion, predict
-from er_models.files import load_model
 
 DT = 0.005
 CASES = {
