@@ -57,6 +57,13 @@ def test_plotjuggler_shows_fields_that_there_are(namespace: str) -> None:
     curves = [str(curve.get("name")) for curve in root.iter("curve")]
     assert len(curves) >= 15
     assert all(field_of(name, namespace, "/") in NUMERIC for name in curves)
+    stamped = [(p.get("ID"), p.find("use_header_stamp")) for p in root.iter("plugin")]
+    assert {
+        name for name, each in stamped if each is not None and each.get("value") == "true"
+    } == {
+        "DataLoad ROS2 bags",
+        "ROS2 Topic Subscriber",
+    }
     for splitter in root.iter("DockSplitter"):
         sizes = [float(text) for text in str(splitter.get("sizes")).split(";")]
         assert len(sizes) == len(splitter) == int(str(splitter.get("count")))

@@ -20,6 +20,7 @@ PACKAGING = (
     "pyproject.toml",
     "CMakeLists.txt",
     "*/programs.py",
+    "action/*.action",
     "msg/*.msg",
     "srv/*.srv",
 )

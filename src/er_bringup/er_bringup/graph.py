@@ -196,7 +196,7 @@ def _measured(given: Mapping[str, str]) -> list[str]:
 
 def _said(answering: Sequence[Program]) -> list[Topic]:
     """What is said to the samples."""
-    return [program.says for program in answering if program.says]
+    return [topic for program in answering for topic in program.said]
 
 
 def _names(each: Sequence[Topic]) -> list[str]:

@@ -35,8 +35,8 @@ HEADER = ("header",)
 
 Input = tuple[Topic, Any, int]
 """Topic, message, time of arrival [ns]."""
-Key = tuple[int, int]
-"""Stamp [ns] and sequence number of an answer."""
+Key = tuple[int, int, str]
+"""Stamp [ns] and sequence number of an answer, and its topic."""
 
 
 class UnknownParameters(ErError):
@@ -133,7 +133,7 @@ def play(
         if topic not in core.optional and name not in bag.topics:
             raise MissingChannel(bag.path, name, f"for {executable}", bag.topics)
     outputs = {f"{namespace}/{topic.name}": topic for topic in core.outputs}
-    said_before = _first(m for _, m, _ in bag.messages(outputs))
+    said_before = _first((topic, m) for topic, m, _ in bag.messages(outputs))
     # the topic of the first input paces the node
     paced = {m.seq for m in said_before.values()} if follow else None
     once = Played(executable, recorded=len(said_before))
@@ -210,18 +210,18 @@ def _steps(
         yield from said
 
 
-def _first(messages: Iterable[Any]) -> dict[Key, Any]:
+def _first(answers: Iterable[Said]) -> dict[Key, Any]:
     """Answers by sample; one may be said once more while samples stay away: that is a matter of time."""
     found: dict[Key, Any] = {}
-    for message in messages:
+    for topic, message in answers:
         if _is_answer(message):
-            found.setdefault(_key(message), message)
+            found.setdefault((*tick_of(message), topic.name), message)
     return found
 
 
 def _compare(result: Played, recorded: Mapping[Key, Any]) -> None:
     """Count what is the same, bit by bit, and find the first difference."""
-    answered = _first(m for _, m in result.answers)
+    answered = _first(result.answers)
     for key in sorted(recorded.keys() | answered.keys()):
         if key not in answered:
             result.only_bag += 1
@@ -244,10 +244,6 @@ def difference(recorded: Any, said: Any) -> str:
         if before != after:
             return f"{name} {before!r} recorded, {after!r} replayed"
     return ""
-
-
-def _key(message: Any) -> Key:
-    return tick_of(message)
 
 
 def _is_answer(message: Any) -> bool:

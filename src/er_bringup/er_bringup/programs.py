@@ -45,7 +45,7 @@ ASKED: Final = tuple(program for program in EVERY if program.asked)
 ANSWERING: Final = (*OBSERVERS.values(), *ASKED, *CONTROLLERS.values())
 """Those that answer samples."""
 ESTIMATES: Final = tuple(
-    program.says for program in ANSWERING if program.says not in (None, PWM_COMMAND)
+    topic for program in ANSWERING for topic in program.said if topic is not PWM_COMMAND
 )
 """What is said of the car beside the measurements."""
 CORES: Final[Mapping[str, Program]] = MappingProxyType(

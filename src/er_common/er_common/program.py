@@ -24,6 +24,7 @@ class Program(NamedTuple):
 
     kind: see `OBSERVER`; asked: what its own argument NAME:=true of the graph means, where it has one.
     listens: topics of the plant that it answers on says; uses: other topics, where they are there.
+    beside: what else it says of each sample.
     model, rate: whether the graph tells it the file of the vehicle, the rate of the samples; gains: its own in
     config/gains, empty where it has none.
     """
@@ -39,6 +40,7 @@ class Program(NamedTuple):
     listens: tuple[Topic, ...] = ()
     uses: tuple[Topic, ...] = ()
     says: Topic | None = None
+    beside: tuple[Topic, ...] = ()
     model: bool = False
     rate: bool = False
     gains: str = ""
@@ -47,6 +49,11 @@ class Program(NamedTuple):
     def key(self) -> str:
         """How an argument of the graph calls it: unified for unified_observer."""
         return self.name.removesuffix(f"_{self.kind}")
+
+    @property
+    def said(self) -> tuple[Topic, ...]:
+        """All that it says of a sample."""
+        return (*(() if self.says is None else (self.says,)), *self.beside)
 
     @property
     def path(self) -> str:

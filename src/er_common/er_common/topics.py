@@ -82,6 +82,10 @@ PWM_COMMAND: Final = _ours("pwm/command", "PwmDuty", "duty asked for [1]", quali
 FAULT: Final = replace(
     _ours("fault/estimate", "FaultEstimate", "effectiveness f1, f2, f3 [1]"), every_tick=False
 )
+MODEL_FORCE: Final = _ours("model/force", "DamperForce", "damper force of the model [N]")
+MODEL_RESIDUAL: Final = _ours(
+    "model/residual", "DamperForce", "measured force less that of the model [N]"
+)
 STATUS: Final = Topic(
     "~/status", "er_damper_msgs/msg/NodeStatus", "health of the node", 10.0, quality.STATUS
 )

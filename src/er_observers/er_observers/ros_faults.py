@@ -5,11 +5,11 @@ The estimate itself is `er_observers.faults.estimator`.
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 from er_common.common_parameters import silence
+from er_common.gather import Gathered
 from er_common.stamps import Checks, StampLimits, StampState, counted
 from er_models.errors import InputError
 from er_models.files import load_model
@@ -17,16 +17,16 @@ from er_models.model import Model
 from er_ros_common.builders import Tick
 from er_ros_common.core import Core, Said, Shell, When, by_place, judged
 from er_ros_common.health import Report
-from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
+from er_ros_common.parts import part_of
+from er_ros_common.stuck import Watched
 
-from er_common import quality, topics
+from er_common import gather, quality, topics
 from er_damper_msgs.msg import FaultEstimate, NodeStatus
 from er_observers.fault_settings import MEASURED, NONE, FaultParameters
-from er_observers.faults import estimator, gather
-from er_observers.faults.gather import Gathered
+from er_observers.faults import estimator
 from er_observers.faults.ready import ready
 from er_observers.faults.rules import RULES
-from er_observers.faults.sample import NOTHING, Estimate, Status
+from er_observers.faults.sample import NOTHING, Estimate, Status, sample_of
 from er_observers.programs import FAULT_ESTIMATOR, OBSERVERS
 from er_ros_common import builders
 
@@ -39,11 +39,6 @@ ON_THE_WIRE = {
 }
 _FORCES = {topic.name: topic for topic in map(topics.estimated_force, OBSERVERS)}
 USUAL = (topics.ACCELERATION, topics.DEFLECTION, topics.PWM_APPLIED)
-_PARTS = {
-    topics.ACCELERATION.name: gather.ACCELERATION,
-    topics.DEFLECTION.name: gather.DEFLECTION,
-    topics.PWM_APPLIED.name: gather.DUTY,
-}
 
 
 class State(NamedTuple):
@@ -104,12 +99,10 @@ class FaultCore(Core):
         checks, verdict, (stamp, seq) = judged(self, state.checks, topic, message, when)
         if not verdict.use:
             return state._replace(checks=checks), []
-        part = _part(topic, message)
-        body, strut, stuck = _watched(state, topic, part, stamp)
-        if stuck:
-            part = (math.nan,) * len(part)
+        which, part, (body, strut), stuck = part_of(
+            topic, message, stamp, (state.body, state.strut)
+        )
         unusable = state.unusable + (stuck or not message.valid)
-        which = _PARTS.get(topic.name, gather.FORCE)
         gathered, ticks = gather.add(state.gathered, self.needed, which, stamp, seq, part)
         said: list[Said] = []
         mind, base, last = state.mind, state.base, state.last
@@ -137,7 +130,7 @@ class FaultCore(Core):
         """Step for each tick that can go on, at least one; base: stamp of the first of all [ns]."""
         said: list[Said] = []
         for tick in ticks:
-            sample = gather.sample_of(tick, base)
+            sample = sample_of(tick, base)
             if mind is None:
                 mind = estimator.start(self.estimator, sample)
                 estimate = mind.estimate
@@ -184,33 +177,6 @@ def _topic(source: str) -> topics.Topic | None:
     if source == NONE:
         return None
     return topics.FORCE if source == MEASURED else _FORCES[source]
-
-
-def _watched(
-    state: State, topic: topics.Topic, part: gather.Part, stamp: int
-) -> tuple[Watched, Watched, bool]:
-    """What is known of body and strut, and whether a sensor says the same again and again.
-
-    Of a part that is not valid nothing is learnt.
-    """
-    if topic is topics.ACCELERATION and math.isfinite(part[0]):
-        body, stuck = check(state.body, part, ACCELERATION, stamp)
-        return body, state.strut, stuck
-    if topic is topics.DEFLECTION and math.isfinite(part[0]):
-        strut, stuck = check(state.strut, part, DEFLECTION, stamp)
-        return state.body, strut, stuck
-    return state.body, state.strut, False
-
-
-def _part(topic: topics.Topic, message: Any) -> gather.Part:
-    """Values of a message; NaN where they are not valid."""
-    if topic is topics.ACCELERATION:
-        return (message.sprung, message.unsprung) if message.valid else (math.nan, math.nan)
-    if topic is topics.DEFLECTION:
-        velocity = message.velocity if message.velocity_valid else math.nan
-        return (message.deflection, velocity) if message.valid else (math.nan, math.nan)
-    value = message.duty if topic is topics.PWM_APPLIED else message.force
-    return (value if message.valid else math.nan,)
 
 
 def _message(tick: Tick, e: Estimate) -> FaultEstimate:

@@ -8,12 +8,13 @@ import pytest
 from er_models.errors import InputError
 from er_models.model import Model
 from er_observers.fault_settings import FaultParameters
-from er_observers.faults import gather, tick
+from er_observers.faults import tick
+from er_observers.faults.sample import sample_of
 from er_observers.ros_faults import FaultCore, State
 from er_ros_common.core import Said, When
 from er_studies.faults.trials import Trial, drive
 
-from er_common import topics
+from er_common import gather, topics
 from er_damper_msgs.msg import FaultEstimate
 from er_ros_common import builders
 
@@ -27,7 +28,7 @@ def test_a_tick_goes_on_when_it_is_complete_whatever_came_first() -> None:
         g, ready = gather.add(g, NEEDED, which, 5 * MS, 1, part)
         assert ready == []
     g, ready = gather.add(g, NEEDED, gather.ACCELERATION, 5 * MS, 1, (1.0, -2.0))
-    assert [gather.sample_of(t, 0)[:6] for t in ready] == [(0.005, 1.0, -2.0, 1e-3, 0.1, 0.2)]
+    assert [sample_of(t, 0)[:6] for t in ready] == [(0.005, 1.0, -2.0, 1e-3, 0.1, 0.2)]
     g, ready = gather.add(g, NEEDED, gather.DUTY, 5 * MS, 1, (0.3,))
     assert ready == []
     assert g.missing == 0
@@ -41,7 +42,7 @@ def test_a_lost_part_holds_nothing_up() -> None:
             said += ready
     assert [tick.seq for tick in said] == list(range(1, 8))
     assert g.missing == 7
-    assert str(gather.sample_of(said[0], 0).duty) == "nan"
+    assert str(sample_of(said[0], 0).duty) == "nan"
     g, ready = gather.add(g, NEEDED, gather.DUTY, 10 * 5 * MS, 10, (0.1,))
     assert [tick.seq for tick in ready] == [8, 9, 10]
 

@@ -87,7 +87,8 @@ class Shell(NamedTuple):
     parameters: their dataclass, of which `make` makes the core; raises `ErError` where that cannot be.
     hears, says: topics for the help. period: how often the silence of the inputs is looked at [s]; patience: how long
     the core has nothing to say of it, where that is less than until they count as dead [s]. asked: quality of the
-    subscriptions, None: that of each topic. whole: inputs of no use without all of their parts.
+    subscriptions, None: that of each topic. whole: inputs of no use without all of their parts. around: module whose
+    `AROUND` is the class of the node around it, where that does more than carry messages.
     """
 
     parameters: type[Any]
@@ -98,6 +99,7 @@ class Shell(NamedTuple):
     patience: float = math.inf
     asked: Quality | None = None
     whole: tuple[Topic, ...] = ()
+    around: str = ""
 
 
 def shell_of(program: Program) -> Shell:

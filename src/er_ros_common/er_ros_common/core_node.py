@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from importlib import import_module
 from time import perf_counter
 from typing import Any
 
@@ -117,7 +118,8 @@ def node_of(program: Program) -> Executable:
     shell = shell_of(program)
     says = (*shell.says, topics.STATUS, topics.DIAGNOSTICS)
     card = Card(program, shell.parameters, shell.hears, says)
-    return Executable(partial(CoreNode, program), card)
+    kind = import_module(shell.around).AROUND if shell.around else CoreNode
+    return Executable(partial(kind, program), card)
 
 
 def main(program: Program) -> None:

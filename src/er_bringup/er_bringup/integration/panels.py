@@ -59,6 +59,27 @@ PAGES = (
         ),
     ),
     Page(
+        "Model beside the damper",
+        (
+            Panel(
+                "Damper force, measured and of the model [N]",
+                (Curve(topics.FORCE, "force"), Curve(topics.MODEL_FORCE, "force")),
+            ),
+            Panel(
+                "Error, its size of late and as it should be [N]",
+                (
+                    Curve(topics.MODEL_RESIDUAL, "force"),
+                    Curve(topics.MODEL_FORCE, "force_sd"),
+                    Curve(topics.MODEL_RESIDUAL, "force_sd"),
+                ),
+            ),
+            Panel(
+                "Sum of the test, above 1 the model no longer explains",
+                (Curve(topics.MODEL_FORCE, "test_ratio"), Curve(topics.MODEL_FORCE, "status")),
+            ),
+        ),
+    ),
+    Page(
         "Faults and health",
         (
             Panel("Effectiveness [1]", tuple(Curve(topics.FAULT, name) for name in _FACTORS)),

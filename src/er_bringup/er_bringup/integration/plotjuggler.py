@@ -8,6 +8,16 @@ from er_bringup.integration.panels import COLOURS, PAGES, Page, Panel, full
 
 SHOWN = 10.0
 """Time that is shown at first [s]."""
+READERS = ("DataLoad ROS2 bags", "ROS2 Topic Subscriber")
+"""Its plugins that read messages: without a word they go by the time of arrival."""
+SETTINGS = {
+    "use_header_stamp": "true",
+    "discard_large_arrays": "true",
+    "max_array_size": "100",
+    "boolean_strings_to_number": "true",
+    "remove_suffix_from_strings": "true",
+}
+"""Of each: all that it looks for, since it takes what is not there as false."""
 
 
 def layout(namespace: str) -> str:
@@ -18,6 +28,11 @@ def layout(namespace: str) -> str:
         _tab(tabs, page, namespace)
     ET.SubElement(tabs, "currentTabIndex", index="0")
     ET.SubElement(root, "use_relative_time_offset", enabled="1")
+    plugins = ET.SubElement(root, "Plugins")
+    for reader in READERS:
+        plugin = ET.SubElement(plugins, "plugin", ID=reader)
+        for name, value in SETTINGS.items():
+            ET.SubElement(plugin, name, value=value)
     ET.indent(root, " ")
     return f"<?xml version='1.0' encoding='UTF-8'?>\n{ET.tostring(root, encoding='unicode')}\n"
 

@@ -79,6 +79,7 @@ def car_stage(
                 u[i],
                 t,
                 h,
+                0.0,
                 rates[i],
                 tolerance,
             )

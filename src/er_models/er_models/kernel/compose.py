@@ -26,7 +26,7 @@ from er_models.kernel.order import relaxes_at
 
 OF_FIELD = {"y": "u", "f_y": "u_f", "tau_scale": "u_f_scale"}
 """What the equations of the response see where the duty whose chains have formed follows the duty."""
-PARTS = ("states", "inputs", "imposed", "beginning", "sensors", "vehicle", "car")
+PARTS = ("states", "inputs", "imposed", "beginning", "following", "sensors", "vehicle", "car")
 _OURS = re.compile(r"^from (er_models\.\S+) import", re.MULTILINE)
 _MARK = "# --- below this line: compiled with the composed equations ---\n"
 

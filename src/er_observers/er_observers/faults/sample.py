@@ -6,6 +6,11 @@ import math
 from enum import IntEnum
 from typing import NamedTuple
 
+from er_common.gather import Tick
+
+_MISSING = ((math.nan, math.nan), (math.nan, math.nan), (math.nan,), (math.nan,))
+"""Of a tick: accelerations, deflection and velocity, duty, force."""
+
 
 class Kind(IntEnum):
     """Which fault it is; SOME: there is one, but the data cannot tell which."""
@@ -78,3 +83,12 @@ NOTHING = Estimate(
     (1.0,) * 3, (0.0,) * 3, (FactorStatus.UNKNOWN,) * 3, Kind.UNKNOWN, 0.0, 0.0, 0.0, False,
     Status.INITIALISING, "no sample yet",
 )  # type: ignore[arg-type]  # fmt: skip
+
+
+def sample_of(tick: Tick, base: int) -> Sample:
+    """The sample of a tick, its time from the stamp `base` on; NaN for what is missing."""
+    each = zip(tick.parts, _MISSING, strict=True)
+    (body, wheel), (x, v), (u,), (f,) = [
+        missing if part is None else part for part, missing in each
+    ]
+    return Sample(1e-9 * (tick.stamp - base), body, wheel, x, v, u, f)

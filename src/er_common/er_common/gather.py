@@ -6,14 +6,11 @@ ARCHITECTURE.md compares this with the other two ways to join a tick.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
 from er_common.stamps import SECOND, StampLimits
-
-from er_observers.faults.sample import Sample
 
 DEPTH = 4
 """Ticks that may wait for a part."""
@@ -24,7 +21,6 @@ BACK = round(StampLimits().back * SECOND)
 
 Seen from the last tick given on, which may be later than the last accelerations: they may have been silent before.
 """
-_MISSING = ((math.nan, math.nan), (math.nan, math.nan), (math.nan,), (math.nan,))
 
 Part = tuple[float, ...]
 
@@ -70,12 +66,3 @@ def add(
     lost = sum(t.parts[i] is None for t in ready for i in needed)
     left = {s: t for s, t in waiting.items() if s > until}
     return Gathered(left, until, gathered.missing + lost), ready
-
-
-def sample_of(tick: Tick, base: int) -> Sample:
-    """The sample of a tick, its time from the stamp `base` on; NaN for what is missing."""
-    each = zip(tick.parts, _MISSING, strict=True)
-    (body, wheel), (x, v), (u,), (f,) = [
-        missing if part is None else part for part, missing in each
-    ]
-    return Sample(1e-9 * (tick.stamp - base), body, wheel, x, v, u, f)

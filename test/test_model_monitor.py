@@ -1,0 +1,130 @@
+"""A monitor as a process beside a plant: it answers every sample, changes its model, diagnoses and is stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+import rclpy
+from action_msgs.msg import GoalStatus
+from er_models.files import load_model, save_model
+from rclpy.action import ActionClient
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+from er_common import quality, topics
+from er_damper_msgs.action import Diagnose
+from er_damper_msgs.msg import NodeStatus
+from er_damper_msgs.srv import UseModel
+from er_ros_common import qos
+from test.graph_help import VEHICLE, Graph, own_domain, plant_arguments
+
+PLANT = ("-p", "duration:=0.0", "-p", "duty_source:=program")
+
+
+@pytest.fixture
+def graph(tmp_path: Path) -> Iterator[Graph]:
+    with own_domain() as env, Graph(env, tmp_path) as made:
+        yield made
+
+
+class Seen(Node):
+    """What the monitor says, and what is asked of it."""
+
+    def __init__(self, executor: SingleThreadedExecutor) -> None:
+        super().__init__("test_client")
+        self.executor_ = executor
+        executor.add_node(self)
+        self.forces: list[Any] = []
+        self.residuals: list[Any] = []
+        self.status: NodeStatus | None = None
+        for topic, kept in (
+            (topics.MODEL_FORCE, self.forces),
+            (topics.MODEL_RESIDUAL, self.residuals),
+        ):
+            self.create_subscription(
+                topic.type, topic.name, kept.append, qos.profile(quality.FOLLOWER)
+            )
+        self.create_subscription(
+            NodeStatus, "/model_monitor/status", self.said, qos.profile(topics.STATUS.subscriber)
+        )
+        self.use = self.create_client(UseModel, "/model_monitor/use_model")
+        self.diagnose = ActionClient(self, Diagnose, "/model_monitor/diagnose")
+
+    def said(self, status: NodeStatus) -> None:
+        self.status = status
+
+    def until(self, there: Callable[[], object], seconds: float = 60.0) -> None:
+        end = monotonic() + seconds
+        while not there():
+            assert monotonic() < end, "it did not come"
+            self.executor_.spin_once(timeout_sec=0.1)
+
+    def result_of(self, future: Any) -> Any:
+        self.until(future.done)
+        return future.result()
+
+
+@pytest.fixture
+def seen(graph: Graph) -> Iterator[Seen]:
+    rclpy.init(args=[], domain_id=int(graph.env["ROS_DOMAIN_ID"]))
+    executor = SingleThreadedExecutor()
+    node = Seen(executor)
+    yield node
+    node.destroy_node()
+    rclpy.try_shutdown()
+
+
+@pytest.mark.slow
+def test_it_goes_on_beside_whatever_is_asked_of_it(
+    graph: Graph, seen: Seen, tmp_path: Path
+) -> None:
+    worn = tmp_path / "worn.yaml"
+    save_model(load_model(VEHICLE).with_effect("preload", {"F_0": 3.0}), worn)
+    monitor = graph.start(
+        "model_monitor", "--ros-args", "-p", f"model_file:={VEHICLE}", "-p", "learn:=10.0",
+        "-p", f"models:={tmp_path / 'models'}", "-p", "max_age:=0.5",
+    )  # fmt: skip
+    graph.start("plant", *plant_arguments(*PLANT, "-p", f"damper_file:={worn}"))
+    seen.until(lambda: len(seen.residuals) > 1100, 240.0)
+    # at the rate of the samples, in order, none missing
+    numbers = [m.seq for m in seen.forces[100:1000]]
+    assert numbers == list(range(numbers[0], numbers[0] + 900))
+    assert all(m.valid for m in seen.residuals[300:])
+    # another model, and one that there is not
+    answer = seen.result_of(seen.use.call_async(UseModel.Request(model="none.yaml")))
+    assert not answer.accepted
+    assert "none.yaml" in answer.reason
+    answer = seen.result_of(seen.use.call_async(UseModel.Request(model=str(worn))))
+    assert answer.accepted, answer.reason
+    assert f"model: {answer.reason}" in monitor.text
+    before = len(seen.residuals)
+    seen.until(lambda: len(seen.residuals) > before + 500)
+    wrong, right = (
+        sum(m.force**2 for m in part) / len(part)
+        for part in (seen.residuals[300:before], seen.residuals[before + 100 :])
+    )
+    assert right < 0.1 * wrong
+    # a diagnosis, a second one that is refused, the end of the first
+    told: list[Any] = []
+    goal = seen.result_of(
+        seen.diagnose.send_goal_async(Diagnose.Goal(model=VEHICLE), feedback_callback=told.append)
+    )
+    assert goal.accepted
+    assert not seen.result_of(seen.diagnose.send_goal_async(Diagnose.Goal())).accepted
+    assert "another one is under way" in monitor.text
+    seen.until(lambda: told)
+    seen.result_of(goal.cancel_goal_async())
+    end = seen.result_of(goal.get_result_async())
+    assert (end.status, end.result.reason) == (GoalStatus.STATUS_CANCELED, "cancelled")
+    assert not (tmp_path / "models").exists()
+    # nothing of all that cost a sample
+    numbers = [m.seq for m in seen.forces[100:]]
+    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
+    assert monitor.stop() == 0, monitor.text
