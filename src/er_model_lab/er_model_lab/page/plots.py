@@ -13,7 +13,7 @@ from er_model_lab.output.report.palette import ERROR, HELD_OUT
 from er_model_lab.output.report.thin import every, stretches
 from er_model_lab.results.records import Errors
 from er_model_lab.session.desk import Desk
-from er_model_lab.session.sight import Sight, curve, loops, spectrum, tile_map
+from er_model_lab.session.sight import ON_SCREEN, Sight, curve, loops, spectrum, tile_map
 from er_model_lab.session.steps import Step
 
 Json = dict[str, Any]
@@ -35,6 +35,8 @@ class Theme:
 
 LIGHT = Theme("#1f2933", "#d9dee5", "#2b2b2b", "#c24f00", "#0072b2", "#9c4a7c", HELD_OUT, "#007a58")
 DARK = Theme("#e6e9ee", "#3a424d", "#dfe3e8", "#ff9a4d", "#63b9ea", "#e79cc6", "#6a5c1c", "#3fcf9f")
+DOTS = 400
+"""Samples of a force over velocity that are drawn where they are too many to be joined."""
 MARKED = 400
 """Samples of a tile that are marked in time."""
 CONFIG: Json = {
@@ -116,10 +118,12 @@ def force_loops(desk: Desk, theme: Theme) -> Json:
     sight, predicted = desk.sight, desk.predicted
     if sight is None or predicted is None:
         return _empty(theme, "loops", 300)
-    v, (measured, model) = loops(sight, [sight.force, predicted], desk.selection.mask(sight))
+    mask = desk.selection.mask(sight)
+    joined = int(mask.sum()) <= ON_SCREEN
+    v, forces = loops(sight, [sight.force, predicted], mask, ON_SCREEN if joined else DOTS)
+    both = zip(("measured", "model"), forces, (theme.measured, theme.model), strict=True)
     data = [
-        _line(1e3 * v, measured, "measured", theme.measured, 1.2),
-        _line(1e3 * v, model, "model", theme.model, 1.2),
+        _line(1e3 * v, y, name, colour, 1.2) if joined else _dots(1e3 * v, y, name, colour, 3) for name, y, colour in both
     ]
     layout = _layout(theme, 300) | {
         "xaxis": _axis(theme, "velocity [mm/s]"), "yaxis": _axis(theme, "force [N]"), "hovermode": "closest",
@@ -135,22 +139,22 @@ def residual_spectrum(desk: Desk, theme: Theme) -> Json:
     f, density = spectrum(sight, residual, desk.selection.mask(sight))
     layout = _layout(theme, 300) | {
         "xaxis": _axis(theme, "frequency [Hz]", type="log", tickformat="~g", dtick="D2"),
-        "yaxis": _axis(theme, "left [N/\N{SQUARE ROOT}Hz]", type="log", tickformat="~g"),
+        "yaxis": _axis(theme, "left [N/\N{SQUARE ROOT}Hz]", type="log", tickformat="~g", dtick="D2"),
     }  # fmt: skip
     return _figure([_line(f, density, "left", theme.left, 1.4)], layout)
 
 
 def waterfall(fall: list[tuple[Step, Errors]], floor: float | None, theme: Theme) -> Json:
     """The error of the model as given and after each step, learnt from and held out."""
-    names = [f"{k}. {step.says}" for k, (step, _) in enumerate(fall)]
+    places, names = list(range(len(fall))), [step.says for step, _ in fall]
     bars = [
         ("learnt from", [e.train for _, e in fall], theme.left), ("held out", [e.held_out for _, e in fall], theme.model),
     ]  # fmt: skip
     data: list[Json] = [
-        {"type": "bar", "x": names, "y": y, "name": name, "marker": {"color": colour}} for name, y, colour in bars
+        {"type": "bar", "x": places, "y": y, "name": name, "marker": {"color": colour}} for name, y, colour in bars
     ]
     layout = _layout(theme, 280) | {
-        "barmode": "group", "xaxis": _axis(theme, ""), "yaxis": _axis(theme, "rms error [N]", rangemode="tozero"),
+        "barmode": "group", "xaxis": _axis(theme, "", tickvals=places, ticktext=names), "yaxis": _axis(theme, "rms error [N]", rangemode="tozero"),
     }  # fmt: skip
     if floor is not None:
         layout["shapes"] = [{
@@ -178,8 +182,8 @@ def _line(x: Array, y: Array, name: str, colour: str, width: float, **more: Any)
     return {"x": np.round(x, 4), "y": np.round(y, 5), "mode": "lines", "name": name, "line": line, **more}
 
 
-def _dots(x: Array, y: Array, name: str, colour: str) -> Json:
-    return {"x": x, "y": y, "mode": "markers", "name": name, "marker": {"color": colour, "size": 6}}
+def _dots(x: Array, y: Array, name: str, colour: str, size: float = 6) -> Json:
+    return {"x": np.round(x, 4), "y": np.round(y, 5), "mode": "markers", "name": name, "marker": {"color": colour, "size": size}}
 
 
 def _axis(theme: Theme, label: str, **more: Any) -> Json:
@@ -199,7 +203,7 @@ def _layout(theme: Theme, height: int) -> Json:
 
 def _empty(theme: Theme, what: str, height: int) -> Json:
     layout = _layout(theme, height) | {"xaxis": {"visible": False}, "yaxis": {"visible": False}}
-    layout["annotations"] = [{"text": f"{what}: drop data and choose a model", "showarrow": False, "font": {"size": 14}}]
+    layout["annotations"] = [{"text": f"{what}: no data yet", "showarrow": False, "font": {"size": 14}}]
     return _figure([], layout)
 
 

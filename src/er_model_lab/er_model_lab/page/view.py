@@ -128,7 +128,7 @@ class View:
             for name in makers:
                 ui.tab(name)
         self.panels = []
-        with ui.tab_panels(tabs, value="Data" if self.desk.sight is None else "Play", keep_alive=True).classes("w-full"):
+        with ui.tab_panels(tabs, value="Data" if self.desk.sight is None else "Play", keep_alive=False).classes("w-full"):
             for name, maker in makers.items():
                 with ui.tab_panel(name).classes("p-1"):
                     self.panels.append(maker(self))

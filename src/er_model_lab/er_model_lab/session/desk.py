@@ -141,8 +141,7 @@ class Desk:
         Raises:
             InputError: Nothing would be left to learn from.
         """
-        divided(self.records, held)
-        self.take(self.now.with_held(held))
+        self.take(self.now.with_held(held, self.records))
 
     def errors(self, model: Model | None = None) -> Errors | None:
         """Errors of a model, by default of the one that is shown; None where nothing is predicted."""

@@ -14,7 +14,6 @@ from typing import Any
 from er_models.errors import ErError, InputError
 from er_models.files import save_model
 from er_models.model import Model
-from er_records.record import Record
 
 from er_model_lab.session.dropped import LARGEST, LARGEST_MODEL, kind_of, model_of, place_for, safe_name
 from er_model_lab.session.script import script
@@ -34,7 +33,7 @@ def model_text(model: Model) -> str:
         return path.read_text(encoding="utf-8")
 
 
-def packed(session: Session, records: Sequence[Record], folder: Path) -> bytes:
+def packed(session: Session, folder: Path) -> bytes:
     """The session as a zip file: what lies in `folder`, where dropped files are kept, is in it, all else is named."""
     paths = {s.path for state in session.past for s in state.sources}
     starts = {Path(str(s.step.values["from"])) for s in session.past if s.step.kind == "start"}
@@ -59,7 +58,7 @@ def packed(session: Session, records: Sequence[Record], folder: Path) -> bytes:
     with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as whole:
         content = {"schema": SCHEMA, "seed": session.seed, "steps": steps}
         whole.writestr(STEPS, json.dumps(content, indent=1))
-        whole.writestr("session.py", script(session, records, place))
+        whole.writestr("session.py", script(session, place))
         for text, name in models.items():
             whole.writestr(name, text)
         for path, name in inside.items():

@@ -168,7 +168,7 @@ def loops(sight: Sight, forces: Sequence[Array], mask: Mask, most: int = ON_SCRE
     chosen = np.flatnonzero(mask)
     rows = chosen[every(chosen.size, most)] if chosen.size else chosen
     step = max(1, -(-chosen.size // most))
-    breaks = np.flatnonzero(np.diff(rows) > 2 * step) + 1
+    breaks = np.flatnonzero(np.diff(rows) > 2 * step) + 1 if step == 1 else np.zeros(0, int)
     v = np.insert(sight.problem.motion.v[rows], breaks, np.nan)
     return v, [np.insert(f[rows], breaks, np.nan) for f in forces]
 

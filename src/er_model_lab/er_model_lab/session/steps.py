@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +53,11 @@ class Step:
         return self.kind in ("add", "improve")
 
     @property
+    def moved(self) -> tuple[str, str]:
+        """Effect and parameter of one that was set."""
+        return self.what, str(self.values.get("parameter", ""))
+
+    @property
     def says(self) -> str:
         """What was done, in a few words."""
         words = {
@@ -90,9 +96,15 @@ class State:
             step=Step("data", ", ".join(s.path.name for s in sources)),
         )  # fmt: skip
 
-    def with_held(self, held: Sequence[Stretch]) -> State:
-        """Other stretches held out."""
-        return replace(self, held=tuple(held), step=Step("hold", f"{len(held)} stretches" if held else "nothing"))
+    def with_held(self, held: Sequence[Stretch], records: Sequence[Record]) -> State:
+        """Other stretches of the records held out; the step names the rows.
+
+        Raises:
+            InputError: Nothing would be left to learn from.
+        """
+        learn, score = pieces(records, held)
+        what = f"{len(held)} stretch{'es' * (len(held) > 1)}" if held else "nothing by hand"
+        return replace(self, held=tuple(held), step=Step("hold", what, {"learn": learn, "score": score}))
 
     def started(self, model: Model, origin: str) -> State:
         """Another model to begin with; origin: its name, or the file that it was read from."""
@@ -152,10 +164,8 @@ class Session:
         """One step further; a parameter that is dragged is one step."""
         if state is self.now:
             return self
-        dragged = state.step.kind == self.now.step.kind == "set" and all(
-            state.step.values["parameter"] == s.step.values["parameter"] and state.step.what == s.step.what
-            for s in (self.now,)
-        )
+        new, last = state.step, self.now.step
+        dragged = new.kind == last.kind == "set" and new.moved == last.moved
         return replace(self, past=(*self.past[: -1 if dragged else None], state), future=())
 
     def undone(self) -> Session:
@@ -173,38 +183,36 @@ class Session:
         return replace(self, past=every[: number + 1], future=every[number + 1 :])
 
 
-Piece = tuple[int, int, int]
-"""Which record, and its rows from and to."""
+Piece = tuple[int, int, int] | tuple[int]
+"""Which record, and its rows from and to where it is not the whole."""
 
 
 def pieces(records: Sequence[Record], held: Sequence[Stretch]) -> tuple[list[Piece], list[Piece]]:
-    """What of the records is learnt from, and what only scores; what would be too short belongs to neither."""
-    learn, score = list[Piece](), list[Piece]()
-    for k, record in enumerate(records):
-        out = np.zeros(len(record), bool)
-        since = record.t - record.t[0]
-        for s in held:
-            if s.record == k:
-                out |= (since >= s.start) & (since <= s.end)
-        edges = [0, *(np.flatnonzero(np.diff(out)) + 1).tolist(), len(record)]
-        for i, j in zip(edges[:-1], edges[1:], strict=True):
-            if (j - i) * record.dt >= SHORTEST or len(edges) == 2:
-                (score if out[i] else learn).append((k, i, j))
-    return learn, score
-
-
-def divided(records: Sequence[Record], held: Sequence[Stretch]) -> Dataset:
-    """The records as a data set in which the stretches only score.
+    """What of the records is learnt from, and what only scores; what would be too short belongs to neither.
 
     Raises:
         InputError: Nothing is left to learn from.
     """
-    learn, score = pieces(records, held)
+    learn, score = list[Piece](), list[Piece]()
+    for k, record in enumerate(records):
+        out, since = np.zeros(len(record), bool), record.t - record.t[0]
+        for s in held:
+            out |= (since >= s.start) & (since <= s.end) & (s.record == k)
+        edges = [0, *(np.flatnonzero(np.diff(out)) + 1).tolist(), len(record)]
+        for i, j in pairwise(edges):
+            if len(edges) == 2 or (j - i) * record.dt >= SHORTEST:
+                (score if out[i] else learn).append((k, i, j) if len(edges) > 2 else (k,))
     if not learn:
         raise InputError("held_out", "", f"at least {SHORTEST:g} s left to learn from", "none")
+    return learn, score
 
-    def cut(each: Piece) -> Record:
-        k, i, j = each
-        return records[k] if j - i == len(records[k]) else records[k].slice(i, j)
 
+def divided(records: Sequence[Record], held: Sequence[Stretch]) -> Dataset:
+    """The records as a data set in which the stretches only score; as `pieces`, whose error it raises."""
+
+    def cut(piece: Piece) -> Record:
+        record = records[piece[0]]
+        return record if len(piece) == 1 else record.slice(piece[1], piece[2])
+
+    learn, score = pieces(records, held)
     return Dataset.of(map(cut, learn), map(cut, score))

@@ -100,7 +100,7 @@ class PlayPanel:
 
         with ui.column().classes("w-full gap-0 pl-4"):
             with ui.row().classes("w-full items-center justify-between no-wrap"):
-                ui.label(label).classes("text-sm").tooltip(f"{q.text}; {short(scale.low)} to {short(scale.high)} {unit}")
+                ui.label(label).classes("text-sm").tooltip(f"{q.meaning}; {short(scale.low)} to {short(scale.high)} {unit}")
                 said = "" if sd is None else f"\N{PLUS-MINUS SIGN} {short(sd, 2)}"
                 ui.label(said).classes("text-xs muted numbers")
                 number = ui.number(value=model.value(effect, name), format="%.5g").props(

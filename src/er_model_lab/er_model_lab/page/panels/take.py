@@ -20,11 +20,11 @@ def _model(desk: Desk, _: Path) -> bytes:
 
 
 def _script(desk: Desk, _: Path) -> bytes:
-    return script(desk.session, desk.records).encode()
+    return script(desk.session).encode()
 
 
 def _session(desk: Desk, _: Path) -> bytes:
-    return packed(desk.session, desk.records, desk.folder)
+    return packed(desk.session, desk.folder)
 
 
 def _report(desk: Desk, folder: Path) -> bytes:
