@@ -35,7 +35,9 @@ COOKIE = {"host": HOST, "cookie": "er_lab_8123=secret"}
         ({**COOKIE, "content-length": "-1"}, "", 200),
     ],
 )
-def test_only_holders_of_the_token_from_the_page_itself_pass(headers: dict[str, str], query: str, status: int) -> None:
+def test_only_holders_of_the_token_from_the_page_itself_pass(
+    headers: dict[str, str], query: str, status: int
+) -> None:
     assert PASS.judged(headers, query)[0] == status
 
 

@@ -8,7 +8,6 @@ import threading
 import zipfile
 from pathlib import Path
 
-import er_model_lab as lab
 import numpy as np
 import pytest
 from er_model_lab.session import dropped
@@ -19,6 +18,7 @@ from er_model_lab.session.script import script
 from er_model_lab.session.sight import Selection, curve, loops, spectrum, tile_at, tile_map, worst
 from er_model_lab.session.steps import Session, Source, Stretch, pieces
 
+import er_model_lab as lab
 from test.sample import write_sample
 
 
@@ -98,7 +98,9 @@ def test_the_program_of_a_session_makes_the_same_model(
     kept = tmp_path / "kept.zip"
     kept.write_bytes(packed(desk.session, desk.folder))
     again = unpacked(kept, desk.folder, desk.given)
-    assert [s.model and s.model.digest() for s in again.past] == [s.model and s.model.digest() for s in desk.session.past]
+    assert [s.model and s.model.digest() for s in again.past] == [
+        s.model and s.model.digest() for s in desk.session.past
+    ]
     assert script(again) == script(desk.session)
     with pytest.raises(lab.InputError, match="named on the command line"):
         unpacked(kept, desk.folder)
@@ -121,15 +123,28 @@ def test_dropped_data_travel_with_the_session(run: Path, tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (lambda c: c["steps"][1].update(sources=[["/etc/passwd", None]]), "named on the command line"),
-        (lambda c: c["steps"][1].update(sources=[["../up.csv", None]]), "named on the command line"),
+        (
+            lambda c: c["steps"][1].update(sources=[["/etc/passwd", None]]),
+            "named on the command line",
+        ),
+        (
+            lambda c: c["steps"][1].update(sources=[["../up.csv", None]]),
+            "named on the command line",
+        ),
         (lambda c: c["steps"][0].update(sources=[["evil.py", None]]), "no program"),
         (lambda c: c.update(schema="other"), "er_lab_session/1"),
         (lambda c: c["steps"][0].pop("held"), "a session that was taken from this page"),
     ],
 )
 def test_a_session_reaches_for_nothing_else(tmp_path: Path, change, said: str) -> None:
-    state = {"step": ["open", "", {}], "sources": [], "held": [], "model": None, "fitted": None, "off": {}}
+    state = {
+        "step": ["open", "", {}],
+        "sources": [],
+        "held": [],
+        "model": None,
+        "fitted": None,
+        "off": {},
+    }
     content = {"schema": "er_lab_session/1", "seed": 0, "steps": [dict(state), dict(state)]}
     change(content)
     with zipfile.ZipFile(tmp_path / "s.zip", "w") as whole:
@@ -159,7 +174,9 @@ def test_no_session_and_no_bomb(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         ("..", "file"), (".hidden.csv", "hidden.csv"), ("", "file"), (f"{'x' * 300}.csv", f"{'x' * 100}.csv"),
     ],
 )  # fmt: skip
-def test_a_dropped_file_gets_a_name_within_its_folder(tmp_path: Path, name: str, kept: str) -> None:
+def test_a_dropped_file_gets_a_name_within_its_folder(
+    tmp_path: Path, name: str, kept: str
+) -> None:
     place = dropped.place_for(tmp_path, name)
     assert place == tmp_path / kept
     place.touch()
@@ -214,7 +231,9 @@ def test_stretches_divide_records(run: Path) -> None:
     assert pieces(records, ()) == ([(0,)], [])
     learn, score = pieces(records, [Stretch(0, 4.0, 6.0)])
     assert (learn, score) == ([(0, 0, 800), (0, 1201, 2800)], [(0, 800, 1201)])
-    assert pieces(records, [Stretch(0, 0.5, 6.0)])[0] == [(0, 1201, 2800)], "half a second is too short to learn from"
+    assert pieces(records, [Stretch(0, 0.5, 6.0)])[0] == [(0, 1201, 2800)], (
+        "half a second is too short to learn from"
+    )
     with pytest.raises(lab.InputError, match="left to learn from"):
         pieces(records, [Stretch(0)])
 

@@ -14,14 +14,25 @@ from er_model_lab.cli.running import fail
 
 
 def open_command(
-    data: Annotated[list[Path] | None, typer.Argument(metavar="[DATA ...]", help="Measurements to begin with.")] = None,
-    model: Annotated[
-        str | None, typer.Option("--model", help="Model to begin with: a file, or the name of a shipped one.")
+    data: Annotated[
+        list[Path] | None, typer.Argument(metavar="[DATA ...]", help="Measurements to begin with.")
     ] = None,
-    port: Annotated[int | None, typer.Option("--port", help="Port of 127.0.0.1; by default a free one.")] = None,
-    no_browser: Annotated[bool, typer.Option("--no-browser", help="Only print the address.")] = False,
+    model: Annotated[
+        str | None,
+        typer.Option("--model", help="Model to begin with: a file, or the name of a shipped one."),
+    ] = None,
+    port: Annotated[
+        int | None, typer.Option("--port", help="Port of 127.0.0.1; by default a free one.")
+    ] = None,
+    no_browser: Annotated[
+        bool, typer.Option("--no-browser", help="Only print the address.")
+    ] = False,
     allow_code: Annotated[
-        bool, typer.Option("--allow-code", help="Let Python files with effects that are dropped run, with your rights.")
+        bool,
+        typer.Option(
+            "--allow-code",
+            help="Let Python files with effects that are dropped run, with your rights.",
+        ),
     ] = False,
     effects_from: EffectsFrom = None,
     seed: Seed = 0,
@@ -29,7 +40,16 @@ def open_command(
     """The lab as a page: look, play, learn, add, take away. The last line is its address; Ctrl-C ends it."""
     try:
         with TemporaryDirectory(prefix="er_lab_") as folder:
-            _serve(Path(folder), data or [], model, port, not no_browser, allow_code, effects_from or [], seed)
+            _serve(
+                Path(folder),
+                data or [],
+                model,
+                port,
+                not no_browser,
+                allow_code,
+                effects_from or [],
+                seed,
+            )
     except ErError as error:
         fail(error)
 

@@ -7,13 +7,22 @@ from typing import Any
 
 import numpy as np
 from er_models.model import Array
+from numpy.typing import NDArray
 
 from er_model_lab.output.report.live import live
 from er_model_lab.output.report.palette import ERROR, HELD_OUT
 from er_model_lab.output.report.thin import every, stretches
 from er_model_lab.results.records import Errors
 from er_model_lab.session.desk import Desk
-from er_model_lab.session.sight import ON_SCREEN, Sight, curve, loops, spectrum, tile_map
+from er_model_lab.session.sight import (
+    ON_SCREEN,
+    Selection,
+    Sight,
+    curve,
+    loops,
+    spectrum,
+    tile_map,
+)
 from er_model_lab.session.steps import Step
 
 Json = dict[str, Any]
@@ -33,14 +42,18 @@ class Theme:
     floor: str
 
 
-LIGHT = Theme("#1f2933", "#d9dee5", "#2b2b2b", "#c24f00", "#0072b2", "#9c4a7c", HELD_OUT, "#007a58")
-DARK = Theme("#e6e9ee", "#3a424d", "#dfe3e8", "#ff9a4d", "#63b9ea", "#e79cc6", "#6a5c1c", "#3fcf9f")
+LIGHT = Theme(
+    "#1f2933", "#d9dee5", "#2b2b2b", "#c24f00", "#0072b2", "#9c4a7c", HELD_OUT, "#007a58"
+)
+DARK = Theme(
+    "#e6e9ee", "#3a424d", "#dfe3e8", "#ff9a4d", "#63b9ea", "#e79cc6", "#6a5c1c", "#3fcf9f"
+)
 DOTS = 400
 """Samples of a force over velocity that are drawn where they are too many to be joined."""
 MARKED = 400
 """Samples of a tile that are marked in time."""
 CONFIG: Json = {
-    "displaylogo": False, "responsive": True, "scrollZoom": False, "displayModeBar": "hover",
+    "displaylogo": False, "showTips": False, "responsive": True, "scrollZoom": False, "displayModeBar": "hover",
     "modeBarButtonsToRemove": ["sendDataToCloud", "lasso2d", "select2d", "autoScale2d", "toImage"],
 }  # fmt: skip
 
@@ -55,10 +68,12 @@ def force(desk: Desk, theme: Theme) -> Json:
         ("measured", sight.force, theme.measured, "y", 1.4), ("model", predicted, theme.model, "y", 1.4),
         ("measured \N{MINUS SIGN} model", sight.force - predicted, theme.left, "y2", 1.1),
     ]  # fmt: skip
-    data = [_line(*curve(sight, y, seconds), name, colour, width, yaxis=axis) for name, y, colour, axis, width in rows]
+    data = [
+        _line(*curve(sight, y, seconds), name, colour, width, yaxis=axis)
+        for name, y, colour, axis, width in rows
+    ]
     if desk.selection.velocity is not None:
-        at = np.flatnonzero(desk.selection.mask(sight))
-        at = at[every(at.size, MARKED)] if at.size else at
+        at = _marked(desk, sight)
         data.append(_dots(sight.t[at], sight.force[at], "in the tile", theme.marked))
     layout = _layout(theme, 400)
     layout |= {
@@ -68,6 +83,12 @@ def force(desk: Desk, theme: Theme) -> Json:
         "shapes": _held(sight, theme), "dragmode": "zoom", "hovermode": "x",
     }  # fmt: skip
     return _figure(data, layout)
+
+
+def _marked(desk: Desk, sight: Sight) -> NDArray[np.int64]:
+    """Rows of the selected samples, no more than can be seen apart."""
+    at = np.flatnonzero(desk.selection.mask(sight))
+    return at[every(at.size, MARKED)] if at.size else at
 
 
 def _held(sight: Sight, theme: Theme) -> list[Json]:
@@ -92,7 +113,9 @@ def residual_map(desk: Desk, theme: Theme) -> Json:
     if sight is None or residual is None:
         return _empty(theme, "where it fails", 300)
     at = desk.selection
-    seconds = None if at.seconds is None else (sight.t >= at.seconds[0]) & (sight.t <= at.seconds[1])
+    seconds = (
+        None if at.seconds is None else (sight.t >= at.seconds[0]) & (sight.t <= at.seconds[1])
+    )
     z, tiles = tile_map(sight, residual, seconds, 5 if seconds is None else 1), sight.tiles
     peak = float(np.nanquantile(z, 0.99)) if np.isfinite(z).any() else 1.0
     data: list[Json] = [{
@@ -108,23 +131,29 @@ def residual_map(desk: Desk, theme: Theme) -> Json:
         (a, b), (c, d) = at.velocity, at.deflection
         layout["shapes"] = [{
             "type": "rect", "x0": 1e3 * a, "x1": 1e3 * b, "y0": 1e3 * c, "y1": 1e3 * d,
-            "line": {"color": theme.marked, "width": 3},
+            "line": {"color": theme.ink, "width": 3},
         }]  # fmt: skip
     return _figure(data, layout)
 
 
 def force_loops(desk: Desk, theme: Theme) -> Json:
-    """Force over velocity, measured and predicted, of what is selected."""
+    """Force over velocity, measured and predicted, of the seconds in view; the selected tile is marked."""
     sight, predicted = desk.sight, desk.predicted
     if sight is None or predicted is None:
         return _empty(theme, "loops", 300)
-    mask = desk.selection.mask(sight)
+    mask = Selection(desk.selection.seconds).mask(sight)
     joined = int(mask.sum()) <= ON_SCREEN
     v, forces = loops(sight, [sight.force, predicted], mask, ON_SCREEN if joined else DOTS)
     both = zip(("measured", "model"), forces, (theme.measured, theme.model), strict=True)
     data = [
-        _line(1e3 * v, y, name, colour, 1.2) if joined else _dots(1e3 * v, y, name, colour, 3) for name, y, colour in both
+        _line(1e3 * v, y, name, colour, 1.2) if joined else _dots(1e3 * v, y, name, colour, 3)
+        for name, y, colour in both
     ]
+    if desk.selection.velocity is not None:
+        at = _marked(desk, sight)
+        data.append(
+            _dots(1e3 * sight.problem.motion.v[at], sight.force[at], "in the tile", theme.marked)
+        )
     layout = _layout(theme, 300) | {
         "xaxis": _axis(theme, "velocity [mm/s]"), "yaxis": _axis(theme, "force [N]"), "hovermode": "closest",
     }  # fmt: skip
@@ -151,7 +180,8 @@ def waterfall(fall: list[tuple[Step, Errors]], floor: float | None, theme: Theme
         ("learnt from", [e.train for _, e in fall], theme.left), ("held out", [e.held_out for _, e in fall], theme.model),
     ]  # fmt: skip
     data: list[Json] = [
-        {"type": "bar", "x": places, "y": y, "name": name, "marker": {"color": colour}} for name, y, colour in bars
+        {"type": "bar", "x": places, "y": y, "name": name, "marker": {"color": colour}}
+        for name, y, colour in bars
     ]
     layout = _layout(theme, 280) | {
         "barmode": "group", "xaxis": _axis(theme, "", tickvals=places, ticktext=names), "yaxis": _axis(theme, "rms error [N]", rangemode="tozero"),
@@ -179,11 +209,24 @@ def of_report(figure: Any, theme: Theme) -> Json:
 
 def _line(x: Array, y: Array, name: str, colour: str, width: float, **more: Any) -> Json:
     line = {"color": colour, "width": width}
-    return {"x": np.round(x, 4), "y": np.round(y, 5), "mode": "lines", "name": name, "line": line, **more}
+    return {
+        "x": np.round(x, 4),
+        "y": np.round(y, 5),
+        "mode": "lines",
+        "name": name,
+        "line": line,
+        **more,
+    }
 
 
 def _dots(x: Array, y: Array, name: str, colour: str, size: float = 6) -> Json:
-    return {"x": np.round(x, 4), "y": np.round(y, 5), "mode": "markers", "name": name, "marker": {"color": colour, "size": size}}
+    return {
+        "x": np.round(x, 4),
+        "y": np.round(y, 5),
+        "mode": "markers",
+        "name": name,
+        "marker": {"color": colour, "size": size},
+    }
 
 
 def _axis(theme: Theme, label: str, **more: Any) -> Json:
@@ -203,7 +246,9 @@ def _layout(theme: Theme, height: int) -> Json:
 
 def _empty(theme: Theme, what: str, height: int) -> Json:
     layout = _layout(theme, height) | {"xaxis": {"visible": False}, "yaxis": {"visible": False}}
-    layout["annotations"] = [{"text": f"{what}: no data yet", "showarrow": False, "font": {"size": 14}}]
+    layout["annotations"] = [
+        {"text": f"{what}: no data yet", "showarrow": False, "font": {"size": 14}}
+    ]
     return _figure([], layout)
 
 

@@ -70,5 +70,3 @@ FAVICON = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 16 16"><path d="M1 9h3l2-6 3 11 2-5h4" fill="none" '
     'stroke="#c24f00" stroke-width="1.8"/></svg>'
 )
-
-

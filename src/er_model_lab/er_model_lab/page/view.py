@@ -14,6 +14,7 @@ from er_model_lab.output.text.units import newtons
 from er_model_lab.page import plots
 from er_model_lab.page.panels.data import DataPanel
 from er_model_lab.page.panels.learn import LearnPanel
+from er_model_lab.page.panels.panel import Host, Panel
 from er_model_lab.page.panels.play import PlayPanel
 from er_model_lab.page.panels.steps import StepsPanel
 from er_model_lab.page.panels.take import TakePanel
@@ -24,7 +25,10 @@ PERIOD = 0.15
 """How often a page looks for what others and jobs have changed [s]."""
 PLOTS: dict[str, tuple[Callable[[Desk, plots.Theme], plots.Json], str]] = {
     "force": (plots.force, "Measured and predicted force over time, and what is left below"),
-    "map": (plots.residual_map, "Map of what is left over velocity and deflection; click a tile to select it"),
+    "map": (
+        plots.residual_map,
+        "Map of what is left over velocity and deflection; click a tile to select it",
+    ),
     "loops": (plots.force_loops, "Loops of force over velocity, measured and predicted"),
     "spectrum": (plots.residual_spectrum, "Spectrum of what is left"),
 }
@@ -75,7 +79,12 @@ class View:
                 if isinstance(found, Awaitable):
                     await found
             except ErError as error:
-                ui.notify(" ".join(str(error).split()), type="negative", multi_line=True, close_button="Close")
+                ui.notify(
+                    " ".join(str(error).split()),
+                    type="negative",
+                    multi_line=True,
+                    close_button="Close",
+                )
             self.look()
 
         return done
@@ -104,7 +113,9 @@ class View:
         self.model.text = desk.now.model.name if desk.now.model else "no model"
         self.undo.set_enabled(len(desk.session.past) > 1)
         self.redo.set_enabled(bool(desk.session.future))
-        self.fitted.set_enabled(desk.now.model is not None and desk.now.model is not desk.now.fitted)
+        self.fitted.set_enabled(
+            desk.now.model is not None and desk.now.model is not desk.now.fitted
+        )
         for name, (make, _) in PLOTS.items():
             self.plots[name].update_figure(make(desk, self.theme))
 
@@ -123,30 +134,47 @@ class View:
             _button("contrast", "Light or dark", self._shade)
 
     def _panels(self) -> None:
-        makers = {"Data": DataPanel, "Play": PlayPanel, "Learn": LearnPanel, "Steps": StepsPanel, "Take": TakePanel}
+        makers: dict[str, Callable[[Host], Panel]] = {
+            "Data": DataPanel,
+            "Play": PlayPanel,
+            "Learn": LearnPanel,
+            "Steps": StepsPanel,
+            "Take": TakePanel,
+        }
         with ui.tabs().props("dense no-caps inline-label").classes("w-full") as tabs:
             for name in makers:
                 ui.tab(name)
-        self.panels = []
-        with ui.tab_panels(tabs, value="Data" if self.desk.sight is None else "Play", keep_alive=False).classes("w-full"):
+        self.panels: list[Panel] = []
+        with ui.tab_panels(
+            tabs, value="Data" if self.desk.sight is None else "Play", keep_alive=False
+        ).classes("w-full"):
             for name, maker in makers.items():
                 with ui.tab_panel(name).classes("p-1"):
                     self.panels.append(maker(self))
 
     def _views(self) -> None:
         with ui.row().classes("wide items-center gap-1"):
-            ui.label("Drag over the curves to look at seconds; click a tile to see where it happens.").classes("muted")
+            ui.label(
+                "Drag over the curves to look at seconds; click a tile to see where it happens."
+            ).classes("muted")
             ui.space()
-            for icon, words, by in (("chevron_left", "Earlier", -0.5), ("chevron_right", "Later", 0.5)):
+            for icon, words, by in (
+                ("chevron_left", "Earlier", -0.5),
+                ("chevron_right", "Later", 0.5),
+            ):
                 _button(icon, words, lambda by=by: self._move(by))
             _button("zoom_in", "Closer", lambda: self._zoom(0.5))
             _button("zoom_out", "Wider", lambda: self._zoom(2.0))
             _button("select_all", "Show all (Escape)", self.show_all)
         for name, (make, words) in PLOTS.items():
-            plot = ui.plotly(make(self.desk, self.theme)).classes("w-full" + (" wide" if name == "force" else ""))
+            plot = ui.plotly(make(self.desk, self.theme)).classes(
+                "w-full" + (" wide" if name == "force" else "")
+            )
             plot.props(f'role="img" aria-label="{words}"')
             self.plots[name] = plot
-        self.plots["force"].on("plotly_relayout", self._moved, ["xaxis.range[0]", "xaxis.range[1]", "xaxis.autorange"])
+        self.plots["force"].on(
+            "plotly_relayout", self._moved, ["xaxis.range[0]", "xaxis.range[1]", "xaxis.autorange"]
+        )
         self.plots["map"].on("plotly_click", self._clicked, ["points"])
 
     def select(self, selection: Selection) -> None:
@@ -176,7 +204,11 @@ class View:
             return
         found = tile_at(sight, 1e-3 * float(points[0]["x"]), 1e-3 * float(points[0]["y"]))
         same = found.velocity == at.velocity and found.deflection == at.deflection
-        self.select(Selection(at.seconds) if same else Selection(at.seconds, found.velocity, found.deflection))
+        self.select(
+            Selection(at.seconds)
+            if same
+            else Selection(at.seconds, found.velocity, found.deflection)
+        )
 
     def _window(self) -> tuple[float, float]:
         sight = self.desk.sight
@@ -222,5 +254,7 @@ class View:
 
 def _button(icon: str, words: str, action: Callable[..., Any]) -> ui.button:
     """A round button with its words for the mouse and for screen readers."""
-    made = ui.button(icon=icon, on_click=action).props(f'flat round dense color=inherit aria-label="{words}"')
+    made = ui.button(icon=icon, on_click=action).props(
+        f'flat round dense color=inherit aria-label="{words}"'
+    )
     return made.tooltip(words)

@@ -32,7 +32,9 @@ class Desk:
     Python files may run. Work of more than a few milliseconds is a job; all else is done where it is called.
     """
 
-    def __init__(self, folder: Path, *, given: Sequence[Path] = (), seed: int = 0, code: bool = False) -> None:
+    def __init__(
+        self, folder: Path, *, given: Sequence[Path] = (), seed: int = 0, code: bool = False
+    ) -> None:
         self.folder, self.given, self.code = folder, tuple(given), code
         self.session, self.selection = Session(seed=seed), Selection()
         self.records: tuple[Record, ...] = ()
@@ -56,7 +58,11 @@ class Desk:
     @property
     def residual(self) -> Array | None:
         """Measured minus predicted force (n,) [N]."""
-        return None if self.sight is None or self.predicted is None else self.sight.force - self.predicted
+        return (
+            None
+            if self.sight is None or self.predicted is None
+            else self.sight.force - self.predicted
+        )
 
     @property
     def data(self) -> Dataset:
@@ -93,13 +99,23 @@ class Desk:
 
     def _may_change(self, what: str) -> None:
         if self.jobs.running:
-            raise InputError(what, "", "nothing is changed while a job runs: wait, or cancel it", "a running job")
+            raise InputError(
+                what,
+                "",
+                "nothing is changed while a job runs: wait, or cancel it",
+                "a running job",
+            )
 
     def _show(self, session: Session) -> None:
         """Show a session: at once where the data are open for its model, else by a job."""
         before, self.session = self.now, session
         same = (before.sources, before.held) == (self.now.sources, self.now.held)
-        if same and self.now.model is not None and self.sight is not None and self.sight.fits(self.now.model):
+        if (
+            same
+            and self.now.model is not None
+            and self.sight is not None
+            and self.sight.fits(self.now.model)
+        ):
             self._predict(self.sight)
         elif self.now.sources and not self.jobs.running:
             fresh = before.sources != self.now.sources
@@ -119,7 +135,9 @@ class Desk:
             self._predict(look(self.data, self.now.model))
         self.changed()
 
-    def bring(self, sources: Sequence[Source], model: Model | None = None, origin: str = "") -> None:
+    def bring(
+        self, sources: Sequence[Source], model: Model | None = None, origin: str = ""
+    ) -> None:
         """Other data, or another model, as a job that reads them; what cannot be read changes nothing."""
 
         def work(*_: Any) -> None:
@@ -127,7 +145,11 @@ class Desk:
             if tuple(sources) != state.sources:
                 records = loaded(sources)
                 state = state.with_data(sources)
-                self.session, self.records, self.selection = self.session.then(state), records, Selection()
+                self.session, self.records, self.selection = (
+                    self.session.then(state),
+                    records,
+                    Selection(),
+                )
             if model is not None:
                 self.session = self.session.then(state.started(model, origin or model.name))
             self.result = None
@@ -166,7 +188,9 @@ class Desk:
         data, model, seed = self.data, self.now.known, self.session.seed
 
         def work(progress: Progress, cancel: threading.Event) -> None:
-            self.result = diagnose(data, model, seed=seed, anyway=True, progress=progress, cancel=cancel)
+            self.result = diagnose(
+                data, model, seed=seed, anyway=True, progress=progress, cancel=cancel
+            )
 
         self.result = None
         self.jobs.start("diagnose", work)
@@ -181,9 +205,11 @@ class Desk:
         """Add until nothing more is found, as a job."""
         from er_model_lab.verbs.improve import improve
 
-        options = {"measured_terms": True} if measured_terms else {}
-        step = Step("improve", "", options)
-        self._fit(step, lambda **how: improve(self.data, self.now.known, **options, **how))
+        step = Step("improve", "", {"measured_terms": True} if measured_terms else {})
+        self._fit(
+            step,
+            lambda **how: improve(self.data, self.now.known, measured_terms=measured_terms, **how),
+        )
 
     def _fit(self, step: Step, verb: Callable[..., DiagnosisResult]) -> None:
         def work(progress: Progress, cancel: threading.Event) -> None:
@@ -193,7 +219,9 @@ class Desk:
             self.result = result
             self.session = self.session.then(self.now.learnt(result.model, step))
             sight = self.sight
-            self._predict(sight if sight and sight.fits(result.model) else look(self.data, result.model))
+            self._predict(
+                sight if sight and sight.fits(result.model) else look(self.data, result.model)
+            )
 
         self.jobs.start(step.says, work)
 

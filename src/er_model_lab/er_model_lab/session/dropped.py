@@ -42,8 +42,15 @@ def kind_of(name: str, *, code: bool) -> str:
     """
     suffix = Path(safe_name(name)).suffix.lower()
     if suffix == CODE and not code:
-        raise InputError(name, "", "no program: it would run with your rights (--allow-code lets it)", "Python")
-    kinds = {**dict.fromkeys(READERS, "data"), **dict.fromkeys(MODEL, "model"), CODE: "code", SESSION: "session"}
+        raise InputError(
+            name, "", "no program: it would run with your rights (--allow-code lets it)", "Python"
+        )
+    kinds = {
+        **dict.fromkeys(READERS, "data"),
+        **dict.fromkeys(MODEL, "model"),
+        CODE: "code",
+        SESSION: "session",
+    }
     if suffix not in kinds:
         raise InputError(name, "suffix", f"one of {', '.join(kinds)}", f"'{suffix}'")
     return kinds[suffix]
@@ -58,11 +65,15 @@ def model_of(path: Path, effects_from: Sequence[Path] = ()) -> Model:
     from er_model_lab.verbs.load import load_model
 
     if path.stat().st_size > LARGEST_MODEL:
-        raise InputError(path.name, "", f"at most {LARGEST_MODEL >> 20} MB", f"{path.stat().st_size} bytes")
+        raise InputError(
+            path.name, "", f"at most {LARGEST_MODEL >> 20} MB", f"{path.stat().st_size} bytes"
+        )
     try:
         found = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (yaml.YAMLError, UnicodeDecodeError):
         found = None
     if isinstance(found, dict) and isinstance(found.get("damper"), str):
-        raise InputError(path.name, "damper", "a damper; a car's file names another one", found["damper"])
+        raise InputError(
+            path.name, "damper", "a damper; a car's file names another one", found["damper"]
+        )
     return load_model(path, effects_from)

@@ -47,9 +47,16 @@ class Jobs:
         """
         with self._lock:
             if self.running:
-                raise InputError(title, "", "one job at a time: wait, or cancel", self.job.title if self.job else "")
+                raise InputError(
+                    title,
+                    "",
+                    "one job at a time: wait, or cancel",
+                    self.job.title if self.job else "",
+                )
             self.job, self._cancel = Job(title), threading.Event()
-        self._thread = threading.Thread(target=self._run, args=(work, self._cancel), name=title, daemon=True)
+        self._thread = threading.Thread(
+            target=self._run, args=(work, self._cancel), name=title, daemon=True
+        )
         self._thread.start()
         self._told()
 
@@ -62,7 +69,9 @@ class Jobs:
         if self._thread is not None:
             self._thread.join(seconds)
 
-    def _run(self, work: Callable[[Progress, threading.Event], Any], cancel: threading.Event) -> None:
+    def _run(
+        self, work: Callable[[Progress, threading.Event], Any], cancel: threading.Event
+    ) -> None:
         error = ""
         try:
             work(self._progress, cancel)

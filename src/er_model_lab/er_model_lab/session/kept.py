@@ -15,7 +15,14 @@ from er_models.errors import ErError, InputError
 from er_models.files import save_model
 from er_models.model import Model
 
-from er_model_lab.session.dropped import LARGEST, LARGEST_MODEL, kind_of, model_of, place_for, safe_name
+from er_model_lab.session.dropped import (
+    LARGEST,
+    LARGEST_MODEL,
+    kind_of,
+    model_of,
+    place_for,
+    safe_name,
+)
 from er_model_lab.session.script import script
 from er_model_lab.session.steps import Session, Source, State, Step, Stretch
 
@@ -37,11 +44,17 @@ def packed(session: Session, folder: Path) -> bytes:
     """The session as a zip file: what lies in `folder`, where dropped files are kept, is in it, all else is named."""
     paths = {s.path for state in session.past for s in state.sources}
     starts = {Path(str(s.step.values["from"])) for s in session.past if s.step.kind == "start"}
-    inside = {p: f"data/{p.name}" for p in paths | starts if p.is_relative_to(folder) and p.is_file()}
+    inside = {
+        p: f"data/{p.name}" for p in paths | starts if p.is_relative_to(folder) and p.is_file()
+    }
     models, out = dict[str, str](), io.BytesIO()
 
     def named(model: Model | None) -> str | None:
-        return None if model is None else models.setdefault(model_text(model), f"models/{len(models)}.yaml")
+        return (
+            None
+            if model is None
+            else models.setdefault(model_text(model), f"models/{len(models)}.yaml")
+        )
 
     def place(path: Path) -> str:
         return inside.get(path, str(path))
@@ -84,16 +97,30 @@ def unpacked(path: Path, folder: Path, given: Sequence[Path] = ()) -> Session:
     try:
         with zipfile.ZipFile(path) as whole:
             return _unpacked(whole, path, folder, [p.resolve() for p in given])
-    except (zipfile.BadZipFile, KeyError, ValueError, TypeError, IndexError, AttributeError) as error:
+    except (
+        zipfile.BadZipFile,
+        KeyError,
+        ValueError,
+        TypeError,
+        IndexError,
+        AttributeError,
+    ) as error:
         if isinstance(error, ErError):
             raise
-        raise InputError(path.name, "", "a session that was taken from this page", f"{type(error).__name__}: {error}") from None
+        raise InputError(
+            path.name,
+            "",
+            "a session that was taken from this page",
+            f"{type(error).__name__}: {error}",
+        ) from None
 
 
 def _unpacked(whole: zipfile.ZipFile, path: Path, folder: Path, given: Sequence[Path]) -> Session:
     entries = {i.filename: i for i in whole.infolist()}
     if len(entries) > MOST or sum(i.file_size for i in entries.values()) > LARGEST:
-        raise InputError(path.name, "", f"at most {MOST} files of {LARGEST >> 30} GB together", "more")
+        raise InputError(
+            path.name, "", f"at most {MOST} files of {LARGEST >> 30} GB together", "more"
+        )
     content = json.loads(whole.read(STEPS))
     if content["schema"] != SCHEMA:
         raise InputError(path.name, "schema", SCHEMA, content["schema"])
@@ -104,7 +131,9 @@ def _unpacked(whole: zipfile.ZipFile, path: Path, folder: Path, given: Sequence[
         if name not in entries:
             if Path(name).resolve() in given:
                 return Path(name)
-            raise InputError(path.name, "", "files that are in it, or were named on the command line", name)
+            raise InputError(
+                path.name, "", "files that are in it, or were named on the command line", name
+            )
         if name not in kept:
             kind_of(name, code=False)
             kept[name] = place_for(folder, safe_name(name))

@@ -34,7 +34,10 @@ def script(session: Session, place: Place = str) -> str:
         lines += _line(state.step, place)
         before = state
     if now.sources and now.model is not None:
-        lines += ["result = lab.compare(data, model, seed=SEED, anyway=True)", 'print(f"error {result.rmse:.6g} N")']
+        lines += [
+            "result = lab.compare(data, model, seed=SEED, anyway=True)",
+            'print(f"error {result.rmse:.6g} N")',
+        ]
     if now.model is not None:
         lines.append('lab.save_model(model, "model.yaml")')
     head = HEAD.format(name=now.model.name if now.model else "no model yet", seed=session.seed)
@@ -52,7 +55,9 @@ def _line(step: Step, place: Place) -> list[str]:
     what, values = step.what, dict(step.values)
     values.pop("parameter", None)
     makers: Mapping[str, Callable[[], str]] = {
-        "hold": lambda: f"data = lab.Dataset.of({_cuts(values['learn'])}, {_cuts(values['score'])})",
+        "hold": lambda: (
+            f"data = lab.Dataset.of({_cuts(values['learn'])}, {_cuts(values['score'])})"
+        ),
         "start": lambda: f"model = fitted = lab.load_model({_origin(values['from'], place)!r})",
         "set": lambda: f"model = model.with_effect({what!r}, {values!r})",
         "on": lambda: f"model = model.with_effect({what!r}, {values!r})",

@@ -102,7 +102,9 @@ def look(data: Dataset, model: Model, *, work: Work = HERE) -> Sight:
 
 def _undone(model: Model) -> tuple[tuple[str, float], ...]:
     return tuple(
-        (f"{name}.{p}", float(v)) for name in KINEMATIC for p, v in model.effects.get(name, {}).items()
+        (f"{name}.{p}", float(v))
+        for name in KINEMATIC
+        for p, v in model.effects.get(name, {}).items()
     )
 
 
@@ -136,7 +138,9 @@ class Selection:
         return self == Selection()
 
 
-def curve(sight: Sight, y: Array, span: tuple[float, float] | None = None, most: int = ON_SCREEN) -> Curve:
+def curve(
+    sight: Sight, y: Array, span: tuple[float, float] | None = None, most: int = ON_SCREEN
+) -> Curve:
     """Time [s] and values of y (n,) as a screen needs them in a span of time: peaks stay, records are apart."""
     i, j = (0, y.size) if span is None else _rows(sight.t, span)
     rows = i + min_max(y[i:j], most)
@@ -163,7 +167,9 @@ def tile_map(sight: Sight, residual: Array, mask: Mask | None = None, fewest: in
     return z.reshape(TILES[1], TILES[0])
 
 
-def loops(sight: Sight, forces: Sequence[Array], mask: Mask, most: int = ON_SCREEN) -> tuple[Array, list[Array]]:
+def loops(
+    sight: Sight, forces: Sequence[Array], mask: Mask, most: int = ON_SCREEN
+) -> tuple[Array, list[Array]]:
     """Velocity [m/s] and forces [N] of the selected samples, broken where they are not neighbours."""
     chosen = np.flatnonzero(mask)
     rows = chosen[every(chosen.size, most)] if chosen.size else chosen
@@ -216,11 +222,16 @@ def tile(sight: Sight, row: int, column: int) -> Selection:
     v, x = sight.tiles.v, sight.tiles.x
     row, column = min(max(row, 0), TILES[1] - 1), min(max(column, 0), TILES[0] - 1)
     return Selection(
-        velocity=(float(v[column]), float(v[column + 1])), deflection=(float(x[row]), float(x[row + 1]))
+        velocity=(float(v[column]), float(v[column + 1])),
+        deflection=(float(x[row]), float(x[row + 1])),
     )
 
 
 def tile_at(sight: Sight, velocity: float, deflection: float) -> Selection:
     """What selects the tile that holds a velocity [m/s] and a deflection [m]."""
     v, x = sight.tiles.v, sight.tiles.x
-    return tile(sight, int(np.searchsorted(x, deflection, "right")) - 1, int(np.searchsorted(v, velocity, "right")) - 1)
+    return tile(
+        sight,
+        int(np.searchsorted(x, deflection, "right")) - 1,
+        int(np.searchsorted(v, velocity, "right")) - 1,
+    )

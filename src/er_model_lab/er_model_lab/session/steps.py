@@ -104,11 +104,19 @@ class State:
         """
         learn, score = pieces(records, held)
         what = f"{len(held)} stretch{'es' * (len(held) > 1)}" if held else "nothing by hand"
-        return replace(self, held=tuple(held), step=Step("hold", what, {"learn": learn, "score": score}))
+        return replace(
+            self, held=tuple(held), step=Step("hold", what, {"learn": learn, "score": score})
+        )
 
     def started(self, model: Model, origin: str) -> State:
         """Another model to begin with; origin: its name, or the file that it was read from."""
-        return replace(self, model=model, fitted=model, off={}, step=Step("start", model.name, {"from": origin}))
+        return replace(
+            self,
+            model=model,
+            fitted=model,
+            off={},
+            step=Step("start", model.name, {"from": origin}),
+        )
 
     def set(self, effect: str, parameter: str, value: float) -> State:
         """One parameter moved [SI].
@@ -119,7 +127,12 @@ class State:
         model = self.known
         low, high = model.bounds(effect, parameter)
         if not low <= value <= high:
-            raise InputError(model.name, f"{effect}.{parameter}", f"a number from {low:.4g} to {high:.4g}", value)
+            raise InputError(
+                model.name,
+                f"{effect}.{parameter}",
+                f"a number from {low:.4g} to {high:.4g}",
+                value,
+            )
         moved = model.with_effect(effect, {**model.effects[effect], parameter: value})
         step = Step("set", effect, {"parameter": parameter, **moved.effects[effect]})
         return replace(self, model=moved, step=step)
@@ -131,12 +144,16 @@ class State:
             return self
         if not on:
             off = {**self.off, effect: dict(model.effects[effect])}
-            return replace(self, model=model.without_effect(effect), off=off, step=Step("off", effect))
+            return replace(
+                self, model=model.without_effect(effect), off=off, step=Step("off", effect)
+            )
         if effect not in self.off:
             raise InputError(model.name, effect, "an effect that was switched off", "none; add it")
         values = self.off[effect]
         off = {name: v for name, v in self.off.items() if name != effect}
-        return replace(self, model=model.with_effect(effect, values), off=off, step=Step("on", effect, values))
+        return replace(
+            self, model=model.with_effect(effect, values), off=off, step=Step("on", effect, values)
+        )
 
     def as_fitted(self) -> State:
         """Every effect and value as it was given or fitted."""

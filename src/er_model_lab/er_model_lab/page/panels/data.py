@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 from pathlib import Path
 from typing import Any
 
 from er_models.errors import ErError, InputError
 from er_models.shipped import MODELS, names
-from nicegui import run, ui
+from nicegui import ui
 from nicegui.events import UploadEventArguments
 
 from er_model_lab.output.text.units import percent
@@ -32,14 +33,18 @@ class DataPanel:
             multiple=True, auto_upload=True, max_file_size=dropped.LARGEST, label="Drop measurements, a model or a session",
             on_upload=host.safely(self._dropped), on_rejected=lambda: ui.notify(f"more than {dropped.LARGEST >> 30} GB"),
         )  # fmt: skip
-        upload.props('flat bordered no-thumbnails aria-label="Drop measurements, a model or a session"')
+        upload.props(
+            'flat bordered no-thumbnails aria-label="Drop measurements, a model or a session"'
+        )
         shipped = [n for n in names(*MODELS) if n in names("dampers")]
         self.model = ui.select(
             shipped, label="Begin with a shipped model", on_change=host.safely(lambda e: self._start(e.value))
         ).classes("w-full").props('dense options-dense aria-label="Begin with a shipped model"')  # fmt: skip
         self.progress = ui.label("").classes("muted").props("role=status")
         self.records = ui.column().classes("w-full gap-0")
-        ui.button("Hold out what is in view", on_click=host.safely(self._hold_view)).props("flat dense no-caps")
+        ui.button("Hold out what is in view", on_click=host.safely(self._hold_view)).props(
+            "flat dense no-caps"
+        )
         ui.label("Worst places").classes("font-bold").props("role=heading aria-level=2")
         self.worst = ui.column().classes("w-full gap-0")
         ui.label("Findings").classes("font-bold").props("role=heading aria-level=2")
@@ -51,7 +56,11 @@ class DataPanel:
         """Show what there is."""
         desk, job = self.desk, self.desk.jobs.job
         opening = job is not None and job.title == "open the data"
-        self.progress.text = ("reading and checking ..." if job and job.running else job.error if job else "") if opening else ""
+        self.progress.text = (
+            ("reading and checking ..." if job and job.running else job.error if job else "")
+            if opening
+            else ""
+        )
         key = (id(desk.sight), desk.now.held, id(desk.records))
         if key != self.shown:
             self.shown = key
@@ -71,11 +80,14 @@ class DataPanel:
                     ui.checkbox("only scores", value=k in held, on_change=act).props("dense")
             for stretch in self.desk.now.held:
                 if stretch.end < 1e9:
-                    ui.label(f"held out: record {stretch.record + 1}, {stretch.start:.4g} to {stretch.end:.4g} s")
+                    ui.label(
+                        f"held out: record {stretch.record + 1}, {stretch.start:.4g} to {stretch.end:.4g} s"
+                    )
             if self.desk.now.held:
-                ui.button("Hold nothing out by hand", on_click=self.host.safely(lambda: self.desk.hold(()))).props(
-                    "flat dense no-caps"
-                )
+                ui.button(
+                    "Hold nothing out by hand",
+                    on_click=self.host.safely(lambda: self.desk.hold(())),
+                ).props("flat dense no-caps")
 
     def _findings(self) -> None:
         self.findings.clear()
@@ -93,9 +105,13 @@ class DataPanel:
         sight, residual = self.desk.sight, self.desk.residual
         self.worst.clear()
         with self.worst:
-            for place in worst(sight, residual) if sight is not None and residual is not None else []:
+            for place in (
+                worst(sight, residual) if sight is not None and residual is not None else []
+            ):
                 show = self.host.safely(lambda at=place.selection: self._show(at))
-                ui.button(f"{percent(place.share)}: {place.says}", on_click=show).props("flat dense no-caps align=left")
+                ui.button(f"{percent(place.share)}: {place.says}", on_click=show).props(
+                    "flat dense no-caps align=left"
+                )
 
     def _show(self, at: Selection) -> None:
         """Go to a worst place, with some seconds around it."""
@@ -111,14 +127,18 @@ class DataPanel:
     def _hold_view(self) -> None:
         sight, seconds = self.desk.sight, self.desk.selection.seconds
         if sight is None or seconds is None:
-            raise InputError("held_out", "", "a stretch in view: drag over the curves first", "all of the data")
+            raise InputError(
+                "held_out", "", "a stretch in view: drag over the curves first", "all of the data"
+            )
         names_of = [r.name for r in self.desk.records]
         new = [
             Stretch(names_of.index(name), max(seconds[0] - a, 0.0), seconds[1] - a)
             for name, a, b in sight.spans if name in names_of and seconds[0] < b and seconds[1] > a
         ]  # fmt: skip
         if not new:
-            raise InputError("held_out", "", "a stretch of a whole record", "a part that is held out already")
+            raise InputError(
+                "held_out", "", "a stretch of a whole record", "a part that is held out already"
+            )
         self.desk.hold((*self.desk.now.held, *new))
 
     def _start(self, name: str) -> None:
@@ -131,7 +151,12 @@ class DataPanel:
         desk, name = self.desk, event.file.name
         kind = dropped.kind_of(name, code=desk.code)
         if event.file.size() > min(dropped.LARGEST, desk.room()):
-            raise InputError(name, "", f"at most {dropped.LARGEST >> 30} GB, all files {desk.room() >> 20} MB", "more")
+            raise InputError(
+                name,
+                "",
+                f"at most {dropped.LARGEST >> 30} GB, all files {desk.room() >> 20} MB",
+                "more",
+            )
         path = dropped.place_for(desk.folder, name)
         await event.file.save(path)
         try:
@@ -145,7 +170,7 @@ class DataPanel:
         if kind == "code":
             desk.code_files = (*desk.code_files, path)
         elif kind == "session":
-            session = await run.io_bound(unpacked, path, desk.folder, desk.given)
+            session = await asyncio.to_thread(unpacked, path, desk.folder, desk.given)
             path.unlink()
             desk.go(session)
         elif kind == "model":
@@ -158,7 +183,7 @@ class DataPanel:
         """Ask what the columns are where they do not say so themselves."""
         from er_model_lab.verbs.map import map as mapped
 
-        found = await run.io_bound(mapped, path)
+        found = await asyncio.to_thread(mapped, path)
         said: Any = None
         if not found.needless or found.trouble:
             said = await MappingDialog(path, found).asked()

@@ -25,10 +25,14 @@ class LearnPanel:
                     "Improve", on_click=host.safely(lambda: desk.improve(measured_terms=self.terms.value))
                 ).props("outline").tooltip("Diagnose and add, again and again, until nothing more is found"),
             ]  # fmt: skip
-            self.cancel = ui.button("Cancel", on_click=desk.jobs.cancel).props("outline color=accent")
+            self.cancel = ui.button("Cancel", on_click=desk.jobs.cancel).props(
+                "outline color=accent"
+            )
         self.terms = ui.checkbox("learn what no effect explains as a measured term").props("dense")
         self.stage = ui.label("").props("role=status aria-live=polite")
-        self.bar = ui.linear_progress(0.0, show_value=False).props('aria-label="Progress of the job"')
+        self.bar = ui.linear_progress(0.0, show_value=False).props(
+            'aria-label="Progress of the job"'
+        )
         self.ahead = ui.column().classes("w-full gap-0")
         self.found = ui.column().classes("w-full gap-1")
         self.shown: object = None
@@ -44,11 +48,15 @@ class LearnPanel:
         if job is not None and job.title != "open the data":
             share = job.done / job.total if job.total else 0.0
             self.bar.set_value(share)
-            self.stage.text = f"{job.title}: {job.stage} {job.done} of {job.total}" if running else job.error
+            self.stage.text = (
+                f"{job.title}: {job.stage} {job.done} of {job.total}" if running else job.error
+            )
             self.ahead.clear()
             with self.ahead:
                 for k, leader in enumerate(job.leaders[:8] if running else ()):
-                    says = f"{k + 1}. {_title(desk.now.known, leader.effect)}: {newtons(leader.rmse)}"
+                    says = (
+                        f"{k + 1}. {_title(desk.now.known, leader.effect)}: {newtons(leader.rmse)}"
+                    )
                     ui.label(f"{says}, {newtons(leader.evidence)} less").classes("numbers")
         key = (id(desk.result), self.host.theme)
         if key != self.shown:
@@ -61,23 +69,31 @@ class LearnPanel:
     def _result(self, result: DiagnosisResult) -> None:
         from er_model_lab.output.report.sections.cards import section
 
-        ui.label(verdict_title(result.view)).classes("text-lg font-bold").props("role=heading aria-level=2")
+        ui.label(verdict_title(result.view)).classes("text-lg font-bold").props(
+            "role=heading aria-level=2"
+        )
         ui.label(verdict_sentence(result.view))
         for reason in result.reasons:
             ui.label(reason).classes("text-sm muted")
         made = section(result.view)
-        for card in made.data["cards"] if made else []:
+        for card in made.facts["cards"] if made else []:
             self._card(card)
 
     def _card(self, card: dict[str, Any]) -> None:
         desk = self.host.desk
-        with ui.expansion(f"{card['title']} ({card['status']})").classes("w-full").props("dense") as box:
+        with (
+            ui.expansion(f"{card['title']} ({card['status']})")
+            .classes("w-full")
+            .props("dense") as box
+        ):
             drawn: list[ui.plotly] = []
 
             def draw() -> None:
                 if box.value and not drawn and card["figure"] is not None:
                     with picture:
-                        plot = ui.plotly(plots.of_report(card["figure"], self.host.theme)).classes("w-full")
+                        plot = ui.plotly(plots.of_report(card["figure"], self.host.theme)).classes(
+                            "w-full"
+                        )
                         drawn.append(plot.props(f'role="img" aria-label="{card["figure"].alt}"'))
 
             effect = str(card["effect"])
@@ -88,11 +104,15 @@ class LearnPanel:
                 )
             ui.label(card["physics"]).classes("text-sm")
             ui.label(card["equation"]).classes("text-sm font-mono")
-            ui.label(f"shows as: {card['mark']}; tell it by: {card['experiment']}").classes("text-sm muted")
+            ui.label(f"shows as: {card['mark']}; tell it by: {card['experiment']}").classes(
+                "text-sm muted"
+            )
             for name, value in [*card["numbers"], *card["parameters"]]:
                 ui.label(f"{name}: {value}").classes("text-sm numbers")
             if card["confounded"]:
-                ui.label(f"cannot be told apart from {card['confounded']}").classes("text-sm warning")
+                ui.label(f"cannot be told apart from {card['confounded']}").classes(
+                    "text-sm warning"
+                )
             ui.label(card["reason"]).classes("text-sm")
             picture = ui.column().classes("w-full")
             box.on_value_change(draw)
@@ -101,4 +121,7 @@ class LearnPanel:
 def _title(model: Any, effect: str) -> str:
     """Title of an effect, or of several joined by +."""
     known = model.catalogue.names
-    return " + ".join(model.catalogue[e.strip()].title if e.strip() in known else e.strip() for e in effect.split("+"))
+    return " + ".join(
+        model.catalogue[e.strip()].title if e.strip() in known else e.strip()
+        for e in effect.split("+")
+    )

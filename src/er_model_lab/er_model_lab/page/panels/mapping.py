@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 from er_records.mapping.mapping import Mapped, sure_in_words
 from er_records.mapping.survey import Seen
 from er_records.record import CHANNELS
-from nicegui import run, ui
+from nicegui import ui
 
 from er_model_lab.output.report.thin import min_max
 from er_model_lab.output.text.units import short
@@ -31,7 +32,9 @@ class MappingDialog:
     async def asked(self) -> dict[str, Any] | None:
         """What the user says, as `load(names=...)` takes it; None where the dialogue was left."""
         with ui.dialog() as dialog, ui.card().classes("w-full max-w-3xl"):
-            ui.label(f"What are the columns of {self.path.name}?").classes("text-lg").props("role=heading aria-level=2")
+            ui.label(f"What are the columns of {self.path.name}?").classes("text-lg").props(
+                "role=heading aria-level=2"
+            )
             self._columns()
             self._choices()
             self.says = ui.label().props("role=status")
@@ -64,11 +67,17 @@ class MappingDialog:
                 ).classes("grow").props("dense")  # fmt: skip
                 flip = ui.checkbox("flip sign").props("dense")
                 if guess:
-                    ui.label(sure_in_words(guess)).classes("text-xs muted").tooltip(", ".join(guess.why))
+                    ui.label(sure_in_words(guess)).classes("text-xs muted").tooltip(
+                        ", ".join(guess.why)
+                    )
 
-                async def change(_: Any = None, channel: str = channel, chosen: Any = chosen, flip: Any = flip) -> None:
+                async def change(
+                    _: Any = None, channel: str = channel, chosen: Any = chosen, flip: Any = flip
+                ) -> None:
                     column = None if chosen.value == NONE else chosen.value
-                    self.given[channel] = {"from": column, "sign": -1} if column and flip.value else column
+                    self.given[channel] = (
+                        {"from": column, "sign": -1} if column and flip.value else column
+                    )
                     await self._again()
 
                 chosen.on_value_change(change)
@@ -77,13 +86,17 @@ class MappingDialog:
     async def _again(self) -> None:
         from er_model_lab.verbs.map import map as mapped
 
-        self.found = await run.io_bound(mapped, self.path, dict(self.given))
+        self.found = await asyncio.to_thread(mapped, self.path, dict(self.given))
         self._judge()
 
     def _judge(self) -> None:
         good = bool(self.found.records) and not self.found.trouble
         seconds = sum(len(r) * r.dt for r in self.found.records)
-        self.says.text = f"reads as {seconds:.4g} s of measurements" if good else self.found.trouble or "no column is known yet"
+        self.says.text = (
+            f"reads as {seconds:.4g} s of measurements"
+            if good
+            else self.found.trouble or "no column is known yet"
+        )
         self.use.set_enabled(good)
 
 

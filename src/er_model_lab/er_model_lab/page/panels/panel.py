@@ -10,6 +10,13 @@ from er_model_lab.session.desk import Desk
 from er_model_lab.session.sight import Selection
 
 
+class Panel(Protocol):
+    """One panel."""
+
+    def refresh(self) -> None:
+        """Show what has changed."""
+
+
 class Host(Protocol):
     """The view."""
 

@@ -76,9 +76,13 @@ class PlayPanel:
             for effect in (*model.effects, *off):
                 on = effect in model.effects
                 with ui.row().classes("w-full items-center no-wrap"):
-                    act = self.host.safely(lambda e, name=effect: desk.take(desk.now.switched(name, on=e.value)))
+                    act = self.host.safely(
+                        lambda e, name=effect: desk.take(desk.now.switched(name, on=e.value))
+                    )
                     title = model.catalogue[effect].title
-                    ui.switch(title, value=on, on_change=act).tooltip(model.catalogue[effect].physics)
+                    ui.switch(title, value=on, on_change=act).tooltip(
+                        model.catalogue[effect].physics
+                    )
                 if on:
                     for parameter in model.catalogue[effect].parameters:
                         self._parameter(model, effect, parameter.name)
@@ -93,23 +97,28 @@ class PlayPanel:
         quiet = [False]
 
         def move(value: float | None) -> None:
-            if quiet[0] or value is None or value == desk.now.known.value(effect, name):
+            if value is None or value == desk.now.known.value(effect, name):
                 return
             desk.take(desk.now.set(effect, name, float(value)))
             put(float(value))
 
         with ui.column().classes("w-full gap-0 pl-4"):
             with ui.row().classes("w-full items-center justify-between no-wrap"):
-                ui.label(label).classes("text-sm").tooltip(f"{q.meaning}; {short(scale.low)} to {short(scale.high)} {unit}")
+                ui.label(label).classes("text-sm").tooltip(
+                    f"{q.meaning}; {short(scale.low)} to {short(scale.high)} {unit}"
+                )
                 said = "" if sd is None else f"\N{PLUS-MINUS SIGN} {short(sd, 2)}"
                 ui.label(said).classes("text-xs muted numbers")
                 number = ui.number(value=model.value(effect, name), format="%.5g").props(
                     f'dense borderless input-class="text-right" aria-label="{effect} {name} [{q.unit}]"'
                 ).classes("w-28 numbers")  # fmt: skip
                 number.on("change", self.host.safely(lambda: move(number.value)), [])
-            slider = ui.slider(min=0, max=POSITIONS, step=1, value=scale.position(model.value(effect, name)))
+            slider = ui.slider(
+                min=0, max=POSITIONS, step=1, value=scale.position(model.value(effect, name))
+            )
             slider.props(f'dense aria-label="{effect} {name}" data-parameter="{effect}.{name}"')
-            slider.on_value_change(self.host.safely(lambda e: move(scale.value(e.value))))
+            dragged = self.host.safely(lambda e: move(scale.value(e.value)))
+            slider.on_value_change(lambda e: None if quiet[0] else dragged(e))
 
         def put(value: float) -> None:
             quiet[0] = True
@@ -119,4 +128,3 @@ class PlayPanel:
             quiet[0] = False
 
         self.rows[effect, name] = put
-

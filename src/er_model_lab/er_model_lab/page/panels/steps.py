@@ -14,7 +14,9 @@ class StepsPanel:
     def __init__(self, host: Host) -> None:
         self.host = host
         self.plot = ui.plotly(plots.waterfall([], None, host.theme)).classes("w-full")
-        self.plot.props('role="img" aria-label="The error of the model as given and after each step"')
+        self.plot.props(
+            'role="img" aria-label="The error of the model as given and after each step"'
+        )
         self.list = ui.column().classes("w-full gap-0")
 
     def refresh(self) -> None:
@@ -31,7 +33,11 @@ class StepsPanel:
                 if "parameter" in state.step.values:
                     name = str(state.step.values["parameter"])
                     words += f": {name} = {state.step.values[name]:.4g}"
-                button = ui.button(words, on_click=go).props("flat dense no-caps align=left").classes("w-full")
+                button = (
+                    ui.button(words, on_click=go)
+                    .props("flat dense no-caps align=left")
+                    .classes("w-full")
+                )
                 if k == here:
                     button.props('color=accent icon=arrow_right aria-current="step"')
                 elif k > here:

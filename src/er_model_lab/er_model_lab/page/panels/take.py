@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from er_models.errors import InputError
-from nicegui import run, ui
+from nicegui import ui
 
 from er_model_lab.page.panels.panel import Host
 from er_model_lab.session.desk import Desk
@@ -69,7 +70,9 @@ class TakePanel:
         self.host = host
         for name, words in HELP.items():
             with ui.row().classes("w-full items-center no-wrap"):
-                ui.button(name, on_click=host.safely(lambda name=name: self._take(name))).classes("w-28").props("no-caps")
+                ui.button(name, on_click=host.safely(lambda name=name: self._take(name))).classes(
+                    "w-28"
+                ).props("no-caps")
                 ui.label(words).classes("text-sm")
 
     def refresh(self) -> None:
@@ -80,7 +83,7 @@ class TakePanel:
         if self.host.desk.now.model is None:
             raise InputError(name, "", "a model", "none yet")
         ui.notify(f"writing {file} ...")
-        ui.download.content(await run.io_bound(_made, make, self.host.desk), file)
+        ui.download.content(await asyncio.to_thread(_made, make, self.host.desk), file)
 
 
 def _made(make: Callable[[Desk, Path], bytes], desk: Desk) -> bytes:
