@@ -46,7 +46,7 @@ class Pass:
         return f"er_lab_{port}"
 
     def judged(self, headers: Mapping[str, str], query: str) -> tuple[int, str]:
-        """Status and reason of a request: 200 lets it through, 303 exchanges the token of its address for the cookie."""
+        """Status and reason of a request: 200 lets it through, 303 gives the cookie for the token."""
         if headers.get("host", "") not in self.hosts:
             return 421, "another host"
         origin = headers.get("origin")

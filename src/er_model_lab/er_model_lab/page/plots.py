@@ -125,7 +125,8 @@ def residual_map(desk: Desk, theme: Theme) -> Json:
         "hovertemplate": "%{x:.0f} mm/s, %{y:.1f} mm: %{z:.3g} N<extra></extra>",
     }]  # fmt: skip
     layout = _layout(theme, 300) | {
-        "xaxis": _axis(theme, "velocity [mm/s]", zeroline=False), "yaxis": _axis(theme, "deflection [mm]", zeroline=False),
+        "xaxis": _axis(theme, "velocity [mm/s]", zeroline=False),
+        "yaxis": _axis(theme, "deflection [mm]", zeroline=False),
     }  # fmt: skip
     if at.velocity is not None and at.deflection is not None:
         (a, b), (c, d) = at.velocity, at.deflection
@@ -177,14 +178,16 @@ def waterfall(fall: list[tuple[Step, Errors]], floor: float | None, theme: Theme
     """The error of the model as given and after each step, learnt from and held out."""
     places, names = list(range(len(fall))), [step.says for step, _ in fall]
     bars = [
-        ("learnt from", [e.train for _, e in fall], theme.left), ("held out", [e.held_out for _, e in fall], theme.model),
+        ("learnt from", [e.train for _, e in fall], theme.left),
+        ("held out", [e.held_out for _, e in fall], theme.model),
     ]  # fmt: skip
     data: list[Json] = [
         {"type": "bar", "x": places, "y": y, "name": name, "marker": {"color": colour}}
         for name, y, colour in bars
     ]
     layout = _layout(theme, 280) | {
-        "barmode": "group", "xaxis": _axis(theme, "", tickvals=places, ticktext=names), "yaxis": _axis(theme, "rms error [N]", rangemode="tozero"),
+        "barmode": "group", "xaxis": _axis(theme, "", tickvals=places, ticktext=names),
+        "yaxis": _axis(theme, "rms error [N]", rangemode="tozero"),
     }  # fmt: skip
     if floor is not None:
         layout["shapes"] = [{

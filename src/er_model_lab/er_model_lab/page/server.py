@@ -62,7 +62,8 @@ def serve(desk: Desk, *, port: int | None, browser: bool, say: Callable[[str], N
     app.on_shutdown(desk.shut)
     ui.run(
         host=HOST, port=port, title="Model lab", show=False, reload=False, dark=None, show_welcome_message=False,
-        language="en-US", favicon=FAVICON, uvicorn_logging_level="error", access_log=False, reconnect_timeout=30.0, forwarded_allow_ips="",
+        language="en-US", favicon=FAVICON, uvicorn_logging_level="error", access_log=False, reconnect_timeout=30.0,
+        forwarded_allow_ips="",
     )  # fmt: skip
 
 

@@ -118,7 +118,7 @@ def _tiles(problem: Problem) -> Tiles:
 
 @dataclass(frozen=True)
 class Selection:
-    """Samples that every view shows: seconds of the common time, or ranges of velocity and deflection [SI]; None: all."""
+    """Samples that every view shows: seconds of the common time, ranges of velocity and deflection [SI]; None: all."""
 
     seconds: tuple[float, float] | None = None
     velocity: tuple[float, float] | None = None

@@ -61,7 +61,8 @@ class Step:
     def says(self) -> str:
         """What was done, in a few words."""
         words = {
-            "open": "session opened", "data": "data", "hold": "held out", "start": "model", "set": "set", "off": "without",
+            "open": "session opened", "data": "data", "hold": "held out", "start": "model", "set": "set",
+            "off": "without",
             "on": "again with", "fitted": "back to the fitted values of", "add": "added", "improve": "improved",
         }[self.kind]  # fmt: skip
         return f"{words} {self.what.replace('_', ' ')}".rstrip()

@@ -20,6 +20,7 @@ from er_model_lab.session.kept import unpacked
 from er_model_lab.session.sight import Selection, worst
 from er_model_lab.session.steps import Source, Stretch
 
+DROP = "Drop measurements, a model or a session"
 FINDINGS = {"fail": "fail", "warning": "warning", "note": "muted"}
 """Levels of findings that are shown, and their look."""
 
@@ -30,12 +31,10 @@ class DataPanel:
     def __init__(self, host: Host) -> None:
         self.host, desk = host, host.desk
         upload = ui.upload(
-            multiple=True, auto_upload=True, max_file_size=dropped.LARGEST, label="Drop measurements, a model or a session",
-            on_upload=host.safely(self._dropped), on_rejected=lambda: ui.notify(f"more than {dropped.LARGEST >> 30} GB"),
+            multiple=True, auto_upload=True, max_file_size=dropped.LARGEST, label=DROP, on_upload=host.safely(self._dropped),
+            on_rejected=lambda: ui.notify(f"more than {dropped.LARGEST >> 30} GB"),
         )  # fmt: skip
-        upload.props(
-            'flat bordered no-thumbnails aria-label="Drop measurements, a model or a session"'
-        )
+        upload.props(f'flat bordered no-thumbnails aria-label="{DROP}"')
         shipped = [n for n in names(*MODELS) if n in names("dampers")]
         self.model = ui.select(
             shipped, label="Begin with a shipped model", on_change=host.safely(lambda e: self._start(e.value))

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from er_models.effect import Effect
+from er_models.errors import InputError
+from er_models.model import Model
 from nicegui import ui
 
 from er_model_lab.output.text.units import newtons
@@ -29,6 +32,10 @@ class LearnPanel:
                 "outline color=accent"
             )
         self.terms = ui.checkbox("learn what no effect explains as a measured term").props("dense")
+        with ui.row().classes("w-full items-center no-wrap"):
+            self.effect = ui.select({}, with_input=True, label="Effect to add").classes("grow")
+            self.effect.props('dense options-dense clearable aria-label="Effect to add"')
+            self.buttons.append(ui.button("Add", on_click=host.safely(self._add)).props("outline"))
         self.stage = ui.label("").props("role=status aria-live=polite")
         self.bar = ui.linear_progress(0.0, show_value=False).props(
             'aria-label="Progress of the job"'
@@ -58,6 +65,11 @@ class LearnPanel:
                         f"{k + 1}. {_title(desk.now.known, leader.effect)}: {newtons(leader.rmse)}"
                     )
                     ui.label(f"{says}, {newtons(leader.evidence)} less").classes("numbers")
+        model = desk.now.model
+        if model is not None:
+            effects = {e.name: e.title for e in model.catalogue.effects if may_be_added(model, e)}
+            if effects != self.effect.options:
+                self.effect.set_options(effects, value=None)
         key = (id(desk.result), self.host.theme)
         if key != self.shown:
             self.shown = key
@@ -65,6 +77,11 @@ class LearnPanel:
             if desk.result is not None:
                 with self.found:
                     self._result(desk.result)
+
+    def _add(self) -> None:
+        if not self.effect.value:
+            raise InputError("effect", "", "an effect to add", "none")
+        self.host.desk.add(str(self.effect.value))
 
     def _result(self, result: DiagnosisResult) -> None:
         from er_model_lab.output.report.sections.cards import section
@@ -97,8 +114,8 @@ class LearnPanel:
                         drawn.append(plot.props(f'role="img" aria-label="{card["figure"].alt}"'))
 
             effect = str(card["effect"])
-            may = "+" not in effect and effect not in desk.now.known.effects
-            if may and effect in desk.now.known.catalogue.names:
+            known = desk.now.known.catalogue
+            if effect in known.names and may_be_added(desk.now.known, known[effect]):
                 ui.button("Add", on_click=self.host.safely(lambda: desk.add(effect))).props(
                     f'dense aria-label="Add {card["title"]}"'
                 )
@@ -118,7 +135,13 @@ class LearnPanel:
             box.on_value_change(draw)
 
 
-def _title(model: Any, effect: str) -> str:
+def may_be_added(model: Model, effect: Effect) -> bool:
+    """Whether an effect can be learnt from a damper's force, and is not in the model yet."""
+    fit = effect.knowable and effect.stage not in ("core", "fault", "vehicle")
+    return fit and effect.name not in model.effects
+
+
+def _title(model: Model, effect: str) -> str:
     """Title of an effect, or of several joined by +."""
     known = model.catalogue.names
     return " + ".join(
