@@ -50,6 +50,8 @@ def open_command(
                 effects_from or [],
                 seed,
             )
+    except KeyboardInterrupt:  # how a page is ended
+        return
     except ErError as error:
         fail(error)
 

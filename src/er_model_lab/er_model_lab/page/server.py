@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import secrets
 import socket
 import webbrowser
@@ -58,6 +59,7 @@ def serve(desk: Desk, *, port: int | None, browser: bool, say: Callable[[str], N
         if browser:
             await asyncio.get_running_loop().run_in_executor(None, webbrowser.open, address)
 
+    logging.getLogger("nicegui").setLevel(logging.ERROR)
     app.on_startup(lambda: asyncio.create_task(ready()))
     app.on_shutdown(desk.shut)
     ui.run(

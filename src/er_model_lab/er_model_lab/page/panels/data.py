@@ -31,7 +31,8 @@ class DataPanel:
     def __init__(self, host: Host) -> None:
         self.host, desk = host, host.desk
         upload = ui.upload(
-            multiple=True, auto_upload=True, max_file_size=dropped.LARGEST, label=DROP, on_upload=host.safely(self._dropped),
+            multiple=True, auto_upload=True, max_file_size=dropped.LARGEST, label=DROP,
+            on_upload=host.safely(self._dropped),
             on_rejected=lambda: ui.notify(f"more than {dropped.LARGEST >> 30} GB"),
         )  # fmt: skip
         upload.props(f'flat bordered no-thumbnails aria-label="{DROP}"')
