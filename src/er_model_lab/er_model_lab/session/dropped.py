@@ -6,9 +6,9 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-import yaml
 from er_models.errors import InputError
 from er_models.model import Model
+from er_models.yaml_file import read_yaml
 from er_records.load import READERS
 
 LARGEST = 1 << 30
@@ -68,11 +68,8 @@ def model_of(path: Path, effects_from: Sequence[Path] = ()) -> Model:
         raise InputError(
             path.name, "", f"at most {LARGEST_MODEL >> 20} MB", f"{path.stat().st_size} bytes"
         )
-    try:
-        found = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError):
-        found = None
-    if isinstance(found, dict) and isinstance(found.get("damper"), str):
+    found = read_yaml(path, "a model file")
+    if isinstance(found, dict) and "damper" in found:
         raise InputError(
             path.name, "damper", "a damper; a car's file names another one", found["damper"]
         )
