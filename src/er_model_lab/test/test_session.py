@@ -269,3 +269,24 @@ def test_undo_has_an_end() -> None:
     session = Session()
     assert session.undone() is session
     assert session.redone() is session
+
+
+def test_a_planned_run_and_the_model_as_given_beside(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = {}
+    monkeypatch.setattr(
+        "er_model_lab.verbs.plan.plan", lambda model, **how: asked.update(how) or "planned"
+    )
+    desk.plan(between=("coulomb_friction", "stribeck_friction"))
+    desk.jobs.wait()
+    assert desk.planned == "planned"
+    assert asked["between"] == ("coulomb_friction", "stribeck_friction")
+    desk.beside = True
+    assert desk.as_given is None, "it is the model that is shown"
+    first = desk.predicted
+    desk.take(desk.now.set("passive", "c0", 70.0))
+    assert desk.as_given is not None
+    assert np.array_equal(desk.as_given, first)
+    desk.beside = False
+    assert desk.as_given is None

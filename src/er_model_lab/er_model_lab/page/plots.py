@@ -65,9 +65,11 @@ def force(desk: Desk, theme: Theme) -> Json:
         return _empty(theme, "force over time", 400)
     seconds = desk.selection.seconds
     rows = [
-        ("measured", sight.force, theme.measured, "y", 1.4), ("model", predicted, theme.model, "y", 1.4),
+        ("measured", sight.force, theme.measured, "y", 2.4), ("model", predicted, theme.model, "y", 1.4),
         ("measured \N{MINUS SIGN} model", sight.force - predicted, theme.left, "y2", 1.1),
     ]  # fmt: skip
+    if (given := desk.as_given) is not None:
+        rows.insert(1, ("as given", given, theme.marked, "y", 1.0))
     data = [
         _line(*curve(sight, y, seconds), name, colour, width, yaxis=axis)
         for name, y, colour, axis, width in rows

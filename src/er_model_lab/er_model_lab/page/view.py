@@ -8,7 +8,7 @@ from typing import Any
 
 from er_models.errors import ErError
 from nicegui import ui
-from nicegui.events import GenericEventArguments
+from nicegui.events import GenericEventArguments, ValueChangeEventArguments
 
 from er_model_lab.output.text.units import newtons
 from er_model_lab.page import plots
@@ -40,6 +40,7 @@ STYLE = """
 .lab .views .wide { grid-column: 1 / -1; }
 .numbers { font-variant-numeric: tabular-nums; }
 .muted { color: #55606e; } .body--dark .muted { color: #b3bcc8; }
+.body--dark .text-primary { --q-primary: #7db8ea; } .body--dark .text-accent { --q-accent: #e79cc6; }
 .fail { color: #a33f00; } .body--dark .fail { color: #ff9a6a; }
 .warning { color: #7d5600; } .body--dark .warning { color: #e9b44c; }
 :focus-visible { outline: 3px solid #1976d2 !important; outline-offset: 1px; }
@@ -68,6 +69,7 @@ class View:
                 self._views()
         ui.keyboard(on_key=self._key)
         ui.timer(PERIOD, self._tick)
+        ui.timer(0.0, self._as_system, once=True)
 
     def safely(self, action: Callable[..., Any]) -> Callable[..., Awaitable[None]]:
         """An action of the user's whose errors are one line on the page."""
@@ -158,6 +160,7 @@ class View:
                 "Drag over the curves to look at seconds; click a tile to see where it happens."
             ).classes("muted")
             ui.space()
+            ui.checkbox("beside the model as given", on_change=self._beside).props("dense")
             for icon, words, by in (
                 ("chevron_left", "Earlier", -0.5),
                 ("chevron_right", "Later", 0.5),
@@ -170,7 +173,7 @@ class View:
             plot = ui.plotly(make(self.desk, self.theme)).classes(
                 "w-full" + (" wide" if name == "force" else "")
             )
-            plot.props(f'role="img" aria-label="{words}"')
+            plot.props(f'role="figure" aria-label="{words}"')
             self.plots[name] = plot
         self.plots["force"].on(
             "plotly_relayout", self._moved, ["xaxis.range[0]", "xaxis.range[1]", "xaxis.autorange"]
@@ -230,6 +233,15 @@ class View:
             a, b = max(a, low), min(b, high)
             whole = (a, b) == (low, high) or a >= b
             self.select(Selection(None if whole else (a, b), at.velocity, at.deflection))
+
+    def _beside(self, event: ValueChangeEventArguments[bool]) -> None:
+        self.desk.beside = bool(event.value)
+        self.desk.changed()
+
+    async def _as_system(self) -> None:
+        """Light or dark as the system of the browser is."""
+        dark = 'matchMedia("(prefers-color-scheme: dark)").matches'
+        self.shade(dark=bool(await ui.run_javascript(dark, timeout=10.0)))
 
     def _shade(self) -> None:
         self.shade(dark=self.theme is plots.LIGHT)

@@ -14,7 +14,7 @@ from er_records.dataset import Dataset
 from er_records.record import Record
 
 from er_model_lab.results.records import Errors
-from er_model_lab.results.result import DiagnosisResult
+from er_model_lab.results.result import DiagnosisResult, PlanResult
 from er_model_lab.session import dropped
 from er_model_lab.session.job import Jobs
 from er_model_lab.session.sight import Selection, Sight, look
@@ -41,6 +41,8 @@ class Desk:
         self.sight: Sight | None = None
         self.predicted: Array | None = None
         self.result: DiagnosisResult | None = None
+        self.planned: PlanResult | None = None
+        self.beside = False
         self.code_files: tuple[Path, ...] = ()
         self.revision = 0
         self.jobs = Jobs(self.changed)
@@ -63,6 +65,14 @@ class Desk:
             if self.sight is None or self.predicted is None
             else self.sight.force - self.predicted
         )
+
+    @property
+    def as_given(self) -> Array | None:
+        """What the model predicted as it was given (n,) [N], where it is laid beside; None where it is not."""
+        given = next((s.model for s in self.session.past if s.step.kind == "start"), None)
+        wanted = self.beside and given is not None and given is not self.now.model
+        sight = self.sight
+        return sight.predicted(given) if wanted and sight and given and sight.fits(given) else None
 
     @property
     def data(self) -> Dataset:
@@ -210,6 +220,21 @@ class Desk:
             step,
             lambda **how: improve(self.data, self.now.known, measured_terms=measured_terms, **how),
         )
+
+    def plan(self, *, between: tuple[str, ...] = (), reveal: str | None = None) -> None:
+        """Plan the run that tells two effects apart, or shows one, as a job."""
+        from er_model_lab.verbs.plan import plan
+
+        data, model, seed = self.data, self.now.known, self.session.seed
+
+        def work(progress: Progress, cancel: threading.Event) -> None:
+            self.planned = plan(
+                model, between=between, reveal=reveal, data=data, seed=seed, anyway=True,
+                progress=progress, cancel=cancel,
+            )  # fmt: skip
+
+        self.planned = None
+        self.jobs.start("plan", work)
 
     def _fit(self, step: Step, verb: Callable[..., DiagnosisResult]) -> None:
         def work(progress: Progress, cancel: threading.Event) -> None:

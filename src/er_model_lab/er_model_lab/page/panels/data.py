@@ -21,6 +21,11 @@ from er_model_lab.session.sight import Selection, worst
 from er_model_lab.session.steps import Source, Stretch
 
 DROP = "Drop measurements, a model or a session"
+HEADER = f"""<div class="relative-position q-pa-md text-weight-bold">{DROP}<q-uploader-add-trigger /></div>"""
+"""All of the head picks files; the framework's own button holds an input that no screen reader can name."""
+NAMED = f"""
+document.querySelectorAll(".q-uploader__input").forEach((e) => {{ e.ariaLabel = "{DROP}"; e.tabIndex = 0; }});
+"""
 FINDINGS = {"fail": "fail", "warning": "warning", "note": "muted"}
 """Levels of findings that are shown, and their look."""
 
@@ -35,7 +40,8 @@ class DataPanel:
             on_upload=host.safely(self._dropped),
             on_rejected=lambda: ui.notify(f"more than {dropped.LARGEST >> 30} GB"),
         )  # fmt: skip
-        upload.props(f'flat bordered no-thumbnails aria-label="{DROP}"')
+        upload.props("flat bordered no-thumbnails").add_slot("header", HEADER)
+        ui.timer(0.0, lambda: ui.run_javascript(NAMED), once=True)
         shipped = [n for n in names(*MODELS) if n in names("dampers")]
         self.model = ui.select(
             shipped, label="Begin with a shipped model", on_change=host.safely(lambda e: self._start(e.value))

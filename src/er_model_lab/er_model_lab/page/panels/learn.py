@@ -13,7 +13,7 @@ from er_model_lab.output.text.units import newtons
 from er_model_lab.output.text.verdict_text import verdict_sentence, verdict_title
 from er_model_lab.page import plots
 from er_model_lab.page.panels.panel import Host
-from er_model_lab.results.result import DiagnosisResult
+from er_model_lab.results.result import DiagnosisResult, PlanResult
 
 
 class LearnPanel:
@@ -70,13 +70,16 @@ class LearnPanel:
             effects = {e.name: e.title for e in model.catalogue.effects if may_be_added(model, e)}
             if effects != self.effect.options:
                 self.effect.set_options(effects, value=None)
-        key = (id(desk.result), self.host.theme)
+        key = (id(desk.result), id(desk.planned), self.host.theme)
         if key != self.shown:
             self.shown = key
             self.found.clear()
             if desk.result is not None:
                 with self.found:
                     self._result(desk.result)
+            if desk.planned is not None:
+                with self.found:
+                    self._plan(desk.planned)
 
     def _add(self) -> None:
         if not self.effect.value:
@@ -92,9 +95,36 @@ class LearnPanel:
         ui.label(verdict_sentence(result.view))
         for reason in result.reasons:
             ui.label(reason).classes("text-sm muted")
+        for asked in result.view.result.get("next_plans") or ():
+            self._offer(asked)
         made = section(result.view)
         for card in made.facts["cards"] if made else []:
             self._card(card)
+
+    def _offer(self, asked: dict[str, Any]) -> None:
+        """The run that would decide, to be planned."""
+        model = self.host.desk.now.known
+        between = tuple(asked.get("between", ()))
+        which = " or ".join(_title(model, e) for e in between or (asked["reveal"],))
+        act = self.host.safely(
+            lambda: self.host.desk.plan(between=between, reveal=asked.get("reveal"))
+        )
+        ui.button(f"Plan the run that shows: {which}", on_click=act).props("outline dense no-caps")
+
+    def _plan(self, result: PlanResult) -> None:
+        from er_model_lab.output.report.sections.programs import section
+
+        ui.label(verdict_title(result.view)).classes("text-lg font-bold").props(
+            "role=heading aria-level=2"
+        )
+        ui.label(verdict_sentence(result.view))
+        ui.label(
+            "Take holds the run as a file for the rig, or for ./er up program:=run.yaml"
+        ).classes("muted")
+        made = section(result.view)
+        for figure in made.figures[:1] if made else ():
+            plot = ui.plotly(plots.of_report(figure, self.host.theme)).classes("w-full")
+            plot.props(f'role="figure" aria-label="{figure.alt}"')
 
     def _card(self, card: dict[str, Any]) -> None:
         desk = self.host.desk
@@ -111,7 +141,9 @@ class LearnPanel:
                         plot = ui.plotly(plots.of_report(card["figure"], self.host.theme)).classes(
                             "w-full"
                         )
-                        drawn.append(plot.props(f'role="img" aria-label="{card["figure"].alt}"'))
+                        drawn.append(
+                            plot.props(f'role="figure" aria-label="{card["figure"].alt}"')
+                        )
 
             effect = str(card["effect"])
             known = desk.now.known.catalogue

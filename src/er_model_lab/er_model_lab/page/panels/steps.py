@@ -15,7 +15,7 @@ class StepsPanel:
         self.host = host
         self.plot = ui.plotly(plots.waterfall([], None, host.theme)).classes("w-full")
         self.plot.props(
-            'role="img" aria-label="The error of the model as given and after each step"'
+            'role="figure" aria-label="The error of the model as given and after each step"'
         )
         self.list = ui.column().classes("w-full gap-0")
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from er_models.errors import InputError
+from er_models.program import save_program
 from nicegui import ui
 
 from er_model_lab.page.panels.panel import Host
@@ -42,6 +43,13 @@ def _series(desk: Desk, folder: Path) -> bytes:
     return b"".join(f"# {f.stem}\n".encode() * (len(files) > 1) + f.read_bytes() for f in files)
 
 
+def _run(desk: Desk, folder: Path) -> bytes:
+    if desk.planned is None or desk.planned.program is None:
+        raise InputError("run", "", "a run that was planned: diagnose, then plan", "none yet")
+    save_program(desk.planned.program, folder / "run.yaml")
+    return (folder / "run.yaml").read_bytes()
+
+
 def _fmu(desk: Desk, folder: Path) -> bytes:
     from er_model_lab.verbs.export import export
 
@@ -50,7 +58,8 @@ def _fmu(desk: Desk, folder: Path) -> bytes:
 
 THINGS: dict[str, tuple[str, Callable[[Desk, Path], bytes]]] = {
     "Model": ("model.yaml", _model), "Program": ("session.py", _script), "Session": ("session.zip", _session),
-    "Report": ("report.html", _report), "Series": ("series.csv", _series), "FMU": ("damper.fmu", _fmu),
+    "Report": ("report.html", _report), "Series": ("series.csv", _series),
+    "FMU": ("damper.fmu", _fmu), "Run": ("run.yaml", _run),
 }  # fmt: skip
 """What can be taken: the name of the file, and what writes it."""
 HELP = {
@@ -59,6 +68,7 @@ HELP = {
     "Session": "program, data and all steps; drop it here to go on",
     "Report": "a page that opens offline: of the last diagnosis, else of how the model compares",
     "Series": "time, inputs, measured and predicted force, the share of each effect",
+    "Run": "the planned run: road and duty, as a program for the rig or the graph",
     "FMU": "a unit for co-simulation (FMI 3)",
 }
 
