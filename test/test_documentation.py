@@ -26,6 +26,7 @@ BLOCK = re.compile(r"^```\w*\n(.*?)^```", re.M | re.S)
 ELSEWHERE = {
     "test": ("test_suite", "with other tests for it to run"),
     "bench": ("test_bench_command", "shorter: as documented they measure for minutes"),
+    "lab open": ("test_page_browser", "with pages that talk to it"),
     "demo": ("test_demo", "shorter, at the pace of the computer"),
     "replay": ("test_replay", "with a recording"),
     "study thesis chapter1": ("test_thesis_chapter_1", "which computes the chapter once"),

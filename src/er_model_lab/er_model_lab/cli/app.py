@@ -18,6 +18,7 @@ from er_model_lab.cli.data import check_command, compare_command, identify_comma
 from er_model_lab.cli.export import export_command
 from er_model_lab.cli.mapping import map_command
 from er_model_lab.cli.missing import add_command, diagnose_command, improve_command
+from er_model_lab.cli.open import open_command
 from er_model_lab.cli.plan import effects_command, plan_command
 from er_model_lab.cli.start import models_command, new_command
 
@@ -33,6 +34,7 @@ COMMANDS: dict[str, tuple[Callable[..., None], str]] = {
     "plan": (plan_command, "Plan the run that tells two effects apart."),
     "identify": (identify_command, "Identify every parameter in stages."),
     "export": (export_command, "A model as series, table, C code or FMU."),
+    "open": (open_command, "The lab in a browser."),
     "effects": (effects_command, "The catalogue of effects, or one effect's card."),
 }
 """In the order in which they are used, with one line each that fits a terminal."""

@@ -1,0 +1,261 @@
+"""Figures of the page as Plotly takes them, from what a desk shows; nothing here knows the framework."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from er_models.model import Array
+from numpy.typing import NDArray
+
+from er_model_lab.output.report.live import live
+from er_model_lab.output.report.palette import ERROR, HELD_OUT
+from er_model_lab.output.report.thin import every, stretches
+from er_model_lab.results.records import Errors
+from er_model_lab.session.desk import Desk
+from er_model_lab.session.sight import (
+    ON_SCREEN,
+    Selection,
+    Sight,
+    curve,
+    loops,
+    spectrum,
+    tile_map,
+)
+from er_model_lab.session.steps import Step
+
+Json = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Theme:
+    """Colours of a light or dark page; every pair has contrast AA on the page's ground."""
+
+    ink: str
+    rule: str
+    measured: str
+    model: str
+    left: str
+    marked: str
+    held: str
+    floor: str
+
+
+LIGHT = Theme(
+    "#1f2933", "#d9dee5", "#2b2b2b", "#c24f00", "#0072b2", "#9c4a7c", HELD_OUT, "#007a58"
+)
+DARK = Theme(
+    "#e6e9ee", "#3a424d", "#dfe3e8", "#ff9a4d", "#63b9ea", "#e79cc6", "#6a5c1c", "#3fcf9f"
+)
+DOTS = 400
+"""Samples of a force over velocity that are drawn where they are too many to be joined."""
+MARKED = 400
+"""Samples of a tile that are marked in time."""
+CONFIG: Json = {
+    "displaylogo": False, "showTips": False, "responsive": True, "scrollZoom": False, "displayModeBar": "hover",
+    "modeBarButtonsToRemove": ["sendDataToCloud", "lasso2d", "select2d", "autoScale2d", "toImage"],
+}  # fmt: skip
+
+
+def force(desk: Desk, theme: Theme) -> Json:
+    """Measured and predicted force over time, and what is left below, of the seconds in view."""
+    sight, predicted = desk.sight, desk.predicted
+    if sight is None or predicted is None:
+        return _empty(theme, "force over time", 400)
+    seconds = desk.selection.seconds
+    rows = [
+        ("measured", sight.force, theme.measured, "y", 2.4), ("model", predicted, theme.model, "y", 1.4),
+        ("measured \N{MINUS SIGN} model", sight.force - predicted, theme.left, "y2", 1.1),
+    ]  # fmt: skip
+    if (given := desk.as_given) is not None:
+        rows.insert(1, ("as given", given, theme.marked, "y", 1.0))
+    data = [
+        _line(*curve(sight, y, seconds), name, colour, width, yaxis=axis)
+        for name, y, colour, axis, width in rows
+    ]
+    if desk.selection.velocity is not None:
+        at = _marked(desk, sight)
+        data.append(_dots(sight.t[at], sight.force[at], "in the tile", theme.marked))
+    layout = _layout(theme, 400)
+    layout |= {
+        "xaxis": _axis(theme, "time [s]", range=list(seconds or (sight.t[0], sight.t[-1])), anchor="y2"),
+        "yaxis": _axis(theme, "force [N]", domain=[0.40, 1.0]),
+        "yaxis2": _axis(theme, "left [N]", domain=[0.0, 0.33], anchor="x"),
+        "shapes": _held(sight, theme), "dragmode": "zoom", "hovermode": "x",
+    }  # fmt: skip
+    return _figure(data, layout)
+
+
+def _marked(desk: Desk, sight: Sight) -> NDArray[np.int64]:
+    """Rows of the selected samples, no more than can be seen apart."""
+    at = np.flatnonzero(desk.selection.mask(sight))
+    return at[every(at.size, MARKED)] if at.size else at
+
+
+def _held(sight: Sight, theme: Theme) -> list[Json]:
+    """Shaded where data only score."""
+    spans = [
+        s for _, a, b in sight.spans
+        for i, j in [np.searchsorted(sight.t, (a, b + 1e-9))]
+        for s in stretches(sight.t[i:j], sight.problem.held_out[i:j])
+    ]  # fmt: skip
+    return [
+        {
+            "type": "rect", "x0": a, "x1": b, "y0": 0, "y1": 1, "xref": "x", "yref": "paper", "layer": "below",
+            "line": {"width": 0}, "fillcolor": theme.held, "opacity": 0.45,
+        }
+        for a, b in spans[:200]
+    ]  # fmt: skip
+
+
+def residual_map(desk: Desk, theme: Theme) -> Json:
+    """Rms of what is left over velocity and deflection, of the seconds in view."""
+    sight, residual = desk.sight, desk.residual
+    if sight is None or residual is None:
+        return _empty(theme, "where it fails", 300)
+    at = desk.selection
+    seconds = (
+        None if at.seconds is None else (sight.t >= at.seconds[0]) & (sight.t <= at.seconds[1])
+    )
+    z, tiles = tile_map(sight, residual, seconds, 5 if seconds is None else 1), sight.tiles
+    peak = float(np.nanquantile(z, 0.99)) if np.isfinite(z).any() else 1.0
+    data: list[Json] = [{
+        "type": "heatmap", "x": 1e3 * (tiles.v[1:] + tiles.v[:-1]) / 2, "y": 1e3 * (tiles.x[1:] + tiles.x[:-1]) / 2,
+        "z": np.round(z, 4), "zmin": 0.0, "zmax": peak, "colorscale": ERROR, "hoverongaps": False,
+        "colorbar": {"title": {"text": "rms [N]", "side": "right"}, "thickness": 10, "outlinewidth": 0},
+        "hovertemplate": "%{x:.0f} mm/s, %{y:.1f} mm: %{z:.3g} N<extra></extra>",
+    }]  # fmt: skip
+    layout = _layout(theme, 300) | {
+        "xaxis": _axis(theme, "velocity [mm/s]", zeroline=False),
+        "yaxis": _axis(theme, "deflection [mm]", zeroline=False),
+    }  # fmt: skip
+    if at.velocity is not None and at.deflection is not None:
+        (a, b), (c, d) = at.velocity, at.deflection
+        layout["shapes"] = [{
+            "type": "rect", "x0": 1e3 * a, "x1": 1e3 * b, "y0": 1e3 * c, "y1": 1e3 * d,
+            "line": {"color": theme.ink, "width": 3},
+        }]  # fmt: skip
+    return _figure(data, layout)
+
+
+def force_loops(desk: Desk, theme: Theme) -> Json:
+    """Force over velocity, measured and predicted, of the seconds in view; the selected tile is marked."""
+    sight, predicted = desk.sight, desk.predicted
+    if sight is None or predicted is None:
+        return _empty(theme, "loops", 300)
+    mask = Selection(desk.selection.seconds).mask(sight)
+    joined = int(mask.sum()) <= ON_SCREEN
+    v, forces = loops(sight, [sight.force, predicted], mask, ON_SCREEN if joined else DOTS)
+    both = zip(("measured", "model"), forces, (theme.measured, theme.model), strict=True)
+    data = [
+        _line(1e3 * v, y, name, colour, 1.2) if joined else _dots(1e3 * v, y, name, colour, 3)
+        for name, y, colour in both
+    ]
+    if desk.selection.velocity is not None:
+        at = _marked(desk, sight)
+        data.append(
+            _dots(1e3 * sight.problem.motion.v[at], sight.force[at], "in the tile", theme.marked)
+        )
+    layout = _layout(theme, 300) | {
+        "xaxis": _axis(theme, "velocity [mm/s]"), "yaxis": _axis(theme, "force [N]"), "hovermode": "closest",
+    }  # fmt: skip
+    return _figure(data, layout)
+
+
+def residual_spectrum(desk: Desk, theme: Theme) -> Json:
+    """Amplitude density of what is left, of what is selected."""
+    sight, residual = desk.sight, desk.residual
+    if sight is None or residual is None:
+        return _empty(theme, "spectrum", 300)
+    f, density = spectrum(sight, residual, desk.selection.mask(sight))
+    layout = _layout(theme, 300) | {
+        "xaxis": _axis(theme, "frequency [Hz]", type="log", tickformat="~g", dtick="D2"),
+        "yaxis": _axis(theme, "left [N/\N{SQUARE ROOT}Hz]", type="log", tickformat="~g", dtick="D2"),
+    }  # fmt: skip
+    return _figure([_line(f, density, "left", theme.left, 1.4)], layout)
+
+
+def waterfall(fall: list[tuple[Step, Errors]], floor: float | None, theme: Theme) -> Json:
+    """The error of the model as given and after each step, learnt from and held out."""
+    places, names = list(range(len(fall))), [step.says for step, _ in fall]
+    bars = [
+        ("learnt from", [e.train for _, e in fall], theme.left),
+        ("held out", [e.held_out for _, e in fall], theme.model),
+    ]  # fmt: skip
+    data: list[Json] = [
+        {"type": "bar", "x": places, "y": y, "name": name, "marker": {"color": colour}}
+        for name, y, colour in bars
+    ]
+    layout = _layout(theme, 280) | {
+        "barmode": "group", "xaxis": _axis(theme, "", tickvals=places, ticktext=names),
+        "yaxis": _axis(theme, "rms error [N]", rangemode="tozero"),
+    }  # fmt: skip
+    if floor is not None:
+        layout["shapes"] = [{
+            "type": "line", "xref": "paper", "x0": 0, "x1": 1, "y0": floor, "y1": floor,
+            "line": {"color": theme.floor, "dash": "dash"},
+            "label": {"text": f"noise {floor:.3g} N", "font": {"color": theme.floor}, "textposition": "end"},
+        }]  # fmt: skip
+    return _figure(data, layout)
+
+
+def of_report(figure: Any, theme: Theme) -> Json:
+    """A figure of the report in the colours of the page."""
+    drawn = live(figure)
+    layout = drawn["layout"] | {
+        "paper_bgcolor": "rgba(0,0,0,0)", "plot_bgcolor": "rgba(0,0,0,0)", "font": {"color": theme.ink, "size": 12},
+    }  # fmt: skip
+    for key, axis in layout.items():
+        if key.startswith(("xaxis", "yaxis")):
+            axis |= {"gridcolor": theme.rule, "zerolinecolor": theme.rule}
+    return _figure(drawn["data"], layout)
+
+
+def _line(x: Array, y: Array, name: str, colour: str, width: float, **more: Any) -> Json:
+    line = {"color": colour, "width": width}
+    return {
+        "x": np.round(x, 4),
+        "y": np.round(y, 5),
+        "mode": "lines",
+        "name": name,
+        "line": line,
+        **more,
+    }
+
+
+def _dots(x: Array, y: Array, name: str, colour: str, size: float = 6) -> Json:
+    return {
+        "x": np.round(x, 4),
+        "y": np.round(y, 5),
+        "mode": "markers",
+        "name": name,
+        "marker": {"color": colour, "size": size},
+    }
+
+
+def _axis(theme: Theme, label: str, **more: Any) -> Json:
+    return {
+        "title": {"text": label, "standoff": 6}, "gridcolor": theme.rule, "zerolinecolor": theme.rule,
+        "automargin": True, **more,
+    }  # fmt: skip
+
+
+def _layout(theme: Theme, height: int) -> Json:
+    return {
+        "height": height, "margin": {"l": 54, "r": 12, "t": 28, "b": 40}, "paper_bgcolor": "rgba(0,0,0,0)",
+        "plot_bgcolor": "rgba(0,0,0,0)", "font": {"color": theme.ink, "size": 12}, "uirevision": "kept",
+        "legend": {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"}, "showlegend": True,
+    }  # fmt: skip
+
+
+def _empty(theme: Theme, what: str, height: int) -> Json:
+    layout = _layout(theme, height) | {"xaxis": {"visible": False}, "yaxis": {"visible": False}}
+    layout["annotations"] = [
+        {"text": f"{what}: no data yet", "showarrow": False, "font": {"size": 14}}
+    ]
+    return _figure([], layout)
+
+
+def _figure(data: list[Json], layout: Json) -> Json:
+    return {"data": data, "layout": layout, "config": CONFIG}

@@ -1,0 +1,272 @@
+"""One browser's view of the desk: header, panels, plots; redrawn where the desk has changed."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from functools import wraps
+from typing import Any
+
+from er_models.errors import ErError
+from nicegui import ui
+from nicegui.events import GenericEventArguments, ValueChangeEventArguments
+
+from er_model_lab.output.text.units import newtons
+from er_model_lab.page import plots
+from er_model_lab.page.panels.data import DataPanel
+from er_model_lab.page.panels.learn import LearnPanel
+from er_model_lab.page.panels.panel import Host, Panel
+from er_model_lab.page.panels.play import PlayPanel
+from er_model_lab.page.panels.steps import StepsPanel
+from er_model_lab.page.panels.take import TakePanel
+from er_model_lab.session.desk import Desk
+from er_model_lab.session.sight import Selection, tile_at
+
+PERIOD = 0.15
+"""How often a page looks for what others and jobs have changed [s]."""
+PLOTS: dict[str, tuple[Callable[[Desk, plots.Theme], plots.Json], str]] = {
+    "force": (plots.force, "Measured and predicted force over time, and what is left below"),
+    "map": (
+        plots.residual_map,
+        "Map of what is left over velocity and deflection; click a tile to select it",
+    ),
+    "loops": (plots.force_loops, "Loops of force over velocity, measured and predicted"),
+    "spectrum": (plots.residual_spectrum, "Spectrum of what is left"),
+}
+"""What is drawn, and its words for who cannot see it."""
+STYLE = """
+.lab { display: grid; grid-template-columns: minmax(330px, 400px) 1fr; gap: 12px; width: 100%; align-items: start; }
+.lab > * { min-width: 0; }
+.lab .views { display: grid; grid-template-columns: repeat(3, minmax(0, 1fr)); gap: 8px; }
+.lab .views .wide { grid-column: 1 / -1; }
+.numbers { font-variant-numeric: tabular-nums; }
+.muted { color: #55606e; } .body--dark .muted { color: #b3bcc8; }
+.body--dark .text-primary { --q-primary: #7db8ea; } .body--dark .text-accent { --q-accent: #e79cc6; }
+.fail { color: #a33f00; } .body--dark .fail { color: #ff9a6a; }
+.warning { color: #7d5600; } .body--dark .warning { color: #e9b44c; }
+:focus-visible { outline: 3px solid #1976d2 !important; outline-offset: 1px; }
+.q-uploader { width: 100%; max-height: 150px; }
+@media (max-width: 1000px) {
+  .lab { grid-template-columns: minmax(0, 1fr); } .lab .views { grid-template-columns: minmax(0, 1fr); }
+}
+"""
+
+
+class View:
+    """What one browser shows."""
+
+    def __init__(self, desk: Desk) -> None:
+        self.desk, self.theme = desk, plots.LIGHT
+        self.seen, self.told = -1, -1
+        self.plots: dict[str, ui.plotly] = {}
+        self.dark = ui.dark_mode(None)
+        ui.add_css(STYLE)
+        ui.colors(primary="#1f5f99", accent="#9c4a7c")
+        self._header()
+        with ui.element("main").classes("lab p-2"):
+            with ui.card().classes("w-full"):
+                self._panels()
+            with ui.element("div").classes("views"):
+                self._views()
+        ui.keyboard(on_key=self._key)
+        ui.timer(PERIOD, self._tick)
+        ui.timer(0.0, self._as_system, once=True)
+
+    def safely(self, action: Callable[..., Any]) -> Callable[..., Awaitable[None]]:
+        """An action of the user's whose errors are one line on the page."""
+
+        @wraps(action)
+        async def done(*args: Any) -> None:
+            try:
+                found = action(*args)
+                if isinstance(found, Awaitable):
+                    await found
+            except ErError as error:
+                ui.notify(
+                    " ".join(str(error).split()),
+                    type="negative",
+                    multi_line=True,
+                    close_button="Close",
+                )
+            self.look()
+
+        return done
+
+    def look(self) -> None:
+        """Redraw the plots where the desk has changed since this browser saw it."""
+        if self.seen != self.desk.revision:
+            self.seen = self.desk.revision
+            self.draw()
+
+    def _tick(self) -> None:
+        """The same with the panels, which need not follow every position of a slider."""
+        self.look()
+        if self.told != self.desk.revision:
+            self.told = self.desk.revision
+            for panel in self.panels:
+                panel.refresh()
+
+    def draw(self) -> None:
+        """Redraw plots and numbers: all that follows a parameter while it is dragged."""
+        desk, errors = self.desk, self.desk.errors()
+        self.error.text = (
+            "no prediction yet" if errors is None
+            else f"error {newtons(errors.train)} learnt from, {newtons(errors.held_out)} held out"
+        )  # fmt: skip
+        self.model.text = desk.now.model.name if desk.now.model else "no model"
+        self.undo.set_enabled(len(desk.session.past) > 1)
+        self.redo.set_enabled(bool(desk.session.future))
+        self.fitted.set_enabled(
+            desk.now.model is not None and desk.now.model is not desk.now.fitted
+        )
+        for name, (make, _) in PLOTS.items():
+            self.plots[name].update_figure(make(desk, self.theme))
+
+    def _header(self) -> None:
+        desk = self.desk
+        with ui.header().classes("items-center gap-2 py-1"):
+            ui.label("Model lab").classes("text-lg font-bold").props("role=heading aria-level=1")
+            self.model = ui.label("no model")
+            self.error = ui.label("").classes("numbers").props("role=status aria-live=polite")
+            ui.space()
+            self.undo = _button("undo", "Undo (Ctrl Z)", self.safely(desk.undo))
+            self.redo = _button("redo", "Redo (Ctrl Y)", self.safely(desk.redo))
+            self.fitted = _button("settings_backup_restore", "Back to fitted", self.safely(
+                lambda: desk.take(desk.now.as_fitted())
+            ))  # fmt: skip
+            _button("contrast", "Light or dark", self._shade)
+
+    def _panels(self) -> None:
+        makers: dict[str, Callable[[Host], Panel]] = {
+            "Data": DataPanel,
+            "Play": PlayPanel,
+            "Learn": LearnPanel,
+            "Steps": StepsPanel,
+            "Take": TakePanel,
+        }
+        with ui.tabs().props("dense no-caps inline-label").classes("w-full") as tabs:
+            for name in makers:
+                ui.tab(name)
+        self.panels: list[Panel] = []
+        with ui.tab_panels(
+            tabs, value="Data" if self.desk.sight is None else "Play", keep_alive=False
+        ).classes("w-full"):
+            for name, maker in makers.items():
+                with ui.tab_panel(name).classes("p-1"):
+                    self.panels.append(maker(self))
+
+    def _views(self) -> None:
+        with ui.row().classes("wide items-center gap-1"):
+            ui.label(
+                "Drag over the curves to look at seconds; click a tile to see where it happens."
+            ).classes("muted")
+            ui.space()
+            ui.checkbox("beside the model as given", on_change=self._beside).props("dense")
+            for icon, words, by in (
+                ("chevron_left", "Earlier", -0.5),
+                ("chevron_right", "Later", 0.5),
+            ):
+                _button(icon, words, lambda by=by: self._move(by))
+            _button("zoom_in", "Closer", lambda: self._zoom(0.5))
+            _button("zoom_out", "Wider", lambda: self._zoom(2.0))
+            _button("select_all", "Show all (Escape)", self.show_all)
+        for name, (make, words) in PLOTS.items():
+            plot = ui.plotly(make(self.desk, self.theme)).classes(
+                "w-full" + (" wide" if name == "force" else "")
+            )
+            plot.props(f'role="figure" aria-label="{words}"')
+            self.plots[name] = plot
+        self.plots["force"].on(
+            "plotly_relayout", self._moved, ["xaxis.range[0]", "xaxis.range[1]", "xaxis.autorange"]
+        )
+        self.plots["map"].on("plotly_click", self._clicked, ["points"])
+
+    def select(self, selection: Selection) -> None:
+        """Show a selection everywhere."""
+        self.desk.selection = selection
+        self.desk.changed()
+        self.look()
+
+    def show_all(self) -> None:
+        """Take the selection away."""
+        self.select(Selection())
+
+    def _moved(self, event: GenericEventArguments) -> None:
+        """The curves were zoomed: the seconds in view are selected."""
+        low, high = event.args.get("xaxis.range[0]"), event.args.get("xaxis.range[1]")
+        at = self.desk.selection
+        if event.args.get("xaxis.autorange"):
+            self.select(Selection(None, at.velocity, at.deflection))
+        elif isinstance(low, int | float) and isinstance(high, int | float) and low < high:
+            self.select(Selection((float(low), float(high)), at.velocity, at.deflection))
+
+    def _clicked(self, event: GenericEventArguments) -> None:
+        """A tile was clicked: its samples are selected, or all again."""
+        sight, at = self.desk.sight, self.desk.selection
+        points = event.args.get("points") or []
+        if sight is None or not points:
+            return
+        found = tile_at(sight, 1e-3 * float(points[0]["x"]), 1e-3 * float(points[0]["y"]))
+        same = found.velocity == at.velocity and found.deflection == at.deflection
+        self.select(
+            Selection(at.seconds)
+            if same
+            else Selection(at.seconds, found.velocity, found.deflection)
+        )
+
+    def _window(self) -> tuple[float, float]:
+        sight = self.desk.sight
+        whole = (0.0, 1.0) if sight is None else (float(sight.t[0]), float(sight.t[-1]))
+        return self.desk.selection.seconds or whole
+
+    def _move(self, by: float) -> None:
+        a, b = self._window()
+        self._seconds(a + by * (b - a), b + by * (b - a))
+
+    def _zoom(self, by: float) -> None:
+        a, b = self._window()
+        self._seconds(0.5 * (a + b) - 0.5 * by * (b - a), 0.5 * (a + b) + 0.5 * by * (b - a))
+
+    def _seconds(self, a: float, b: float) -> None:
+        sight, at = self.desk.sight, self.desk.selection
+        if sight is not None and b - a >= 4 * sight.problem.motion.dt:
+            low, high = float(sight.t[0]), float(sight.t[-1])
+            a, b = max(a, low), min(b, high)
+            whole = (a, b) == (low, high) or a >= b
+            self.select(Selection(None if whole else (a, b), at.velocity, at.deflection))
+
+    def _beside(self, event: ValueChangeEventArguments[bool]) -> None:
+        self.desk.beside = bool(event.value)
+        self.desk.changed()
+
+    async def _as_system(self) -> None:
+        """Light or dark as the system of the browser is."""
+        dark = 'matchMedia("(prefers-color-scheme: dark)").matches'
+        self.shade(dark=bool(await ui.run_javascript(dark, timeout=10.0)))
+
+    def _shade(self) -> None:
+        self.shade(dark=self.theme is plots.LIGHT)
+
+    def shade(self, *, dark: bool) -> None:
+        """Light or dark."""
+        self.dark.value = dark
+        self.theme = plots.DARK if dark else plots.LIGHT
+        self.seen, self.told = -1, -1
+
+    def _key(self, event: Any) -> None:
+        """Keys beside those of the widgets."""
+        if not event.action.keydown:
+            return
+        if event.modifiers.ctrl and event.key == "z":
+            ui.timer(0, self.safely(self.desk.undo), once=True)
+        elif event.modifiers.ctrl and event.key == "y":
+            ui.timer(0, self.safely(self.desk.redo), once=True)
+        elif event.key == "Escape":
+            self.show_all()
+
+
+def _button(icon: str, words: str, action: Callable[..., Any]) -> ui.button:
+    """A round button with its words for the mouse and for screen readers."""
+    made = ui.button(icon=icon, on_click=action).props(
+        f'flat round dense color=inherit aria-label="{words}"'
+    )
+    return made.tooltip(words)

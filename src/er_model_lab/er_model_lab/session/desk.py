@@ -1,0 +1,273 @@
+"""The desk that a page shows: one session with its data, what is seen, and the work; every page shows the same one."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from er_models.errors import ErError, InputError
+from er_models.model import Array, Model
+from er_records.dataset import Dataset
+from er_records.record import Record
+
+from er_model_lab.results.records import Errors
+from er_model_lab.results.result import DiagnosisResult, PlanResult
+from er_model_lab.session import dropped
+from er_model_lab.session.job import Jobs
+from er_model_lab.session.sight import Selection, Sight, look
+from er_model_lab.session.steps import Session, Source, State, Step, Stretch, divided
+from er_model_lab.work import Progress
+
+BIGGEST = 4 * dropped.LARGEST
+"""Most bytes of all dropped files together."""
+
+
+class Desk:
+    """One session and what belongs to it.
+
+    folder: where dropped files are kept; given: paths that were named on the command line; code: whether dropped
+    Python files may run. Work of more than a few milliseconds is a job; all else is done where it is called.
+    """
+
+    def __init__(
+        self, folder: Path, *, given: Sequence[Path] = (), seed: int = 0, code: bool = False
+    ) -> None:
+        self.folder, self.given, self.code = folder, tuple(given), code
+        self.session, self.selection = Session(seed=seed), Selection()
+        self.records: tuple[Record, ...] = ()
+        self.sight: Sight | None = None
+        self.predicted: Array | None = None
+        self.result: DiagnosisResult | None = None
+        self.planned: PlanResult | None = None
+        self.beside = False
+        self.code_files: tuple[Path, ...] = ()
+        self.revision = 0
+        self.jobs = Jobs(self.changed)
+        self._lock = threading.RLock()
+
+    def changed(self) -> None:
+        """Say that there is something new to show."""
+        self.revision += 1
+
+    @property
+    def now(self) -> State:
+        """The state that is shown."""
+        return self.session.now
+
+    @property
+    def residual(self) -> Array | None:
+        """Measured minus predicted force (n,) [N]."""
+        return (
+            None
+            if self.sight is None or self.predicted is None
+            else self.sight.force - self.predicted
+        )
+
+    @property
+    def as_given(self) -> Array | None:
+        """What the model predicted as it was given (n,) [N], where it is laid beside; None where it is not."""
+        given = next((s.model for s in self.session.past if s.step.kind == "start"), None)
+        wanted = self.beside and given is not None and given is not self.now.model
+        sight = self.sight
+        return sight.predicted(given) if wanted and sight and given and sight.fits(given) else None
+
+    @property
+    def data(self) -> Dataset:
+        """The data of the session.
+
+        Raises:
+            InputError: There are none yet.
+        """
+        if not self.records:
+            raise InputError("data", "", "measurements: drop a file", "none")
+        return divided(self.records, self.now.held)
+
+    def take(self, state: State) -> None:
+        """Go one step further; what does not fit the sight any more is looked at anew, in a job.
+
+        Raises:
+            InputError: A job is at work that needs the session as it is.
+        """
+        self._may_change(state.step.says)
+        self._show(self.session.then(state))
+
+    def undo(self) -> None:
+        """One step back."""
+        self.go(self.session.undone())
+
+    def redo(self) -> None:
+        """One step forward."""
+        self.go(self.session.redone())
+
+    def go(self, session: Session) -> None:
+        """Another place among the steps."""
+        self._may_change("a step back")
+        self._show(session)
+
+    def _may_change(self, what: str) -> None:
+        if self.jobs.running:
+            raise InputError(
+                what,
+                "",
+                "nothing is changed while a job runs: wait, or cancel it",
+                "a running job",
+            )
+
+    def _show(self, session: Session) -> None:
+        """Show a session: at once where the data are open for its model, else by a job."""
+        before, self.session = self.now, session
+        same = (before.sources, before.held) == (self.now.sources, self.now.held)
+        if (
+            same
+            and self.now.model is not None
+            and self.sight is not None
+            and self.sight.fits(self.now.model)
+        ):
+            self._predict(self.sight)
+        elif self.now.sources and not self.jobs.running:
+            fresh = before.sources != self.now.sources
+            self.jobs.start("open the data", lambda *_: self._open(fresh=fresh))
+        self.changed()
+
+    def _predict(self, sight: Sight) -> None:
+        with self._lock:
+            self.sight, self.predicted = sight, sight.predicted(self.now.known)
+
+    def _open(self, *, fresh: bool = False) -> None:
+        """Load the data of the session where they are not there, and open them for its model."""
+        if fresh or not self.records:
+            self.records = loaded(self.now.sources)
+            self.selection = Selection()
+        if self.now.model is not None:
+            self._predict(look(self.data, self.now.model))
+        self.changed()
+
+    def bring(
+        self, sources: Sequence[Source], model: Model | None = None, origin: str = ""
+    ) -> None:
+        """Other data, or another model, as a job that reads them; what cannot be read changes nothing."""
+
+        def work(*_: Any) -> None:
+            state = self.now
+            if tuple(sources) != state.sources:
+                records = loaded(sources)
+                state = state.with_data(sources)
+                self.session, self.records, self.selection = (
+                    self.session.then(state),
+                    records,
+                    Selection(),
+                )
+            if model is not None:
+                self.session = self.session.then(state.started(model, origin or model.name))
+            self.result = None
+            self._open()
+
+        self.jobs.start("open the data", work)
+
+    def hold(self, held: Sequence[Stretch]) -> None:
+        """Hold other stretches out.
+
+        Raises:
+            InputError: Nothing would be left to learn from.
+        """
+        self.take(self.now.with_held(held, self.records))
+
+    def errors(self, model: Model | None = None) -> Errors | None:
+        """Errors of a model, by default of the one that is shown; None where nothing is predicted."""
+        sight = self.sight
+        if sight is None or self.predicted is None:
+            return None
+        if model is None:
+            return sight.errors(sight.force - self.predicted)
+        return sight.errors(sight.force - sight.predicted(model)) if sight.fits(model) else None
+
+    def fall(self) -> list[tuple[Step, Errors]]:
+        """The error of the model as given and after every fit, and of what was set since."""
+        states = [s for s in self.session.past if s.step.kind == "start" or s.step.fits]
+        states += [self.now] if self.now.model is not None and self.now not in states else []
+        found = [(s.step, self.errors(s.model)) for s in states]
+        return [(step, e) for step, e in found if e is not None]
+
+    def learn(self) -> None:
+        """Diagnose, as a job."""
+        from er_model_lab.verbs.diagnose import diagnose
+
+        data, model, seed = self.data, self.now.known, self.session.seed
+
+        def work(progress: Progress, cancel: threading.Event) -> None:
+            self.result = diagnose(
+                data, model, seed=seed, anyway=True, progress=progress, cancel=cancel
+            )
+
+        self.result = None
+        self.jobs.start("diagnose", work)
+
+    def add(self, effect: str) -> None:
+        """Add an effect and refit everything, as a job."""
+        from er_model_lab.verbs.add import add
+
+        self._fit(Step("add", effect), lambda **how: add(self.data, self.now.known, effect, **how))
+
+    def improve(self, *, measured_terms: bool = False) -> None:
+        """Add until nothing more is found, as a job."""
+        from er_model_lab.verbs.improve import improve
+
+        step = Step("improve", "", {"measured_terms": True} if measured_terms else {})
+        self._fit(
+            step,
+            lambda **how: improve(self.data, self.now.known, measured_terms=measured_terms, **how),
+        )
+
+    def plan(self, *, between: tuple[str, ...] = (), reveal: str | None = None) -> None:
+        """Plan the run that tells two effects apart, or shows one, as a job."""
+        from er_model_lab.verbs.plan import plan
+
+        data, model, seed = self.data, self.now.known, self.session.seed
+
+        def work(progress: Progress, cancel: threading.Event) -> None:
+            self.planned = plan(
+                model, between=between, reveal=reveal, data=data, seed=seed, anyway=True,
+                progress=progress, cancel=cancel,
+            )  # fmt: skip
+
+        self.planned = None
+        self.jobs.start("plan", work)
+
+    def _fit(self, step: Step, verb: Callable[..., DiagnosisResult]) -> None:
+        def work(progress: Progress, cancel: threading.Event) -> None:
+            result = verb(seed=self.session.seed, anyway=True, progress=progress, cancel=cancel)
+            if result.interrupted or result.model is None:
+                raise ErError("cancelled: the model stays as it was")
+            self.result = result
+            self.session = self.session.then(self.now.learnt(result.model, step))
+            sight = self.sight
+            self._predict(
+                sight if sight and sight.fits(result.model) else look(self.data, result.model)
+            )
+
+        self.jobs.start(step.says, work)
+
+    def room(self) -> int:
+        """How many more bytes may be dropped."""
+        return BIGGEST - sum(f.stat().st_size for f in self.folder.rglob("*") if f.is_file())
+
+    def shut(self) -> None:
+        """End what is running."""
+        self.jobs.cancel()
+        self.jobs.wait(2.0)
+
+
+def loaded(sources: Sequence[Source]) -> tuple[Record, ...]:
+    """The records of all sources."""
+    from er_records.load import load, told_apart
+
+    return tuple(told_apart([r for s in sources for r in load([s.path], s.names)]))
+
+
+def with_source(state: State, source: Source) -> tuple[Source, ...]:
+    """The sources of a state with one more, or with other names of one of them."""
+    others = [s for s in state.sources if s.path != source.path]
+    return (*others, replace(source))

@@ -1,0 +1,237 @@
+"""What is seen of data and a model: curves for a view, the map of what is left, loops, spectrum, worst places.
+
+A data set is opened once (fused, checked); then every model that differs in effects and values is predicted along it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from er_models.model import Array, Model
+from er_records.dataset import Dataset
+from numpy.typing import NDArray
+from scipy.signal import welch
+
+from er_model_lab.fitting.velocity_channel import KINEMATIC, on_fused
+from er_model_lab.level.damper import DamperLevel, opened
+from er_model_lab.output.report.samples import rms_map
+from er_model_lab.output.report.thin import every, min_max
+from er_model_lab.preflight.check import Preflight, admitted
+from er_model_lab.problem.problem import Problem
+from er_model_lab.residual.errors import errors
+from er_model_lab.results.records import Errors
+from er_model_lab.work import HERE, Work
+
+Mask = NDArray[np.bool_]
+Curve = tuple[Array, Array]
+
+ON_SCREEN = 900
+"""Points of one curve that are drawn at once: two for each pixel of a screen's half."""
+TILES = (30, 18)
+"""Tiles of the map over velocity and deflection."""
+SEGMENT = 512
+"""Samples of a segment of the spectrum."""
+WINDOWS = 60
+"""Windows that the data are divided into to find the worst seconds."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tiles:
+    """Edges over velocity and deflection [SI], and the tile (n,) of each sample, -1 outside."""
+
+    v: Array
+    x: Array
+    at: NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """Data opened for a model; all arrays (n,), records end to end with a gap.
+
+    t: common time [s]; spans: name, and first and last time of each record; undone: values of the effects that were
+    undone in the motion, another one of which needs another sight; tiles: edges of the map and each sample's tile.
+    """
+
+    problem: Problem
+    preflight: Preflight
+    t: Array
+    spans: tuple[tuple[str, float, float], ...]
+    undone: tuple[tuple[str, float], ...]
+    tiles: Tiles
+
+    @property
+    def force(self) -> Array:
+        """Measured force (n,) [N]."""
+        return self.problem.force
+
+    def fits(self, model: Model) -> bool:
+        """Whether this model may be predicted along it."""
+        return self.undone == _undone(model)
+
+    def predicted(self, model: Model) -> Array:
+        """Force of the model (n,) [N]."""
+        return self.problem.predict(on_fused(model))
+
+    def errors(self, residual: Array) -> Errors:
+        """Root mean square of what is left, learnt from and held out [N]."""
+        p = self.problem
+        both = [errors(p, residual, mask).rmse for mask in (p.train, p.held_out)]
+        return Errors(*(e if np.isfinite(e) else None for e in both))
+
+
+def look(data: Dataset, model: Model, *, work: Work = HERE) -> Sight:
+    """Open data for a model; nothing is searched, so long data are taken whole.
+
+    Raises:
+        InputError: Data that are too short.
+        MissingChannel: No force, or no motion.
+    """
+    found, records = admitted(data.records, model, model.catalogue, anyway=True)
+    problem = opened(DamperLevel().usable(data.with_records(records)), model, work=work).problem
+    m, t, spans = problem.motion, np.empty(problem.motion.n), []
+    gap, start = max(0.5, 0.01 * m.n * m.dt), 0.0
+    for name, (i, j) in zip(problem.names, pairwise(m.starts.tolist()), strict=True):
+        t[i:j] = start + np.arange(j - i) * m.dt
+        spans.append((name, start, float(t[j - 1])))
+        start = float(t[j - 1]) + gap
+    return Sight(problem, found, t, tuple(spans), _undone(model), _tiles(problem))
+
+
+def _undone(model: Model) -> tuple[tuple[str, float], ...]:
+    return tuple(
+        (f"{name}.{p}", float(v))
+        for name in KINEMATIC
+        for p, v in model.effects.get(name, {}).items()
+    )
+
+
+def _tiles(problem: Problem) -> Tiles:
+    m = problem.motion
+    v, x, _ = rms_map(m.v, m.x, np.zeros(m.n), TILES)
+    i, j = np.searchsorted(v, m.v, "right") - 1, np.searchsorted(x, m.x, "right") - 1
+    inside = (i >= 0) & (i < TILES[0]) & (j >= 0) & (j < TILES[1])
+    return Tiles(v, x, np.where(inside, j * TILES[0] + i, -1))
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Samples that every view shows: seconds of the common time, ranges of velocity and deflection [SI]; None: all."""
+
+    seconds: tuple[float, float] | None = None
+    velocity: tuple[float, float] | None = None
+    deflection: tuple[float, float] | None = None
+
+    def mask(self, sight: Sight) -> Mask:
+        """Which samples (n,) are selected."""
+        m, out = sight.problem.motion, np.ones(sight.t.size, bool)
+        for span, y in ((self.seconds, sight.t), (self.velocity, m.v), (self.deflection, m.x)):
+            if span is not None:
+                out &= (y >= span[0]) & (y <= span[1])
+        return out
+
+    @property
+    def empty(self) -> bool:
+        """Whether nothing is selected, which means all."""
+        return self == Selection()
+
+
+def curve(
+    sight: Sight, y: Array, span: tuple[float, float] | None = None, most: int = ON_SCREEN
+) -> Curve:
+    """Time [s] and values of y (n,) as a screen needs them in a span of time: peaks stay, records are apart."""
+    i, j = (0, y.size) if span is None else _rows(sight.t, span)
+    rows = i + min_max(y[i:j], most)
+    t, values = sight.t[rows], y[rows]
+    breaks = np.searchsorted(rows, sight.problem.motion.starts[1:-1])
+    breaks = breaks[(breaks > 0) & (breaks < rows.size)]
+    return np.insert(t, breaks, t[breaks]), np.insert(values, breaks, np.nan)
+
+
+def _rows(t: Array, span: tuple[float, float]) -> tuple[int, int]:
+    """Rows of a span, with one sample beyond either end."""
+    i, j = np.searchsorted(t, span)
+    return max(int(i) - 1, 0), min(int(j) + 1, t.size)
+
+
+def tile_map(sight: Sight, residual: Array, mask: Mask | None = None, fewest: int = 5) -> Array:
+    """Rms of what is left [N] per tile (deflection, velocity); nan where there are few samples."""
+    tiles, keep = sight.tiles, sight.problem.used & (sight.tiles.at >= 0) & np.isfinite(residual)
+    keep = keep if mask is None else keep & mask
+    size = TILES[0] * TILES[1]
+    count = np.bincount(tiles.at[keep], minlength=size)
+    total = np.bincount(tiles.at[keep], residual[keep] ** 2, minlength=size)
+    z = np.where(count >= fewest, np.sqrt(total / np.maximum(count, 1)), np.nan)
+    return z.reshape(TILES[1], TILES[0])
+
+
+def loops(
+    sight: Sight, forces: Sequence[Array], mask: Mask, most: int = ON_SCREEN
+) -> tuple[Array, list[Array]]:
+    """Velocity [m/s] and forces [N] of the selected samples, broken where they are not neighbours."""
+    chosen = np.flatnonzero(mask)
+    rows = chosen[every(chosen.size, most)] if chosen.size else chosen
+    step = max(1, -(-chosen.size // most))
+    breaks = np.flatnonzero(np.diff(rows) > 2 * step) + 1 if step == 1 else np.zeros(0, int)
+    v = np.insert(sight.problem.motion.v[rows], breaks, np.nan)
+    return v, [np.insert(f[rows], breaks, np.nan) for f in forces]
+
+
+def spectrum(sight: Sight, residual: Array, mask: Mask) -> Curve:
+    """Frequency [Hz] and amplitude density [N/sqrt(Hz)] of what is left where it is selected."""
+    y = np.where(mask & np.isfinite(residual), residual, 0.0)
+    share = float(np.mean(mask))
+    n = min(SEGMENT, y.size)
+    f, power = welch(y, 1.0 / sight.problem.motion.dt, nperseg=n)
+    return np.asarray(f[1:]), np.sqrt(np.asarray(power[1:]) / max(share, 1e-9))
+
+
+@dataclass(frozen=True)
+class Worst:
+    """A place where much of the error is: words, its share of the squared error, and what selects it."""
+
+    says: str
+    share: float
+    selection: Selection
+
+
+def worst(sight: Sight, residual: Array, most: int = 6) -> list[Worst]:
+    """The windows of time and the tiles that carry most of the squared error, heaviest first."""
+    square = np.where(sight.problem.used & np.isfinite(residual), residual, 0.0) ** 2
+    whole = float(square.sum()) or 1.0
+    edges = np.unique(np.linspace(0, square.size, WINDOWS + 1).astype(int))
+    power = np.add.reduceat(square, edges[:-1])
+    found = []
+    for k in np.argsort(power)[::-1][: most // 2]:
+        a, b = float(sight.t[edges[k]]), float(sight.t[edges[k + 1] - 1])
+        found.append(Worst(f"{a:.1f} to {b:.1f} s", power[k] / whole, Selection(seconds=(a, b))))
+    inside = sight.tiles.at >= 0
+    power = np.bincount(sight.tiles.at[inside], square[inside], minlength=TILES[0] * TILES[1])
+    for k in np.argsort(power)[::-1][: most - most // 2]:
+        where = tile(sight, *divmod(int(k), TILES[0]))
+        (v, v_to), (x, x_to) = where.velocity or (0.0, 0.0), where.deflection or (0.0, 0.0)
+        says = f"{1e3 * v:.3g} to {1e3 * v_to:.3g} mm/s, {1e3 * x:.3g} to {1e3 * x_to:.3g} mm"
+        found.append(Worst(says, power[k] / whole, where))
+    return sorted((w for w in found if w.share > 0.0), key=lambda w: w.share, reverse=True)
+
+
+def tile(sight: Sight, row: int, column: int) -> Selection:
+    """What selects a tile of the map."""
+    v, x = sight.tiles.v, sight.tiles.x
+    row, column = min(max(row, 0), TILES[1] - 1), min(max(column, 0), TILES[0] - 1)
+    return Selection(
+        velocity=(float(v[column]), float(v[column + 1])),
+        deflection=(float(x[row]), float(x[row + 1])),
+    )
+
+
+def tile_at(sight: Sight, velocity: float, deflection: float) -> Selection:
+    """What selects the tile that holds a velocity [m/s] and a deflection [m]."""
+    v, x = sight.tiles.v, sight.tiles.x
+    return tile(
+        sight,
+        int(np.searchsorted(x, deflection, "right")) - 1,
+        int(np.searchsorted(v, velocity, "right")) - 1,
+    )

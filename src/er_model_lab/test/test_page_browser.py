@@ -1,0 +1,159 @@
+"""`lab open` as a program: its address, what it refuses, and a person's way through the page in a browser."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from http.client import HTTPConnection
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import er_model_lab as lab
+from test.sample import write_sample
+
+pytest.importorskip("nicegui", reason="the package nicegui is not installed")
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+BROWSER = next((path for name in BROWSERS if (path := shutil.which(name))), None)
+PATIENCE = 60_000.0
+"""The longest that anything on a page may take on a busy machine [ms]."""
+
+
+@contextmanager
+def opened(*words: str, cwd: Path) -> Iterator[str]:
+    """The address that `lab open` prints; ended by Ctrl-C, which must end it well."""
+    command = [sys.executable, "-m", "er_model_lab.cli.app", "open", "--no-browser", *words]
+    alone = {k: v for k, v in os.environ.items() if not k.startswith(("PYTEST", "NICEGUI"))}
+    with subprocess.Popen(
+        command, cwd=cwd, env=alone, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        try:
+            yield process.stdout.readline().strip()
+        finally:
+            process.send_signal(signal.SIGINT)
+            ended = process.wait(timeout=30)
+            said = process.stderr.read()
+        assert (ended, said) == (0, "")
+
+
+def status(port: int, path: str, **headers: str) -> int:
+    """Status of a request; _ in a header's name is a dash."""
+    connection = HTTPConnection("127.0.0.1", port, timeout=20)
+    connection.request("GET", path, headers={k.replace("_", "-"): v for k, v in headers.items()})
+    return connection.getresponse().status
+
+
+def test_only_the_address_that_is_printed_opens_the_page(tmp_path: Path) -> None:
+    with opened(cwd=tmp_path) as address:
+        place, token = address.removeprefix("http://127.0.0.1:").split("/?token=")
+        port = int(place)
+        cookie = f"er_lab_{port}={token}"
+        assert status(port, f"/?token={token}") == 303
+        assert status(port, "/", Cookie=cookie) == 200
+        assert status(port, "/") == status(port, f"/?token={token[:-1]}") == 403
+        assert status(port, "/_nicegui_ws/socket.io/?EIO=4&transport=polling") == 403
+        assert status(port, "/", Cookie=cookie, Origin="http://evil.example") == 403
+        assert status(port, "/", Cookie=cookie, Host="evil.example") == 421
+        assert status(port, "/", Cookie=cookie, Content_Length=str(2 << 30)) == 413
+        for path in (
+            "/../../etc/passwd",
+            "/_nicegui/../../etc/passwd",
+            "/%2e%2e/etc/passwd",
+            "/docs",
+            "/openapi.json",
+        ):
+            assert status(port, path, Cookie=cookie) == 404
+        busy = subprocess.run(
+            [sys.executable, "-m", "er_model_lab.cli.app", "open", "--port", place], capture_output=True, text=True,
+            check=False,
+        )  # fmt: skip
+        assert busy.returncode == 2
+        assert busy.stderr.startswith("--port: expected a port that is free")
+
+
+@pytest.fixture
+def page(tmp_path: Path) -> Iterator[Any]:
+    """A page in a browser, without errors and without a request to another host."""
+    if BROWSER is None:
+        pytest.skip("no Chromium or Chrome on this machine")
+    playwright = pytest.importorskip(
+        "playwright.sync_api", reason="the package playwright is not installed"
+    )
+    errors, hosts = list[str](), set[str]()
+    with (
+        opened("--model", "inove_guo", cwd=tmp_path) as address,
+        playwright.sync_playwright() as started,
+        started.chromium.launch(
+            executable_path=BROWSER, args=["--no-sandbox", "--disable-gpu"]
+        ) as browser,
+    ):
+        made = browser.new_page(viewport={"width": 1280, "height": 900}, accept_downloads=True)
+        made.set_default_timeout(PATIENCE)
+        made.on("console", lambda m: errors.append(m.text) if m.type == "error" else None)
+        made.on("pageerror", lambda e: errors.append(str(e)))
+        made.on(
+            "request",
+            lambda r: hosts.add(r.url.split("/")[2]) if r.url.startswith(("http", "ws")) else None,
+        )
+        made.goto(address)
+        yield made
+        assert errors == []
+        assert hosts == {address.split("/")[2]}
+
+
+def test_drop_look_drag_cancel_add_undo_and_take(page: Any, tmp_path: Path) -> None:
+    from playwright.sync_api import expect
+
+    expect.set_options(timeout=PATIENCE)
+    said = page.locator("header [role=status]")
+    own = tmp_path / "Messung.csv"
+    text = write_sample(own, seed=1, seconds=12.0).read_text(encoding="utf-8")
+    head = "Zeit [s],Weg [m],Geschwindigkeit [m/s],u,Kraft [N],a1,a2"
+    own.write_text("\n".join([head, *text.splitlines()[1:]]), encoding="utf-8")
+    page.set_input_files("input[type=file]", own)
+    page.get_by_role("button", name="Use").click()
+    expect(said).to_contain_text("held out")
+
+    page.get_by_role("tab", name="Play").click()
+    first = said.inner_text()
+    slider = page.locator('[data-parameter="passive.c0"] [tabindex="0"]')
+    slider.press("ArrowRight")
+    expect(said).not_to_have_text(first)
+    page.get_by_label("Undo").click()
+    expect(said).to_have_text(first)
+
+    page.get_by_role("tab", name="Learn").click()
+    page.get_by_role("button", name="Diagnose").click()
+    page.get_by_role("button", name="Cancel").click()
+    expect(page.get_by_role("button", name="Diagnose")).to_be_enabled()
+    page.get_by_label("Effect to add").fill("coulomb")
+    page.get_by_role("option", name="Coulomb friction").click()
+    page.get_by_role("button", name="Add", exact=True).click()
+    expect(page.locator("header")).to_contain_text("inove_guo_coulomb_friction")
+    page.get_by_label("Undo").click()
+    expect(said).to_have_text(first)
+    page.get_by_label("Redo").click()
+    expect(said).not_to_have_text(first)
+
+    page.get_by_role("tab", name="Take").click()
+    taken = {}
+    for name in ("Program", "Model", "Session"):
+        with page.expect_download() as download:
+            page.get_by_role("button", name=name, exact=True).click()
+        taken[name] = tmp_path / download.value.suggested_filename
+        download.value.save_as(taken[name])
+    shutil.unpack_archive(taken["Session"], tmp_path / "again")
+    assert (tmp_path / "again/data/Messung.csv").read_bytes() == own.read_bytes()
+    program = (tmp_path / "again/session.py").read_text(encoding="utf-8")
+    assert "lab.load('data/Messung.csv', names={'t': 'Zeit'" in program
+    assert "lab.add(data, model, 'coulomb_friction', seed=SEED" in program
+    assert "coulomb_friction" in lab.load_model(taken["Model"]).effects
+    assert "lab.add(data" in taken["Program"].read_text(encoding="utf-8")
