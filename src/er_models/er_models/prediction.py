@@ -117,8 +117,8 @@ def predict(
 
     model: a damper, or a car, of which the damper is taken; inputs: one or more records, each of which begins in
     equilibrium with its first sample but for states that begin at rest; or, where a measured force is told, where that
-    says. The integrator takes equal steps, at most `longest` [s]. Not finite where the motion is not, or where parameters
-    lie far outside their bounds.
+    says. The integrator takes equal steps, at most `longest` [s]. Not finite where the motion is not, or where
+    parameters lie far outside their bounds.
 
     Source: thesis (1.12) for the core, that of each effect for the rest (`effects()[name].source`).
     """

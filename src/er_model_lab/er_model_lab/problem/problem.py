@@ -107,7 +107,7 @@ class Problem:
         return np.concatenate(parts)
 
     def near(self, model: Model, predicted: Array) -> Problem:
-        """The problem for a search near a model that predicts this (n,) [N]: predictions cost less, exact at the model."""
+        """The problem near a model that predicts this (n,) [N]: predictions cost less, and are exact at the model."""
         return replace(self, forward=self.forward.near(self, model, predicted))
 
     @property
