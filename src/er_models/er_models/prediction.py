@@ -105,31 +105,35 @@ def join(parts: list[Motion]) -> Motion:
     )
 
 
-def substeps(dt: float) -> int:
-    """Integrator steps per sample."""
-    return max(1, int(np.ceil(dt / SUBSTEP - 1e-9)))
+def substeps(dt: float, longest: float = SUBSTEP) -> int:
+    """Integrator steps per sample, none longer than that [s]."""
+    return max(1, int(np.ceil(dt / longest - 1e-9)))
 
 
-def predict(model: Model, inputs: Motion, told: Told | None = None) -> Array:
+def predict(
+    model: Model, inputs: Motion, told: Told | None = None, *, longest: float = SUBSTEP
+) -> Array:
     """Damper force that the load cell shows along a motion (n,) [N].
 
     model: a damper, or a car, of which the damper is taken; inputs: one or more records, each of which begins in
     equilibrium with its first sample but for states that begin at rest; or, where a measured force is told, where that
-    says. The integrator takes equal steps of at most `SUBSTEP`. Not finite where the motion is not, or where parameters
-    lie far outside their bounds.
+    says. The integrator takes equal steps, at most `longest` [s]. Not finite where the motion is not, or where
+    parameters lie far outside their bounds.
 
     Source: thesis (1.12) for the core, that of each effect for the rest (`effects()[name].source`).
     """
-    return np.asarray(_predicted(model, model.compiled().p[None], inputs, told)[0][0])
+    return np.asarray(_predicted(model, model.compiled().p[None], inputs, told, longest)[0][0])
 
 
-def predict_many(model: Model, vectors: Array, inputs: Motion, told: Told | None = None) -> Array:
+def predict_many(
+    model: Model, vectors: Array, inputs: Motion, told: Told | None = None, *, longest: float = SUBSTEP
+) -> Array:  # fmt: skip
     """Forces (m, n) [N] of one model with m sets of parameters, as `predict` gives each, over all cores.
 
     vectors (m, n_parameters): of the whole catalogue, as `model.compiled().p` [SI]; `model.catalogue.column` says where
     a parameter stands.
     """
-    return _predicted(model, vectors, inputs, told)[0]
+    return _predicted(model, vectors, inputs, told, longest)[0]
 
 
 def beginnings(model: Model, inputs: Motion, told: Told) -> float:
@@ -141,24 +145,25 @@ def beginnings(model: Model, inputs: Motion, told: Told) -> float:
 
 
 def _predicted(
-    model: Model, vectors: Array, inputs: Motion, told: Told | None
+    model: Model, vectors: Array, inputs: Motion, told: Told | None, longest: float = SUBSTEP
 ) -> tuple[Array, Array]:
     """Forces (m, n) [N] and the beginnings that were told (m,)."""
     forces, spent = np.empty((vectors.shape[0], inputs.n)), np.zeros(vectors.shape[0])
-    rows = _rows(model, vectors, inputs, told)
+    n_sub = substeps(inputs.dt, longest)
+    rows = _rows(model, vectors, inputs, told, n_sub)
     over_cores(
         lambda i, j: rows(forces[i:j], spent[i:j], i, j),
         spent.size,
-        forces.size * substeps(inputs.dt),
+        forces.size * n_sub,
     )
     return forces, spent
 
 
 def _rows(
-    model: Model, vectors: Array, inputs: Motion, told: Told | None
+    model: Model, vectors: Array, inputs: Motion, told: Told | None, n_sub: int
 ) -> Callable[[Array, Array, int, int], None]:
     """What predicts rows i to j of the vectors into arrays of as many; it holds no lock of Python."""
-    c, made, n_sub = model.compiled(), kernel(model.catalogue), substeps(inputs.dt)
+    c, made = model.compiled(), kernel(model.catalogue)
     x, v, a, u, theta = map(plain, (inputs.x, inputs.v, inputs.a, inputs.u, inputs.theta))
     vectors, starts = plain(vectors), inputs.starts
     shared = (c.on, c.slots, c.links, c.at_rest)

@@ -117,6 +117,7 @@ def additions(
     for row, point in zip(vectors, points, strict=True):
         row[offset : offset + len(effect.names)] = [point[n] for n in effect.names]
     predicted = problem.force - base.fit.residual
+    problem = problem.near(model, predicted)
     most = BEYOND * float(np.abs(problem.force).max())
     added = np.nan_to_num(problem.predict_many(grown, vectors) - predicted)
     return np.asarray(np.clip(added, -most, most).T)

@@ -40,7 +40,10 @@ one that is kept beside others: they may stand for what the form of a rightly na
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Result of a diagnosis; `rounds` holds every step of the search, fewer where it was interrupted."""
+    """Result of a diagnosis; `rounds` holds every step of the search, fewer where it was interrupted.
+
+    further: what was tried beside the best model and not taken, where that was tried.
+    """
 
     verdict: Verdict
     effects: tuple[str, ...]
@@ -56,6 +59,7 @@ class Diagnosis:
     reasons: tuple[str, ...]
     evidence: Evidence
     interrupted: bool = False
+    further: Round | None = None
 
     @property
     def model(self) -> Model:
@@ -64,19 +68,22 @@ class Diagnosis:
 
 
 def search_effects(
-    model: Model, problem: Problem, *, seed: int = 0, rule: Rule = RULE
+    model: Model, problem: Problem, *, seed: int = 0, rule: Rule = RULE, begun: Round | None = None
 ) -> Diagnosis:
     """Refit the model, then find which effects are missing and how sure that is.
+
+    begun: the `further` of a diagnosis of the same problem whose best model this is: what was tried is not tried again.
 
     Ctrl-C, or `cancel` of the problem's work, ends the search with the effects taken so far; before there is one it
     goes to the caller.
     """
-    base = baseline(model, problem)
-    rounds = [one_round(base, problem, seed, rule)]
-    best = rounds[0].taken or base
+    if begun is None:
+        begun = one_round(baseline(model, problem), problem, seed, rule)
+    base, rounds = begun.base, [begun]
+    best = begun.taken or base
     floor = _floor(problem, _leader(rounds[0]), rounds[0].null, seed)
     try:
-        best, floor, ties = _searched(best, rounds, floor, problem, seed, rule)
+        best, floor, ties, further = _searched(best, rounds, floor, problem, seed, rule)
     except STOPPED:
         problem.work.wind_up()
         taken = [step.taken for step in rounds if step.taken is not None]
@@ -85,7 +92,9 @@ def search_effects(
         ties = _alternatives(taken[-1], rounds)
         found = judge(base, taken[-1], rounds, floor, problem, ties, rule)
         return replace(found, interrupted=True)
-    return judge(base, best, rounds, floor, problem, ties, rule)
+    found = judge(base, best, rounds, floor, problem, ties, rule)
+    same = further is not None and further.base is found.best
+    return replace(found, further=further if same else None)
 
 
 def one_effect(model: Model, problem: Problem, effect: str | None, seed: int) -> Diagnosis:
@@ -103,15 +112,15 @@ def one_effect(model: Model, problem: Problem, effect: str | None, seed: int) ->
 
 def _searched(
     best: Candidate, rounds: list[Round], floor: Floor, problem: Problem, seed: int, rule: Rule
-) -> tuple[Candidate, Floor, tuple[tuple[str, ...], ...]]:  # fmt: skip
-    """Further effects beside the first, those still needed, and ties; `rounds` grows."""
-    best, floor = _grow(best, rounds, floor, problem, seed, rule)
+) -> tuple[Candidate, Floor, tuple[tuple[str, ...], ...], Round | None]:  # fmt: skip
+    """Further effects beside the first, those still needed, ties, and the round none was taken of; `rounds` grows."""
+    best, floor, further = _grow(best, rounds, floor, problem, seed, rule)
     if len(best.effects) > 1:
         best = _standing(prune(best, problem, BEYOND_DOUBT * rounds[0].threshold), rounds[0])
     ties = _alternatives(best, rounds)
     if len(best.effects) > 1:
         best, ties = swapped(best, rounds, problem)
-    return best, floor, (*ties, *clock_ties(best, rounds, ties, problem))
+    return best, floor, (*ties, *clock_ties(best, rounds, ties, problem)), further
 
 
 def _standing(best: Candidate, first: Round) -> Candidate:
@@ -153,9 +162,12 @@ def _leader(step: Round) -> Candidate:
 
 def _grow(
     best: Candidate, rounds: list[Round], floor: Floor, problem: Problem, seed: int, rule: Rule
-) -> tuple[Candidate, Floor]:  # fmt: skip
-    """Add further effects while each explains most of what is left; `rounds` grows, also where it is interrupted."""
-    first = rounds[0]
+) -> tuple[Candidate, Floor, Round | None]:  # fmt: skip
+    """Add further effects while each explains most of what is left; `rounds` grows, also where it is interrupted.
+
+    The last round is given beside where nothing was taken of it.
+    """
+    first, further = rounds[0], None
     while best.effects and len(best.effects) < MOST_EFFECTS:
         left = best.mse - floor.floor**2
         nothing = left < VISIBLE * best.mse and floor.explained <= VISIBLE
@@ -165,9 +177,8 @@ def _grow(
         leader = _leader(step)
         deeper = _floor(problem, leader, step.null, seed)
         floor = deeper if deeper.floor < floor.floor else floor
-        if step.taken is None:
-            break
-        if not worth(step, floor):
+        if step.taken is None or not worth(step, floor):
+            further = step
             break
         rounds.append(step)
         best = step.taken
@@ -182,7 +193,7 @@ def _grow(
         pair = try_pairs(first, problem, target)
         if pair is not None:
             best = pair
-    return best, floor
+    return best, floor, further
 
 
 def worth(step: Round, floor: Floor) -> bool:

@@ -60,6 +60,14 @@ class Round:
     ties: list[str]
 
 
+def afresh(step: Round) -> Round:
+    """A round as the first of a search that begins with its model: of effects only the one that it tried is named."""
+    many = len(step.base.effects)
+    tried = [replace(c, effects=c.effects[many:]) for c in step.candidates]
+    taken = next((n for c, n in zip(step.candidates, tried, strict=True) if c is step.taken), None)
+    return replace(step, base=replace(step.base, effects=()), candidates=tried, taken=taken)
+
+
 def threshold(null: Null, floor: float, rule: Rule = RULE) -> float:
     """Smallest effect size that counts [N]."""
     return max(null.threshold(rule.false_alarm), rule.smallest * floor)

@@ -24,12 +24,11 @@ def profiled(fitted: Fit, name: str, problem: Problem) -> Fit:
     """
     q, train, best = fitted.model.catalogue[name].parameters[0].name, problem.train, fitted
     place = fitted.free.index((name, q))
+    near = problem.near(fitted.model, problem.force - fitted.residual)
     for closer in range(SCANS):
         values = best.model.effects[name]
         sizes = values[q] * ABOUT ** (2.0**-closer)
-        grown, left = _left_over(
-            best.model, name, [{**values, q: float(s)} for s in sizes], problem
-        )
+        grown, left = _left_over(best.model, name, [{**values, q: float(s)} for s in sizes], near)
         left = left.T
         j = np.delete(best.jacobian[train], place, axis=1)
         left = np.nan_to_num(left) - j @ np.linalg.lstsq(j, np.nan_to_num(left), rcond=1e-10)[0]
@@ -48,9 +47,13 @@ def scanned(fitted: Fit, effect: Effect, problem: Problem) -> Fit:
     """
     (q,) = effect.parameters
     values = problem.scales.of(q.unit) * np.geomspace(min(q.starts), max(q.starts), SCANNED)
-    model, best = fitted.model, fitted
+    model, best, near = (
+        fitted.model,
+        fitted,
+        problem.near(fitted.model, problem.force - fitted.residual),
+    )
     for _ in range(SCANS):
-        grown, left = _left_over(model, effect.name, [{q.name: float(v)} for v in values], problem)
+        grown, left = _left_over(model, effect.name, [{q.name: float(v)} for v in values], near)
         cost = np.nan_to_num(np.mean(left**2, axis=1), nan=np.inf)
         tried = fit(grown[int(np.argmin(cost))], problem, max_iter=FIRST_ITERATIONS)
         if not tried.mse(problem.train) < (1.0 - WORTHWHILE) * best.mse(problem.train):

@@ -23,15 +23,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from er_models.effect import SWITCH
+from er_models.effect import SMOOTH, SWITCH
 from er_models.model import Array, Model
-from er_models.prediction import predict
 from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
 
 from er_model_lab.fitting.fit import Box, Fit, covariance
 from er_model_lab.problem.forward import colour_of
-from er_model_lab.problem.motion_error import drawn
 from er_model_lab.problem.problem import Problem
 
 SECANTS = (0.01, 0.03)
@@ -188,11 +186,9 @@ def estimate(fitted: Fit, problem: Problem, seed: int) -> Estimate:
         np.random.default_rng(seed),
         problem.train,
     )
-    seen, j = secants(box, fitted.theta, problem)
-    inner, moves = ~fitted.at_bound, []
-    for _ in range(DRAWS):
-        f = predict(fitted.model, drawn(problem, rng), problem.told)
-        moves.append(_step(j[train], (f - seen)[train], inner))
+    inner, (_, j) = ~fitted.at_bound, secants(box, fitted.theta, problem)
+    errors = problem.forward.input_errors(problem, fitted.model, rng, DRAWS)
+    moves = [_step(j[train], e[train], inner) for e in errors]
     bias, spread = np.mean(moves, axis=0), np.std(moves, axis=0, ddof=1)
     found = covariance(fitted, problem)
     most = MOST_BIAS * np.nan_to_num(np.sqrt(np.maximum(np.diag(found), 0.0)) / fitted.scale)
@@ -204,6 +200,8 @@ def estimate(fitted: Fit, problem: Problem, seed: int) -> Estimate:
 
 def estimated(fitted: Fit, problem: Problem, seed: int) -> Model:
     """The model with its estimates; a deviation is infinite where the data say nothing."""
+    if all(q.step <= SMOOTH for q in Box(fitted.model, fitted.free, problem.scales).parameters):
+        problem = problem.near(fitted.model, problem.force - fitted.residual)
     tried = sorted(
         (moved(polished(fitted, problem, share), problem, share) for share in SECANTS),
         key=lambda f: f.mse(problem.train),

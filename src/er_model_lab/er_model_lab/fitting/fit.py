@@ -1,12 +1,13 @@
 """Bounded least squares of model parameters on the damper force (Levenberg-Marquardt, all cores).
 
-The Jacobian comes from one batch of predictions. Blocks of the normal equations are kept, so that
-cross-validation costs one linear solve per block instead of a refit.
+The way is looked for in longer steps of the integrator, whose error where it begins is taken off. The usual steps say
+whether it has led elsewhere; then the fit goes on in them. The Jacobian comes from one batch of predictions. Blocks of the
+normal equations are kept, so that cross-validation costs one linear solve per block instead of a refit.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from er_models.model import Array, Model
@@ -24,6 +25,8 @@ DOUBTFUL = 1.1
 """Mean square without each block, over that of the fit, above which a straight line is not believed."""
 DAMPINGS = (0.1, 1.0, 10.0)
 """Multiples of the damping that are tried at once."""
+AWAY = 2e-3
+"""Share by which the mean square in longer steps may differ from the true one where a fit ends."""
 SHARES = np.array([0.0, 0.1, 0.3, 1.0])
 """Shares of a step that are tried where it is not."""
 
@@ -122,12 +125,69 @@ def fit(
     return found
 
 
+@dataclass(frozen=True)
+class _Leg:
+    """A way that fits go: where it ends (p,), what is predicted there (n,), derivatives, mean square [N2].
+
+    at (p,): where the derivatives were taken; exact: all of them there; about (p,): near which model, in longer steps;
+    (0,): in the usual ones; rounds: iterations.
+    """
+
+    theta: Array
+    f: Array
+    jacobian: Array
+    cost: float
+    at: Array
+    exact: bool
+    rounds: int
+    about: Array = field(default_factory=lambda: np.empty(0))
+
+
 def _fitted(
     box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, target: float, max_iter: int, tol: float
 ) -> tuple[Fit, Noted]:  # fmt: skip
     """A fit from scaled values theta (p,), where the prediction is f (n,), and what makes it again."""
+    near = problem.near(box.model_at(theta), f)
+    leg = _leg(box, theta, f, near, known, target, max_iter, tol)
+    if near.forward is not problem.forward:
+        leg = _ended(leg, box, theta, f, problem, known, target, max_iter, tol)
+    note = Noted(leg.theta.tolist(), leg.at.tolist(), leg.exact, leg.rounds, leg.about.tolist())
+    return _made(box, leg.theta, leg.f, leg.jacobian, leg.rounds, problem), note
+
+
+def _ended(
+    coarse: _Leg, box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, target: float,
+    max_iter: int, tol: float,
+) -> _Leg:  # fmt: skip
+    """A way from theta (p,) in longer steps, on to its end in the usual ones where these see another mean square."""
+    begun, found = theta, problem.predict(box.model_at(coarse.theta))
+    true, better = _cost(found, problem), _cost(found, problem) < _cost(f, problem)
+    if better:
+        theta, f, known = coarse.theta, found, coarse.jacobian
+    taken = replace(coarse, theta=theta, f=f, about=begun)
+    early = (better and coarse.rounds >= max_iter) or (coarse.cost > target and not coarse.exact)
+    if early or abs(true - coarse.cost) <= AWAY * true:
+        return taken
+    last = _leg(box, theta, f, problem, known, target, max_iter, tol)
+    if last.exact:
+        return last
+    return replace(taken, theta=last.theta, f=last.f, rounds=last.rounds)
+
+
+def _cost(f: Array, problem: Problem) -> float:
+    """Mean square [N2] that a prediction (n,) leaves of the training samples."""
+    return float(np.mean((problem.force - f)[problem.train] ** 2))
+
+
+def _leg(
+    box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, target: float, max_iter: int, tol: float
+) -> _Leg:  # fmt: skip
+    """The way from scaled values theta (p,), where the prediction is f (n,), to the least mean square.
+
+    Where known derivatives make no step, or one that is worth little, it ends.
+    """
     train, y = problem.train, problem.force
-    cost = float(np.mean((y - f)[train] ** 2))
+    cost = _cost(f, problem)
     damping, exact, at = 1e-3, known is None, theta
     jacobian = _jacobian(box, theta, f, problem, known)
     rounds = 0
@@ -154,8 +214,7 @@ def _fitted(
         if gain < tol or (cost > target and not exact):
             break
         jacobian, exact, at = _jacobian(box, theta, f, problem, None), True, theta
-    note = Noted(theta.tolist(), at.tolist(), exact, rounds)
-    return _made(box, theta, f, jacobian, rounds, problem), note
+    return _Leg(theta, f, jacobian, cost, at, exact, rounds)
 
 
 def _again(
@@ -163,13 +222,16 @@ def _again(
 ) -> Fit:
     """A fit that was made before from scaled values start (p,), where the prediction is f (n,)."""
 
-    def predicted(theta: Array) -> Array:
+    def predicted(theta: Array, near: Problem = problem) -> Array:
         if np.array_equal(theta, start):
             return f
-        return np.asarray(problem.predict_many(box.model, box.vectors(theta[None]))[0])
+        return np.asarray(near.predict_many(box.model, box.vectors(theta[None]))[0])
 
-    theta, at = np.array(note.theta), np.array(note.at)
-    jacobian = _jacobian(box, at, predicted(at), problem, None if note.exact else known)
+    theta, at, about = np.array(note.theta), np.array(note.at), np.array(note.about)
+    here = predicted(about) if about.size else f
+    near = problem.near(box.model_at(about), here) if about.size else problem
+    here = here if np.array_equal(at, about) else predicted(at, near)
+    jacobian = _jacobian(box, at, here, near, None if note.exact else known)
     return _made(box, theta, predicted(theta), jacobian, note.iterations, problem)
 
 
@@ -258,6 +320,7 @@ def _truly_left_out(fitted: Fit, problem: Problem, steps: Array) -> Array:
     """Residual (n,) predicted by the model itself without each block."""
     box = Box(fitted.model, fitted.free, problem.scales, problem.forward.limits)
     r, train = fitted.residual.copy(), problem.train
+    problem = problem.near(fitted.model, problem.force - r)
     for b in range(steps.shape[0]):
         rows = problem.fold == b
         points = fitted.theta + np.multiply.outer(SHARES, steps[b])

@@ -23,6 +23,7 @@ from er_model_lab.diagnosis.investigation import Diagnosis, one_effect, search_e
 from er_model_lab.diagnosis.noise_floor import noise_floor
 from er_model_lab.diagnosis.null import simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule
+from er_model_lab.diagnosis.search import afresh
 from er_model_lab.diagnosis.verdict import decide
 from er_model_lab.fitting.data_reach import beyond
 from er_model_lab.fitting.envelope import with_unfelt
@@ -104,7 +105,12 @@ class DamperLevel:
         found, rule = self.given(asked), asked.rule
         found = _looked_again(replace(found, problem=replace(found.problem, noted=noted)))
         before = _as_measured(found) if found.lag else None
-        seen = search_effects(found.searched, found.problem, seed=asked.seed, rule=rule)
+        last, begun = asked.last, None
+        if last is not None and last.diagnosis.further and _alike(last.problem, found.problem):
+            begun = afresh(last.diagnosis.further)
+        seen = search_effects(
+            found.searched, found.problem, seed=asked.seed, rule=rule, begun=begun
+        )
         seen = _restored(seen, asked.model)
         if found.lag and before:
             seen = _with_lag(seen, before, found.lag, rule)
@@ -140,6 +146,12 @@ class DamperLevel:
     def particulars(self, study: Study) -> Mapping[str, Any]:
         """On what the fused motion rests."""
         return {"fusion": fusion_json(study.data.originals, study.problem)}
+
+
+def _alike(one: Problem, other: Problem) -> bool:
+    """Whether two problems hold the same samples along the same motion, and learn from the same of them."""
+    pairs = ((one.force, other.force), (one.fold, other.fold), (one.motion.v, other.motion.v))
+    return all(np.array_equal(a, b) for a, b in pairs)
 
 
 def opened(data: Dataset, model: Model, *, any_lag: bool = False, work: Work = HERE) -> Opened:

@@ -36,7 +36,7 @@ class Question:
     """What is asked.
 
     data: what is searched; preflight: what was found wrong with them, and what they cover; seed: of everything random;
-    rule: when an effect is worth a name; work: how it is done.
+    rule: when an effect is worth a name; work: how it is done; last: the study that made the model.
     """
 
     data: Dataset
@@ -46,6 +46,7 @@ class Question:
     seed: int = 0
     rule: Rule = RULE
     work: Work = HERE
+    last: Study | None = None
 
 
 class Level(Protocol):

@@ -67,11 +67,13 @@ def missed(y: Array, width: int) -> Array:
 def usual(e: Array) -> Array:
     """Robust standard deviation of deviations (n,) in their part of the record, no less than in all of it (n,)."""
     size = np.abs(e)
-    parts = max(e.size // BLOCK, 1)
-    here = np.array([np.median(part) for part in np.array_split(size, parts)])
+    length, longer = divmod(e.size, max(e.size // BLOCK, 1))
+    ends = longer * (length + 1)  # as `array_split` parts them: the first ones are longer by one
+    parts = size[:ends].reshape(longer, length + 1), size[ends:].reshape(-1, length)
+    here = np.concatenate([np.median(each, axis=1) for each in parts if each.size])
     about = np.pad(here, 1, mode="edge")
     here = np.maximum(np.maximum(about[:-2], about[2:]), np.maximum(here, np.median(size)))
-    lengths = [part.size for part in np.array_split(size, parts)]
+    lengths = np.repeat([p.shape[1] for p in parts], [p.shape[0] for p in parts])
     return np.asarray(NORMAL * np.repeat(here, lengths))
 
 

@@ -22,12 +22,16 @@ LENGTH = 16
 
 @dataclass(frozen=True)
 class Noted:
-    """A fit: scaled values, those at which the derivatives were taken, whether none was taken over, iterations."""
+    """A fit: scaled values, those at which the derivatives were taken, whether none was taken over, iterations.
+
+    about: scaled values near which they were, in longer steps; empty: in the usual ones.
+    """
 
     theta: list[float]
     at: list[float]
     exact: bool
     iterations: int
+    about: list[float]
 
 
 Notes = dict[str, Noted]

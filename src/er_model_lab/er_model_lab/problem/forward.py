@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
-from er_models.prediction import Motion, beginnings, predict, predict_many
+from er_models.prediction import SUBSTEP, Motion, beginnings, predict, predict_many, substeps
 from er_models.scales import Scales
 from numpy.typing import NDArray
 from scipy.signal import lfilter
@@ -19,6 +19,8 @@ from er_model_lab.problem.motion_error import Sensed, drawn
 
 Free = tuple[tuple[str, str], ...]
 Limits = Mapping[tuple[str, str], tuple[float, float]]
+COARSE = 2.5e-3
+"""Steps of the integrator with which a fit looks for its way [s]; where it ends is predicted in the usual ones."""
 Past = tuple[Motion, NDArray[np.intp]]
 """Motion of whole records, and which rows of it data are."""
 
@@ -63,6 +65,9 @@ class Forward(Protocol):
     def predict(self, data: Sensed, model: Model) -> Array:
         """Rows (n,) of a model."""
 
+    def near(self, data: Sensed, model: Model, rows: Array) -> Forward:
+        """What predicts rows for less near a model that predicts these (n,): exact there; itself where nothing does."""
+
     def beginnings(self, data: Sensed, model: Model) -> float:
         """How many numbers the data have told of where the states of a model begin, beside its parameters."""
 
@@ -87,21 +92,41 @@ class Forward(Protocol):
         """Noise (m, n) of the outputs as it may have been."""
 
 
+@dataclass(frozen=True)
 class DamperForward:
-    """The force of the damper, from its measured motion; its states begin where the measured force says."""
+    """The force of the damper, from its measured motion; its states begin where the measured force says.
 
-    outputs = 1
-    channels = (Output("damper_force", 1.0),)
-    limits: Limits = MappingProxyType({})
-    worth = np.inf
+    longest: step of the integrator [s]; beside: what such steps leave out (n,) [N].
+    """
+
+    longest: float = field(default=SUBSTEP, kw_only=True)
+    beside: Array | None = field(default=None, kw_only=True, compare=False)
+
+    outputs: ClassVar = 1
+    channels: ClassVar = (Output("damper_force", 1.0),)
+    limits: ClassVar[Limits] = MappingProxyType({})
+    worth: ClassVar = np.inf
 
     def predict_many(self, data: Sensed, model: Model, vectors: Array) -> Array:
         """Forces (m, n) along the motion."""
-        return predict_many(model, vectors, data.motion, data.told)
+        return self._complete(
+            predict_many(model, vectors, data.motion, data.told, longest=self.longest)
+        )
 
     def predict(self, data: Sensed, model: Model) -> Array:
         """Force (n,) along the motion."""
-        return predict(model, data.motion, data.told)
+        return np.asarray(self.predict_many(data, model, model.compiled().p[None])[0])
+
+    def near(self, data: Sensed, model: Model, rows: Array) -> Forward:
+        """The same in longer steps, with their error at the model taken off."""
+        if substeps(data.motion.dt, COARSE) == substeps(data.motion.dt, self.longest):
+            return self
+        coarse = replace(self, longest=COARSE, beside=None)
+        return replace(coarse, beside=rows - coarse.predict(data, model))
+
+    def _complete(self, forces: Array) -> Array:
+        """Forces (m, n) with what their steps leave out."""
+        return forces if self.beside is None else forces + self.beside
 
     def beginnings(self, data: Sensed, model: Model) -> float:
         """Of all states and records."""
@@ -129,8 +154,10 @@ class DamperForward:
 
     def input_errors(self, data: Sensed, model: Model, rng: np.random.Generator, m: int) -> Array:
         """Forces along motions that the sensors may have meant, less that along the fused one."""
-        seen = predict(model, data.motion, data.told)
-        return np.array([predict(model, drawn(data, rng), data.told) - seen for _ in range(m)])
+        coarse = max(self.longest, COARSE)
+        seen = predict(model, data.motion, data.told, longest=coarse)
+        drawings = (drawn(data, rng) for _ in range(m))
+        return np.array([predict(model, d, data.told, longest=coarse) - seen for d in drawings])
 
     def output_errors(
         self, residual: Array, size: float, colour: float, rng: np.random.Generator, m: int

@@ -106,6 +106,10 @@ class Problem:
             parts.append(self.forward.predict_many(self, model, vectors[k : k + rows]))
         return np.concatenate(parts)
 
+    def near(self, model: Model, predicted: Array) -> Problem:
+        """The problem near a model that predicts this (n,) [N]: predictions cost less, and are exact at the model."""
+        return replace(self, forward=self.forward.near(self, model, predicted))
+
     @property
     def parts(self) -> tuple[Problem, ...]:
         """One problem for each output, rows `c::outputs` of this one."""
@@ -212,7 +216,7 @@ class Problem:
         """Mask of all scored samples."""
         return self.train | self.held_out
 
-    @property
+    @cached_property
     def scales(self) -> Scales:
         """Envelope of the data: robust peaks of force, deflection, velocity and duty."""
         m, known = self.motion, self.forward.scales()

@@ -69,9 +69,11 @@ class LongForward(DamperForward):
         out = np.empty((vectors.shape[0], self.whole.rows.size))
         for k in range(0, vectors.shape[0], AT_ONCE):
             some = vectors[k : k + AT_ONCE]
-            forces = predict_many(model, some, self.whole.motion, self.whole.told)
+            forces = predict_many(
+                model, some, self.whole.motion, self.whole.told, longest=self.longest
+            )
             out[k : k + AT_ONCE] = forces[:, self.whole.rows]
-        return out
+        return self._complete(out)
 
     def beginnings(self, data: Sensed, model: Model) -> float:
         """Of all states, of the stretches or of whole records."""
@@ -83,10 +85,6 @@ class LongForward(DamperForward):
         """The motion of all records, and where the stretches are."""
         del data
         return self.whole.motion, self.whole.rows
-
-    def predict(self, data: Sensed, model: Model) -> Array:
-        """Force (n,) along the stretches."""
-        return np.asarray(self.predict_many(data, model, model.compiled().p[None])[0])
 
 
 def remembers(model: Model) -> bool:

@@ -130,7 +130,8 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
     for n in range(MOST_PASSES):
         left = current if studies else begun(current, asked.data, start)
         work = _keeping(asked.work, left, start, keep)
-        now = replace(asked, model=current, seed=asked.seed + 1000 * n, work=work)
+        last = studies[-1] if studies else None
+        now = replace(asked, model=current, seed=asked.seed + 1000 * n, work=work, last=last)
         try:
             study = investigate(now, start.noted)
             best = asked.level.finished(study, asked.seed)
