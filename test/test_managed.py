@@ -290,10 +290,12 @@ def test_command_lines_of_composed_nodes_are_those_of_the_processes() -> None:
     apart = nodes(parse(["namespace:=fl", "seed:=3"]), CONFIG)
     (together,) = nodes(parse(["namespace:=fl", "seed:=3", "composed:=true"]), CONFIG)
     assert together.executable == "composed"
-    assert [group[1:] for group in split(together.arguments())] == [s.arguments() for s in apart]
-    assert [part(g).executable.card.program.name for g in split(together.arguments())] == [
-        s.executable for s in apart
-    ]
+    assert [each.place() for each in apart] == [together.place()] * len(apart)
+    groups, common = split([*together.arguments(), *together.place()])
+    assert common == together.place() == ["--ros-args", "-r", "__ns:=/fl"]
+    assert [group[1:] for group in groups] == [[*s.arguments(), *s.place()] for s in apart]
+    assert [part(g).executable.card.program.name for g in groups] == [s.executable for s in apart]
+    assert split(["a/b", "--ros-args", "--"]) == ([["a/b", "--ros-args"]], [])
 
 
 @pytest.mark.parametrize("group", [["er_plant_sim/plnt"], ["plant"], ["er_plant_sim/plant", "x"]])

@@ -6,6 +6,7 @@ import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from typing import Any, TypeVar
 
 from er_common.parameter_table import REQUIRED, Spec, build, check, expectation, param, specs
@@ -19,7 +20,8 @@ from rcl_interfaces.msg import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from er_ros_common.parameter_files import dropped, origins
+from er_ros_common import log
+from er_ros_common.parameter_files import COMMAND_LINE, MISSPELT, dropped, origins, shared, unused
 
 __all__ = ["REQUIRED", "declare", "param"]
 
@@ -61,11 +63,24 @@ def declare(
     given |= dropped(argv, given, full_name)
     where = origins(argv, full_name)
     _no_overrides(given, where)
+    others = shared(argv, full_name) & _strangers(given, table)
+    for name in sorted(others):
+        if where[name] == COMMAND_LINE:
+            log.info(node, f"{COMMAND_LINE}: {name} is no parameter of this node, left to others")
+        del given[name]
+    for line in unused(argv, full_name):
+        log.info(node, line)
     current = build(table, given, where)
     for spec in specs(table):
         _declare_one(node, spec, getattr(current, spec.attribute))
     _guard(node, table, current, on_change)
     return current
+
+
+def _strangers(given: Mapping[str, object], table: type[Any]) -> set[str]:
+    """Names that are neither a parameter of the table nor nearly one."""
+    known = [spec.name for spec in specs(table)]
+    return {name for name in given if not get_close_matches(name, known, n=1, cutoff=MISSPELT)}
 
 
 def _overrides(node: Node) -> dict[str, Parameter]:
