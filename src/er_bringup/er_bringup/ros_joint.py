@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 from er_common.common_parameters import NodeParameters, oldest_sample, silence
-from er_common.parameter_table import param
+from er_common.parameter_table import param, tuning
 from er_common.stamps import SECOND, StampLimits, StampState, check_stamp
 from er_common.topics import Topic
 from er_models.constants import SAMPLE_RATE
@@ -55,7 +55,7 @@ class JointParameters(NodeParameters):
         choices=(MEASURED, *OBSERVERS),
         text="force that is reported as effort: the measured one (rig) or an observer's (car)",
     )
-    timeout: float = param(
+    timeout: float = tuning(
         0.05, unit="s", low=0.005, high=1.0,
         text="silence of the samples after which commands are refused; "
         "greatest age of a command that has a stamp, and of the force that joins a sample",

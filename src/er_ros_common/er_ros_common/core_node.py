@@ -36,7 +36,7 @@ class CoreNode(ManagedNode):
     def __init__(self, program: Program, argv: Sequence[str] | None = None) -> None:
         super().__init__(program.name, argv)
         self.shell = shell_of(program)
-        self.p = declare(self, self.shell.parameters)
+        self.p = declare(self, self.shell.parameters, self.changed)
 
     def configure(self) -> None:
         """Make the core and the ends of its topics."""
@@ -57,9 +57,21 @@ class CoreNode(ManagedNode):
             )
             for topic, limits in zip(self.core.inputs, self.core.limits, strict=True)
         }
-        self.watch_every(shell.period, self.on_watch, min(shell.patience, deaf_after(self.core.p)))
+        self._watch()
         for topic, message in self.core.notes():
             self.advertise(topic).publish(message)
+
+    def _watch(self) -> None:
+        """Look at the silence of the inputs, no sooner than there is something to say."""
+        patience = min(self.shell.patience, deaf_after(self.core.p))
+        self.watch_every(self.shell.period, self.on_watch, patience)
+
+    def tune(self, p: Any) -> None:
+        """Go on with another core from the next sample."""
+        self.core = self.core.tuned(p)
+        self._watch()
+        for topic, limits in zip(self.core.inputs, self.core.limits, strict=True):
+            self.incoming[topic.name].limits = limits
 
     def begin(self) -> None:
         """Know nothing yet."""

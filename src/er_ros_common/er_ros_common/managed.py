@@ -88,9 +88,18 @@ class ManagedNode(LifecycleNode):
     def close(self) -> None:
         """Give back what was configured: at the end, and before it is configured anew."""
 
+    def tune(self, p: Any) -> None:
+        """Go on with other dynamic parameters; raises `ErError` where they contradict, before anything is done."""
+
     def report(self) -> Report:
         """Health while active."""
         raise NotImplementedError
+
+    def changed(self, p: Any) -> None:
+        """Take parameters that were set; as `tune` where the node is configured."""
+        if self.configured:
+            self.tune(p)
+        self.p = p
 
     # tools of a node; each end is made once, however often the node is configured
 
@@ -212,18 +221,23 @@ class ManagedNode(LifecycleNode):
     def every(self, period: float, due: Callable[[], None]) -> Timer:
         """Timer [s] on the steady clock that does nothing while the node is not active."""
         call = self._in_turn(due)
-        return self._once(f"timer {due.__name__}", lambda: clock.wall_timer(self, period, call))
+        made: Timer = self._once(
+            f"timer {due.__name__}", lambda: clock.wall_timer(self, period, call)
+        )
+        made.timer_period_ns = round(1e9 * period)  # it may be of an earlier configuration
+        return made
 
     def watch_every(self, period: float, due: Callable[[], None], patience: float = 0.0) -> None:
         """The same for a look that needs no timer of its own: nodes of one process share one.
 
-        patience: how long after a message the look has nothing to say [s].
+        patience: how long after a message the look has nothing to say [s]; that of the last call counts.
         """
         local, call = self.local, self._in_turn(due)
         if local is None:
             self.every(period, due)
         else:
-            self._once(f"timer {due.__name__}", lambda: local.every(period, call, patience))
+            look = self._once(f"timer {due.__name__}", lambda: local.every(period, call))
+            local.wait(look, patience)
 
     def pass_on(self) -> None:
         """Let nodes of this process hear now what was published so far: queues are short, and this goes on for long."""
@@ -299,6 +313,7 @@ class ManagedNode(LifecycleNode):
     def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Transition of ROS; what an earlier configuration listened to and said is asked for no more, its ends stay."""
         self.incoming, self.watched = {}, {}
+        self.__dict__.pop("aged", None)  # as the parameters may have changed
         with realtime.suspended():
             done = self._tried(self.configure)
         self.configured = done == TransitionCallbackReturn.SUCCESS

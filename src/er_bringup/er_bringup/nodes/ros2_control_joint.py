@@ -27,7 +27,7 @@ class JointNode(ManagedNode):
 
     def __init__(self, argv: Sequence[str] | None = None) -> None:
         super().__init__(JOINT.name, argv)
-        self.p: JointParameters = declare(self, JointParameters)
+        self.p: JointParameters = declare(self, JointParameters, self.changed)
 
     def configure(self) -> None:
         """Make the ends."""
@@ -39,6 +39,10 @@ class JointNode(ManagedNode):
         self.watched[COMMANDS.name] = COMMANDS
         commanded = self.while_active(self.on_command)
         self.listen(COMMANDS.name, COMMANDS.type, commanded, COMMANDS.subscriber)
+
+    def tune(self, p: JointParameters) -> None:
+        """Go on with another patience."""
+        self.core = JointCore(p)
 
     def begin(self) -> None:
         """Know nothing yet."""

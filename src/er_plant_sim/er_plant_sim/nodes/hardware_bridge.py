@@ -10,6 +10,7 @@ import signal
 import sys
 import threading
 from collections.abc import Sequence
+from dataclasses import replace
 from time import monotonic_ns, perf_counter
 
 from er_common.stamps import SECOND, StampLimits
@@ -33,6 +34,7 @@ from er_plant_sim.nodes.roll_call import Gathering
 from er_plant_sim.nodes.system_time import SystemTime
 from er_plant_sim.nodes.wire import Wire
 from er_plant_sim.programs import BRIDGE
+from er_plant_sim.rig_parameters import tuned
 from er_plant_sim.ros_commands import Commands
 from er_ros_common import log
 
@@ -46,7 +48,7 @@ class BridgeNode(ManagedNode):
 
     def __init__(self, argv: Sequence[str] | None = None) -> None:
         super().__init__(BRIDGE.name, argv)
-        self.p: BridgeParameters = declare(self, BridgeParameters)
+        self.p: BridgeParameters = declare(self, BridgeParameters, self.changed)
         self.lock = threading.Lock()
 
     def configure(self) -> None:
@@ -66,6 +68,15 @@ class BridgeNode(ManagedNode):
         self.health.meter.deadline = 1e-9 * self.bridge.period
         self.watch_every(WATCH_PERIOD, self.on_watch)
         self.every(1.0, self.on_second)
+
+    def tune(self, p: BridgeParameters) -> None:
+        """Go on with other limits of the duty and another patience; the wire's thread sees both at once."""
+        changed = tuned(p, self.bridge.gate)
+        with self.lock:
+            self.bridge = replace(self.bridge, gate=changed, silence=p.silence)
+        self.limits = StampLimits(stale=p.command_timeout)
+        for each in self.incoming.values():
+            each.limits = self.limits
 
     def stamp_limits(self) -> StampLimits:
         """A command is good for as long as it is held."""
