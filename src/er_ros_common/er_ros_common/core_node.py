@@ -57,19 +57,14 @@ class CoreNode(ManagedNode):
             )
             for topic, limits in zip(self.core.inputs, self.core.limits, strict=True)
         }
-        self._watch()
+        _watch(self)
         for topic, message in self.core.notes():
             self.advertise(topic).publish(message)
-
-    def _watch(self) -> None:
-        """Look at the silence of the inputs, no sooner than there is something to say."""
-        patience = min(self.shell.patience, deaf_after(self.core.p))
-        self.watch_every(self.shell.period, self.on_watch, patience)
 
     def tune(self, p: Any) -> None:
         """Go on with another core from the next sample."""
         self.core = self.core.tuned(p)
-        self._watch()
+        _watch(self)
         for topic, limits in zip(self.core.inputs, self.core.limits, strict=True):
             self.incoming[topic.name].limits = limits
 
@@ -122,6 +117,12 @@ class CoreNode(ManagedNode):
         if connected(inputs, outputs):
             return "ready", "no sample yet"
         return "waiting", "not connected yet"
+
+
+def _watch(node: CoreNode) -> None:
+    """Look at the silence of the inputs, no sooner than there is something to say."""
+    patience = min(node.shell.patience, deaf_after(node.core.p))
+    node.watch_every(node.shell.period, node.on_watch, patience)
 
 
 def node_of(program: Program) -> Executable:
