@@ -25,7 +25,7 @@ from rclpy.parameter import Parameter
 
 from er_common import topics
 from er_ros_common import builders
-from test.graph_help import CONFIG, GAINS, VEHICLE, own_domain, plant_arguments, skyhook_arguments
+from test.graph_help import CONFIG, GAINS, VEHICLE, own_domain, plant_arguments
 
 MORE = {
     FTC: ["-p", f"model_file:={VEHICLE}", "-p", f"gains_file:={CONFIG / 'gains/lpv_ftc.yaml'}"],

@@ -40,6 +40,7 @@ class RigParameters(NodeParameters):
     seed: int = param(
         -1, low=-1, high=OF_A_PLANT, text="seed of everything random; -1: the program's"
     )
+    frame_id: str = param("damper", text="header.frame_id of what is measured")
     rate: float = param(SAMPLE_RATE, unit="Hz", low=10.0, high=2000.0, text="samples per second")
     duty_source: str = param(
         "topic", choices=("program", "topic"), text="where the duty comes from"

@@ -18,9 +18,7 @@ from er_common.quality import Quality
 from er_common.stamps import StampLimits
 from er_common.topics import Topic
 from er_models.errors import ErError
-from lifecycle_msgs.srv import ChangeState
-from rclpy._rclpy_pybind11 import RCLError
-from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
@@ -35,14 +33,21 @@ from er_ros_common.health import Health, Report
 from er_ros_common.inputs import Input
 from er_ros_common.intra_process import IntraProcess, LocalPublisher, passable
 from er_ros_common.makers import reader
+from er_ros_common.private import SteadyLifecycleNode
 
 NOT_READY = ("waiting", "unconfigured", "inactive")
 """Modes of a node that does not act yet."""
+WAITS = {
+    "unconfigured": "waits for a manager (ros2 lifecycle set NODE configure)",
+    "inactive": "waits for a manager (ros2 lifecycle set NODE activate)",
+    "finalized": "it was shut down for good: start it anew",
+}
+"""Why a node does not act, by the state it is in."""
 GRAPH_PERIOD = 1.0
 """How often a node looks at the graph around it [s]."""
 
 
-class ManagedNode(LifecycleNode):
+class ManagedNode(SteadyLifecycleNode):
     """Lifecycle, health and ends of topics; subclasses fill the hooks below.
 
     p: its parameters, declared by the subclass in its constructor, a `NodeParameters`. active: whether it acts;
@@ -280,10 +285,12 @@ class ManagedNode(LifecycleNode):
     def _said(self) -> Report:
         if self.active:
             return self.report()
-        label = str(self._state_machine.current_state[1])
-        reason = str(self.failure) if self.failure else "autostart is false: a manager starts it"
-        status = NodeStatus.STATUS_FAULT if self.failure else NodeStatus.STATUS_INITIALIZING
-        return Report(label, status, reason, valid=False)
+        label = self.state_label
+        reason = str(self.failure or WAITS.get(label, label))
+        status = NodeStatus.STATUS_LOST if label == "finalized" else NodeStatus.STATUS_INITIALIZING
+        return Report(
+            label, NodeStatus.STATUS_FAULT if self.failure else status, reason, valid=False
+        )
 
     @property
     def common(self) -> NodeParameters:
@@ -360,13 +367,3 @@ class ManagedNode(LifecycleNode):
         if self.failure and self._managed:
             log.warning(self, str(self.failure))
         return done
-
-    def _LifecycleNodeMixin__on_change_state(
-        self, asked: ChangeState.Request, answer: ChangeState.Response
-    ) -> ChangeState.Response:
-        """Answer a manager; a transition that this state does not have ends rclpy's own node with a traceback."""
-        try:
-            return super()._LifecycleNodeMixin__on_change_state(asked, answer)  # type: ignore[misc]
-        except RCLError:
-            answer.success = False
-            return answer

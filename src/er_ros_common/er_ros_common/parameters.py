@@ -26,6 +26,7 @@ from rclpy.parameter import Parameter
 
 from er_ros_common import log
 from er_ros_common.parameter_files import COMMAND_LINE, MISSPELT, dropped, origins, shared, unused
+from er_ros_common.private import overrides
 
 __all__ = ["REQUIRED", "declare", "param"]
 
@@ -85,12 +86,6 @@ def _strangers(given: Mapping[str, object], table: type[Any]) -> set[str]:
     """Names that are neither a parameter of the table nor nearly one."""
     known = [spec.name for spec in specs(table)]
     return {name for name in given if not get_close_matches(name, known, n=1, cutoff=MISSPELT)}
-
-
-def overrides(node: Node) -> dict[str, Parameter]:
-    """What the command line, files and the constructor give; rclpy has no public way to ask."""
-    found: dict[str, Parameter] = node._parameter_overrides
-    return found
 
 
 def _of_ros(name: str) -> bool:

@@ -58,7 +58,9 @@ class BridgeNode(ManagedNode):
         self.state = bridge.start(self.bridge, monotonic_ns())
         units = spoilable(programmed=self.bridge.duty is not None)
         self.port = FaultPort(self, units, enabled=p.enable_fault_injection, seed=0, rate=p.rate)
-        self.out = Outlet(self, self.port, force_sd=p.noise_force, clock_rate=0.0)
+        self.out = Outlet(
+            self, self.port, force_sd=p.noise_force, clock_rate=0.0, frame=p.frame_id
+        )
         self.gathering = Gathering(self, self.out, p.wait_for, p.wait_for_nodes, p.start_timeout)
         if self.bridge.duty is None:
             self.subscribe(topics.PWM_COMMAND, self.on_command)

@@ -21,7 +21,8 @@ from er_ros_common.clock import until_next
 from er_ros_common.fault_port import FaultPort
 from er_ros_common.health import Report
 from er_ros_common.managed import ManagedNode
-from er_ros_common.parameters import declare, overrides
+from er_ros_common.parameters import declare
+from er_ros_common.private import overrides
 from er_ros_common.spin import Executable, run
 
 from er_common import topics
@@ -80,7 +81,9 @@ class PlantNode(ManagedNode):
             seed=max(p.seed, 0),
             rate=p.rate * p.rate_factor or math.inf,
         )
-        self.out = Outlet(self, self.port, force_sd=p.noise_force, clock_rate=clock_rate)
+        self.out = Outlet(
+            self, self.port, force_sd=p.noise_force, clock_rate=clock_rate, frame=p.frame_id
+        )
         self.recording = Recording(self, p.recorder, p.recorded, p.rate, self.on_recorded)
         self.gathering = Gathering(
             self,
