@@ -180,9 +180,13 @@ def test_colcon_finds_the_tests_of_a_package(package: str) -> None:
     assert list(folder.glob("test/test_*.py"))
     assert "python3-pytest" in keys(package, "test_depend")
     if package in PURE:
-        assert any(each.startswith("pytest") for each in project(package)["optional-dependencies"]["test"])
+        assert any(
+            each.startswith("pytest") for each in project(package)["optional-dependencies"]["test"]
+        )
     else:
-        assert 'extras_require={"test": ["pytest"]}' in (folder / "setup.py").read_text(encoding="utf-8")
+        assert 'extras_require={"test": ["pytest"]}' in (folder / "setup.py").read_text(
+            encoding="utf-8"
+        )
 
 
 @pytest.mark.parametrize("package", OURS)

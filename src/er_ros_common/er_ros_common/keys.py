@@ -1,4 +1,4 @@
-"""Python modules that our packages import, and the keys that rosdep installs them by (rosdistro's rosdep/python.yaml)."""
+"""Python modules that our packages import, and rosdep's keys for them (rosdistro's rosdep/python.yaml)."""
 
 from __future__ import annotations
 
