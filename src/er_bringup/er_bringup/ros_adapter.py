@@ -1,6 +1,7 @@
 """Accelerometers of a vehicle as `sensors/acceleration`, on messages: no node, no clock.
 
-One sensor on the body above the strut and one on the wheel carrier, as `sensor_msgs/Imu` or `geometry_msgs/AccelStamped`.
+One sensor sits on the body above the strut, one on the wheel carrier; both speak `sensor_msgs/Imu` or
+`geometry_msgs/AccelStamped`.
 """
 
 from __future__ import annotations

@@ -66,7 +66,7 @@ class AdapterNode(ManagedNode):
         mode, status, reason = "running", NodeStatus.STATUS_OK, ""
         if not state.last.stamp:
             mode, status, reason = (
-                "ready",
+                "waiting",
                 NodeStatus.STATUS_INITIALIZING,
                 "no pair of samples yet",
             )
