@@ -246,9 +246,9 @@ def test_a_dead_sensor_counts_in_simulated_time_and_only_lockstep_waits_for_it(
 
 
 def test_the_namespace_reaches_every_node() -> None:
-    for spec in specs("namespace:=front_left").values():
-        at = spec.arguments().index("-r")
-        assert spec.arguments()[at + 1] == "__ns:=/front_left"
+    for pairs in (("composed:=false",), ("composed:=true", RECORD)):
+        for spec in specs("namespace:=front_left", *pairs).values():
+            assert [*spec.arguments(), *spec.place()][-2:] == ["-r", "__ns:=/front_left"]
 
 
 def test_a_real_rig_takes_the_place_of_the_plant() -> None:
@@ -283,10 +283,13 @@ def launch_module(monkeypatch: pytest.MonkeyPatch, given: dict[str, str]) -> typ
 
     parts = {
         "launch": ("LaunchDescription", "LaunchContext"),
-        "launch.actions": ("DeclareLaunchArgument", "OpaqueFunction", "Shutdown"),
+        "launch.actions": ("DeclareLaunchArgument", "OpaqueFunction", "EmitEvent"),
+        "launch.events": ("matches_action",),
+        "launch.events.process": ("ProcessExited", "ShutdownProcess"),
         "launch.substitutions": (),
         "launch_ros": (),
         "launch_ros.actions": ("Node",),
+        "launch_ros.utilities": (),
     }
     for name, classes in parts.items():
         module = types.ModuleType(name)
@@ -294,6 +297,11 @@ def launch_module(monkeypatch: pytest.MonkeyPatch, given: dict[str, str]) -> typ
             setattr(module, word, type(word, (_Recorded,), {}))
         monkeypatch.setitem(sys.modules, name, module)
     sys.modules["launch.substitutions"].LaunchConfiguration = Configuration  # type: ignore[attr-defined]
+
+    def joined(above: str | None, own: str) -> str:
+        return own if not above or own.startswith("/") else f"{above}/{own}"
+
+    sys.modules["launch_ros.utilities"].prefix_namespace = joined  # type: ignore[attr-defined]
     spec = importlib.util.spec_from_file_location("system_launch", LAUNCH)
     assert spec is not None
     assert spec.loader is not None
@@ -303,6 +311,16 @@ def launch_module(monkeypatch: pytest.MonkeyPatch, given: dict[str, str]) -> typ
         made, "get_package_share_directory", lambda _: str(ROOT / "src/er_bringup")
     )
     return made
+
+
+def launched(
+    monkeypatch: pytest.MonkeyPatch, pairs: tuple[str, ...], **above: object
+) -> dict[str, Any]:
+    """The launch file's nodes by label, with these arguments; above: what a parent has set."""
+    module = launch_module(monkeypatch, parse(pairs))
+    started = module.generate_launch_description().args[0][-1].kwargs["function"]
+    context = types.SimpleNamespace(launch_configurations=above, argv=[])
+    return {node.kwargs["exec_name"]: node for node in started(context)}
 
 
 RIG = ("hardware:=udp:rig:5005", "calibration:=device_emulator")
@@ -338,6 +356,11 @@ OTHER = {
     "storage": (RECORD, "storage:=sqlite3"),
     "composed": ("composed:=true",),
     "plant_params": (f"plant_params:={CONFIG / 'nodes/plant.yaml'}",),
+    "params_file": (f"params_file:={CONFIG / 'nodes/plant.yaml'}",),
+    "use_sim_time": ("use_sim_time:=true",),
+    "autostart": ("autostart:=false", RECORD),
+    "respawn": ("respawn:=true",),
+    "log_level": ("log_level:=debug", "composed:=true"),
 }
 """For each argument a use of it that is not its default."""
 
@@ -347,7 +370,7 @@ OTHER = {
     [
         ("/**:\n  ros__parameters:\n    rate: 1000.0\n", 1000.0),
         ("/car/plant:\n  ros__parameters:\n    rate: 100\n", 100.0),
-        ("/plant:\n  ros__parameters:\n    rate: 100.0\n", None),
+        ("/camera:\n  ros__parameters:\n    rate: 100.0\n", None),
         ("/**:\n  ros__parameters:\n    seed: 1\n", None),
     ],
 )
@@ -380,18 +403,50 @@ def test_every_argument_is_tried_in_launch() -> None:
 def test_launch_and_up_start_the_same_command_lines(
     monkeypatch: pytest.MonkeyPatch, pairs: tuple[str, ...]
 ) -> None:
-    given = parse(pairs)
-    module = launch_module(monkeypatch, given)
-    description = module.generate_launch_description()
-    (started,) = [a for a in description.args[0] if type(a).__name__ == "OpaqueFunction"]
-    launched = [
-        [node.kwargs["package"], node.kwargs["executable"], *node.kwargs["arguments"]]
-        for node in started.kwargs["function"](None)
+    found = [
+        [each["package"], each["executable"], *each["arguments"], *placed(each["namespace"])]
+        for each in (node.kwargs for node in launched(monkeypatch, pairs).values())
     ]
     monkeypatch.setattr(up, "executable", lambda spec: f"{spec.package} {spec.executable}")
     config = ROOT / "src/er_bringup/config"
-    upped = [up.argv(spec) for spec in nodes(given, config)]
-    assert launched == [[*first.split(), *rest] for first, *rest in upped]
+    upped = [up.argv(spec) for spec in nodes(parse(pairs), config)]
+    assert found == [[*first.split(), *rest] for first, *rest in upped]
+
+
+def placed(namespace: str) -> list[str]:
+    """What launch adds for the namespace of a node."""
+    return ["--ros-args", "-r", f"__ns:={namespace}"] if namespace != "/" else []
+
+
+def test_what_a_parent_sets_for_all_nodes_is_as_good_as_an_argument(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    above = {
+        "ros_namespace": "/car",
+        "ros_remaps": [
+            ("sensors/force", "/x/{corner}/force"),
+            ("tf", "/tf"),
+            ("pwm/command", "/no"),
+        ],
+        "global_params": ["file.yaml", ("use_sim_time", "True")],
+    }
+    own = ("corners:=a,b", "remap:=pwm/command=duty", RECORD, "namespace:=body")
+    found = launched(monkeypatch, own, **above)
+    assert found["a.plant"].kwargs["namespace"] == "/car/body/a"
+    words = found["b.plant"].kwargs["arguments"]
+    assert [w for w in words if w.startswith("sensors/force:")] == ["sensors/force:=/x/b/force"]
+    assert [w for w in words if w.startswith("pwm/command:")] == ["pwm/command:=duty"]
+    assert "mode:='sim_time'" in words
+    recorded = found["recorder"].kwargs["arguments"]
+    assert any("/x/a/force" in word for word in recorded)
+    assert found["recorder"].kwargs["namespace"] == "/car/body"
+
+
+def test_the_recorder_alone_is_not_started_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = launched(monkeypatch, ("respawn:=true", RECORD, "observers:=none"))
+    again = {name: node.kwargs["respawn"] for name, node in found.items()}
+    assert again == {"recorder": False, "skyhook_controller": True, "plant": True}
+    assert not any(node.kwargs["respawn"] for node in launched(monkeypatch, ()).values())
 
 
 def test_launch_declares_every_argument_with_its_default(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -405,20 +460,110 @@ def test_launch_declares_every_argument_with_its_default(monkeypatch: pytest.Mon
     assert all(a.kwargs["description"] for a in declared)
 
 
+def ends_with(found: dict[str, Any], label: str, status: int) -> list[str]:
+    """Whom the launch file ends after a node has ended with this status."""
+    name = {id(node): label for label, node in found.items()}
+    event = types.SimpleNamespace(returncode=status)
+    events = found[label].kwargs["on_exit"](event, None)
+    matchers = [each.kwargs["event"].kwargs["process_matcher"] for each in events or ()]
+    return [name[id(matcher.args[0])] for matcher in matchers]
+
+
 @pytest.mark.parametrize(
     ("pairs", "source"),
-    [
-        ((), "plant"),
-        (("hardware:=udp:rig:5005", "calibration:=device_emulator"), "hardware_bridge"),
-    ],
+    [((), "plant"), (RIG, "hardware_bridge"), (("composed:=true",), "composed")],
 )
-def test_only_the_end_of_what_measures_ends_the_launch(
+def test_only_the_good_end_of_what_measures_ends_the_launch(
     monkeypatch: pytest.MonkeyPatch, pairs: tuple[str, ...], source: str
 ) -> None:
-    module = launch_module(monkeypatch, parse(pairs))
-    started = module.generate_launch_description().args[0][-1].kwargs["function"](None)
-    ends = {node.kwargs["executable"]: node.kwargs["on_exit"] for node in started}
-    assert [name for name, action in ends.items() if action] == [source]
+    found = launched(monkeypatch, (*pairs, RECORD))
+    others = sorted({*found} - {source, "recorder"})
+    for each in others[:1]:
+        assert [ends_with(found, each, status) for status in (1, 0)] == [[], []]
+    assert ends_with(found, source, -9) == []
+    assert ends_with(found, source, 0) == (others[1:] or ["recorder"])
+    for each in others[1:]:
+        assert "recorder" not in ends_with(found, each, 0)[:-1]
+    assert ends_with(found, "recorder", 0) == []
+
+
+def test_a_node_that_is_started_again_does_not_end_the_launch(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pairs = ("respawn:=true", "corners:=a,b", "observers:=none")
+    found = launched(monkeypatch, pairs)
+    for status in (2, -9):
+        assert ends_with(found, "a.plant", status) == []
+    assert ends_with(found, "a.skyhook_controller", 0) == []
+    assert ends_with(found, "a.plant", 0) == ["a.plant"]  # not to be started again
+    rest = ["a.skyhook_controller", "b.plant", "b.skyhook_controller"]
+    assert ends_with(found, "b.plant", 0) == sorted(rest)
+    found = launched(monkeypatch, ("corners:=a,b", "observers:=none"))
+    assert ends_with(found, "b.plant", 2) == []
+    assert ends_with(found, "a.plant", 0) == ["a.skyhook_controller", "b.skyhook_controller"]
+
+
+def test_a_vehicle_without_a_plant_of_ours_goes_on_whoever_ends(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found = launched(monkeypatch, ("hardware:=stack",))
+    assert all(ends_with(found, each, 0) == [] for each in found)
+
+
+def test_parameter_files_reach_every_node_by_its_name(tmp_path: Path) -> None:
+    for corner in ("a", "b"):
+        (tmp_path / f"{corner}.yaml").write_text(
+            "/**/plant:\n  ros__parameters:\n    rate: 100.0\n"
+            f"/car/{corner}/skyhook_controller:\n  ros__parameters:\n    u_max: 0.2\n"
+        )
+    base = ("corners:=a,b", "namespace:=car")
+    given = f"params_file:={tmp_path}/{{corner}}.yaml"
+    nodes(parse([*base, "controller:=none", given]), CONFIG)
+    with pytest.raises(
+        InputError, match=r"a\.yaml: /car/a/skyhook_controller: expected a node of"
+    ):
+        nodes(parse(["corners:=a,b", given]), CONFIG)
+    found = nodes(parse([*base, given]), CONFIG)
+    assert {spec.files[-1] for spec in found} == {str(tmp_path / f"{c}.yaml") for c in "ab"}
+    with pytest.raises(InputError, match=r"arguments: .*car\.yaml: expected a file"):
+        nodes(parse([*base, RECORD, given]), CONFIG)
+    ftc = {
+        s.executable: s
+        for s in nodes(parse(["controller:=ftc", f"params_file:={_rate(tmp_path)}"]), CONFIG)
+    }
+    assert ftc["ftc_controller"].parameters["rate"] == 50.0
+
+
+def _rate(folder: Path) -> Path:
+    """A file for all nodes of a vehicle: a key of ours, and others' nodes."""
+    file = folder / "vehicle.yaml"
+    text = "/**:\n  ros__parameters:\n    rate: 50.0\n    wheel_base: 2.7\n/camera:\n  ros__parameters:\n    fps: 30\n"
+    file.write_text(text)
+    return file
+
+
+@pytest.mark.parametrize(
+    ("pairs", "words"),
+    [
+        (("use_sim_time:=true", "mode:=lockstep"), "use_sim_time: expected 'false' beside mode:=lockstep"),
+        (("use_sim_time:=false", "mode:=sim_time"), "use_sim_time: expected 'true' beside mode:=sim_time"),
+        (("use_sim_time:=yes",), "use_sim_time: expected one of nothing, false, true, found 'yes'"),
+        (("log_level:=loud",), "log_level: expected one of debug, info"),
+    ],
+)  # fmt: skip
+def test_usual_arguments_of_launch_files_are_checked(pairs: tuple[str, ...], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        parse(pairs)
+
+
+def test_the_usual_arguments_reach_every_node() -> None:
+    found = specs("autostart:=false", "log_level:=warn", RECORD).values()
+    for words in (spec.arguments() for spec in found):
+        assert words[words.index("--log-level") + 1] == "warn"
+        assert "autostart:=false" in words
+    assert not any("--log-level" in s.arguments() for s in specs().values())
+    given = parse(["hardware:=stack", "use_sim_time:=true"])
+    assert all(spec.parameters["use_sim_time"] for spec in nodes(given, CONFIG))
 
 
 def test_a_car_has_four_corners_and_one_recorder(tmp_path: Path) -> None:
@@ -454,8 +599,8 @@ def test_a_stack_has_sensors_of_its_own_under_its_own_names() -> None:
         "skyhook_controller", *(program.name for program in OBSERVERS.values())
     }  # fmt: skip
     words = found[-1].arguments()
-    assert words[1:7] == [
-        "-r", "__ns:=/car/rear_right",
+    assert found[-1].full_name == "/car/rear_right/skyhook_controller"
+    assert words[1:5] == [
         "-r", "sensors/acceleration:=/chassis/rear_right/imu",
         "-r", "pwm/command:=/chassis/rear_right/duty",
     ]  # fmt: skip
@@ -573,12 +718,3 @@ def test_a_wire_for_each_corner() -> None:
     ):
         with pytest.raises(InputError, match=words):
             nodes(parse(("corners:=a,b", "calibration:=device_emulator", pair)), CONFIG)
-
-
-def test_the_launch_ends_with_the_last_of_several_plants(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = launch_module(monkeypatch, parse(("corners:=a,b",)))
-    started = module.generate_launch_description().args[0][-1].kwargs["function"](None)
-    (first,), (second,) = (n.kwargs["on_exit"] for n in started if n.kwargs["on_exit"])
-    assert first.kwargs["function"](None, *first.kwargs["args"]) == []
-    (shut,) = second.kwargs["function"](None, *second.kwargs["args"])
-    assert type(shut).__name__ == "Shutdown"

@@ -93,12 +93,13 @@ def test_the_controller_has_no_duty_of_its_own(refused: Refused) -> None:
     assert "u_min: expected" in refused("skyhook_controller")
 
 
-def test_a_parameter_file_of_another_node_is_not_ignored(refused: Refused, tmp_path: Path) -> None:
+def test_a_parameter_file_for_a_misspelt_node_is_not_ignored(
+    refused: Refused, tmp_path: Path
+) -> None:
     file = tmp_path / "other.yaml"
-    file.write_text("/other:\n  ros__parameters:\n    u_min: 0.0\n")
+    file.write_text("/skyhok_controller:\n  ros__parameters:\n    u_min: 0.0\n")
     line = refused("skyhook_controller", *skyhook_arguments("--params-file", str(file)))
-    assert "other.yaml" in line
-    assert "/skyhook_controller" in line
+    assert "other.yaml: /skyhok_controller: expected parameters for /skyhook_controller" in line
 
 
 def test_gains_for_another_model_are_refused(refused: Refused, tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import xml.etree.ElementTree as ET
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 
@@ -18,8 +19,18 @@ from er_bringup.integration import foxglove, names, plotjuggler
 from er_bringup.integration.write import files
 from er_bringup.nodes.ros2_control_joint import JointNode
 from er_bringup.programs import ESTIMATES
-from er_bringup.ros_joint import COMMANDS, STATES, JointCore, JointParameters, State
+from er_bringup.ros_joint import (
+    COMMANDS,
+    DUTY_COMMANDS,
+    DUTY_STATES,
+    STATES,
+    JointCore,
+    JointParameters,
+    State,
+)
 from er_common.parameter_table import build
+from er_models.files import load_model
+from er_models.static_damper import static_damper
 from er_ros_common.builders import Tick
 from er_ros_common.core import When
 from sensor_msgs.msg import JointState
@@ -112,29 +123,66 @@ def test_the_guide_holds_the_table_of_names() -> None:
 
 def test_the_urdf_and_the_controllers_fit_the_node() -> None:
     root = ET.parse(CONFIG / "ros2_control/corner.urdf").getroot()
-    system = root.find("ros2_control")
-    assert system is not None
-    given = {str(p.get("name")): str(p.text) for p in system.iter("param")}
-    base = "/vehicle/suspension/front_left"
-    assert given["joint_states_topic"] == f"{base}/{STATES.name}"
-    assert given["joint_commands_topic"] == f"{base}/{COMMANDS.name}"
-    joint = system.find("joint")
-    assert joint is not None
-    assert joint.get("name") == JointParameters().joint
-    assert joint.get("name") in [j.get("name") for j in root.findall("joint")]
-    states = [str(i.get("name")) for i in joint.findall("state_interface")]
-    assert states == ["position", "velocity", "effort"]
+    base, name = "/vehicle/suspension/front_left", JointParameters().joint
     controllers = yaml.safe_load((CONFIG / "ros2_control/controllers.yaml").read_text())
-    duty = controllers["duty_controller"]["ros__parameters"]
-    assert duty["joints"] == [joint.get("name")]
-    assert duty["interface_name"] in [i.get("name") for i in joint.findall("command_interface")]
+    for system, joint_name, ends, states, controller in zip(
+        root.findall("ros2_control"),
+        (name, f"{name}_duty"),
+        ((STATES, COMMANDS), (DUTY_STATES, DUTY_COMMANDS)),
+        (["position", "velocity", "effort"], ["position"]),
+        ("force_controller", "duty_controller"),
+        strict=True,
+    ):
+        given = {str(p.get("name")): str(p.text) for p in system.iter("param")}
+        assert given["joint_states_topic"] == f"{base}/{ends[0].name}"
+        assert given["joint_commands_topic"] == f"{base}/{ends[1].name}"
+        (joint,) = system.findall("joint")
+        assert joint.get("name") == joint_name
+        assert joint_name in [j.get("name") for j in root.findall("joint")]
+        assert [i.get("name") for i in joint.findall("state_interface")] == states
+        asked = controllers[controller]["ros__parameters"]
+        assert asked["joints"] == [joint_name]
+        assert [asked["interface_name"]] == [
+            i.get("name") for i in joint.findall("command_interface")
+        ]
     assert controllers["controller_manager"]["ros__parameters"]["update_rate"] == 200
+
+
+def test_an_effort_is_newtons_both_ways() -> None:
+    """The duty of a commanded force gives that force in the static law; what it cannot give gets the nearest end."""
+    model = load_model(CONFIG / "dampers/inove_guo.yaml")
+    damper = static_damper(model)
+    core = joint_core(model_file=str(CONFIG / "dampers/inove_guo.yaml"))
+    now, x, v = at(sample(1)), 0.002, 0.15
+
+    def asked(core: JointCore, force: float, v: float | None = v) -> list[float]:
+        state, _ = joint_state(core, core.start(), builders.suspension_deflection(sample(1), x, v))
+        command = JointState(name=["damper"], effort=[force])
+        _, said = core.on_message(state, COMMANDS, command, now)
+        return [message.duty for _, message in said]
+
+    for duty in (0.05, 0.2, 0.7):
+        force = float(damper.force(np.array([x]), np.array([v]), duty)[0])
+        assert asked(core, force) == [pytest.approx(duty)]
+    assert [*asked(core, -50.0), *asked(core, 1e6)] == [0.0, 1.0]
+    assert asked(core, 5.0, None) == asked(core, math.nan) == asked(joint_core(), 5.0) == []
+
+
+def test_the_applied_duty_is_the_state_of_its_joint() -> None:
+    core, applied = joint_core(), builders.pwm_duty(sample(1), 0.3)
+    _, ((topic, joint),) = core.on_message(
+        core.start(), topics.PWM_APPLIED, applied, at(sample(1))
+    )
+    assert topic is DUTY_STATES
+    assert (list(joint.name), list(joint.position)) == (["damper_duty"], [0.3])
+    applied.valid = False
+    assert core.on_message(core.start(), topics.PWM_APPLIED, applied, at(sample(1)))[1] == []
 
 
 def test_a_joint_command_becomes_the_duty_that_answers_the_last_sample() -> None:
     core, now = JointCore(build(JointParameters, {}, {})), When(0, None)
-    command = JointState(name=["other", "damper"], effort=[9.0, 0.25])
-    state, said = core.on_message(core.start(), COMMANDS, command, now)
+    command = JointState(name=["other", "damper_duty"], position=[9.0, 0.25])
+    state, said = core.on_message(core.start(), DUTY_COMMANDS, command, now)
     assert (said, state.refused) == ([], 1)  # there is no sample to answer yet
     tick = Tick(5_000_000, 1)
     state, _ = core.on_message(state, topics.FORCE, builders.damper_force(tick, -3.5), now)
@@ -145,10 +193,13 @@ def test_a_joint_command_becomes_the_duty_that_answers_the_last_sample() -> None
         ["damper"], [0.01], [-0.2], [-3.5],
     )  # fmt: skip
     assert joint.header.stamp.nanosec == 5_000_000
-    state, ((topic, duty),) = core.on_message(state, COMMANDS, command, now)
+    state, ((topic, duty),) = core.on_message(state, DUTY_COMMANDS, command, now)
     assert (topic, duty.duty, duty.seq, duty.command_seq) == (topics.PWM_COMMAND, 0.25, 1, 1)
-    for bad in (JointState(name=["damper"], effort=[math.nan]), JointState(name=["damper"])):
-        state, said = core.on_message(state, COMMANDS, bad, now)
+    for bad in (
+        JointState(name=["damper_duty"], position=[math.nan]),
+        JointState(name=["damper_duty"]),
+    ):
+        state, said = core.on_message(state, DUTY_COMMANDS, bad, now)
         assert said == []
     lost = builders.suspension_deflection(Tick(10_000_000, 2), 0.0, valid=False)
     assert core.on_message(state, topics.DEFLECTION, lost, now)[1] == []
@@ -218,11 +269,11 @@ def test_a_joint_command_that_was_held_up_is_refused(
     state, now = core.start(), at(sample(1))
     deflection = builders.suspension_deflection(sample(1), 0.01, -0.2)
     state, _ = core.on_message(state, topics.DEFLECTION, deflection, now)
-    command = JointState(name=["damper"], effort=[0.25])
+    command = JointState(name=["damper_duty"], position=[0.25])
     if age is not None:
         assert now.system is not None
         command.header.stamp = clock.to_stamp(now.system - age * MS)
-    state, said = core.on_message(state, COMMANDS, command, now)
+    state, said = core.on_message(state, DUTY_COMMANDS, command, now)
     assert (len(said), state.refused) == (taken, not taken)
 
 
@@ -260,8 +311,8 @@ def test_a_bad_stamp_is_no_sample_and_a_command_after_it_no_crash(
     state, found = core.on_message(core.start(), topics.DEFLECTION, message, at(sample(1)))
     aged = max_age > 0.0
     assert bool(found) == (0 < seconds < 2**31 - 1 and not aged)
-    command = JointState(name=["damper"], effort=[0.25])
-    state, said = core.on_message(state, COMMANDS, command, When(MS, NOW))
+    command = JointState(name=["damper_duty"], position=[0.25])
+    state, said = core.on_message(state, DUTY_COMMANDS, command, When(MS, NOW))
     assert bool(said) == bool(found)
 
 
@@ -279,10 +330,10 @@ def test_the_joints_status_is_valid_while_joint_states_come() -> None:
 
 
 def test_a_joint_command_after_50_ms_without_samples_is_refused() -> None:
-    core, command = joint_core(), JointState(name=["damper"], effort=[0.25])
+    core, command = joint_core(), JointState(name=["damper_duty"], position=[0.25])
     state, _ = joint_state(core, core.start(), builders.suspension_deflection(sample(1), 0.01))
     for late, refused in ((10 * MS, False), (60 * MS, True)):
         when = When(at(sample(1)).steady + late, None)
         assert core.silent(state, when.steady) == refused
-        _, said = core.on_message(state, COMMANDS, command, when)
+        _, said = core.on_message(state, DUTY_COMMANDS, command, when)
         assert bool(said) != refused

@@ -33,6 +33,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.lifecycle import TransitionCallbackReturn
 
 from er_common import topics
+from er_damper_msgs.msg import NodeStatus
 from er_ros_common import builders, qos
 from test.graph_help import CONFIG, ROOT, VEHICLE, own_domain, skyhook_arguments
 
@@ -119,10 +120,15 @@ def test_a_manager_leads_a_controller_and_hears_no_for_what_cannot_be(
     send()
     assert silent(), "it acted while inactive"
     assert change(ros, node, Transition.TRANSITION_CLEANUP)
+    assert "waits for a manager (ros2 lifecycle set NODE configure)" in node._said().reason
     assert change(ros, node, Transition.TRANSITION_CONFIGURE)
     assert len(list(node.subscriptions)) == 2 + len(
         [s for s in node.subscriptions if "parameter" in s.topic_name]
     )
+    assert change(ros, node, Transition.TRANSITION_INACTIVE_SHUTDOWN)
+    said = node._said()
+    assert (said.mode, said.status, said.valid) == ("finalized", NodeStatus.STATUS_LOST, False)
+    assert said.reason == "it was shut down for good: start it anew"
 
 
 def test_inputs_of_every_tick_are_watched_for_the_rate_the_node_is_made_for(
@@ -290,10 +296,12 @@ def test_command_lines_of_composed_nodes_are_those_of_the_processes() -> None:
     apart = nodes(parse(["namespace:=fl", "seed:=3"]), CONFIG)
     (together,) = nodes(parse(["namespace:=fl", "seed:=3", "composed:=true"]), CONFIG)
     assert together.executable == "composed"
-    assert [group[1:] for group in split(together.arguments())] == [s.arguments() for s in apart]
-    assert [part(g).executable.card.program.name for g in split(together.arguments())] == [
-        s.executable for s in apart
-    ]
+    assert [each.place() for each in apart] == [together.place()] * len(apart)
+    groups, common = split([*together.arguments(), *together.place()])
+    assert common == together.place() == ["--ros-args", "-r", "__ns:=/fl"]
+    assert [group[1:] for group in groups] == [[*s.arguments(), *s.place()] for s in apart]
+    assert [part(g).executable.card.program.name for g in groups] == [s.executable for s in apart]
+    assert split(["a/b", "--ros-args", "--"]) == ([["a/b", "--ros-args"]], [])
 
 
 @pytest.mark.parametrize("group", [["er_plant_sim/plnt"], ["plant"], ["er_plant_sim/plant", "x"]])

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from er_models.version import __version__
+from er_ros_common.keys import KEYS, lacking
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
@@ -27,31 +28,12 @@ OURS = sorted(path.parent.name for path in (ROOT / "src").glob("*/package.xml"))
 PURE = sorted(path.parent.name for path in (ROOT / "src").glob("*/pyproject.toml"))
 """Packages that are wheels, too."""
 JAZZY = {
-    "action_msgs", "ament_cmake", "ament_index_python", "builtin_interfaces", "diagnostic_msgs", "launch",
-    "geometry_msgs", "launch_ros", "lifecycle_msgs",
+    "action_msgs", "ament_cmake", "ament_index_python", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs",
+    "launch", "launch_ros", "lifecycle_msgs",
     "rcl_interfaces", "rclpy", "ros2launch", "rosbag2_storage_mcap", "rosgraph_msgs",
     "rosidl_default_generators", "rosidl_default_runtime", "sensor_msgs", "std_msgs",
 }  # fmt: skip
 """ROS packages of Jazzy that may be needed."""
-SYSTEM = {
-    "PIL": "python3-pil",
-    "cvxpy": "python3-cvxpy-pip",
-    "h5py": "python3-h5py",
-    "jinja2": "python3-jinja2",
-    "matplotlib": "python3-matplotlib",
-    "numba": "python3-numba",
-    "numpy": "python3-numpy",
-    "pandas": "python3-pandas",
-    "pytest": "python3-pytest",
-    "rich": "python3-rich",
-    "rosbags": "python3-rosbags-pip",
-    "scipy": "python3-scipy",
-    "serial": "python3-serial",
-    "sklearn": "python3-sklearn",
-    "typer": "python3-typer",
-    "yaml": "python3-yaml",
-}
-"""Modules to their keys of rosdep (rosdistro's rosdep/python.yaml)."""
 WITHOUT_KEY = {"asammdf", "compression", "nicegui", "nptdms", "pyarrow"}
 """Modules without a key, and one that Python 3.14 has: `./er setup` or pip installs them."""
 PART_OF = {
@@ -107,7 +89,7 @@ def imported(package: str, *, pure: bool = False) -> dict[str, Path]:
 
 @pytest.mark.parametrize("package", OURS)
 def test_every_key_is_known_to_rosdep(package: str) -> None:
-    assert keys(package) <= JAZZY | set(SYSTEM.values()) | set(OURS)
+    assert keys(package) <= JAZZY | set(KEYS.values()) | set(OURS)
     root = manifest(package)
     assert root.get("format") == "3"
     for name in ("name", "version", "description", "maintainer", "license"):
@@ -122,13 +104,13 @@ def test_what_is_imported_is_declared(package: str) -> None:
     for module, file in imported(package).items():
         if module in WITHOUT_KEY:
             continue
-        key = SYSTEM.get(module, PART_OF.get(module, module))
+        key = KEYS.get(module, PART_OF.get(module, module))
         assert key in declared, f"{file} imports {module}: <depend>{key}</depend> is missing"
 
 
 @pytest.mark.parametrize("package", OURS)
 def test_no_python_package_is_declared_that_nothing_imports(package: str) -> None:
-    used = {SYSTEM.get(module, module) for module in imported(package)}
+    used = {KEYS.get(module, module) for module in imported(package)}
     assert {key for key in keys(package, "exec_depend") if key.startswith("python3-")} <= used
 
 
@@ -175,7 +157,7 @@ def test_what_pure_code_imports_is_a_dependency_or_in_an_extra(package: str) -> 
 
 @pytest.mark.parametrize("package", PURE)
 def test_nothing_is_asked_for_that_no_code_uses(package: str) -> None:
-    """clarabel is cvxpy's solver, of plotly the script is taken, and pyarrow is imported by a text."""
+    """clarabel is cvxpy's solver, of plotly the script is taken, pyarrow is imported by a text, pytest tests."""
     brings = packages_distributions()
     used = {
         canonicalize_name(name)
@@ -186,5 +168,40 @@ def test_nothing_is_asked_for_that_no_code_uses(package: str) -> None:
         "clarabel",
         "plotly",
         "pyarrow",
+        "pytest",
         canonicalize_name(package),
     }
+
+
+@pytest.mark.parametrize("package", [package for package in OURS if package != "er_damper_msgs"])
+def test_colcon_finds_the_tests_of_a_package(package: str) -> None:
+    """By an extra `test` with pytest; without it `colcon test` runs nothing and calls that a success."""
+    folder = ROOT / "src" / package
+    assert list(folder.glob("test/test_*.py"))
+    assert "python3-pytest" in keys(package, "test_depend")
+    if package in PURE:
+        assert any(
+            each.startswith("pytest") for each in project(package)["optional-dependencies"]["test"]
+        )
+    else:
+        assert 'extras_require={"test": ["pytest"]}' in (folder / "setup.py").read_text(
+            encoding="utf-8"
+        )
+
+
+@pytest.mark.parametrize("package", OURS)
+def test_every_package_has_the_changelog_that_bloom_asks_for(package: str) -> None:
+    lines = (ROOT / "src" / package / "CHANGELOG.rst").read_text(encoding="utf-8").splitlines()
+    title = f"Changelog for package {package}"
+    assert lines[:3] == ["^" * len(title), title, "^" * len(title)]
+    assert "Forthcoming" in lines
+    assert any(line.startswith("* ") for line in lines)
+
+
+def test_a_module_that_is_missing_is_one_line_with_the_key_of_rosdep() -> None:
+    line = lacking("plant", ModuleNotFoundError("no", name="numba.core"))
+    assert line == (
+        "plant: needs the Python module numba: install rosdep's key python3-numba "
+        "(rosdep install --from-paths src --ignore-src)"
+    )
+    assert lacking("plant", ModuleNotFoundError("no", name="er_plnat")) == ""

@@ -14,7 +14,7 @@ import yaml
 pytest.importorskip("rclpy")
 
 from er_bringup.arguments import ARGUMENTS
-from er_bringup.programs import ANSWERING, CONTROLLERS, EVERY, JOINT
+from er_bringup.programs import ACCEL_ADAPTER, ANSWERING, CONTROLLERS, EVERY, IMU_ADAPTER, JOINT
 from er_bringup.ros_checks import CONTRACT
 from er_common.parameter_table import specs
 from er_common.program import CONTROLLER, OBSERVER
@@ -27,7 +27,10 @@ from test import replay_golden
 from test.conftest import ROOT
 from test.graph_help import NODES, PROGRAMS
 
-BY_HAND = {JOINT.name: "started beside a vehicle stack (docs/vehicle.md)"}
+BY_HAND = dict.fromkeys(
+    (JOINT.name, IMU_ADAPTER.name, ACCEL_ADAPTER.name),
+    "started beside a vehicle stack (docs/vehicle.md)",
+)
 """Nodes that the graph of `er up` does not hold."""
 WITHOUT_FILE = {RECORDER.name: "all of it is given per run", **BY_HAND}
 """Nodes without a parameter file of their own."""

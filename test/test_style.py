@@ -73,9 +73,9 @@ def kept_files():
 
 
 TOP = {
-    ".ci", ".github", ".gitignore", ".pre-commit-config.yaml", "ARCHITECTURE.md", "CHANGELOG.md", "CITATION.cff",
-    "CONTRIBUTING.md", "LICENSE", "README.md", "SECURITY.md", "codemeta.json", "config", "docs", "er", "examples",
-    "pyproject.toml", "requirements", "src", "test", "tools",
+    ".ci", ".devcontainer", ".dockerignore", ".github", ".gitignore", ".pre-commit-config.yaml", "ARCHITECTURE.md",
+    "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "Dockerfile", "LICENSE", "README.md", "SECURITY.md",
+    "codemeta.json", "config", "docs", "er", "examples", "pyproject.toml", "requirements", "src", "test", "tools",
 }  # fmt: skip
 
 

@@ -210,7 +210,7 @@ def test_a_stack_integrates_one_corner(
         bad = [
             s for t, s in heard.diagnostics if t > lost + 0.2 and s.level == DiagnosticStatus.ERROR
         ]
-        states = [s for s in bad if s.name == f"/{CORNER}/skyhook_controller: state"]
+        states = [s for s in bad if s.name == f"{CORNER}/skyhook_controller: state"]
         assert "no usable sample" in states[0].message
         assert states[0].hardware_id == f"/{CORNER}"
         rates = [

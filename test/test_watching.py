@@ -88,7 +88,7 @@ def test_another_type_on_a_topic_is_named(graph: tuple[Callable[..., str], Node]
     name = topics.DEFLECTION.name
     other.create_publisher(Float64, name, 10)
     words = f"{name}: /intruder uses std_msgs/msg/Float64"
-    text = says("/skyhook_controller: graph", words, name)
+    text = says("skyhook_controller: graph", words, name)
     assert "remap the topic" in text
 
 
@@ -97,7 +97,7 @@ def test_a_qos_that_carries_nothing_is_named(graph: tuple[Callable[..., str], No
     there = topics.PWM_COMMAND
     other.create_subscription(there.type, there.name, print, qos.profile(topics.STATUS.subscriber))
     words = f"{there.name}: /intruder asks for transient local"
-    text = says("/skyhook_controller: graph", words, there.name)
+    text = says("skyhook_controller: graph", words, there.name)
     assert "offer transient local in /skyhook_controller" in text
 
 
@@ -106,14 +106,14 @@ def test_a_second_controller_is_named(graph: tuple[Callable[..., str], Node]) ->
     there = topics.PWM_COMMAND
     other.create_publisher(there.type, there.name, qos.profile(there.publisher))
     words = "2 nodes publish it: /intruder, /skyhook_controller: stop all but one"
-    assert there.name in says("/skyhook_controller: graph", words, there.name)
+    assert there.name in says("skyhook_controller: graph", words, there.name)
 
 
 def test_a_missing_input_and_a_stamp_that_is_not_set_are_named(
     graph: tuple[Callable[..., str], Node],
 ) -> None:
     says, other = graph
-    text = says("/skyhook_controller: input rate", "nothing came for 1.")
+    text = says("skyhook_controller: input rate", "nothing came for 1.")
     assert "/sensors/acceleration: nothing came" in text
     assert "start its publisher" in text
     there = topics.ACCELERATION
@@ -124,7 +124,7 @@ def test_a_missing_input_and_a_stamp_that_is_not_set_are_named(
         end.publish(message)
         return end.get_subscription_count() > 0
 
-    text = says("/skyhook_controller: stamps", "without a stamp", send)
+    text = says("skyhook_controller: stamps", "without a stamp", send)
     assert text.startswith("/sensors/acceleration: ")
     assert "set header.stamp" in text
 
@@ -144,7 +144,7 @@ def test_a_sensor_that_says_no_number_or_is_not_valid_is_named(
             end.publish(message)
         return end.get_subscription_count() > 0
 
-    text = says("/skyhook_controller: values", "calls not valid", send)
+    text = says("skyhook_controller: values", "calls not valid", send)
     assert "/sensors/acceleration: 1 messages with NaN or infinite numbers" in text
     assert "/sensors/acceleration: 1 messages that their sender calls not valid" in text
     assert says("non_finite", "1")
@@ -162,5 +162,5 @@ def test_a_deflection_without_the_velocity_that_the_law_needs_is_named(
         end.publish(builders.suspension_deflection(builders.Tick(now, 1), 0.01))
         return end.get_subscription_count() > 0
 
-    text = says("/skyhook_controller: values", "messages without velocity", send)
+    text = says("skyhook_controller: values", "messages without velocity", send)
     assert text.startswith("/sensors/deflection: 1 ")

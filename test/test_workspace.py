@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import errno
+import json
 import os
 import re
 import signal
@@ -12,13 +13,15 @@ import sys
 import time
 from importlib.metadata import distributions
 from pathlib import Path
+from typing import Any
 
 import pytest
+import yaml
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tools"))
 
-from er_workspace import commands, scripts  # noqa: E402
+from er_workspace import commands, prerequisites, scripts  # noqa: E402
 from er_workspace.layout import Layout  # noqa: E402
 from er_workspace.venv import parted  # noqa: E402
 
@@ -50,7 +53,7 @@ def er(*args: str, timeout: float = 60.0) -> subprocess.CompletedProcess[str]:
     [
         (["lba"], "er: unknown command 'lba'; did you mean lab?"),
         (["frobnicate"], "er: unknown command 'frobnicate'; known: setup, demo, test, run"),
-        (["setup", "--fast"], "er: setup: unknown argument '--fast'; known: --clean"),
+        (["setup", "--fast"], "er: setup: unknown argument '--fast'; known: --clean, --compile"),
         (["run"], "er: run: expected PACKAGE EXECUTABLE; packages: "),
         (["run", "er_plant"], "er: run: unknown package 'er_plant'; packages: er_"),
         (["run", "er_plant_sim"], "er: run: expected EXECUTABLE; executables of er_plant_sim: "),
@@ -341,3 +344,58 @@ def test_what_is_installed_side_by_side_has_no_file_in_common() -> None:
 
 def _plain(name: str) -> str:
     return re.sub(r"[-_.]+", "-", name).lower()
+
+
+@pytest.mark.parametrize(
+    ("code", "said"), [("", ""), ("import sys; sys.exit('up: no gains')", "up: no gains")]
+)
+def test_nodes_are_compiled_unheard_and_a_failure_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, code: str, said: str
+) -> None:
+    heard: list[tuple[list[str], str]] = []
+    run = subprocess.run
+
+    def started(command: list[str], **more: Any) -> subprocess.CompletedProcess[str]:
+        heard.append((command[2:], more["env"]["ROS_AUTOMATIC_DISCOVERY_RANGE"]))
+        return run([sys.executable, "-c", code], **more)
+
+    monkeypatch.setattr(subprocess, "run", started)
+    monkeypatch.setattr(
+        commands, "command_environment", lambda *_: {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}
+    )
+    layout = Layout(tmp_path, None)
+    if said:
+        with pytest.raises(commands.Stop, match=f"setup: nodes cannot be compiled: {said}"):
+            commands._compile(layout)
+    else:
+        commands._compile(layout)
+    ((command, reach),) = heard
+    assert command[0] == "er_bringup.up"
+    assert reach == "OFF"
+    from er_bringup.given import parse
+    from er_bringup.graph import every_node, nodes
+    from er_bringup.programs import CORES
+
+    names = {spec.executable for spec in every_node(nodes(parse(command[1:]), ROOT / "config"))}
+    assert names >= {*CORES} - {"skyhook_controller"} | {"plant"}
+
+
+def test_containers_and_workflows_call_what_there_is() -> None:
+    """No container runs here: what they name must be there, and the tools be those that `./er` asks for."""
+    docker = (ROOT / "Dockerfile").read_text(encoding="utf-8")
+    stages = re.findall(r"^FROM (\S+) AS (\w+)$", docker, re.M)
+    assert stages == [("ros:jazzy", "base"), ("base", "product")]
+    for package in (*prerequisites.TOOLS.values(), "python3-venv", "python3-dev"):
+        assert re.search(rf"\b{re.escape(package)}(\s|$)", docker), package
+    assert "./er setup --compile" in docker
+    device = json.loads((ROOT / ".devcontainer/devcontainer.json").read_text(encoding="utf-8"))
+    assert device["build"]["target"] in [name for _, name in stages]
+    assert (
+        ROOT / ".devcontainer" / device["build"]["dockerfile"]
+    ).resolve() == ROOT / "Dockerfile"
+    jobs = yaml.safe_load((ROOT / ".github/workflows/test.yml").read_text(encoding="utf-8"))[
+        "jobs"
+    ]
+    assert len(jobs) == 2
+    for job in jobs.values():
+        assert job["steps"][-1]["run"].endswith("./er test")

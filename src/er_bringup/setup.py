@@ -40,6 +40,7 @@ setup(
         *tree("config"),
     ],
     install_requires=["setuptools"],
+    extras_require={"test": ["pytest"]},
     zip_safe=False,
     entry_points={"console_scripts": programs()},
 )

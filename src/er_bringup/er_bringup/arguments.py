@@ -28,7 +28,7 @@ class Argument:
     def expected(self) -> str:
         """What a value must be, in words."""
         if self.choices:
-            return f"one of {', '.join(self.choices)}"
+            return f"one of {', '.join(each or 'nothing' for each in self.choices)}"
         if self.kind is str:
             return "a text"
         word = "an integer" if self.kind is int else "a number"
@@ -116,6 +116,35 @@ ARGUMENTS = (
         "plant_params",
         "",
         "parameter file for plant or bridge; its values win over those in config/nodes",
+    ),
+    Argument(
+        "params_file",
+        "",
+        "parameter files for nodes by their names, commas between; {corner} in a path is the corner",
+    ),
+    Argument(
+        "use_sim_time",
+        "",
+        "true: the same as mode:=sim_time; empty: as the mode says",
+        choices=("", "false", "true"),
+    ),
+    Argument(
+        "autostart",
+        "true",
+        "false: nodes wait for a manager (ros2 lifecycle set NODE configure)",
+        choices=("false", "true"),
+    ),
+    Argument(
+        "respawn",
+        "false",
+        "start nodes again that end badly, after 2 s; all but the recorder",
+        choices=("false", "true"),
+    ),
+    Argument(
+        "log_level",
+        "info",
+        "lowest level of the nodes' log",
+        choices=("debug", "info", "warn", "error", "fatal"),
     ),
 )
 

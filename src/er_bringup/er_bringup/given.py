@@ -58,7 +58,18 @@ def complete(given: Mapping[str, str]) -> dict[str, str]:
             near = get_close_matches(key, known, n=1)
             hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(known)}"
             raise InputError("arguments", key, f"a known key ({hint})", "an unknown key")
-    return {key: _checked(a, given.get(key, a.default)) for key, a in known.items()}
+    return _timed({key: _checked(a, given.get(key, a.default)) for key, a in known.items()})
+
+
+def _timed(given: dict[str, str]) -> dict[str, str]:
+    """With the mode that `use_sim_time` asks for, as other launch files call it."""
+    asked, mode = given["use_sim_time"], given["mode"]
+    if asked == "true" and mode == "realtime":
+        return {**given, "mode": "sim_time"}
+    if asked and asked != ("true" if mode == "sim_time" else "false"):
+        expected = f"'{str(mode == 'sim_time').lower()}' beside mode:={mode}"
+        raise InputError("arguments", "use_sim_time", expected, f"'{asked}'")
+    return given
 
 
 def _check_pace(given: Mapping[str, str]) -> None:

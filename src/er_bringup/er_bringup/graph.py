@@ -1,7 +1,7 @@
 """The graph as data: its nodes and their parameters. Launch file and `up` are made from it.
 
 for node in nodes(parse(["controller:=skyhook", "record:=run1"]), config):
-    node.arguments()        # what follows the executable on its command line
+    node.arguments()        # what follows the executable on its command line, but for the namespace
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from er_models.errors import InputError
 from er_observers.programs import OBSERVERS
 from er_plant_sim.programs import BRIDGE, PLANT
 from er_ros_common.arguments import Value, ros_arguments
-from er_ros_common.parameter_files import given_in
+from er_ros_common.parameter_files import check_names, given_in
 
 from er_bringup.given import (
     STACK,
@@ -38,7 +38,7 @@ from er_bringup.given import (
     remaps,
     renamed,
 )
-from er_bringup.programs import ASKED, COMPOSED, CONTROLLERS, SOURCES
+from er_bringup.programs import ASKED, COMPOSED, CONTROLLERS, EVERY, SOURCES
 
 STACK_PUBLISHES = (ACCELERATION, DEFLECTION, PWM_APPLIED)
 """What a vehicle stack says of a corner; it knows neither its damper's force nor the road."""
@@ -55,20 +55,30 @@ class NodeSpec:
     parameters: Mapping[str, Value] = field(default_factory=dict)
     corner: str = ""
     remaps: Mapping[str, str] = field(default_factory=dict)
+    log_level: str = ""
 
     @property
     def label(self) -> str:
         """What its lines are marked with."""
         return f"{self.corner}/{self.executable}" if self.corner else self.executable
 
+    @property
+    def full_name(self) -> str:
+        """Name of the node in the graph."""
+        return f"/{self.namespace.strip('/')}/{self.executable}".replace("//", "/")
+
     def arguments(self) -> list[str]:
-        """What follows the executable on its command line."""
+        """What follows the executable on its command line, but for its place."""
         return ros_arguments(
             parameters=self.parameters,
             files=self.files,
-            namespace=self.namespace,
             remaps=self.remaps,
+            log_level=self.log_level,
         )
+
+    def place(self) -> list[str]:
+        """What puts it into its namespace, behind its arguments; a launch file's `Node` says the same."""
+        return ros_arguments(namespace=self.namespace)
 
 
 @dataclass(frozen=True)
@@ -78,9 +88,9 @@ class ComposedSpec(NodeSpec):
     parts: tuple[NodeSpec, ...] = ()
 
     def arguments(self) -> list[str]:
-        """The command lines of its nodes, one after the other."""
-        each = [[f"{p.package}/{p.executable}", *p.arguments()] for p in self.parts]
-        return [word for words in each for word in ["--", *words]][1:]
+        """The command lines of its nodes, one after the other; what follows is for all of them."""
+        each = [[f"{p.package}/{p.executable}", *p.arguments(), "--"] for p in self.parts]
+        return [*(word for words in each for word in words), *super().arguments()]
 
 
 def nodes(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
@@ -89,13 +99,22 @@ def nodes(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
     Raises:
         InputError: A file does not exist, or arguments do not go together.
     """
+    found = _processes(given, config)
+    named = [spec.full_name for spec in every_node(found)]
+    known = [program.name for program in EVERY]
+    for file in {file: None for spec in every_node(found) for file in spec.files}:
+        check_names(file, named, known)
+    return found
+
+
+def _processes(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
     names = corners(given)
     if not names:
-        recorder = (_recorder(given, _answering(given)),) if given["record"] else ()
+        recorder = (_recorder(given, _answering(given), config),) if given["record"] else ()
         return (*recorder, *_corner(given, config))
     each = [of_corner(given, names, i) for i in range(len(names))]
     check_clocks(each)
-    recorder = (_recorder_of_all(given, names, each),) if given["record"] else ()
+    recorder = (_recorder_of_all(given, names, each, config),) if given["record"] else ()
     parts = zip(names, (_corner(one, config) for one in each), strict=True)
     return (*recorder, *(replace(spec, corner=name) for name, specs in parts for spec in specs))
 
@@ -109,8 +128,21 @@ def _corner(given: Mapping[str, str], config: Path) -> tuple[NodeSpec, ...]:
         *(_source(given, config, [*recorded, *_answering(given)]) for _ in _sources(given)),
     )
     if given["composed"] == "true":
-        return (ComposedSpec(COMPOSED.package, COMPOSED.name, given["namespace"], parts=rest),)
+        whole = ComposedSpec(
+            COMPOSED.package, COMPOSED.name, given["namespace"], parts=rest,
+            log_level=_log_level(given),
+        )  # fmt: skip
+        return (whole,)
     return rest
+
+
+def every_node(specs: Sequence[NodeSpec]) -> list[NodeSpec]:
+    """The nodes of these processes."""
+    return [
+        part
+        for spec in specs
+        for part in (spec.parts if isinstance(spec, ComposedSpec) else (spec,))
+    ]
 
 
 def _answering(given: Mapping[str, str]) -> list[Program]:
@@ -167,16 +199,20 @@ def _source(given: Mapping[str, str], config: Path, listeners: Sequence[Program]
 
 
 def _files(program: Program, given: Mapping[str, str], config: Path) -> tuple[str, ...]:
-    """Parameter files of what measures; the last one wins."""
-    own = _own(program, config)
-    return (own, find(given["plant_params"], config)) if given["plant_params"] else (own,)
+    """Parameter files of a node; the last one wins."""
+    own = config / "nodes" / f"{program.name}.yaml"
+    corner = given["namespace"].rstrip("/").rpartition("/")[2]
+    texts = [given["plant_params"]] if program in SOURCES else []
+    texts += given["params_file"].replace("{corner}", corner).split(",")
+    more = [find(text.strip(), config) for text in texts if text.strip()]
+    return (*([str(own.absolute())] if program is not RECORDER else []), *more)
 
 
 def _rate(given: Mapping[str, str], config: Path) -> dict[str, Value]:
     """The rate of the samples for who is made for one, where parameter files of what measures say it."""
     for program in _sources(given):
-        name = f"/{given['namespace'].strip('/')}/{program.name}".replace("//", "/")
-        rate = given_in(_files(program, given, config), name, "rate")
+        spec = _spec(program, given, _files(program, given, config), {})
+        rate = given_in(spec.files, spec.full_name, "rate")
         if isinstance(rate, int | float):
             return {"rate": float(rate)}
     return {}
@@ -242,20 +278,23 @@ def _answer(given: Mapping[str, str], config: Path, program: Program) -> NodeSpe
         parameters |= _rate(given, config)
     if program is FTC and given["mode"] == "lockstep":
         parameters["timeout"] = 1.0  # silence is measured by a clock that has no part in it
-    return _spec(program, given, (_own(program, config),), parameters | _time(given))
+    return _spec(program, given, _files(program, given, config), parameters | _time(given))
 
 
-def _recorder(given: Mapping[str, str], answering: Sequence[Program]) -> NodeSpec:
+def _recorder(given: Mapping[str, str], answering: Sequence[Program], config: Path) -> NodeSpec:
     parameters: dict[str, Value] = {
         "out": str(Path(given["record"]).absolute()),
         "storage": given["storage"],
         "sources": [*_measured(given), *_names(_said(answering))],
     } | _noted([given])
-    return _spec(RECORDER, given, (), parameters)
+    return _spec(RECORDER, given, _files(RECORDER, given, config), parameters)
 
 
 def _recorder_of_all(
-    given: Mapping[str, str], names: Sequence[str], each: Sequence[Mapping[str, str]]
+    given: Mapping[str, str],
+    names: Sequence[str],
+    each: Sequence[Mapping[str, str]],
+    config: Path,
 ) -> NodeSpec:
     """One recorder for all corners."""
     answering = _answering(each[0])
@@ -277,7 +316,8 @@ def _recorder_of_all(
         ],
         "sources": [full(name, topic) for name in names for topic in said],
     } | _noted(each)
-    return replace(_spec(RECORDER, given, (), parameters), remaps={})
+    files = _files(RECORDER, given, config)
+    return replace(_spec(RECORDER, given, files, parameters), remaps={})
 
 
 def _noted(each: Sequence[Mapping[str, str]]) -> dict[str, Value]:
@@ -300,13 +340,16 @@ def _spec(
     priority = int(given["priority"])
     if priority and program is not RECORDER:
         parameters = {**parameters, "priority": priority}
+    if given["autostart"] == "false":
+        parameters = {**parameters, "autostart": False}
     place = (program.package, program.name, given["namespace"])
-    return NodeSpec(*place, files, parameters, remaps=remaps(given))
+    names, level = remaps(given), _log_level(given)
+    return NodeSpec(*place, files, parameters, remaps=names, log_level=level)
 
 
-def _own(program: Program, config: Path) -> str:
-    """Parameter file that belongs to a node."""
-    return str((config / "nodes" / f"{program.name}.yaml").absolute())
+def _log_level(given: Mapping[str, str]) -> str:
+    """The level where it is not that of ROS."""
+    return "" if given["log_level"] == "info" else given["log_level"]
 
 
 def _time(given: Mapping[str, str]) -> dict[str, Value]:

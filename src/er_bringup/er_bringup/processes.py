@@ -20,6 +20,8 @@ PATIENCE = 8.0
 """Time to end after SIGINT; a recorder may have to write its index [s]."""
 LAST_PATIENCE = 2.0
 """Time to end after SIGTERM, before SIGKILL [s]."""
+RESPAWN = 2.0
+"""Time after which a process that ended badly is started again, where that is asked for [s]."""
 POLL = 0.02
 KILLED = 128
 """Exit status of a process ended by signal n is this plus n, as shells say it."""

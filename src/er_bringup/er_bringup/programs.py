@@ -25,7 +25,17 @@ JOINT: Final = Program(
     PACKAGE,
     "A corner as a joint of ros2_control: states and commands as sensor_msgs/JointState.",
 )
-PROGRAMS: Final = (COMPOSED, JOINT)
+IMU_ADAPTER: Final = Program(
+    "imu_adapter",
+    PACKAGE,
+    "Two sensor_msgs/Imu of a vehicle as the accelerations of a corner.",
+)
+ACCEL_ADAPTER: Final = Program(
+    "accel_adapter",
+    PACKAGE,
+    "Two geometry_msgs/AccelStamped of a vehicle as the accelerations of a corner.",
+)
+PROGRAMS: Final = (COMPOSED, JOINT, IMU_ADAPTER, ACCEL_ADAPTER)
 
 EVERY: Final = (
     *observer_programs.PROGRAMS,

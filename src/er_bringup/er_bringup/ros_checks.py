@@ -229,7 +229,7 @@ def _said(seen: Observation) -> Iterator[Problem]:
     for name, level, text in seen.said:
         if level:
             node, _, task = name.rpartition(": ")
-            yield Problem(node, task, text, "see the topic it names")
+            yield Problem(f"/{node.lstrip('/')}", task, text, "see the topic it names")
 
 
 def _time(seen: Observation) -> Iterator[Problem]:

@@ -1,9 +1,9 @@
 """``composed``: any set of nodes in one process, with one executor and one thread.
 
-    er_bringup composed PACKAGE/EXECUTABLE [--ros-args ...] -- PACKAGE/EXECUTABLE [--ros-args ...]
+    er_bringup composed PACKAGE/EXECUTABLE [--ros-args ...] -- PACKAGE/EXECUTABLE [--ros-args ...] -- [--ros-args ...]
 
-Each node has a command line of its own, as if it were a process of its own. One that ends, or that fails,
-ends all.
+Each node has a command line of its own, as if it were a process of its own; what follows the last `--` without a
+node, as a launch file puts it there, is for all of them. One that ends, or that fails, ends all.
 """
 
 from __future__ import annotations
@@ -36,15 +36,16 @@ class Part(NamedTuple):
     argv: tuple[str, ...]
 
 
-def split(argv: Sequence[str]) -> list[list[str]]:
-    """The command line of each node, its name first."""
+def split(argv: Sequence[str]) -> tuple[list[list[str]], list[str]]:
+    """The command line of each node, its name first, and what is for all of them."""
     groups: list[list[str]] = [[]]
     for word in argv:
         if word == BETWEEN:
             groups.append([])
         else:
             groups[-1].append(word)
-    return [group for group in groups if group]
+    common = groups.pop() if groups[-1][:1] == ["--ros-args"] else []
+    return [[*group, *common] for group in groups if group], common
 
 
 def part(group: Sequence[str]) -> Part:
@@ -70,10 +71,11 @@ def part(group: Sequence[str]) -> Part:
 
 def _run(argv: Sequence[str], stopped: Stopped) -> None:
     with stopped.making():  # importing many nodes takes long: nobody who wants an end waits for it
-        parts = [part(group) for group in split(argv)]
+        groups, common = split(argv)
+        parts = [part(group) for group in groups]
     if not parts:
         raise ErError("expected at least one node, see --help")
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    rclpy.init(args=common, signal_handler_options=SignalHandlerOptions.NO)
 
     def made() -> list[Node]:
         nodes: list[Node] = []

@@ -214,7 +214,7 @@ class _Listener:
         """Keep what our nodes say of their inputs; state and graph are looked at here."""
         for entry in message.status:
             node, _, task = entry.name.rpartition(": ")
-            if self._inside(node) and task in TASKS:
+            if self._inside(f"/{node.lstrip('/')}") and task in TASKS:
                 self.said[entry.name] = (entry.level[0], entry.message)
 
     def _subscribe(self, name: str, topic: Topic, heard: Any) -> None:

@@ -12,7 +12,7 @@ import signal
 import sys
 from collections.abc import Callable, Mapping, Sequence, Set
 from pathlib import Path
-from time import sleep
+from time import monotonic, sleep
 from types import FrameType
 from typing import IO
 
@@ -28,7 +28,7 @@ from er_ros_common.spin import show
 from er_bringup.arguments import table
 from er_bringup.given import complete, parse
 from er_bringup.graph import NodeSpec, ends_all, nodes
-from er_bringup.processes import KILLED, POLL, Child, say, stop, worst
+from er_bringup.processes import KILLED, POLL, RESPAWN, Child, say, stop, worst
 
 USAGE = f"""usage: er up [KEY:=VALUE ...]
 
@@ -64,7 +64,7 @@ def executable(spec: NodeSpec) -> str:
 
 def argv(spec: NodeSpec) -> list[str]:
     """The whole command line of a node."""
-    return [executable(spec), *spec.arguments()]
+    return [executable(spec), *spec.arguments(), *spec.place()]
 
 
 def run(
@@ -82,25 +82,50 @@ def run(
     Raises:
         InputError: An argument, a file or a package is wrong; nothing was started then.
     """
-    specs = nodes(complete(given), configuration())
-    commands = [(spec.label, argv(spec)) for spec in specs]
+    out = out or sys.stdout
+    given = complete(given)
+    specs = nodes(given, configuration())
+    commands = {spec.label: argv(spec) for spec in specs}
+    again = {*commands} - {RECORDER.name} if given["respawn"] == "true" else set()
+    due: dict[str, float] = {}
     children: list[Child] = []
     try:
-        children += (Child(label, command, out or sys.stdout) for label, command in commands)
+        children += (Child(label, command, out) for label, command in commands.items())
         last = {spec.label for spec in specs if ends_all(spec)}
         known: frozenset[str] = frozenset()
-        while not (reason := stopping() or over(now := _statuses(children), last)):
-            known = _tell_killed(now, known, out or sys.stdout)
+        while not (reason := stopping() or over(_statuses(children, again), last)):
+            known = _tell_killed(_statuses(children), known, out)
+            _start_again(children, due, {label: commands[label] for label in again}, out)
             sleep(POLL)
-        say(f"[er up] {reason}: everything is stopped", out or sys.stdout)
+        say(f"[er up] {reason}: everything is stopped", out)
     finally:
         stop([child for child in children if child.label != RECORDER.name])
         stop([child for child in children if child.label == RECORDER.name])
     return {child.label: child.status or 0 for child in children}
 
 
-def _statuses(children: Sequence[Child]) -> dict[str, int | None]:
-    return {child.label: child.status for child in children}
+def _statuses(children: Sequence[Child], again: Set[str] = frozenset()) -> dict[str, int | None]:
+    """Exit statuses; None while it runs, or is to be started again."""
+    each = {child.label: child.status for child in children}
+    return {label: None if label in again and status else status for label, status in each.items()}
+
+
+def _start_again(
+    children: list[Child],
+    due: dict[str, float],
+    commands: Mapping[str, Sequence[str]],
+    out: IO[str],
+) -> None:
+    """Start those of these commands again that ended badly; due: when that is for those that wait for it [s]."""
+    now = monotonic()
+    for place, child in enumerate(children):
+        if child.label not in commands or not child.status:
+            continue
+        if now >= due.setdefault(child.label, now + RESPAWN):
+            del due[child.label]
+            child.finish()
+            say(f"[er up] {child.label} is started again", out)
+            children[place] = Child(child.label, commands[child.label], out)
 
 
 def _tell_killed(

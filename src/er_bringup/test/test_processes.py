@@ -107,6 +107,30 @@ def test_a_killed_node_is_said_at_once_and_once_and_the_others_go_on(
     ]
 
 
+def test_a_node_that_ends_badly_is_started_again_where_that_is_asked_for(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    mark = tmp_path / "mark"
+    once = f"import os, time; p = {str(mark)!r}; x = os.path.exists(p); open(p, 'w'); x or os.kill(os.getpid(), 9)"
+    programs = {
+        "observer": f"{once}; time.sleep(9)",
+        "recorder": "raise SystemExit(0)",
+        "plant": "import time; time.sleep(1.0)",
+    }
+    specs = [NodeSpec("er_plant_sim", name, "") for name in programs]
+    monkeypatch.setattr(up, "nodes", lambda *_: specs)
+    monkeypatch.setattr(up, "argv", lambda spec: [sys.executable, "-c", programs[spec.executable]])
+    monkeypatch.setattr(up, "RESPAWN", 0.1)
+    out = io.StringIO()
+    assert up.run({"respawn": "true"}, out)["plant"] == 0
+    lines = [line for line in out.getvalue().splitlines() if line.startswith("[er up]")]
+    assert lines[:2] == [
+        "[er up] observer was ended by SIGKILL: the others go on without it",
+        "[er up] observer is started again",
+    ]
+    assert len(lines) == 3
+
+
 @pytest.mark.parametrize(
     ("code", "status"),
     [("raise SystemExit(3)", 3), ("import os; os.kill(os.getpid(), 9)", 128 + 9)],

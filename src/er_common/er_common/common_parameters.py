@@ -68,9 +68,14 @@ def injection_allowed() -> Any:
 class NodeParameters:
     """What every node has; the table of a node inherits it."""
 
-    autostart: bool = param(True, text="configure and activate by itself; false: a manager does")
+    autostart: bool = param(
+        True, fixed=True, text="configure and activate by itself; false: a manager does"
+    )
     executor: str = param(
-        "events", choices=("events", "single"), text="what runs callbacks; single costs more"
+        "events",
+        choices=("events", "single"),
+        fixed=True,
+        text="what runs callbacks; single costs more",
     )
     priority: int = param(
         0,

@@ -53,7 +53,8 @@ class Spec:
         low, high: bounds, included, of each number, in `unit`.
         choices: allowed texts; empty when any is.
         length: number of entries of a list; None when free.
-        dynamic: whether it may change while the node runs.
+        dynamic: whether it may change while the node acts, from one sample to the next.
+        fixed: whether it cannot even change while the node is unconfigured.
     """
 
     attribute: str
@@ -67,6 +68,7 @@ class Spec:
     choices: tuple[str, ...]
     length: int | None
     dynamic: bool
+    fixed: bool
 
 
 def param(
@@ -79,11 +81,19 @@ def param(
     choices: tuple[str, ...] = (),
     length: int | None = None,
     dynamic: bool = False,
+    fixed: bool = False,
     name: str = "",
 ) -> Any:
     """Field of a parameter dataclass; the default is REQUIRED where there is no safe one."""
     meta = dict(text=text, unit=unit, low=low, high=high, choices=choices, length=length)
-    return field(default=default, metadata={"param": meta | dict(dynamic=dynamic, name=name)})
+    return field(
+        default=default, metadata={"param": meta | dict(dynamic=dynamic, fixed=fixed, name=name)}
+    )
+
+
+def tuning(default: Any, **given: Any) -> Any:
+    """Field as `param` makes it, of a value that may change while the node acts."""
+    return param(default, dynamic=True, **given)
 
 
 def specs(table: type[Any]) -> tuple[Spec, ...]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from copy import copy
 from operator import itemgetter
 from typing import Any, NamedTuple, TypeAlias
 
@@ -94,18 +95,27 @@ class FtcCore(Core):
     outputs = (topics.PWM_COMMAND,)
 
     def __init__(self, p: FtcParameters) -> None:
-        self.p = p
-        model = load_model(p.model_file)
-        loaded = load_gains(p.gains_file, model)
-        self.controller = controller_of(p, model, loaded)
+        self.model = load_model(p.model_file)
+        self.loaded = load_gains(p.gains_file, self.model)
+        self.model_id, self.gains_id = self.model.digest(), self.loaded.digest
+        self._take(p)
+
+    def _take(self, p: FtcParameters) -> None:
+        """Make the controller of model, gains and parameters."""
+        self.p, self.controller = p, controller_of(p, self.model, self.loaded)
         sample = StampLimits(stale=p.max_age, gap=self.controller.rules.gap)
         # an estimate comes later than its tick where a part of that is waited for, and acts until it is old
         self.limits = (sample, sample, StampLimits(stale=p.fault_age))
         rules = self.controller.rules
         self.believed = rules.believed[1] / rules.ahead if rules.ahead else math.inf
-        self.model_id, self.gains_id = model.digest(), loaded.digest
         warm = control.start(self.controller)
         control.step(self.controller, warm, 0.0, Sample(0.0, 0.0, 0.0, 0.0))
+
+    def tuned(self, p: FtcParameters) -> FtcCore:
+        """With another controller of the same model and gains."""
+        made = copy(self)
+        made._take(p)
+        return made
 
     def start(self) -> State:
         """Before any message."""

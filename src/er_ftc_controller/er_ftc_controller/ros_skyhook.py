@@ -14,7 +14,7 @@ from er_common.common_parameters import (
     oldest_sample,
     silence,
 )
-from er_common.parameter_table import REQUIRED, param
+from er_common.parameter_table import REQUIRED, tuning
 from er_common.stamps import Checks, StampLimits, StampState, Verdict, counted
 from er_ros_common.builders import Tick
 from er_ros_common.core import Core, Said, Shell, When, judged
@@ -38,19 +38,19 @@ REPEAT = 50_000_000
 class SkyhookParameters(NodeParameters):
     """Parameters of the node."""
 
-    u_min: float = param(
+    u_min: float = tuning(
         REQUIRED, low=0.0, high=1.0, text="duty where more damping would accelerate the body"
     )
-    u_max: float = param(REQUIRED, low=0.0, high=1.0, text="duty where damping brakes the body")
-    safe_duty: float = param(REQUIRED, low=0.0, high=1.0, text="duty without usable samples")
-    corner_frequency: float = param(
+    u_max: float = tuning(REQUIRED, low=0.0, high=1.0, text="duty where damping brakes the body")
+    safe_duty: float = tuning(REQUIRED, low=0.0, high=1.0, text="duty without usable samples")
+    corner_frequency: float = tuning(
         REQUIRED,
         unit="Hz",
         low=0.001,
         high=5.0,
         text="corner frequency of the leaky integral that gives the body's velocity",
     )
-    timeout: float = param(
+    timeout: float = tuning(
         0.025,
         unit="s",
         low=0.005,
@@ -101,6 +101,10 @@ class SkyhookCore(Core):
         self.p = p
         self.law = skyhook.Skyhook(p.u_min, p.u_max, p.corner_frequency, gap=GAP)
         self.limits = (StampLimits(stale=p.max_age, gap=GAP),) * len(self.inputs)
+
+    def tuned(self, p: SkyhookParameters) -> SkyhookCore:
+        """Made anew, as nothing is read."""
+        return SkyhookCore(p)
 
     def start(self) -> State:
         """Before any message."""

@@ -11,7 +11,7 @@ from er_common.common_parameters import (
     oldest_sample,
     sample_rate,
 )
-from er_common.parameter_table import REQUIRED, param
+from er_common.parameter_table import REQUIRED, param, tuning
 from er_models.errors import InputError
 from er_models.model import Model
 from er_models.static_damper import static_damper
@@ -36,98 +36,98 @@ class FtcParameters(NodeParameters):
         text="fault_tolerant: the forces asked for follow the faults; nominal: as if the damper were healthy",
     )
     rate: float = sample_rate()
-    u_min: float = param(REQUIRED, low=0.0, high=1.0, text="least duty")
-    u_max: float = param(REQUIRED, low=0.0, high=1.0, text="greatest duty")
-    safe_duty: float = param(REQUIRED, low=0.0, high=1.0, text="duty without usable samples")
-    mu: float = param(
+    u_min: float = tuning(REQUIRED, low=0.0, high=1.0, text="least duty")
+    u_max: float = tuning(REQUIRED, low=0.0, high=1.0, text="greatest duty")
+    safe_duty: float = tuning(REQUIRED, low=0.0, high=1.0, text="duty without usable samples")
+    mu: float = tuning(
         REQUIRED,
         unit="N",
         low=1e-6,
         high=1e6,
         text="distance to the forces the damper can give from which on rho (6.16) rises",
     )
-    largest_deflection: float = param(
+    largest_deflection: float = tuning(
         REQUIRED, unit="m", low=1e-6, high=10.0, text="largest deflection that is believed"
     )
-    largest_velocity: float = param(
+    largest_velocity: float = tuning(
         REQUIRED,
         unit="m/s",
         low=1e-6,
         high=1e3,
         text="largest deflection velocity that is believed",
     )
-    horizon: float = param(
+    horizon: float = tuning(
         0.01,
         unit="s",
         low=0.0,
         high=10.0,
         text="time in which the force loop reaches its force; 0: inverse static model",
     )
-    correction: float = param(
+    correction: float = tuning(
         0.0,
         low=0.0,
         high=1.0,
         text="share of the difference to the accelerometer's force that is corrected per sample",
     )
-    latency: float = param(
+    latency: float = tuning(
         0.0,
         unit="s",
         low=0.0,
         high=0.1,
         text="time from a sample until the duty that answers it acts",
     )
-    ahead: float = param(
+    ahead: float = tuning(
         0.0025,
         unit="s",
         low=0.0,
         high=0.1,
         text="time from the moment a duty begins to act to the middle of the time it acts: half a sample",
     )
-    slew: float = param(
+    slew: float = tuning(
         0.0, unit="1/s", low=0.0, high=1e4, text="fastest change of the duty; 0: any"
     )
-    dead_zone: float = param(0.0, low=0.0, high=0.5, text="duties below it become u_min")
-    least_gate: float = param(
+    dead_zone: float = tuning(0.0, low=0.0, high=0.5, text="duties below it become u_min")
+    least_gate: float = tuning(
         0.4,
         low=0.0,
         high=0.9,
         text="least |s|, the gate of the yield force (2.10), that a duty is computed with",
     )
-    restore: float = param(
+    restore: float = tuning(
         0.0, low=0.0, high=1.0, text="share of the lost passive force that the field gives back"
     )
-    timeout: float = param(
+    timeout: float = tuning(
         0.025,
         unit="s",
         low=0.005,
         high=1.0,
         text="silence of the inputs after which it goes to the safe duty",
     )
-    ramp: float = param(
+    ramp: float = tuning(
         0.02,
         unit="s",
         low=0.001,
         high=1.0,
         text="time to fade from the controlled duty to the safe one",
     )
-    recovery: float = param(
+    recovery: float = tuning(
         0.1,
         unit="s",
         low=0.001,
         high=10.0,
         text="time to fade back from the safe duty to the controlled one",
     )
-    fade: float = param(
+    fade: float = tuning(
         2.0,
         unit="1/s",
         low=0.01,
         high=100.0,
         text="fastest change of the fault factors that the controller uses",
     )
-    fault_age: float = param(
+    fault_age: float = tuning(
         0.5, unit="s", low=0.01, high=60.0, text="age after which a fault estimate counts as old"
     )
-    least_left: float = param(
+    least_left: float = tuning(
         0.05,
         low=0.0,
         high=0.9,

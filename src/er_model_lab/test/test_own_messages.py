@@ -31,7 +31,8 @@ def diagnostics(*names: str) -> DiagnosticArray:
     [
         ("/c/recorder/status", String(), True),
         ("/c/recorder_2/status", String(), False),
-        ("/diagnostics", diagnostics("/c/recorder: state", "/c/recorder: graph"), True),
+        ("/diagnostics", diagnostics("c/recorder: state", "c/recorder: graph"), True),
+        ("/diagnostics", diagnostics("/c/recorder: state"), True),
         ("/diagnostics", diagnostics("/c/recorder: state", "/c/plant: state"), False),
         ("/diagnostics", diagnostics("battery"), False),
         ("/rosout", Log(name="c.recorder"), True),

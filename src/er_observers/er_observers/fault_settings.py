@@ -10,7 +10,7 @@ from er_common.common_parameters import (
     oldest_sample,
     sample_rate,
 )
-from er_common.parameter_table import REQUIRED, param
+from er_common.parameter_table import REQUIRED, param, tuning
 from er_common.topics import estimated_force
 
 from er_observers.programs import OBSERVERS
@@ -46,7 +46,7 @@ class FaultParameters(NodeParameters):
     smallest_loss: float = param(
         0.06, low=0.01, high=0.5, text="smallest loss of force that is called a fault"
     )
-    timeout: float = param(
+    timeout: float = tuning(
         0.05, unit="s", low=0.005, high=1.0, text="silence after which the estimate is not valid"
     )
     max_age: float = oldest_sample()

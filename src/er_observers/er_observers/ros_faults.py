@@ -5,6 +5,8 @@ The estimate itself is `er_observers.faults.estimator`.
 
 from __future__ import annotations
 
+import math
+from copy import copy
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -77,7 +79,6 @@ class FaultCore(Core):
     outputs = (topics.FAULT,)
 
     def __init__(self, p: FaultParameters) -> None:
-        self.p = p
         model = load_model(p.model_file)
         rules = replace(RULES, tolerance=p.tolerance, smallest=p.smallest_loss, hold=p.timeout)
         self.estimator = ready(model, rules, force_noise(p, model), 1.0 / p.rate)
@@ -85,8 +86,21 @@ class FaultCore(Core):
         given = () if self.force is None else (self.force,)
         self.inputs = (*USUAL, *given)
         self.needed = tuple(range(len(self.inputs)))
-        self.limits = (StampLimits(stale=p.max_age, gap=p.timeout),) * len(self.inputs)
         self.model_id = model.digest()
+        self._take(p)
+
+    def _take(self, p: FaultParameters) -> None:
+        """What silence and age mean."""
+        self.p = p
+        self.limits = (StampLimits(stale=p.max_age, gap=p.timeout),) * len(self.inputs)
+        rules = replace(self.estimator.rules, hold=p.timeout)
+        self.estimator = replace(self.estimator, rules=rules)
+
+    def tuned(self, p: FaultParameters) -> FaultCore:
+        """With another patience."""
+        made = copy(self)
+        made._take(p)
+        return made
 
     def start(self) -> State:
         """Before any message."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+from copy import copy
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -86,16 +87,26 @@ class ObserverCore(Core):
     p: ObserverParameters
 
     def __init__(self, name: str, p: ObserverParameters) -> None:
-        self.p, self.topic = p, topics.estimated_force(name)
+        self.topic = topics.estimated_force(name)
         self.outputs = (self.topic,)
         model = load_model(p.model_file)
         gains = ready(p.gains_file, model, name)
         self.gains = gains if p.payload else replace(gains, payload=False)
         seen = (topics.DEFLECTION,) if self.gains.sees_deflection else ()
         self.inputs = (*USUAL, *seen)
-        self.limits = (StampLimits(stale=p.max_age, gap=p.timeout),) * len(self.inputs)
-        self.longest = round(1e9 * p.timeout)
         self.model_id, self.gains_id = model.digest(), self.gains.digest
+        self._take(p)
+
+    def _take(self, p: ObserverParameters) -> None:
+        """What silence and age mean."""
+        self.p, self.longest = p, round(1e9 * p.timeout)
+        self.limits = (StampLimits(stale=p.max_age, gap=p.timeout),) * len(self.inputs)
+
+    def tuned(self, p: ObserverParameters) -> ObserverCore:
+        """With another patience."""
+        made = copy(self)
+        made._take(p)
+        return made
 
     def start(self) -> State:
         """Before any message."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from er_common.common_parameters import NodeParameters, awaited_listeners, oldest_sample
-from er_common.parameter_table import REQUIRED, param
+from er_common.parameter_table import REQUIRED, param, tuning
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,7 +17,7 @@ class ObserverParameters(NodeParameters):
         REQUIRED,
         text="gains for this model; those made for a deflection sensor make it listen to that sensor",
     )
-    timeout: float = param(
+    timeout: float = tuning(
         0.05, unit="s", low=0.005, high=1.0, text="silence after which the estimate is not valid"
     )
     payload: bool = param(

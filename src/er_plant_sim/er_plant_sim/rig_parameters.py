@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 from er_common.common_parameters import NodeParameters, injection_allowed
-from er_common.parameter_table import REQUIRED, param
+from er_common.parameter_table import REQUIRED, param, tuning
 from er_models.constants import SAMPLE_RATE
 from er_models.errors import InputError
 from er_models.model import Array, Model
@@ -37,17 +37,18 @@ class RunParameters(NodeParameters):
     seed: int = param(
         -1, low=-1, high=OF_A_PLANT, text="seed of everything random; -1: the program's"
     )
+    frame_id: str = param("damper", text="header.frame_id of what is measured")
     rate: float = param(SAMPLE_RATE, unit="Hz", low=10.0, high=2000.0, text="samples per second")
     duty_source: str = param(
         "topic", choices=("program", "topic"), text="where the duty comes from"
     )
-    safe_duty: float = param(
+    safe_duty: float = tuning(
         REQUIRED, low=0.0, high=1.0, text="duty while there is no fresh command"
     )
-    command_timeout: float = param(
+    command_timeout: float = tuning(
         0.045, unit="s", low=0.005, high=1.0, text="age at which a command is no longer held"
     )
-    duty_slew: float = param(
+    duty_slew: float = tuning(
         0.0, unit="1/s", low=0.0, high=1e4, text="fastest change of the duty; 0: no limit"
     )
     noise_force: float = param(
@@ -96,6 +97,12 @@ def gate(p: RunParameters, model: Model) -> Gate:
         timeout=p.command_timeout,
         slew=p.duty_slew or math.inf,
     )
+
+
+def tuned(p: RunParameters, before: Gate) -> Gate:
+    """The same limits with what parameters say that may change; raises `InputError` where they contradict."""
+    slew = p.duty_slew or math.inf
+    return replace(before, safe_duty=p.safe_duty, timeout=p.command_timeout, slew=slew)
 
 
 def for_this_run(p: RunParameters, program: Program) -> Program:

@@ -14,6 +14,7 @@ def ros_arguments(
     name: str = "",
     namespace: str = "",
     remaps: Mapping[str, str] | None = None,
+    log_level: str = "",
 ) -> list[str]:
     """What follows the executable; nothing when there is nothing to say.
 
@@ -26,6 +27,8 @@ def ros_arguments(
         found += ["-r", f"__node:={name}"]
     for old, new in (remaps or {}).items():
         found += ["-r", f"{old}:={new}"]
+    if log_level:
+        found += ["--log-level", log_level]
     for file in files:
         found += ["--params-file", file]
     for key, value in (parameters or {}).items():

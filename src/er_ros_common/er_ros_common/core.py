@@ -50,6 +50,10 @@ class Core:
     model_id: str = ""
     gains_id: str = ""
 
+    def tuned(self, _: Any) -> Core:
+        """The same core with other dynamic parameters; a state stays good. Raises `ErError` as its maker."""
+        raise NotImplementedError
+
     def start(self) -> Any:
         """State before any message."""
         raise NotImplementedError

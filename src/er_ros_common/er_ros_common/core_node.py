@@ -37,7 +37,7 @@ class CoreNode(ManagedNode):
     def __init__(self, program: Program, argv: Sequence[str] | None = None) -> None:
         super().__init__(program.name, argv)
         self.shell = shell_of(program)
-        self.p = declare(self, self.shell.parameters)
+        self.p = declare(self, self.shell.parameters, self.changed)
 
     def configure(self) -> None:
         """Make the core and the ends of its topics."""
@@ -58,9 +58,16 @@ class CoreNode(ManagedNode):
             )
             for topic, limits in zip(self.core.inputs, self.core.limits, strict=True)
         }
-        self.watch_every(shell.period, self.on_watch, min(shell.patience, deaf_after(self.core.p)))
+        _watch(self)
         for topic, message in self.core.notes():
             self.advertise(topic).publish(message)
+
+    def tune(self, p: Any) -> None:
+        """Go on with another core from the next sample."""
+        self.core = self.core.tuned(p)
+        _watch(self)
+        for topic, limits in zip(self.core.inputs, self.core.limits, strict=True):
+            self.incoming[topic.name].limits = limits
 
     def begin(self) -> None:
         """Know nothing yet."""
@@ -111,6 +118,12 @@ class CoreNode(ManagedNode):
         if connected(inputs, outputs):
             return "ready", "no sample yet"
         return "waiting", "not connected yet"
+
+
+def _watch(node: CoreNode) -> None:
+    """Look at the silence of the inputs, no sooner than there is something to say."""
+    patience = min(node.shell.patience, deaf_after(node.core.p))
+    node.watch_every(node.shell.period, node.on_watch, patience)
 
 
 def node_of(program: Program) -> Executable:

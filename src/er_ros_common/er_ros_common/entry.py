@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 from collections.abc import Callable
 from functools import partial
 from importlib import import_module
@@ -33,8 +34,17 @@ def start(package: str, name: str) -> None:
     """What a console script calls; raises `KeyError` where the package has no such program."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _leave)
-    programs = import_module(f"{package}.programs").PROGRAMS
-    run({program.name: program for program in programs}[name])
+    try:
+        programs = import_module(f"{package}.programs").PROGRAMS
+        run({program.name: program for program in programs}[name])
+    except ModuleNotFoundError as error:
+        from er_ros_common.keys import lacking
+
+        line = lacking(name, error)
+        if not line:
+            raise
+        sys.stderr.write(f"{line}\n")
+        sys.exit(2)
 
 
 def run(program: Program) -> None:

@@ -5,9 +5,11 @@ For people and monitors; never the safety path (REP-107).
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from time import monotonic
+from typing import NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from er_common.stamps import StampState
@@ -25,6 +27,12 @@ NO_STAMPS = StampState()
 STATUS_PERIOD, DIAGNOSTICS_PERIOD = 0.1, 1.0
 SLOW_WARN, SLOW_ERROR = 0.001, 0.002
 """Mean computing times of a step that are worth a warning and an error, as in ros2_control [s]."""
+LATE = 0.01
+"""Share of the steps of a second that may take longer than a sample before it is worth a warning."""
+SECOND = round(DIAGNOSTICS_PERIOD / STATUS_PERIOD)
+"""Looks at the computing times that are judged together: what one look holds comes and goes."""
+CALM = 2.0
+"""How long all must be well before an entry that was worse is well again [s]; the state is never late."""
 _WARN = (
     NodeStatus.STATUS_INITIALIZING,
     NodeStatus.STATUS_DEGRADED,
@@ -103,7 +111,9 @@ class Health:
         self.model_id, self.gains_id = model_id, gains_id
         self.inputs, self.problems = inputs, problems
         self._count, self._timing, self._word = 0, Timing(), ""
-        self._tasks: tuple[Task, ...] = ()
+        self._tasks: dict[str, Shown] = {}
+        self._means: deque[float] = deque(maxlen=SECOND)
+        self._late: deque[int] = deque(maxlen=SECOND)
         self._sent, self._missed = -DIAGNOSTICS_PERIOD, 0
         self._status = node.create_publisher(
             NodeStatus, topics.STATUS.name, qos.profile(topics.STATUS.publisher)
@@ -140,24 +150,23 @@ class Health:
         word = f"{said.mode}: {said.reason}" if said.reason else said.mode
         if word == self._word:
             return
-        good = said.status in (NodeStatus.STATUS_OK, NodeStatus.STATUS_INITIALIZING)
-        (log.info if good else log.warning)(self.node, word)
+        log.at_level(self.node, _level(said.status), word)
         self._word = word
 
     def _diagnose(self, said: Report, now: float) -> None:
         """Send diagnostics once a second, and at once when a level has changed."""
         due = now - self._sent >= DIAGNOSTICS_PERIOD - 0.5 * STATUS_PERIOD
-        late = self.meter.deadline_misses - self._missed
+        self._late.append(self.meter.deadline_misses - self._missed)
         self._missed = self.meter.deadline_misses
-        tasks = self._found(said, now, late)
-        changed = [
-            t for t, before in zip(tasks, self._tasks, strict=False) if t.level != before.level
-        ]
-        self._tasks = tasks
+        if self._timing.step_time_mean:
+            self._means.append(self._timing.step_time_mean)
+        before, found = self._tasks, self._found(said, now)
+        self._tasks = {t.name: settled(before.get(t.name), t, now) for t in found}
+        tasks = [each.task for each in self._tasks.values()]
+        changed = [t for t in tasks if t.name in before and before[t.name].task.level != t.level]
         for task in changed:
-            # the state has been logged; nothing that comes and goes by itself is more than a line to read
-            if task.name != "state":
-                log.info(self.node, f"{task.name}: {task.text}")
+            if task.name != "state":  # which has been logged
+                log.at_level(self.node, task.level, f"{task.name}: {task.text}")
         if not due and not changed:
             return
         if due:
@@ -171,8 +180,8 @@ class Health:
         message.status = [_status(node, task, values[task.name]) for task in tasks]
         self._diagnostics.publish(message)
 
-    def _found(self, said: Report, now: float, late: int) -> tuple[Task, ...]:
-        """The tasks of diagnostics; late: steps since the last look that were not done in time."""
+    def _found(self, said: Report, now: float) -> tuple[Task, ...]:
+        """The tasks of diagnostics as they are now."""
         each = self.inputs()
         graph = [Finding(ERROR, p.topic, f"{p.text}: {p.cure}") for p in self.problems()]
         graph += [Finding(ERROR, "", text) for text in said.problems]
@@ -181,14 +190,16 @@ class Health:
             task("input rate", [i.flow(now) for i in each]),
             task("stamps", [f for i in each for f in i.stamps(now)]),
             task("values", [f for i in each for f in i.values(now)]),
-            self._load(late),
+            self._load(),
             task("graph", graph),
         )
 
-    def _load(self, late: int) -> Task:
-        """Computing times against the thresholds of ros2_control, and steps that were not done in time."""
-        mean = self._timing.step_time_mean
-        level = ERROR if mean > SLOW_ERROR else WARN if mean > SLOW_WARN or late else OK
+    def _load(self) -> Task:
+        """Computing times of the last second against the thresholds of ros2_control, and steps not done in time."""
+        whole = len(self._means) == SECOND  # the first steps are slow, and few of them say nothing
+        mean, late = (sum(self._means) / SECOND, sum(self._late)) if whole else (0.0, 0)
+        many = late > max(1.0, LATE * DIAGNOSTICS_PERIOD / self.meter.deadline)
+        level = ERROR if mean > SLOW_ERROR else WARN if mean > SLOW_WARN or many else OK
         text = (
             "in time"
             if level == OK
@@ -230,6 +241,21 @@ class Task:
     text: str
 
 
+class Shown(NamedTuple):
+    """An entry as it is shown, and when it was last found to be as bad as that [s]."""
+
+    task: Task
+    since: float
+
+
+def settled(before: Shown | None, found: Task, now: float) -> Shown:
+    """What is shown at a time [s]: what is found, but a better level only once it has lasted, so that nothing flaps."""
+    better = before is not None and found.level < before.task.level and found.name != "state"
+    if better and before is not None and now - before.since < CALM:
+        return before
+    return Shown(found, now)
+
+
 def task(name: str, found: Sequence[Finding]) -> Task:
     """The findings of one kind as an entry, the worst first."""
     level = max((f.level for f in found), default=OK)
@@ -249,7 +275,7 @@ def _status(node: str, entry: Task, values: Mapping[str, object]) -> DiagnosticS
     namespace = node.rpartition("/")[0] or "/"
     return DiagnosticStatus(
         level=bytes([entry.level]),
-        name=f"{node}: {entry.name}",
+        name=f"{node.removeprefix('/')}: {entry.name}",
         message=entry.text,
         hardware_id=namespace,
         values=pairs,

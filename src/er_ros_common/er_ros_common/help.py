@@ -35,7 +35,12 @@ def render(card: Card) -> str:
     parts.append(_section("subscribes to", [_topic_row(t) for t in card.subscribes]))
     parts.append(_section("publishes", [_topic_row(t) for t in card.publishes]))
     rows = [_parameter_row(s) for s in specs(card.parameters)] if card.parameters else []
-    parts.append(_section("parameters (read-only at runtime unless marked dynamic)", rows))
+    parts.append(
+        _section(
+            "parameters (change while it is unconfigured; dynamic: at any time; fixed: never)",
+            rows,
+        )
+    )
     return "\n\n".join(part for part in parts if part)
 
 
@@ -60,7 +65,7 @@ def _parameter_row(spec: Spec) -> tuple[str, ...]:
         spec.name,
         expectation(spec),
         default,
-        spec.text + (", dynamic" if spec.dynamic else ""),
+        spec.text + (", dynamic" if spec.dynamic else ", fixed" if spec.fixed else ""),
     )
 
 

@@ -27,6 +27,8 @@ JUMP_REMEMBERED = 5.0
 """How long a jump of time is said [s]."""
 SLOW = 0.9
 """Share of the ticks below which an input is too slow."""
+BRIDGED = 10
+"""Ticks that a sequence number may be ahead and still tell how fast the ticks come: one alone says nothing."""
 OFF = 0.1
 """Share of the rate that a node is made for by which samples may come at another one."""
 NO_STAMPS = StampState()
@@ -93,10 +95,14 @@ class Input:
     _seq: int = 0
     _row: int = 0
     _from: tuple[int, int] = (0, 0)
+    _whole: tuple[int, int] = (0, 0)
+    _begun: float = 0.0
     _period: float = 0.0
 
     def note(self, stamp: int, seq: int, arrival: float, now: int | None) -> Verdict:
         """Take one message; now: time of arrival on the clock of the stamps [ns], None where ages mean nothing."""
+        if self.arrived is None or arrival - self.arrived >= MISSING:
+            self._begun = arrival
         self.arrived = arrival
         if seq == self._seq + 1 and judge(self.limits, self._last, stamp, now) is Verdict.FRESH:
             # nearly always: only counted, until somebody asks
@@ -105,8 +111,10 @@ class Input:
         before = self.state
         self._state, verdict = check_stamp(self.limits, before, stamp, seq, now)
         self._last, self._seq = self._state[:2]
-        if verdict.use and not (verdict is Verdict.FRESH and 0 < before.seq < seq):
-            self._from = (stamp, seq)  # no mean reaches back over a new beginning
+        near = 0 < before.seq < seq <= before.seq + BRIDGED
+        if verdict.use and not (verdict is Verdict.FRESH and near):
+            # no mean reaches back over a new beginning, or a number that nobody can have counted to
+            self._whole, self._from = self._pace(before.stamp, before.seq), (stamp, seq)
         if verdict in _WORDS:
             self._bad[verdict] = arrival
             self.age = 1e-9 * (now - stamp) if now is not None and stamp else 0.0
@@ -161,13 +169,28 @@ class Input:
         That is the mean pace of the stamps meanwhile, by the sequence numbers: each stamp alone may be off.
         """
         last = self.state.stamp, self.state.seq
-        ticks = last[1] - self._from[1]
-        if ticks > 0 and self._from[1]:
-            self._period = (last[0] - self._from[0]) / ticks
-        self._from = last
+        time, ticks = self._pace(*last)
+        if ticks > 0:
+            self._period = time / ticks
+        self._whole, self._from = (0, 0), last
         if self._looked:
-            self._measured = (self.state.received - self._counted) / max(now - self._looked, 1e-9)
+            # of a second in which they began only what came after the first counts
+            late = self._begun > self._looked
+            count, since = (
+                self.state.received - self._counted - late,
+                max(self._looked, self._begun),
+            )
+            self._measured = (
+                count / max(now - since, 1e-9) if now - since > 0.5 * MISSING or not late else None
+            )
         self._counted, self._looked = self.state.received, now
+
+    def _pace(self, stamp: int, seq: int) -> tuple[int, int]:
+        """Time [ns] and ticks that the messages since the last measurement tell of, up to this one."""
+        time, ticks = self._whole
+        if not self._from[1]:
+            return time, ticks
+        return time + stamp - self._from[0], ticks + seq - self._from[1]
 
     @property
     def measured(self) -> float:

@@ -54,7 +54,7 @@ class Look:
 
     due: Callable[[], None]
     period: float
-    patience: float
+    patience: float = 0.0
     left: int = 1
 
 
@@ -146,15 +146,22 @@ class IntraProcess:
         self.moved, self.next_round, self.looking = monotonic(), 0.0, False
         self.every(LOOK_PERIOD, self.look)
 
-    def every(self, period: float, due: Callable[[], None], patience: float = 0.0) -> None:
-        """Call something each period [s] or sooner; patience: how long after a message it has nothing to say [s]."""
-        self.looks.append(Look(due, period, patience))
-        self.calm = min(max(each.period, each.patience) for each in self.looks)
+    def every(self, period: float, due: Callable[[], None]) -> Look:
+        """Call something each period [s] or sooner."""
+        look = Look(due, period)
+        self.looks.append(look)
+        self.wait(look, 0.0)
         if period < self.period:
             if self.timer is not None:
                 self.nodes[0].destroy_timer(self.timer)
             self.period = self.pace = period
             self.timer = clock.wall_timer(self.nodes[0], period, self._awake)
+        return look
+
+    def wait(self, look: Look, patience: float) -> None:
+        """How long after a message a look has nothing to say [s]."""
+        look.patience = patience
+        self.calm = min(max(each.period, each.patience) for each in self.looks)
 
     def _awake(self) -> None:
         """Make a round where messages stay away, and be back when it may be needed."""

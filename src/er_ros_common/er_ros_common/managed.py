@@ -18,9 +18,7 @@ from er_common.quality import Quality
 from er_common.stamps import StampLimits
 from er_common.topics import Topic
 from er_models.errors import ErError
-from lifecycle_msgs.srv import ChangeState
-from rclpy._rclpy_pybind11 import RCLError
-from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
@@ -35,14 +33,21 @@ from er_ros_common.health import Health, Report
 from er_ros_common.inputs import Input
 from er_ros_common.intra_process import IntraProcess, LocalPublisher, passable
 from er_ros_common.makers import reader
+from er_ros_common.private import SteadyLifecycleNode
 
 NOT_READY = ("waiting", "unconfigured", "inactive")
 """Modes of a node that does not act yet."""
+WAITS = {
+    "unconfigured": "waits for a manager (ros2 lifecycle set NODE configure)",
+    "inactive": "waits for a manager (ros2 lifecycle set NODE activate)",
+    "finalized": "it was shut down for good: start it anew",
+}
+"""Why a node does not act, by the state it is in."""
 GRAPH_PERIOD = 1.0
 """How often a node looks at the graph around it [s]."""
 
 
-class ManagedNode(LifecycleNode):
+class ManagedNode(SteadyLifecycleNode):
     """Lifecycle, health and ends of topics; subclasses fill the hooks below.
 
     p: its parameters, declared by the subclass in its constructor, a `NodeParameters`. active: whether it acts;
@@ -88,9 +93,18 @@ class ManagedNode(LifecycleNode):
     def close(self) -> None:
         """Give back what was configured: at the end, and before it is configured anew."""
 
+    def tune(self, p: Any) -> None:
+        """Go on with other dynamic parameters; raises `ErError` where they contradict, before anything is done."""
+
     def report(self) -> Report:
         """Health while active."""
         raise NotImplementedError
+
+    def changed(self, p: Any) -> None:
+        """Take parameters that were set; as `tune` where the node is configured."""
+        if self.configured:
+            self.tune(p)
+        self.p = p
 
     # tools of a node; each end is made once, however often the node is configured
 
@@ -212,18 +226,23 @@ class ManagedNode(LifecycleNode):
     def every(self, period: float, due: Callable[[], None]) -> Timer:
         """Timer [s] on the steady clock that does nothing while the node is not active."""
         call = self._in_turn(due)
-        return self._once(f"timer {due.__name__}", lambda: clock.wall_timer(self, period, call))
+        made: Timer = self._once(
+            f"timer {due.__name__}", lambda: clock.wall_timer(self, period, call)
+        )
+        made.timer_period_ns = round(1e9 * period)  # it may be of an earlier configuration
+        return made
 
     def watch_every(self, period: float, due: Callable[[], None], patience: float = 0.0) -> None:
         """The same for a look that needs no timer of its own: nodes of one process share one.
 
-        patience: how long after a message the look has nothing to say [s].
+        patience: how long after a message the look has nothing to say [s]; that of the last call counts.
         """
         local, call = self.local, self._in_turn(due)
         if local is None:
             self.every(period, due)
         else:
-            self._once(f"timer {due.__name__}", lambda: local.every(period, call, patience))
+            look = self._once(f"timer {due.__name__}", lambda: local.every(period, call))
+            local.wait(look, patience)
 
     def pass_on(self) -> None:
         """Let nodes of this process hear now what was published so far: queues are short, and this goes on for long."""
@@ -266,10 +285,12 @@ class ManagedNode(LifecycleNode):
     def _said(self) -> Report:
         if self.active:
             return self.report()
-        label = str(self._state_machine.current_state[1])
-        reason = str(self.failure) if self.failure else "autostart is false: a manager starts it"
-        status = NodeStatus.STATUS_FAULT if self.failure else NodeStatus.STATUS_INITIALIZING
-        return Report(label, status, reason, valid=False)
+        label = self.state_label
+        reason = str(self.failure or WAITS.get(label, label))
+        status = NodeStatus.STATUS_LOST if label == "finalized" else NodeStatus.STATUS_INITIALIZING
+        return Report(
+            label, NodeStatus.STATUS_FAULT if self.failure else status, reason, valid=False
+        )
 
     @property
     def common(self) -> NodeParameters:
@@ -299,6 +320,7 @@ class ManagedNode(LifecycleNode):
     def on_configure(self, _: LifecycleState) -> TransitionCallbackReturn:
         """Transition of ROS; what an earlier configuration listened to and said is asked for no more, its ends stay."""
         self.incoming, self.watched = {}, {}
+        self.__dict__.pop("aged", None)  # as the parameters may have changed
         with realtime.suspended():
             done = self._tried(self.configure)
         self.configured = done == TransitionCallbackReturn.SUCCESS
@@ -345,13 +367,3 @@ class ManagedNode(LifecycleNode):
         if self.failure and self._managed:
             log.warning(self, str(self.failure))
         return done
-
-    def _LifecycleNodeMixin__on_change_state(
-        self, asked: ChangeState.Request, answer: ChangeState.Response
-    ) -> ChangeState.Response:
-        """Answer a manager; a transition that this state does not have ends rclpy's own node with a traceback."""
-        try:
-            return super()._LifecycleNodeMixin__on_change_state(asked, answer)  # type: ignore[misc]
-        except RCLError:
-            answer.success = False
-            return answer

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from er_models.errors import ErError
-from rclpy._rclpy_pybind11 import RCLError
 from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
+
+from er_ros_common.private import RCLError
 
 ALLOWED = "letters, digits and _, with / between, each beginning with no digit"
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from difflib import get_close_matches
 from itertools import zip_longest
 from pathlib import Path
 
@@ -17,21 +18,49 @@ from er_models.errors import InputError
 
 BODY = "ros__parameters"
 COMMAND_LINE = "command line"
+MISSPELT = 0.75
+"""Similarity (difflib's ratio) from which a name is taken for another one misspelt: one letter in four."""
 
 
 def origins(argv: Sequence[str], full_name: str) -> dict[str, str]:
     """Where each parameter of a node was given: name to file or command line; later ones win.
 
     Raises:
-        InputError: a file is missing, is no parameter file, or has nothing for this node.
+        InputError: a file is missing, is no parameter file, or names a node nearly like this one.
     """
-    found: dict[str, str] = {}
+    return {name: where for name, where, _ in _each_given(argv, full_name)}
+
+
+def shared(argv: Sequence[str], full_name: str) -> set[str]:
+    """Parameters that a node was given as one of many: below ``/**`` in a file, or by a plain ``-p NAME:=VALUE``.
+
+    A launch file's SetParameter is such a plain one, so that what no node of ours has may be another's. What is
+    given to the node by its name, too, is not among them; raises as `origins` does.
+    """
+    each = [*_each_given(argv, full_name)]
+    return {name for name, _, wild in each if wild} - {n for n, _, wild in each if not wild}
+
+
+def unused(argv: Sequence[str], full_name: str) -> list[str]:
+    """One line for each parameter file that has nothing for a node, as when it is for all nodes of a vehicle."""
+    files = [Path(value) for flag, value in _ros_arguments(argv) if flag == "--params-file"]
+    named = {file: [pattern for pattern, _ in _bodies(_root(file), "")] for file in files}
+    return [
+        f"{file}: nothing in it is for {full_name}, only for {', '.join(sorted({*patterns}))}"
+        for file, patterns in named.items()
+        if not any(matches(pattern, full_name) for pattern in patterns)
+    ]
+
+
+def _each_given(argv: Sequence[str], full_name: str) -> Iterator[tuple[str, str, bool]]:
+    """Each parameter that a node was given: its name, where, and whether it was to many."""
     for flag, value in _ros_arguments(argv):
         if flag == "--params-file":
-            found.update(dict.fromkeys(_for_node(Path(value), full_name), value))
+            for pattern, body in _for_node(Path(value), full_name):
+                wild = pattern.rpartition("/")[2].startswith("*")
+                yield from ((name, value, wild) for name in _flat(body, ""))
         elif own := _own(flag, value, full_name):
-            found[own[0]] = COMMAND_LINE
-    return found
+            yield own[0], COMMAND_LINE, ":" not in value.partition(":=")[0]
 
 
 def dropped(argv: Sequence[str], given: Mapping[str, object], full_name: str) -> dict[str, object]:
@@ -108,9 +137,7 @@ def given_in(files: Sequence[str], full_name: str, name: str) -> object:
     found: object = None
     for path in map(Path, files):
         _check_file(path)
-        root = yaml.compose(path.read_text(encoding="utf-8"))
-        assert isinstance(root, yaml.MappingNode)
-        for pattern, body in _bodies(root, ""):
+        for pattern, body in _bodies(_root(path), ""):
             if matches(pattern, full_name):
                 values = [value for key, value in body.value if key.value == name]
                 found = _meant(values[-1].value) if values else found
@@ -126,6 +153,24 @@ def check_files(argv: Sequence[str]) -> None:
     for flag, value in _ros_arguments(argv):
         if flag == "--params-file":
             _check_file(Path(value))
+
+
+def check_names(path: str, named: Sequence[str], known: Sequence[str]) -> None:
+    """Refuse a file for nodes of a graph that names one of them in another namespace, or nearly as one of ours.
+
+    named: full names of the nodes that there are; known: names of all programs of ours.
+
+    Raises:
+        InputError: it cannot be read, or there is such a name.
+    """
+    _check_file(Path(path))
+    for pattern, _ in _bodies(_root(Path(path)), ""):
+        last = pattern.rpartition("/")[2]
+        near = get_close_matches(last, known, n=1, cutoff=MISSPELT)
+        absent = last in known and not any(name.endswith(f"/{last}") for name in named)
+        if near and not absent and not any(matches(pattern, name) for name in named):
+            (meant,) = get_close_matches(pattern, named, n=1, cutoff=0.0)
+            raise InputError(path, pattern, f"a node of the graph (did you mean {meant}?)", "none")
 
 
 def _ros_arguments(argv: Sequence[str]) -> Iterator[tuple[str, str]]:
@@ -201,21 +246,24 @@ def _kind(entry: yaml.ScalarNode) -> str:
     )
 
 
-def _for_node(path: Path, full_name: str) -> set[str]:
-    """Names a file gives to the node."""
+def _root(path: Path) -> yaml.MappingNode:
+    """Content of a parameter file that was checked."""
     root = yaml.compose(path.read_text(encoding="utf-8"))
     assert isinstance(root, yaml.MappingNode)
-    patterns = [pattern for pattern, _ in _bodies(root, "")]
-    bodies = [body for pattern, body in _bodies(root, "") if matches(pattern, full_name)]
-    if not bodies:
-        found = ", ".join(sorted(set(patterns)))
-        raise InputError(
-            path, found, f"parameters for {full_name} (or /** for any node)", "another node's"
-        )
-    names: set[str] = set()
-    for body in bodies:
-        names.update(_flat(body, ""))
-    return names
+    return root
+
+
+def _for_node(path: Path, full_name: str) -> list[tuple[str, yaml.MappingNode]]:
+    """What a file gives to a node, by pattern; a name that is nearly the node's is a mistake, others are others'."""
+    each = [*_bodies(_root(path), "")]
+    found = [(pattern, body) for pattern, body in each if matches(pattern, full_name)]
+    names = {pattern.rpartition("/")[2]: pattern for pattern, _ in each}
+    own = full_name.rpartition("/")[2]
+    near = get_close_matches(own, names, n=1, cutoff=MISSPELT)
+    if not found and near and near[0] != own:
+        expected = f"parameters for {full_name} (or /** for any node)"
+        raise InputError(path, names[near[0]], expected, "a name that no node has")
+    return found
 
 
 def _flat(body: yaml.MappingNode, prefix: str) -> Iterator[str]:

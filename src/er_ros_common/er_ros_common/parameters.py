@@ -1,4 +1,8 @@
-"""Declares a parameter dataclass on a node: checked once, read-only unless marked dynamic."""
+"""Declares a parameter dataclass on a node: checked when it starts, and at every change.
+
+While a lifecycle node is unconfigured everything may change that is not `fixed`; while it is configured what is marked
+`dynamic` may, and acts from the next sample on. A node without a lifecycle counts as configured for good.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +10,11 @@ import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from typing import Any, TypeVar
 
 from er_common.parameter_table import REQUIRED, Spec, build, check, expectation, param, specs
-from er_models.errors import InputError
+from er_models.errors import ErError, InputError
 from rcl_interfaces.msg import (
     FloatingPointRange,
     IntegerRange,
@@ -19,7 +24,9 @@ from rcl_interfaces.msg import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from er_ros_common.parameter_files import dropped, origins
+from er_ros_common import log
+from er_ros_common.parameter_files import COMMAND_LINE, MISSPELT, dropped, origins, shared, unused
+from er_ros_common.private import overrides
 
 __all__ = ["REQUIRED", "declare", "param"]
 
@@ -43,7 +50,7 @@ def declare(
     Args:
         node: the node that owns the parameters.
         table: frozen dataclass whose fields are made with `param`.
-        on_change: called with the new parameters after a dynamic one was set.
+        on_change: called with new parameters, checked one by one; what it raises refuses all of them.
         argv: command line that the node was started with; None means the node's, or the process's own.
 
     Raises:
@@ -52,7 +59,7 @@ def declare(
     """
     given = {
         name: parameter.value
-        for name, parameter in _overrides(node).items()
+        for name, parameter in overrides(node).items()
         if name not in BUILT_IN and not _of_ros(name)
     }
     own = getattr(node, "argv", None) if argv is None else argv
@@ -61,6 +68,13 @@ def declare(
     given |= dropped(argv, given, full_name)
     where = origins(argv, full_name)
     _no_overrides(given, where)
+    others = shared(argv, full_name) & _strangers(given, table)
+    for name in sorted(others):
+        if where[name] == COMMAND_LINE:
+            log.info(node, f"{COMMAND_LINE}: {name} is no parameter of this node, left to others")
+        del given[name]
+    for line in unused(argv, full_name):
+        log.info(node, line)
     current = build(table, given, where)
     for spec in specs(table):
         _declare_one(node, spec, getattr(current, spec.attribute))
@@ -68,10 +82,10 @@ def declare(
     return current
 
 
-def _overrides(node: Node) -> dict[str, Parameter]:
-    """What the command line, files and the constructor give; rclpy has no public way to ask."""
-    found: dict[str, Parameter] = node._parameter_overrides
-    return found
+def _strangers(given: Mapping[str, object], table: type[Any]) -> set[str]:
+    """Names that are neither a parameter of the table nor nearly one."""
+    known = [spec.name for spec in specs(table)]
+    return {name for name in given if not get_close_matches(name, known, n=1, cutoff=MISSPELT)}
 
 
 def _of_ros(name: str) -> bool:
@@ -91,7 +105,7 @@ def _declare_one(node: Node, spec: Spec, value: Any) -> None:
     descriptor = ParameterDescriptor(
         description=f"{spec.text} [{spec.unit}]",
         additional_constraints=expectation(spec),
-        read_only=not spec.dynamic,
+        read_only=spec.fixed or not (spec.dynamic or hasattr(node, "configured")),
         # rclpy takes the type from the value, and an empty list has none
         dynamic_typing=value == (),
     )
@@ -107,28 +121,25 @@ def _declare_one(node: Node, spec: Spec, value: Any) -> None:
 
 
 def _guard(node: Node, table: type[P], start: P, on_change: Callable[[P], None] | None) -> None:
-    """Check every later change before it takes place, and tell the node after it did."""
+    """Check every later change before it takes place, and hand it to the node: ROS asks nobody after this."""
     known = {spec.name: spec for spec in specs(table)}
-    current = [start]
+    current, name = [start], node.get_fully_qualified_name()
 
     def before(parameters: list[Parameter]) -> SetParametersResult:
+        settled = getattr(node, "configured", True)
+        ours = [(known[p.name], p.value) for p in parameters if p.name in known]
         try:
-            for parameter in parameters:
-                if parameter.name in known:
-                    check(known[parameter.name], parameter.value, node.get_fully_qualified_name())
-        except InputError as error:
+            for spec, _ in ours:
+                if settled and not spec.dynamic:
+                    expected = "no change while the node is configured (ros2 lifecycle set: deactivate, cleanup)"
+                    raise InputError(name, spec.name, expected, "one")
+            changed = {spec.attribute: check(spec, value, name) for spec, value in ours}
+            new: Any = replace(current[0], **changed)  # type: ignore[type-var]
+            if changed and on_change is not None:
+                on_change(new)
+        except ErError as error:
             return SetParametersResult(successful=False, reason=str(error))
+        current[0] = new
         return SetParametersResult(successful=True)
 
-    def after(parameters: list[Parameter]) -> None:
-        ours = [(known[p.name], p.value) for p in parameters if p.name in known]
-        changed = {spec.attribute: check(spec, value, "") for spec, value in ours}
-        if not changed:
-            return
-        new: Any = replace(current[0], **changed)  # type: ignore[type-var]
-        current[0] = new
-        if on_change is not None:
-            on_change(new)
-
     node.add_on_set_parameters_callback(before)
-    node.add_post_set_parameters_callback(after)

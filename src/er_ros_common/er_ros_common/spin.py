@@ -17,7 +17,6 @@ from typing import TypeAlias
 import rclpy
 from er_models.errors import ErError
 from er_models.one_line import BAD_USAGE
-from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError
 from rclpy.exceptions import ROSInterruptException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
@@ -30,6 +29,7 @@ from er_ros_common.help import Card, render
 from er_ros_common.intra_process import IntraProcess
 from er_ros_common.managed import ManagedNode
 from er_ros_common.parameter_files import check_files
+from er_ros_common.private import RCLError, UnknownROSArgsError
 from er_ros_common.stopping import Stopped
 
 #: an idle node looks at its signals this often [s]

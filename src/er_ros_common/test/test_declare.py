@@ -103,3 +103,38 @@ def test_a_parameter_of_the_command_line_is_given_to_the_nodes_that_ros_gives_it
             assert gain("high") == 2.0
     finally:
         rclpy.shutdown(context=context)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("/**:\n  ros__parameters: {gain: 2.0, wheel_base: 2.7, camera: {fps: 30}}\n", ""),
+        ("/**:\n  ros__parameters: {gian: 2.0}\n", r"gian: expected .*did you mean gain\?"),
+        ("/fl/probe:\n  ros__parameters: {wheel_base: 2.7}\n", "wheel_base: expected .*known: gain"),
+    ],
+)  # fmt: skip
+def test_keys_of_others_are_left_alone_and_misspelt_ones_refused(
+    text: str, words: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "p.yaml"
+    file.write_text(text, encoding="utf-8")
+    argv = ["--ros-args", "-r", "__ns:=/fl", "--params-file", str(file), "-p", "door:=1"]
+    context = Context()
+    rclpy.init(args=[], context=context)
+    node = Node(
+        "probe",
+        context=context,
+        cli_args=argv,
+        use_global_arguments=False,
+        start_parameter_services=False,
+        enable_rosout=False,
+    )
+    try:
+        if words:
+            with pytest.raises(InputError, match=words):
+                declare(node, Parameters, argv=argv)
+        else:
+            assert declare(node, Parameters, argv=argv) == Parameters(gain=2.0)
+    finally:
+        node.destroy_node()
+        rclpy.shutdown(context=context)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import deque
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,9 +11,16 @@ import pytest
 
 pytest.importorskip("rclpy")
 
+from er_ros_common.builders import Timing
 from er_ros_common.core import Core, Shell
 from er_ros_common.core_node import CoreNode
-from er_ros_common.health import Meter
+from er_ros_common.health import CALM, Health, Meter, Report, Shown, Task, settled
+from er_ros_common.inputs import ERROR, OK, WARN
+from rclpy.clock import ROSClock
+from rclpy.logging import LoggingSeverity
+
+from er_damper_msgs.msg import NodeStatus
+from er_ros_common import log
 
 
 def test_figures_are_those_since_the_last_look() -> None:
@@ -64,3 +73,56 @@ def test_a_step_is_late_at_the_rate_the_node_is_made_for(
     for seconds in (0.0005, 0.002, 0.007):
         meter.step(seconds)
     assert meter.deadline_misses == late
+
+
+def test_a_better_level_is_shown_once_it_lasts_and_a_worse_one_at_once() -> None:
+    good, bad = Task("timing", OK, "in time"), Task("timing", WARN, "slow")
+    shown = settled(None, good, 0.0)
+    levels = []
+    for k in range(100):
+        now = 0.1 * k
+        shown = settled(shown, bad if k < 50 and k % 3 == 0 else good, now)
+        levels.append(shown.task.level)
+    changes = sum(a != b for a, b in pairwise(levels))
+    assert (levels[0], levels[-1], changes) == (WARN, OK, 1)
+    last = max(k for k in range(50) if k % 3 == 0)
+    assert levels.index(OK) == pytest.approx(last + 10 * CALM, abs=1)
+    state = settled(Shown(Task("state", ERROR, "silent"), 9.9), Task("state", OK, "running"), 10.0)
+    assert state.task.level == OK
+
+
+def made(**more: Any) -> tuple[Health, list[Any], list[tuple[int, str]]]:
+    """Health of a node that is none, what it publishes as diagnostics, and what it logs at which level."""
+    sent: list[Any] = []
+    health = Health.__new__(Health)
+    node = SimpleNamespace(get_fully_qualified_name=lambda: "/fl/plant", get_clock=ROSClock)
+    vars(health).update(
+        node=node, report=lambda: Report("running"), meter=Meter(0.005), inputs=tuple, problems=tuple,
+        _timing=Timing(), _tasks={}, _word="", _missed=0, _sent=-1.0, _means=deque(maxlen=10), _late=deque(maxlen=10),
+        _diagnostics=SimpleNamespace(publish=sent.append), **more,
+    )  # fmt: skip
+    return health, sent, []
+
+
+def test_names_are_those_of_diagnostic_updater_and_levels_those_of_the_log(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    health, sent, lines = made()
+    monkeypatch.setattr(log, "write", lambda _, severity, text: lines.append((severity, text)))
+    for k in range(100):
+        late = k in (10, 30, 50)  # one of 200 steps of a second
+        slow = 60 <= k < 70
+        health.meter.deadline_misses += late
+        health._timing = Timing(step_time_mean=0.004 if slow else 0.0004)
+        health._diagnose(Report("running"), 0.1 * k)
+    assert {each.name for each in sent[0].status} == {
+        f"fl/plant: {name}"
+        for name in ("state", "input rate", "stamps", "values", "timing", "graph")
+    }
+    assert {each.hardware_id for each in sent[0].status} == {"/fl"}
+    severities = [severity for severity, _ in lines]
+    assert severities == [LoggingSeverity.WARN, LoggingSeverity.ERROR, LoggingSeverity.INFO]
+    lines.clear()
+    for status in (NodeStatus.STATUS_LOST, NodeStatus.STATUS_DEGRADED, NodeStatus.STATUS_OK):
+        health._log(Report("some", status, str(status)))
+    assert [severity for severity, _ in lines] == severities[1::-1] + severities[2:]

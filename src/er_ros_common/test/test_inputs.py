@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from er_common.stamps import StampLimits, StampState, check_stamp
-from er_ros_common.inputs import ERROR, OK, WARN, Input
+from er_ros_common.inputs import ERROR, OK, WARN, Finding, Input
 
 MS = 1_000_000
 T0 = 1_000_000 * MS
@@ -184,3 +184,35 @@ def test_a_jump_of_time_is_said_and_is_no_fault(step: int, words: str) -> None:
     assert found.level == OK
     assert words in found.text
     assert each.state.resets == 1
+
+
+def test_a_forged_number_makes_no_rate() -> None:
+    each = watched()
+    each.measure(100.0)
+    end = feed(each, range(1, 201))
+    each.measure(end)
+    each.note(T0 + 5 * MS * 200 + MS, 10**18, end + 0.001, None)
+    end = feed(each, range(201, 401))
+    each.measure(end)
+    assert each.flow(end) == Finding(OK, "/sensors/force", "comes")
+    for k, seq in enumerate(
+        range(401, 601)
+    ):  # a number far ahead among good ones, again and again
+        at = end + 0.005 * k
+        each.note(T0 + 5 * MS * seq, seq + (10**6 if k % 50 == 49 else 0), at, None)
+    each.measure(end + 1.0)
+    assert each.flow(end + 1.0).level == OK
+
+
+def test_the_second_in_which_an_input_begins_is_no_slow_one() -> None:
+    each = watched()
+    each.measure(100.0)
+    each.measure(101.0)
+    end = feed(each, range(1, 81), 101.6)
+    each.measure(end)
+    assert each.flow(end).level == OK
+    end = feed(each, range(81, 281), 101.6)
+    each.measure(end)
+    assert each.measured == pytest.approx(200.0)
+    each.measure(feed(each, range(281, 301), end + 3.0 - 1.4))  # after a pause it begins anew
+    assert each.flow(end + 3.1).level == OK

@@ -6,7 +6,16 @@ from pathlib import Path
 
 import pytest
 from er_models.errors import InputError
-from er_ros_common.parameter_files import check_files, dropped, matches, origins, read_value
+from er_ros_common.parameter_files import (
+    check_files,
+    check_names,
+    dropped,
+    matches,
+    origins,
+    read_value,
+    shared,
+    unused,
+)
 
 
 def argv(path: Path) -> list[str]:
@@ -58,11 +67,55 @@ def test_values_are_traced_and_the_later_one_wins(tmp_path: Path) -> None:
     assert found == {"rate": "command line", "noise.force": str(path), "seed": str(path)}
 
 
-def test_file_for_another_node_is_refused(tmp_path: Path) -> None:
+def test_a_file_for_other_nodes_is_left_alone_and_told(tmp_path: Path) -> None:
     path = tmp_path / "p.yaml"
     path.write_text("observer:\n  ros__parameters:\n    rate: 1.0\n", encoding="utf-8")
-    with pytest.raises(InputError, match=r"expected parameters for /fl/plant"):
+    assert origins(argv(path), "/fl/plant") == {}
+    (line,) = unused(argv(path), "/fl/plant")
+    assert line == f"{path}: nothing in it is for /fl/plant, only for /observer"
+    assert unused(argv(path), "/observer") == []
+
+
+def test_a_file_for_a_name_that_is_nearly_the_nodes_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "p.yaml"
+    path.write_text("/fl/plnat:\n  ros__parameters:\n    rate: 1.0\n", encoding="utf-8")
+    words = r"p\.yaml: /fl/plnat: expected parameters for /fl/plant \(or /\*\* for any node\)"
+    with pytest.raises(InputError, match=words):
         origins(argv(path), "/fl/plant")
+
+
+def test_what_is_given_to_many_is_told_from_what_is_given_to_the_node(tmp_path: Path) -> None:
+    path = tmp_path / "p.yaml"
+    path.write_text(
+        "/**:\n  ros__parameters: {a: 1, b: 2}\n/**/plant:\n  ros__parameters: {b: 3, c: 4}\n"
+        "/other:\n  ros__parameters: {d: 5}\n",
+        encoding="utf-8",
+    )
+    single = ["-p", "e:=1", "-p", "plant:f:=1", "-p", "other:g:=1"]
+    assert shared([*argv(path), *single], "/fl/plant") == {"a", "e"}
+
+
+@pytest.mark.parametrize(
+    ("pattern", "meant"),
+    [
+        ("/**", ""),
+        ("/**/plant", ""),
+        ("/camera", ""),
+        ("/car/observer", ""),
+        ("/plant", "/fl/plant"),
+        ("/fl/plnat", "/fl/plant"),
+        ("/fl/obsrver", "/fl/plant"),
+    ],
+)
+def test_a_file_for_a_graph_names_its_nodes(tmp_path: Path, pattern: str, meant: str) -> None:
+    path = tmp_path / "p.yaml"
+    path.write_text(f"{pattern}:\n  ros__parameters: {{a: 1}}\n", encoding="utf-8")
+    given = (str(path), ["/fl/plant"], ["plant", "observer"])
+    if not meant:
+        check_names(*given)
+        return
+    with pytest.raises(InputError, match=rf"{pattern}: expected a node .* mean {meant}\?"):
+        check_names(*given)
 
 
 def test_arguments_after_the_ros_ones_are_not_read(tmp_path: Path) -> None:

@@ -110,13 +110,18 @@ def test_bad_arguments_are_one_line_and_status_2(args: list[str], message: str) 
     assert errors.count("\n") == 1
 
 
-def test_parameter_file_with_an_unknown_key_is_refused(tmp_path: Path) -> None:
+def test_parameter_file_with_a_misspelt_key_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "p.yaml"
-    path.write_text("/**:\n  ros__parameters:\n    rate: 100\n    typo: 1\n", encoding="utf-8")
+    path.write_text(
+        "/**:\n  ros__parameters:\n    rate: 100\n    wheel_base: 2.7\n    gian: 1.0\n",
+        encoding="utf-8",
+    )
     child = start("--ros-args", "--params-file", str(path))
     _, errors = child.communicate(timeout=20)
     assert child.returncode == 2
-    assert errors.startswith(f"demo: {path}: typo: expected a parameter of this node")
+    assert errors.startswith(
+        f"demo: {path}: gian: expected a parameter of this node (did you mean gain?)"
+    )
 
 
 def test_parameter_file_is_used_and_its_integer_promoted(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""A layout of PlotJuggler 3: a tab a page, curves by header stamp."""
+"""A layout of PlotJuggler 3: a tab a page. Whose stamps count is asked by its dialogue, which no layout answers."""
 
 from __future__ import annotations
 

@@ -8,7 +8,6 @@ from functools import partial
 from time import perf_counter
 from typing import Any
 
-from er_ros_common.core import When
 from er_ros_common.graph_check import connected
 from er_ros_common.health import Report
 from er_ros_common.help import Card
@@ -17,7 +16,14 @@ from er_ros_common.parameters import declare
 from er_ros_common.spin import Executable, run
 
 from er_bringup.programs import JOINT
-from er_bringup.ros_joint import COMMANDS, STATES, JointCore, JointParameters
+from er_bringup.ros_joint import (
+    COMMANDS,
+    DUTY_COMMANDS,
+    DUTY_STATES,
+    STATES,
+    JointCore,
+    JointParameters,
+)
 from er_common import topics
 from er_damper_msgs.msg import NodeStatus
 
@@ -27,34 +33,36 @@ class JointNode(ManagedNode):
 
     def __init__(self, argv: Sequence[str] | None = None) -> None:
         super().__init__(JOINT.name, argv)
-        self.p: JointParameters = declare(self, JointParameters)
+        self.p: JointParameters = declare(self, JointParameters, self.changed)
 
     def configure(self) -> None:
         """Make the ends."""
         self.core = JointCore(self.p)
         self.out = {topic.name: self.advertise(topic) for topic in self.core.outputs}
-        sensors = [topic for topic in self.core.inputs if topic is not COMMANDS]
-        self.ends = [self.subscribe(topic, partial(self.on_sensor, topic)) for topic in sensors]
-        # no message of ours: it has no sequence number to watch, but types and ends like any
-        self.watched[COMMANDS.name] = COMMANDS
-        commanded = self.while_active(self.on_command)
-        self.listen(COMMANDS.name, COMMANDS.type, commanded, COMMANDS.subscriber)
+        self.ends = [
+            self.subscribe(
+                topic, partial(self.take, topic), needed=topic is not topics.PWM_APPLIED
+            )
+            for topic in self.core.inputs
+        ]
+        for topic in self.core.commands:
+            # no message of ours: it has no sequence number to watch, but types and ends like any
+            self.watched[topic.name] = topic
+            commanded = self.while_active(partial(self.take, topic))
+            self.listen(topic.name, topic.type, commanded, topic.subscriber)
+
+    def tune(self, p: JointParameters) -> None:
+        """Go on with another patience."""
+        self.core = self.core.tuned(p)
 
     def begin(self) -> None:
         """Know nothing yet."""
         self.state = self.core.start()
 
-    def on_sensor(self, topic: topics.Topic, message: Any) -> None:
-        """Take a deflection or a force."""
-        self.take(topic, message, self.came)
-
-    def on_command(self, message: Any) -> None:
-        """Take a joint command."""
-        self.take(COMMANDS, message, self.when())
-
-    def take(self, topic: topics.Topic, message: Any, when: When) -> None:
+    def take(self, topic: topics.Topic, message: Any) -> None:
         """Give a message to the core and publish what it says."""
         began = perf_counter()
+        when = self.when() if topic in self.core.commands else self.came
         self.state, said = self.core.on_message(self.state, topic, message, when)
         for to, answer in said:
             self.out[to.name].publish(answer)
@@ -89,8 +97,8 @@ class JointNode(ManagedNode):
 CARD = Card(
     JOINT,
     JointParameters,
-    subscribes=(topics.DEFLECTION, topics.FORCE, COMMANDS),
-    publishes=(STATES, topics.PWM_COMMAND, topics.STATUS, topics.DIAGNOSTICS),
+    subscribes=(topics.DEFLECTION, topics.FORCE, topics.PWM_APPLIED, COMMANDS, DUTY_COMMANDS),
+    publishes=(STATES, DUTY_STATES, topics.PWM_COMMAND, topics.STATUS, topics.DIAGNOSTICS),
 )
 NODE = Executable(JointNode, CARD)
 

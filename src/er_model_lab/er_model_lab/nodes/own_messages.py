@@ -12,7 +12,7 @@ from er_model_lab.nodes.selection import message_class
 
 SENDERS: dict[str, Callable[[Any], set[str]]] = {
     "diagnostic_msgs/msg/DiagnosticArray": lambda m: {
-        each.name.rpartition(": ")[0] for each in m.status
+        f"/{each.name.rpartition(': ')[0].lstrip('/')}" for each in m.status
     },
     "rcl_interfaces/msg/Log": lambda m: {f"/{m.name.replace('.', '/')}"},
     "rcl_interfaces/msg/ParameterEvent": lambda m: {m.node},

@@ -71,7 +71,7 @@ class Recorder(ManagedNode):
 
     def __init__(self, argv: Sequence[str] | None = None) -> None:
         super().__init__(RECORDER.name, argv)
-        self.p = declare(self, RecorderParameters)
+        self.p = declare(self, RecorderParameters, self.changed)
         self.trouble: ErError | None = None
 
     def configure(self) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from er_common.parameter_table import REQUIRED, param
+from er_common.parameter_table import REQUIRED, param, tuning
 from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Array
@@ -46,7 +46,7 @@ class BridgeParameters(RigParameters):
         choices=("program", "device"),
         text="who decides how the road moves: the device itself, or the program",
     )
-    silence: float = param(
+    silence: float = tuning(
         0.05,
         unit="s",
         low=0.005,

@@ -10,6 +10,7 @@ import signal
 import sys
 import threading
 from collections.abc import Sequence
+from dataclasses import replace
 from time import monotonic_ns, perf_counter
 
 from er_common.stamps import SECOND, StampLimits
@@ -33,6 +34,7 @@ from er_plant_sim.nodes.roll_call import Gathering
 from er_plant_sim.nodes.system_time import SystemTime
 from er_plant_sim.nodes.wire import Wire
 from er_plant_sim.programs import BRIDGE
+from er_plant_sim.rig_parameters import tuned
 from er_plant_sim.ros_commands import Commands
 from er_ros_common import log
 
@@ -46,7 +48,7 @@ class BridgeNode(ManagedNode):
 
     def __init__(self, argv: Sequence[str] | None = None) -> None:
         super().__init__(BRIDGE.name, argv)
-        self.p: BridgeParameters = declare(self, BridgeParameters)
+        self.p: BridgeParameters = declare(self, BridgeParameters, self.changed)
         self.lock = threading.Lock()
 
     def configure(self) -> None:
@@ -56,7 +58,9 @@ class BridgeNode(ManagedNode):
         self.state = bridge.start(self.bridge, monotonic_ns())
         units = spoilable(programmed=self.bridge.duty is not None)
         self.port = FaultPort(self, units, enabled=p.enable_fault_injection, seed=0, rate=p.rate)
-        self.out = Outlet(self, self.port, force_sd=p.noise_force, clock_rate=0.0)
+        self.out = Outlet(
+            self, self.port, force_sd=p.noise_force, clock_rate=0.0, frame=p.frame_id
+        )
         self.gathering = Gathering(self, self.out, p.wait_for, p.wait_for_nodes, p.start_timeout)
         if self.bridge.duty is None:
             self.subscribe(topics.PWM_COMMAND, self.on_command)
@@ -66,6 +70,15 @@ class BridgeNode(ManagedNode):
         self.health.meter.deadline = 1e-9 * self.bridge.period
         self.watch_every(WATCH_PERIOD, self.on_watch)
         self.every(1.0, self.on_second)
+
+    def tune(self, p: BridgeParameters) -> None:
+        """Go on with other limits of the duty and another patience; the wire's thread sees both at once."""
+        changed = tuned(p, self.bridge.gate)
+        with self.lock:
+            self.bridge = replace(self.bridge, gate=changed, silence=p.silence)
+        self.limits = StampLimits(stale=p.command_timeout)
+        for each in self.incoming.values():
+            each.limits = self.limits
 
     def stamp_limits(self) -> StampLimits:
         """A command is good for as long as it is held."""

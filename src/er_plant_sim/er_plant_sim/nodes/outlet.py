@@ -35,10 +35,16 @@ class Outlet:
     """Publishers of the measurements, the applied duty and, in simulated time, of /clock."""
 
     def __init__(
-        self, node: ManagedNode, port: FaultPort, *, force_sd: float, clock_rate: float
+        self,
+        node: ManagedNode,
+        port: FaultPort,
+        *,
+        force_sd: float,
+        clock_rate: float,
+        frame: str,
     ) -> None:
         made = node.advertise
-        self.port, self.force_sd = port, force_sd
+        self.port, self.force_sd, self.frame = port, force_sd, frame
         self.acceleration, self.deflection = made(topics.ACCELERATION), made(topics.DEFLECTION)
         self.force, self.road = made(topics.FORCE), made(topics.ROAD)
         self.applied = made(topics.PWM_APPLIED)
@@ -49,7 +55,7 @@ class Outlet:
         """Publish one tick's measurements, simulated time first."""
         if self.clock is not None and tick.seq % self.every == 0:
             self.clock.publish(Clock(clock=to_stamp(tick.stamp)))
-        send = self.port.publish
+        send = self._send
         send(self.acceleration, topics.ACCELERATION, ros_msgs.acceleration(tick, measured))
         send(self.deflection, topics.DEFLECTION, ros_msgs.deflection(tick, measured))
         send(self.force, topics.FORCE, ros_msgs.force(tick, measured, self.force_sd))
@@ -57,12 +63,16 @@ class Outlet:
 
     def send_applied(self, tick: Tick, duty: Applied) -> None:
         """Publish the duty in force from this tick on."""
-        self.port.publish(self.applied, topics.PWM_APPLIED, ros_msgs.applied(tick, duty))
+        self._send(self.applied, topics.PWM_APPLIED, ros_msgs.applied(tick, duty))
 
     def publish(self, messages: tuple[Any, ...]) -> None:
         """Publish acceleration, deflection, force, road, applied duty of one tick."""
         for publisher, topic, message in zip(self._all(), topics.SENSORS, messages, strict=True):
-            self.port.publish(publisher, topic, message)
+            self._send(publisher, topic, message)
+
+    def _send(self, publisher: Publisher, topic: topics.Topic, message: Any) -> None:
+        message.header.frame_id = self.frame
+        self.port.publish(publisher, topic, message)
 
     def subscribers(self) -> tuple[int, ...]:
         """Subscribers of acceleration, deflection, force, road, applied duty."""

@@ -11,6 +11,7 @@ import math
 import signal
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from time import monotonic, perf_counter
 
@@ -21,6 +22,7 @@ from er_ros_common.fault_port import FaultPort
 from er_ros_common.health import Report
 from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import declare
+from er_ros_common.private import overrides
 from er_ros_common.spin import Executable, run
 
 from er_common import topics
@@ -37,6 +39,7 @@ from er_plant_sim.nodes.pace import Pace
 from er_plant_sim.nodes.recording import Recording
 from er_plant_sim.nodes.roll_call import Gathering
 from er_plant_sim.programs import PLANT
+from er_plant_sim.rig_parameters import tuned
 from er_plant_sim.ros_commands import Commands
 from er_plant_sim.settings import PlantParameters, table
 from er_ros_common import log
@@ -56,7 +59,7 @@ class PlantNode(ManagedNode):
 
     def __init__(self, argv: Sequence[str] | None = None) -> None:
         super().__init__(PLANT.name, argv)
-        self.p: PlantParameters = declare(self, table(self._parameter_overrides))
+        self.p: PlantParameters = declare(self, table(overrides(self)), self.changed)
 
     def configure(self) -> None:
         """Load the models and make the ends; the car stands at the beginning of its road."""
@@ -78,7 +81,9 @@ class PlantNode(ManagedNode):
             seed=max(p.seed, 0),
             rate=p.rate * p.rate_factor or math.inf,
         )
-        self.out = Outlet(self, self.port, force_sd=p.noise_force, clock_rate=clock_rate)
+        self.out = Outlet(
+            self, self.port, force_sd=p.noise_force, clock_rate=clock_rate, frame=p.frame_id
+        )
         self.recording = Recording(self, p.recorder, p.recorded, p.rate, self.on_recorded)
         self.gathering = Gathering(
             self,
@@ -95,6 +100,13 @@ class PlantNode(ManagedNode):
         period = self.rig.dt / p.rate_factor if p.rate_factor else WAKE_PERIOD
         self.timer = self.every(period, self.on_time)
         self.every(1.0, self.on_second)
+
+    def tune(self, p: PlantParameters) -> None:
+        """Go on with other limits of the duty."""
+        self.rig = replace(self.rig, gate=tuned(p, self.rig.gate))
+        self.limits = StampLimits(stale=p.command_timeout)
+        for each in self.incoming.values():
+            each.limits = self.limits
 
     @cached_property
     def aged(self) -> bool:

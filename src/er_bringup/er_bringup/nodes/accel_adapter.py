@@ -1,0 +1,22 @@
+"""Accelerometers as geometry_msgs/AccelStamped for a corner."""
+
+from __future__ import annotations
+
+import sys
+
+from er_ros_common.spin import run
+
+from er_bringup.nodes.acceleration_adapter import executable
+from er_bringup.programs import ACCEL_ADAPTER
+from er_bringup.ros_adapter import ACCEL, AdapterParameters
+
+NODE = executable(ACCEL_ADAPTER, AdapterParameters, ACCEL)
+
+
+def main() -> None:
+    """Entry point of the executable."""
+    sys.exit(run(NODE.make, NODE.card))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,162 @@
+"""Parameters of running nodes: what may change does, from the next sample on; the rest says why not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+import rclpy
+from er_bringup.programs import CORES
+from er_common.parameter_table import specs
+from er_common.program import Program
+from er_ftc_controller.programs import FTC, SKYHOOK
+from er_ftc_controller.settings import controller_of
+from er_observers.programs import FAULT_ESTIMATOR, OBSERVERS
+from er_plant_sim.nodes.plant import PlantNode
+from er_ros_common.core import When, shell_of
+from er_ros_common.core_node import CoreNode
+from er_ros_common.managed import ManagedNode
+from rclpy.parameter import Parameter
+
+from er_common import topics
+from er_ros_common import builders
+from test.graph_help import CONFIG, GAINS, VEHICLE, own_domain, plant_arguments
+
+MORE = {
+    FTC: ["-p", f"model_file:={VEHICLE}", "-p", f"gains_file:={CONFIG / 'gains/lpv_ftc.yaml'}"],
+    FAULT_ESTIMATOR: ["-p", f"model_file:={VEHICLE}"],
+    OBSERVERS["nlpv_polytopic"]: ["-p", f"model_file:={VEHICLE}", "-p", f"gains_file:={GAINS}"],
+    SKYHOOK: [],
+}
+
+
+@pytest.fixture(autouse=True)
+def ros() -> Iterator[None]:
+    """ROS in this process, in a domain of its own."""
+    with own_domain() as env:
+        rclpy.init(args=[], domain_id=int(env["ROS_DOMAIN_ID"]))
+        yield
+        rclpy.try_shutdown()
+
+
+@pytest.fixture
+def node(request: pytest.FixtureRequest) -> Iterator[ManagedNode]:
+    """A node of a program, configured and active."""
+    program: Program = request.param
+    if program in CORES.values():
+        file = str(CONFIG / f"nodes/{program.name}.yaml")
+        argv = ["--ros-args", "--params-file", file, *MORE[program]]
+        made: ManagedNode = CoreNode(program, argv)
+    else:
+        made = PlantNode(plant_arguments("-p", "duty_source:=topic"))
+    made.start()
+    yield made
+    made.on_stop()
+    made.destroy_node()
+
+
+def put(node: ManagedNode, **given: Any) -> str:
+    """Set parameters at once; why not, empty where it was done."""
+    made = [Parameter(name, value=value) for name, value in given.items()]
+    result = node.set_parameters_atomically(made)
+    assert result.successful != bool(result.reason)
+    return str(result.reason)
+
+
+def answer(core: Any, state: Any, number: int) -> tuple[Any, float]:
+    """The duty of a Skyhook core for a sample that asks for the most."""
+    tick, when = builders.Tick(number * 5_000_000, number), When(number * 5_000_000, None)
+    body = builders.suspension_acceleration(tick, 2.0, 0.0)
+    state, _ = core.on_message(state, topics.ACCELERATION, body, when)
+    strut = builders.suspension_deflection(tick, 0.0, 0.2)
+    state, ((_, said),) = core.on_message(state, topics.DEFLECTION, strut, when)
+    return state, said.duty
+
+
+@pytest.mark.parametrize("node", [SKYHOOK], indirect=True)
+def test_a_tuning_value_acts_from_the_next_sample_on(node: CoreNode) -> None:
+    node.core.p = replace(node.core.p, max_age=0.0)
+    state, duty = answer(node.core, node.core.start(), 1)
+    assert duty == node.p.u_max
+    assert put(node, u_max=0.21, max_age=0.0) == (
+        "/skyhook_controller: max_age: expected no change while the node is configured "
+        "(ros2 lifecycle set: deactivate, cleanup), found one"
+    )
+    assert put(node, u_max=0.21) == ""
+    assert node.p.u_max == node.get_parameter("u_max").value == 0.21
+    node.core.p = replace(node.core.p, max_age=0.0)
+    assert answer(node.core, state, 2)[1] == 0.21
+
+
+@pytest.mark.parametrize("node", [SKYHOOK], indirect=True)
+def test_values_that_contradict_are_refused_together(node: CoreNode) -> None:
+    before, core = node.p, node.core
+    assert "expected 0 <= u_min <= u_max <= 1, found 0.9 and" in put(node, timeout=0.5, u_min=0.9)
+    assert "u_max" in put(node, u_max=1.5)
+    assert "executor" in put(node, executor="single")
+    assert (node.p, node.core) == (before, core)
+    assert node.get_parameter("timeout").value == before.timeout
+    assert put(node, u_min=0.5, u_max=0.9) == ""
+
+
+@pytest.mark.parametrize("node", [SKYHOOK], indirect=True)
+def test_all_may_change_while_a_node_is_unconfigured(node: CoreNode) -> None:
+    assert put(node, max_age=0.5)
+    node.trigger_deactivate()
+    assert put(node, max_age=0.5)
+    node.trigger_cleanup()
+    assert put(node, max_age=0.5, listeners=3) == ""
+    assert put(node, autostart=False)
+    node.trigger_configure()
+    assert node.core.limits[0].stale == node.incoming["sensors/deflection"].limits.stale == 0.5
+    assert node.p.listeners == 3
+
+
+@pytest.mark.parametrize("node", [*MORE], ids=lambda p: p.name, indirect=True)
+def test_a_core_with_other_values_is_the_core_that_is_made_of_them(node: CoreNode) -> None:
+    shell = shell_of(CORES[node.get_name()])
+    dynamic = [spec for spec in specs(type(node.p)) if spec.dynamic]
+    assert dynamic
+    for spec in dynamic:
+        old = getattr(node.p, spec.attribute)
+        new = 0.9 * old + 0.1 * spec.high if old == spec.low else 0.9 * old + 0.1 * spec.low
+        p = replace(node.p, **{spec.attribute: new})
+        tuned, made = node.core.tuned(p), shell.make(p)
+        assert tuned.p == p
+        assert tuned.limits == made.limits
+        assert _inside(tuned) == _inside(made), spec.name
+        assert _inside(tuned) != _inside(node.core), spec.name
+    assert put(node, timeout=0.03) == ""
+    assert node.core.p.timeout == 0.03
+    assert {each.limits for each in node.incoming.values()} == set(node.core.limits)
+
+
+def _inside(core: Any) -> str:
+    """What a core computes with, as text."""
+    each = {k: v for k, v in vars(core).items() if k not in ("model", "loaded")}
+    if "controller" in each:
+        each["controller"] = controller_of(core.p, core.model, core.loaded)
+        assert str(each["controller"]) == str(core.controller)
+    return str(each)
+
+
+@pytest.mark.parametrize("node", [Program("plant", "er_plant_sim", "")], indirect=True)
+def test_the_plant_takes_other_limits_of_the_duty(node: PlantNode) -> None:
+    assert put(node, safe_duty=0.12, command_timeout=0.03, duty_slew=2.0) == ""
+    gate = node.rig.gate
+    assert (gate.safe_duty, gate.timeout, gate.slew) == (0.12, 0.03, 2.0)
+    assert node.limits.stale == node.incoming["pwm/command"].limits.stale == 0.03
+    assert "safe_duty: expected a duty between duty_min and duty_max" in put(node, safe_duty=0.99)
+    assert node.rig.gate is gate
+    assert "rate: expected no change" in put(node, rate=100.0)
+    node.trigger_deactivate()
+    node.trigger_cleanup()
+    assert put(node, rate=100.0) == ""
+    node.trigger_configure()
+    assert node.rig.dt == 0.01
+    assert node.timer.timer_period_ns == 10_000_000
