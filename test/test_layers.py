@@ -144,7 +144,7 @@ def test_the_pure_library_needs_no_ros():
 
 
 HEAVY = {
-    "asammdf", "clarabel", "cvxpy", "jinja2", "matplotlib", "mcap", "pandas", "plotly", "pyarrow", "pydantic", "rich",
+    "asammdf", "clarabel", "cvxpy", "dask", "distributed", "fsspec", "jinja2", "matplotlib", "mcap", "pandas", "plotly", "pyarrow", "pydantic", "rich",
     "rosbags", "scipy.integrate", "scipy.interpolate", "scipy.optimize", "scipy.signal", "scipy.sparse", "scipy.stats",
     "sklearn", "typer",
 }  # fmt: skip

@@ -52,7 +52,7 @@ SYSTEM = {
     "yaml": "python3-yaml",
 }
 """Modules to their keys of rosdep (rosdistro's rosdep/python.yaml)."""
-WITHOUT_KEY = {"asammdf", "compression", "nptdms", "pyarrow"}
+WITHOUT_KEY = {"asammdf", "compression", "dask", "distributed", "fsspec", "nptdms", "pyarrow"}
 """Modules without a key, and one that Python 3.14 has: `./er setup` or pip installs them."""
 PART_OF = {
     **dict.fromkeys(("rosidl_runtime_py", "rpyutils"), "rclpy"),
