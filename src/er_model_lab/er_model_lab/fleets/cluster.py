@@ -26,6 +26,8 @@ PATIENCE = 60.0
 """How long a scheduler that is gone is waited for [s]."""
 ONE = {**THREADS, "NUMBA_NUM_THREADS": "1"}
 """Environment of a worker: one of them has one core."""
+WORKER = "er_model_lab.fleets.worker"
+"""Module whose `dask_setup` a worker calls first."""
 
 
 @contextmanager
@@ -68,6 +70,7 @@ def _here(distributed: Any, workers: int | None, folder: str) -> Iterator[Any]:
         distributed.LocalCluster(
             n_workers=workers or cores(), threads_per_worker=1, processes=True, dashboard_address=None,
             host="127.0.0.1", local_directory=folder, silence_logs=logging.CRITICAL, env=ONE,
+            preload=[WORKER],
         ) as made,
         distributed.Client(made, set_as_default=False) as client,
     ):  # fmt: skip
