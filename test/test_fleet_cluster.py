@@ -5,14 +5,12 @@ import signal
 import time
 
 import psutil
-import pyarrow.parquet as parquet
 import pytest
 from er_model_lab.fleets.asked import Asked, code
 from er_model_lab.fleets.cluster import cluster, refuse_others
 from er_model_lab.fleets.engine import OtherCode, spread
 
 import er_model_lab as lab
-from test.sample import write_sample
 
 pytestmark = pytest.mark.slow
 ASKED = Asked(lab.load_model("inove_guo"))
@@ -57,27 +55,28 @@ def test_a_worker_that_is_killed_costs_nothing(engine):
 
     spread(engine, told_by, ((k, k) for k in range(400)), ASKED, told, lambda: None)
     assert [found[k][0] for k in range(400)] == [*range(400)]
-    engine.executor._client.wait_for_workers(2, timeout=30)  # another came for the one that was killed
+    engine.executor._client.wait_for_workers(
+        2, timeout=30
+    )  # another came for the one that was killed
 
 
-def test_ctrl_c_keeps_what_was_done_and_the_next_call_goes_on(engine, tmp_path):
-    for k in range(6):
-        write_sample(tmp_path / f"{k}.csv", seed=k, seconds=3.0)
-    asked = {"out": tmp_path / "fleet.parquet", "by": "file", "search": False}
-    data, model = str(tmp_path / "*.csv"), lab.load_model("inove_guo")
+def test_ctrl_c_ends_a_run_and_no_worker(engine):
+    """A terminal sends it to all processes."""
+    before, found = {p.pid for p in workers()}, []
 
-    def stop(stage, done, total, _):
-        if done == 3:
+    def told(number, result):
+        found.append(number)
+        if len(found) == 20:
             for process in (*workers(), psutil.Process()):
                 process.send_signal(signal.SIGINT)
 
-    first = lab.fleet(data, model, **asked, executor=engine.executor, progress=stop)
-    kept = parquet.read_table(first.recordings_table).num_rows
-    assert first.interrupted
-    assert 3 <= kept < 6
-    assert "resume=True goes on" in first.notes[0]
-    second = lab.fleet(data, model, **asked, resume=True, executor=engine.executor)
-    assert (second.to_dict()["reused"], second.to_dict()["statuses"]) == (kept, {"used": 6})
+    with pytest.raises(KeyboardInterrupt):
+        spread(engine, told_by, ((k, k) for k in range(400)), ASKED, told, lambda: None)
+    assert 20 <= len(found) < 400
+    again = {}
+    spread(engine, told_by, ((k, k) for k in range(40)), ASKED, again.__setitem__, lambda: None)
+    assert again.keys() == {*range(40)}
+    assert {p.pid for p in workers()} == before
 
 
 def test_workers_of_other_versions_are_refused_by_name(engine):

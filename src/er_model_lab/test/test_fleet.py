@@ -6,6 +6,7 @@ import json
 import sqlite3
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -236,7 +237,7 @@ def yard(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("yard")
     for k in range(4):
         for j in range(2):
-            record(folder / f"u{k}" / f"{j}.parquet", 10 * k + j, c0=1.0 + 0.02 * k)
+            record(folder / f"u{k}" / f"{j}.parquet", 10 * k + j, seconds=3.0, c0=1.0 + 0.02 * k)
     (folder / "u0" / "2.parquet").write_bytes((folder / "u0" / "0.parquet").read_bytes()[:3000])
     (folder / "u1" / "2.csv").touch()
     (folder / "u2" / "2.parquet").write_bytes((folder / "u3" / "0.parquet").read_bytes())
@@ -276,6 +277,23 @@ def test_a_fleet_has_one_row_a_unit_and_one_a_recording(yard: Path, tmp_path: Pa
         )
     assert once_more.to_dict()["reused"] == 11
     assert pq.read_table(out) == rows
+
+
+def test_what_was_done_before_an_interruption_is_not_repeated(yard: Path, tmp_path: Path) -> None:
+    asked: dict[str, Any] = {"out": tmp_path / "fleet.parquet", "search": False}
+
+    def stop(stage: str, done: int, *_: object) -> None:
+        if done == 3:
+            raise KeyboardInterrupt
+
+    with ThreadPoolExecutor(1) as pool:
+        first = lab.fleet(yard, lab.load_model("inove_guo"), executor=pool, progress=stop, **asked)
+    assert first.interrupted
+    assert "resume=True goes on" in first.notes[0]
+    assert pq.read_table(first.recordings_table).num_rows == 3
+    with ThreadPoolExecutor(1) as pool:
+        second = lab.fleet(yard, lab.load_model("inove_guo"), executor=pool, resume=True, **asked)
+    assert (second.to_dict()["reused"], second.to_dict()["recordings"]) == (3, 11)
 
 
 def test_a_unit_that_lacks_something_is_named(tmp_path: Path) -> None:
