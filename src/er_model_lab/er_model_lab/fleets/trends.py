@@ -54,10 +54,10 @@ def trend(x: Array, y: Array, variance: Array, freedom: int) -> Trend | None:
     left = np.sum(w * (y - np.sum(w * y) / w.sum()) ** 2)
     steps = np.unique(0.5 * (x[1:] + x[:-1])[x[1:] > x[:-1]])
     bends = np.linspace(x[0], x[-1], PLACES, endpoint=False)
-    forms: list[tuple[Form, Array, list[Array], int]] = [
-        ("line", x[:1], [x - x[0]], 1),
-        ("step", steps, [(x > at).astype(float) for at in steps], steps.size),
-        ("bend", bends[1:], [np.maximum(x - at, 0.0) for at in bends[1:]], steps.size),
+    forms: list[tuple[Form, Array, Array, int]] = [
+        ("line", x[:1], (x - x[0])[None], 1),
+        ("step", steps, (x > steps[:, None]).astype(float), steps.size),
+        ("bend", bends[1:], np.maximum(x - bends[1:, None], 0.0), steps.size),
     ]
     found = [_best(form, at, shapes, n, (x, y, w), left, freedom) for form, at, shapes, n in forms]
     p = min(1.0, len(forms) * min(f.p for f, _ in found))
@@ -68,7 +68,7 @@ def trend(x: Array, y: Array, variance: Array, freedom: int) -> Trend | None:
 def _best(
     form: Form,
     places: Array,
-    shapes: list[Array],
+    shapes: Array,
     n: int,
     series: tuple[Array, Array, Array],
     left: float,
@@ -76,22 +76,21 @@ def _best(
 ) -> tuple[Trend, float]:
     """The best place of a form, and its information criterion."""
     x, y, w = series
-    total = w.sum()
-    gains, sizes, sds = np.zeros(places.size), np.zeros(places.size), np.zeros(places.size)
-    for k, shape in enumerate(shapes):
-        centred = shape - np.sum(w * shape) / total
-        square = float(np.sum(w * centred**2))
-        slope = float(np.sum(w * centred * y)) / square if square > 0.0 else 0.0
-        gains[k], reach = slope**2 * square, float(shape[-1] - shape[0])
-        sizes[k], sds[k] = slope * reach, reach / math.sqrt(square) if square > 0.0 else math.inf
+    centred = shapes - (shapes @ w / w.sum())[:, None]
+    square = centred**2 @ w
+    slopes = np.divide(centred @ (w * y), square, out=np.zeros_like(square), where=square > 0.0)
+    gains, reach = slopes**2 * square, shapes[:, -1] - shapes[:, 0]
     k = int(np.argmax(gains))
     near = places[gains >= gains[k] - chi2.ppf(0.9, 1)]
     low, high = float(near.min()), float(near.max())
     if form == "step":
         low, high = float(x[x < low].max(initial=x[0])), float(x[x > high].min(initial=x[-1]))
+    sd = float(reach[k]) / math.sqrt(square[k]) if square[k] > 0.0 else math.inf
     p = min(1.0, n * 2.0 * float(student.sf(math.sqrt(gains[k]), freedom)))
     price = math.log(y.size) * (1 if form == "line" else 2)
-    return Trend(form, float(places[k]), low, high, sizes[k], sds[k], p), left - gains[k] + price
+    return Trend(
+        form, float(places[k]), low, high, float(slopes[k] * reach[k]), sd, p
+    ), left - gains[k] + price
 
 
 def scatter(unit: Places, x: Array, y: Array, s: Array) -> float | None:
