@@ -2,7 +2,8 @@ r"""What changes in one unit: nothing, in a straight line, at once, or from some
 
 The spread within units is that of the whole fleet, so that the size of a change over its deviation is Student's t in a
 series that changes nothing. The best of the places where a change may begin is taken; its probability is multiplied by
-the number of places. The form is that with the least Bayesian information criterion.
+the number of places. The form is that with the least Bayesian information criterion. A bend stands at
+the mean of its places, weighted by their likelihood.
 """
 
 from __future__ import annotations
@@ -85,11 +86,13 @@ def _best(
     low, high = float(near.min()), float(near.max())
     if form == "step":
         low, high = float(x[x < low].max(initial=x[0])), float(x[x > high].min(initial=x[-1]))
+    chance = np.exp(0.5 * (gains - gains[k]))
+    at = float(places @ chance / chance.sum()) if form == "bend" else float(places[k])
     sd = float(reach[k]) / math.sqrt(square[k]) if square[k] > 0.0 else math.inf
     p = min(1.0, n * 2.0 * float(student.sf(math.sqrt(gains[k]), freedom)))
     price = math.log(y.size) * (1 if form == "line" else 2)
     return Trend(
-        form, float(places[k]), low, high, float(slopes[k] * reach[k]), sd, p
+        form, at, low, high, float(slopes[k] * reach[k]), sd, p
     ), left - gains[k] + price
 
 
