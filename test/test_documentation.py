@@ -35,6 +35,7 @@ ELSEWHERE = {
     "control compare thesis_6_4_1 --fault leakage": ("test_control_command", "the very words"),
     "exec python -m test.blind_score.alarms": ("test_blind_alarms", "the very words"),
     "exec python -m test.blind_score.limit": ("test_blind_limit", "with a shorter record"),
+    "exec python -m test.fleet_score": ("test_fleet_truth", "fewer fleets"),
     "exec python -m test.blind_score --kinds singles": (
         "test_blind_score",
         "other seeds, lengths",

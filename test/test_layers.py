@@ -144,8 +144,9 @@ def test_the_pure_library_needs_no_ros():
 
 
 HEAVY = {
-    "asammdf", "clarabel", "cvxpy", "jinja2", "matplotlib", "mcap", "nicegui", "pandas", "plotly", "pyarrow",
-    "pydantic", "rich", "rosbags", "scipy.integrate", "scipy.interpolate", "scipy.optimize", "scipy.signal",
+    "asammdf", "clarabel", "cvxpy", "dask", "distributed", "fsspec", "jinja2", "matplotlib", "mcap", "nicegui",
+    "pandas", "plotly", "pyarrow", "pydantic", "rich", "rosbags", "scipy.integrate", "scipy.interpolate",
+    "scipy.optimize", "scipy.signal",
     "scipy.sparse", "scipy.stats", "sklearn", "typer",
 }  # fmt: skip
 """What belongs to the lab, to syntheses and to reports, and takes longer to import than a node."""

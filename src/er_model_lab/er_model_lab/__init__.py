@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from er_records.record import Record
 
     from er_model_lab.diagnosis.rule import Rule
+    from er_model_lab.fleets.fleet import fleet
+    from er_model_lab.results.fleet import FleetResult
     from er_model_lab.results.records import CandidateResult, Errors, Parameter, Step
     from er_model_lab.results.result import (
         CheckResult,
@@ -61,6 +63,7 @@ _HOME = {
         "er_model_lab.results.result",
     ),
     **dict.fromkeys(("load", "load_model"), "er_model_lab.verbs.load"), "ExportResult": "er_model_lab.verbs.export",
+    "fleet": "er_model_lab.fleets.fleet", "FleetResult": "er_model_lab.results.fleet",
     **dict.fromkeys(("Cancelled", "Leader"), "er_model_lab.work"),
     **dict.fromkeys(("models", "new"), "er_model_lab.verbs.new"),
     **{
@@ -72,10 +75,10 @@ _HOME = {
 
 __all__ = [
     "Cancelled", "CandidateResult", "CheckResult", "ComparisonResult", "Dataset", "DiagnosisResult", "ErError",
-    "Errors", "ExportResult", "IdentificationResult", "InputError", "Leader", "MissingChannel", "Parameter",
-    "PlanResult", "Record", "Rule", "Step", "UnknownName", "__version__", "add", "check", "compare", "diagnose",
-    "export", "from_arrays", "from_frame", "identify", "improve", "load", "load_model", "map", "models", "new", "plan",
-    "save_model",
+    "Errors", "ExportResult", "FleetResult", "IdentificationResult", "InputError", "Leader", "MissingChannel",
+    "Parameter", "PlanResult", "Record", "Rule", "Step", "UnknownName", "__version__", "add", "check", "compare",
+    "diagnose", "export", "fleet", "from_arrays", "from_frame", "identify", "improve", "load", "load_model", "map",
+    "models", "new", "plan", "save_model",
 ]  # fmt: skip
 
 

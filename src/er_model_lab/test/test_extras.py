@@ -11,7 +11,9 @@ import pytest
 WITHOUT = """
 import sys
 
-for name in ("PIL", "asammdf", "h5py", "jinja2", "lz4", "matplotlib", "nicegui", "nptdms", "plotly", "rosbags"):
+for name in (
+    "PIL", "asammdf", "distributed", "h5py", "jinja2", "lz4", "matplotlib", "nicegui", "nptdms", "plotly", "rosbags"
+):
     sys.modules[name] = None
 from er_model_lab.cli.app import main
 
@@ -52,10 +54,12 @@ JINJA = "a report needs the Python package jinja2: pip install 'er_model_lab[plo
         (("compare", "run.csv", *MODEL, "--report", "r"), JINJA),
         (("effects", "preload", "--report", "r"), JINJA),
         (("open", "--no-browser"), "the page needs the Python package nicegui: pip install 'er_model_lab[page]'"),
+        (("fleet", "run.csv", *MODEL, "--out", "o.parquet"),
+         "a fleet needs the Python package distributed: pip install 'er_model_lab[fleet]'"),
         (("export", "run.csv", *MODEL, "--series", "o.mf4"),
          "MF4 needs the Python package asammdf: pip install 'er_records[mf4]'"),
     ],
-    ids=["bag", "mf4", "mat", "tdms", "report", "cards", "page", "series"],
+    ids=["bag", "mf4", "mat", "tdms", "report", "cards", "page", "fleet", "series"],
 )  # fmt: skip
 def test_what_is_not_installed_is_one_line(words: tuple[str, ...], said: str, here: Path) -> None:
     assert lab(*words, cwd=here) == (2, f"{said}\n")

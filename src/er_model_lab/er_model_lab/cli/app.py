@@ -16,6 +16,7 @@ from er_models.one_line import INTERRUPTED
 
 from er_model_lab.cli.data import check_command, compare_command, identify_command
 from er_model_lab.cli.export import export_command
+from er_model_lab.cli.fleet import fleet_command
 from er_model_lab.cli.mapping import map_command
 from er_model_lab.cli.missing import add_command, diagnose_command, improve_command
 from er_model_lab.cli.open import open_command
@@ -33,6 +34,7 @@ COMMANDS: dict[str, tuple[Callable[..., None], str]] = {
     "improve": (improve_command, "Diagnose and add until nothing is missing."),
     "plan": (plan_command, "Plan the run that tells two effects apart."),
     "identify": (identify_command, "Identify every parameter in stages."),
+    "fleet": (fleet_command, "Diagnose many dampers; say which differ, and since when."),
     "export": (export_command, "A model as series, table, C code or FMU."),
     "open": (open_command, "The lab in a browser."),
     "effects": (effects_command, "The catalogue of effects, or one effect's card."),

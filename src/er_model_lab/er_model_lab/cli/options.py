@@ -105,7 +105,7 @@ EffectsFrom = Annotated[
 OPTIONS = {
     "data": "DATA", "held_out": "--hold-out", "level": "--level", "report": "--report", "seed": "--seed",
     "false_alarm": "--false-alarm", "smallest": "--smallest", "helps": "--helps", "stroke": "--stroke",
-    "velocity": "--velocity", "duty_max": "--duty-max", "duration": "--duration", "fmi": "--fmi",
+    "velocity": "--velocity", "duty_max": "--duty-max", "duration": "--duration", "fmi": "--fmi", "by": "--by",
 }  # fmt: skip
 """Arguments of the lab's functions and the options that stand for them."""
 PHRASES = {
@@ -117,6 +117,7 @@ PHRASES = {
     "report: expected a folder": "--report: expected a folder",
     "limits (stroke, velocity, duration)": "limits (--stroke, --velocity, --duration)",
     "set helps to": "set --helps to",
+    "resume=True": "--resume",
     "measured_terms=True": "--measured-terms",
     "something to write: series, lut, c or fmu": "something to write: --series, --lut, --c or --fmu",
 }

@@ -71,16 +71,17 @@ def run(
     read: Mapping[str, Sequence[Path]],
     out: Path | None = None,
     beside: Path | None = None,
+    table: Path | None = None,
     strict: bool = True,
 ) -> Result:
     """Do the work, write what was asked for, print one screen, and exit with the contract's status.
 
-    out: where the new model or program goes; beside: where the work keeps what is done until then; read: what the
-    work reads, see `read_by`.
+    out: where the new model or program goes; beside: where the work keeps what is done until then; table: a file
+    that the work writes by itself; read: what the work reads, see `read_by`.
     """
     written: list[Path] = []
     try:
-        writable({"--out": out, "--json": json_file}, report, read)
+        writable({"--out": out or table, "--json": json_file}, report, read)
         result = _worded(_with_next(_kept(work(), out, written), read))
         if beside is not None:
             beside.unlink(missing_ok=True)

@@ -14,6 +14,7 @@ from rich.text import Text
 
 from er_model_lab.output.report.sections.history import change, fall
 from er_model_lab.output.report.sections.models import against
+from er_model_lab.output.terminal.fleet import fleet_lines
 from er_model_lab.output.terminal.heat_map import heat_map
 from er_model_lab.output.terminal.markup import BLOCK, Pen
 from er_model_lab.output.terminal.parameters import parameter_lines
@@ -95,7 +96,8 @@ class Summary:
         """The parts, one below the other."""
         plain = not console.is_terminal or options.ascii_only
         pen = Pen(min(WIDTH, options.max_width), plain=plain)
-        parts = (
+        fleet = (fleet_lines, _notes)
+        parts = fleet if self.view.command == "fleet" else (
             _head, _models, preflight_lines, plan_lines, _candidates, _alternatives, _rest,
             _steps, parameter_lines, _regions, heat_map, _next, _notes,
         )  # fmt: skip

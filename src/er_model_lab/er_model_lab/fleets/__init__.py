@@ -1,0 +1,1 @@
+"""Many dampers: each recording and each unit by itself, then all of them beside one another."""

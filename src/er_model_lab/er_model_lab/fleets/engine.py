@@ -1,0 +1,203 @@
+"""Jobs of a fleet handed out to an executor: few at a time, so that nothing grows with their number.
+
+An executor is any of `concurrent.futures`; Dask's client gives one. Jobs go in batches of `SECONDS` of work, only
+as many as keep every worker busy. Whoever does a batch compares its code with that of who asks.
+"""
+
+from __future__ import annotations
+
+import pickle
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError, Executor, Future
+from contextlib import suppress
+from dataclasses import dataclass, field
+from itertools import islice
+from queue import Empty, SimpleQueue
+from typing import Any
+
+from er_models.errors import ErError
+
+from er_model_lab.blas import on_one_thread
+from er_model_lab.fleets.asked import Asked, code
+from er_model_lab.jobs.call import Call
+
+SECONDS = 2.0
+"""Work of a batch [s]: long beside what handing it out costs, short beside what is lost with a worker."""
+LARGEST = 200
+"""Jobs of a batch, at most."""
+AHEAD = 3
+"""Batches that are handed out for each worker."""
+LOOK = 0.1
+"""How often whoever waits looks whether to stop [s]."""
+
+Job = tuple[int, Any]
+"""A number of one's own, and an argument of the function."""
+Told = Callable[[int, Any], None]
+"""Called with the number of a job that is done, and its result, or a `Failure`."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why a job has no result; kept: whether the same would happen again, so that it counts as an answer."""
+
+    said: str
+    kept: bool = False
+
+
+class Lost(Exception):
+    """The executor is gone with what it had to do."""
+
+
+class OtherCode(ErError):
+    """A worker has other versions than who asks."""
+
+
+@dataclass(frozen=True)
+class Engine:
+    """Who does the jobs.
+
+    workers: how many do them at once; again: gives another executor after one was lost, or raises; died: whether an
+    error says that a worker died with its job, which is then tried alone.
+    """
+
+    executor: Executor
+    workers: int
+    again: Callable[[], Executor] | None = None
+    died: Callable[[BaseException], bool] = lambda _: False
+
+
+@dataclass
+class _Run:
+    """What is under way: batches by their future, batches to hand out again, and how long a job takes [s]."""
+
+    engine: Engine
+    running: dict[Future[Any], Sequence[Job]] = field(default_factory=dict)
+    back: list[Sequence[Job]] = field(default_factory=list)
+    done: SimpleQueue[Future[Any]] = field(default_factory=SimpleQueue)
+    each: float = 0.0
+
+
+def spread(
+    engine: Engine, function: Callable[[Any, Asked], Any], jobs: Iterator[Job], asked: Asked, told: Told,
+    check: Callable[[], None],
+) -> Engine:  # fmt: skip
+    """Have all jobs done; told of each in the caller's thread, in any order. The engine that is left.
+
+    check: raises where the work shall stop; what is handed out is then taken back.
+
+    Raises:
+        OtherCode: A worker has other versions.
+    """
+    run, sealed, left = _Run(engine), pickle.dumps((function, asked, code())), True
+    try:
+        while left or run.running or run.back:
+            check()
+            left = _fill(run, jobs, sealed, left=left)
+            for future in _ended(run.done):
+                _take(run, future, told)
+    finally:
+        for future in run.running:
+            future.cancel()
+    return run.engine
+
+
+def _fill(run: _Run, jobs: Iterator[Job], sealed: bytes, *, left: bool) -> bool:
+    """Hand out as many batches as there is room for; whether jobs are left."""
+    while len(run.running) < AHEAD * run.engine.workers and (left or run.back):
+        batch = run.back.pop() if run.back else _batch(jobs, run.each)
+        if not batch:
+            return False
+        try:
+            future = run.engine.executor.submit(work, batch, sealed)
+        except Exception:  # whatever a library says when its other end is gone
+            run.back.append(batch)
+            _another(run)
+            continue
+        run.running[future] = batch
+        future.add_done_callback(run.done.put)
+    return left
+
+
+def _batch(jobs: Iterator[Job], each: float) -> list[Job]:
+    """The next jobs, of `SECONDS` of work together as far as that is known."""
+    size = 1 if each <= 0.0 else max(1, min(LARGEST, int(SECONDS / each)))
+    return list(islice(jobs, size))
+
+
+def _ended(done: SimpleQueue[Future[Any]]) -> list[Future[Any]]:
+    """Futures that have ended; waits a little for the first."""
+    found: list[Future[Any]] = []
+    with suppress(Empty):
+        found.append(done.get(timeout=LOOK))
+        while True:
+            found.append(done.get_nowait())
+    return found
+
+
+def _take(run: _Run, future: Future[Any], told: Told) -> None:
+    """Tell of a batch that has ended, or hand it out again."""
+    batch = run.running.pop(future, None)
+    if batch is None:
+        return
+    error = CancelledError() if future.cancelled() else future.exception()
+    if error is None:
+        results, seconds = future.result()
+        mean = seconds / len(batch)
+        run.each = mean if run.each == 0.0 else 0.7 * run.each + 0.3 * mean
+        for (number, _), result in zip(batch, results, strict=True):
+            told(number, result)
+    elif isinstance(error, OtherCode):
+        raise error
+    elif isinstance(error, CancelledError | Lost):
+        run.back.append(batch)
+        _another(run)
+    elif run.engine.died(error) and len(batch) > 1:
+        run.back += [[job] for job in batch]
+    else:
+        for number, _ in batch:
+            told(number, Failure(f"{type(error).__name__}: {error}".splitlines()[0][:300]))
+
+
+def _another(run: _Run) -> None:
+    """Go on with another executor, and all that the old one had."""
+    if run.engine.again is None:
+        raise Lost("who does the work is gone")
+    lost, run.running = run.running, {}
+    run.back += lost.values()
+    for future in lost:
+        future.cancel()
+    run.engine = Engine(run.engine.again(), run.engine.workers, run.engine.again, run.engine.died)
+
+
+def work(batch: Sequence[Job], sealed: bytes) -> tuple[list[Any], float]:
+    """What a worker does: the results of a batch, and how long it took [s]; a job that fails is a `Failure`.
+
+    Raises:
+        OtherCode: The code here is another than that of who asks.
+    """
+    begun = time.perf_counter()
+    function, asked, wanted = pickle.loads(sealed)
+    differ = unlike(wanted, code())
+    if differ:
+        raise OtherCode(differ)
+    return [_done(function, job, asked) for _, job in batch], time.perf_counter() - begun
+
+
+def unlike(wanted: dict[str, str], found: dict[str, str], where: str = "a worker") -> str:
+    """What differs between the code of who asks and that of a worker, in one line; empty where nothing does."""
+    pairs = [
+        f"{name} {found.get(name, 'not installed')} instead of {version}"
+        for name, version in wanted.items() if found.get(name) != version
+    ]  # fmt: skip
+    return f"{where} has {', '.join(pairs)}: install there what is here" if pairs else ""
+
+
+def _done(function: Callable[[Any, Asked], Any], job: Any, asked: Asked) -> Any:
+    """A job done in this thread and no other."""
+    try:
+        return on_one_thread(Call(function, (asked,)))(job)
+    except ErError as error:
+        return Failure(" ".join(str(error).split()), kept=True)
+    except Exception as error:  # one recording ends no fleet
+        return Failure(f"{type(error).__name__}: {error}".splitlines()[0][:300])

@@ -1,0 +1,207 @@
+"""Many dampers: which of them differ, in what, and since when?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import Any
+
+from er_common.command_line import command_line
+from er_common.extras import extra
+from er_common.versions import versions
+from er_models.errors import InputError
+from er_models.model import Model
+
+from er_model_lab.diagnosis.rule import RULE, Rule
+from er_model_lab.fleets.asked import Asked, code
+from er_model_lab.fleets.engine import Engine
+from er_model_lab.fleets.overview import Overview, overview
+from er_model_lab.fleets.run import Run
+from er_model_lab.fleets.source import sources
+from er_model_lab.fleets.store import Store
+from er_model_lab.results.fleet import FleetResult
+from er_model_lab.results.values import clean
+from er_model_lab.view import View
+from er_model_lab.work import STOPPED, Event, Progress, Work
+
+MOST_FAILED = 20
+"""Recordings without a result that the JSON names; the table has all."""
+
+
+def fleet(
+    data: str | Path | Sequence[str | Path],
+    model: Model,
+    *,
+    out: str | Path,
+    by: str | None = None,
+    search: bool = True,
+    resume: bool = False,
+    cluster: str | None = None,
+    security: Any = None,
+    workers: int | None = None,
+    most: int = 20,
+    seed: int = 0,
+    rule: Rule = RULE,
+    anyway: bool = False,
+    progress: Progress | None = None,
+    cancel: Event | None = None,
+    executor: Executor | None = None,
+) -> FleetResult:
+    """Compare, identify and diagnose every unit of a fleet, and set them beside one another.
+
+    data: folders, globs, URLs, or tables with a column `path`; out: the table of the units (.parquet), beside which
+    `<out>.recordings.parquet` and the results so far, `<out>.results`, are written; by: what names a unit, see
+    `er_model_lab.fleets.source`; search: whether effects are searched for; resume: go on from `<out>.results`;
+    cluster: address of a Dask scheduler, else Dask's processes on this machine; security: for `tls://`; workers: how
+    many processes; most: recordings that a unit is diagnosed with; executor: does the work in Dask's place.
+
+    A script that calls this without `cluster` guards itself with `if __name__ == "__main__":`, as Dask's processes read
+    it again.
+
+    Raises:
+        InputError: No recordings, a place that cannot be written, a scheduler that does not answer.
+        OtherCode: A worker has other versions.
+        Cancelled: It was stopped before any recording was read.
+    """
+    table = _parquet(Path(out))
+    given = [str(d) for d in ([data] if isinstance(data, str | Path) else data)]
+    asked = Asked(model, seed, rule, anyway, search, most, by == "namespace")
+    work = Work(progress=progress, cancel=cancel)
+    with (
+        closing(Store(table.with_suffix(".results"))) as store,
+        _engine(executor, cluster, workers, security) as engine,
+    ):
+        store.add(sources(given, by))
+        run = Run(store, asked, engine, work, resume)
+        interrupted = _worked(run)
+        work.wind_up()
+        return _result(run, table, interrupted=interrupted)
+
+
+def _parquet(out: Path) -> Path:
+    """The place of the table; `InputError` where it is no Parquet file."""
+    if out.suffix.lower() != ".parquet":
+        raise InputError(out, "--out", "a file name that ends in .parquet", f"'{out.suffix}'")
+    return out
+
+
+@contextmanager
+def _engine(
+    executor: Executor | None, address: str | None, workers: int | None, security: Any
+) -> Iterator[Engine]:
+    """Who does the work."""
+    if executor is not None:
+        yield Engine(executor, workers or int(getattr(executor, "_max_workers", 1)))
+        return
+    from er_model_lab.fleets.cluster import cluster
+
+    with cluster(address, workers=workers, security=security) as engine:
+        yield engine
+
+
+def _worked(run: Run) -> bool:
+    """Do the work; whether it was stopped."""
+    try:
+        run.recordings()
+        run.units()
+    except STOPPED:
+        return True
+    return False
+
+
+def _result(run: Run, table: Path, *, interrupted: bool) -> FleetResult:
+    """Write the tables, and say what they show."""
+    with extra("er_model_lab[fleet]", "a table of a fleet"):
+        from er_model_lab.fleets import tables
+    store, model = run.store, run.asked.model
+    found = overview(store.rows(), store.parts())
+    beside = table.with_suffix(".recordings.parquet")
+    about = {"model": model.digest(), "command_line": command_line(), "seed": str(run.asked.seed)}
+    more = dict.fromkeys(name for part in store.parts() for name in part["more"])
+    tables.write(tables.unit_columns(model), _unit_rows(store, found), table, about)
+    tables.write(tables.recording_columns(model, more), _recording_rows(store), beside, about)
+    failed = [
+        _failed(p) for s in ("unreadable", "not_usable", "failed") for p in store.parts(status=s)
+    ]
+    notes = _notes(run, found, len(failed), interrupted=interrupted)
+    origin = {"model": model.digest(), "model_file": model.file, "seed": run.asked.seed, "versions": versions(),
+              "command_line": command_line(), "code": code()}  # fmt: skip
+    content = {
+        "command": "fleet", "model": model.name, **found.content, "reused": run.reused,
+        "tables": {"units": str(table), "recordings": str(beside)}, "failed": failed[:MOST_FAILED],
+        "notes": list(notes), "complete": not failed and not interrupted, "provenance": origin,
+    }  # fmt: skip
+    view = View(
+        "fleet", model.name, _headline(found), clean(content), (), notes=notes, provenance=origin
+    )
+    return FleetResult(view, interrupted=interrupted)
+
+
+def _unit_rows(store: Store, found: Overview) -> Iterator[dict[str, Any]]:
+    """Rows of the units as the table holds them."""
+    for row in store.rows():
+        told = found.units[row["unit"]]
+        values = {name: v for name, v in (row.get("values") or {}).items() if v[0] is not None}
+        flat = {name: v[0] for name, v in values.items()} | {
+            f"{name}_sd": v[1] for name, v in values.items()
+        }
+        for name, (value, sd, _) in told["pooled"].items():
+            flat |= {f"{name}_pooled": value, f"{name}_pooled_sd": sd}
+        yield {
+            **row, **flat, **told, "next": [_asked_for(each) for each in told["next"]],
+            "values": [{"name": n, "value": v, "sd": sd, "unit": u} for n, (v, sd, u) in values.items()],
+        }  # fmt: skip
+
+
+def _recording_rows(store: Store) -> Iterator[dict[str, Any]]:
+    """Rows of the recordings as the table holds them."""
+    for part in store.parts():
+        known = {n: v for n, v in (part.get("values") or {}).items() if v[0] is not None}
+        values = {n: v[0] for n, v in known.items()} | {f"{n}_sd": v[1] for n, v in known.items()}
+        yield {**part["more"], **part, **values}
+
+
+def _asked_for(each: dict[str, Any]) -> str:
+    """A suggestion in words."""
+    what = (
+        f"tell {' and '.join(each['between'])} apart" if "between" in each
+        else f"reveal {each['reveal']}" if "reveal" in each else str(each["record"])
+    )  # fmt: skip
+    return f"{what}: {each['why']}"
+
+
+def _failed(part: dict[str, Any]) -> dict[str, Any]:
+    """A recording that gave nothing, and why."""
+    return {key: part.get(key) for key in ("unit", "path", "record", "status", "error")}
+
+
+def _notes(run: Run, found: Overview, failed: int, *, interrupted: bool) -> tuple[str, ...]:
+    """What to know of the run."""
+    content, notes = found.content, list[str]()
+    if interrupted:
+        notes.append("interrupted: the tables hold what was done; resume=True goes on from there")
+    if failed:
+        notes.append(
+            f"{failed} of {content['recordings']} records gave nothing: see status and error in the table"
+        )
+    if copies := content["statuses"].get("copy"):
+        notes.append(f"{copies} recordings hold the same samples as another one: used once")
+    if run.lost:
+        notes.append(f"results could not be kept ({run.lost}): resume=True would repeat some")
+    if common := content["common_effects"]:
+        notes.append(
+            f"most units show {' and '.join(common)}: add what is common to the model, then ask again"
+        )
+    return tuple(notes)
+
+
+def _headline(found: Overview) -> str:
+    """One line: how many units, and how many differ."""
+    c = found.content
+    differ = len(c["differ"])
+    return (
+        f"{c['units']} unit{'s' * (c['units'] != 1)}, {c['recordings']} recordings: "
+        f"{differ} unit{'s' * (differ != 1)} differ{'s' * (differ == 1)} from the others"
+    )

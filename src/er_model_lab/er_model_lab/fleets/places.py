@@ -1,0 +1,89 @@
+"""Where recordings lie: on this machine, or behind a URL that fsspec reads; each is fetched where it is worked on."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from er_common.extras import extra
+from er_models.errors import InputError
+from er_records.load import files_of
+from er_records.provenance import digest_files
+
+
+def is_url(path: str) -> bool:
+    """Whether a path names its protocol, as s3:// does."""
+    return "://" in path
+
+
+def filesystem(url: str) -> tuple[Any, str]:
+    """The file system of a URL, and the path in it.
+
+    Raises:
+        ErError: fsspec is not installed.
+        InputError: There is no such protocol, or what reads it is not installed.
+    """
+    with extra("er_model_lab[fleet]", f"{url}: a URL"):
+        from fsspec.core import url_to_fs
+    try:
+        found: tuple[Any, str] = url_to_fs(url)
+    except (ImportError, ValueError) as error:
+        protocol = url.partition("://")[0]
+        expected = f"a protocol that fsspec reads, with its package installed ({protocol})"
+        raise InputError(url, "", expected, " ".join(str(error).split())) from None
+    return found
+
+
+@contextmanager
+def local(path: str) -> Iterator[Path]:
+    """The recording as a file or folder of this machine; what is fetched for it vanishes again.
+
+    Raises:
+        InputError: It cannot be read.
+    """
+    if not is_url(path):
+        yield Path(path)
+        return
+    files, inner = filesystem(path)
+    with tempfile.TemporaryDirectory(prefix="er_fleet_") as folder:
+        target = Path(folder, Path(inner).name)
+        try:
+            files.get(inner, str(target), recursive=files.isdir(inner))
+        except OSError as error:
+            raise InputError(path, "", "a recording that can be read", _said(error)) from None
+        yield target
+
+
+def token(path: str) -> str:
+    """What changes when a recording is written anew, without reading it; "" where nothing tells."""
+    try:
+        if is_url(path):
+            files, inner = filesystem(path)
+            return str(files.ukey(inner))
+        found = [each.stat() for each in files_of(Path(path))]
+    except (OSError, NotImplementedError):
+        return ""
+    return " ".join(f"{s.st_ino}:{s.st_size}:{s.st_mtime_ns}" for s in found)
+
+
+def content(place: Path) -> str:
+    """SHA-256 of every file that reading a recording opens.
+
+    Raises:
+        InputError: It is not there, or cannot be read.
+    """
+    try:
+        files = files_of(place)
+        if not files:
+            raise InputError(place, "", "a recording", "nothing there")
+        return digest_files(sorted(files))
+    except OSError as error:
+        raise InputError(place, "", "a recording that can be read", _said(error)) from None
+
+
+def _said(error: OSError) -> str:
+    """What an operating system says of a failure."""
+    return error.strerror or " ".join(str(error).split()) or type(error).__name__

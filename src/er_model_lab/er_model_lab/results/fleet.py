@@ -1,0 +1,49 @@
+"""What `fleet` returns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from er_model_lab.results.result import Result
+
+
+@dataclass(frozen=True, repr=False)
+class FleetResult(Result):
+    """What a fleet shows. `table` and `recordings_table` are the files with one row a unit, and one a recording."""
+
+    @property
+    def table(self) -> Path:
+        """One row a unit (Parquet)."""
+        return Path(self.view.result["tables"]["units"])
+
+    @property
+    def recordings_table(self) -> Path:
+        """One row a recording (Parquet)."""
+        return Path(self.view.result["tables"]["recordings"])
+
+    @property
+    def verdicts(self) -> Mapping[str, int]:
+        """How many units have which verdict."""
+        found: Mapping[str, int] = self.view.result["verdicts"]
+        return found
+
+    @property
+    def differ(self) -> tuple[Mapping[str, Any], ...]:
+        """Units that differ, the strangest first: unit, p, in what, and what changes."""
+        return tuple(self.view.result["differ"])
+
+    @property
+    def parameters(self) -> Mapping[str, Mapping[str, Any]]:
+        """Every parameter as `effect.name`: common mean, spread between units and within."""
+        found: Mapping[str, Mapping[str, Any]] = self.view.result["parameters"]
+        return found
+
+    def _rows(self) -> Iterable[Mapping[str, Any]]:
+        """The table of the units."""
+        import pyarrow.parquet as pq
+
+        rows: list[Mapping[str, Any]] = pq.read_table(self.table).to_pylist()
+        return rows

@@ -1,0 +1,89 @@
+"""A fleet on a real Dask cluster of processes: what is killed, stopped or of other versions."""
+
+import os
+import signal
+import time
+
+import psutil
+import pytest
+from er_model_lab.fleets.asked import Asked, code
+from er_model_lab.fleets.cluster import cluster, refuse_others
+from er_model_lab.fleets.engine import OtherCode, spread
+
+import er_model_lab as lab
+
+pytestmark = pytest.mark.slow
+ASKED = Asked(lab.load_model("inove_guo"))
+
+
+def told_by(job, asked):
+    """A job of tests: its number, and the process that does it."""
+    time.sleep(0.01)
+    return job, os.getpid()
+
+
+def of_other_versions():
+    """Make a worker one of other versions."""
+    code()["numpy"] = "0.1"
+
+
+def workers():
+    """Processes that this one started to share its work."""
+    return [
+        p
+        for p in psutil.Process().children(recursive=True)
+        if "spawn_main" in " ".join(p.cmdline())
+    ]
+
+
+@pytest.fixture(scope="module")
+def engine():
+    """Two processes: starting them takes longer than what is done here."""
+    with cluster(None, workers=2) as made:
+        yield made
+    assert workers() == []
+
+
+def test_a_worker_that_is_killed_costs_nothing(engine):
+    found = {}
+
+    def told(number, result):
+        assert number not in found
+        found[number] = result
+        if len(found) == 60:
+            os.kill(result[1], signal.SIGKILL)
+
+    spread(engine, told_by, ((k, k) for k in range(400)), ASKED, told, lambda: None)
+    assert [found[k][0] for k in range(400)] == [*range(400)]
+    engine.executor._client.wait_for_workers(
+        2, timeout=30
+    )  # another came for the one that was killed
+
+
+def test_ctrl_c_ends_a_run_and_no_worker(engine):
+    """A terminal sends it to all processes."""
+    before, found = {p.pid for p in workers()}, []
+
+    def told(number, result):
+        found.append(number)
+        if len(found) == 20:
+            for process in (*workers(), psutil.Process()):
+                process.send_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        spread(engine, told_by, ((k, k) for k in range(400)), ASKED, told, lambda: None)
+    assert 20 <= len(found) < 400
+    again = {}
+    spread(engine, told_by, ((k, k) for k in range(40)), ASKED, again.__setitem__, lambda: None)
+    assert again.keys() == {*range(40)}
+    assert {p.pid for p in workers()} == before
+
+
+def test_workers_of_other_versions_are_refused_by_name(engine):
+    client = engine.executor._client
+    refuse_others(client)
+    client.run(of_other_versions)
+    with pytest.raises(OtherCode, match=r"worker tcp://\S+ has numpy 0\.1 instead of"):
+        refuse_others(client)
+    with pytest.raises(OtherCode, match="numpy"):
+        spread(engine, told_by, iter([(0, 0)]), ASKED, print, lambda: None)
