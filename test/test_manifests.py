@@ -34,7 +34,16 @@ JAZZY = {
     "rosidl_default_generators", "rosidl_default_runtime", "sensor_msgs", "std_msgs",
 }  # fmt: skip
 """ROS packages of Jazzy that may be needed."""
-WITHOUT_KEY = {"asammdf", "compression", "dask", "distributed", "fsspec", "nicegui", "nptdms", "pyarrow"}
+WITHOUT_KEY = {
+    "asammdf",
+    "compression",
+    "dask",
+    "distributed",
+    "fsspec",
+    "nicegui",
+    "nptdms",
+    "pyarrow",
+}
 """Modules without a key, and one that Python 3.14 has: `./er setup` or pip installs them."""
 PART_OF = {
     **dict.fromkeys(("rosidl_runtime_py", "rpyutils"), "rclpy"),

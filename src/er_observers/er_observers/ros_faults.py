@@ -5,7 +5,6 @@ The estimate itself is `er_observers.faults.estimator`.
 
 from __future__ import annotations
 
-import math
 from copy import copy
 from dataclasses import replace
 from typing import Any, NamedTuple
