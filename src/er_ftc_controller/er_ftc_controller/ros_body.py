@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from copy import copy
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
@@ -14,7 +15,7 @@ from er_common.common_parameters import (
     oldest_sample,
     silence,
 )
-from er_common.parameter_table import REQUIRED, param
+from er_common.parameter_table import REQUIRED, param, tuning
 from er_common.stamps import Checks, StampLimits, StampState, Verdict, counted
 from er_common.topics import ACCELERATION, DEFLECTION, PWM_COMMAND, Topic, below
 from er_models.car.body import CORNERS
@@ -50,24 +51,24 @@ class BodyParameters(NodeParameters):
         (), text="Python files with own effects that the corners use"
     )
     gains_file: str = param(REQUIRED, text="gain of er synth body_lqr for this car")
-    u_min: float = param(0.0, low=0.0, high=1.0, text="least duty")
-    u_max: float = param(REQUIRED, low=0.0, high=1.0, text="greatest duty")
-    safe_duty: float = param(REQUIRED, low=0.0, high=1.0, text="duty without usable samples")
-    horizon: float = param(
+    u_min: float = tuning(0.0, low=0.0, high=1.0, text="least duty")
+    u_max: float = tuning(REQUIRED, low=0.0, high=1.0, text="greatest duty")
+    safe_duty: float = tuning(REQUIRED, low=0.0, high=1.0, text="duty without usable samples")
+    horizon: float = tuning(
         0.02,
         unit="s",
         low=0.001,
         high=1.0,
         text="time within which a damper force is to be reached",
     )
-    corner_frequency: float = param(
+    corner_frequency: float = tuning(
         0.1,
         unit="Hz",
         low=0.001,
         high=5.0,
         text="corner of the leaky integrals that give the body's velocities",
     )
-    timeout: float = param(
+    timeout: float = tuning(
         0.025,
         unit="s",
         low=0.005,
@@ -107,9 +108,13 @@ class BodyCore(Core):
     outputs = tuple(below(PWM_COMMAND, c) for c in CORNERS)
 
     def __init__(self, p: BodyParameters) -> None:
-        self.p = p
-        car = load_car(p.car_file, effects(p.effects_from))
-        gain, self.gains_id = load_body_gain(p.gains_file, car)
+        self.car = load_car(p.car_file, effects(p.effects_from))
+        self.gain, self.gains_id = load_body_gain(p.gains_file, self.car)
+        self.model_id = self.car.corners[0].digest()
+        self._take(p)
+
+    def _take(self, p: BodyParameters) -> None:
+        """Make the law of car, gain and parameters."""
         loops = tuple(
             ForceLoop(
                 static_damper(model),
@@ -117,11 +122,16 @@ class BodyCore(Core):
                 (p.u_min, p.u_max),
                 horizon=p.horizon,
             )
-            for model in car.corners
+            for model in self.car.corners
         )
-        self.law = body.BodyLaw(gain, car, loops, p.corner_frequency, GAP)
-        self.model_id = car.corners[0].digest()
+        self.p, self.law = p, body.BodyLaw(self.gain, self.car, loops, p.corner_frequency, GAP)
         self.limits = (StampLimits(stale=p.max_age, gap=GAP),) * len(self.inputs)
+
+    def tuned(self, p: BodyParameters) -> BodyCore:
+        """With another law of the same car and gain."""
+        made = copy(self)
+        made._take(p)
+        return made
 
     def start(self) -> State:
         """Before any message."""

@@ -10,6 +10,7 @@ import math
 import signal
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from time import monotonic, perf_counter
 
 from er_common.stamps import StampLimits
@@ -33,6 +34,7 @@ from er_plant_sim.nodes.car_outlet import CarOutlet
 from er_plant_sim.nodes.drive import Timed
 from er_plant_sim.nodes.pace import Pace
 from er_plant_sim.programs import CAR
+from er_plant_sim.rig_parameters import tuned
 from er_plant_sim.ros_commands import Commands
 from er_ros_common import log
 
@@ -57,7 +59,7 @@ class CarPlantNode(ManagedNode):
 
     def __init__(self, argv: Sequence[str] | None = None) -> None:
         super().__init__(CAR.name, argv)
-        self.p: CarParameters = declare(self, CarParameters)
+        self.p: CarParameters = declare(self, CarParameters, self.changed)
 
     def configure(self) -> None:
         """Load the models and make the ends; the car stands at the beginning of its road."""
@@ -70,7 +72,9 @@ class CarPlantNode(ManagedNode):
         self.applied: tuple[Applied, ...] = ()
         self.load, self.loaded_at = (0.0, 0.0), -math.inf
         self.limits = self.stamp_limits()
-        self.out = CarOutlet(self, force_sd=p.noise_force, clocked=p.mode == "sim_time")
+        self.out = CarOutlet(
+            self, force_sd=p.noise_force, clocked=p.mode == "sim_time", frame=p.frame_id
+        )
         if not self.rig.programmed:
             for place, name in enumerate(CORNERS):
                 self.subscribe(below(topics.PWM_COMMAND, name), self._hears(place))
@@ -80,6 +84,13 @@ class CarPlantNode(ManagedNode):
         self.health.meter.deadline = self.rig.dt
         self.timer = self.every(self.rig.dt / p.rate_factor, self.on_time)
         self.every(1.0, self.on_second)
+
+    def tune(self, p: CarParameters) -> None:
+        """Go on with other limits of the duties."""
+        self.rig = replace(self.rig, gates=tuple(tuned(p, limits) for limits in self.rig.gates))
+        self.limits = StampLimits(stale=p.command_timeout)
+        for each in self.incoming.values():
+            each.limits = self.limits
 
     def stamp_limits(self) -> StampLimits:
         """A command is good for as long as it is held."""
