@@ -101,7 +101,7 @@ def test_a_force_beside_the_damper_against_equations_written_anew() -> None:
         assert np.abs(run[name] - y).max() < 1e-3 * span(np.asarray(y)), name
     without = simulate(model, DT, road, duty)
     assert np.abs(run["deflection"] - without["deflection"]).max() > 0.1 * span(run["deflection"])
-    with pytest.raises(InputError, match="actuator_force: expected samples as the road"):
+    with pytest.raises(InputError, match="actuator_force: expected samples as the duty"):
         simulate(model, DT, road, duty, actuator_force=force[:-1])
 
 
