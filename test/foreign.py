@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 DT, SECONDS, RECORDS, FINE = 0.005, 9.0, 2, 25
 DELAY, POWER = 0.004, 1.7
 """Delay of a force channel [s], and power of a field."""
+NOISE = 3e-3
+"""Standard deviation of the measured force over its peak."""
 DECIMALS = 7
 """Significant digits of a table."""
 TIMES = ("Zeit", "Time", "Messzeit", "timestamp", "t")
@@ -121,7 +123,7 @@ def measured(
             F = F + level * force * yielding(shown, np.tanh(fine_v / width), tau)
             record["u"] = u
         t, late = record["t"], DELAY if hidden == "force_delay" else 0.0
-        record["F"] = np.interp(t - late, t, F) + 3e-3 * force * rng.standard_normal(n)
+        record["F"] = np.interp(t - late, t, F) + NOISE * force * rng.standard_normal(n)
         record["x"] = x + 2e-4 * stroke * rng.standard_normal(n)
         record["v"] = v + 2e-3 * top * rng.standard_normal(n)
         records.append(record)

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 import er_model_lab as lab
 from test.conftest import ROOT
-from test.foreign import make
+from test.foreign import NOISE, make
 
 TEXT = (ROOT / PAGE).read_text(encoding="utf-8")
 DATA = ROOT / "docs" / "my_rig" / "messung"
@@ -80,7 +80,7 @@ def run(*words):
 
 @pytest.mark.slow
 @pytest.mark.timeout(300)
-@pytest.mark.parametrize(("seed", "kind"), [(31, "passive"), (32, "friction"), (33, "er")])
+@pytest.mark.parametrize(("seed", "kind"), [(43, "er"), (256, "friction"), (32, "passive")])
 def test_a_folder_that_nobody_has_seen_gives_away_what_is_hidden_in_it(seed, kind, tmp_path):
     made = make(tmp_path / "data", seed, kind)
     data, start, better = (tmp_path / name for name in ("data", "start.yaml", "better.yaml"))
@@ -90,7 +90,8 @@ def test_a_folder_that_nobody_has_seen_gives_away_what_is_hidden_in_it(seed, kin
     run("improve", data, "--model", start, "--out", better, "--json", tmp_path / "found.json")
     found = json.loads((tmp_path / "found.json").read_text())
     assert made.hidden in found["effects"], (made, found["effects"], found["alternatives"])
-    assert found["rmse_after"]["held_out"] < 1.5 * 3e-3 * made.force
+    after, before = (found[key]["held_out"] for key in ("rmse_after", "rmse"))
+    assert after < min(2.0 * NOISE * made.force, 0.6 * before)
     run("export", data, "--model", better, "--series", tmp_path / "series.csv")
     run("export", "--model", better, "--c", tmp_path / "c", "--lut", tmp_path / "lut.csv")
     assert {path.suffix for path in (tmp_path / "c").iterdir()} >= {".c", ".h"}

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_models.belonging import check_belonging, ride
+from er_models.catalogue import CATALOGUE
 from er_models.constants import g
 from er_models.errors import InputError
 from er_models.files import load_model
@@ -69,6 +70,18 @@ def test_what_belongs_to_another_car_is_one_line_with_its_numbers(model: Model, 
         check_belonging(model)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "effect", [e.name for e in CATALOGUE.effects if e.stage in ("force", "actuation", "heat")]
+)
+def test_whatever_may_hide_in_a_damper_is_no_reason_to_refuse_it(effect: str) -> None:
+    car = load_model("inove_quarter_car")
+    for which in range(2):
+        values = {
+            q.name: car.start(effect, q.name, which) for q in car.catalogue[effect].parameters
+        }
+        check_belonging(car.with_effect(effect, values))
 
 
 def test_faults_and_sensors_are_no_reason_to_refuse_a_damper() -> None:

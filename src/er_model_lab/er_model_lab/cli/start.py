@@ -33,6 +33,7 @@ def new_command(
     try:
         from er_models.files import save_model
 
+        from er_model_lab.output.text.units import short
         from er_model_lab.verbs.load import load
         from er_model_lab.verbs.new import new
 
@@ -53,7 +54,7 @@ def new_command(
     except ErError as error:
         fail(error)
     typer.echo(
-        f"{name}: {', '.join(model.effects)}, for {s.force:.3g} N, {1e3 * s.deflection:.3g} mm, {s.velocity:.3g} m/s"
+        f"{name}: {', '.join(model.effects)}, for {short(s.force)} N, {1e3 * s.deflection:.3g} mm, {s.velocity:.3g} m/s"
     )
     typer.echo(f"rig: {', '.join(f'{k} {v:.4g}' for k, v in model.rig.items())}")
     typer.echo(f"new model: {out}")
@@ -63,6 +64,7 @@ def models_command(json_file: Json = None) -> None:
     """Kinds of start models, and the models that are shipped: `--model NAME` takes one."""
     from rich.table import Table
 
+    from er_model_lab.output.text.units import short
     from er_model_lab.verbs.new import KINDS, models
 
     try:
@@ -91,7 +93,7 @@ def models_command(json_file: Json = None) -> None:
         table.add_row(
             m.name,
             m.kind,
-            f"{s.force:.3g}",
+            short(s.force),
             f"{1e3 * s.deflection:.3g}",
             m.model.source.split(";")[0],
         )

@@ -34,8 +34,10 @@ def followed(root: Path, folder: Path) -> Iterator[Line]:
     root: of the repository; memory is the peak of all commands so far.
 
     Raises:
-        InputError: A command failed.
+        InputError: A command failed, or root is another folder.
     """
+    if not (root / PAGE).is_file():
+        raise InputError(root, PAGE.name, f"the repository, with {PAGE}", "no such page")
     shutil.copytree(root / "docs" / "my_rig" / "messung", folder / OWN)
     for words in commands(root / PAGE):
         before, start = _processor(), time.perf_counter()
