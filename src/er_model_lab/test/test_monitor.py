@@ -23,7 +23,7 @@ from er_model_lab.nodes.model_monitor import Memory
 from er_model_lab.ros_monitor import MonitorCore, State
 from er_models.errors import InputError
 from er_models.files import load_model, save_model
-from er_models.model import Array
+from er_models.model import Array, Model
 from er_models.prediction import motion, predict
 from er_models.road import road_profile
 from er_models.simulation import simulate
@@ -40,18 +40,21 @@ Heard = dict[str, Array]
 Change = Callable[[int, str, Any], Any]
 
 
-@pytest.fixture(scope="module")
-def ride() -> Heard:
+def driven(model: Model) -> Heard:
     """What the sensors of a rig say for 24 s on a rough road, by the names of the lab's channels."""
     t, rng = np.arange(4800) * DT, np.random.default_rng(2)
     road = 0.3 * road_profile({"kind": "iso8608", "road_class": "C", "speed": 15.0}, t, 3)
-    model = load_model(CAR)
     found = simulate(model, DT, road, 0.3 * rng.random(60)[(t / 0.4).astype(int)])
     sizes = dict(deflection="deflection", deflection_velocity="velocity", damper_force="force")
     sizes |= dict.fromkeys(("sprung_acceleration", "unsprung_acceleration"), "acceleration")
     for name, kind in sizes.items():
         found[name] = found[name] + model.rig[f"{kind}_noise"] * rng.standard_normal(t.size)
     return found
+
+
+@pytest.fixture(scope="module")
+def ride() -> Heard:
+    return driven(load_model(CAR))
 
 
 def core_of(**given: Any) -> MonitorCore:
@@ -134,6 +137,14 @@ def test_a_change_of_the_damper_is_found_and_said(ride: Heard) -> None:
     first, report = findings(core_of(), ride, range(4800))
     assert Finding.FAILS not in first
     assert float(str(report.values["error learnt [N]"])) == pytest.approx(0.18, rel=0.15)
+
+
+def test_a_leak_that_begins_in_the_middle_of_the_drive_is_found() -> None:
+    leak = {"f": 0.9, "t_0": 16.0, "t_r": 0.0, "q": 0.0, "d": 0.5}
+    first, _ = findings(
+        core_of(), driven(load_model(CAR).with_effect("oil_leakage", leak)), range(4800)
+    )
+    assert 16.0 < first[Finding.FAILS] < 20.0
 
 
 def test_a_model_that_lacks_something_from_the_beginning_needs_a_known_floor(ride: Heard) -> None:
