@@ -127,6 +127,14 @@ def test_the_fault_tolerant_controller_gets_the_model_and_its_gains() -> None:
     assert "timeout" not in specs("controller:=ftc")["ftc_controller"].parameters
 
 
+def test_the_model_monitor_goes_by_the_model_and_what_it_says_is_recorded() -> None:
+    found = specs("model_monitor:=true", "damper:=inove_bingham", RECORD)
+    given = found["model_monitor"].parameters
+    assert str(given["model_file"]).endswith("vehicles/inove_quarter_car.yaml")
+    assert {"model/force", "model/residual"} <= set(found["recorder"].parameters["sources"])  # type: ignore[arg-type]
+    assert "model_monitor" in found["plant"].parameters["wait_for_nodes"]  # type: ignore[operator]
+
+
 def test_the_fault_estimator_comes_when_asked_for() -> None:
     assert "fault_estimator" not in specs()
     found = specs("fault_estimator:=true", "controller:=ftc")
@@ -351,6 +359,7 @@ OTHER = {
     "observers": ("observers:=unified",),
     "gains": ("observers:=unified", "gains:=unified"),
     "fault_estimator": ("fault_estimator:=true",),
+    "model_monitor": ("model_monitor:=true",),
     "priority": ("priority:=40",),
     "record": (RECORD,),
     "storage": (RECORD, "storage:=sqlite3"),

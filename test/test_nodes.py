@@ -18,6 +18,8 @@ from er_bringup.programs import ACCEL_ADAPTER, ANSWERING, CONTROLLERS, EVERY, IM
 from er_bringup.ros_checks import CONTRACT
 from er_common.parameter_table import specs
 from er_common.program import CONTROLLER, OBSERVER
+from er_common.topics import ESTIMATED
+from er_model_lab.nodes.selection import KNOWN
 from er_model_lab.programs import RECORDER
 from er_ros_common.core_node import node_of
 from er_ros_common.spin import Executable
@@ -143,3 +145,9 @@ def test_every_answering_node_can_be_asked_for(program: Any) -> None:
         program.kind in (OBSERVER, CONTROLLER) or arguments[program.name].meaning == program.asked
     )
     assert set(arguments["controller"].choices) == {*CONTROLLERS, "none"}
+
+
+@pytest.mark.parametrize("program", ANSWERING, ids=lambda program: program.name)
+def test_the_recorder_takes_what_it_says(program: Any) -> None:
+    names = [topic.name for topic in program.said if topic not in KNOWN]
+    assert all(name.startswith(ESTIMATED) for name in names), "er_model_lab/nodes/selection.py"

@@ -6,6 +6,7 @@ import json
 import sqlite3
 from collections.abc import Callable
 from contextlib import closing
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -547,3 +548,18 @@ def test_what_a_recorder_that_was_held_up_wrote_is_played_as_the_node_had_it(
         assert (each["same"], each["only_core"], each["only_bag"]) == (TICKS, 0, 0), each
         assert each["apart"] > 50
         assert each["by_tick"]
+
+
+def test_each_of_two_answers_to_a_sample_is_compared(bag: Path) -> None:
+    core = played.core_of(
+        opened(bag), "model_monitor", "", replay_golden.node_parameters("model_monitor")
+    )
+    once = played.play(opened(bag), "model_monitor", core)
+    assert len(once.answers) == 2 * TICKS
+    recorded = played._first(once.answers)
+    (topic, message), other = once.answers[-1], deepcopy(once.answers)
+    changed_last = deepcopy(message)
+    changed_last.force += 1e-9
+    again = played.Played("model_monitor", answers=[*other[:-1], (topic, changed_last)])
+    played._compare(again, recorded)
+    assert (again.same, again.different, again.only_bag) == (2 * TICKS - 1, 1, 0)

@@ -106,8 +106,11 @@ def main() -> None:
         heard = {name: kept[name] for name in kept.files}
 
     def say(content: dict[str, Any]) -> None:
-        sys.stdout.write(f"{json.dumps(content)}\n")
-        sys.stdout.flush()
+        try:
+            sys.stdout.write(f"{json.dumps(content)}\n")
+            sys.stdout.flush()
+        except BrokenPipeError:  # nobody is left to be told
+            os._exit(0)
 
     def listen() -> None:
         sys.stdin.buffer.read()  # until the owner closes it, or is gone

@@ -53,7 +53,7 @@ class Learning:
         }
         self.result: dict[str, Any] | None = None
         self.cancelled = False
-        self._until, self._rest = 0.0, b""
+        self._until, self._rest, self._begun = 0.0, b"", False
         self._folder = tempfile.TemporaryDirectory(prefix="er_learning_")
         self._process: subprocess.Popen[bytes] | None = None
         # to write and to start takes milliseconds, which a loop has not
@@ -82,7 +82,8 @@ class Learning:
             if process.stdin is not None:
                 process.stdin.close()
         ended = process.poll() is not None  # before the last look: what it said then is all
-        new = self._read(process.stdout.read() or b"")
+        new = self._read(process.stdout.read() or b"") or not self._begun
+        self._begun = True
         if self.result is not None or ended:
             self._end(self.result or {"reason": self._why(process)})
             return True

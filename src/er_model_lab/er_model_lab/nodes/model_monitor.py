@@ -101,7 +101,8 @@ class MonitorNode(CoreNode):
 
     def take(self, state: Any, said: Any) -> bool:
         """Go over to a state, and keep what it has heard."""
-        self.memory.add(state.rows)
+        if state.rows is not self.state.rows:
+            self.memory.add(state.rows)
         return super().take(state, said)
 
     def report(self) -> Report:

@@ -20,7 +20,7 @@ from rosbags.interfaces import (
 
 from er_common import topics
 
-KNOWN = (*topics.MEASUREMENTS, topics.FAULT)
+KNOWN = (*topics.MEASUREMENTS, topics.FAULT, topics.MODEL_FORCE, topics.MODEL_RESIDUAL)
 """Topics that are subscribed to before anybody publishes them; so are estimated forces that it was told of."""
 ENDINGS = ("/status", "/gain_info", "/model_info")
 """Of the topics that nodes keep below their own name."""

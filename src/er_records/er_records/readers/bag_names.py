@@ -25,7 +25,7 @@ OURS: dict[str, type] = {"parameters": dict, "models": str, "names": str}
 """What our recorder notes by name of node or topic, and of which kind each entry is."""
 _USUAL = re.compile(
     r"^(?P<ns>.*?)/(?:sensors/(?:deflection|acceleration|force|road)|pwm/(?:applied|command)"
-    r"|fault/estimate|force/\w+)$"
+    r"|fault/estimate|model/(?:force|residual)|force/\w+)$"
 )
 
 
