@@ -234,7 +234,7 @@ class View:
             whole = (a, b) == (low, high) or a >= b
             self.select(Selection(None if whole else (a, b), at.velocity, at.deflection))
 
-    def _beside(self, event: ValueChangeEventArguments[bool]) -> None:
+    def _beside(self, event: ValueChangeEventArguments[bool | None]) -> None:
         self.desk.beside = bool(event.value)
         self.desk.changed()
 
