@@ -16,6 +16,7 @@ from er_model_lab.session.job import Jobs
 from er_model_lab.session.kept import packed, unpacked
 from er_model_lab.session.script import script
 from er_model_lab.session.sight import Selection, curve, loops, spectrum, tile_at, tile_map, worst
+from er_model_lab.session.slider import POSITIONS, Slider
 from er_model_lab.session.steps import Session, Source, Stretch, pieces
 
 import er_model_lab as lab
@@ -263,6 +264,24 @@ def test_one_job_at_a_time_that_can_be_cancelled() -> None:
     jobs.wait(10.0)
     assert "ZeroDivisionError" in jobs.job.error
     assert told
+
+
+@pytest.mark.parametrize(
+    ("low", "high"), [(0.0, 2500.0), (-40.0, 40.0), (-1.0, 9.0), (1e-4, 0.1), (2.0, 3.0)]
+)
+def test_a_slider_is_fine_within_bounds(low: float, high: float) -> None:
+    slider = Slider(low, high)
+    assert slider.value(0) == low
+    assert slider.value(POSITIONS) == high
+    for value in (low, 0.97 * low + 0.03 * high, 0.5 * (low + high), high):
+        at = slider.position(value)
+        assert slider.value(at) == pytest.approx(value, abs=1e-5 * (high - low))
+        assert abs(slider.value(at + 1) - value) <= 2e-3 * (high - low) or at >= POSITIONS
+    small = 0.03 * (high - low) + low if low >= 0.0 else 0.03 * high
+    step = slider.value(slider.position(small) + 1) - small
+    assert 0.0 < step < 0.01 * max(abs(small), 0.03 * high), (
+        "one position moves a small value by less than a hundredth"
+    )
 
 
 def test_undo_has_an_end() -> None:

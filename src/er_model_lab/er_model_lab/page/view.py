@@ -156,9 +156,7 @@ class View:
 
     def _views(self) -> None:
         with ui.row().classes("wide items-center gap-1"):
-            ui.label(
-                "Drag over the curves to look at seconds; click a tile to see where it happens."
-            ).classes("muted")
+            ui.label("Drag over the curves, click a tile of the map.").classes("muted")
             ui.space()
             ui.checkbox("beside the model as given", on_change=self._beside).props("dense")
             for icon, words, by in (
