@@ -115,7 +115,7 @@ def test_drop_look_drag_cancel_add_undo_and_take(page: Any, tmp_path: Path) -> N
     expect.set_options(timeout=PATIENCE)
     said = page.locator("header [role=status]")
     own = tmp_path / "Messung.csv"
-    text = write_sample(own, seed=1, seconds=12.0).read_text(encoding="utf-8")
+    text = write_sample(own, seed=1, seconds=9.0).read_text(encoding="utf-8")
     head = "Zeit [s],Weg [m],Geschwindigkeit [m/s],u,Kraft [N],a1,a2"
     own.write_text("\n".join([head, *text.splitlines()[1:]]), encoding="utf-8")
     page.set_input_files("input[type=file]", own)

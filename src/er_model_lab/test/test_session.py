@@ -16,6 +16,7 @@ from er_model_lab.session.job import Jobs
 from er_model_lab.session.kept import packed, unpacked
 from er_model_lab.session.script import script
 from er_model_lab.session.sight import Selection, curve, loops, spectrum, tile_at, tile_map, worst
+from er_model_lab.session.slider import POSITIONS, Slider
 from er_model_lab.session.steps import Session, Source, Stretch, pieces
 
 import er_model_lab as lab
@@ -25,7 +26,7 @@ from test.sample import write_sample
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Measurements of a damper with friction that the model does not hold."""
-    return write_sample(tmp_path_factory.mktemp("data") / "run.csv", seed=1, seconds=14.0)
+    return write_sample(tmp_path_factory.mktemp("data") / "run.csv", seed=1, seconds=9.0)
 
 
 def desk_of(run: Path, folder: Path) -> Desk:
@@ -37,10 +38,19 @@ def desk_of(run: Path, folder: Path) -> Desk:
     return desk
 
 
+@pytest.fixture(scope="module")
+def first(run: Path) -> Desk:
+    """A desk with the measurements opened, of which each test gets a copy."""
+    return desk_of(run, run.parent)
+
+
 @pytest.fixture
-def desk(run: Path, tmp_path: Path) -> Desk:
-    (tmp_path / "dropped").mkdir()
-    return desk_of(run, tmp_path / "dropped")
+def desk(run: Path, first: Desk, tmp_path: Path) -> Desk:
+    made = Desk(tmp_path / "dropped", given=[run])
+    made.folder.mkdir()
+    made.session, made.records = first.session, first.records
+    made.sight, made.predicted = first.sight, first.predicted
+    return made
 
 
 def test_a_parameter_moves_the_prediction_and_is_taken_back(desk: Desk) -> None:
@@ -77,7 +87,7 @@ def test_an_effect_is_switched_off_and_on_again_with_its_values(desk: Desk) -> N
 def test_the_program_of_a_session_makes_the_same_model(
     desk: Desk, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    desk.hold([Stretch(0, 4.0, 7.0)])
+    desk.hold([Stretch(0, 4.0, 6.0)])
     desk.jobs.wait()
     desk.take(desk.now.set("passive", "c0", 70.0))
     desk.add("coulomb_friction")
@@ -230,8 +240,8 @@ def test_stretches_divide_records(run: Path) -> None:
     records = lab.load(run).records
     assert pieces(records, ()) == ([(0,)], [])
     learn, score = pieces(records, [Stretch(0, 4.0, 6.0)])
-    assert (learn, score) == ([(0, 0, 800), (0, 1201, 2800)], [(0, 800, 1201)])
-    assert pieces(records, [Stretch(0, 0.5, 6.0)])[0] == [(0, 1201, 2800)], (
+    assert (learn, score) == ([(0, 0, 800), (0, 1201, 1800)], [(0, 800, 1201)])
+    assert pieces(records, [Stretch(0, 0.5, 6.0)])[0] == [(0, 1201, 1800)], (
         "half a second is too short to learn from"
     )
     with pytest.raises(lab.InputError, match="left to learn from"):
@@ -263,6 +273,40 @@ def test_one_job_at_a_time_that_can_be_cancelled() -> None:
     jobs.wait(10.0)
     assert "ZeroDivisionError" in jobs.job.error
     assert told
+
+
+@pytest.mark.parametrize(
+    ("low", "high"), [(0.0, 2500.0), (-40.0, 40.0), (-1.0, 9.0), (1e-4, 0.1), (2.0, 3.0)]
+)
+def test_a_slider_is_fine_within_bounds(low: float, high: float) -> None:
+    slider = Slider(low, high)
+    assert slider.value(0) == low
+    assert slider.value(POSITIONS) == high
+    for value in (low, 0.97 * low + 0.03 * high, 0.5 * (low + high), high):
+        at = slider.position(value)
+        assert slider.value(at) == pytest.approx(value, abs=1e-5 * (high - low))
+        assert abs(slider.value(at + 1) - value) <= 2e-3 * (high - low) or at >= POSITIONS
+    small = 0.03 * (high - low) + low if low >= 0.0 else 0.03 * high
+    step = slider.value(slider.position(small) + 1) - small
+    assert 0.0 < step < 0.012 * max(abs(small), 0.03 * high), (
+        "one position moves a small value by about a hundredth"
+    )
+
+
+def test_what_is_shown_is_of_the_data_of_the_step(desk: Desk) -> None:
+    first = desk.errors()
+    desk.go(desk.session.at(0))
+    desk.jobs.wait()
+    assert (desk.sight, desk.records, desk.errors()) == (None, (), None)
+    with pytest.raises(lab.InputError, match="drop a file"):
+        desk.learn()
+    desk.redo()
+    desk.jobs.wait()
+    assert len(desk.records) == 1
+    assert desk.errors() is None, "no model yet"
+    desk.redo()
+    desk.jobs.wait()
+    assert desk.errors() == first
 
 
 def test_undo_has_an_end() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated
@@ -11,6 +12,9 @@ from er_models.errors import ErError, InputError
 
 from er_model_lab.cli.options import EffectsFrom, Seed
 from er_model_lab.cli.running import fail
+
+HOST = "127.0.0.1"
+"""The only address that the page is served at."""
 
 
 def open_command(
@@ -56,10 +60,26 @@ def open_command(
         fail(error)
 
 
+def _free(asked: int | None) -> int:
+    """A port of this machine: the one asked for, else any.
+
+    Raises:
+        InputError: It is in use, or not allowed.
+    """
+    with socket.socket() as found:
+        try:
+            found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            found.bind((HOST, asked or 0))
+        except (OSError, OverflowError) as error:
+            raise InputError("--port", "", "a port that is free", f"{asked}: {error}") from None
+        return int(found.getsockname()[1])
+
+
 def _serve(
     folder: Path, data: list[Path], model: str | None, port: int | None, browser: bool, code: bool,
     effects_from: list[Path], seed: int,
 ) -> None:  # fmt: skip
+    free = _free(port)
     from er_common.extras import extra
 
     from er_model_lab.session.desk import Desk
@@ -77,4 +97,4 @@ def _serve(
     desk.code_files = tuple(effects_from)
     if data or begun:
         desk.bring([Source(path) for path in data], begun, str(model or ""))
-    serve(desk, port=port, browser=browser, say=lambda address: typer.echo(address))
+    serve(desk, host=HOST, port=free, browser=browser, say=lambda address: typer.echo(address))

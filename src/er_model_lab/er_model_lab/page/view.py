@@ -156,9 +156,7 @@ class View:
 
     def _views(self) -> None:
         with ui.row().classes("wide items-center gap-1"):
-            ui.label(
-                "Drag over the curves to look at seconds; click a tile to see where it happens."
-            ).classes("muted")
+            ui.label("Drag over the curves, click a tile of the map.").classes("muted")
             ui.space()
             ui.checkbox("beside the model as given", on_change=self._beside).props("dense")
             for icon, words, by in (
@@ -234,7 +232,7 @@ class View:
             whole = (a, b) == (low, high) or a >= b
             self.select(Selection(None if whole else (a, b), at.velocity, at.deflection))
 
-    def _beside(self, event: ValueChangeEventArguments[bool]) -> None:
+    def _beside(self, event: ValueChangeEventArguments[bool | None]) -> None:
         self.desk.beside = bool(event.value)
         self.desk.changed()
 

@@ -127,7 +127,7 @@ class Desk:
             and self.sight.fits(self.now.model)
         ):
             self._predict(self.sight)
-        elif self.now.sources and not self.jobs.running:
+        else:
             fresh = before.sources != self.now.sources
             self.jobs.start("open the data", lambda *_: self._open(fresh=fresh))
         self.changed()
@@ -138,10 +138,11 @@ class Desk:
 
     def _open(self, *, fresh: bool = False) -> None:
         """Load the data of the session where they are not there, and open them for its model."""
-        if fresh or not self.records:
-            self.records = loaded(self.now.sources)
-            self.selection = Selection()
-        if self.now.model is not None:
+        with self._lock:  # what is shown is never of other data, also where these cannot be opened
+            self.sight = self.predicted = None
+        if fresh:
+            self.records, self.selection = loaded(self.now.sources), Selection()
+        if self.records and self.now.model is not None:
             self._predict(look(self.data, self.now.model))
         self.changed()
 

@@ -21,11 +21,10 @@ from er_model_lab.session.sight import Selection, worst
 from er_model_lab.session.steps import Source, Stretch
 
 DROP = "Drop measurements, a model or a session"
-HEADER = f"""<div class="relative-position q-pa-md text-weight-bold">{DROP}<q-uploader-add-trigger /></div>"""
-"""All of the head picks files; the framework's own button holds an input that no screen reader can name."""
-NAMED = f"""
-document.querySelectorAll(".q-uploader__input").forEach((e) => {{ e.ariaLabel = "{DROP}"; e.tabIndex = 0; }});
-"""
+HEADER = f"""<div class="row items-center no-wrap q-pa-sm">
+<label class="col relative-position q-pa-sm text-weight-bold">{DROP}<q-uploader-add-trigger /></label>
+<q-btn flat round dense icon="add" aria-label="Choose files" @click="props.pickFiles" /></div>"""
+"""The framework's own head has a button within which lies an input that no screen reader can name."""
 FINDINGS = {"fail": "fail", "warning": "warning", "note": "muted"}
 """Levels of findings that are shown, and their look."""
 
@@ -41,7 +40,6 @@ class DataPanel:
             on_rejected=lambda: ui.notify(f"more than {dropped.LARGEST >> 30} GB"),
         )  # fmt: skip
         upload.props("flat bordered no-thumbnails").add_slot("header", HEADER)
-        ui.timer(0.0, lambda: ui.run_javascript(NAMED), once=True)
         shipped = [n for n in names(*MODELS) if n in names("dampers")]
         self.model = ui.select(
             shipped, label="Begin with a shipped model", on_change=host.safely(lambda e: self._start(e.value))

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 from er_models.model import Model
@@ -12,41 +10,7 @@ from nicegui import ui
 
 from er_model_lab.output.text.units import short
 from er_model_lab.page.panels.panel import Host
-
-POSITIONS = 1000
-"""Positions of a slider."""
-WIDE = 100.0
-"""Ratio of positive bounds from which a slider is logarithmic."""
-
-
-@dataclass(frozen=True)
-class Scale:
-    """Positions 0 to `POSITIONS` of a slider over the bounds of a parameter [SI]."""
-
-    low: float
-    high: float
-
-    @property
-    def logarithmic(self) -> bool:
-        """Whether equal steps are equal ratios."""
-        return self.low > 0.0 and self.high / self.low > WIDE
-
-    def position(self, value: float) -> float:
-        """Where a value stands."""
-        if self.logarithmic:
-            share = math.log(max(value, self.low) / self.low) / math.log(self.high / self.low)
-        else:
-            share = (value - self.low) / (self.high - self.low)
-        return POSITIONS * min(max(share, 0.0), 1.0)
-
-    def value(self, position: float) -> float:
-        """The value at a position, within the bounds."""
-        share = position / POSITIONS
-        if self.logarithmic:
-            found = self.low * (self.high / self.low) ** share
-        else:
-            found = self.low + share * (self.high - self.low)
-        return min(max(float(f"{found:.6g}"), self.low), self.high)
+from er_model_lab.session.slider import POSITIONS, Slider
 
 
 class PlayPanel:
@@ -91,7 +55,7 @@ class PlayPanel:
 
     def _parameter(self, model: Model, effect: str, name: str) -> None:
         desk, q = self.host.desk, model.catalogue[effect].parameter(name)
-        scale, unit = Scale(*model.bounds(effect, name)), "" if q.unit == "1" else q.unit
+        scale, unit = Slider(*model.bounds(effect, name)), "" if q.unit == "1" else q.unit
         label = f"{name}{f' [{unit}]' if unit else ''}"
         sd = (desk.now.fitted or model).deviations.get(effect, {}).get(name)
         quiet = [False]

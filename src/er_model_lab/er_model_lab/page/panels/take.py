@@ -81,7 +81,7 @@ class TakePanel:
         for name, words in HELP.items():
             with ui.row().classes("w-full items-center no-wrap"):
                 ui.button(name, on_click=host.safely(lambda name=name: self._take(name))).classes(
-                    "w-28"
+                    "w-28 shrink-0"
                 ).props("no-caps")
                 ui.label(words).classes("text-sm")
 
