@@ -91,6 +91,14 @@ def test_the_fall_begins_at_the_model_as_given_and_a_pair_is_told_by_what_each_a
     ]  # fmt: skip
 
 
+def test_the_fall_ends_at_the_model_that_was_made() -> None:
+    """Effects that later ones made needless are taken out again: no step shows what is left then."""
+    pruned = replace(grown(rmse_after={"train": 0.2, "held_out": 0.21}), command="improve")
+    assert [(s.name, s.error) for s in stages(pruned)][-1] == ("needless effects out", 0.21)
+    assert "to 0.210 N" in verdict_sentence(pruned)
+    assert stages(replace(grown(), command="improve")) == stages(grown())
+
+
 def test_a_refit_that_made_held_out_data_worse_is_told() -> None:
     said = verdict_sentence(grown())
     assert "falls from 0.500 N to 0.200 N (the refit alone: 0.600 N)" in said
@@ -202,10 +210,17 @@ def test_a_model_that_was_grown_shows_where_it_still_fails_and_where_it_failed()
     still, before = text.partition("where it still fails")[2].split("where it failed before: ")
     assert "deflection 0 to 100 mm" in still.splitlines()[1]
     assert before.startswith("velocity 0 to 20 mm/s (0.900 N, 55 %)")
+    r = v.records[0]
+    off = replace(r, after=r.after + 9.0 * ((r.t >= 3.0) & (r.t < 4.0)))
+    assert "record_1, 3 s" in printed(replace(v, records=(off,))), "of the last model"
     section = where_it_fails.section(v)
     assert [f.name for f in section.figures] == ["where_it_still_fails", "where_it_fails"]
     assert "deflection 0 to 100 mm" in section.facts["parts"][0]["worst"][0][0]
-    assert "where it still fails" not in printed(replace(v, regions_after=(TABLES[1],)))
+    quiet = replace(TABLES[1], regions=tuple(replace(r, excess=0.1) for r in TABLES[1].regions))
+    told = printed(replace(v, regions_after=(quiet,)))
+    assert "where most of the rest is" in told
+    assert "where it still fails" not in told
+    assert "where it still fails" in printed(replace(v, regions_after=(TABLES[1],)))
 
 
 def test_the_heat_map_is_dark_where_the_error_is() -> None:
@@ -257,3 +272,7 @@ def test_all_parameters_are_told_with_bounds_and_where_they_came_from() -> None:
     assert (f_c["before"], f_c["status"]) == (None, "added")
     assert found["coulomb_friction"]["v_0"]["status"] == "not_identified"
     assert found["response"]["tau"]["status"] == "given"
+    car = load_model(GUO.parents[1] / "vehicles" / "inove_quarter_car.yaml")
+    fitted = replace(car, deviations={"quarter_car": {"m_us": 1e-3}})
+    masses = estimates(car, fitted)["quarter_car"]
+    assert [masses[n]["status"] for n in ("m_s", "m_us")] == ["given", "identified"]
