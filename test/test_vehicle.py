@@ -113,7 +113,7 @@ class Stack:
         self.state = plant.receive(self.rig, self.state, wish, valid=message.valid)
 
     def on_diagnostics(self, message: DiagnosticArray) -> None:
-        mine = [each for each in message.status if each.name.startswith(f"/{CORNER}/")]
+        mine = [each for each in message.status if each.name.startswith(f"{CORNER}/")]
         self.heard.diagnostics += [(monotonic(), each) for each in mine]
 
     def run(self, seconds: float) -> None:

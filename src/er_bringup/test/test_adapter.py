@@ -107,9 +107,14 @@ def test_a_sample_that_lost_its_other_half_is_counted_and_leaves_a_gap() -> None
         return message
 
     sides = [(0, 1), (1, 1), (0, 2), (0, 3), (1, 3), (1, 4), (1, 5), (0, 5), (0, 5)]
-    state, out = fed(core, *((side, at(k)) for side, k in sides), (1, good))
-    assert [m.seq for m in out] == [1, 3, 4]
-    assert state.alone == 2
+    state, out = fed(
+        core,
+        *((side, at(k)) for side, k in sides),
+        (1, good),
+        *((side, at(k)) for side, k in ((1, 6), (0, 7), (1, 7))),
+    )
+    assert [m.seq for m in out] == [1, 3, 4, 6]
+    assert state.alone == 4  # body 2, wheel 4, the one without a stamp, wheel 6
     assert state.stamps.duplicate == 1
 
 
