@@ -174,8 +174,8 @@ def _tested(name: str, rows: Mapping[str, Row], names: Sequence[str], own: _Seri
         best = (rows[names[number]].get("values") or {}).get(name)
         if best and best[0] is not None and best[1] and name != ERROR:
             value[k], sd[k] = best[0], math.sqrt(best[1] ** 2 + within**2 / np.sum(place == k))
-    common = pooled(np.arange(there.size), value, sd, 0.0)
-    p = common.p if common and name != ERROR else np.zeros(0)
+    common = None if name == ERROR else pooled(np.arange(there.size), value, sd, 0.0)
+    p = common.p if common else np.zeros(0)
     return _Tested(name, common, {names[k]: i for i, k in enumerate(there)}, p, trends, within)
 
 

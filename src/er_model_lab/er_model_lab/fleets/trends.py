@@ -91,9 +91,7 @@ def _best(
     sd = float(reach[k]) / math.sqrt(square[k]) if square[k] > 0.0 else math.inf
     p = min(1.0, n * 2.0 * float(student.sf(math.sqrt(gains[k]), freedom)))
     price = math.log(y.size) * (1 if form == "line" else 2)
-    return Trend(
-        form, at, low, high, float(slopes[k] * reach[k]), sd, p
-    ), left - gains[k] + price
+    return Trend(form, at, low, high, float(slopes[k] * reach[k]), sd, p), left - gains[k] + price
 
 
 def scatter(unit: Places, x: Array, y: Array, s: Array) -> float | None:
