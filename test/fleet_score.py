@@ -14,9 +14,9 @@ from test.fleet_truth import SPAN, TERMS, Fleet, fleet
 
 TARGETS = {
     "precision": (0.95, 1.0), "recall": (0.95, 1.0), "false_discoveries": (0.0, 0.05),
-    "change_points": (0.95, 1.0), "cover": (0.85, 0.95),
+    "change_points": (0.9, 1.0), "cover": (0.85, 0.95),
 }  # fmt: skip
-"""What must hold over all fleets, from and to."""
+"""What must hold over all fleets, from and to; where a fade begins is less certain than where a step is."""
 NEAR = 0.1
 """Share of the span within which a change must be placed."""
 

@@ -59,6 +59,8 @@ PATIENCE = 7.0
 DRIVEN, START = "plant]: running", 60.0
 """What a graph with a plant says once it moves, and how long that may take [s]; before, a recorder has nothing."""
 SHORTER = {
+    "lab fleet DATA --model config/dampers/inove_guo.yaml --out fleet.parquet --no-search --report fleet"
+    " --json fleet.json": ("--workers", "1"),
     "control endurance --minutes 1": ("--minutes", "0.2"),
     "control car --seeds 3 --first 100": ("--seconds", "1"),
     "lab plan --model config/vehicles/inove_quarter_car.yaml --between gas_spring end_stop --out next.yaml"

@@ -1,11 +1,16 @@
 """A fleet on a real Dask cluster of processes: what is killed, stopped or of other versions."""
 
 import os
+import shutil
 import signal
+import socket
+import subprocess
+import sys
 import time
 
 import psutil
 import pytest
+from distributed import Security
 from er_model_lab.fleets.asked import Asked, code
 from er_model_lab.fleets.cluster import cluster, refuse_others
 from er_model_lab.fleets.engine import OtherCode, spread
@@ -87,3 +92,58 @@ def test_workers_of_other_versions_are_refused_by_name(engine):
         refuse_others(client)
     with pytest.raises(OtherCode, match="numpy"):
         spread(engine, told_by, iter([(0, 0)]), ASKED, print, lambda: None)
+
+
+CERTIFICATE = ("req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=fleet")
+
+
+def started(kind, *words):
+    """A scheduler or worker of its own, as on a cluster."""
+    command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *words]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl")
+def test_a_scheduler_that_restarts_behind_tls(tmp_path):
+    key, pem = tmp_path / "key.pem", tmp_path / "cert.pem"
+    subprocess.run(
+        ["openssl", *CERTIFICATE, "-keyout", key, "-out", pem], check=True, capture_output=True
+    )
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    address = f"tls://127.0.0.1:{port}"
+    tls = ("--tls-ca-file", pem, "--tls-cert", pem, "--tls-key", key)
+    words = ("--host", address, "--no-dashboard", *tls)
+    alone = ("--nthreads", "1", "--no-nanny", "--no-dashboard", "--local-directory", tmp_path)
+    processes = []
+
+    def start():
+        processes[:] = [started("scheduler", *words), started("worker", address, *alone, *tls)]
+
+    security = Security(
+        tls_ca_file=str(pem),
+        tls_client_cert=str(pem),
+        tls_client_key=str(key),
+        require_encryption=True,
+    )
+    found = {}
+
+    def told(number, result):
+        assert number not in found
+        found[number] = result
+        if len(found) == 20:
+            for process in processes:
+                process.kill()
+                process.wait()
+            start()
+
+    start()
+    try:
+        with cluster(address, security=security) as engine:
+            spread(engine, told_by, ((k, k) for k in range(120)), ASKED, told, lambda: None)
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+    assert [found[k][0] for k in range(120)] == [*range(120)]

@@ -5,6 +5,10 @@ import pytest
 from er_model_lab.fleets.overview import overview
 from er_model_lab.fleets.pooled import discoveries, pooled
 from er_model_lab.fleets.trends import trend
+from er_model_lab.results.fleet import FleetResult
+from er_model_lab.results.fleet_view import fleet_view
+from er_model_lab.results.values import clean
+from er_model_lab.view import View
 
 from test.fleet_score import TARGETS, score
 from test.fleet_truth import fleet
@@ -12,7 +16,7 @@ from test.fleet_truth import fleet
 
 def test_units_that_differ_are_found_and_hardly_any_other():
     """At effects of one standard deviation of the noise of the force; seeds nobody looked at."""
-    found = score(range(1, 5)).shown()
+    found = score(range(1, 4)).shown()
     assert {k: v for k, v in found.items() if not TARGETS[k][0] <= v <= TARGETS[k][1]} == {}
 
 
@@ -72,3 +76,29 @@ def test_a_fleet_too_small_to_compare_is_still_told():
     told = overview(made.units, made.recordings)
     assert (told.content["units"], told.content["parameters"]) == (2, {})
     assert overview([], []).content["differ"] == []
+
+
+def test_the_page_shows_the_strangest_first_and_takes_no_name_for_markup(tmp_path):
+    made = fleet(7, units=12, recordings=6)
+    sick = next(iter(sorted(made.effects)))
+    evil = "</script><b>7"
+    rows, parts = (
+        [{**r, "unit": evil if r["unit"] == sick else r["unit"]} for r in each]
+        for each in (made.units, made.recordings)
+    )
+    found = overview(rows, parts)
+    differ = found.content["differ"]
+    pages = {differ[0]["unit"]: "units/00.html"}
+    seen = fleet_view(
+        rows, found.units, differ, lambda u: [p for p in parts if p["unit"] == u], pages
+    )
+    more = {"command": "fleet", "failed": [], "notes": [], "tables": {}, "complete": True}
+    view = View("fleet", "m", "12 units", clean(found.content | more), (), fleet=seen)
+    page = FleetResult(view, pages={"units/00.html": b"one"}).report(tmp_path)
+    html = page.read_text()
+    assert (tmp_path / "units/00.html").read_bytes() == b"one"
+    assert '<a href="units/00.html">' in html
+    assert evil not in html
+    for section in ("fleet", "units", "effects", "parameters", "changes"):
+        assert f'<section id="{section}">' in html
+    assert [r["p"] for r in seen.rows] == sorted(r["p"] for r in seen.rows)

@@ -78,13 +78,40 @@ class ProgramView:
 
 
 @dataclass(frozen=True)
+class SeriesView:
+    """A quantity of one unit that changes: values y (n,), deviations s (n,) along x (n,) [m or s]."""
+
+    unit: str
+    quantity: str
+    axis: str
+    x: Array
+    y: Array
+    s: Array
+    change: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class FleetView:
+    """What a page shows of a fleet beside the result: rows of its units, the strangest first; values that change.
+
+    total: units there are; pages: unit to the page of its own, relative to the report.
+    """
+
+    rows: tuple[Mapping[str, Any], ...]
+    total: int
+    series: tuple[SeriesView, ...]
+    pages: Mapping[str, str]
+
+
+@dataclass(frozen=True)
 class View:
     """Everything a report of one command shows.
 
     headline: one line in newtons; result: the contract's JSON; regions: where the model fails before anything is
     added; regions_after: where it fails with what was added, on the same data, empty where nothing was; candidates best
     first; steps: the falling error; notes: what was repaired, derived or left out; programs: planned ones,
-    the proposed one first; rival_regions: of several models that are compared, name and where each fails.
+    the proposed one first; rival_regions: of several models that are compared, name and where each fails; fleet: of
+    many units.
     """
 
     command: str
@@ -99,3 +126,4 @@ class View:
     programs: tuple[ProgramView, ...] = ()
     regions_after: tuple[RegionTable, ...] = ()
     rival_regions: tuple[tuple[str, tuple[RegionTable, ...]], ...] = ()
+    fleet: FleetView | None = None

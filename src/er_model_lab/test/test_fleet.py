@@ -15,6 +15,7 @@ import pytest
 from er_model_lab.fleets import engine as engines
 from er_model_lab.fleets.asked import Asked, code
 from er_model_lab.fleets.engine import Engine, Failure, Lost, OtherCode, spread
+from er_model_lab.fleets.recording import RecordingJob, recording
 from er_model_lab.fleets.run import Run, _overlaps
 from er_model_lab.fleets.source import Source, sources
 from er_model_lab.fleets.store import Store
@@ -30,11 +31,17 @@ ASKED = Asked(load_model(GUO))
 
 
 def record(
-    path: Path, seed: int, friction: float = 0.0, seconds: float = 5.0, c0: float = 1.0
+    path: Path,
+    seed: int,
+    friction: float = 0.0,
+    seconds: float = 5.0,
+    c0: float = 1.0,
+    duty: float = 1.0,
 ) -> Path:
     """A recording of the Guo damper, with friction [N] and its damping scaled."""
     rng, model, n = np.random.default_rng(seed), load_model(GUO), round(seconds / DT)
     x, v, a, u = imposed(rng, n)
+    u = duty * u
     passive = {**model.effects["passive"], "c0": c0 * model.effects["passive"]["c0"]}
     model = model.with_effect("passive", passive)
     if friction:
@@ -294,6 +301,20 @@ def test_what_was_done_before_an_interruption_is_not_repeated(yard: Path, tmp_pa
     with ThreadPoolExecutor(1) as pool:
         second = lab.fleet(yard, lab.load_model("inove_guo"), executor=pool, resume=True, **asked)
     assert (second.to_dict()["reused"], second.to_dict()["recordings"]) == (3, 11)
+
+
+def test_what_a_recording_does_not_show_has_no_small_deviation(tmp_path: Path) -> None:
+    """Without a duty neither the yield force nor its response time is there."""
+    found = recording(
+        RecordingJob(str(record(tmp_path / "u" / "r.parquet", 3, seconds=3.0, duty=0.0)), "u"),
+        ASKED,
+    )
+    values = found["rows"][0]["values"]
+    for name in ("guo_yield.f_c", "response.tau"):
+        value, sd, _ = values[name]
+        assert sd is None or sd > abs(value)
+    value, sd, _ = values["passive.c0"]
+    assert sd < 0.1 * value
 
 
 def test_a_unit_that_lacks_something_is_named(tmp_path: Path) -> None:

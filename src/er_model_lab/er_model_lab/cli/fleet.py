@@ -92,7 +92,7 @@ def fleet_command(
             return fleet(
                 data, load_model(model, effects_from or ()), out=out, by=by, search=search, resume=resume,
                 cluster=cluster, workers=workers, most=most, seed=seed, rule=Rule(false_alarm, smallest, helps),
-                anyway=anyway, progress=told,
+                anyway=anyway, progress=told, reports=10 if report else 0,
             )  # fmt: skip
 
     read = {

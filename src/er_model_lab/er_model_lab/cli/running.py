@@ -95,9 +95,8 @@ def run(
         typer.echo(f"interrupted: {_left_of(written, beside)}", err=True)
         raise typer.Exit(INTERRUPTED) from None
     if result.interrupted:
-        typer.echo(
-            "interrupted: what was done is written; the same command goes on from there", err=True
-        )
+        again = "the same command with --resume" if table else "the same command"
+        typer.echo(f"interrupted: what was done is written; {again} goes on from there", err=True)
         raise typer.Exit(INTERRUPTED)
     if strict and not result.complete:
         typer.echo("the data were incomplete: see the notes", err=True)

@@ -77,7 +77,7 @@ def _here(distributed: Any, workers: int | None, folder: str) -> Iterator[Any]:
         yield client
 
 
-def _client(distributed: Any, address: str, security: Any, patience: float = 10.0) -> Any:
+def _client(distributed: Any, address: str, security: Any, patience: float = 30.0) -> Any:
     """A client of the scheduler at an address, with one worker at least."""
     try:
         client = distributed.Client(

@@ -22,6 +22,7 @@ from er_model_lab.fleets.run import Run
 from er_model_lab.fleets.source import sources
 from er_model_lab.fleets.store import Store
 from er_model_lab.results.fleet import FleetResult
+from er_model_lab.results.fleet_view import fleet_view
 from er_model_lab.results.values import clean
 from er_model_lab.view import View
 from er_model_lab.work import STOPPED, Event, Progress, Work
@@ -42,6 +43,7 @@ def fleet(
     security: Any = None,
     workers: int | None = None,
     most: int = 20,
+    reports: int = 0,
     seed: int = 0,
     rule: Rule = RULE,
     anyway: bool = False,
@@ -55,7 +57,8 @@ def fleet(
     `<out>.recordings.parquet` and the results so far, `<out>.results`, are written; by: what names a unit, see
     `er_model_lab.fleets.source`; search: whether effects are searched for; resume: go on from `<out>.results`;
     cluster: address of a Dask scheduler, else Dask's processes on this machine; security: for `tls://`; workers: how
-    many processes; most: recordings that a unit is diagnosed with; executor: does the work in Dask's place.
+    many processes; most: recordings that a unit is diagnosed with; reports: how
+    many of the units that differ get a page of their own in `report`; executor: does the work in Dask's place.
 
     A script that calls this without `cluster` guards itself with `if __name__ == "__main__":`, as Dask's processes read
     it again.
@@ -77,7 +80,7 @@ def fleet(
         run = Run(store, asked, engine, work, resume)
         interrupted = _worked(run)
         work.wind_up()
-        return _result(run, table, interrupted=interrupted)
+        return _result(run, table, reports, interrupted=interrupted)
 
 
 def _parquet(out: Path) -> Path:
@@ -111,7 +114,7 @@ def _worked(run: Run) -> bool:
     return False
 
 
-def _result(run: Run, table: Path, *, interrupted: bool) -> FleetResult:
+def _result(run: Run, table: Path, reports: int, *, interrupted: bool) -> FleetResult:
     """Write the tables, and say what they show."""
     with extra("er_model_lab[fleet]", "a table of a fleet"):
         from er_model_lab.fleets import tables
@@ -133,10 +136,21 @@ def _result(run: Run, table: Path, *, interrupted: bool) -> FleetResult:
         "tables": {"units": str(table), "recordings": str(beside)}, "failed": failed[:MOST_FAILED],
         "notes": list(notes), "complete": not failed and not interrupted, "provenance": origin,
     }  # fmt: skip
-    view = View(
-        "fleet", model.name, _headline(found), clean(content), (), notes=notes, provenance=origin
+    strange = [d["unit"] for d in found.content["differ"][:reports]]
+    pages = run.pages(strange) if strange and not interrupted else {}
+    places = {unit: f"units/{k:02d}.html" for k, unit in enumerate(strange) if unit in pages}
+    seen = fleet_view(
+        store.rows(),
+        found.units,
+        found.content["differ"],
+        lambda u: store.parts(u, "used"),
+        places,
     )
-    return FleetResult(view, interrupted=interrupted)
+    view = View(
+        "fleet", model.name, _headline(found), clean(content), (), notes=notes, provenance=origin, fleet=seen
+    )  # fmt: skip
+    drawn = {place: pages[unit] for unit, place in places.items()}
+    return FleetResult(view, interrupted=interrupted, pages=drawn)
 
 
 def _unit_rows(store: Store, found: Overview) -> Iterator[dict[str, Any]]:

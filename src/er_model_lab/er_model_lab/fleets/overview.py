@@ -36,6 +36,8 @@ ERROR = "ln rmse"
 """What the refitted model leaves of a recording, as its logarithm: it rises with whatever the model does not hold."""
 MOST_NEXT = 2
 """Suggestions a unit gets, at most."""
+CREDIBLE = 1e-6
+"""Smallest deviation over value that a measurement has [1]."""
 LOOSE = 0.3
 """Deviation over value from which a unit's own data are too few for a parameter [1]."""
 
@@ -144,11 +146,16 @@ def _series(
 def _values(row: Row) -> Iterable[tuple[str, float, float]]:
     """Quantities of a recording with their deviations, those that are known."""
     for name, (value, sd, _) in (row.get("values") or {}).items():
-        if value is not None and sd is not None and 0.0 < sd < math.inf:
+        if _known(value, sd):
             yield name, float(value), float(sd)
     left = row.get("rmse_refitted")
     if left:
         yield ERROR, math.log(left), 1.0 / math.sqrt(2.0 * float(row.get("independent") or 2.0))
+
+
+def _known(value: float | None, sd: float | None) -> bool:
+    """Whether a value is determined; a deviation of zero is that of a value that was never moved."""
+    return value is not None and sd is not None and CREDIBLE * abs(value) < sd < math.inf
 
 
 def _unit_names(rows: Mapping[str, Row], series: Iterable[str]) -> dict[str, str]:
@@ -172,10 +179,10 @@ def _tested(name: str, rows: Mapping[str, Row], names: Sequence[str], own: _Seri
         there
     ):  # what the diagnosis found beside its effects is freer of bias
         best = (rows[names[number]].get("values") or {}).get(name)
-        if best and best[0] is not None and best[1] and name != ERROR:
+        if best and name != ERROR and _known(best[0], best[1]):
             value[k], sd[k] = best[0], math.sqrt(best[1] ** 2 + within**2 / np.sum(place == k))
-    common = pooled(np.arange(there.size), value, sd, 0.0)
-    p = common.p if common and name != ERROR else np.zeros(0)
+    common = None if name == ERROR else pooled(np.arange(there.size), value, sd, 0.0)
+    p = common.p if common else np.zeros(0)
     return _Tested(name, common, {names[k]: i for i, k in enumerate(there)}, p, trends, within)
 
 
@@ -223,7 +230,7 @@ def _effect_value(name: str, rows: Mapping[str, Row]) -> _Tested | None:
         for unit, row in rows.items()
         if name in (row.get("values") or {})
     }
-    known = {u: t for u, t in known.items() if t[0] is not None and t[1]}
+    known = {u: t for u, t in known.items() if _known(t[0], t[1])}
     if len(known) < FEWEST:
         return None
     y, s = (np.array([t[k] for t in known.values()], float) for k in (0, 1))

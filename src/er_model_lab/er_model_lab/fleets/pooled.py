@@ -7,8 +7,8 @@ between units, omega: spread within a unit beyond what s_ij says. tau and omega 
 (Patterson and Thompson 1971). The value of a unit is its best linear unbiased prediction (Robinson 1991): its own mean
 drawn towards mu, the more the less is known of it.
 
-Units that differ would widen tau, and so hide each other. They are left out of mu and tau: those less probable than one
-in 20 fleets would hold by chance, found again until nothing changes. To leave out every unit that a false discovery rate
+Units that differ would widen tau, and so hide each other. They are left out of mu and tau: those that chance gives
+one fleet in twenty, found again until nothing changes. To leave out every unit that a false discovery rate
 (Benjamini and Hochberg 1995) names would cut the tails of the healthy ones, and make tau too small.
 """
 

@@ -8,16 +8,18 @@ from typing import Any
 
 import numpy as np
 from er_models.errors import ErError
+from er_models.model import Model
 from er_records.dataset import Dataset
 from er_records.load import load
 from er_records.provenance import content_digest
 from er_records.record import Record
 
 from er_model_lab.diagnosis.candidates import baseline
-from er_model_lab.fitting.fit import with_deviations
+from er_model_lab.fitting.fit import Fit, with_deviations
 from er_model_lab.fitting.velocity_channel import as_searched
 from er_model_lab.fleets.asked import Asked
 from er_model_lab.fleets.places import content, local
+from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors
 from er_model_lab.results.values import clean, parameters
 from er_model_lab.verbs.asking import question
@@ -79,7 +81,9 @@ def _judged(record: Record, asked: Asked) -> dict[str, Any]:
     found = question(Dataset.of([record]), asked.model, anyway=asked.anyway)
     opened = found.level.given(found)
     problem, fitted = opened.problem, baseline(opened.searched, opened.problem).fit
-    model = with_deviations(replace(fitted, model=as_searched(fitted)), problem)
+    model = _no_surer(
+        with_deviations(replace(fitted, model=as_searched(fitted)), problem), fitted, problem
+    )
     given, left = (errors(problem, e, problem.used) for e in (opened.given, fitted.residual))
     reach = found.preflight.reach
     return {
@@ -91,6 +95,24 @@ def _judged(record: Record, asked: Asked) -> dict[str, Any]:
             for effect in model.effects for name, triple in parameters(model, effect).items()
         },
     }  # fmt: skip
+
+
+def _no_surer(model: Model, fitted: Fit, problem: Problem) -> Model:
+    """The model with deviations no smaller than if all other parameters were known.
+
+    Of a parameter that moves the force nowhere a generalised inverse makes a deviation of nearly zero.
+    """
+    e, j = fitted.residual[problem.train], fitted.jacobian[problem.train]
+    length = np.sqrt(np.sum(j**2, axis=0))
+    rms = float(np.sqrt(np.mean(e**2)))
+    least = np.divide(
+        rms * fitted.scale, length, out=np.full(length.size, np.inf), where=length > 0.0
+    )
+    deviations = {k: dict(v) for k, v in model.deviations.items()}
+    for (effect, name), sd in zip(fitted.free, least, strict=True):
+        if name in deviations.get(effect, {}):
+            deviations[effect][name] = max(deviations[effect][name], float(sd))
+    return replace(model, deviations=deviations)
 
 
 def _independent(e: np.ndarray[Any, np.dtype[np.float64]]) -> float:

@@ -3,16 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+
+from er_records.write import finished_only
 
 from er_model_lab.results.result import Result
 
 
 @dataclass(frozen=True, repr=False)
 class FleetResult(Result):
-    """What a fleet shows. `table` and `recordings_table` are the files with one row a unit, and one a recording."""
+    """What a fleet shows. `table` and `recordings_table` are the files with one row a unit, and one a recording.
+
+    pages: reports of the strangest units by their place in a report.
+    """
+
+    pages: Mapping[str, bytes] = field(default_factory=dict)
+
+    def report(self, folder: str | Path) -> Path:
+        """Write the page, and beside it a page for each unit that was drawn; returns the page.
+
+        Raises:
+            InputError: The folder cannot be written.
+            ErError: A package that draws is not installed.
+        """
+        page = super().report(folder)
+        for name, content in self.pages.items():
+            with finished_only(page.parent / name) as part:
+                part.write_bytes(content)
+        return page
 
     @property
     def table(self) -> Path:

@@ -10,6 +10,7 @@ from er_model_lab.output.report.sections import (
     candidates,
     cards,
     falling_error,
+    fleet,
     headline,
     history,
     identified,
@@ -30,6 +31,10 @@ from er_model_lab.output.report.sections import (
 )
 from er_model_lab.view import View
 
+FLEET: tuple[Callable[[View], Section | None], ...] = (
+    fleet.section, fleet.units, fleet.effects, fleet.parameters, fleet.changes, fleet.planned, provenance.section,
+)  # fmt: skip
+"""The sections of a fleet's page."""
 SECTIONS: tuple[Callable[[View], Section | None], ...] = (
     headline.section,
     programs.section,

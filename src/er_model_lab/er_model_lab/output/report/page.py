@@ -13,7 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from er_model_lab.output.report.embed import compact, inflatable, picture, plotting_library
 from er_model_lab.output.report.figure import Figure
 from er_model_lab.output.report.live import live
-from er_model_lab.output.report.order import SECTIONS
+from er_model_lab.output.report.order import FLEET, SECTIONS
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.report.still import still
 from er_model_lab.output.text.units import percent
@@ -58,7 +58,8 @@ def write_report(view: View, folder: Path, sections: Sequence[Section] | None = 
 
 def sections_of(view: View) -> list[Section]:
     """All sections that have something to show."""
-    return [s for make in SECTIONS if (s := make(view)) is not None]
+    every = SECTIONS if view.fleet is None else FLEET
+    return [s for make in every if (s := make(view)) is not None]
 
 
 def figures_of(view: View) -> dict[str, Figure]:

@@ -8,6 +8,7 @@ from typing import Any
 from rich.console import RenderableType
 
 from er_model_lab.output.terminal.markup import Pen
+from er_model_lab.output.text.fleet import change, suggested
 from er_model_lab.output.text.units import parameter, percent, short
 from er_model_lab.view import View
 
@@ -38,23 +39,6 @@ def fleet_lines(view: View, pen: Pen) -> Iterator[RenderableType]:
         yield from map(pen.whole, [f"{what}: {path}"])
 
 
-def suggested(each: Mapping[str, Any]) -> str:
-    """What to record next, in words."""
-    what = (
-        f"what tells {' and '.join(each['between'])} apart" if "between" in each
-        else f"what reveals {each['reveal']}" if "reveal" in each else str(each["record"])
-    )  # fmt: skip
-    return f"{what} ({each['why']})"
-
-
-def change(each: Mapping[str, Any]) -> str:
-    """A change in words."""
-    scale, unit = (1e-3, "km") if each["axis"] == "mileage" else (1.0 / 86400.0, "days")
-    forms = {"line": "in a line from", "step": "at once at", "bend": "from"}
-    size = parameter([each["change"], each["sd"], ""]).strip()
-    return f"{each['quantity']} by {size} {forms[each['form']]} {each['axis']} {short(each['at'] * scale)} {unit}"
-
-
 def _counted(found: Mapping[str, int]) -> str:
     """Numbers of things by name."""
     return ", ".join(f"{name} {n}" for name, n in found.items()) or "none"
@@ -66,15 +50,20 @@ def _differ(found: Mapping[str, Any], pen: Pen) -> Iterator[RenderableType]:
         return
     rows = [
         [
-            pen.cut(each["unit"], 24), pen.safe(short(each["p"], 2)), pen.cut(", ".join(each["in"][:3]), 30),
-            pen.cut(pen.safe("; ".join(change(c) for c in each["changes"][:1])), pen.width - 66),
+            pen.cut(each["unit"], 24), pen.safe(short(each["p"], 2)),
+            pen.cut(pen.safe("; ".join([*_still(each), *map(change, each["changes"][:2])])), pen.width - 36),
         ]
         for each in found["differ"][:MOST_UNITS]
     ]  # fmt: skip
     yield pen.line("")
-    yield pen.table([("differs", ""), ("p", "right"), ("in", ""), ("changes", "")], rows)
+    yield pen.table([("differs", ""), ("p", "right"), ("in", "")], rows)
     if (more := len(found["differ"]) - len(rows)) > 0:
         yield pen.line(f"{more} more in the table", "dim")
+
+
+def _still(each: Mapping[str, Any]) -> list[str]:
+    """What differs without a change."""
+    return [what for what in each["in"] if " over " not in what][:3]
 
 
 def _parameters(found: Mapping[str, Any], pen: Pen) -> Iterator[RenderableType]:

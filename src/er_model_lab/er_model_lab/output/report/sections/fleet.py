@@ -1,0 +1,189 @@
+"""A fleet: the strangest units, a table of all, effects over units, parameters, what changes, what to record next."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from er_model_lab.output.report.figure import (
+    Axis,
+    Figure,
+    Level,
+    Line,
+    Mark,
+    Panel,
+    Points,
+    Scale,
+    Tiles,
+)
+from er_model_lab.output.report.palette import AFTER, BEFORE, ERROR, FLOOR, MUTED
+from er_model_lab.output.report.section import Section
+from er_model_lab.output.text.fleet import change, suggested
+from er_model_lab.output.text.units import parameter, percent, short, shown
+from er_model_lab.view import FleetView, SeriesView, View
+
+STRANGEST, MOST_UNITS, MOST_EFFECTS, MOST_PARAMETERS, MOST_NEXT = 10, 40, 14, 8, 30
+PAGE = 50
+"""Rows of the table that are seen at once."""
+KM, DAY = 1e3, 86400.0
+
+
+def _of(view: View) -> FleetView:
+    """The fleet of a view that has one."""
+    assert view.fleet is not None
+    return view.fleet
+
+
+def section(view: View) -> Section:
+    """How many there are, and the ten strangest with their reports."""
+    found, fleet = view.result, _of(view)
+    rows = [
+        {
+            "unit": d["unit"], "page": fleet.pages.get(d["unit"], ""), "p": short(d["p"], 2),
+            "in": ", ".join(d["in"][:4]),
+            "changes": "; ".join(change(c) for c in d["changes"][:2]),
+        }
+        for d in found["differ"][:STRANGEST]
+    ]  # fmt: skip
+    counts = [
+        ("units", found["verdicts"]), ("recordings", found["statuses"]),
+        ("effects", {e["effect"]: f"{e['units']} ({percent(e['share'])})" for e in found["effects"]}),
+    ]  # fmt: skip
+    return Section(
+        "fleet", "Units that differ",
+        facts={"rows": rows, "counts": counts, "failed": found["failed"], "more": len(found["differ"]) - len(rows)},
+    )  # fmt: skip
+
+
+def units(view: View) -> Section:
+    """All units in pages, the strangest first."""
+    fleet = _of(view)
+    head = (
+        "unit",
+        "verdict",
+        "effects",
+        "rmse [N]",
+        "noise [N]",
+        "p",
+        "differs in",
+        "record next",
+    )
+    rows = [
+        [
+            str(r["unit"]), str(r["verdict"]), ", ".join(r.get("effects") or ()), short(r.get("rmse")),
+            short(r.get("noise_floor")), short(r["p"], 2), ", ".join(r["differs_in"]),
+            "; ".join(map(suggested, r["next"][:1])),
+        ]
+        for r in fleet.rows
+    ]  # fmt: skip
+    table = json.dumps({"head": head, "rows": rows, "size": PAGE}).replace("<", "\\u003c")
+    return Section(
+        "units",
+        "Table",
+        template="fleet_units",
+        facts={"table": table, "left": fleet.total - len(rows)},
+    )
+
+
+def effects(view: View) -> Section | None:
+    """A map: how much of the error each effect takes away, unit by unit."""
+    rows = [r for r in _of(view).rows if r.get("candidates")][:MOST_UNITS]
+    total: dict[str, float] = {}
+    for row in rows:
+        for effect, (size, *_) in row["candidates"].items():
+            total[effect] = max(total.get(effect, 0.0), size or 0.0)
+    names = sorted(total, key=lambda e: -total[e])[:MOST_EFFECTS]
+    if not names or len(rows) < 2:
+        return None
+    z = np.array(
+        [[(r["candidates"].get(e) or [np.nan])[0] or 0.0 for e in names] for r in rows][::-1],
+        float,
+    )
+    tiles = Tiles(np.arange(len(names) + 1.0), np.arange(len(rows) + 1.0), z)
+    x = Axis(ticks=tuple((k + 0.5, e.replace("_", " ")) for k, e in enumerate(names)))
+    y = Axis(ticks=tuple((len(rows) - k - 0.5, str(r["unit"])[:14]) for k, r in enumerate(rows)))
+    peak = float(np.nanmax(z)) or 1.0
+    alt = f"Effect size of {len(names)} effects in {len(rows)} units; the strangest unit is above."
+    scale = Scale("effect size [N]", 0.0, peak, ERROR)
+    map_ = Figure(
+        "fleet_map", alt, (Panel((tiles,), x, y),), height=170 + 16 * len(rows), scale=scale
+    )
+    return Section(
+        "effects", "Units over effects", (map_,), {"caption": alt}, template="fleet_figure"
+    )
+
+
+def parameters(view: View) -> Section | None:
+    """How every parameter is distributed: each unit by its own data, and partially pooled."""
+    known, rows = view.result["parameters"], _of(view).rows
+    panels: list[Panel] = []
+    for name, p in list(known.items())[:MOST_PARAMETERS]:
+        seen = sorted((r["pooled"][name][0], k) for k, r in enumerate(rows) if name in r["pooled"])
+        at = np.arange(float(len(seen)))
+        pooled = np.array([value for value, _ in seen])
+        own = np.array(
+            [((rows[k].get("values") or {}).get(name) or [np.nan])[0] for _, k in seen], float
+        )
+        marks: tuple[Mark, ...] = (
+            Points(at, own, "own data", MUTED, 3.5, 0.7), Points(at, pooled, "pooled", AFTER, 4.5, 0.9),
+            Level(float(p["mean"]), "common", BEFORE),
+        )  # fmt: skip
+        unit = f" [{shown(p['unit'])}]" if shown(p["unit"]) else ""
+        panels.append(Panel(marks, Axis("units in order"), Axis(), name + unit))
+    if not panels:
+        return None
+    alt = f"Values of {', '.join(list(known)[:MOST_PARAMETERS])} over all units, own and partially pooled."
+    figure = Figure(
+        "fleet_parameters", alt, tuple(panels), 2, height=60 + 200 * (-(-len(panels) // 2))
+    )
+    table = [
+        (name, parameter([p["mean"], p["sd"], p["unit"]]), short(p["between"]), short(p["within"]), str(p["units"]))
+        for name, p in known.items()
+    ]  # fmt: skip
+    return Section(
+        "parameters", "Parameters", (figure,), {"rows": table}, template="fleet_parameters"
+    )
+
+
+def changes(view: View) -> Section | None:
+    """What changes: values of recordings along mileage or time."""
+    series = _of(view).series
+    if not series:
+        return None
+    panels = tuple(_panel(s) for s in series)
+    alt = "; ".join(f"{s.unit}: {change(s.change)}" for s in series)
+    figure = Figure("fleet_changes", alt, panels, 2, height=60 + 220 * (-(-len(panels) // 2)))
+    return Section("changes", "What changes", (figure,), {"caption": alt}, template="fleet_figure")
+
+
+def _panel(seen: SeriesView) -> Panel:
+    """One series with its deviations, and where the change begins."""
+    scale, unit = (KM, "km") if seen.axis == "mileage" else (DAY, "days")
+    x, y, s = seen.x / scale, seen.y, seen.s
+    bars = [
+        Line(np.array([a, a]), np.array([b - e, b + e]), "", AFTER, 1.0)
+        for a, b, e in zip(x, y, s, strict=True)
+    ]
+    drawn: tuple[Mark, ...] = (
+        *bars,
+        Points(x, y, "", AFTER, 5.0, 1.0),
+        Level(seen.change["at"] / scale, "", FLOOR, vertical=True),
+    )
+    return Panel(drawn, Axis(f"{seen.axis} [{unit}]"), Axis(), f"{seen.unit}: {seen.quantity}")
+
+
+def planned(view: View) -> Section | None:
+    """What to record next, the strangest unit first."""
+    rows: Sequence[Mapping[str, Any]] = view.result["record_next"]
+    if not rows:
+        return None
+    told = [(str(r["unit"]), suggested(r)) for r in rows[:MOST_NEXT]]
+    return Section(
+        "next",
+        "What to record next",
+        facts={"rows": told, "more": len(rows) - len(told)},
+        template="fleet_next",
+    )
