@@ -1,8 +1,8 @@
 """Bounded least squares of model parameters on the damper force (Levenberg-Marquardt, all cores).
 
 The way is looked for in longer steps of the integrator, whose error where it begins is taken off. The usual steps say
-whether it has led elsewhere; then the fit goes on in them. The Jacobian comes from one batch of predictions. Blocks of the
-normal equations are kept, so that cross-validation costs one linear solve per block instead of a refit.
+whether it has led elsewhere; then the fit goes on in them. The Jacobian comes from one batch of predictions. Blocks of
+the normal equations are kept, so that cross-validation costs one linear solve per block instead of a refit.
 """
 
 from __future__ import annotations
