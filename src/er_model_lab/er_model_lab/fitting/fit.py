@@ -50,7 +50,7 @@ class Fit:
 
     def mse(self, mask: NDArray[np.bool_]) -> float:
         """Mean squared residual over a mask [N2]."""
-        return float(np.mean(self.residual[mask] ** 2))
+        return _mean_square(self.residual[mask])
 
 
 class Box:
@@ -166,7 +166,7 @@ def _ended(
         theta, f, known = coarse.theta, found, coarse.jacobian
     taken = replace(coarse, theta=theta, f=f, about=begun)
     early = (better and coarse.rounds >= max_iter) or (coarse.cost > target and not coarse.exact)
-    if early or abs(true - coarse.cost) <= AWAY * true:
+    if early or abs(true - coarse.cost) <= AWAY * coarse.cost:
         return taken
     last = _leg(box, theta, f, problem, known, target, max_iter, tol)
     if last.exact:
@@ -176,7 +176,13 @@ def _ended(
 
 def _cost(f: Array, problem: Problem) -> float:
     """Mean square [N2] that a prediction (n,) leaves of the training samples."""
-    return float(np.mean((problem.force - f)[problem.train] ** 2))
+    return _mean_square((problem.force - f)[problem.train])
+
+
+def _mean_square(left: Array) -> float:
+    """Mean square of what is left (n,); infinite where that is beyond all measure."""
+    with np.errstate(over="ignore"):
+        return float(np.mean(left**2))
 
 
 def _leg(
