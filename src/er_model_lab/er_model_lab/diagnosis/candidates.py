@@ -32,6 +32,8 @@ TRYING, FINISHING = "trying effects", "fitting the best to the end"
 """Stages of a round that take long."""
 BEYOND = 1e6
 """Change of a prediction, over the largest force, from which on it has lost all measure."""
+HOPE = 1.2
+"""Mean square, over a target, up to which a fit to stretches may still reach it on all runs."""
 WORTH_AN_END = 2.0
 """Mean square, over that of the best, up to which such a fit to many runs is brought to its end."""
 
@@ -167,16 +169,21 @@ def screen(base: Candidate, effect: Effect, problem: Problem) -> Screen:
 
 
 def refit(
-    base: Candidate, effect: Effect, problem: Problem, *, max_iter: int = FIRST_ITERATIONS
-) -> Candidate:
-    """Add one effect to a fitted model, refit everything, and cross-validate; of many runs on stretches first."""
-    few, effects = problem.practice, (*base.effects, effect.name)
+    base: Candidate, effect: Effect, problem: Problem, *, max_iter: int = FIRST_ITERATIONS, target: float = np.inf
+) -> Candidate:  # fmt: skip
+    """Add one effect to a fitted model, refit everything, and cross-validate; of many runs on stretches first.
+
+    target: mean square [N2] that the fit to stretches must promise; else it is judged on all runs as it is.
+    """
+    few, effects, hopeless = problem.practice, (*base.effects, effect.name), False
     if few is None:
         fitted, seen = _fitted_with(base, effect, problem, max_iter)
     else:
-        begun, seen = _fitted_with(part_of(base, few), effect, few.problem, max_iter)
-        fitted = _on_all(base, begun, problem, max_iter)
-    return cross_judged(effects, fitted, problem, seen.kept, seen.reach)
+        part, rows = part_of(base, few), few.problem.train
+        begun, seen = _fitted_with(part, effect, few.problem, max_iter)
+        hopeless = base.seen * begun.mse(rows) > HOPE * target * part.fit.mse(rows)
+        fitted = _on_all(base, begun, problem, 0 if hopeless else max_iter)
+    return cross_judged(effects, fitted, problem, seen.kept, seen.reach, straight=hopeless)
 
 
 def _refitted(name: str, problem: Problem, base: Candidate) -> Candidate:

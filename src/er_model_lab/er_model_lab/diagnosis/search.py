@@ -239,7 +239,7 @@ def try_pairs(step: Round, problem: Problem, target: float) -> Candidate | None:
     names = partners(step)
     singles = {c.name: c for c in step.candidates if c.name in names}
     pairs = problem.each(
-        _paired_with, list(itertools.combinations(names, 2)), singles, stage="trying pairs"
+        _paired_with, list(itertools.combinations(names, 2)), singles, target, stage="trying pairs"
     )
     best = min(pairs, key=lambda c: c.mse, default=None)
     top = step.taken or step.candidates[0]
@@ -249,12 +249,12 @@ def try_pairs(step: Round, problem: Problem, target: float) -> Candidate | None:
 
 
 def _paired_with(
-    two: tuple[str, str], problem: Problem, singles: dict[str, Candidate]
+    two: tuple[str, str], problem: Problem, singles: dict[str, Candidate], target: float
 ) -> Candidate:
-    """A single with a second effect."""
+    """A single with a second effect, which shall leave no more than a mean square [N2]."""
     first, second = two
     base = singles[first]
-    return refit(base, base.fit.model.catalogue[second], problem)
+    return refit(base, base.fit.model.catalogue[second], problem, target=target)
 
 
 def swapped(

@@ -23,7 +23,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from er_models.effect import SMOOTH, SWITCH
+from er_models.effect import SWITCH
 from er_models.model import Array, Model
 from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
@@ -200,8 +200,6 @@ def estimate(fitted: Fit, problem: Problem, seed: int) -> Estimate:
 
 def estimated(fitted: Fit, problem: Problem, seed: int) -> Model:
     """The model with its estimates; a deviation is infinite where the data say nothing."""
-    if all(q.step <= SMOOTH for q in Box(fitted.model, fitted.free, problem.scales).parameters):
-        problem = problem.near(fitted.model, problem.force - fitted.residual)
     tried = sorted(
         (moved(polished(fitted, problem, share), problem, share) for share in SECANTS),
         key=lambda f: f.mse(problem.train),

@@ -1,8 +1,8 @@
 """Bounded least squares of model parameters on the damper force (Levenberg-Marquardt, all cores).
 
 The way is looked for in longer steps of the integrator, whose error where it begins is taken off. The usual steps say
-whether it has led elsewhere; then the fit goes on in them. The Jacobian comes from one batch of predictions. Blocks of the
-normal equations are kept, so that cross-validation costs one linear solve per block instead of a refit.
+whether it has led elsewhere; then the fit goes on in them. The Jacobian comes from one batch of predictions. Blocks of
+the normal equations are kept, so that cross-validation costs one linear solve per block instead of a refit.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Fit:
 
     def mse(self, mask: NDArray[np.bool_]) -> float:
         """Mean squared residual over a mask [N2]."""
-        return float(np.mean(self.residual[mask] ** 2))
+        return _mean_square(self.residual[mask])
 
 
 class Box:
@@ -166,7 +166,7 @@ def _ended(
         theta, f, known = coarse.theta, found, coarse.jacobian
     taken = replace(coarse, theta=theta, f=f, about=begun)
     early = (better and coarse.rounds >= max_iter) or (coarse.cost > target and not coarse.exact)
-    if early or abs(true - coarse.cost) <= AWAY * true:
+    if early or abs(true - coarse.cost) <= AWAY * coarse.cost:
         return taken
     last = _leg(box, theta, f, problem, known, target, max_iter, tol)
     if last.exact:
@@ -176,7 +176,13 @@ def _ended(
 
 def _cost(f: Array, problem: Problem) -> float:
     """Mean square [N2] that a prediction (n,) leaves of the training samples."""
-    return float(np.mean((problem.force - f)[problem.train] ** 2))
+    return _mean_square((problem.force - f)[problem.train])
+
+
+def _mean_square(left: Array) -> float:
+    """Mean square of what is left (n,); infinite where that is beyond all measure."""
+    with np.errstate(over="ignore"):
+        return float(np.mean(left**2))
 
 
 def _leg(

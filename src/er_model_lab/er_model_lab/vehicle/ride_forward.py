@@ -107,7 +107,7 @@ class RideForward:
         return np.asarray(self.predict_many(data, model, model.compiled().p[None])[0])
 
     def near(self, data: Sensed, model: Model, rows: Array) -> RideForward:
-        """Itself: the road is followed at every step."""
+        """Itself: nothing predicts a car for less that fits as well, since a mount is too stiff for longer steps."""
         del data, model, rows
         return self
 

@@ -1,0 +1,113 @@
+"""A fit looks for its way in longer steps and ends in the usual ones; a search goes on where the last one ended."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from er_model_lab.diagnosis import candidates, investigation
+from er_model_lab.diagnosis.candidates import baseline, part_of, refit
+from er_model_lab.diagnosis.investigation import search_effects
+from er_model_lab.diagnosis.search import afresh, one_round
+from er_model_lab.fitting.fit import AWAY, Box, _jacobian, fit
+from er_model_lab.level import damper
+from er_model_lab.level.damper import DamperLevel
+from er_model_lab.problem.forward import COARSE, DamperForward
+from er_model_lab.problem.problem import Practice
+from lab_help import problem_of
+
+FRICTION = {"F_c": 1.0, "v_0": 0.003}
+
+
+@pytest.fixture(scope="module")
+def sought():
+    """A model that lacks friction, and its problem."""
+    return problem_of("coulomb_friction", FRICTION, seconds=12.0)
+
+
+def test_longer_steps_are_exact_at_the_model_and_its_derivatives_are_theirs(sought):
+    model, problem = sought
+    here = problem.predict(model)
+    near = problem.near(model, here)
+    assert near.forward.longest == COARSE
+    np.testing.assert_allclose(near.predict(model), here, atol=1e-12)
+    box = Box(model, problem.forward.free(model), problem.scales)
+    usual, longer = (_jacobian(box, box.start(), here, p, None) for p in (problem, near))
+    assert 0.0 < np.linalg.norm(usual - longer) < 0.02 * np.linalg.norm(usual)
+
+
+@pytest.mark.parametrize("off", [0.0, 0.05], ids=["as they are", "misleading"])
+def test_a_fit_ends_where_the_usual_steps_would_have_led_it(sought, monkeypatch, off):
+    model, problem = sought
+    grown = model.with_effect("coulomb_friction", FRICTION | {"F_c": 3.0})
+    through = DamperForward.near
+
+    def near(self, data, model, rows):
+        found = through(self, data, model, rows)
+        return replace(found, beside=found.beside + off * rows)
+
+    monkeypatch.setattr(DamperForward, "near", near)
+    found = fit(grown, problem)
+    np.testing.assert_array_equal(found.residual, problem.force - problem.predict(found.model))
+    monkeypatch.setattr(DamperForward, "near", lambda self, *_: self)
+    usual = fit(grown, problem)
+    assert found.mse(problem.train) < (1.0 + AWAY) * usual.mse(problem.train)
+
+
+@pytest.fixture(scope="module")
+def step(sought):
+    """A round of two effects beside the refitted model, as one that began with another effect in it."""
+    model, problem = sought
+    with pytest.MonkeyPatch.context() as patch:
+        few = ("coulomb_friction", "preload")
+        patch.setattr(DamperForward, "candidates", lambda _, m: tuple(m.catalogue[n] for n in few))
+        base = replace(baseline(model, problem), effects=("gas_spring",))
+        return one_round(base, problem, 0)
+
+
+def test_a_search_that_goes_on_tries_nothing_twice(sought, step, monkeypatch):
+    begun = afresh(step)
+    assert step.taken.effects == ("gas_spring", "coulomb_friction")
+    assert (begun.base.effects, begun.taken.effects) == ((), ("coulomb_friction",))
+    assert any(c is begun.taken for c in begun.candidates)
+
+    def never(*_, **__):
+        raise AssertionError
+
+    monkeypatch.setattr(investigation, "baseline", never)
+    monkeypatch.setattr(investigation, "one_round", never)
+    monkeypatch.setattr(investigation, "promising", lambda *_: False)
+    found = search_effects(*sought, begun=begun)
+    assert (found.effects, found.rounds[0]) == (("coulomb_friction",), begun)
+
+
+@pytest.mark.parametrize("other", [False, True])
+def test_the_last_study_is_gone_on_with_on_the_same_samples_only(sought, step, monkeypatch, other):
+    model, problem = sought
+    opened = SimpleNamespace(problem=problem, searched=model, lag=None, data=None, model=model)
+    last = replace(problem, force=2.0 * problem.force) if other else problem
+    study = SimpleNamespace(problem=last, diagnosis=SimpleNamespace(further=step))
+    seen = []
+    monkeypatch.setattr(DamperLevel, "given", lambda *_: opened)
+    monkeypatch.setattr(damper, "replace", lambda found, **_: found)
+    monkeypatch.setattr(damper, "_restored", lambda found, _: found)
+    monkeypatch.setattr(damper, "search_effects", lambda *_, begun, **__: seen.append(begun))
+    DamperLevel().searched(SimpleNamespace(last=study, rule=None, seed=0, model=model), None)
+    assert [b is None for b in seen] == [other]
+
+
+def test_a_pair_that_stretches_deny_is_not_fitted_to_all_runs(sought, monkeypatch):
+    model, problem = sought
+    rows = np.arange(problem.motion.n)
+    many = replace(problem)
+    many.__dict__["practice"] = Practice(problem, rows)
+    base, fits = baseline(model, many), []
+    through = candidates.fit
+    monkeypatch.setattr(
+        candidates, "fit", lambda *a, **k: fits.append(k["max_iter"]) or through(*a, **k)
+    )
+    assert part_of(base, many.practice).fit.mse(problem.train) == base.seen
+    refit(base, model.catalogue["preload"], many, target=0.5 * base.seen)
+    assert fits[-1] == 0
+    refit(base, model.catalogue["coulomb_friction"], many, target=0.5 * base.seen)
+    assert fits[-1] > 0
