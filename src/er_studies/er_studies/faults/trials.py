@@ -109,7 +109,8 @@ def _road(trial: Trial, model: Model, random: np.random.Generator) -> Array:
         spec = {"kind": "sequence", "fade": 0.1, "parts": [part]}
     document = {
         "schema": "er_program 1", "duration": trial.duration, "seed": trial.seed,
-        "road": {**spec, "peak_velocity": float(peak), "straight": DT * trial.straight}, "duty": {"kind": "constant", "level": 0.0},
+        "road": {**spec, "peak_velocity": float(peak), "straight": DT * trial.straight},
+        "duty": {"kind": "constant", "level": 0.0},
     }  # fmt: skip
     program = resolve(parse_program(document, Path("trial")), model, DT)
     height = program.ride(DT)[0]
