@@ -81,7 +81,8 @@ class ProgramView:
 class View:
     """Everything a report of one command shows.
 
-    headline: one line in newtons; result: the contract's JSON; regions: where it fails; candidates best
+    headline: one line in newtons; result: the contract's JSON; regions: where the model fails before anything is
+    added; regions_after: where it fails with what was added, on the same data, empty where nothing was; candidates best
     first; steps: the falling error; notes: what was repaired, derived or left out; programs: planned ones,
     the proposed one first; rival_regions: of several models that are compared, name and where each fails.
     """
@@ -96,4 +97,5 @@ class View:
     notes: tuple[str, ...] = ()
     provenance: Mapping[str, Any] = field(default_factory=dict)
     programs: tuple[ProgramView, ...] = ()
+    regions_after: tuple[RegionTable, ...] = ()
     rival_regions: tuple[tuple[str, tuple[RegionTable, ...]], ...] = ()

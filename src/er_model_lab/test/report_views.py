@@ -84,9 +84,24 @@ def entry(effect: str, size: float) -> dict[str, object]:
         "p_value": 0.059,
         "parameters": {"F_c": [0.936, 0.0088, "N"], "v_0": [0.0032, None, "m/s"]},
         "status": status,
-        "confounded_with": [], "explains": 0.97, "kept_fraction": 0.5,
+        "confounded_with": [], "explained_by": ["coulomb_friction"] if effect == "shear_thinning" else [],
+        "explains": 0.97, "kept_fraction": 0.5,
     }  # fmt: skip
 
+
+PARAMETERS: dict[str, object] = {
+    "passive": {
+        "k0": {
+            "value": 8.957e6, "sd": 8.8e5, "unit": "N/m", "before": 2.6e5, "bounds": [0.0, 1e7], "status": "identified",
+        },
+        "c0": {"value": 64.6, "sd": None, "unit": "N s/m", "before": 64.6, "bounds": [0.0, 9e3], "status": "at_bound"},
+    },
+    "coulomb_friction": {
+        "F_c": {"value": 0.936, "sd": 0.0088, "unit": "N", "before": None, "bounds": [0.0, 42.0], "status": "added"},
+        "v_0": {"value": 0.0032, "sd": None, "unit": "m/s", "before": None, "bounds": [3e-4, 0.02], "status": "not_identified"},
+    },
+}  # fmt: skip
+"""Parameters before and after."""
 
 FLOORS: dict[str, object] = {
     "standstill": {"value": None, "sd": None, "says": "no rest of 0.3 s or more in these records"},
@@ -246,6 +261,7 @@ def view(seconds: float = 12.0, records: int = 2, **result: object) -> View:
         "candidates": [entry(e, s) for e, s in EFFECTS.items()],
         "unknowable": [{"effect": "force_gain", "because": "the damper's forces scale along."}],
         "reasons": ["error 0.6 N after refitting"],
+        "parameters": PARAMETERS,
         "steps": [{"added": None, "rmse_held_out": 0.6}, {"added": "coulomb_friction",
         "rmse_held_out": 0.2}],
     } | result  # fmt: skip

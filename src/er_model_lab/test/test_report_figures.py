@@ -193,7 +193,12 @@ def test_the_waterfall_starts_and_ends_at_the_errors_and_its_steps_join() -> Non
 def test_bars_of_candidates_are_not_negative_and_name_their_effects() -> None:
     (figure,) = candidates.section(view()).figures  # type: ignore[union-attr]
     bars = [m for m in figure.panels[0].marks if isinstance(m, Bars)]
-    assert {b.name for b in bars} == {"present", "absent", "not excited"}
+    assert {b.name for b in bars} == {
+        "present",
+        "explained better by another",
+        "not excited",
+        "not needed",
+    }
     shown = {float(a): (s, t) for b in bars for a, s, t in zip(b.at, b.size, b.text, strict=True)}
     named = {name: shown[at] for at, name in figure.panels[0].y.ticks}
     assert named["Coulomb friction"] == (0.51, "0.510 N")

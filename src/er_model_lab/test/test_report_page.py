@@ -226,8 +226,9 @@ def test_a_planned_program_is_drawn_with_the_forces_of_both_truths() -> None:
             {"summary"},
         ),
         (lambda v: replace(v, result={**v.result, "floors": {}}), {"noise"}),
+        (lambda v: replace(v, result={**v.result, "parameters": {}}), {"identified"}),
         (lambda v: replace(v, notes=(), provenance={}), {"provenance"}),
-        (lambda _: compared(), {"candidates", "cards", "falling_error"}),
+        (lambda _: compared(), {"candidates", "cards", "falling_error", "identified"}),
     ],
 )
 def test_a_section_without_data_is_left_out(change, gone: set[str]) -> None:

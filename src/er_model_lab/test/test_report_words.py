@@ -23,13 +23,13 @@ SAID = {
     ),
     "ambiguous": (
         "cannot say which",
-        ["Coulomb friction or Shear thinning", "to 0.295 N or 0.400 N"],
+        ["Coulomb friction or Shear thinning", "0.600 N and becomes 0.295 N or 0.400 N"],
     ),
     "partial": ("Part of what is missing was found: Coulomb friction", ["more is missing"]),
     "unknown_effect": ("catalogue does not know", ["no known effect explains"]),
     "insufficient_data": ("cannot decide", ["only 3 s of data"]),
     "identified": ("Every parameter was identified", ["falls from 0.600 N", "to 0.200 N"]),
-    "identified_in_part": ("do not say every parameter", ["falls from 0.600 N"]),
+    "identified_in_part": ("do not determine every parameter", ["falls from 0.600 N"]),
     "told_apart": ("tells them apart", ["2 times the noise"]),
     "one_way": ("not if the other is", ["2 times the noise"]),
     "not_told_apart": ("No program within the limits", ["2 times the noise"]),
@@ -74,12 +74,12 @@ def test_more_is_missing_where_only_the_data_learnt_from_show_it() -> None:
     """Few held-out runs: what is left there lies below the floor, and nobody would believe that more is missing."""
     found = {"noise_floor": 0.21, "rmse_after": {"train": 0.5, "held_out": 0.2}}
     said = verdict_sentence(view(verdict="partial", noise_floor_train=0.1, **found))
-    assert "to 0.200 N. That is noise there (0.210 N)" in said
-    assert "of the 0.500 N left in the data that were learnt from it is 0.100 N: more is" in said
+    assert "to 0.200 N. Held-out error has reached its noise (0.210 N)." in said
+    assert "On the training data 0.500 N remain, noise is 0.100 N: more is missing" in said
     usual = verdict_sentence(view(verdict="partial", noise_floor_train=0.1, noise_floor=0.15))
     assert "to 0.200 N, but noise alone is 0.150 N: more is missing" in usual
     alike = {**found, "rmse_after": {"train": 0.1, "held_out": 0.2}}
-    assert "learnt" not in verdict_sentence(
+    assert "remain" not in verdict_sentence(
         view(verdict="partial", noise_floor_train=0.1, **alike)
     )
 
@@ -94,7 +94,7 @@ def test_what_is_not_noise_is_not_called_noise_where_no_input_predicts_it() -> N
 
 def test_tied_effects_that_leave_different_errors_are_not_said_to_explain_it_alike() -> None:
     group = ["coulomb_friction", "shear_thinning"]
-    for left, said in ((0.203, "Each explains"), (0.4, "from 0.600 N to 0.200 N or 0.400 N")):
+    for left, said in ((0.203, "Each explains"), (0.4, "0.600 N and becomes 0.200 N or 0.400 N")):
         told = [{"effect": e, "rmse_held_out": r} for e, r in zip(group, (0.2, left), strict=True)]
         sentence = verdict_sentence(
             view(verdict="ambiguous", alternatives=[group], candidates=told)
@@ -140,12 +140,14 @@ def test_several_missing_effects_are_listed() -> None:
     ("triple", "said"),
     [
         ([0.93596, 0.00879, "N"], "0.9360 ± 0.0088 N"),
-        ([-0.00165, 0.000112, "s"], "−0.00165 ± 0.00011 s"),
-        ([173467.0, 184222.0, "N s/m3"], "173467 ± 184222 N s/m3"),
-        ([2.5e-9, 1.1e-10, "m"], "2.500e−09 ± 1.1e−10 m"),
+        ([-0.00165, 0.000112, "s"], "−1.65 ± 0.11 ms"),
+        ([173467.0, 184222.0, "N s/m3"], "170 ± 180 kN s/m3"),
+        ([2.5e-9, 1.1e-10, "m"], "2.50 ± 0.11 nm"),
         ([0.5, None, "1"], "0.500 (not determined by these data)"),
         ([0.5, float("inf"), "N"], "0.500 N (not determined by these data)"),
-        ([0.0132, 0.0, "m/s"], "0.0132 m/s"),
+        ([0.0132, 0.0, "m/s"], "13.2 mm/s"),
+        ([8956924.0, 883397.0, "N/m3"], "8960 ± 880 kN/m3"),
+        ([0.0, 0.2, "1/m"], "0.00 ± 0.20 1/m"),
     ],
 )
 def test_the_deviation_decides_the_digits_of_a_parameter(triple: list[object], said: str) -> None:

@@ -45,6 +45,7 @@ def entry(
         "parameters": parameters(model, name),
         "status": status,
         "confounded_with": rivals,
+        "explained_by": _better(candidate, step, found),
         "kept_fraction": candidate.kept,
         "explains": shares(step.base.mse, candidate.mse, found.floor)[1],
     }
@@ -117,6 +118,13 @@ def _out_of_reach(candidate: Candidate) -> bool:
     return candidate.reach < LEAST_REACH
 
 
+def _better(candidate: Candidate, step: Round, found: Diagnosis) -> list[str]:
+    """What explains the error better than an effect that helps by more than chance; empty for any other."""
+    if candidate.name in found.effects or effect_size(step.base, candidate) <= step.threshold:
+        return []
+    return [step.taken.name] if step.taken else list(found.effects)
+
+
 def reason(candidate: Candidate, step: Round, found: Diagnosis) -> str:
     """Why a candidate was taken or not, in one sentence."""
     size = effect_size(step.base, candidate)
@@ -128,5 +136,9 @@ def reason(candidate: Candidate, step: Round, found: Diagnosis) -> str:
         return "not excited: in these data it would change the force by less than the noise"
     if size <= step.threshold:
         return f"not needed: {max(size, 0.0):.3g} N, chance alone reaches {step.threshold:.3g} N"
-    taken = step.taken.name if step.taken else "none"
-    return f"helps by {size:.3g} N, but {taken} explains the error better"
+    better = " and ".join(
+        candidate.fit.model.catalogue[name].title for name in _better(candidate, step, found)
+    )
+    if not better:
+        return f"helps by {size:.3g} N, by more than chance, but too little to be named"
+    return f"helps by {size:.3g} N, but {better} explains the error better"

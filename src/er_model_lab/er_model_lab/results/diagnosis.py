@@ -17,6 +17,7 @@ from er_model_lab.residual.errors import errors, size_notes
 from er_model_lab.residual.unexplained import describe
 from er_model_lab.results.candidate import candidates
 from er_model_lab.results.steps import steps
+from er_model_lab.results.values import estimates
 
 MOST_INPUTS, LEAST_WEIGHT = 5, 0.01
 """Inputs that the unexplained part is said to depend on, at most, and the share of it that each must carry [1]."""
@@ -52,6 +53,7 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
             for name, side in floors(problem, found.best.fit.residual, found.floor.first).items()
         },
         "coverage": _coverage(found.coverage),
+        "parameters": estimates(study.model, model_after),
         "model": model_after.name,
         "notes": [*_sizes(study), *unlike, *problem.notes],
         "outliers": outliers(study.data.originals, problem.beside),
@@ -79,6 +81,7 @@ def _errors(study: Study) -> dict[str, Any]:
         "rmse": {name: e.rmse for name, e in base.items()},
         "nrmse": {name: e.nrmse for name, e in base.items()},
         "rmse_as_given": errors(problem, study.opened.given, problem.held_out).rmse,
+        "rmse_as_given_train": errors(problem, study.opened.given, problem.train).rmse,
         "rmse_after": {name: e.rmse for name, e in after.items()},
     }
 

@@ -82,11 +82,11 @@ def _card(
     )  # fmt: skip
 
 
-def study_regions(study: Study, seed: int) -> tuple[RegionTable, ...]:
-    """Where the model, refitted with nothing added, fails."""
+def study_regions(study: Study, seed: int, residual: Array) -> tuple[RegionTable, ...]:
+    """Where a model fails that leaves this residual (n,) [N] of the data of a study."""
     found, problem = study.diagnosis, study.problem
     noise = noise_at(problem, found.floor.first.floor, found.null.input_square)
-    return region_tables(problem, found.base.fit.residual, seed, noise)
+    return region_tables(problem, residual, seed, noise)
 
 
 def study_view(

@@ -7,7 +7,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from er_models.effect import Param
 from er_models.model import Model
+
+NEAR = 1e-3
+"""Share of a parameter's range [1] within which it is at its bound."""
 
 
 def clean(value: Any) -> Any:
@@ -30,6 +34,38 @@ def parameters(model: Model, effect: str) -> dict[str, list[Any]]:
         sd = model.deviations.get(effect, {}).get(q.name, float("inf"))
         out[q.name] = [float(model.effects[effect][q.name]), float(sd), q.unit]
     return out
+
+
+def estimates(before: Model, after: Model) -> dict[str, dict[str, dict[str, Any]]]:
+    """Every parameter of a model with its value before (None where it is new), deviation, bounds and unit.
+
+    status: given (not fitted), added, at_bound, not_identified (the data do not determine it) or identified.
+    """
+    return {
+        effect: {
+            q.name: _estimate(before, after, effect, q) for q in after.catalogue[effect].parameters
+        }
+        for effect in after.effects
+    }
+
+
+def _estimate(before: Model, after: Model, effect: str, q: Param) -> dict[str, Any]:
+    """One parameter; a value within a thousandth of its range from a bound is at it."""
+    value, (low, high) = float(after.effects[effect][q.name]), after.bounds(effect, q.name)
+    sd = after.deviations.get(effect, {}).get(q.name)
+    known = effect in before.effects
+    edge = NEAR * (high - low)
+    bounded = value >= high - edge or (
+        value <= low + edge and not (low == 0.0 and q.neutral == 0.0)
+    )
+    status = (
+        "given" if not q.fitted or (sd is None and known) else "at_bound" if bounded
+        else "not_identified" if sd is None or not math.isfinite(sd) else "identified" if known else "added"
+    )  # fmt: skip
+    return {
+        "value": value, "sd": sd, "unit": q.unit, "before": float(before.effects[effect][q.name]) if known else None,
+        "bounds": [low, high], "status": status,
+    }  # fmt: skip
 
 
 def headline(rmse: float, floor: float) -> str:

@@ -72,7 +72,10 @@ def offer(result: DiagnosisResult, asked: Question) -> tuple[str, ...]:
 def result_of(command: str, study: Study, model: Model, asked: Question) -> DiagnosisResult:
     """The result of a study; model: the best one, with estimates."""
     origin = provenance(study.data, study.model, asked.seed)
-    tables = study_regions(study, asked.seed)
+    found = study.diagnosis
+    tables = study_regions(study, asked.seed, found.base.fit.residual)
+    added = found.best is not found.base
+    later = study_regions(study, asked.seed, found.best.fit.residual) if added else ()
     content = {
         "command": command,
         **diagnosis_json(study, model),
@@ -81,6 +84,7 @@ def result_of(command: str, study: Study, model: Model, asked: Question) -> Diag
         "history": [dict(h) for h in model.history],
         "regions": regions_json(tables),
         "worst": worst(tables),
+        "worst_after": worst(later) if added else [],
         "preflight": asked.preflight.as_json(),
         "provenance": origin,
     }
@@ -90,5 +94,7 @@ def result_of(command: str, study: Study, model: Model, asked: Question) -> Diag
     content["notes"] = [*rig_note(model, asked.model), *content["notes"]]
     view = study_view(command, study, clean(content), origin)
     return DiagnosisResult(
-        replace(view, regions=tables), model, interrupted=study.diagnosis.interrupted
+        replace(view, regions=tables, regions_after=later),
+        model,
+        interrupted=study.diagnosis.interrupted,
     )

@@ -24,10 +24,10 @@ from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study, checked
 from er_model_lab.problem.problem import Problem
-from er_model_lab.residual.errors import errors
+from er_model_lab.residual.errors import errors, regions_json, worst
 from er_model_lab.results.by_record import BAND, by_record, with_flags
 from er_model_lab.results.diagnosis import diagnosis_json
-from er_model_lab.results.draw import candidate_views, views
+from er_model_lab.results.draw import candidate_views, study_regions, views
 from er_model_lab.results.passes import explained_by, taken_last, told_together
 from er_model_lab.results.result import DiagnosisResult, with_notes
 from er_model_lab.results.terms import as_study, with_term
@@ -37,6 +37,7 @@ from er_model_lab.verbs.asking import question
 from er_model_lab.verbs.diagnose import offer, result_of
 from er_model_lab.verbs.history import with_history
 from er_model_lab.verbs.resume import Begun, begun, finished, left_by, marked, resume, with_fits
+from er_model_lab.view import View
 from er_model_lab.work import STOPPED, Event, Leader, Progress, Work
 
 Keep = Callable[[Model], None]
@@ -280,22 +281,38 @@ def _improved(made: _Passes, model: Model, asked: Question) -> DiagnosisResult:
     view = replace(result.view, candidates=taken_last(cards, results))
     if len(studies) > 1:
         whole |= explained_by(first.diagnosis, last.diagnosis)
-        view = replace(view, headline=headline(whole["rmse"]["held_out"], whole["noise_floor"]))
-        after = last.problem.force - last.diagnosis.best.fit.residual
-        view = replace(view, records=views(last.problem, _before(first, last), after))
     if first.checked is not None and last.checked is not None:
         told, now = (s.checked.note(again=s.again) for s in (first, last) if s.checked)
         whole["notes"] = [now if note == told else note for note in whole["notes"]]
         view = replace(view, notes=tuple(now if note == told else note for note in view.notes))
     whole["measured_terms"] = list[Any]()
     if made.term is not None:
-        found, grown, limit = made.term
-        whole = with_term(whole, found, grown, first, limit)
-        after = grown.problem.force - found.candidate.fit.residual
-        shown = views(grown.problem, _before(first, grown), after)
-        line = headline(whole["rmse"]["held_out"], whole["noise_floor"])
-        view = replace(view, headline=line, records=shown, notes=(whole["notes"][0], *view.notes))
+        found, last, limit = made.term
+        whole = with_term(whole, found, last, first, limit)
+        view = replace(view, notes=(whole["notes"][0], *view.notes))
+    if last is not first:
+        view, tables = _drawn_on_last(view, first, last, asked.seed)
+        whole |= tables
+        view = replace(view, headline=headline(whole["rmse"]["held_out"], whole["noise_floor"]))
     return with_flags(replace(result, view=replace(view, result=whole), model=model))
+
+
+def _drawn_on_last(
+    view: View, first: Study, last: Study, seed: int
+) -> tuple[View, dict[str, Any]]:
+    """Pictures and regions of the models before and after all passes, both on the data of the last one."""
+    problem, before = last.problem, _before(first, last)
+    after = problem.force - last.diagnosis.best.fit.residual
+    both = [study_regions(last, seed, problem.force - force) for force in (before, after)]
+    drawn = replace(
+        view, records=views(problem, before, after), regions=both[0], regions_after=both[1]
+    )
+    tables = {
+        "regions": regions_json(both[0]),
+        "worst": worst(both[0]),
+        "worst_after": worst(both[1]),
+    }
+    return drawn, tables
 
 
 def _before(first: Study, last: Study) -> Array:

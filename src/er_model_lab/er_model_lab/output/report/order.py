@@ -32,11 +32,11 @@ from er_model_lab.view import View
 
 SECTIONS: tuple[Callable[[View], Section | None], ...] = (
     headline.section,
-    identified.section,
     programs.section,
     models.section,
-    summary.section,
     falling_error.section,
+    summary.section,
+    identified.section,
     measured_terms.section,
     alternatives.section,
     time_series.section,

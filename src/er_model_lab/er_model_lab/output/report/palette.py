@@ -21,6 +21,8 @@ STATUS: dict[str, str] = {
     "confounded": "#e69f00",
     "not_excited": "#b8bfc8",
     "absent": "#7d8896",
+    "outdone": "#56b4e9",
+    "minor": "#56b4e9",
 }
 """Colour of a candidate by its status; the status is always written beside it too."""
 

@@ -11,7 +11,7 @@ from rich.text import Text
 BLOCK = "\N{FULL BLOCK}"
 PLUS_MINUS = "\N{PLUS-MINUS SIGN}"
 ASCII = str.maketrans({
-    BLOCK: "#", PLUS_MINUS: "+-", "\N{MINUS SIGN}": "-", "\N{RIGHTWARDS ARROW}": "->",
+    BLOCK: "#", PLUS_MINUS: "+-", "\N{MINUS SIGN}": "-", "\N{RIGHTWARDS ARROW}": "->", "\N{MICRO SIGN}": "u",
 })  # fmt: skip
 """Stand-ins for what a file or a pipe may not carry."""
 
@@ -40,25 +40,10 @@ class Pen:
         text = self.safe(text)
         return text if len(text) <= most else text[: max(most - 3, 0)].rstrip(" ,;") + "..."
 
-    @property
-    def room(self) -> int:
-        """Columns left for parameters beside the other cells of a candidate."""
-        return self.width - 66
-
-    def fitting(self, values: Sequence[str]) -> str:
-        """As many whole values as fit, never part of a number."""
-        out = ""
-        for k, value in enumerate(self.safe(v) for v in values):
-            longer = f"{out}, {value}" if k else value
-            if len(longer) + (5 if k + 1 < len(values) else 0) > self.room:
-                return f"{out}, ..." if out else "..."
-            out = longer
-        return out
-
     def table(
         self, columns: Sequence[tuple[str, str]], rows: Sequence[Sequence[str | Text]]
     ) -> Table:
-        """A table without lines; columns are (title, justify)."""
+        """A table without lines; columns are (title, justify), and only text wraps, never a number."""
         grid = Table(
             box=None,
             pad_edge=False,
@@ -69,8 +54,8 @@ class Pen:
             grid.add_column(
                 title,
                 justify="right" if justify == "right" else "left",
-                no_wrap=True,
-                overflow="crop",
+                no_wrap=justify != "",
+                overflow="fold",
             )
         for row in rows:
             # as text, because a bracket in a name must not be taken for markup

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,16 +14,22 @@ from rich.text import Text
 
 from er_model_lab.output.report.sections.history import change, fall
 from er_model_lab.output.report.sections.models import against
-from er_model_lab.output.terminal.markup import BLOCK, PLUS_MINUS, Pen
+from er_model_lab.output.terminal.heat_map import heat_map
+from er_model_lab.output.terminal.markup import BLOCK, Pen
 from er_model_lab.output.terminal.parameters import parameter_lines
 from er_model_lab.output.terminal.plan import plan_lines
 from er_model_lab.output.terminal.preflight import preflight_lines
+from er_model_lab.output.text.fall import stages
+from er_model_lab.output.text.notes import SMALL, by_weight, weight
 from er_model_lab.output.text.ranking import effect_size, largest, limit, ranked
-from er_model_lab.output.text.regions import worst
-from er_model_lab.output.text.units import gain, newtons, parameter, percent, short, where
+from er_model_lab.output.text.regions import ALWAYS, NOTABLE, failures
+from er_model_lab.output.text.units import gain, newtons, percent, short, where
 from er_model_lab.output.text.verdict_text import (
+    beyond_noise,
     joined,
     learnt,
+    standing,
+    standing_words,
     title_of,
     verdict_sentence,
     verdict_title,
@@ -32,12 +37,11 @@ from er_model_lab.output.text.verdict_text import (
 from er_model_lab.view import View
 
 WIDTH = 100
-MOST_CANDIDATES = 6
-MOST_STEPS = 5
-MOST_NOTES, MOST_NOTES_INCOMPLETE = 1, 4
+MOST_CANDIDATES = 5
+MOST_REGIONS = 6
+MOST_NOTES, MOST_DECISIVE = 3, 6
+"""Notes that are shown, and where more of them change the result."""
 MOST_MODELS = 10
-LEAST_ROOM = 18
-"""Columns below which the table goes without parameters."""
 
 FLOORS = (
     ("bound", "regression"), ("standstill", "standstill"), ("repeats", "repeats"), ("force_white", "force sensor"),
@@ -60,22 +64,20 @@ TONES = {
     "usable": "bold green",
     "not_usable": "bold red",
 }
-STATUS = {
-    "present": "present",
-    "confounded": "tied",
-    "not_excited": "not excited",
-    "absent": "absent",
-}
 STATUS_TONES = {
     "present": "bold blue",
     "confounded": "yellow",
     "not_excited": "dim",
     "absent": "dim",
+    "outdone": "dim",
+    "minor": "yellow",
 }
 
 
 def summary(view: View, report: Path | None = None) -> RenderableType:
-    """At most 40 lines of 100 columns: verdict, candidates, falling error, where it fails.
+    """Lines of at most 100 columns: verdict, candidates, falling error, parameters, where it fails, notes.
+
+    Nothing that decides is cut: what is longer than a line goes on in the next.
 
     On a terminal in colour; elsewhere plain ASCII without colour codes.
     """
@@ -94,8 +96,8 @@ class Summary:
         plain = not console.is_terminal or options.ascii_only
         pen = Pen(min(WIDTH, options.max_width), plain=plain)
         parts = (
-            _head, _models, preflight_lines, parameter_lines, plan_lines, _candidates, _alternatives, _rest,
-            _steps, _regions, _next, _notes,
+            _head, _models, preflight_lines, plan_lines, _candidates, _alternatives, _rest,
+            _steps, parameter_lines, _regions, heat_map, _next, _notes,
         )  # fmt: skip
         lines = [line for part in parts for line in part(self.view, pen)]
         if self.report is not None:
@@ -106,17 +108,19 @@ class Summary:
 def _head(view: View, pen: Pen) -> Iterator[RenderableType]:
     """Verdict and the error in newtons."""
     tone = TONES.get(str(view.result.get("verdict")), "bold")
-    yield pen.line(pen.cut(f"{view.command} {view.model}: {verdict_title(view)}", pen.width), tone)
-    yield pen.line(pen.cut(verdict_sentence(view), 2 * pen.width - 20))
-    yield from (pen.line(pen.cut(said, pen.width)) for said in learnt(view))
-    share = view.result.get("explainable")
+    yield pen.line(f"{view.command} {view.model}: {verdict_title(view)}", tone)
+    yield pen.line(verdict_sentence(view))
+    yield from map(pen.line, learnt(view))
+    share, split = beyond_noise(view), isinstance(view.result.get("rmse"), Mapping)
+    whose = "refitted, on held-out data: " if split and share is not None else ""
     more = f"; explainable {percent(share)}" if share is not None else ""
-    yield pen.line(view.headline + more)
+    yield pen.line(whose + view.headline + more)
     known = view.result.get("floors") or {}
     values = {name: (known.get(key) or {}).get("value") for key, name in FLOORS}
     said = [f"{name} {short(value)}" for name, value in values.items() if value is not None]
     if said:
-        yield pen.line(f"noise by {', '.join(said)} N", "dim")
+        data = "of the training data " if split else ""
+        yield pen.line(f"noise {data}by {', '.join(said)} N", "dim")
 
 
 def _models(view: View, pen: Pen) -> Iterator[RenderableType]:
@@ -125,11 +129,11 @@ def _models(view: View, pen: Pen) -> Iterator[RenderableType]:
     if not entries:
         made = [f"{change(view, e)} {fall(e)}".strip() for e in view.result.get("history") or ()]
         if made and view.command == "compare":
-            yield pen.line(pen.cut(f"history: {'; '.join(made)}", pen.width), "dim")
+            yield pen.line(f"history: {'; '.join(made)}", "dim")
         return
     rows = [
         [
-            pen.cut(e["model"], pen.width - 52), pen.safe(newtons(e["rmse"])), pen.safe(percent(e["nrmse"])),
+            pen.safe(e["model"]), pen.safe(newtons(e["rmse"])), pen.safe(percent(e["nrmse"])),
             pen.safe("" if k == 0 else against(e)), "fitted here" if e["fitted_to_these_data"] else "",
         ]
         for k, e in enumerate(entries[:MOST_MODELS])
@@ -157,11 +161,10 @@ def _candidates(view: View, pen: Pen) -> Iterator[RenderableType]:
         ("held out", "right"),
         ("size", "right"),
         ("p", "right"),
-        ("status", ""),
+        ("", ""),
     ]
-    if pen.room >= LEAST_ROOM:
-        columns.append(("parameters", ""))
-    rows = [_row(view, e, pen)[: len(columns)] for e in entries[:MOST_CANDIDATES]]
+    taken = len(view.result.get("effects") or ())
+    rows = [_row(view, e, pen) for e in entries[: max(taken, MOST_CANDIDATES)]]
     yield pen.line("")
     yield pen.table(columns, rows)
     more, chance = len(entries) - len(rows), limit(view)
@@ -172,31 +175,16 @@ def _candidates(view: View, pen: Pen) -> Iterator[RenderableType]:
     never = [str(e["effect"]) for e in view.result.get("unknowable") or ()]
     if never:
         yield pen.line(f"cannot be known from these channels: {joined(never)}", "dim")
-    for e in entries:
-        if e["effect"] in (view.result.get("effects") or ()):
-            values = ", ".join(
-                f"{name} = {parameter(v)}" for name, v in (e.get("parameters") or {}).items()
-            )
-            yield pen.line(pen.cut(f"{title_of(view, str(e['effect']))}: {values}", pen.width))
 
 
 def _row(view: View, e: Mapping[str, Any], pen: Pen) -> list[str | Text]:
-    """Cells of one candidate; of the parameters, as many as there is room for."""
-    size, status = effect_size(view, e), str(e.get("status", ""))
-    cells = [
-        pen.cut(title_of(view, str(e["effect"])), 24), pen.safe(newtons(e.get("rmse_held_out"))),
+    """Cells of one candidate."""
+    size, tone = effect_size(view, e), "" if pen.plain else STATUS_TONES.get(standing(e), "")
+    return [
+        pen.safe(title_of(view, str(e["effect"]))), pen.safe(newtons(e.get("rmse_held_out"))),
         gain(None if "basis" in e else size, largest(view)),
-        pen.safe(short(e.get("p_value"), 2)),
+        pen.safe(short(e.get("p_value"), 2)), Text(pen.safe(standing_words(view, e)), style=tone),
     ]  # fmt: skip
-    said = Text(
-        STATUS.get(status, status), style="" if pen.plain else STATUS_TONES.get(status, "")
-    )
-    known = {k: v for k, v in (e.get("parameters") or {}).items() if v[1] is not None}
-    values = [
-        f"{name} {parameter(v, 1)}".replace(f" {PLUS_MINUS} ", PLUS_MINUS)
-        for name, v in known.items()
-    ]
-    return [*cells, said, pen.fitting(values)]
 
 
 def _alternatives(view: View, pen: Pen) -> Iterator[RenderableType]:
@@ -205,13 +193,8 @@ def _alternatives(view: View, pen: Pen) -> Iterator[RenderableType]:
     for group in list(view.result.get("alternatives") or ())[:2]:
         names = joined([title_of(view, e) for e in group], "or")
         record = next((experiments[e] for e in group if experiments.get(e)), "")
-        yield pen.line(
-            pen.cut(
-                f"cannot be told apart: {names}" + (f"; record: {record}" if record else ""),
-                2 * pen.width,
-            ),
-            "yellow",
-        )
+        then = f"; record: {record}" if record else ""
+        yield pen.line(f"cannot be told apart: {names}{then}", "yellow")
 
 
 def _rest(view: View, pen: Pen) -> Iterator[RenderableType]:
@@ -220,61 +203,58 @@ def _rest(view: View, pen: Pen) -> Iterator[RenderableType]:
     if not rest or view.result.get("verdict") not in ("unknown_effect", "partial"):
         return
     for words in rest["says"][:3]:
-        yield pen.line(pen.cut(f"the rest: {words}", pen.width), "yellow")
+        yield pen.line(f"the rest: {words}", "yellow")
 
 
 def _steps(view: View, pen: Pen) -> Iterator[RenderableType]:
-    """The falling error as bars, down to the noise floor."""
-    steps = view.result.get("steps") or []
-    if len(steps) < 2:
+    """The error of every model on the way as bars, down to the noise floor; of a pair, each of the two alone."""
+    found = stages(view)
+    if not found:
         return
-    names = ["model, refitted", *("+ " + title_of(view, str(s["added"])) for s in steps[1:])]
-    errors = [float(s["rmse_held_out"]) for s in steps]
-    if len(names) > MOST_STEPS:
-        names, errors = (
-            names[:1] + names[-MOST_STEPS + 1 :],
-            errors[:1] + errors[-MOST_STEPS + 1 :],
-        )
-    floor = view.result.get("noise_floor")
-    if floor is not None:
-        names, errors = [*names, "noise floor"], [*errors, float(floor)]
-    room, longest = pen.width - 46, max(errors)
     rows = [
-        [
-            pen.cut(name, 28),
-            pen.safe(newtons(e)),
-            pen.safe(BLOCK * max(round(room * e / longest), 1)),
-        ]
-        for name, e in zip(names, errors, strict=True)
+        row
+        for s in found
+        for row in [(s.name, s.error), *((f"  {name} alone", e) for name, e in s.alone)]
+    ]
+    floor = view.result.get("noise_floor")
+    rows += [("noise floor", float(floor))] if floor is not None else []
+    room, longest = pen.width - 46, max(e for _, e in rows)
+    bars = [BLOCK * max(round(room * e / longest), 1) for _, e in rows]
+    cells = [
+        [pen.safe(name), pen.safe(newtons(e)), pen.safe(bar)]
+        for (name, e), bar in zip(rows, bars, strict=True)
     ]
     yield pen.line("")
-    yield pen.table([("the error falls", ""), ("held out", "right"), ("", "")], rows)
+    yield pen.table([("the error falls", ""), ("held out", "right"), ("", "left")], cells)
 
 
 def _regions(view: View, pen: Pen) -> Iterator[RenderableType]:
-    """Where most of the error is; more of it where nothing was diagnosed."""
-    found = worst(view.regions, 3 if view.candidates or "stages" in view.result else 6)
+    """Where most of the error is of the last model; of one that was grown, where it was before as well."""
+    tables = view.regions_after or view.regions
+    found = failures(tables, view.records, after=bool(view.regions_after), most=MOST_REGIONS)
     if not found:
         return
     rows = [
         [
-            pen.cut(where(r, single=single), 50),
-            pen.safe(percent(r.share)),
-            pen.safe(percent(r.of_samples)),
-            pen.safe(newtons(r.rms)),
+            pen.safe(where(f.region, single=f.single)), pen.safe(percent(f.region.share)),
+            pen.safe(percent(f.region.of_samples)), pen.safe(newtons(f.region.rms)),
+            pen.safe(f"{f.when[0]}, {f.when[1]:.0f} s" if f.when else ""),
         ]
-        for r, single in found
-    ]
+        for f in found
+    ]  # fmt: skip
+    even = all(f.region.share <= NOTABLE * f.region.of_samples for f in found)
+    title = "where most of the rest is" if even else "where it fails"
+    title = "where it still fails" if view.regions_after and not even else title
+    numbers = [(name, "right") for name in ("of the error", "of the data", "rms")]
     yield pen.line("")
-    yield pen.table(
-        [
-            ("where it fails", ""),
-            ("of the error", "right"),
-            ("of the data", "right"),
-            ("rms", "right"),
-        ],
-        rows,
-    )
+    yield pen.table([(title, ""), *numbers, ("worst second", "")], rows)
+    if view.regions_after:
+        was = failures(view.regions, view.records, after=False, most=len(ALWAYS))
+        said = [
+            f"{where(f.region, single=f.single)} ({newtons(f.region.rms)}, {percent(f.region.share)})"
+            for f in was
+        ]
+        yield pen.line(f"where it failed before: {'; '.join(said)}", "dim")
 
 
 def _next(view: View, pen: Pen) -> Iterator[RenderableType]:
@@ -295,15 +275,15 @@ def pasteable(command: str, width: int) -> list[str]:
 
 
 def _notes(view: View, pen: Pen) -> Iterator[RenderableType]:
-    """The first notes, two lines each at most; more of them where data are missing."""
+    """The notes that change the result, then as many of the others as there is room for, all in full."""
     said = view.result.get("reasons") or () if "stages" in view.result else ()
-    notes = [note for note in dict.fromkeys(view.notes) if note not in said]
-    most = MOST_NOTES if view.result.get("complete", True) else MOST_NOTES_INCOMPLETE
-    for note in notes[:most]:
-        first, *rest = textwrap.wrap(f"note: {note}", pen.width) or [""]
-        yield pen.line(first, "dim")
-        if rest:
-            yield pen.line(pen.cut(" ".join(rest), pen.width), "dim")
-    more = len(notes) - most
+    notes = [note for note in by_weight(view.notes) if note not in said]
+    # of incomplete data what happened to them changes the result
+    small = SMALL if view.result.get("complete", True) else SMALL + 1
+    decisive = sum(weight(note) < small for note in notes)
+    shown = notes[: min(max(decisive, MOST_NOTES), MOST_DECISIVE)]
+    for note in shown:
+        yield pen.line(f"note: {note}", "dim")
+    more = len(notes) - len(shown)
     if more > 0:
         yield pen.line(f"{more} more note{'s' * (more > 1)} in --json and --report", "dim")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from er_model_lab.residual.region import Region
@@ -13,6 +14,10 @@ MINUS = "\N{MINUS SIGN}"
 MILLI = {"m": "mm", "m/s": "mm/s"}
 """SI units that are shown in thousandths, because a damper moves by millimetres."""
 
+PREFIXES = {-3: "n", -2: "\N{MICRO SIGN}", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}
+"""Prefix of a unit by its power of a thousand."""
+PREFIXED, LARGE = re.compile(r"(N|J|W|Hz|m|s)(?!\w)"), ("N", "J", "W", "Hz")
+"""Beginning of a unit that may carry a prefix, and those of them that also carry one for thousands."""
 ROUNDING = 1e-9
 """Share of a range below which an end of it is zero."""
 
@@ -48,6 +53,20 @@ def newtons(value: float | None) -> str:
     return f"{short(value)} N"
 
 
+def moves(before: float | None, after: float | None) -> str:
+    """What an error does, in a clause: falls, rises, or stays where both read alike."""
+    old, new = newtons(before), newtons(after)
+    if before is None or after is None or old == new:
+        return f"stays at {new}"
+    return f"{'falls' if after < before else 'rises'} from {old} to {new}"
+
+
+def arrow(before: float | None, after: float | None) -> str:
+    """An error before and after, short."""
+    old, new = newtons(before), newtons(after)
+    return f"{old}, unchanged" if old == new else f"{old} \N{RIGHTWARDS ARROW} {new}"
+
+
 def gain(size: float | None, largest: float) -> str:
     """An effect size in newtons; in words where it is nothing beside the largest one."""
     if size is None or not math.isfinite(size):
@@ -56,34 +75,72 @@ def gain(size: float | None, largest: float) -> str:
 
 
 def percent(value: float | None) -> str:
-    """A share as a percentage, with a decimal only where it is small."""
+    """A share as a percentage, with a decimal only where it is small, or nearly all: what is not all is not 100 %."""
     if value is None or not math.isfinite(value):
         return "-"
     if abs(value) < 5e-4:
         return "0 %"
+    if 0.995 <= value < 1.0:
+        return f"{min(round(100.0 * value, 1), 99.9)} %"
     text = f"{100.0 * value:.1f} %" if abs(value) < 0.0995 else f"{100.0 * value:.0f} %"
     return text.replace("-", MINUS)
 
 
 def change(before: float, after: float) -> str:
-    """Relative change with its sign."""
-    return f"{100.0 * (after / before - 1.0):+.0f} %".replace("-", MINUS)
+    """Relative change with its sign; none where it rounds to nothing."""
+    text = f"{100.0 * (after / before - 1.0):+.0f} %".replace("-", MINUS)
+    return "0 %" if text[1:] == "0 %" else text
+
+
+def engineering(size: float, unit: str) -> tuple[float, str]:
+    """Multiplier from SI, and unit, in which a value of this size reads best: kN/m, mm; empty for pure numbers."""
+    found = PREFIXED.match(unit)
+    if not found or not size > 0.0 or not math.isfinite(size):
+        return 1.0, "" if unit == "1" else unit
+    most, power = max(PREFIXES) if found[1] in LARGE else 0, 0
+    while size >= 1e4 * 1e3**power and power < most:
+        power += 1
+    while size < 0.1 * 1e3**power and power > min(PREFIXES):
+        power -= 1
+    return 1e3**-power, PREFIXES[power] + unit
 
 
 def parameter(triple: Sequence[Any], digits: int = 2) -> str:
-    """Value, standard deviation with `digits` significant digits, and unit."""
-    value, sd, unit = float(triple[0]), triple[1], str(triple[2])
-    name = "" if unit == "1" else f" {unit}"
-    if sd is None or not math.isfinite(float(sd)):
-        return f"{short(value)}{name} (not determined by these data)"
-    if float(sd) == 0.0:
-        return f"{short(value)}{name}"
-    places = digits - 1 - math.floor(math.log10(abs(float(sd))))
-    if places > 6 or abs(float(sd)) >= 1e7:
-        return f"{short(value, 4)} \N{PLUS-MINUS SIGN} {short(float(sd), digits)}{name}"
-    shown_places = max(places, 0)
-    text = f"{value:.{shown_places}f} \N{PLUS-MINUS SIGN} {float(sd):.{shown_places}f}{name}"
-    return text.replace("-", MINUS)
+    """Value, standard deviation with `digits` significant digits, and unit as an engineer reads it."""
+    value, sd = float(triple[0]), math.inf if triple[1] is None else abs(float(triple[1]))
+    factor, unit = engineering(max(abs(value), sd if math.isfinite(sd) else 0.0), str(triple[2]))
+    text = with_deviation(value * factor, sd * factor, digits) + f" {unit}".rstrip()
+    return text if math.isfinite(sd) else f"{text} (not determined by these data)"
+
+
+def estimate(entry: Mapping[str, Any]) -> tuple[str, str, str]:
+    """Value before, value with its deviation, and bounds of an estimated parameter, all in one unit."""
+    sd, before = entry.get("sd"), entry.get("before")
+    sizes = [abs(float(v)) for v in (entry["value"], sd, before) if v is not None]
+    factor, unit = engineering(max(sizes[:1] if sizes[0] else sizes), str(entry["unit"]))
+    unit = f" {unit}".rstrip()
+    value = with_deviation(float(entry["value"]) * factor, float(sd or 0.0) * factor)
+    ends = _range(entry.get("bounds") or (), str(entry["unit"]))
+    was = "" if before is None else short(float(before) * factor, 4) + unit
+    return was, value + unit, ends
+
+
+def _range(ends: Sequence[float], unit: str) -> str:
+    """Two values and their unit; empty without them."""
+    factor, name = engineering(max((abs(v) for v in ends), default=0.0), unit)
+    text = " to ".join(short(v * factor) for v in ends)
+    return f"{text} {name}".strip() if ends else ""
+
+
+def with_deviation(value: float, sd: float, digits: int = 2) -> str:
+    """A value to the digits that its standard deviation leaves it; three digits where that is 0 or unknown."""
+    if sd == 0.0 or not math.isfinite(sd):
+        return short(value)
+    places = digits - 1 - math.floor(math.log10(sd))
+    if not -9 < places < 7:
+        return f"{short(value, 4)} \N{PLUS-MINUS SIGN} {short(sd, digits)}"
+    both = (f"{round(y, places):.{max(places, 0)}f}" for y in (value, sd))
+    return " \N{PLUS-MINUS SIGN} ".join(both).replace("-", MINUS)
 
 
 def discrete(regions: Sequence[Region]) -> bool:

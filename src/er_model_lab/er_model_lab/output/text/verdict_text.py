@@ -8,7 +8,7 @@ from typing import Any
 from er_models.catalogue import CATALOGUE
 from er_models.measured import LABEL, PREFIX
 
-from er_model_lab.output.text.units import newtons, percent
+from er_model_lab.output.text.units import moves, newtons, percent
 from er_model_lab.view import View
 
 TITLES: dict[str, str] = {
@@ -19,7 +19,7 @@ TITLES: dict[str, str] = {
     "unknown_effect": "Something is missing that the catalogue does not know",
     "insufficient_data": "These data cannot decide",
     "identified": "Every parameter was identified",
-    "identified_in_part": "These data do not say every parameter",
+    "identified_in_part": "These data do not determine every parameter",
     "told_apart": "A program that tells them apart",
     "one_way": "A program that tells them apart if one is true, not if the other is",
     "not_told_apart": "No program within the limits tells them apart",
@@ -35,11 +35,15 @@ PLANNED = ("told_apart", "one_way", "not_told_apart", "revealed", "not_revealed"
 
 STATUS: dict[str, str] = {
     "present": "present",
-    "absent": "absent",
+    "absent": "not needed",
+    "outdone": "explained better by another",
+    "minor": "helps, but explains too little",
     "not_excited": "not excited",
     "confounded": "cannot be told apart",
 }
-"""Status of a candidate in words."""
+"""Standing of a candidate in words."""
+GOOD = 0.005
+"""Error over the range of the measured force [1] up to which a model is called good whatever is missing."""
 
 
 def joined(names: Sequence[str], last: str = "and") -> str:
@@ -59,6 +63,23 @@ def title_of(view: View, effect: str) -> str:
     return " + ".join(map("".join, zip(words, learnt, strict=True)))
 
 
+def standing(entry: Mapping[str, Any]) -> str:
+    """Status of a candidate; of one that is not taken and helps by more than chance, outdone by another, or minor."""
+    status, size, chance = (entry.get(key) for key in ("status", "evidence", "threshold"))
+    if status != "absent" or entry.get("explained_by"):
+        return "outdone" if status == "absent" else str(status or "")
+    return "minor" if size is not None and chance is not None and size > chance else "absent"
+
+
+def standing_words(view: View, entry: Mapping[str, Any]) -> str:
+    """Standing of a candidate in words, with the effects that it stands behind or beside."""
+    kind = standing(entry)
+    if kind == "outdone":
+        better = [title_of(view, e).partition(" (")[0] for e in entry["explained_by"]]
+        return f"explained better by {joined(better)}"
+    return STATUS.get(kind, kind)
+
+
 def unknowable(view: View) -> list[tuple[str, str]]:
     """Title of every effect that no record of these channels can show, and why."""
     entries = view.result.get("unknowable") or ()
@@ -69,7 +90,7 @@ def verdict_title(view: View) -> str:
     """First line of the banner; a comparison has no verdict, so its share of the error stands there."""
     verdict = view.result.get("verdict")
     if verdict is None:
-        share = view.result.get("explainable")
+        share = beyond_noise(view)
         return (
             "Model against measurement"
             if share is None
@@ -79,9 +100,23 @@ def verdict_title(view: View) -> str:
     names = _names(view)
     if (tried := _in_vain(view)) is not None:
         return f"{title_of(view, tried)} does not explain the error"
+    if verdict in ("partial", "unknown_effect") and small_rest(view) is not None:
+        title = (
+            f"Good model, small rest{' that no known effect explains' * (verdict != 'partial')}"
+        )
     if verdict in ("missing_effect", "partial") and names:
         return f"{title}: {joined(names)}"
     return title
+
+
+def small_rest(view: View) -> float | None:
+    """Error that is left over the range of the measured force [1], where it is so small that the model is good."""
+    before, left = rmse(view.result), rmse(view.result, "rmse_after")
+    share = rmse(view.result, "nrmse")
+    if share is None or not before:
+        return None
+    share *= (before if left is None else left) / before
+    return share if share <= GOOD else None
 
 
 def verdict_sentence(view: View) -> str:
@@ -96,15 +131,17 @@ def verdict_sentence(view: View) -> str:
         **dict.fromkeys(PLANNED, _planned),
     }  # fmt: skip
     maker = makers.get(str(result.get("verdict")))
-    if said := _of_one(view):
-        return said
-    return maker(view) if maker else _compared(view)
+    said = _of_one(view) or (maker(view) if maker else _compared(view))
+    good = small_rest(view) if result.get("verdict") in ("partial", "unknown_effect") else None
+    first = "" if good is None else f"The model errs by {percent(good)} of the force's range. "
+    return f"{first}{said}{_refit(view)}"
 
 
 def learnt(view: View) -> list[str]:
     """What each term that was learnt at last does, in a sentence."""
     return [
-        f"{LABEL.capitalize()}: a smooth term ({e['name']}) brings it to {newtons(e['rmse_held_out']['after'])}."
+        f"{LABEL.capitalize()}: with a smooth term ({e['name']}) the error on held-out data "
+        f"{moves(e['rmse_held_out']['before'], e['rmse_held_out']['after'])}."
         for e in view.result.get("measured_terms") or ()
     ]
 
@@ -120,9 +157,10 @@ def _of_one(view: View) -> str:
     """What a verdict means where one effect only was tried; empty where it says nothing of the others."""
     others = "./er lab diagnose tries the other effects"
     if _in_vain(view) is not None:
-        before, after = newtons(rmse(view.result)), newtons(rmse(view.result, "rmse_after"))
-        said = f"The error on held-out data was {before} and is {after} with it"
-        return f"{said}; noise alone is {_floor(view)}; {others}."
+        said = moves(rmse(view.result), rmse(view.result, "rmse_after"))
+        return (
+            f"With it the error on held-out data {said}; noise alone is {_floor(view)}; {others}."
+        )
     if view.command == "add" and view.result.get("verdict") == "partial":
         return f"With it {_fall(view)}{_more(view)}; {others}."
     return ""
@@ -157,12 +195,46 @@ def _names(view: View) -> list[str]:
     return [title_of(view, e) for e in view.result.get("effects", ()) if not _is_term(e)]
 
 
+def beyond_noise(view: View) -> float | None:
+    """Share of the squared error [1] that is beyond the noise, both of the data of the headline; None without them."""
+    error, floor = rmse(view.result), view.result.get("noise_floor")
+    if not error or floor is None or "stages" in view.result:
+        return None
+    return max(1.0 - (float(floor) / error) ** 2, 0.0)
+
+
+def given(view: View) -> float | None:
+    """Error of the model as it was given on held-out data [N], where the result states it."""
+    value = view.result.get("rmse_as_given")
+    return (
+        None if value is None or not isinstance(view.result.get("rmse"), Mapping) else float(value)
+    )
+
+
 def _fall(view: View) -> str:
-    """The error before and after, in a clause."""
-    before, after = rmse(view.result), left_after(view)
+    """The error of the model as given and after, in a clause; on training data where held-out ones show no fall."""
+    before, after, first = rmse(view.result), left_after(view), given(view)
     if after is None:
         return f"the error on held-out data is {newtons(before)}"
-    return f"the error on held-out data falls from {newtons(before)} to {newtons(after)}"
+    said = f"the error on held-out data {moves(before if first is None else first, after)}"
+    if first is not None:
+        said += f" (the refit alone: {newtons(before)})"
+    learnt, left = (view.result.get(key) for key in ("rmse", "rmse_after"))
+    shown = moves(before, after).startswith("falls")
+    if shown or not isinstance(learnt, Mapping) or not isinstance(left, Mapping):
+        return said
+    return f"{said}; on training data it {moves(learnt.get('train'), left.get('train'))} beside the refit"
+
+
+def _refit(view: View) -> str:
+    """A sentence where refitting what the model holds made held-out data worse; empty where it did not."""
+    first, before = given(view), rmse(view.result)
+    if first is None or not moves(first, before).startswith("rises"):
+        return ""
+    return (
+        f" The refit fits the training data, but on held-out data its error rises from {newtons(first)} to "
+        f"{newtons(before)}."
+    )
 
 
 def _floor(view: View) -> str:
@@ -182,8 +254,8 @@ def _more(view: View) -> str:
     within = after is not None and floor is not None and after <= ALIKE * floor
     if within and learnt is not None and noise is not None and learnt > ALIKE * noise:
         return (
-            f". That is noise there ({_floor(view)}), but of the {newtons(learnt)} left in the data that were learnt "
-            f"from it is {newtons(noise)}: more is missing"
+            f". Held-out error has reached its noise ({_floor(view)}). On the training data {newtons(learnt)} remain, "
+            f"noise is {newtons(noise)}: more is missing"
         )
     return f", but noise alone is {_floor(view)}: more is missing"
 
@@ -193,12 +265,12 @@ def _adequate(view: View) -> str:
     hidden = f"; {len(unseen)} would not show in these data" if unseen else ""
     if further := view.result.get("held_out_beyond"):
         return (
-            f"Within what was learnt from, the model leaves {newtons(further['rms_inside'])} of the held-out data, "
-            f"noise is {_floor(view)}. Beyond it {newtons(further['rms_beyond'])} are left: what acts there, these "
-            f"data do not show. No known effect helps by more than chance{hidden}."
+            f"Where held-out data stay within the training data, the error is {newtons(further['rms_inside'])} and "
+            f"noise {_floor(view)}. Beyond them it is {newtons(further['rms_beyond'])}: these data do not show what "
+            f"acts there. No known effect helps by more than chance{hidden}."
         )
     return (
-        f"What the model leaves on held-out data, {newtons(rmse(view.result))}, is noise "
+        f"The error on held-out data, {newtons(rmse(view.result))}, is noise "
         f"({_floor(view)}). No known effect helps by more than chance{hidden}."
     )
 
@@ -228,8 +300,9 @@ def _rivals(view: View) -> str:
     found = [value for e in group if (value := left.get(e)) is not None]
     if not found or max(found) <= ALIKE * min(found):
         return f"Each explains the error as well: {_fall(view)}"
-    before, after = newtons(rmse(view.result)), joined([newtons(value) for value in found], "or")
-    return f"Chance could make their difference: the error on held-out data falls from {before} to {after}"
+    after = joined([newtons(value) for value in found], "or")
+    start = newtons(rmse(view.result))
+    return f"Chance could make their difference: the error on held-out data is {start} and becomes {after}"
 
 
 def _partial(view: View) -> str:
@@ -260,9 +333,8 @@ def _insufficient(view: View) -> str:
 
 def _identified(view: View) -> str:
     where = "held-out data" if "held_out" in view.result["rmse"] else "the data"
-    after = newtons(rmse(view.result, "rmse_after"))
     return (
-        f"The error on {where} falls from {newtons(rmse(view.result))} with the values given to {after}; "
+        f"The error on {where} {moves(rmse(view.result), rmse(view.result, 'rmse_after'))} against the values given; "
         f"the white noise of the force is {_floor(view)}."
     )
 

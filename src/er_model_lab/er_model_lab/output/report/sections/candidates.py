@@ -13,7 +13,12 @@ from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.ranking import effect_size, largest, limit, ranked
 from er_model_lab.output.text.units import gain, newtons, parameter, percent, short
 from er_model_lab.output.text.verdict_text import STATUS as SAID
-from er_model_lab.output.text.verdict_text import title_of, unknowable
+from er_model_lab.output.text.verdict_text import (
+    standing,
+    standing_words,
+    title_of,
+    unknowable,
+)
 from er_model_lab.view import Array, View
 
 MOST_BARS = 14
@@ -42,14 +47,13 @@ def section(view: View) -> Section | None:
 def _row(view: View, e: Mapping[str, Any]) -> dict[str, Any]:
     """One line of the table."""
     size = effect_size(view, e)
-    status = str(e.get("status", ""))
     return {
         "effect": e["effect"], "title": title_of(view, str(e["effect"])),
         "rmse": newtons(e.get("rmse_held_out")),
         "size": gain(None if "basis" in e else size, largest(view)),
         "explains": percent(e.get("explains")),
-        "p": short(e.get("p_value"), 2), "status": SAID.get(status, status),
-        "colour": STATUS.get(status, INK),
+        "p": short(e.get("p_value"), 2), "status": standing_words(view, e),
+        "colour": STATUS.get(standing(e), INK),
         "parameters": [f"{k} = {parameter(v)}" for k, v in (e.get("parameters") or {}).items()],
         "has_card": any(card.effect == e["effect"] for card in view.candidates),
         "basis": e.get("basis", ""),
@@ -76,7 +80,7 @@ def _figure(view: View, entries: Sequence[Mapping[str, Any]]) -> Figure:
 
 def _bars(view: View, entries: Sequence[Mapping[str, Any]], at: Array, sizes: Array) -> list[Mark]:
     """One set of bars per status, so that the legend names each colour."""
-    status = np.array([str(e.get("status", "")) for e in entries])
+    status = np.array([standing(e) for e in entries])
     bars: list[Mark] = []
     for key in dict.fromkeys(status.tolist()):
         rows = status == key

@@ -12,9 +12,14 @@ from er_model_lab.output.report.palette import AFTER, INK, RESIDUAL, STATUS
 from er_model_lab.output.report.samples import binned_mean
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.ranking import effect_size, largest
-from er_model_lab.output.text.units import gain, newtons, parameter, percent, short
-from er_model_lab.output.text.verdict_text import STATUS as SAID
-from er_model_lab.output.text.verdict_text import joined, rmse, title_of
+from er_model_lab.output.text.units import arrow, gain, newtons, parameter, percent, short
+from er_model_lab.output.text.verdict_text import (
+    joined,
+    rmse,
+    standing,
+    standing_words,
+    title_of,
+)
 from er_model_lab.view import CandidateView, View
 
 PLANES: dict[str, tuple[str, float]] = {
@@ -46,7 +51,7 @@ def _card(view: View, card: CandidateView, k: int) -> dict[str, Any]:
         "effect": card.effect, "title": card.title, "physics": card.physics,
         "equations": card.equations,
         "mark": card.mark, "experiment": card.experiment, "reason": card.reason,
-        "status": SAID.get(status, status), "colour": STATUS.get(status, INK),
+        "status": standing_words(view, e), "colour": STATUS.get(standing(e), INK),
         "open": k < OPEN or status in ("present", "confounded"), "numbers": [*_numbers(view, e), *_taken(card)],
         "parameters": [(name, parameter(v)) for name, v in (e.get("parameters") or {}).items()],
         "confounded": joined([title_of(view, o) for o in e.get("confounded_with") or ()], "or"),
@@ -61,7 +66,7 @@ def _numbers(view: View, e: Mapping[str, Any]) -> list[tuple[str, str]]:
     rows = [
         (
             "error on held-out data",
-            f"{newtons(before)} \N{RIGHTWARDS ARROW} {newtons(e.get('rmse_held_out'))}",
+            arrow(before, e.get("rmse_held_out")),
         )
     ]
     if "basis" in e:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from er_model_lab.output.report.section import Section
-from er_model_lab.output.text.units import newtons
+from er_model_lab.output.text.units import arrow, newtons
 from er_model_lab.output.text.verdict_text import title_of
 from er_model_lab.view import View
 
@@ -34,7 +34,7 @@ def fall(e: Mapping[str, Any]) -> str:
     errors = e.get("rmse_held_out") or e.get("rmse") or {}
     if errors.get("before") is None or errors.get("after") is None:
         return ""
-    return f"{newtons(errors['before'])} \N{RIGHTWARDS ARROW} {newtons(errors['after'])}"
+    return arrow(errors["before"], errors["after"])
 
 
 def _row(view: View, e: Mapping[str, Any]) -> dict[str, str]:

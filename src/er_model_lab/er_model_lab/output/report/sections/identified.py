@@ -1,4 +1,4 @@
-"""Identified parameters with what the data say of each, their correlation, and the response time over the duty."""
+"""Parameters before and after with what the data say of each; correlation and response time where identified."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from er_model_lab.output.report.figure import Axis, Figure, Line, Mark, Panel, Points, Scale, Tiles
 from er_model_lab.output.report.palette import AFTER, BEFORE, CORRELATION, MEASURED, STATUS
 from er_model_lab.output.report.section import Section
-from er_model_lab.output.text.units import newtons, parameter, short
+from er_model_lab.output.text.units import estimate, newtons, parameter, short
 from er_model_lab.view import Array, View
 
 SAID: dict[str, tuple[str, str]] = {
@@ -18,8 +18,9 @@ SAID: dict[str, tuple[str, str]] = {
     "weak": ("weakly visible", STATUS["confounded"]),
     "conditional": ("for what was held", STATUS["confounded"]),
     "at_bound": ("at its bound", STATUS["confounded"]),
-    "not_identified": ("not said by these data", STATUS["not_excited"]),
+    "not_identified": ("not determined", STATUS["not_excited"]),
     "given": ("given, not fitted", STATUS["absent"]),
+    "added": ("new", AFTER),
 }
 """Status of a parameter in words, and its colour."""
 STAGES: dict[str, str] = {
@@ -31,17 +32,18 @@ STAGES: dict[str, str] = {
 
 
 def section(view: View) -> Section | None:
-    """Parameters, stages and their pictures; None where nothing was identified."""
-    if "stages" not in view.result:
-        return None
+    """Parameters, and of an identification stages and pictures; None where nothing was fitted."""
     result = view.result
-    figures = tuple(f for f in (_correlation(result), _response(result)) if f is not None)
-    return Section(
-        "identified",
-        "Parameters",
-        figures,
-        {"rows": list(_rows(result)), "stages": [_stage(s) for s in result["stages"]]},
+    if not result.get("parameters"):
+        return None
+    stages = result.get("stages") or ()
+    figures = (
+        tuple(f for f in (_correlation(result), _response(result)) if f is not None)
+        if stages
+        else ()
     )
+    facts = {"rows": list(rows(result)), "stages": [_stage(s) for s in stages]}
+    return Section("identified", "Parameters", figures, facts)
 
 
 def entries(result: Mapping[str, Any]) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
@@ -51,20 +53,15 @@ def entries(result: Mapping[str, Any]) -> Iterator[tuple[str, str, Mapping[str, 
             yield effect, name, entry
 
 
-def value_of(entry: Mapping[str, Any]) -> str:
-    """Value with its deviation; a value that was not fitted has none."""
-    sd = entry["sd"]
-    return parameter([entry["value"], 0.0 if sd is None else sd, entry["unit"]])
-
-
-def _rows(result: Mapping[str, Any]) -> Iterator[dict[str, str]]:
+def rows(result: Mapping[str, Any]) -> Iterator[dict[str, str]]:
     """One row a parameter."""
     for effect, name, entry in entries(result):
         said, colour = SAID[entry["status"]]
         visible = entry.get("visible")
+        before, value, bounds = estimate(entry)
         yield {
-            "name": name, "effect": effect.replace("_", " "), "value": value_of(entry),
-            "before": short(entry["before"], 4), "status": said, "colour": colour,
+            "name": name, "effect": effect.replace("_", " "), "value": value, "before": before, "bounds": bounds,
+            "status": said, "colour": colour,
             "visible": newtons(visible) if visible is not None else "",
         }  # fmt: skip
 

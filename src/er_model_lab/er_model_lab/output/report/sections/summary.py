@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from er_model_lab.output.report.section import Section
-from er_model_lab.output.text.units import change as relative_change
 from er_model_lab.output.text.units import newtons, percent
 from er_model_lab.view import RecordView, View
 
@@ -25,13 +24,12 @@ def section(view: View) -> Section | None:
         "summary",
         "Errors",
         facts={
+            "head": [name for name, _ in _columns(result)],
             "rows": _rows(result),
             "compared": "rmse_after" in result,
             "split": isinstance(result["rmse"], Mapping),
-            "floor": newtons(result.get("noise_floor")),
-            "explainable": percent(result.get("explainable")),
             "explained": percent(result["explained"]) if result.get("explained") else "",
-            "as_given": newtons(result["rmse_as_given"]) if result.get("rmse_as_given") else "",
+            "explainable": percent(result.get("explainable")),
             "noise": _noise(result),
             "records": _records(view),
             "channels": _channels(result),
@@ -39,24 +37,43 @@ def section(view: View) -> Section | None:
     )
 
 
-def _rows(result: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
-    """Name, before, after and change of each error."""
-    before, after, relative = (
+def _columns(result: Mapping[str, Any]) -> list[tuple[str, dict[str, float]]]:
+    """Models in the order in which they were made, then the noise: the error of each by the data it belongs to."""
+    given = {"held_out": result.get("rmse_as_given"), "train": result.get("rmse_as_given_train")}
+    own = (
+        "refitted"
+        if "rmse_as_given" in result
+        else "before"
+        if "rmse_after" in result
+        else "model"
+    )
+    part = "held_out" if "held_out" in _split(result["rmse"]) else [*_split(result["rmse"])][-1]
+    noise = {part: result.get("noise_floor")}
+    noise |= {"train": result.get("noise_floor_train")} if part != "train" else {}
+    found = [
+        ("as given", _split(given)), (own, _split(result["rmse"])), ("after", _split(result.get("rmse_after"))),
+        ("noise", _split(noise)),
+    ]  # fmt: skip
+    return [(name, values) for name, values in found if values]
+
+
+def _rows(result: Mapping[str, Any]) -> list[tuple[str, list[str]]]:
+    """The data, and the error of each model on them; the same over the range of the measured force."""
+    names = {"train": "training data", "held_out": "held-out data", "all": "all data"}
+    columns, errors, relative = (
+        _columns(result),
         _split(result["rmse"]),
-        _split(result.get("rmse_after")),
         _split(result.get("nrmse")),
     )
-    names = {"train": "training data", "held_out": "held-out data", "all": "all data"}
-    rows = []
-    for part, value in before.items():
-        then = after.get(part)
-        change = relative_change(value, then) if then is not None and value else ""
-        rows.append((f"rms error, {names[part]}", newtons(value), newtons(then), change))
-    for part, value in relative.items():
-        # both have the same range of the measured force below them
-        then = after.get(part)
-        scaled = value * then / before[part] if then is not None and before.get(part) else None
-        rows.append((f"NRMSE, {names[part]}", percent(value), percent(scaled), ""))
+    rows = [
+        (f"rms error, {names[part]}", [newtons(values.get(part)) for _, values in columns])
+        for part in errors
+    ]
+    for part, share in relative.items():
+        # all have the same range of the measured force below them
+        scale = share / errors[part] if errors.get(part) else float("nan")
+        shares = [percent(scale * v[part]) if part in v else "-" for _, v in columns]
+        rows.append((f"NRMSE, {names[part]}", shares))
     return rows
 
 

@@ -7,32 +7,54 @@ import numpy as np
 from er_model_lab.output.report.figure import Axis, Bars, Figure, Mark, Panel, Points
 from er_model_lab.output.report.palette import BEFORE, FLOOR, RESIDUAL
 from er_model_lab.output.report.section import Section
-from er_model_lab.output.text.regions import NOTABLE, worst
+from er_model_lab.output.text.regions import NOTABLE, Failure, failures, worst
 from er_model_lab.output.text.units import newtons, percent, shown, ticks, where
-from er_model_lab.residual.region import Region, RegionTable
+from er_model_lab.residual.region import RegionTable
 from er_model_lab.view import View
 
 COLUMNS = 3
 
 
 def section(view: View) -> Section | None:
-    """The error beyond the noise per bin with 90 % bands, and the worst regions; None without tables."""
-    tables = [t for t in view.regions if t.regions]
-    if not tables:
+    """The error beyond the noise per bin with 90 % bands, and the worst regions; None without tables.
+
+    Of the model with what was added first, where something was, then of the one before.
+    """
+    shown = [
+        (tables, after)
+        for tables, after in ((view.regions_after, True), (view.regions, False))
+        if tables
+    ]
+    if not shown:
         return None
-    facts = {"worst": [_row(r, single=single) for r, single in worst(tables)]}
-    return Section("where_it_fails", "Where it fails", (_figure(tables),), facts)
+    names = {
+        True: "with what was added",
+        False: "before anything was added" if len(shown) > 1 else "",
+    }
+    parts = [
+        {"model": names[after], "worst": [_row(f) for f in failures(tables, view.records, after=after)]}
+        for tables, after in shown
+    ]  # fmt: skip
+    figures = tuple(
+        _figure(list(tables), "where_it_still_fails" if after else "where_it_fails", names[after])
+        for tables, after in shown
+    )
+    return Section(
+        "where_it_fails", "Where it fails", figures, {"parts": parts, "both": len(shown) > 1}
+    )
 
 
-def _row(r: Region, *, single: bool) -> tuple[str, str, str, str, str]:
-    """A region in words, its share of the squared error and of the samples, its error, and what exceeds the noise."""
+def _row(f: Failure) -> tuple[str, ...]:
+    """A region in words, its share of the squared error and of the samples, its error, what exceeds the noise, when."""
+    r = f.region
+    beyond = newtons(r.excess) + f" ({newtons(r.excess_band[0])} to {newtons(r.excess_band[1])})"
+    when = f"{f.when[0]}, {f.when[1]:.0f} s" if f.when else ""
     return (
-        where(r, single=single), percent(r.share), percent(r.of_samples), newtons(r.rms),
-        newtons(r.excess) + f" ({newtons(r.excess_band[0])} to {newtons(r.excess_band[1])})",
+        where(r, single=f.single), percent(r.share), percent(r.of_samples), newtons(r.rms), beyond, when,
     )  # fmt: skip
 
 
-def _figure(tables: list[RegionTable]) -> Figure:
+def _figure(tables: list[RegionTable], name: str, model: str) -> Figure:
     """One panel per quantity on a common scale."""
     top = 1.08 * max(max(r.excess, r.excess_band[1], r.floor) for t in tables for r in t.regions)
     panels = tuple(_panel(t, k, max(top, 1e-9)) for k, t in enumerate(tables))
@@ -43,11 +65,9 @@ def _figure(tables: list[RegionTable]) -> Figure:
         else ""
     )
     names = ", ".join(t.quantity for t in tables)
-    alt = f"Error in excess of the noise per bin of {names}, with 90 % bands.{words}"
+    alt = f"Error{' ' * bool(model)}{model} in excess of the noise per bin of {names}, with 90 % bands.{words}"
     columns = min(COLUMNS, len(tables))
-    return Figure(
-        "where_it_fails", alt, panels, columns, height=225 * (-(-len(tables) // columns)) + 60
-    )
+    return Figure(name, alt, panels, columns, height=225 * (-(-len(tables) // columns)) + 60)
 
 
 def _panel(table: RegionTable, k: int, top: float) -> Panel:
