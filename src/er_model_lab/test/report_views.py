@@ -98,7 +98,10 @@ PARAMETERS: dict[str, object] = {
     },
     "coulomb_friction": {
         "F_c": {"value": 0.936, "sd": 0.0088, "unit": "N", "before": None, "bounds": [0.0, 42.0], "status": "added"},
-        "v_0": {"value": 0.0032, "sd": None, "unit": "m/s", "before": None, "bounds": [3e-4, 0.02], "status": "not_identified"},
+        "v_0": {
+            "value": 0.0032, "sd": None, "unit": "m/s", "before": None, "bounds": [3e-4, 0.02],
+            "status": "not_identified",
+        },
     },
 }  # fmt: skip
 """Parameters before and after."""

@@ -17,7 +17,7 @@ from er_model_lab.output.text.verdict_text import standing_words, verdict_senten
 from er_model_lab.results.values import estimates
 from er_models.files import load_model
 from lab_help import GUO
-from report_views import NOISE, TABLES, card, entry, record, table, view
+from report_views import TABLES, entry, record, table, view
 from test_report_terminal import printed
 
 ONE_WORD = re.compile(r"(falls|rises) from (\S+ N) to (\S+ N)")
@@ -104,7 +104,7 @@ def test_the_headline_holds_the_share_of_its_own_numbers() -> None:
     facts = headline.section(v).facts
     assert facts["share"] == pytest.approx(1.0 - (0.5 / 0.6) ** 2)
     assert facts["data"] == "held-out data"
-    first = printed(v).partition("effect")[0]
+    first = printed(v).partition("\n\n")[0]
     assert "on held-out data: unexplained" in first
     assert "31 %" in first
     assert "85 %" not in first
@@ -178,7 +178,7 @@ def test_the_worst_region_of_velocity_deflection_and_duty_is_always_told_with_it
 
 
 def test_a_model_that_was_grown_shows_where_it_still_fails_and_where_it_failed() -> None:
-    left = table("deflection", "m", [-0.1, 0.0, 0.1], [0.1, 0.3], [0.2, 0.8])
+    left = table("deflection", "m", [-0.1, 0.0, 0.1], [0.25, 0.3], [0.2, 0.8])
     v = replace(view(), regions_after=(left,))
     text = printed(v)
     still, before = text.partition("where it still fails")[2].split("where it failed before: ")
@@ -204,7 +204,6 @@ def test_the_heat_map_is_dark_where_the_error_is() -> None:
     assert dark
     assert all(k <= 3 and j > 0.6 * len(rows[0]) for k, j in dark), "above: extension; right: fast"
     assert set("".join(rows)) <= set(" .:+#@")
-    assert len(NOTES) == 4
 
 
 NOTES = (
@@ -240,11 +239,3 @@ def test_all_parameters_are_told_with_bounds_and_where_they_came_from() -> None:
     assert (f_c["before"], f_c["status"]) == (None, "added")
     assert found["coulomb_friction"]["v_0"]["status"] == "not_identified"
     assert found["response"]["tau"]["status"] == "given"
-
-
-def test_a_card_and_the_terminal_agree_on_the_noise() -> None:
-    assert newtons(NOISE) in printed(view())
-    assert (
-        card("coulomb_friction", 0.5, record("r", 5.0, 1)).equations[0].plain
-        == "F_d += F_c tanh(v / v_0)"
-    )

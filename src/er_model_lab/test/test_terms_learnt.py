@@ -325,7 +325,7 @@ def test_the_command_writes_the_formula_beside_the_model(improved, tmp_path):
 def test_terminal_and_report_carry_the_label(improved, tmp_path):
     console = Console(width=100, file=StringIO())
     console.print(summary(improved.view))
-    assert "Measured, not explained: a smooth term" in console.file.getvalue()
+    assert "Measured, not explained: with a smooth term" in console.file.getvalue()
     page = write_report(improved.view, tmp_path, (section(improved.view),)).read_text(
         encoding="utf-8"
     )

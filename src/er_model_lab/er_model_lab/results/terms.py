@@ -10,6 +10,7 @@ from er_models.measured import LABEL, QUANTITIES
 
 from er_model_lab.diagnosis.candidates import effect_size
 from er_model_lab.level.study import Study
+from er_model_lab.output.text.units import moves
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors
 from er_model_lab.residual.unexplained import describe
@@ -92,8 +93,8 @@ def note(entry: Json) -> str:
     )
     beyond = f" ({entry['outside']:.0%} of the held-out data)" if entry["outside"] > 0.005 else ""
     return (
-        f"{entry['name']}: {LABEL}; a smooth term over {over}{times}{shape} lowers the error on held-out data from "
-        f"{held['before']:.3g} to {held['after']:.3g} N{near}{text}; held constant beyond {ends}{beyond}"
+        f"{entry['name']}: {LABEL}; with a smooth term over {over}{times}{shape} the error on held-out data "
+        f"{moves(held['before'], held['after'])}{near}{text}; held constant beyond {ends}{beyond}"
     )
 
 

@@ -43,7 +43,7 @@ def _equation(hook: str, function: Callable[..., object]) -> Equation:
         return Equation(hook, meaning, "", "", "", source)
     written = [f"{side} {text}" for side, text in zip(sides, texts, strict=False)]
     mathml = whole(left_side(sides[0]) + texts[2])
-    return Equation(hook, meaning, *written, mathml, source)
+    return Equation(hook, meaning, written[0], written[1], mathml, source)
 
 
 def _written(hook: str, value: ast.expr, formula: Formula) -> str:

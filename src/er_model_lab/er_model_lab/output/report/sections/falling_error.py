@@ -79,4 +79,4 @@ def _floating(errors: Array, rows: Array, name: str, colour: str) -> list[Bars]:
     if not at.size:
         return []
     low, high = np.minimum(errors[at], errors[at + 1]), np.maximum(errors[at], errors[at + 1])
-    return [Bars(at + 1.0, high - low, name, (colour,) * at.size, base=low, width=0.6)]
+    return [Bars(np.asarray(at + 1.0), high - low, name, (colour,) * at.size, base=low, width=0.6)]
