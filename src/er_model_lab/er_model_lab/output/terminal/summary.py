@@ -117,10 +117,10 @@ def _head(view: View, pen: Pen) -> Iterator[RenderableType]:
     yield pen.line(whose + view.headline + more)
     known = view.result.get("floors") or {}
     values = {name: (known.get(key) or {}).get("value") for key, name in FLOORS}
-    said = [f"{name} {short(value)}" for name, value in values.items() if value is not None]
+    where_of = {"regression": " on held-out data"} if split else {}
+    said = [f"{k}{where_of.get(k, '')} {short(v)}" for k, v in values.items() if v is not None]
     if said:
-        data = "of the training data " if split else ""
-        yield pen.line(f"noise {data}by {', '.join(said)} N", "dim")
+        yield pen.line(f"noise by {', '.join(said)} N", "dim")
 
 
 def _models(view: View, pen: Pen) -> Iterator[RenderableType]:

@@ -109,6 +109,15 @@
     plot.layout.height += extra;
   }
 
+  // names below bars are turned where they would run into one another
+  function turnNames(layout, width) {
+    Object.entries(layout).filter(([key, axis]) => key.startsWith("xaxis") && axis.ticktext).forEach(([, axis]) => {
+      const room = (width - 80) * (axis.domain[1] - axis.domain[0]) / axis.ticktext.length;
+      const longest = Math.max(...axis.ticktext.flatMap((text) => text.split("<br>")).map((line) => line.length));
+      if (6.5 * longest > room) axis.tickangle = -60;
+    });
+  }
+
   async function draw(plot) {
     const figure = document.querySelector(`figure[data-plot="${plot.name}"]`);
     const host = figure.querySelector(".live");
@@ -117,6 +126,7 @@
     thinned(plot, range).forEach(({ trace, x, y }) => Object.assign(plot.data[trace], { x, y }));
     figure.classList.add("is-live");
     makeRoom(plot, host.clientWidth);
+    if (host.clientWidth < NARROW) turnNames(plot.layout, host.clientWidth);
     host.style.height = `${plot.layout.height}px`;
     try {
       const config = { ...CONFIG, displayModeBar: host.clientWidth >= NARROW };

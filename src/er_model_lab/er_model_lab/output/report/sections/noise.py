@@ -20,8 +20,8 @@ NAMES: dict[str, str] = {
     "repeats": "repeated motion",
     "force_white": "white noise of the force",
     "motion_sensors": "motion sensors, through the model",
-    "bound": "bound: what no regression explains",
-    "bound_train": "the same, training data",
+    "bound": "bound on held-out data: what no regression explains",
+    "bound_train": "the same on training data",
 }
 """Plain names of the estimates."""
 
