@@ -55,6 +55,8 @@ def test_the_effects_are_found_one_after_the_other(place):
         value, sd = found.value(effect, name), found.deviations[effect][name]
         assert abs(value - truth.value(effect, name)) < 4.0 * sd
         assert sd < 0.1 * value
+    stop, sd = found.value("end_stop", "k_b"), found.deviations["end_stop"]["k_b"]
+    assert 0.004 < sd / stop < 0.025, "1 to 2 %, as the text says"
 
 
 def test_the_plan_is_worth_what_it_says(place):
