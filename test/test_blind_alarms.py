@@ -38,7 +38,7 @@ def test_the_picture_is_the_same_for_the_same_rows(tmp_path):
 
 
 def test_a_complete_model_is_decided_at_every_rate(tmp_path, capsys):
-    """As `docs/blind.md` has it, the command with a shorter record, its row and its table."""
+    """As `docs/results/blind.md` has it, the command with a shorter record, its row and its table."""
     noted = tmp_path / "rows.jsonl"
     words = ["--seeds", "1", "--workers", "1", "--seconds", "12", "--results", str(noted)]
     status = alarms.main(words)

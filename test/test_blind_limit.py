@@ -75,7 +75,7 @@ def test_all_forms_are_one_family(case, tmp_path):
 
 
 def test_the_command_notes_and_tables_what_it_finds(tmp_path, capsys):
-    """As `docs/blind.md` has it, `exec python -m test.blind_score.limit`, with a shorter record."""
+    """As `docs/results/blind.md` has it, `exec python -m test.blind_score.limit`, with a shorter record."""
     noted = tmp_path / "rows.jsonl"
     words = ["--seeds", "58", "--workers", "1", "--seconds", "10", "--results", str(noted)]
     assert limit.main(words) == 0

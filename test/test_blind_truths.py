@@ -5,10 +5,10 @@ from er_models.catalogue import CATALOGUE
 from test.blind.catalogue import BY_NAME
 
 WITHOUT = {
-    "field_saturation": "judged on a measured damper (docs/measured.md); the truth of field_exponent saturates too",
-    "herschel_bulkley": "judged on a measured damper (docs/measured.md); field_viscosity has its own truth",
+    "field_saturation": "judged on a measured damper (docs/results/measured.md); that of field_exponent saturates too",
+    "herschel_bulkley": "judged on a measured damper (docs/results/measured.md); field_viscosity has its own truth",
     "temperature_thinning": "records of the generator have no temperature; test_measured_temperature.py hides it",
-    "piston_play": "judged on a measured damper (docs/measured.md); freeplay has its own truth",
+    "piston_play": "judged on a measured damper (docs/results/measured.md); freeplay has its own truth",
 }
 """Effects that no truth hides, and why."""
 

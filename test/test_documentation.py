@@ -20,6 +20,7 @@ IN_ORDER = ("tutorial.md",)
 DOCUMENTS = [
     ROOT / "README.md",
     *(path for path in sorted((ROOT / "docs").glob("*.md")) if path.name not in IN_ORDER),
+    *sorted((ROOT / "docs/results").glob("*.md")),
 ]
 BLOCK = re.compile(r"^```\w*\n(.*?)^```", re.M | re.S)
 ELSEWHERE = {

@@ -73,8 +73,9 @@ def kept_files():
 
 
 TOP = {
-    ".ci", ".gitignore", "ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "README.md", "config", "docs",
-    "er", "examples", "pyproject.toml", "requirements", "src", "test", "tools",
+    ".ci", ".github", ".gitignore", ".pre-commit-config.yaml", "ARCHITECTURE.md", "CHANGELOG.md", "CITATION.cff",
+    "CONTRIBUTING.md", "LICENSE", "README.md", "SECURITY.md", "codemeta.json", "config", "docs", "er", "examples",
+    "pyproject.toml", "requirements", "src", "test", "tools",
 }  # fmt: skip
 
 
@@ -103,3 +104,31 @@ def test_files_that_a_text_names_are_there():
             if not there and PurePath(name).name not in EXAMPLES:
                 missing.append(f"{path}: {name}")
     assert missing == []
+
+
+LINK = re.compile(r"\]\(([^)#\s]*)(#[^)\s]*)?\)")
+"""The target of a link in a document, and the heading there."""
+
+
+def headings(text):
+    """Anchors of a document's headings: lower case, punctuation gone, blanks as hyphens."""
+    found = re.findall(r"^#+ +(.*)$", text, re.M)
+    return {re.sub(r"[^\w\- ]", "", each.lower()).replace(" ", "-") for each in found}
+
+
+def test_no_link_is_dead():
+    """A link to a file of ours leads to a file, and to a heading that this file has."""
+    dead = []
+    for name in kept_files():
+        path = ROOT / name
+        if not name.endswith(".md"):
+            continue
+        for target, anchor in LINK.findall(path.read_text(encoding="utf-8")):
+            end = path.parent / target if target else path
+            if "://" in target:
+                continue
+            if not end.exists() or (
+                anchor and end.suffix == ".md" and anchor[1:] not in headings(end.read_text())
+            ):
+                dead.append(f"{name}: {target}{anchor}")
+    assert dead == []

@@ -64,8 +64,8 @@ def test_viscous_damping_is_that_of_flow_between_plates() -> None:
 def test_the_documented_drawing_becomes_a_model(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The example of docs/thesis.md; the model's force is that of the duct."""
-    page = Path(__file__).resolve().parents[3] / "docs" / "thesis.md"
+    """The example of docs/results/thesis.md; the model's force is that of the duct."""
+    page = Path(__file__).resolve().parents[3] / "docs" / "results" / "thesis.md"
     chapter = page.read_text(encoding="utf-8").split("### From a drawing to a model")[1]
     code = re.search(r"```python\n(.*?)```", chapter, re.S)
     assert code is not None

@@ -84,7 +84,7 @@ def test_the_interval_of_a_difference_is_students_at_95_per_cent() -> None:
 
 
 def test_with_a_leak_it_lowers_the_deflection_and_respects_the_domain(of: Setup) -> None:
-    """The heart of chapter 6 on a few roads; all of them are in docs/control_comparison.md."""
+    """The heart of chapter 6 on a few roads; all of them are in docs/results/control_comparison.md."""
     (whole,) = load_scenarios(FOLDER, ["thesis_6_4_2"])
     s = replace(whole, faults={"leakage": whole.faults["leakage"]})
     rows = compare(of, [s], known, 3, laws=("passive", "nominal", "fault_tolerant"))

@@ -3,7 +3,7 @@
 They know what the scenarios share: the noise of the accelerometers (0.025 m/s2, also where a scenario
 has none), how rough the road is, how wrong the start may be. Nothing else is assumed wrong with the
 model, as is usual; what more process noise or a blunter sensor would change is in
-docs/observer_comparison.md.
+docs/results/observer_comparison.md.
 """
 
 from __future__ import annotations
