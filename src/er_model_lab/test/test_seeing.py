@@ -174,6 +174,8 @@ def test_the_worst_region_of_velocity_deflection_and_duty_is_always_told_with_it
     )
     assert [f.region.quantity for f in found] == ["velocity", "deflection", "duty", "time"]
     assert found[0].when == ("loud", 6.0)
+    cut = failures(TABLES, [replace(spoilt, name="loud@120s")], after=False)
+    assert cut[0].when == ("loud", 126.0), "of a stretch, the second of its record"
     assert found[1].region.edges == (0.0, 0.1)
 
 

@@ -12,8 +12,9 @@ from er_model_lab.diagnosis.null import Null
 from er_model_lab.diagnosis.search import Round
 from er_model_lab.level.study import Study
 from er_model_lab.output.text.ranking import limit
-from er_model_lab.results.diagnosis import diagnosis_json
+from er_model_lab.results.diagnosis import diagnosis_json, errors_of
 from er_model_lab.results.draw import candidate_views
+from er_model_lab.results.steps import steps
 from lab_help import asked, problem_of
 
 NAMES = ("field_exponent", "coulomb_friction", "preload")
@@ -124,3 +125,21 @@ def test_what_chance_reaches_in_the_first_round_is_told_by_an_effect_that_was_no
         entry["threshold"] = chance
     view = SimpleNamespace(result={"effects": [NAMES[0]], "candidates": candidates})
     assert limit(view) == FIRST
+
+
+def test_the_steps_of_a_pass_are_told_on_the_data_of_a_later_one(search):
+    """Of long data a later pass may have more stretches: one fall is of one data set."""
+    model, problem, base, alone, both = search
+    floor = Floor(0.99 * np.sqrt(both.mse), 0.0, 0.0, 0.0, 0.0, {}, (0.0, 0.0, 0.0))
+    study = Study(asked(model, problem), judge(base, both, second(search), floor, problem, ()))
+    other = replace(problem, held_out=problem.train)
+    own, told = steps(study), steps(study, other)
+    assert [s["added"] for s in told] == [s["added"] for s in own] == [None, *NAMES[:2]]
+    for s, fitted in zip(told, (base.fit, alone[0].fit, both.fit), strict=True):
+        left = other.force - other.predict(fitted.model)
+        assert s["rmse_held_out"] == pytest.approx(np.sqrt(np.mean(left[other.held_out] ** 2)))
+        assert s["rmse_held_out"] != own[told.index(s)]["rmse_held_out"]
+    after = errors_of(study, other)
+    assert after["rmse"]["held_out"] == pytest.approx(told[0]["rmse_held_out"])
+    assert after["rmse_after"]["held_out"] == pytest.approx(told[-1]["rmse_held_out"])
+    assert errors_of(study, problem)["rmse"] == pytest.approx(errors_of(study)["rmse"])

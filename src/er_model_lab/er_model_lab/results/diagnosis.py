@@ -13,10 +13,11 @@ from er_model_lab.diagnosis.floor_estimates import floors
 from er_model_lab.fitting.data_reach import Beyond, held_out_beyond
 from er_model_lab.level.study import Study
 from er_model_lab.preflight.wild import outliers
+from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors, size_notes
 from er_model_lab.residual.unexplained import describe
 from er_model_lab.results.candidate import candidates
-from er_model_lab.results.steps import steps
+from er_model_lab.results.steps import left_of, steps
 from er_model_lab.results.values import estimates
 
 MOST_INPUTS, LEAST_WEIGHT = 5, 0.01
@@ -28,7 +29,7 @@ MUCH_MORE = 1.5
 def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
     """The contract's JSON of `diagnose`, `add` and `improve`."""
     found, problem = study.diagnosis, study.problem
-    left = _errors(study)
+    left = errors_of(study)
     further = (
         held_out_beyond(problem, found.best.fit.residual) if problem.forward.outputs == 1 else None
     )
@@ -67,12 +68,23 @@ def _beyond(further: Beyond | None) -> tuple[str, ...]:
     return () if further is None else (further.note("the held-out data", "those learnt from"),)
 
 
-def _errors(study: Study) -> dict[str, Any]:
-    """Errors of the model as given, refitted and after, on both kinds of data, and the floors under them [N]."""
-    found, problem = study.diagnosis, study.problem
+def errors_of(study: Study, on: Problem | None = None) -> dict[str, Any]:
+    """Errors of the model as given, refitted and after, on both kinds of data, and the floors under them [N].
+
+    on: the problem of a later pass with other data, where the errors are to be those of its data.
+    """
+    found, problem = study.diagnosis, on or study.problem
+    given = (
+        study.opened.given
+        if on is None
+        else problem.force - problem.predict(study.opened.searched)
+    )
     rows = {"train": problem.train, "held_out": problem.held_out}
     base, after = (
-        {name: errors(problem, fitted.fit.residual, mask) for name, mask in rows.items()}
+        {
+            name: errors(problem, left_of(study, fitted.fit, on), mask)
+            for name, mask in rows.items()
+        }
         for fitted in (found.base, found.best)
     )
     return {
@@ -80,8 +92,8 @@ def _errors(study: Study) -> dict[str, Any]:
         "noise_floor_train": found.floor.first.floor,
         "rmse": {name: e.rmse for name, e in base.items()},
         "nrmse": {name: e.nrmse for name, e in base.items()},
-        "rmse_as_given": errors(problem, study.opened.given, problem.held_out).rmse,
-        "rmse_as_given_train": errors(problem, study.opened.given, problem.train).rmse,
+        "rmse_as_given": errors(problem, given, problem.held_out).rmse,
+        "rmse_as_given_train": errors(problem, given, problem.train).rmse,
         "rmse_after": {name: e.rmse for name, e in after.items()},
     }
 

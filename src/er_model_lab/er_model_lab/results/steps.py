@@ -6,42 +6,58 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from er_models.model import Array
 
 from er_model_lab.diagnosis.candidates import Candidate, effect_size
 from er_model_lab.diagnosis.search import Round
+from er_model_lab.fitting.fit import Fit
+from er_model_lab.fitting.velocity_channel import as_searched
 from er_model_lab.level.study import Study
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors
 
 
-def steps(study: Study) -> list[dict[str, Any]]:
-    """The falling error on held-out data, one entry per effect taken, with the evidence for it."""
+def left_of(study: Study, fitted: Fit, on: Problem | None) -> Array:
+    """What a model of a study leaves (n,) [N]: of its own data, or of those of another problem."""
+    if on is None or on is study.problem:
+        return fitted.residual
+    return np.asarray(on.force - on.predict(as_searched(fitted)))
+
+
+def steps(study: Study, on: Problem | None = None) -> list[dict[str, Any]]:
+    """The falling error on held-out data, one entry per effect taken, with the evidence for it.
+
+    on: where a later pass had other data, its problem; the errors are of its held-out data then.
+    """
     problem, found = study.problem, study.diagnosis
-    held = problem.held_out
+
+    def held(candidate: Candidate) -> float:
+        judge = on or problem
+        return errors(judge, left_of(study, candidate.fit, on), judge.held_out).rmse
+
     base = study.before or found.rounds[0].base
-    out: list[dict[str, Any]] = [
-        {"added": None, "rmse_held_out": errors(problem, base.fit.residual, held).rmse}
-    ]
+    out: list[dict[str, Any]] = [{"added": None, "rmse_held_out": held(base)}]
     if study.opened.lag:
-        rmse = errors(problem, found.rounds[0].base.fit.residual, held).rmse
+        rmse = held(found.rounds[0].base)
         out.append({"added": "velocity_lag", "rmse_held_out": rmse})
     for step in found.rounds:
         taken = step.taken
         if taken is not None and set(taken.effects) <= set(found.effects):
-            rmse = errors(problem, taken.fit.residual, held).rmse
             out.append(
-                {"added": taken.name, "rmse_held_out": rmse, **_evidence(step, taken, problem)}
+                {
+                    "added": taken.name,
+                    "rmse_held_out": held(taken),
+                    **_evidence(step, taken, problem),
+                }
             )
     named = {s["added"] for s in out}
     left = [e for e in found.effects if e not in named]
     if left:
-        rmse = errors(problem, found.best.fit.residual, held).rmse
-        out.append({"added": " + ".join(left), "rmse_held_out": rmse})
+        out.append({"added": " + ".join(left), "rmse_held_out": held(found.best)})
     tried = found.rounds[0].candidates
     if len(out) == 1 and len(tried) == 1:
         # one effect was asked for: it is in the model, whether it helps or not
-        rmse = errors(problem, tried[0].fit.residual, held).rmse
-        out.append({"added": tried[0].name, "rmse_held_out": rmse})
+        out.append({"added": tried[0].name, "rmse_held_out": held(tried[0])})
     return out
 
 

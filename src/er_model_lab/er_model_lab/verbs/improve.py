@@ -26,10 +26,11 @@ from er_model_lab.level.study import Study, checked
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors, regions_json, worst
 from er_model_lab.results.by_record import BAND, by_record, with_flags
-from er_model_lab.results.diagnosis import diagnosis_json
+from er_model_lab.results.diagnosis import diagnosis_json, errors_of
 from er_model_lab.results.draw import candidate_views, study_regions, views
 from er_model_lab.results.passes import explained_by, taken_last, told_together
 from er_model_lab.results.result import DiagnosisResult, with_notes
+from er_model_lab.results.steps import left_of, steps
 from er_model_lab.results.terms import as_study, with_term
 from er_model_lab.results.values import clean, headline
 from er_model_lab.terms.learn import Learnt, learn
@@ -275,6 +276,12 @@ def _improved(made: _Passes, model: Model, asked: Question) -> DiagnosisResult:
     first, last = studies[0], studies[-1]
     result = result_of("improve", first, model, asked)
     results = [dict(result.view.result), *(_later(s, model, asked) for s in studies[1:])]
+    if not _same_data(first, last):
+        # one fall is told on one data set: that of the last pass
+        for content, study in zip(results[:-1], studies[:-1], strict=True):
+            content |= clean(
+                {**errors_of(study, last.problem), "steps": steps(study, last.problem)}
+            )
     cards = [result.view.candidates]
     cards += [candidate_views(s, r) for s, r in zip(studies[1:], results[1:], strict=True)]
     whole = told_together(results, last.diagnosis.evidence, asked.rule, made.dropped)
@@ -315,12 +322,15 @@ def _drawn_on_last(
     return drawn, tables
 
 
+def _same_data(first: Study, last: Study) -> bool:
+    """Whether the last pass had the data of the first; of long data it may have had more."""
+    return np.array_equal(first.problem.force, last.problem.force)
+
+
 def _before(first: Study, last: Study) -> Array:
     """What the model before all passes predicts of the samples of the last one (n,) [N]."""
-    fitted = first.diagnosis.base.fit
-    if np.array_equal(first.problem.force, last.problem.force):
-        return np.asarray(first.problem.force - fitted.residual)
-    return last.problem.predict(as_searched(fitted))
+    on = None if _same_data(first, last) else last.problem
+    return np.asarray(last.problem.force - left_of(first, first.diagnosis.base.fit, on))
 
 
 def _later(study: Study, model: Model, asked: Question) -> dict[str, Any]:

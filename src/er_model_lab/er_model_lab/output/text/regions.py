@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -17,6 +18,8 @@ PER_QUANTITY = 2
 """Regions of one quantity in the list, so that one quantity does not fill it."""
 ALWAYS = ("velocity", "deflection", "duty")
 """Quantities whose worst region is always told."""
+STRETCH = re.compile(r"(.*)@(\d+)s$")
+"""Name of a stretch of a long record: that of the record, and the second at which it begins."""
 
 
 @dataclass(frozen=True)
@@ -74,5 +77,7 @@ def second_of(
         inside = r.scored & within
         if inside.any():
             power = np.bincount(r.t[inside].astype(int), (r.measured - model)[inside] ** 2)
-            found.append((float(power.max()), r.name, float(power.argmax())))
+            part = STRETCH.match(r.name)
+            name, since = (part[1], float(part[2])) if part else (r.name, 0.0)
+            found.append((float(power.max()), name, since + float(power.argmax())))
     return max(found)[1:] if found else None
