@@ -49,8 +49,9 @@ def short(value: float | None, digits: int = 3) -> str:
 
 
 def newtons(value: float | None) -> str:
-    """A force with its unit."""
-    return f"{short(value)} N"
+    """A force with its unit; a dash where there is none."""
+    text = short(value)
+    return text if text == "-" else f"{text} N"
 
 
 def moves(before: float | None, after: float | None) -> str:

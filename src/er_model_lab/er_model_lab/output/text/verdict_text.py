@@ -248,8 +248,8 @@ def _more(view: View) -> str:
     learnt = left.get("train") if isinstance(left, Mapping) else None
     if further := view.result.get("held_out_beyond"):
         return (
-            f": {newtons(further['rms_inside'])} within what was learnt from, where noise is {_floor(view)}, and "
-            f"{newtons(further['rms_beyond'])} beyond it"
+            f": {newtons(further['rms_inside'])} within the range of the training data, where noise is {_floor(view)}, "
+            f"and {newtons(further['rms_beyond'])} beyond it"
         )
     within = after is not None and floor is not None and after <= ALIKE * floor
     if within and learnt is not None and noise is not None and learnt > ALIKE * noise:
@@ -314,8 +314,8 @@ def _unknown(view: View) -> str:
     error, floor = rmse(view.result), view.result.get("noise_floor")
     if error is not None and floor is not None and error <= ALIKE * floor:
         return (
-            f"The error on held-out data is {newtons(error)}. Neither motion nor duty would predict more of it, but it "
-            "is not noise either, and no known effect makes it."
+            f"The error on held-out data is {newtons(error)}. Motion and duty predict no more of it, yet it is not "
+            "noise either, and no known effect explains it."
         )
     return (
         f"The error on held-out data is {newtons(error)}, noise alone is "

@@ -13,7 +13,7 @@ from er_model_lab.output.text.fall import Stage, stages
 from er_model_lab.output.text.units import moves, newtons, percent
 from er_model_lab.view import Array, View
 
-TAKEN, RISEN = "#f2c9a8", "#b04a00"
+TAKEN, RISEN = "#f2c9a8", "#cc79a7"
 """Colours of what a step takes off the error, and of what it puts on."""
 ROOM = 100
 """Characters of all names below the bars before they go on in the next line."""
