@@ -121,6 +121,22 @@ def test_each_error_stands_beside_the_noise_of_its_own_data() -> None:
     ]
 
 
+def test_the_outputs_of_a_car_have_each_its_own_unit_and_noise() -> None:
+    sides = {
+        "rmse_as_given": 2e-3,
+        "rmse": 1e-3,
+        "rmse_after": 5e-4,
+        "noise_floor": 2e-5,
+        "noise": 2e-5,
+    }
+    told = summary.section(view(channels={"deflection": {"unit": "m", **sides}})).facts["channels"]
+    assert told["head"] == ["as given", "refitted", "after", "noise"]
+    assert told["rows"] == [("deflection", ["2.00 mm", "1.00 mm", "0.500 mm", "20.0 µm"])]
+    alone = {"unit": "m/s2", "rmse": 0.5, "relative": 0.25, "noise": 0.02}
+    told = summary.section(view(channels={"sprung_acceleration": alone})).facts["channels"]
+    assert told["rows"] == [("sprung acceleration", ["0.500 m/s2", "25 %", "20.0 mm/s2"])]
+
+
 def test_a_good_model_is_called_good_before_what_is_missing() -> None:
     small = {"nrmse": {"train": 0.009, "held_out": 0.009}}
     for verdict, words in (

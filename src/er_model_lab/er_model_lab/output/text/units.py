@@ -106,6 +106,14 @@ def engineering(size: float, unit: str) -> tuple[float, str]:
     return 1e3**-power, PREFIXES[power] + unit
 
 
+def quantity(value: float | None, unit: str) -> str:
+    """A value in the unit in which an engineer reads it; a dash where there is none."""
+    if value is None or not math.isfinite(value):
+        return "-"
+    factor, name = engineering(abs(value), unit)
+    return f"{short(value * factor)} {name}".strip()
+
+
 def parameter(triple: Sequence[Any], digits: int = 2) -> str:
     """Value, standard deviation with `digits` significant digits, and unit as an engineer reads it."""
     value, sd = float(triple[0]), math.inf if triple[1] is None else abs(float(triple[1]))

@@ -75,9 +75,11 @@ def _numbers(view: View, e: Mapping[str, Any]) -> list[tuple[str, str]]:
         chance = (
             f", chance reaches {newtons(e['threshold'])}" if e.get("threshold") is not None else ""
         )
-        rows.append(("effect size", gain(size, largest(view)) + chance))
+        rows.append(("effect size, training data", gain(size, largest(view)) + chance))
     if e.get("explains") is not None:
-        rows.append(("explains", f"{percent(e['explains'])} of what can be explained"))
+        rows.append(
+            ("explains, training data", f"{percent(e['explains'])} of what can be explained")
+        )
     if e.get("p_value") is not None:
         rows.append(("p value", short(e["p_value"], 2)))
     if e.get("kept_fraction") is not None:
@@ -91,7 +93,12 @@ def _taken(card: CandidateView) -> list[tuple[str, str]]:
     power = float(np.mean(left**2)) if left.size else 0.0
     if power <= 0.0:
         return []
-    return [("takes of the residual", percent(max(1.0 - float(np.mean(after**2)) / power, 0.0)))]
+    return [
+        (
+            "takes of the residual, training data",
+            percent(max(1.0 - float(np.mean(after**2)) / power, 0.0)),
+        )
+    ]
 
 
 def _figure(card: CandidateView) -> Figure:

@@ -33,7 +33,12 @@ def section(view: View) -> Section | None:
     if not known:
         return None
     rows = [(NAMES[k], _value(f), f["says"]) for k, f in found.items()]
-    figure = _figure(known, rmse(view.result), view.result.get("noise_floor"))
+    figure = _figure(
+        known,
+        rmse(view.result),
+        view.result.get("noise_floor"),
+        split=isinstance(view.result.get("rmse"), Mapping),
+    )
     return Section("noise", "The noise", (figure,), {"rows": rows})
 
 
@@ -46,7 +51,7 @@ def _value(f: Mapping[str, Any]) -> str:
 
 
 def _figure(
-    known: Mapping[str, Mapping[str, Any]], error: float | None, used: float | None
+    known: Mapping[str, Mapping[str, Any]], error: float | None, used: float | None, *, split: bool
 ) -> Figure:
     """Horizontal bars with two deviations, the error beside them."""
     n = len(known)
@@ -63,7 +68,7 @@ def _figure(
         marks.append(
             Level(
                 float(error),
-                f"error of the model {newtons(error)}",
+                f"error on held-out data {newtons(error)}" if split else f"error {newtons(error)}",
                 BEFORE,
                 "solid",
                 vertical=True,

@@ -8,11 +8,19 @@ from typing import Any
 import numpy as np
 
 from er_model_lab.output.report.section import Section
-from er_model_lab.output.text.units import newtons, percent
+from er_model_lab.output.text.units import newtons, percent, quantity
 from er_model_lab.view import RecordView, View
 
 MOST_RECORDS = 25
 """Records listed; beyond, the worst of them."""
+GROWN = {
+    "as given": "rmse_as_given",
+    "refitted": "rmse",
+    "after": "rmse_after",
+    "noise": "noise_floor",
+}
+COMPARED = {"rms error": "rmse", "over its standard deviation": "relative", "white noise": "noise"}
+"""Columns of the errors of a car's outputs: of a model that was refitted, and of one as it is."""
 
 
 def section(view: View) -> Section | None:
@@ -95,10 +103,19 @@ def _noise(result: Mapping[str, Any]) -> str:
     return f"white noise of the force {force}, errors of the motion sensors {inputs}"
 
 
-def _channels(result: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Error of each simulated channel over its own size, where a command compares several."""
+def _channels(result: Mapping[str, Any]) -> dict[str, Any]:
+    """Heads and rows of the errors of each output of a car, in its own unit: of each model, or over its own size."""
     channels = result.get("channels") or {}
-    return [(name.replace("_", " "), percent(c.get("relative"))) for name, c in channels.items()]
+    grown = any("rmse_after" in c for c in channels.values())
+    keys = GROWN if grown else COMPARED
+    rows = [
+        (name.replace("_", " "), [
+            percent(c.get(key)) if key == "relative" else quantity(c.get(key), str(c.get("unit", "")))
+            for key in keys.values()
+        ])
+        for name, c in channels.items()
+    ]  # fmt: skip
+    return {"head": list(keys), "rows": rows, "data": "held-out data" if grown else "all data"}
 
 
 def _records(view: View) -> list[tuple[str, str, str, str]]:
