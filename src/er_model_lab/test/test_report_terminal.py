@@ -22,6 +22,7 @@ from report_views import (
     IDENTIFIED,
     MODELS,
     PLANNED,
+    PREFLIGHT,
     TABLES,
     card,
     compared,
@@ -220,3 +221,13 @@ def test_what_made_data_incomplete_is_said_where_it_is_called_incomplete() -> No
     told = {c: printed(replace(view(complete=c), notes=notes)) for c in (True, False)}
     assert [told[c].count("note: hole") for c in (True, False)] == [3, 6]
     assert "2 more notes in --json and --report" in told[False]
+
+
+@pytest.mark.parametrize("command", ["check", "diagnose"])
+def test_what_is_wrong_with_the_data_is_told_to_the_last_word(command: str) -> None:
+    words = " ".join(f"word{k}" for k in range(60))
+    found = {**PREFLIGHT["findings"][0], "found": f"{words} found", "remedy": f"{words} remedy"}
+    v = view(preflight={**PREFLIGHT, "findings": [found]}, verdict="usable")
+    text = " ".join(printed(replace(v, command=command), 80).split())
+    assert f"{words} found" in text
+    assert (f"{words} remedy" in text) == (command == "check")

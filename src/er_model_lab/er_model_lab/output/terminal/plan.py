@@ -27,9 +27,9 @@ def plan_lines(view: View, pen: Pen) -> Iterator[RenderableType]:
         yield pen.line("separation over the noise, by what is true; then peaks", "dim")
     yield pen.line("")
     for sentence in result["why"][1:]:
-        yield pen.line(pen.cut(sentence, 3 * pen.width))
+        yield pen.line(sentence)
     for name in result["strengths"]:
-        yield pen.line(pen.cut(_strength(name, result["strengths"][name]), pen.width), "dim")
+        yield pen.line(_strength(name, result["strengths"][name]), "dim")
     if result.get("program_file"):
         yield pen.line(f"program: {result['program_file']}")
 

@@ -38,9 +38,8 @@ def _short(found: Mapping[str, Any], pen: Pen) -> Iterator[RenderableType]:
     groups = grouped(bad)
     f, records = groups[0]
     more = f"; {len(groups) - 1} more (./er lab check)" if len(groups) > 1 else ""
-    tail = pen.safe(more)
     text = f"data: {f['check']} of {place_of(f, records)}: {f['found']}"
-    yield pen.line(pen.cut(text, pen.width - len(tail)) + tail, TONES[f["level"]])
+    yield pen.line(text + more, TONES[f["level"]])
 
 
 def _findings(found: Mapping[str, Any], pen: Pen) -> Iterator[RenderableType]:
@@ -52,14 +51,12 @@ def _findings(found: Mapping[str, Any], pen: Pen) -> Iterator[RenderableType]:
         if f["level"] == "ok":
             yield pen.line(pen.cut(head, pen.width), TONES["ok"])
             continue
-        yield pen.line(
-            pen.cut(f"{head}; expected {f['expected']}", 2 * pen.width), TONES[f["level"]]
-        )
+        yield pen.line(f"{head}; expected {f['expected']}", TONES[f["level"]])
     if len(groups) > MOST_FINDINGS:
         yield pen.line(f"{len(groups) - MOST_FINDINGS} more in the report", "dim")
     todo = dict.fromkeys(f["remedy"] for f, _ in groups if f["level"] in ("fail", "warning"))
     for remedy in list(todo)[:3]:
-        yield pen.line(pen.cut(f"do: {remedy}", pen.width))
+        yield pen.line(f"do: {remedy}")
 
 
 def _cells(found: Mapping[str, Any], pen: Pen) -> Iterator[RenderableType]:
@@ -76,8 +73,8 @@ def _cells(found: Mapping[str, Any], pen: Pen) -> Iterator[RenderableType]:
         return
     rows = [
         [
-            pen.cut(c["name"].replace("_", " "), 18), f"{short(c['have'], 2)} of {short(c['need'], 2)} {c['unit']}",
-            pen.cut(joined(c["effects"]).replace("_", " "), pen.width - 44),
+            pen.safe(c["name"].replace("_", " ")), f"{short(c['have'], 2)} of {short(c['need'], 2)} {c['unit']}",
+            pen.safe(joined(c["effects"]).replace("_", " ")),
         ]
         for c in lacking[:MOST_CELLS]
     ]  # fmt: skip

@@ -65,7 +65,7 @@ def _numbers(view: View, e: Mapping[str, Any]) -> list[tuple[str, str]]:
     size = effect_size(view, e)
     rows = [
         (
-            "error on held-out data",
+            "error on held-out data, without and with it",
             arrow(before, e.get("rmse_held_out")),
         )
     ]

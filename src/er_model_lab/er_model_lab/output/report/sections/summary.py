@@ -35,6 +35,7 @@ def section(view: View) -> Section | None:
             "head": [name for name, _ in _columns(result)],
             "rows": _rows(result),
             "compared": "rmse_after" in result,
+            "own": _own(result),
             "split": isinstance(result["rmse"], Mapping),
             "explained": percent(result["explained"]) if result.get("explained") else "",
             "explainable": percent(result.get("explainable")),
@@ -45,16 +46,17 @@ def section(view: View) -> Section | None:
     )
 
 
+def _own(result: Mapping[str, Any]) -> str:
+    """Name of the model before anything is added."""
+    if "rmse_after" not in result:
+        return "model"
+    return "refitted" if "rmse_as_given" in result else "before"
+
+
 def _columns(result: Mapping[str, Any]) -> list[tuple[str, dict[str, float]]]:
     """Models in the order in which they were made, then the noise: the error of each by the data it belongs to."""
     given = {"held_out": result.get("rmse_as_given"), "train": result.get("rmse_as_given_train")}
-    own = (
-        "refitted"
-        if "rmse_as_given" in result
-        else "before"
-        if "rmse_after" in result
-        else "model"
-    )
+    own = _own(result)
     part = "held_out" if "held_out" in _split(result["rmse"]) else [*_split(result["rmse"])][-1]
     noise = {part: result.get("noise_floor")}
     noise |= {"train": result.get("noise_floor_train")} if part != "train" else {}
