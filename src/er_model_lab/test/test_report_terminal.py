@@ -227,7 +227,8 @@ def test_what_made_data_incomplete_is_said_where_it_is_called_incomplete() -> No
 def test_what_is_wrong_with_the_data_is_told_to_the_last_word(command: str) -> None:
     words = " ".join(f"word{k}" for k in range(60))
     found = {**PREFLIGHT["findings"][0], "found": f"{words} found", "remedy": f"{words} remedy"}
-    v = view(preflight={**PREFLIGHT, "findings": [found]}, verdict="usable")
+    verdict = "usable" if command == "check" else "adequate"
+    v = view(preflight={**PREFLIGHT, "findings": [found]}, verdict=verdict)
     text = " ".join(printed(replace(v, command=command), 80).split())
     assert f"{words} found" in text
     assert (f"{words} remedy" in text) == (command == "check")
