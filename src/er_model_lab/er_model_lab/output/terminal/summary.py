@@ -242,7 +242,10 @@ def _regions(view: View, pen: Pen) -> Iterator[RenderableType]:
         ]
         for f in found
     ]  # fmt: skip
-    even = all(f.region.share <= NOTABLE * f.region.of_samples for f in found)
+    even = all(
+        f.region.share <= NOTABLE * f.region.of_samples and f.region.excess < f.region.floor
+        for f in found
+    )
     title = "where most of the rest is" if even else "where it fails"
     title = "where it still fails" if view.regions_after and not even else title
     numbers = [(name, "right") for name in ("of the error", "of the data", "rms")]
