@@ -59,7 +59,7 @@ def _estimate(before: Model, after: Model, effect: str, q: Param) -> dict[str, A
         value <= low + edge and not (low == 0.0 and q.neutral == 0.0)
     )
     status = (
-        "given" if not q.fitted or (sd is None and known) else "at_bound" if bounded
+        "given" if sd is None and known else "at_bound" if bounded
         else "not_identified" if sd is None or not math.isfinite(sd) else "identified" if known else "added"
     )  # fmt: skip
     return {
