@@ -10,8 +10,8 @@ import numpy as np
 from er_models.effect import Param
 from er_models.model import Model
 
-NEAR = 1e-3
-"""Share of a parameter's range [1] within which it is at its bound."""
+EXACT = 1e-6
+"""Share [1] of a bound within which a value is at it: a fit ends there to the last digits, or not at all."""
 
 
 def clean(value: Any) -> Any:
@@ -50,14 +50,12 @@ def estimates(before: Model, after: Model) -> dict[str, dict[str, dict[str, Any]
 
 
 def _estimate(before: Model, after: Model, effect: str, q: Param) -> dict[str, Any]:
-    """One parameter; a value within a thousandth of its range from a bound is at it."""
+    """One parameter; an additive effect of size 0 is not called bounded."""
     value, (low, high) = float(after.effects[effect][q.name]), after.bounds(effect, q.name)
     sd = after.deviations.get(effect, {}).get(q.name)
     known = effect in before.effects
-    edge = NEAR * (high - low)
-    bounded = value >= high - edge or (
-        value <= low + edge and not (low == 0.0 and q.neutral == 0.0)
-    )
+    at = [math.isclose(value, end, rel_tol=EXACT) for end in (low, high)]
+    bounded = at[1] or (at[0] and not low == q.neutral == 0.0)
     status = (
         "given" if sd is None and known else "at_bound" if bounded
         else "not_identified" if sd is None or not math.isfinite(sd) else "identified" if known else "added"
