@@ -104,6 +104,19 @@ def test_what_took_the_place_of_another_has_the_numbers_of_that_round(search):
     assert entries["coulomb_friction"]["evidence"] == effect_size(alone[0], both)
 
 
+def test_what_helps_and_is_not_taken_is_told_with_what_explains_the_error_better(search):
+    _, _, base, alone, _ = search
+    for taken, better in ((alone[0], [NAMES[0]]), (None, [])):
+        best = alone[0] if taken else base
+        entries, cards, _ = result_of(search, best, [round_of(base, alone, taken, 0.01)])
+        friction = entries["coulomb_friction"]
+        assert friction["evidence"] > 0.01
+        assert (friction["status"], friction["explained_by"]) == ("absent", better)
+        said = "Field exponent explains the error better" if taken else "too little to be named"
+        assert said in cards["coulomb_friction"].reason
+        assert entries["preload"]["explained_by"] == []
+
+
 def test_an_effect_of_a_pair_has_what_it_adds_to_the_other_one(search):
     """No round took either: alone they may gain nothing at all."""
     _, _, base, alone, both = search
