@@ -202,6 +202,9 @@ def test_a_model_that_was_grown_shows_where_it_still_fails_and_where_it_failed()
     still, before = text.partition("where it still fails")[2].split("where it failed before: ")
     assert "deflection 0 to 100 mm" in still.splitlines()[1]
     assert before.startswith("velocity 0 to 20 mm/s (0.900 N, 55 %)")
+    r = v.records[0]
+    off = replace(r, after=r.after + 9.0 * ((r.t >= 3.0) & (r.t < 4.0)))
+    assert "record_1, 3 s" in printed(replace(v, records=(off,))), "of the last model"
     section = where_it_fails.section(v)
     assert [f.name for f in section.figures] == ["where_it_still_fails", "where_it_fails"]
     assert "deflection 0 to 100 mm" in section.facts["parts"][0]["worst"][0][0]
