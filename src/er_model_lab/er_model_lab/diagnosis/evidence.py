@@ -97,7 +97,10 @@ def reasons(
     verdict: Verdict, seen: Evidence, base: Candidate, best: Candidate, first: Round, floor: Floor, rule: Rule
 ) -> tuple[str, ...]:  # fmt: skip
     """The evidence in plain sentences, as far as the verdict rests on it."""
-    left = f"root mean square error {np.sqrt(base.mse):.3g} N after refitting, noise floor {floor.floor:.3g} N"
+    left = (
+        f"on training data, block by block left out: root mean square error {np.sqrt(base.mse):.3g} N after "
+        f"refitting, noise floor {floor.floor:.3g} N"
+    )
     if floor.learnt is not None:
         left += f" (as a rest or repeats show it; trees and filters leave {floor.learnt[0]:.3g} N unexplained)"
     if not seen.effects:
