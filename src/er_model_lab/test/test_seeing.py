@@ -91,6 +91,14 @@ def test_the_fall_begins_at_the_model_as_given_and_a_pair_is_told_by_what_each_a
     ]  # fmt: skip
 
 
+def test_the_fall_ends_at_the_model_that_was_made() -> None:
+    """Effects that later ones made needless are taken out again: no step shows what is left then."""
+    pruned = replace(grown(rmse_after={"train": 0.2, "held_out": 0.21}), command="improve")
+    assert [(s.name, s.error) for s in stages(pruned)][-1] == ("needless effects out", 0.21)
+    assert "to 0.210 N" in verdict_sentence(pruned)
+    assert stages(replace(grown(), command="improve")) == stages(grown())
+
+
 def test_a_refit_that_made_held_out_data_worse_is_told() -> None:
     said = verdict_sentence(grown())
     assert "falls from 0.500 N to 0.200 N (the refit alone: 0.600 N)" in said

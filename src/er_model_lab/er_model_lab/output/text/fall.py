@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from er_model_lab.output.text.verdict_text import given, title_of
+from er_model_lab.output.text.units import newtons
+from er_model_lab.output.text.verdict_text import given, rmse, title_of
 from er_model_lab.view import View
 
 
@@ -25,7 +26,15 @@ def stages(view: View) -> tuple[Stage, ...]:
         return ()
     start = [] if first is None else [Stage("model as given", first)]
     refitted = Stage("refitted" if start else "model, refitted", float(steps[0]["rmse_held_out"]))
-    return (*start, refitted, *(_step(view, s["added"], s["rmse_held_out"]) for s in steps[1:]))
+    found = (*start, refitted, *(_step(view, s["added"], s["rmse_held_out"]) for s in steps[1:]))
+    # an effect that a later one made needless is taken out again at the end
+    last = rmse(view.result, "rmse_after")
+    pruned = (
+        view.command == "improve"
+        and last is not None
+        and newtons(last) != newtons(found[-1].error)
+    )
+    return (*found, Stage("needless effects out", last)) if pruned and last is not None else found
 
 
 def _step(view: View, added: str, error: float) -> Stage:

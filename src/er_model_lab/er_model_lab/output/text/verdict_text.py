@@ -180,9 +180,11 @@ ALIKE = 1.05
 
 def left_after(view: View) -> float | None:
     """Error on held-out data with the effects that were added [N]; None when none was."""
-    steps = [s for s in view.result.get("steps") or [] if not _is_term(s["added"])]
-    if len(steps) > 1:
-        return float(steps[-1]["rmse_held_out"])
+    steps = view.result.get("steps") or []
+    known = [s for s in steps if not _is_term(s["added"])]
+    final = view.command == "improve" and len(known) == len(steps)
+    if len(known) > 1 and not final:
+        return float(known[-1]["rmse_held_out"])
     return rmse(view.result, "rmse_after") if _names(view) else None
 
 
