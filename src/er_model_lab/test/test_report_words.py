@@ -147,6 +147,7 @@ def test_several_missing_effects_are_listed() -> None:
         ([0.5, float("inf"), "N"], "0.500 N (not determined by these data)"),
         ([0.0132, 0.0, "m/s"], "13.2 mm/s"),
         ([8956924.0, 883397.0, "N/m3"], "8960 ± 880 kN/m3"),
+        ([1.5e-14, None, "N"], "1.50e−14 N (not determined by these data)"),
         ([0.0, 0.2, "1/m"], "0.00 ± 0.20 1/m"),
     ],
 )

@@ -96,7 +96,7 @@ def change(before: float, after: float) -> str:
 def engineering(size: float, unit: str) -> tuple[float, str]:
     """Multiplier from SI, and unit, in which a value of this size reads best: kN/m, mm; empty for pure numbers."""
     found = PREFIXED.match(unit)
-    if not found or not size > 0.0 or not math.isfinite(size):
+    if not found or not size >= 0.1 * 1e3 ** min(PREFIXES) or not math.isfinite(size):
         return 1.0, "" if unit == "1" else unit
     most, power = max(PREFIXES) if found[1] in LARGE else 0, 0
     while size >= 1e4 * 1e3**power and power < most:
