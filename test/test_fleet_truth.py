@@ -102,3 +102,17 @@ def test_the_page_shows_the_strangest_first_and_takes_no_name_for_markup(tmp_pat
     for section in ("fleet", "units", "effects", "parameters", "changes"):
         assert f'<section id="{section}">' in html
     assert [r["p"] for r in seen.rows] == sorted(r["p"] for r in seen.rows)
+
+
+def test_a_value_that_was_never_moved_is_none():
+    made = fleet(3, units=8, recordings=4)
+    for row in (*made.units, *made.recordings):
+        for sd, name in (
+            (0.0, "a.still"),
+            (1e-17, "a.stiller"),
+            (1e9, "a.unseen"),
+            (None, "a.unknown"),
+        ):
+            row["values"][name] = [1.0, sd, "s"]
+    told = overview(made.units, made.recordings).content["parameters"]
+    assert told.keys() == {"passive.k0", "passive.c0", "guo_yield.f_c", "response.tau"}

@@ -38,6 +38,8 @@ MOST_NEXT = 2
 """Suggestions a unit gets, at most."""
 CREDIBLE = 1e-6
 """Smallest deviation over value that a measurement has [1]."""
+USELESS = 1e4
+"""Deviation over value from which a value says nothing [1]."""
 LOOSE = 0.3
 """Deviation over value from which a unit's own data are too few for a parameter [1]."""
 
@@ -154,8 +156,10 @@ def _values(row: Row) -> Iterable[tuple[str, float, float]]:
 
 
 def _known(value: float | None, sd: float | None) -> bool:
-    """Whether a value is determined; a deviation of zero is that of a value that was never moved."""
-    return value is not None and sd is not None and CREDIBLE * abs(value) < sd < math.inf
+    """Whether a value is determined: a deviation of zero is that of a value that was never moved."""
+    if value is None or sd is None:
+        return False
+    return CREDIBLE * abs(value) < sd < (USELESS * abs(value) if value else math.inf)
 
 
 def _unit_names(rows: Mapping[str, Row], series: Iterable[str]) -> dict[str, str]:
