@@ -64,7 +64,8 @@ class MappingDialog:
             guess = self.found.guesses.get(channel)
             with ui.row().classes("w-full items-center no-wrap"):
                 chosen = ui.select(
-                    [NONE, *headers], value=guess.seen.header if guess and guess.sure >= LIKELY else NONE, label=channel,
+                    [NONE, *headers], label=channel,
+                    value=guess.seen.header if guess and guess.sure >= LIKELY else NONE,
                 ).classes("grow").props("dense")  # fmt: skip
                 flip = ui.checkbox("flip sign").props("dense")
                 if guess:
