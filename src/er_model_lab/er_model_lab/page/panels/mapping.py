@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from er_records.mapping.guess import LIKELY, Guess
 from er_records.mapping.mapping import Mapped, sure_in_words
 from er_records.mapping.survey import Seen
 from er_records.record import CHANNELS
@@ -63,13 +64,12 @@ class MappingDialog:
             guess = self.found.guesses.get(channel)
             with ui.row().classes("w-full items-center no-wrap"):
                 chosen = ui.select(
-                    [NONE, *headers], value=guess.seen.header if guess else NONE, label=channel,
+                    [NONE, *headers], label=channel,
+                    value=guess.seen.header if guess and guess.sure >= LIKELY else NONE,
                 ).classes("grow").props("dense")  # fmt: skip
                 flip = ui.checkbox("flip sign").props("dense")
                 if guess:
-                    ui.label(sure_in_words(guess)).classes("text-xs muted").tooltip(
-                        ", ".join(guess.why)
-                    )
+                    ui.label(_said(guess)).classes("text-xs muted").tooltip(", ".join(guess.why))
 
                 async def change(
                     _: Any = None, channel: str = channel, chosen: Any = chosen, flip: Any = flip
@@ -98,6 +98,11 @@ class MappingDialog:
             else self.found.trouble or "no column is known yet"
         )
         self.use.set_enabled(good)
+
+
+def _said(guess: Guess) -> str:
+    """How sure a guess is; one that is too weak to be taken is only named."""
+    return sure_in_words(guess) if guess.sure >= LIKELY else f"perhaps {guess.seen.header}"
 
 
 def picture(seen: Seen) -> str:
