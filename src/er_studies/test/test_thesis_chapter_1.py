@@ -13,7 +13,7 @@ from er_model_lab.identification.law import response_time
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.files import load_model
 from er_models.model import Model
-from er_models.program import Program, load_program, resolve, times
+from er_models.program import Program, load_program, resolve
 from er_models.simulation import simulate
 from er_studies.thesis import chapter_1 as cases
 from er_studies.thesis.chapter_1 import LAWS, PUBLISHED, ROADS, Case, Chapter1, case, chapter_1
@@ -50,7 +50,7 @@ def all_models(truth: Model, other: Model) -> dict[str, Model]:
 def test_a_measurement_is_the_simulation_plus_the_noise_of_its_sensors() -> None:
     short = replace(program("bumps"), duration=4.0)
     record = measure(vehicle(), short, seed=3)
-    exact = simulate(vehicle(), DT, *short.signals(times(4.0, DT)))
+    exact = simulate(vehicle(), DT, *short.ride(DT))
     for name, deviation in NOISE.items():
         error = record.channels[name] - exact[name]
         assert np.std(error) == pytest.approx(deviation, rel=0.12)
@@ -66,7 +66,7 @@ def test_a_measurement_is_the_simulation_plus_the_noise_of_its_sensors() -> None
 def test_programs_stay_within_the_testbench(name: str) -> None:
     """Section 1.3: duty up to 0.3, velocity up to 0.15 m/s; and the damper moves at all."""
     resolved = resolve(program(name), vehicle(), DT)
-    run = simulate(vehicle(), DT, *resolved.signals(times(resolved.duration, DT)))
+    run = simulate(vehicle(), DT, *resolved.ride(DT))
     speed = np.abs(run["deflection_velocity"]).max()
     assert 0.08 < speed <= 0.15
     assert run["duty"].max() <= 0.3
