@@ -18,6 +18,7 @@ from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.search import (
     MOST_EFFECTS,
     Round,
+    afresh,
     one_round,
     passes,
     promising,
@@ -42,7 +43,7 @@ one that is kept beside others: they may stand for what the form of a rightly na
 class Diagnosis:
     """Result of a diagnosis; `rounds` holds every step of the search, fewer where it was interrupted.
 
-    further: what was tried beside the best model and not taken, where that was tried.
+    further: what was tried beside the best model and not taken, where that was, as the first round of a search.
     """
 
     verdict: Verdict
@@ -94,7 +95,7 @@ def search_effects(
         return replace(found, interrupted=True)
     found = judge(base, best, rounds, floor, problem, ties, rule)
     same = further is not None and further.base is found.best
-    return replace(found, further=further if same else None)
+    return replace(found, further=afresh(further) if further and same else None)
 
 
 def one_effect(model: Model, problem: Problem, effect: str | None, seed: int) -> Diagnosis:

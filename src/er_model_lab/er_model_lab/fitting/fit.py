@@ -326,7 +326,6 @@ def _truly_left_out(fitted: Fit, problem: Problem, steps: Array) -> Array:
     """Residual (n,) predicted by the model itself without each block."""
     box = Box(fitted.model, fitted.free, problem.scales, problem.forward.limits)
     r, train = fitted.residual.copy(), problem.train
-    problem = problem.near(fitted.model, problem.force - r)
     for b in range(steps.shape[0]):
         rows = problem.fold == b
         points = fitted.theta + np.multiply.outer(SHARES, steps[b])

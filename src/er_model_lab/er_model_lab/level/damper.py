@@ -23,7 +23,6 @@ from er_model_lab.diagnosis.investigation import Diagnosis, one_effect, search_e
 from er_model_lab.diagnosis.noise_floor import noise_floor
 from er_model_lab.diagnosis.null import simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule
-from er_model_lab.diagnosis.search import afresh
 from er_model_lab.diagnosis.verdict import decide
 from er_model_lab.fitting.data_reach import beyond
 from er_model_lab.fitting.envelope import with_unfelt
@@ -107,7 +106,7 @@ class DamperLevel:
         before = _as_measured(found) if found.lag else None
         last, begun = asked.last, None
         if last is not None and last.diagnosis.further and _alike(last.problem, found.problem):
-            begun = afresh(last.diagnosis.further)
+            begun = last.diagnosis.further
         seen = search_effects(
             found.searched, found.problem, seed=asked.seed, rule=rule, begun=begun
         )
