@@ -77,3 +77,21 @@ def test_a_play_is_found_in_its_own_valley_and_its_deviations_hold():
     assert all(sds[q] < 0.2 * PLAY[q] for q in PLAY)
     assert max(off(fitted.model)) > 2.0
     assert max(off(better)) < 3.0
+
+
+def test_a_parameter_that_moves_nothing_is_not_known_exactly() -> None:
+    """The pseudo-inverse gives it a deviation of zero."""
+    from types import SimpleNamespace
+    from typing import Any, cast
+
+    from er_model_lab.fitting.fit import standard_deviations
+
+    rng = np.random.default_rng(0)
+    fitted = SimpleNamespace(
+        theta=np.zeros(3), scale=np.ones(3), at_bound=np.array([False, False, True]), residual=rng.standard_normal(1000),
+        jacobian=np.stack([rng.standard_normal(1000), np.zeros(1000), np.ones(1000)], axis=1),
+    )  # fmt: skip
+    problem = SimpleNamespace(train=np.full(1000, True), second=200)
+    told = standard_deviations(cast(Any, fitted), cast(Any, problem))
+    assert 0.01 < told[0] < 0.1
+    assert np.isinf(told[1:]).all()

@@ -27,6 +27,8 @@ DAMPINGS = (0.1, 1.0, 10.0)
 """Multiples of the damping that are tried at once."""
 AWAY = 2e-3
 """Share by which the mean square in longer steps may differ from the true one where a fit ends."""
+NOTHING = 1e-9
+"""A parameter that moves the force by so small a share of the strongest one is not told by the data."""
 SHARES = np.array([0.0, 0.1, 0.3, 1.0])
 """Shares of a step that are tried where it is not."""
 
@@ -360,7 +362,11 @@ def covariance(fitted: Fit, problem: Problem) -> Array:
 def standard_deviations(fitted: Fit, problem: Problem) -> Array:
     """Standard deviations (p,) of the parameters [SI]; infinite where the data say nothing."""
     variance = np.diag(covariance(fitted, problem))
-    return np.asarray(np.sqrt(np.where(variance >= 0.0, variance, np.inf)))
+    size = np.linalg.norm(
+        fitted.jacobian[problem.train], axis=0
+    )  # the pseudo-inverse calls what moves nothing exact
+    told = (variance >= 0.0) & (size > NOTHING * size.max(initial=0.0))
+    return np.asarray(np.sqrt(np.where(told, variance, np.inf)))
 
 
 def with_deviations(fitted: Fit, problem: Problem) -> Model:
