@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from er_models import load_model
+from er_models.program import within
 from er_models.road import road_profile
 from er_studies.control.closed_loop import Sensors, drive, known
 from er_studies.control.run import setup
@@ -20,8 +21,8 @@ leaking = healthy.with_effect("oil_leakage", {"f": 0.6})
 
 # %%
 dt, n = 0.005, 3000
-road = road_profile(
-    {"kind": "iso8608", "road_class": "A", "speed": 10.0, "factor": 0.3}, np.arange(n) * dt, seed=2
+road = road_profile(  # at every step of the integrator
+    {"kind": "iso8608", "road_class": "A", "speed": 10.0, "factor": 0.3}, within(n, dt), seed=2
 )
 
 
