@@ -92,3 +92,17 @@ def test_rank_condition(car: Model) -> None:
     spec = Spec(noise=(0.05,))
     with pytest.raises(SynthesisFailed, match=r"rank\(C D1\) = 0, rank\(D1\) = 1"):
         unified.claim(blind, force_output(blind), spec, scaling_of(car, blind))
+
+
+def test_the_unified_law_is_constant() -> None:
+    """As docs/observers.md says: both ends of the duty have one gain, and the dynamic states are coupled to nothing."""
+    from pathlib import Path
+
+    from er_models.gain_file import read
+
+    file = read(Path(__file__).resolve().parents[3] / "config/gains/unified.yaml")
+    m, j = file.matrix("law.M", (2, 8, 8)), file.matrix("law.J", (2, 8, 2))
+    assert np.array_equal(m[0], m[1])
+    assert np.array_equal(j[0], j[1])
+    assert max(np.abs(m[0][:4, 4:]).max(), np.abs(m[0][4:, :4]).max()) < 1e-9 * np.abs(m[0]).max()
+    assert np.abs(j[0][4:]).max() < 1e-9 * np.abs(j[0]).max()
