@@ -11,7 +11,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from er_bringup.programs import ESTIMATES
+from er_bringup.programs import CORES
 from er_ros_common.injection import Kind
 
 from er_common import topics
@@ -108,10 +108,11 @@ def test_without_the_applied_duty_nothing_is_valid_after_50_ms_r1(name: str, spo
 
 
 def test_a_duty_that_never_came_is_no_duty_r1() -> None:
-    bus = Bus((*NAMES, "fault_estimator"), duty_source="program")
+    names = (*NAMES, "fault_estimator")
+    bus = Bus(names, duty_source="program")
     bus.between = lambda kind, message: [] if kind.name == topics.PWM_APPLIED.name else [message]
     bus.run(1.0)
-    for topic in ESTIMATES:
+    for topic in (CORES[name].says for name in names):
         answers = bus.log[topic.name]
         assert len(answers) > 190
         assert not any(a.message.valid for a in answers if a.t > 0.1)
