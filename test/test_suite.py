@@ -156,7 +156,7 @@ def test_a_change_of_any_message_or_service_is_a_change_of_what_is_built(tmp_pat
     listed = re.findall(
         r'"((?:msg|srv|action)/\w+\.\w+)"', (package / "CMakeLists.txt").read_text()
     )
-    assert {name.partition("/")[0] for name in listed} == {"msg", "srv"}
+    assert {name.partition("/")[0] for name in listed} == {"msg", "srv", "action"}
     for name in listed:
         before = colcon._content(layout)
         with (package / name).open("a") as file:

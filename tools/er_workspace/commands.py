@@ -24,6 +24,7 @@ WARM_UP = (
     "composed:=true",
     "controller:=ftc",
     "fault_estimator:=true",
+    "model_monitor:=true",
     "mode:=lockstep",
     "rate_factor:=0",
     "duration:=1",
