@@ -103,12 +103,15 @@ def judged(segment: Segment, bench: Bench) -> Tried | None:
 
 
 def separations(pieces: Sequence[Tried]) -> dict[str, float]:
-    """By truth: what the best imitation leaves beyond what the truth leaves of itself, over the noise."""
+    """By truth: what the best imitation leaves beyond what the truth leaves of itself, over the noise, to a hundredth.
+
+    Less than that tells nothing: where no piece tells anything, the order of the menu decides, not the last digit.
+    """
     out = {}
     for name in pieces[0].parts:
         groups = zip(*(p.parts[name] for p in pieces), strict=True)
         rest = min(left(group) for group in groups) ** 2 - left([p.own[name] for p in pieces]) ** 2
-        out[name] = float(np.sqrt(max(rest, 0.0)))
+        out[name] = round(float(np.sqrt(max(rest, 0.0))), 2)
     return out
 
 

@@ -89,7 +89,9 @@ def planned(
     if not any(p.segment.seconds <= limits.duration for p in pieces):
         raise nothing_fits(limits)
     counted = directions(pieces)
-    ranked = sorted(_finalists(pieces, counted, bench), key=lambda f: -f.separation(counted))
+    ranked = sorted(
+        _finalists(pieces, counted, bench), key=lambda f: -round(f.separation(counted), 2)
+    )
     everyday = _everyday(bench)
     decided = [_decisions(f, bench) for f in ranked[:1]]
     if _verdict(decided[0] if decided else {}) != "told_apart" and _rivalled(ranked, counted):

@@ -152,7 +152,11 @@ class LearnPanel:
                     f'dense aria-label="Add {card["title"]}"'
                 )
             ui.label(card["physics"]).classes("text-sm")
-            ui.label(card["equation"]).classes("text-sm font-mono")
+            for each in card["equations"]:
+                if each.mathml:
+                    ui.html(each.mathml, sanitize=False).classes("text-sm")
+                else:
+                    ui.label(each.plain).classes("text-sm font-mono")
             ui.label(f"shows as: {card['mark']}; tell it by: {card['experiment']}").classes(
                 "text-sm muted"
             )
