@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from er_models.cards.equation import Equation
+from er_models.cards.equation import Equation, equations
+from er_models.catalogue import Catalogue
 from numpy.typing import NDArray
 
 from er_model_lab.residual.region import RegionTable
@@ -42,7 +43,7 @@ class CandidateView:
     effect: str
     title: str
     physics: str
-    equations: tuple[Equation, ...]
+    catalogue: Catalogue
     mark: str
     experiment: str
     entry: Mapping[str, Any]
@@ -51,6 +52,11 @@ class CandidateView:
     signature_x: Array
     signature_y: Array
     residual_y: Array
+
+    @property
+    def equations(self) -> tuple[Equation, ...]:
+        """Equations of the effect, as the card typesets them."""
+        return equations(self.catalogue[self.effect])
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 from er_model_lab.residual.region import Region, RegionTable
 from er_model_lab.view import Array, CandidateView, ImitationView, ProgramView, RecordView, View
-from er_models.cards.equation import equations
 from er_models.catalogue import CATALOGUE
 
 NOISE = 0.2
@@ -243,7 +242,7 @@ def card(effect: str, size: float, r: RecordView) -> CandidateView:
     change = size * np.tanh(r.velocity[rows] / 3e-3)
     return CandidateView(
         effect, effect.replace("_", " ").capitalize(), "Seals rub.",
-        equations(CATALOGUE["coulomb_friction"]), "jumps with the sign",
+        CATALOGUE, "jumps with the sign",
         f"experiment for {effect}", entry(effect, size), "taken: lowers the error",
         "force-velocity", r.velocity[rows],
         change, (r.measured - r.before)[rows],

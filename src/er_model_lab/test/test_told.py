@@ -12,9 +12,9 @@ from er_model_lab.diagnosis.null import Null
 from er_model_lab.diagnosis.search import Round
 from er_model_lab.level.study import Study
 from er_model_lab.output.text.ranking import limit
-from er_model_lab.results.diagnosis import diagnosis_json, errors_of
+from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import candidate_views
-from er_model_lab.results.steps import steps
+from er_model_lab.results.steps import errors_of, steps
 from lab_help import asked, problem_of
 
 NAMES = ("field_exponent", "coulomb_friction", "preload")

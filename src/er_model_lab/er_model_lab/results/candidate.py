@@ -45,7 +45,7 @@ def entry(
         "parameters": parameters(model, name),
         "status": status,
         "confounded_with": rivals,
-        "explained_by": _better(candidate, step, found),
+        "explained_by": _better(candidate, step, found) if size > step.threshold else [],
         "kept_fraction": candidate.kept,
         "explains": shares(step.base.mse, candidate.mse, found.floor)[1],
     }
@@ -119,15 +119,18 @@ def _out_of_reach(candidate: Candidate) -> bool:
 
 
 def _better(candidate: Candidate, step: Round, found: Diagnosis) -> list[str]:
-    """What explains the error better than an effect that helps by more than chance; empty for any other."""
-    if candidate.name in found.effects or effect_size(step.base, candidate) <= step.threshold:
+    """What explains the error better than an effect that was not taken; empty for one that was."""
+    if candidate.name in found.effects:
         return []
     return [step.taken.name] if step.taken else list(found.effects)
 
 
 def reason(candidate: Candidate, step: Round, found: Diagnosis) -> str:
     """Why a candidate was taken or not, in one sentence."""
-    size = effect_size(step.base, candidate)
+    titles = (
+        candidate.fit.model.catalogue[name].title for name in _better(candidate, step, found)
+    )
+    better, size = " and ".join(titles), effect_size(step.base, candidate)
     if candidate.name in found.effects:
         return f"taken: lowers the error on unseen data by {size:.3g} N, chance reaches {step.threshold:.3g} N"
     if _absorbed(candidate):
@@ -136,9 +139,6 @@ def reason(candidate: Candidate, step: Round, found: Diagnosis) -> str:
         return "not excited: in these data it would change the force by less than the noise"
     if size <= step.threshold:
         return f"not needed: {max(size, 0.0):.3g} N, chance alone reaches {step.threshold:.3g} N"
-    better = " and ".join(
-        candidate.fit.model.catalogue[name].title for name in _better(candidate, step, found)
-    )
     if not better:
         return f"helps by {size:.3g} N, by more than chance, but too little to be named"
     return f"helps by {size:.3g} N, but {better} explains the error better"

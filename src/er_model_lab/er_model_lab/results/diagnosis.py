@@ -13,11 +13,10 @@ from er_model_lab.diagnosis.floor_estimates import floors
 from er_model_lab.fitting.data_reach import Beyond, held_out_beyond
 from er_model_lab.level.study import Study
 from er_model_lab.preflight.wild import outliers
-from er_model_lab.problem.problem import Problem
-from er_model_lab.residual.errors import errors, size_notes
+from er_model_lab.residual.errors import size_notes
 from er_model_lab.residual.unexplained import describe
 from er_model_lab.results.candidate import candidates
-from er_model_lab.results.steps import left_of, steps
+from er_model_lab.results.steps import errors_of, steps
 from er_model_lab.results.values import estimates
 
 MOST_INPUTS, LEAST_WEIGHT = 5, 0.01
@@ -29,7 +28,8 @@ MUCH_MORE = 1.5
 def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
     """The contract's JSON of `diagnose`, `add` and `improve`."""
     found, problem = study.diagnosis, study.problem
-    left = errors_of(study)
+    size, noise, unexplained = _sizes(study), _noise(study), _unexplained(study)
+    left, fall = errors_of(study), steps(study)
     further = (
         held_out_beyond(problem, found.best.fit.residual) if problem.forward.outputs == 1 else None
     )
@@ -41,14 +41,14 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         **left,
         "explainable": found.explainable,
         "explained": found.explained,
-        "unexplained": _unexplained(study),
+        "unexplained": unexplained,
         "candidates": candidates(study, model_after),
         "unknowable": [
             {"effect": e.name, "because": e.unknowable_because} for e in model_after.catalogue.unknowable()
         ],
-        "steps": steps(study),
+        "steps": fall,
         "reasons": list(found.reasons),
-        "noise": _noise(study),
+        "noise": noise,
         "floors": {
             name: side.as_json()
             for name, side in floors(problem, found.best.fit.residual, found.floor.first).items()
@@ -56,7 +56,7 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         "coverage": _coverage(found.coverage),
         "parameters": estimates(study.model, model_after),
         "model": model_after.name,
-        "notes": [*_sizes(study), *unlike, *problem.notes],
+        "notes": [*size, *unlike, *problem.notes],
         "outliers": outliers(study.data.originals, problem.beside),
         "held_out_beyond": further.as_json() if further else None,
         "complete": problem.complete,
@@ -66,36 +66,6 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
 def _beyond(further: Beyond | None) -> tuple[str, ...]:
     """A note where the held-out data go beyond those learnt from, with a larger error there: it is no noise."""
     return () if further is None else (further.note("the held-out data", "those learnt from"),)
-
-
-def errors_of(study: Study, on: Problem | None = None) -> dict[str, Any]:
-    """Errors of the model as given, refitted and after, on both kinds of data, and the floors under them [N].
-
-    on: the problem of a later pass with other data, where the errors are to be those of its data.
-    """
-    found, problem = study.diagnosis, on or study.problem
-    given = (
-        study.opened.given
-        if on is None
-        else problem.force - problem.predict(study.opened.searched)
-    )
-    rows = {"train": problem.train, "held_out": problem.held_out}
-    base, after = (
-        {
-            name: errors(problem, left_of(study, fitted.fit, on), mask)
-            for name, mask in rows.items()
-        }
-        for fitted in (found.base, found.best)
-    )
-    return {
-        "noise_floor": found.floor.first.held_out,
-        "noise_floor_train": found.floor.first.floor,
-        "rmse": {name: e.rmse for name, e in base.items()},
-        "nrmse": {name: e.nrmse for name, e in base.items()},
-        "rmse_as_given": errors(problem, given, problem.held_out).rmse,
-        "rmse_as_given_train": errors(problem, given, problem.train).rmse,
-        "rmse_after": {name: e.rmse for name, e in after.items()},
-    }
 
 
 def _sizes(study: Study) -> tuple[str, ...]:

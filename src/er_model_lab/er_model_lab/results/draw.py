@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from er_models.cards.equation import equations
 from er_models.model import Array
 
 from er_model_lab.diagnosis.candidates import Candidate
@@ -76,17 +75,19 @@ def _card(
     left = step.base.fit.residual[::n]
     change = left - candidate.fit.residual[::n]
     return CandidateView(
-        candidate.name, effect.title, effect.physics, equations(effect),
+        candidate.name, effect.title, effect.physics, candidate.fit.model.catalogue,
         effect.signature.mark, effect.signature.experiment, fields, reason(candidate, step, found),
         effect.signature.plane, axis[rows], change[rows], left[rows],
     )  # fmt: skip
 
 
-def study_regions(study: Study, seed: int, residual: Array) -> tuple[RegionTable, ...]:
-    """Where a model fails that leaves this residual (n,) [N] of the data of a study."""
+def study_regions(
+    study: Study, seed: int, *residuals: Array
+) -> tuple[tuple[RegionTable, ...], ...]:
+    """Where models fail that leave these residuals (n,) [N] of the data of a study, one after the other."""
     found, problem = study.diagnosis, study.problem
     noise = noise_at(problem, found.floor.first.floor, found.null.input_square)
-    return region_tables(problem, residual, seed, noise)
+    return tuple(region_tables(problem, residual, seed, noise) for residual in residuals)
 
 
 def study_view(

@@ -1,4 +1,4 @@
-"""The fall of the error, step by step."""
+"""The errors of a study's models, and their fall, step by step."""
 
 from __future__ import annotations
 
@@ -24,6 +24,31 @@ def left_of(study: Study, fitted: Fit, on: Problem | None) -> Array:
     return np.asarray(on.force - on.predict(as_searched(fitted)))
 
 
+def errors_of(study: Study, on: Problem | None = None) -> dict[str, Any]:
+    """Errors of the model as given, refitted and after, on both kinds of data, and the floors under them [N].
+
+    on: the problem of a later pass with other data, where the errors are to be those of its data.
+    """
+    found, problem = study.diagnosis, on or study.problem
+    given = (
+        study.opened.given
+        if on is None
+        else problem.force - problem.predict(study.opened.searched)
+    )
+    left = [left_of(study, fitted.fit, on) for fitted in (found.base, found.best)]
+    rows = {"train": problem.train, "held_out": problem.held_out}
+    base, after = ({name: errors(problem, r, mask) for name, mask in rows.items()} for r in left)
+    return {
+        "noise_floor": found.floor.first.held_out,
+        "noise_floor_train": found.floor.first.floor,
+        "rmse": {name: e.rmse for name, e in base.items()},
+        "nrmse": {name: e.nrmse for name, e in base.items()},
+        "rmse_as_given": errors(problem, given, problem.held_out).rmse,
+        "rmse_as_given_train": errors(problem, given, problem.train).rmse,
+        "rmse_after": {name: e.rmse for name, e in after.items()},
+    }
+
+
 def steps(study: Study, on: Problem | None = None) -> list[dict[str, Any]]:
     """The falling error on held-out data, one entry per effect taken, with the evidence for it.
 
@@ -32,8 +57,8 @@ def steps(study: Study, on: Problem | None = None) -> list[dict[str, Any]]:
     problem, found = study.problem, study.diagnosis
 
     def held(candidate: Candidate) -> float:
-        judge = on or problem
-        return errors(judge, left_of(study, candidate.fit, on), judge.held_out).rmse
+        judge, left = on or problem, left_of(study, candidate.fit, on)
+        return errors(judge, left, judge.held_out).rmse
 
     base = study.before or found.rounds[0].base
     out: list[dict[str, Any]] = [{"added": None, "rmse_held_out": held(base)}]

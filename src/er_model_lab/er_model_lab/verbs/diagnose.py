@@ -73,9 +73,9 @@ def result_of(command: str, study: Study, model: Model, asked: Question) -> Diag
     """The result of a study; model: the best one, with estimates."""
     origin = provenance(study.data, study.model, asked.seed)
     found = study.diagnosis
-    tables = study_regions(study, asked.seed, found.base.fit.residual)
-    added = found.best is not found.base
-    later = study_regions(study, asked.seed, found.best.fit.residual) if added else ()
+    shown = [found.base] if found.best is found.base else [found.base, found.best]
+    tables, *more = study_regions(study, asked.seed, *(each.fit.residual for each in shown))
+    later = more[0] if more else ()
     content = {
         "command": command,
         **diagnosis_json(study, model),
@@ -84,7 +84,7 @@ def result_of(command: str, study: Study, model: Model, asked: Question) -> Diag
         "history": [dict(h) for h in model.history],
         "regions": regions_json(tables),
         "worst": worst(tables),
-        "worst_after": worst(later) if added else [],
+        "worst_after": worst(later) if more else [],
         "preflight": asked.preflight.as_json(),
         "provenance": origin,
     }

@@ -26,11 +26,11 @@ from er_model_lab.level.study import Study, checked
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors, regions_json, worst
 from er_model_lab.results.by_record import BAND, by_record, with_flags
-from er_model_lab.results.diagnosis import diagnosis_json, errors_of
+from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import candidate_views, study_regions, views
 from er_model_lab.results.passes import explained_by, taken_last, told_together
 from er_model_lab.results.result import DiagnosisResult, with_notes
-from er_model_lab.results.steps import left_of, steps
+from er_model_lab.results.steps import errors_of, left_of, steps
 from er_model_lab.results.terms import as_study, with_term
 from er_model_lab.results.values import clean, headline
 from er_model_lab.terms.learn import Learnt, learn
@@ -311,7 +311,7 @@ def _drawn_on_last(
     """Pictures and regions of the models before and after all passes, both on the data of the last one."""
     problem, before = last.problem, _before(first, last)
     after = problem.force - last.diagnosis.best.fit.residual
-    both = [study_regions(last, seed, problem.force - force) for force in (before, after)]
+    both = study_regions(last, seed, *(problem.force - force for force in (before, after)))
     drawn = replace(
         view, records=views(problem, before, after), regions=both[0], regions_after=both[1]
     )
