@@ -236,7 +236,7 @@ def shows(recording: Run, problem: dict[str, str], since: int) -> bool:
         said = [
             s for m in recording.messages["/diagnostics"] if stamp(m) > since for s in m.status
         ]
-        return any(s.name == f"{where}: {kind}" and s.level > 0 for s in said)
+        return any(s.name == f"{where.removeprefix('/')}: {kind}" and s.level > 0 for s in said)
     received = np.array(recording.received[where])
     inside = received > since
     messages = [m for m, i in zip(recording.messages[where], inside, strict=True) if i]
