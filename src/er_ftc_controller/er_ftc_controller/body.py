@@ -12,12 +12,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from er_models.car.body import Car
 from er_models.forms.loss import Factors
 from er_models.model import Array
+from er_models.static_damper import static_damper
 
 from er_ftc_controller.force_loop import ForceLoop, LoopState, Motion, ahead, duty_for, follow
 from er_ftc_controller.skyhook import LARGEST, leaky
@@ -35,9 +37,13 @@ class BodyLaw:
     corner_frequency: float
     gap: float = 0.05
 
-    def quarter(self, parameter: str) -> Array:
-        """A parameter of the quarter cars, (4,)."""
-        return np.array([model.value("quarter_car", parameter) for model in self.car.corners])
+    @cached_property
+    def quarters(self) -> tuple[Array, Array, Array]:
+        """Springs [N/m], tyres [N/m] and unsprung masses [kg] of the corners, (4,) each."""
+        names = ("k_s", "k_t", "m_us")
+        rows = ([m.value("quarter_car", name) for m in self.car.corners] for name in names)
+        springs, tyres, wheels = (np.array(row) for row in rows)
+        return springs, tyres, wheels
 
 
 class BodySample(NamedTuple):
@@ -57,6 +63,25 @@ class BodyState(NamedTuple):
     accelerations: Array
     loops: tuple[LoopState, ...]
     t: float = math.nan
+
+
+def law_of(
+    car: Car, gain: Array, duties: tuple[float, float], horizon: float, corner_frequency: float
+) -> BodyLaw:
+    """The law of a car: a force loop at each corner, duties (lowest, highest), forces to be reached in a horizon [s].
+
+    Raises `InputError` where a damper has no static law, or the limits contradict.
+    """
+    loops = tuple(
+        ForceLoop(
+            static_damper(model),
+            model.value("response", "tau") if "response" in model.effects else 0.0,
+            duties,
+            horizon=horizon,
+        )
+        for model in car.corners
+    )
+    return BodyLaw(gain, car, loops, corner_frequency)
 
 
 def start() -> BodyState:
@@ -103,6 +128,7 @@ def read(p: BodyLaw, sample: BodySample, rates: Array, yielding: Array) -> Array
         [loop.damper.passive(x, v) for loop, x, v in zip(p.loops, sample.x, sample.v)]
     )
     twist = p.car.bars * (sample.x - sample.x[[1, 0, 3, 2]])
-    pressed = p.quarter("k_s") * sample.x + passive + yielding + twist
-    tyres = (pressed - p.quarter("m_us") * sample.unsprung) / p.quarter("k_t")
+    springs, stiff, masses = p.quarters
+    pressed = springs * sample.x + passive + yielding + twist
+    tyres = (pressed - masses * sample.unsprung) / stiff
     return np.concatenate([sample.x, rates, tyres, wheels])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -21,7 +21,6 @@ from er_common.topics import ACCELERATION, DEFLECTION, PWM_COMMAND, Topic, below
 from er_models.car.body import CORNERS
 from er_models.car.files import load_car
 from er_models.own import effects
-from er_models.static_damper import static_damper
 from er_ros_common.builders import Tick
 from er_ros_common.core import Core, Said, Shell, When, judged
 from er_ros_common.core_node import main as run
@@ -32,7 +31,6 @@ from er_ros_common.stuck import Watched, check
 from er_damper_msgs.msg import NodeStatus, PwmDuty
 from er_ftc_controller import body
 from er_ftc_controller.body_gains import load_body_gain
-from er_ftc_controller.force_loop import ForceLoop
 from er_ftc_controller.programs import BODY
 from er_ros_common import builders, stuck
 
@@ -115,16 +113,9 @@ class BodyCore(Core):
 
     def _take(self, p: BodyParameters) -> None:
         """Make the law of car, gain and parameters."""
-        loops = tuple(
-            ForceLoop(
-                static_damper(model),
-                model.value("response", "tau") if "response" in model.effects else 0.0,
-                (p.u_min, p.u_max),
-                horizon=p.horizon,
-            )
-            for model in self.car.corners
-        )
-        self.p, self.law = p, body.BodyLaw(self.gain, self.car, loops, p.corner_frequency, GAP)
+        limits = (p.u_min, p.u_max)
+        law = body.law_of(self.car, self.gain, limits, p.horizon, p.corner_frequency)
+        self.p, self.law = p, replace(law, gap=GAP)
         self.limits = (StampLimits(stale=p.max_age, gap=GAP),) * len(self.inputs)
 
     def tuned(self, p: BodyParameters) -> BodyCore:

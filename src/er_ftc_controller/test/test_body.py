@@ -10,14 +10,12 @@ import numpy as np
 import pytest
 import yaml
 from er_ftc_controller.body_gains import load_body_gain, load_weights, slowest
-from er_ftc_controller.force_loop import ForceLoop
 from er_ftc_controller.synthesis.body_lqr import body_gain
 from er_models.car.body import Car
 from er_models.car.files import load_car
 from er_models.car.linear import linear_car
 from er_models.car.simulation import car_at_rest, prepare_car, step_car
 from er_models.errors import InputError
-from er_models.static_damper import static_damper
 
 from er_ftc_controller import body
 
@@ -32,8 +30,7 @@ def the_car() -> Car:
 def the_law() -> body.BodyLaw:
     car = the_car()
     gain, _ = load_body_gain(CONFIG / "gains/body_lqr.yaml", car)
-    loop = ForceLoop(static_damper(car.corners[0]), 0.0365, (0.0, 0.3), horizon=0.02)
-    return body.BodyLaw(gain, car, (loop,) * 4, 0.1)
+    return body.law_of(car, gain, (0.0, 0.3), 0.02, 0.1)
 
 
 def test_the_gain_is_that_of_its_weights_and_optimal() -> None:

@@ -18,17 +18,17 @@ from er_models.car.simulation import CarOutput, CarPlant, car_at_rest, prepare_c
 from er_models.car.surface import four_roads
 from er_models.errors import InputError
 from er_models.own import effects
-from er_models.program import Program, load_program
-from er_models.simulation import State
+from er_models.program import Program, load_program, within
+from er_models.simulation import State, substeps
 from numpy.typing import NDArray
 
 from er_plant_sim import duty_gate
 from er_plant_sim.build import sensor_errors
 from er_plant_sim.car_settings import CarParameters
 from er_plant_sim.duty_gate import Applied, Command, Gate, GateState
-from er_plant_sim.noise import Noise, errors
+from er_plant_sim.noise import Noise
 from er_plant_sim.rig_parameters import for_this_run, gate, of_a_wheel, scaled
-from er_plant_sim.simulator import Measurement
+from er_plant_sim.simulator import Measurement, sensed
 
 Array = NDArray[np.float64]
 BLOCK = 16
@@ -101,17 +101,8 @@ def start(rig: CarRig) -> CarState:
 
 def sense(rig: CarRig, state: CarState) -> tuple[Measurement, ...]:
     """What the sensors of each corner read at this tick."""
-    read = []
-    for noise, o, corner in zip(rig.noises, state.output.corners, state.corners):
-        e = errors(noise, state.tick)
-        read.append(
-            Measurement(
-                state.tick, corner.road, o.sprung_acceleration + e.sprung_acceleration,
-                o.unsprung_acceleration + e.unsprung_acceleration, o.deflection + e.deflection,
-                o.deflection_velocity + e.deflection_velocity, o.measured_force + e.force,
-            )
-        )  # fmt: skip
-    return tuple(read)
+    parts = zip(rig.noises, state.corners, state.output.corners)
+    return tuple(sensed(noise, state.tick, corner.road, o) for noise, corner, o in parts)
 
 
 def receive(
@@ -160,7 +151,7 @@ def roads(rig: CarRig, tick: int) -> Array:
     """Heights below the corners at every step of the integrator after the tick before, (4, m) [m]; at tick 0 there."""
     if tick == 0:
         return _heights(rig, 0)[:, :1]
-    lines = rig.plant.corners[0].n_sub
+    lines = substeps(rig.dt)
     block, place = divmod(tick - 1, BLOCK)
     return _heights(rig, block)[:, place * lines + 1 : (place + 1) * lines + 1]
 
@@ -168,10 +159,7 @@ def roads(rig: CarRig, tick: int) -> Array:
 @lru_cache(maxsize=4)
 def _heights(rig: CarRig, block: int) -> Array:
     """Roads from a block's first tick to the next one's, (4, m BLOCK + 1)."""
-    lines = rig.plant.corners[0].n_sub
-    t = (rig.dt / lines) * np.arange(
-        block * BLOCK * lines, (block + 1) * BLOCK * lines + 1, dtype=np.float64
-    )
+    t = within(BLOCK + 1, rig.dt, block * BLOCK)
     return four_roads(rig.program, rig.car, rig.speed, rig.coherence, t)
 
 

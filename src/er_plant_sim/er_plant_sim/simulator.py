@@ -74,10 +74,15 @@ def measure(p: Simulator, state: SimState) -> Measurement:
     """What the sensors read; the road is reported as it is. Needs an `advance` before."""
     if state.output is None:
         raise ValueError("the first tick is 1: advance once before measuring")
-    o, e = state.output, errors(p.noise, state.tick)
+    return sensed(p.noise, state.tick, state.plant.road, state.output)
+
+
+def sensed(noise: Noise, tick: int, road: float, o: Output) -> Measurement:
+    """What the sensors make at a tick of what ideal ones would read."""
+    e = errors(noise, tick)
     return Measurement(
-        state.tick,
-        state.plant.road,
+        tick,
+        road,
         o.sprung_acceleration + e.sprung_acceleration,
         o.unsprung_acceleration + e.unsprung_acceleration,
         o.deflection + e.deflection,

@@ -8,6 +8,7 @@ wavelengths; that of a real, isotropic surface falls from 1 for waves longer tha
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -35,7 +36,7 @@ def four_roads(program: Program, car: Car, speed: float, coherence: float, t: Ar
         raise InputError("surface", "coherence", "-1 to 1", f"{coherence:g}")
     late = (car.to_front + car.to_rear) / speed
     rest = np.sqrt(1.0 - coherence**2)
-    other = Program(program.road, program.duty, program.duration, program.seed + OTHER)
+    other = replace(program, seed=program.seed + OTHER)
     rows = []
     for delay in (0.0, late):
         left = _since_start(program, t - delay)

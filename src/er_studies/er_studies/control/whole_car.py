@@ -7,14 +7,13 @@ from pathlib import Path
 
 import numpy as np
 from er_ftc_controller.body_gains import load_body_gain
-from er_ftc_controller.force_loop import ForceLoop
 from er_models.car.body import Car
 from er_models.car.files import load_car
 from er_models.car.simulation import CarOutput, car_at_rest, prepare_car, step_car
 from er_models.car.surface import four_roads
 from er_models.model import Array
-from er_models.program import Program
-from er_models.static_damper import static_damper
+from er_models.program import Program, within
+from er_models.simulation import substeps
 
 from er_ftc_controller import body, skyhook
 
@@ -56,11 +55,8 @@ def skyhooks(duty: float) -> Law:
 
 def regulator(car: Car, gains: Path) -> Law:
     """The body controller with a gain file."""
-    loops = tuple(
-        ForceLoop(static_damper(m), m.value("response", "tau"), LIMITS, horizon=0.02)
-        for m in car.corners
-    )
-    law, held = body.BodyLaw(load_body_gain(gains, car)[0], car, loops, 0.1), [body.start()]
+    gain, _ = load_body_gain(gains, car)
+    law, held = body.law_of(car, gain, LIMITS, 0.02, 0.1), [body.start()]
 
     def answer(m: body.BodySample) -> Array:
         held[0], duties = body.step(law, held[0], m)
@@ -89,8 +85,7 @@ def rows(
 def rough(car: Car, seconds: float, seed: int) -> tuple[Array, Array]:
     """Four roads of ISO class C at one fifth, (4, m), and no loads (n, 4)."""
     n = round(seconds / DT)
-    lines = prepare_car(car, DT).corners[0].n_sub
-    t = np.arange(n * lines + 1, dtype=np.float64) * (DT / lines)
+    t = within(n + 1, DT)
     program = Program(ROAD, {"kind": "constant", "level": 0.0}, seconds, seed)
     road = four_roads(program, car, SPEED, COHERENCE, t)
     return road - road[:, :1], np.zeros((n, 4))
@@ -101,14 +96,13 @@ def handling(car: Car) -> tuple[Array, Array]:
     t = np.arange(round(10.0 / DT)) * DT
     left = np.where((t > 2) & (t < 4), 2.0, 0.0) - np.where((t >= 4) & (t < 6), 2.0, 0.0)
     forward = np.where((t > 7) & (t < 8.5), -3.0, 0.0)
-    lines = prepare_car(car, DT).corners[0].n_sub
-    return np.zeros((4, t.size * lines + 1)), car.push(forward, left)
+    return np.zeros((4, t.size * substeps(DT) + 1)), car.push(forward, left)
 
 
 def drive(car: Car, road: Array, loads: Array, law: Law) -> Array:
     """Root mean squares (6,) of a ride under a law."""
     plant, n = prepare_car(car, DT), len(loads)
-    lines = plant.corners[0].n_sub
+    lines = substeps(DT)
     states, duty = car_at_rest(plant, road[:, 0], np.zeros(4)), np.zeros(4)
     motion, deflection, tyre = np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 4))
     for k in range(n):
