@@ -13,7 +13,6 @@ from er_common.common_parameters import (
     NodeParameters,
     awaited_listeners,
     oldest_sample,
-    silence,
 )
 from er_common.parameter_table import REQUIRED, param, tuning
 from er_common.stamps import Checks, StampLimits, StampState, Verdict, counted
@@ -29,15 +28,13 @@ from er_ros_common.health import Report
 from er_ros_common.stuck import Watched, check
 
 from er_damper_msgs.msg import NodeStatus, PwmDuty
-from er_ftc_controller import body
+from er_ftc_controller import body, ros_safe
 from er_ftc_controller.body_gains import load_body_gain
 from er_ftc_controller.programs import BODY
 from er_ros_common import builders, stuck
 
 GAP = StampLimits().gap
 """Longest gap between samples over which the body's velocities are carried [s]."""
-REPEAT = 50_000_000
-"""How often the safe duty is asked for again [ns]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -184,20 +181,14 @@ class BodyCore(Core):
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Ask for the safe duty while a corner is silent."""
-        since = silence(self.p, when.steady - state.heard)
-        if not (state.heard and since > self.p.timeout and when.steady - state.safe_at > REPEAT):
+        if not ros_safe.due(self.p, state.heard, state.safe_at, when):
             return state, []
         return state._replace(safe=True, safe_at=when.steady), self.last_words(state, when)
 
     def last_words(self, state: State, when: When) -> list[Said]:
         """The safe duty, from now on."""
-        tick = Tick(max(when.system or 0, state.last.stamp), state.last.seq)
-        return [
-            (topic, builders.pwm_duty(
-                tick, self.p.safe_duty, source=PwmDuty.SOURCE_SAFE, status=PwmDuty.STATUS_LOST
-            ))
-            for topic in self.outputs
-        ]  # fmt: skip
+        message = ros_safe.message(self.p.safe_duty, state.last, when)
+        return [(topic, message) for topic in self.outputs]
 
     def report(self, state: State) -> Report:
         """Health of the controller."""

@@ -12,7 +12,6 @@ from er_common.common_parameters import (
     NodeParameters,
     awaited_listeners,
     oldest_sample,
-    silence,
 )
 from er_common.parameter_table import REQUIRED, tuning
 from er_common.stamps import Checks, StampLimits, StampState, Verdict, counted
@@ -23,15 +22,13 @@ from er_ros_common.stuck import ACCELERATION, DEFLECTION, Watched, check
 
 from er_common import topics
 from er_damper_msgs.msg import NodeStatus, PwmDuty
-from er_ftc_controller import skyhook
+from er_ftc_controller import ros_safe, skyhook
 from er_ftc_controller.align import Aligner
 from er_ftc_controller.programs import SKYHOOK
 from er_ros_common import builders
 
 GAP = StampLimits().gap
 """Longest gap between samples over which the velocity is carried [s]."""
-REPEAT = 50_000_000
-"""How often the safe duty is asked for again [ns]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,19 +141,13 @@ class SkyhookCore(Core):
 
     def on_time(self, state: State, when: When) -> tuple[State, list[Said]]:
         """Ask for the safe duty while the inputs are silent."""
-        since = silence(self.p, when.steady - state.heard)
-        if not (state.heard and since > self.p.timeout and when.steady - state.safe_at > REPEAT):
+        if not ros_safe.due(self.p, state.heard, state.safe_at, when):
             return state, []
         return state._replace(safe=True, safe_at=when.steady), self.last_words(state, when)
 
     def last_words(self, state: State, when: When) -> list[Said]:
         """The safe duty, from now on; in simulated time without a clock, from the last sample on."""
-        message = builders.pwm_duty(
-            Tick(max(when.system or 0, state.last.stamp), state.last.seq),
-            self.p.safe_duty,
-            source=PwmDuty.SOURCE_SAFE,
-            status=PwmDuty.STATUS_LOST,
-        )
+        message = ros_safe.message(self.p.safe_duty, state.last, when)
         return [(topics.PWM_COMMAND, message)]
 
     def report(self, state: State) -> Report:
