@@ -49,12 +49,12 @@ class Heard:
 
     def add(self, rows: Sequence[Row]) -> None:
         """Keep rows, which follow those before."""
-        for part in np.array_split(np.array(rows, float), max(1, -(-len(rows) // self.most))):
-            if self._end + len(part) > len(self._kept):
-                left = self.rows[-(self.most - len(part)) :].copy()
-                self._kept[: len(left)], self._end = left, len(left)
-            self._kept[self._end : self._end + len(part)] = part
-            self._end += len(part)
+        part = np.array(rows[-self.most :], float).reshape(-1, len(PLACE))
+        if self._end + len(part) > len(self._kept):
+            left = self._kept[self._end - (self.most - len(part)) : self._end].copy()
+            self._kept[: len(left)], self._end = left, len(left)
+        self._kept[self._end : self._end + len(part)] = part
+        self._end += len(part)
 
     @property
     def rows(self) -> Array:
@@ -103,9 +103,15 @@ class Heard:
         return float(t[rest[-1]]) if rest.size else self.since
 
     def channels(self, since: float = -np.inf) -> dict[str, Array]:
-        """Channels (n,) by the lab's names, of rows that have a motion; those that never came are left out."""
+        """Channels (n,) by the lab's names, of rows that have a motion, from one that has all channels on.
+
+        Those that never came are left out.
+        """
         rows = self.last(since=since)
         rows = rows[np.isfinite(rows[:, PLACE["deflection"]])]
         rows = rows[np.diff(rows[:, 0], prepend=-np.inf) > LEAST_STEP]
         found = {name: rows[:, PLACE[name]].copy() for name in CHANNELS}
-        return {name: y for name, y in found.items() if np.isfinite(y).any()}
+        found = {name: y for name, y in found.items() if np.isfinite(y).any()}
+        whole = np.logical_and.reduce([np.isfinite(y) for y in found.values()]) if found else np.zeros(0)
+        first = int(np.argmax(whole)) if whole.any() else 0
+        return {name: y[first:] for name, y in found.items()}

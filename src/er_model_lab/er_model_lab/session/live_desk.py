@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from er_models.errors import ErError, InputError
 from er_models.model import Model
 from er_records.dataset import Dataset
@@ -73,7 +74,8 @@ class LiveDesk(Desk):
         self.heard.add(rows)
         if self.heard.now - self._looked >= LOOK:
             self._looked = self.heard.now
-            self.shown = coverage(self.heard.channels(), self.now.model)
+            channels = self.heard.channels()
+            self.shown = coverage(channels, self.now.model) if "deflection" in channels else []
             if self.by_itself and self.due():
                 self.learn()
 
@@ -133,7 +135,7 @@ class LiveDesk(Desk):
     def gathering(self) -> Callable[[], Dataset]:
         """What was heard becomes data of the session, in a file that a session's program can name."""
         channels = self.heard.channels(self.since)
-        t = channels["t"]
+        t = channels.get("t", np.zeros(0))
         if t.size < 2 or t[-1] - t[0] < LEAST or "damper_force" not in channels:
             heard = f"{t[-1] - t[0] if t.size else 0.0:.0f} s"
             raise InputError("live", "", f"{LEAST:g} s of motion with a force", heard)
