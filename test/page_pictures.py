@@ -1,4 +1,4 @@
-"""The pictures of docs/open.md: `./er exec python -m test.page_pictures` takes them in the system's browser.
+"""The pictures of docs/open.md and README.md: `./er exec python -m test.page_pictures [live]`, in the system's browser.
 
 Needs Chromium and the package playwright, as the tests of the page do.
 """
@@ -19,7 +19,11 @@ from test.sample import write_sample
 
 PICTURES = ROOT / "docs" / "pictures"
 WIDE, PHONE = {"width": 1280, "height": 800}, {"width": 390, "height": 844}
-PATIENCE = 300_000.0
+LIVE, FRAME, COLOURS = {"width": 1180, "height": 1010}, (826, 707), 48
+"""Of the picture that moves: the page, what it is made smaller to, and its colours."""
+PACE = 900
+"""Between two of its frames [ms]."""
+PATIENCE = 600_000.0
 """The longest that anything may take [ms]."""
 
 
@@ -76,25 +80,73 @@ def walk(page):
     take(page, "phone")
 
 
+@contextmanager
+def driven():
+    """The address of a page beside a played graph."""
+    command = [sys.executable, "-m", "test.played_graph", "20", "1", "0.1"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        yield process.stdout.readline().strip()
+        process.send_signal(signal.SIGINT)
+
+
+def drive(page):
+    """Beside a graph: listen, diagnose, add, and the live error falls; frames of it, and a picture of the end."""
+    frames = []
+
+    def look(times, until=None):
+        for _ in range(times):
+            page.wait_for_timeout(PACE)
+            shot = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+            frames.append(shot.resize(FRAME, Image.LANCZOS))
+            if until is not None and until.is_visible():
+                return
+
+    page.set_viewport_size(LIVE)
+    page.get_by_text("explains").wait_for()
+    look(4)
+    page.get_by_role("button", name="Diagnose what was heard").click()
+    look(3)
+    added = page.get_by_role("button", name="Add Coulomb friction")
+    added.wait_for()
+    look(2)
+    added.click()
+    look(2)
+    page.get_by_text("monitor, inove_quarter_car_coulomb_friction_learnt_1").wait_for()
+    look(9)
+    moving(frames)
+    page.set_viewport_size(WIDE | {"height": 1000})
+    take(page, "live")
+    page.get_by_label("Light or dark").click()
+    take(page, "live_dark")
+
+
+def moving(frames):
+    """One picture that moves, of the few colours that a page has; the last frame stays."""
+    palette = frames[-1].quantize(COLOURS, dither=Image.Dither.NONE)
+    each = [f.quantize(palette=palette, dither=Image.Dither.NONE) for f in frames]
+    times = [600] * (len(each) - 1) + [3000]
+    path = PICTURES / "live.gif"
+    each[0].save(path, save_all=True, append_images=each[1:], duration=times, loop=0, optimize=True)
+    print(f"{len(each)} frames, {path.stat().st_size / 1e3:.0f} kB: {path}")
+
+
 def main():
-    """Take all of them."""
+    """Take all of them, or those beside a graph (`live`)."""
     from playwright.sync_api import sync_playwright
 
     browser = shutil.which("chromium") or shutil.which("google-chrome")
     if browser is None:
         sys.exit("page_pictures: expected Chromium or Chrome, found neither")
     PICTURES.mkdir(exist_ok=True)
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        served(Path(folder)) as address,
-        sync_playwright() as started,
-    ):
-        page = started.chromium.launch(executable_path=browser, args=["--no-sandbox"]).new_page(
-            viewport=WIDE
-        )
-        page.set_default_timeout(PATIENCE)
-        page.goto(address)
-        walk(page)
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as started:
+        with started.chromium.launch(executable_path=browser, args=["--no-sandbox"]) as window:
+            parts = ((driven(), drive), (served(Path(folder)), walk))
+            for address, walked in parts[:1] if "live" in sys.argv else parts:
+                with address as there:
+                    page = window.new_page(viewport=WIDE)
+                    page.set_default_timeout(PATIENCE)
+                    page.goto(there)
+                    walked(page)
     print(f"{len([*PICTURES.glob('open_*.webp')])} pictures: {PICTURES}")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -97,31 +98,32 @@ def _driven(truth: Model, seconds: float, seed: int) -> list[tuple[float, ...]]:
     return [tuple(map(float, row)) for row in np.column_stack(columns)]
 
 
-def serve(say: Callable[[str], None], folder: Path, *, heard: float, pace: float, by_itself: bool) -> None:
-    """A page over a drive of which so many seconds are heard already, then goes on at a multiple of its time."""
+def serve(folder: Path, *, heard: float, pace: float, busy: float) -> None:
+    """A page over a drive of which so many seconds are heard already; it prints its address.
+
+    The drive goes on at a multiple of its time, `pace`, at another one while a job runs, `busy`: a slow machine then
+    shows what a fast one does.
+    """
     from er_model_lab.page.server import serve as served
     from er_model_lab.session.live_desk import LiveDesk
 
-    graph = PlayedGraph(load_model(VEHICLE).with_effect("coulomb_friction", {"F_c": 0.9, "v_0": 0.003}), 240.0)
+    graph = PlayedGraph(load_model(VEHICLE).with_effect("coulomb_friction", {"F_c": 0.9, "v_0": 0.003}), 120.0)
     desk = LiveDesk(folder, "", models=folder / "models", connect=graph.connect)
-    desk.by_itself = by_itself
+    desk.by_itself = False
     for _ in range(round(heard)):
         graph.drive(1.0)
 
     def on() -> None:
         while True:
             sleep(0.25)
-            graph.drive(0.25 * pace)
+            graph.drive(0.25 * (busy if desk.jobs.running else pace))
 
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = int(free.getsockname()[1])
-    served(desk, host="127.0.0.1", port=port, browser=False, say=say, beside=on)
+    served(desk, host="127.0.0.1", port=port, browser=False, say=partial(print, flush=True), beside=on)
 
 
 if __name__ == "__main__":
-    with TemporaryDirectory() as place:
-        serve(
-            partial(print, flush=True), Path(place), heard=float(sys.argv[1]), pace=float(sys.argv[2]),
-            by_itself="by_itself" in sys.argv,
-        )  # fmt: skip
+    with TemporaryDirectory() as place, suppress(KeyboardInterrupt):
+        serve(Path(place), **{name: float(x) for name, x in zip(("heard", "pace", "busy"), sys.argv[1:], strict=True)})

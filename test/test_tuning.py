@@ -4,20 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 pytest.importorskip("rclpy")
 
+import numpy as np
 import rclpy
 from er_bringup.programs import CORES
 from er_common.parameter_table import specs
 from er_common.program import Program
 from er_ftc_controller.programs import FTC, SKYHOOK
 from er_ftc_controller.settings import controller_of
+from er_models.files import load_model, save_model
 from er_observers.programs import FAULT_ESTIMATOR, OBSERVERS
+from er_plant_sim import rig as plant
 from er_plant_sim.nodes.plant import PlantNode
+from er_plant_sim.rig import Rig, RigState
 from er_ros_common.core import When, shell_of
 from er_ros_common.core_node import CoreNode
 from er_ros_common.managed import ManagedNode
@@ -160,3 +165,29 @@ def test_the_plant_takes_other_limits_of_the_duty(node: PlantNode) -> None:
     node.trigger_configure()
     assert node.rig.dt == 0.01
     assert node.timer.timer_period_ns == 10_000_000
+
+
+@pytest.mark.parametrize("node", [Program("plant", "er_plant_sim", "")], indirect=True)
+def test_the_plant_takes_another_damper_in_the_middle_of_its_drive(
+    node: PlantNode, tmp_path: Path
+) -> None:
+    def driven(rig: Rig, state: RigState, ticks: int) -> RigState:
+        for _ in range(ticks):
+            state = plant.advance(rig, state)
+        return state
+
+    worn = tmp_path / "worn.yaml"
+    save_model(load_model("inove_guo").with_effect("preload", {"F_0": 3.0}), worn)
+    node.state = driven(node.rig, node.state, 400)
+    before, rig, model_id = node.state, node.rig, node.health.model_id
+    assert "none.yaml" in put(node, damper_file=str(tmp_path / "none.yaml"))
+    assert (node.state, node.rig) == (before, rig)
+    assert put(node, damper_file=str(worn)) == ""
+    assert node.health.model_id != model_id
+    assert (node.state.sim.tick, node.state.sim.output) == (before.sim.tick, before.sim.output)
+    assert np.array_equal(node.state.sim.plant.q, before.sim.plant.q)
+    there, here = (driven(r, s, 2).sim.output for r, s in ((node.rig, node.state), (rig, before)))
+    assert there.damper_force - here.damper_force == pytest.approx(3.0, rel=0.05)
+    assert put(node, damper_file="") == ""
+    back = driven(node.rig, node.state, 2).sim.output
+    assert back.damper_force == pytest.approx(here.damper_force, abs=1e-6)

@@ -54,6 +54,7 @@ STYLE = """
 .fail { color: #a33f00; } .body--dark .fail { color: #ff9a6a; }
 .warning { color: #7d5600; } .body--dark .warning { color: #e9b44c; }
 :focus-visible { outline: 3px solid #1976d2 !important; outline-offset: 1px; }
+.lab .q-tab { padding: 0 9px; }
 .q-uploader { width: 100%; max-height: 150px; }
 @media (max-width: 1000px) {
   .lab { grid-template-columns: minmax(0, 1fr); } .lab .views { grid-template-columns: minmax(0, 1fr); }

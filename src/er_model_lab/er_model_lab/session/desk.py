@@ -206,8 +206,11 @@ class Desk:
         self.result = None
         self.jobs.start("diagnose", work)
 
-    def gathering(self) -> Callable[[], Dataset]:
-        """What a job calls for the data that it is to learn from; raises as `data`."""
+    def gathering(self, *, anew: bool = True) -> Callable[[], Dataset]:
+        """What a job calls for the data that it is to learn from; raises as `data`.
+
+        anew: what has come since counts, too, where data come by themselves.
+        """
         data = self.data
         return lambda: data
 
@@ -218,7 +221,8 @@ class Desk:
         """Add an effect and refit everything, as a job."""
         from er_model_lab.verbs.add import add
 
-        self._fit(Step("add", effect), lambda **how: add(self.data, self.now.known, effect, **how))
+        gather = self.gathering(anew=False)
+        self._fit(Step("add", effect), lambda **how: add(gather(), self.now.known, effect, **how))
 
     def improve(self, *, measured_terms: bool = False) -> None:
         """Add until nothing more is found, as a job."""

@@ -132,8 +132,10 @@ class LiveDesk(Desk):
         verdict = self.result.verdict if self.result else UNDECIDED[0]
         return verdict in UNDECIDED and carries(self.shown)
 
-    def gathering(self) -> Callable[[], Dataset]:
+    def gathering(self, *, anew: bool = True) -> Callable[[], Dataset]:
         """What was heard becomes data of the session, in a file that a session's program can name."""
+        if self.records and not anew:
+            return super().gathering()
         channels = self.heard.channels(self.since)
         t = channels.get("t", np.zeros(0))
         if t.size < 2 or t[-1] - t[0] < LEAST or "damper_force" not in channels:

@@ -4,6 +4,7 @@ er bench models [ARGS]     prediction and simulation, against SciPy and C in the
 er bench observers [ARGS]  one step of every observer and of the Kalman filters beside them; load, memory
 er bench lab [ARGS]        diagnosis and improvement: a minute, more data, more effects; their memory
 er bench graph [ARGS]      lost messages, latency and CPU of the running graph
+er bench monitor [ARGS]    the model beside the damper: its work, its process, late answers
 er bench ros [ARGS]        loop latency and CPU, in processes and composed, beside plain rclpy executors
 
 -h after a name shows its arguments.
@@ -18,6 +19,7 @@ PARTS = {
     "observers": "er_studies.bench.observers",
     "lab": "er_studies.bench.lab",
     "graph": "er_studies.bench.graph",
+    "monitor": "er_studies.bench.ros_monitor",
     "ros": "er_studies.bench.ros",
 }
 
