@@ -108,7 +108,7 @@ def serve(folder: Path, *, heard: float, pace: float, busy: float) -> None:
     from er_model_lab.session.live_desk import LiveDesk
 
     graph = PlayedGraph(load_model(VEHICLE).with_effect("coulomb_friction", {"F_c": 0.9, "v_0": 0.003}), 120.0)
-    desk = LiveDesk(folder, "", models=folder / "models", connect=graph.connect)
+    desk = LiveDesk(folder, "", models=folder / "models", connect=graph.connect, niceness=0)
     desk.by_itself = False
     for _ in range(round(heard)):
         graph.drive(1.0)
@@ -124,6 +124,12 @@ def serve(folder: Path, *, heard: float, pace: float, busy: float) -> None:
     served(desk, host="127.0.0.1", port=port, browser=False, say=partial(print, flush=True), beside=on)
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """A page until Ctrl-C, from the command line: seconds heard, pace, pace while a job runs."""
+    given = {name: float(x) for name, x in zip(("heard", "pace", "busy"), sys.argv[1:], strict=True)}
     with TemporaryDirectory() as place, suppress(KeyboardInterrupt):
-        serve(Path(place), **{name: float(x) for name, x in zip(("heard", "pace", "busy"), sys.argv[1:], strict=True)})
+        serve(Path(place), **given)
+
+
+if __name__ == "__main__":
+    main()

@@ -13,7 +13,7 @@ import socket
 import threading
 from collections.abc import Callable
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
@@ -51,7 +51,10 @@ LOOK = 0.2
 
 @dataclass(frozen=True)
 class Live:
-    """What to do: effect and seed as in `Demo`, what begins later, pace of simulated time (1: the real clock)."""
+    """What to do: effect and seed as in `Demo`, what begins later, pace of simulated time (1: the real clock).
+
+    over: set once the page has ended, whoever ended it: no graph is left behind.
+    """
 
     effect: str
     seed: int
@@ -60,6 +63,7 @@ class Live:
     out: Path
     browser: bool
     stay: bool
+    over: threading.Event = field(default_factory=threading.Event)
 
 
 @dataclass(frozen=True)
@@ -103,7 +107,13 @@ def play(live: Live, console: Console) -> bool:
         free.bind((HOST, 0))
         port = int(free.getsockname()[1])
     say = console.print
-    serve(desk, host=HOST, port=port, browser=live.browser, say=lambda a: say(f"page: {a}", soft_wrap=True), beside=steps)
+    try:
+        serve(
+            desk, host=HOST, port=port, browser=live.browser,
+            say=lambda address: say(f"page: {address}", soft_wrap=True), beside=steps,
+        )  # fmt: skip
+    finally:
+        live.over.set()
     if failed:
         raise failed[0]
     return len(acts) == 1 + (live.later != "none") and all(act.success for act in acts)
@@ -198,12 +208,15 @@ def drive(live: Live, truth: Model, name: str, seed: int) -> Iterator[None]:
         "damper": str(sealed), "duration": "0", "seed": str(seed), "duty": "program", "program": "identification",
         "observers": "unified", "model_monitor": "true", "params_file": str(rules), **paced,
     }  # fmt: skip
-    over, wrong = threading.Event(), list[BaseException]()
+    done, wrong = threading.Event(), list[BaseException]()
+
+    def stopping() -> str:
+        return "the demonstration is over" if done.is_set() or live.over.is_set() else ""
 
     def go() -> None:
         try:
             with (live.out / f"{name}.log").open("w", encoding="utf-8") as stream:
-                run(arguments, stream, lambda: "the demonstration is over" if over.is_set() else "")
+                run(arguments, stream, stopping)
         except BaseException as error:  # noqa: BLE001  (told to who waits)
             wrong.append(error)
 
@@ -212,7 +225,7 @@ def drive(live: Live, truth: Model, name: str, seed: int) -> Iterator[None]:
     try:
         yield
     finally:
-        over.set()
+        done.set()
         thread.join()
     if wrong:
         raise wrong[0]

@@ -22,7 +22,10 @@ from test.sample import write_sample
 pytest.importorskip("nicegui", reason="the package nicegui is not installed")
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 BROWSER = next((path for name in BROWSERS if (path := shutil.which(name))), None)
+ROOT = str(Path(__file__).parents[3])
 OPEN = ("-m", "er_model_lab.cli.app", "open", "--no-browser")
+PLAYED = ("-c", f"import sys; sys.path.insert(0, {ROOT!r}); from test.played_graph import main; main()")
+"""A page beside a graph that is played, of how many seconds before and at which pace."""
 PATIENCE = 60_000.0
 """The longest that anything on a page may take on a busy machine [ms]."""
 
@@ -172,9 +175,7 @@ def test_beside_a_running_graph_the_live_error_falls_once_the_effect_is_added(tm
     from playwright.sync_api import expect
 
     expect.set_options(timeout=PATIENCE)
-    root = str(Path(__file__).parents[3])
-    played = ("-c", f"import sys, runpy; sys.path.insert(0, {root!r}); runpy.run_module('test.played_graph', run_name='__main__')")
-    with seen("14", "1", "0.2", cwd=tmp_path, program=played) as page:
+    with seen("14", "1", "0.2", cwd=tmp_path, program=PLAYED) as page:
         expect(page.get_by_text("monitor, inove_quarter_car: explains")).to_be_visible()
         expect(page.get_by_text("drive a bump").first).to_be_visible()
         before = live_error(page)
@@ -190,6 +191,24 @@ def test_beside_a_running_graph_the_live_error_falls_once_the_effect_is_added(tm
         )
         page.get_by_role("switch", name="follow the drive").click()
         expect(page.locator("header [role=status]")).to_contain_text("held out")
+
+
+def test_axe_finds_nothing_serious_on_any_panel_light_or_dark(tmp_path: Path) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
+    found = dict[str, list[str]]()
+    with seen("12", "0", "0", cwd=tmp_path, program=PLAYED) as page:
+        page.get_by_text("To drive next").wait_for()
+        for name in ("Live", "Data", "Play", "Learn", "Steps", "Take", "Live again, dark"):
+            if name.endswith("dark"):
+                page.get_by_label("Light or dark").click()
+            page.get_by_role("tab", name=name.split()[0]).click()
+            page.wait_for_timeout(700)
+            found[name] = [
+                f"{v['id']}: {v['nodes'][0]['html'][:120]}"
+                for v in axe.run(page).response["violations"]
+                if v["impact"] in ("serious", "critical")
+            ]
+    assert found == dict.fromkeys(found, [])
 
 
 LIVE = r"live error ([0-9.]+) N"

@@ -48,11 +48,12 @@ class LiveDesk(Desk):
 
     def __init__(
         self, folder: Path, namespace: str, *, models: Path = Path("models"), minutes: float = MINUTES,
-        seed: int = 0, connect: Connect = Link,
+        seed: int = 0, connect: Connect = Link, niceness: int = GENTLY,
     ) -> None:  # fmt: skip
-        """models: folder for the files of models that the monitor is given; connect: who listens."""
+        """models: folder for models that the monitor is given; connect: who listens; niceness: of what jobs compute."""
         super().__init__(folder, seed=seed)
         self.heard, self.shown, self.models = Heard(minutes), list[Shown](), models
+        self.niceness = niceness
         self.status: dict[str, str] = {}
         self.running, self.refused, self.gone = "", "", ""
         self.follow = self.by_itself = True
@@ -144,7 +145,7 @@ class LiveDesk(Desk):
         self._next = AGAIN * self.heard.now
 
         def gather() -> Dataset:
-            gently()
+            gently(self.niceness)
             self._number += 1
             path = self.folder / f"heard_{self._number}.csv"
             self.folder.mkdir(exist_ok=True)
@@ -175,6 +176,7 @@ class LiveDesk(Desk):
         self.link.stop()
 
 
-def gently() -> None:
-    """This thread, and what it starts, has what the loop leaves of the machine."""
-    os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), GENTLY)
+def gently(niceness: int) -> None:
+    """This thread, and what it starts, is as nice to others, or nicer: it has what a loop leaves of the machine."""
+    me = threading.get_native_id()
+    os.setpriority(os.PRIO_PROCESS, me, max(niceness, os.getpriority(os.PRIO_PROCESS, me)))
