@@ -126,7 +126,9 @@ def moving(frames):
     each = [f.quantize(palette=palette, dither=Image.Dither.NONE) for f in frames]
     times = [600] * (len(each) - 1) + [3000]
     path = PICTURES / "live.gif"
-    each[0].save(path, save_all=True, append_images=each[1:], duration=times, loop=0, optimize=True)
+    each[0].save(
+        path, save_all=True, append_images=each[1:], duration=times, loop=0, optimize=True
+    )
     print(f"{len(each)} frames, {path.stat().st_size / 1e3:.0f} kB: {path}")
 
 
@@ -138,15 +140,18 @@ def main():
     if browser is None:
         sys.exit("page_pictures: expected Chromium or Chrome, found neither")
     PICTURES.mkdir(exist_ok=True)
-    with tempfile.TemporaryDirectory() as folder, sync_playwright() as started:
-        with started.chromium.launch(executable_path=browser, args=["--no-sandbox"]) as window:
-            parts = ((driven(), drive), (served(Path(folder)), walk))
-            for address, walked in parts[:1] if "live" in sys.argv else parts:
-                with address as there:
-                    page = window.new_page(viewport=WIDE)
-                    page.set_default_timeout(PATIENCE)
-                    page.goto(there)
-                    walked(page)
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        sync_playwright() as started,
+        started.chromium.launch(executable_path=browser, args=["--no-sandbox"]) as window,
+    ):
+        parts = ((driven(), drive), (served(Path(folder)), walk))
+        for address, walked in parts[:1] if "live" in sys.argv else parts:
+            with address as there:
+                page = window.new_page(viewport=WIDE)
+                page.set_default_timeout(PATIENCE)
+                page.goto(there)
+                walked(page)
     print(f"{len([*PICTURES.glob('open_*.webp')])} pictures: {PICTURES}")
 
 

@@ -38,7 +38,14 @@ CHANNELS = (
 class PlayedGraph:
     """What `Link` is, driven by `drive`; truth: the plant; the monitor begins with `model`."""
 
-    def __init__(self, truth: Model, seconds: float, model: Path = VEHICLE, seed: int = 1, learn: float = 10.0) -> None:
+    def __init__(
+        self,
+        truth: Model,
+        seconds: float,
+        model: Path = VEHICLE,
+        seed: int = 1,
+        learn: float = 10.0,
+    ) -> None:
         self.rows, self.at = _driven(truth, seconds, seed), 0
         self.rules = Rules(blocks=round(learn / 0.25))
         self.used: list[str] = []
@@ -76,7 +83,9 @@ class PlayedGraph:
         for _ in range(round(seconds / DT)):
             values = self.rows[self.at % len(self.rows)]
             self.at += 1
-            self.mind, answer = compare.step(self.monitor, self.mind, Row(self.at * 5_000_000, *values))
+            self.mind, answer = compare.step(
+                self.monitor, self.mind, Row(self.at * 5_000_000, *values)
+            )
             watch = self.mind.watch
             left = (answer.error, watch.usual, watch.ratio, STATUS[watch.finding])
             said.append((self.at * DT, *values, *left))
@@ -92,7 +101,8 @@ def _driven(truth: Model, seconds: float, seed: int) -> list[tuple[float, ...]]:
     found = simulate(truth, DT, *resolve(asked, truth, DT).ride(DT))
     sizes = (*("acceleration",) * 2, "deflection", "velocity", "", "force")
     columns = [
-        found[name] + (truth.rig[f"{kind}_noise"] * rng.standard_normal(found[name].size) if kind else 0.0)
+        found[name]
+        + (truth.rig[f"{kind}_noise"] * rng.standard_normal(found[name].size) if kind else 0.0)
         for name, kind in zip(CHANNELS, sizes, strict=True)
     ]
     return [tuple(map(float, row)) for row in np.column_stack(columns)]
@@ -107,7 +117,9 @@ def serve(folder: Path, *, heard: float, pace: float, busy: float) -> None:
     from er_model_lab.page.server import serve as served
     from er_model_lab.session.live_desk import LiveDesk
 
-    graph = PlayedGraph(load_model(VEHICLE).with_effect("coulomb_friction", {"F_c": 0.9, "v_0": 0.003}), 120.0)
+    graph = PlayedGraph(
+        load_model(VEHICLE).with_effect("coulomb_friction", {"F_c": 0.9, "v_0": 0.003}), 120.0
+    )
     desk = LiveDesk(folder, "", models=folder / "models", connect=graph.connect, niceness=0)
     desk.by_itself = False
     for _ in range(round(heard)):
@@ -121,12 +133,16 @@ def serve(folder: Path, *, heard: float, pace: float, busy: float) -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = int(free.getsockname()[1])
-    served(desk, host="127.0.0.1", port=port, browser=False, say=partial(print, flush=True), beside=on)
+    served(
+        desk, host="127.0.0.1", port=port, browser=False, say=partial(print, flush=True), beside=on
+    )
 
 
 def main() -> None:
     """A page until Ctrl-C, from the command line: seconds heard, pace, pace while a job runs."""
-    given = {name: float(x) for name, x in zip(("heard", "pace", "busy"), sys.argv[1:], strict=True)}
+    given = {
+        name: float(x) for name, x in zip(("heard", "pace", "busy"), sys.argv[1:], strict=True)
+    }
     with TemporaryDirectory() as place, suppress(KeyboardInterrupt):
         serve(Path(place), **given)
 

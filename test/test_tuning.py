@@ -20,7 +20,6 @@ from er_ftc_controller.programs import FTC, SKYHOOK
 from er_ftc_controller.settings import controller_of
 from er_models.files import load_model, save_model
 from er_observers.programs import FAULT_ESTIMATOR, OBSERVERS
-from er_plant_sim import rig as plant
 from er_plant_sim.nodes.plant import PlantNode
 from er_plant_sim.rig import Rig, RigState
 from er_ros_common.core import When, shell_of
@@ -29,6 +28,7 @@ from er_ros_common.managed import ManagedNode
 from rclpy.parameter import Parameter
 
 from er_common import topics
+from er_plant_sim import rig as plant
 from er_ros_common import builders
 from test.graph_help import CONFIG, GAINS, VEHICLE, own_domain, plant_arguments
 

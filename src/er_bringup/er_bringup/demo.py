@@ -263,11 +263,17 @@ def parser() -> OneLine:
     )
     p.add_argument("--repeat", type=int, default=1, help="that many demonstrations, and a table")
     live = p.add_argument_group("on the running graph, on a page")
-    live.add_argument("--live", action="store_true", help="find it while it is driven, and once more what begins then")
+    live.add_argument(
+        "--live",
+        action="store_true",
+        help="find it while it is driven, and once more what begins then",
+    )
     live.add_argument(
         "--later", default="leak", choices=(*LATER, "none"), help="what begins in the second drive"
     )
-    live.add_argument("--pace", type=float, default=1.0, help="speed of simulated time; 1: the real clock")
+    live.add_argument(
+        "--pace", type=float, default=1.0, help="speed of simulated time; 1: the real clock"
+    )
     live.add_argument("--no-browser", action="store_true", help="only print the page's address")
     live.add_argument("--stay", action="store_true", help="the page stays until Ctrl-C")
     return p

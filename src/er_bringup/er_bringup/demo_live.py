@@ -127,7 +127,9 @@ def first(live: Live, desk: LiveDesk, console: Console) -> Act:
         console.print("driving: the page listens, and diagnoses when the data carry a verdict ...")
         _wait("a verdict", VERDICT, lambda: _decided(desk), desk)
         result, before = _result(desk), desk.heard.error(COUNTED)
-        console.print(f"after {desk.heard.now:.0f} s of driving: {result['verdict']}, {', '.join(result['effects'])}")
+        console.print(
+            f"after {desk.heard.now:.0f} s of driving: {result['verdict']}, {', '.join(result['effects'])}"
+        )
         desk.by_itself = False
         found = tuple(result["effects"])
         if found:
@@ -145,7 +147,12 @@ def second(live: Live, desk: LiveDesk, console: Console) -> Act:
     effect, values = LATER[live.later]
     begins = values.get("t_0", 0.0)
     with drive(live, truth_of(live).with_effect(effect, values), "second", live.seed + 1):
-        _wait("another drive", START, lambda: desk.heard.seconds > 1.0 and desk.heard.now < START, desk)
+        _wait(
+            "another drive",
+            START,
+            lambda: desk.heard.seconds > 1.0 and desk.heard.now < START,
+            desk,
+        )
         desk.give()
         _wait("the monitor", JOB, lambda: desk.heard.since > 0.0, desk)
         console.print("the monitor goes by the new model; something begins in this drive ...")
@@ -160,7 +167,11 @@ def second(live: Live, desk: LiveDesk, console: Console) -> Act:
 
 
 def _decided(desk: LiveDesk) -> bool:
-    return not desk.jobs.running and desk.result is not None and desk.result.verdict != "insufficient_data"
+    return (
+        not desk.jobs.running
+        and desk.result is not None
+        and desk.result.verdict != "insufficient_data"
+    )
 
 
 def _result(desk: LiveDesk) -> dict[str, Any]:
@@ -202,7 +213,9 @@ def drive(live: Live, truth: Model, name: str, seed: int) -> Iterator[None]:
     """The graph, with this damper in its plant, for as long as the block takes; raises `ErError` where it failed."""
     sealed, rules = live.out / "sealed" / f"{name}.yaml", live.out / "monitor.yaml"
     save_model(replace(truth, name="hidden"), sealed)
-    rules.write_text(f"/**/model_monitor:\n  ros__parameters:\n    learn: {LEARN}\n", encoding="utf-8")
+    rules.write_text(
+        f"/**/model_monitor:\n  ros__parameters:\n    learn: {LEARN}\n", encoding="utf-8"
+    )
     paced = {"mode": "sim_time", "rate_factor": str(live.pace)} if live.pace != 1.0 else {}
     arguments = {
         "damper": str(sealed), "duration": "0", "seed": str(seed), "duty": "program", "program": "identification",
@@ -217,7 +230,7 @@ def drive(live: Live, truth: Model, name: str, seed: int) -> Iterator[None]:
         try:
             with (live.out / f"{name}.log").open("w", encoding="utf-8") as stream:
                 run(arguments, stream, stopping)
-        except BaseException as error:  # noqa: BLE001  (told to who waits)
+        except BaseException as error:
             wrong.append(error)
 
     thread = threading.Thread(target=go, name=name)

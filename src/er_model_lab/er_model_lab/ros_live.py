@@ -43,7 +43,9 @@ Values = tuple[float, ...]
 Word = dict[str, Any]
 
 
-def _numbers(layout: str, pick: Callable[[tuple[Any, ...]], Values]) -> Callable[[bytes], tuple[int, Values]]:
+def _numbers(
+    layout: str, pick: Callable[[tuple[Any, ...]], Values]
+) -> Callable[[bytes], tuple[int, Values]]:
     """Reads stamp [ns] and values of messages with a header and a sequence number; layout: what follows, as `struct`.
 
     Fields lie as CDR has them, each at a multiple of its size, counted from behind the four bytes of its own head.

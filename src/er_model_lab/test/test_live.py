@@ -96,13 +96,12 @@ def test_a_drive_shows_more_and_more_and_a_drive_at_rest_nothing() -> None:
     later = coverage(heard.channels(), load_model(VEHICLE))
     assert carries(later)
     assert all(
-        b.have >= a.have
-        for a in first
-        for b in later
-        if b.region == a.region and a.unit == "s"
+        b.have >= a.have for a in first for b in later if b.region == a.region and a.unit == "s"
     )
     assert [s.done for s in later] == sorted(s.done for s in later), "what lacks most comes first"
-    rest = {name: np.zeros_like(y) for name, y in heard.channels().items()} | {"t": heard.channels()["t"]}
+    rest = {name: np.zeros_like(y) for name, y in heard.channels().items()} | {
+        "t": heard.channels()["t"]
+    }
     assert not carries(coverage(rest, load_model(VEHICLE)))
 
 
@@ -111,7 +110,9 @@ def test_what_was_learnt_goes_to_the_monitor_and_the_live_error_falls(tmp_path: 
     desk = beside(graph, tmp_path)
     graph.drive(1.0)
     desk.jobs.wait(60.0)
-    assert desk.now.known.name == "inove_quarter_car", "the monitor's model is what one begins with"
+    assert desk.now.known.name == "inove_quarter_car", (
+        "the monitor's model is what one begins with"
+    )
     with pytest.raises(Exception, match="10 s of motion"):
         desk.learn()
     graph.drive(11.0)
@@ -128,7 +129,13 @@ def test_what_was_learnt_goes_to_the_monitor_and_the_live_error_falls(tmp_path: 
     program = script(desk.session)
     assert "heard_1.csv" in program
     assert "lab.add(data, model, 'coulomb_friction'" in program
-    for make in (live_plots.force, live_plots.error, live_plots.residual_map, live_plots.loops, live_plots.spectrum):
+    for make in (
+        live_plots.force,
+        live_plots.error,
+        live_plots.residual_map,
+        live_plots.loops,
+        live_plots.spectrum,
+    ):
         assert make(desk.heard, plots.DARK)["data"]
     graph.use(str(tmp_path / "none.yaml"))
     assert "none.yaml" in desk.refused
@@ -149,7 +156,9 @@ def test_an_alarm_is_learnt_from_where_it_began(tmp_path: Path) -> None:
     assert not desk.due(), "it listens for a while first"
     graph.drive(16.0)
     assert desk.due()
-    assert desk.gathering()().records[0].t[-1] == pytest.approx(desk.heard.now - desk.since, abs=0.1)
+    assert desk.gathering()().records[0].t[-1] == pytest.approx(
+        desk.heard.now - desk.since, abs=0.1
+    )
 
 
 def test_another_drive_begins_with_nothing(tmp_path: Path) -> None:

@@ -24,7 +24,10 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stab
 BROWSER = next((path for name in BROWSERS if (path := shutil.which(name))), None)
 ROOT = str(Path(__file__).parents[3])
 OPEN = ("-m", "er_model_lab.cli.app", "open", "--no-browser")
-PLAYED = ("-c", f"import sys; sys.path.insert(0, {ROOT!r}); from test.played_graph import main; main()")
+PLAYED = (
+    "-c",
+    f"import sys; sys.path.insert(0, {ROOT!r}); from test.played_graph import main; main()",
+)
 """A page beside a graph that is played, of how many seconds before and at which pace."""
 PATIENCE = 60_000.0
 """The longest that anything on a page may take on a busy machine [ms]."""
@@ -171,7 +174,9 @@ def test_drop_look_drag_cancel_add_undo_and_take(page: Any, tmp_path: Path) -> N
     assert "lab.add(data" in taken["Program"].read_text(encoding="utf-8")
 
 
-def test_beside_a_running_graph_the_live_error_falls_once_the_effect_is_added(tmp_path: Path) -> None:
+def test_beside_a_running_graph_the_live_error_falls_once_the_effect_is_added(
+    tmp_path: Path,
+) -> None:
     from playwright.sync_api import expect
 
     expect.set_options(timeout=PATIENCE)
@@ -184,7 +189,9 @@ def test_beside_a_running_graph_the_live_error_falls_once_the_effect_is_added(tm
         page.get_by_role("option", name="Coulomb friction").click()
         page.get_by_role("button", name="Add", exact=True).click()
         page.get_by_role("tab", name="Live").click()
-        expect(page.get_by_text("monitor, inove_quarter_car_coulomb_friction_learnt_1")).to_be_visible()
+        expect(
+            page.get_by_text("monitor, inove_quarter_car_coulomb_friction_learnt_1")
+        ).to_be_visible()
         page.wait_for_function(
             "([text, most]) => parseFloat((document.body.innerText.match(text) || [0, 9])[1]) < most",
             arg=[LIVE, 0.6 * before],
@@ -194,7 +201,9 @@ def test_beside_a_running_graph_the_live_error_falls_once_the_effect_is_added(tm
 
 
 def test_axe_finds_nothing_serious_on_any_panel_light_or_dark(tmp_path: Path) -> None:
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe()
+    axe = pytest.importorskip(
+        "axe_playwright_python.sync_playwright", reason="axe is not installed"
+    ).Axe()
     found = dict[str, list[str]]()
     with seen("12", "0", "0", cwd=tmp_path, program=PLAYED) as page:
         page.get_by_text("To drive next").wait_for()
@@ -208,7 +217,7 @@ def test_axe_finds_nothing_serious_on_any_panel_light_or_dark(tmp_path: Path) ->
                 for v in axe.run(page).response["violations"]
                 if v["impact"] in ("serious", "critical")
             ]
-    assert found == dict.fromkeys(found, [])
+    assert {name: each for name, each in found.items() if each} == {}
 
 
 LIVE = r"live error ([0-9.]+) N"

@@ -24,7 +24,8 @@ def open_command(
     data: Annotated[
         list[Path] | None,
         typer.Argument(
-            metavar="[DATA ...]", help="Measurements to begin with; with --live the namespace of a graph."
+            metavar="[DATA ...]",
+            help="Measurements to begin with; with --live the namespace of a graph.",
         ),
     ] = None,
     model: Annotated[
@@ -39,11 +40,15 @@ def open_command(
     ] = False,
     live: Annotated[
         bool,
-        typer.Option("--live", help="Follow the running graph in the namespace that is named, or in none."),
+        typer.Option(
+            "--live", help="Follow the running graph in the namespace that is named, or in none."
+        ),
     ] = False,
     minutes: Annotated[
         float,
-        typer.Option("--minutes", min=1.0, max=60.0, help="How much of a drive is remembered (--live)."),
+        typer.Option(
+            "--minutes", min=1.0, max=60.0, help="How much of a drive is remembered (--live)."
+        ),
     ] = 5.0,
     allow_code: Annotated[
         bool,
@@ -86,7 +91,7 @@ def _free(asked: int | None) -> int:
         return int(found.getsockname()[1])
 
 
-def _over(folder: Path, data: list[Path], seed: int, code: bool) -> Desk:  # noqa: FBT001  (an option)
+def _over(folder: Path, data: list[Path], seed: int, code: bool) -> Desk:
     from er_model_lab.session.desk import Desk
 
     for path in data:

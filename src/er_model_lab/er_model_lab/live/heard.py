@@ -112,6 +112,10 @@ class Heard:
         rows = rows[np.diff(rows[:, 0], prepend=-np.inf) > LEAST_STEP]
         found = {name: rows[:, PLACE[name]].copy() for name in CHANNELS}
         found = {name: y for name, y in found.items() if np.isfinite(y).any()}
-        whole = np.logical_and.reduce([np.isfinite(y) for y in found.values()]) if found else np.zeros(0)
+        whole = (
+            np.logical_and.reduce([np.isfinite(y) for y in found.values()])
+            if found
+            else np.zeros(0)
+        )
         first = int(np.argmax(whole)) if whole.any() else 0
         return {name: y[first:] for name, y in found.items()}

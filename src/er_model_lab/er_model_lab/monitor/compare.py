@@ -102,7 +102,9 @@ def step(m: Monitor, state: State, row: Row) -> tuple[State, Answer]:
     error, seen = row.f - force, state.watch
     known = row.stamp - driven <= m.hold * SECOND
     if known and math.isfinite(error) and row.stamp - begun >= SETTLING * SECOND:
-        seen = watch(m.settings, seen, Part(error, 0.5 * (more - less), force, float(damper.sample[1])))
+        seen = watch(
+            m.settings, seen, Part(error, 0.5 * (more - less), force, float(damper.sample[1]))
+        )
     answer = Answer(force, error) if known else Answer(_NAN, _NAN)
     return State(damper, row.stamp, driven, begun, seen), answer
 

@@ -90,7 +90,9 @@ class MonitorNode(CoreNode):
 
     def _client(self, name: str) -> Client:
         service = f"{name}/set_parameters"
-        made: Client = self._once(f"client {name}", lambda: self.create_client(SetParameters, service))
+        made: Client = self._once(
+            f"client {name}", lambda: self.create_client(SetParameters, service)
+        )
         return made
 
     def _served(self) -> ActionServer:

@@ -62,7 +62,9 @@ def error(heard: Heard, theme: Theme) -> Json:
     }  # fmt: skip
     data = [
         plots.line_of(begin, size, "live error", theme.model, 2.4),
-        plots.line_of(begin, np.where(usual[at] > 0.0, usual[at], np.nan), "usual", theme.floor, 1.2),
+        plots.line_of(
+            begin, np.where(usual[at] > 0.0, usual[at], np.nan), "usual", theme.floor, 1.2
+        ),
     ]
     return plots.figure_of(data, layout | {"uirevision": heard.now})
 
@@ -92,7 +94,8 @@ def residual_map(heard: Heard, theme: Theme) -> Json:
     peak = 2.0 * float(np.sqrt(np.nanmean(whole**2)))  # one scale for the models before and after
     data: list[Json] = [{
         "type": "heatmap", "x": np.round(1e3 * (edges_v[1:] + edges_v[:-1]) / 2, 3),
-        "y": np.round(1e3 * (edges_x[1:] + edges_x[:-1]) / 2, 3), "z": np.ascontiguousarray(np.round(z, 3)), "zmin": 0.0, "zmax": peak,
+        "y": np.round(1e3 * (edges_x[1:] + edges_x[:-1]) / 2, 3), "z": np.ascontiguousarray(np.round(z, 3)),
+        "zmin": 0.0, "zmax": peak,
         "colorscale": ERROR, "hoverongaps": False,
         "colorbar": {"title": {"text": "rms [N]", "side": "right"}, "thickness": 10, "outlinewidth": 0},
         "hovertemplate": "%{x:.0f} mm/s, %{y:.1f} mm: %{z:.3g} N<extra></extra>",
@@ -106,7 +109,7 @@ def residual_map(heard: Heard, theme: Theme) -> Json:
 
 def loops(heard: Heard, theme: Theme) -> Json:
     """Force over velocity of the last seconds, measured and of the model."""
-    rows = heard.last(SHOWN)[:: 5]
+    rows = heard.last(SHOWN)[::5]
     if not len(rows):
         return plots.nothing_yet(theme, "loops", 300)
     v, f, left = (rows[:, PLACE[n]] for n in ("deflection_velocity", "damper_force", "left"))
@@ -132,7 +135,9 @@ def spectrum(heard: Heard, theme: Theme) -> Json:
         "xaxis": plots.axis_of(theme, "frequency [Hz]", type="log", tickformat="~g", dtick="D2"),
         "yaxis": plots.axis_of(theme, "left [N/\N{SQUARE ROOT}Hz]", type="log", tickformat="~g", dtick="D2"),
     }  # fmt: skip
-    return plots.figure_of([plots.line_of(f[1:], np.sqrt(power[1:]), "left", theme.left, 1.4)], layout)
+    return plots.figure_of(
+        [plots.line_of(f[1:], np.sqrt(power[1:]), "left", theme.left, 1.4)], layout
+    )
 
 
 def _thin(t: Array, y: Array) -> tuple[Array, Array]:

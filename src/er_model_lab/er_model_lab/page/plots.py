@@ -213,6 +213,7 @@ def of_report(figure: Any, theme: Theme) -> Json:
 
 
 def line_of(x: Array, y: Array, name: str, colour: str, width: float, **more: Any) -> Json:
+    """A curve."""
     line = {"color": colour, "width": width}
     return {
         "x": np.round(x, 4),
@@ -225,6 +226,7 @@ def line_of(x: Array, y: Array, name: str, colour: str, width: float, **more: An
 
 
 def dots_of(x: Array, y: Array, name: str, colour: str, size: float = 6) -> Json:
+    """Points."""
     return {
         "x": np.round(x, 4),
         "y": np.round(y, 5),
@@ -235,6 +237,7 @@ def dots_of(x: Array, y: Array, name: str, colour: str, size: float = 6) -> Json
 
 
 def axis_of(theme: Theme, label: str, **more: Any) -> Json:
+    """An axis in the colours of the page."""
     return {
         "title": {"text": label, "standoff": 6}, "gridcolor": theme.rule, "zerolinecolor": theme.rule,
         "automargin": True, **more,
@@ -242,6 +245,7 @@ def axis_of(theme: Theme, label: str, **more: Any) -> Json:
 
 
 def layout_of(theme: Theme, height: int) -> Json:
+    """What all figures have."""
     return {
         "height": height, "margin": {"l": 54, "r": 12, "t": 28, "b": 40}, "paper_bgcolor": "rgba(0,0,0,0)",
         "plot_bgcolor": "rgba(0,0,0,0)", "font": {"color": theme.ink, "size": 12}, "uirevision": "kept",
@@ -250,6 +254,7 @@ def layout_of(theme: Theme, height: int) -> Json:
 
 
 def nothing_yet(theme: Theme, what: str, height: int) -> Json:
+    """A figure without data."""
     layout = layout_of(theme, height) | {"xaxis": {"visible": False}, "yaxis": {"visible": False}}
     layout["annotations"] = [
         {"text": f"{what}: no data yet", "showarrow": False, "font": {"size": 14}}
@@ -258,4 +263,5 @@ def nothing_yet(theme: Theme, what: str, height: int) -> Json:
 
 
 def figure_of(data: list[Json], layout: Json) -> Json:
+    """A whole figure."""
     return {"data": data, "layout": layout, "config": CONFIG}

@@ -10,6 +10,7 @@ from er_models.errors import ErError
 from nicegui import ui
 from nicegui.events import GenericEventArguments, ValueChangeEventArguments
 
+from er_model_lab.live.heard import Heard
 from er_model_lab.output.text.units import newtons
 from er_model_lab.page import live_plots, plots
 from er_model_lab.page.panels.data import DataPanel
@@ -19,7 +20,6 @@ from er_model_lab.page.panels.panel import Host, Panel
 from er_model_lab.page.panels.play import PlayPanel
 from er_model_lab.page.panels.steps import StepsPanel
 from er_model_lab.page.panels.take import TakePanel
-from er_model_lab.live.heard import Heard
 from er_model_lab.session.desk import Desk
 from er_model_lab.session.live_desk import LiveDesk
 from er_model_lab.session.sight import Selection, tile_at
@@ -187,9 +187,7 @@ class View:
             for name in makers:
                 ui.tab(name)
         self.panels: list[Panel] = []
-        with ui.tab_panels(
-            tabs, value=self._first(), keep_alive=False
-        ).classes("w-full"):
+        with ui.tab_panels(tabs, value=self._first(), keep_alive=False).classes("w-full"):
             for name, maker in makers.items():
                 with ui.tab_panel(name).classes("p-1"):
                     self.panels.append(maker(self))

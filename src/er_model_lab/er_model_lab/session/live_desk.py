@@ -42,8 +42,11 @@ Connect = Callable[[str, Callable[[dict[str, Any]], None]], Link]
 
 
 class LiveDesk(Desk):
-    """heard: of the graph; shown: what the drive shows; status: of the monitor; running: its model; follow: whether the
-    plots show the graph, else what was learnt from; by_itself: whether it diagnoses when the data carry a verdict.
+    """A desk that hears a graph.
+
+    heard: of the graph; shown: what the drive shows; status: of the monitor; running: its model; refused: why the last
+    thing asked for was not done; gone: why nobody listens any more; alone: whether the graph is silent; follow: whether
+    the plots show the graph, else what was learnt from; by_itself: whether it diagnoses when the data carry a verdict.
     """
 
     def __init__(
@@ -106,7 +109,7 @@ class LiveDesk(Desk):
             self.heard.mark(self._given)
         self.changed()
 
-    def _on_alone(self, alone: bool) -> None:  # noqa: FBT001  (a word's content)
+    def _on_alone(self, alone: bool) -> None:
         self.alone = alone
         self.changed()
 
@@ -162,13 +165,13 @@ class LiveDesk(Desk):
         self._open()
 
     def learnt(self, model: Model) -> None:
-        """The monitor goes by what was learnt."""
-        self.give()
+        """The monitor goes by what was learnt, from a file that was not there."""
+        self._given = self.now.step.says
+        self.link.use(kept(model, model.name, self.models))
 
     def give(self) -> None:
-        """Have the monitor go by the model that is shown, in a file that was not there."""
-        self._given = self.now.step.says
-        self.link.use(kept(self.now.known, self.now.known.name, self.models))
+        """Have the monitor go by the model that is shown."""
+        self.learnt(self.now.known)
 
     def shut(self) -> None:
         """Listen no more."""

@@ -106,7 +106,10 @@ class PlantNode(ManagedNode):
         if p.damper_file != self.p.damper_file:
             self.rig, self.state = with_damper(p, self.rig, self.state)
             self.health.model_id = self.rig.sim.plant.model.digest()
-            log.info(self, f"damper: {p.damper_file or p.model_file} from sample {self.state.sim.tick + 1} on")
+            log.info(
+                self,
+                f"damper: {p.damper_file or p.model_file} from sample {self.state.sim.tick + 1} on",
+            )
         self.rig = replace(self.rig, gate=tuned(p, self.rig.gate))
         self.limits = StampLimits(stale=p.command_timeout)
         for each in self.incoming.values():

@@ -28,10 +28,10 @@ from er_model_lab.page import live_plots, plots
 from er_model_lab.session.desk import Desk
 from er_model_lab.session.sight import look
 from er_model_lab.session.steps import divided
+from er_models.files import load_model
 from er_models.model import Model
 from er_models.one_line import OneLine
 from er_models.shipped import file_of
-from er_models.files import load_model
 from er_records.record import Record
 
 from er_studies.bench.lab.data import record
@@ -145,12 +145,16 @@ def measured(model: Model) -> list[Found]:
             p95 = slider(desk, 60 if seconds < 100.0 else 20)
             found.append(Found(f"slider to curves, {seconds:g} s of data, p95", p95, target, "ms"))
         minutes = record(model, 300.0)
-        found.append(Found("beside a graph, words and figures", live(model, minutes), SHARE, "% of a core"))
+        found.append(
+            Found("beside a graph, words and figures", live(model, minutes), SHARE, "% of a core")
+        )
         desk = desk_of(model, record(model, 20.0), Path(folder))
         tracemalloc.start()
         desk = desk_of(model, record(model, 20.0), Path(folder))
         held, left = grown(lambda: steps(desk))
-        found.append(Found(f"{STEPS} steps, of {held:.1f} MB held", left, max(LEAK * held, 0.2), "MB"))
+        found.append(
+            Found(f"{STEPS} steps, of {held:.1f} MB held", left, max(LEAK * held, 0.2), "MB")
+        )
         heard, rows = Heard(1.0), heard_from(record(model, 60.0))
 
         def hear() -> None:

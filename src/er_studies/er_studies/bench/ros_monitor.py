@@ -162,7 +162,11 @@ def graph(seconds: float) -> Running:
         stop(children)
         rclpy.try_shutdown()
     loads = tuple(
-        Load(c.label, 100.0 * (after[c.label].cpu - before[c.label].cpu) / elapsed, after[c.label].memory / 1e6)
+        Load(
+            c.label,
+            100.0 * (after[c.label].cpu - before[c.label].cpu) / elapsed,
+            after[c.label].memory / 1e6,
+        )
         for c in children
     )
     late = last.deadline_misses - first.deadline_misses
@@ -185,8 +189,13 @@ def markdown(found: Sequence[Cost], running: Running | None) -> str:
         "| core | us a sample | p50 | p95 | p99 | % of a core at 200 Hz |", "|---|---|---|---|---|---|",
     ]  # fmt: skip
     for c in found:
-        lines.append(f"| {c.name} | {c.mean:.0f} | {c.p50:.0f} | {c.p95:.0f} | {c.p99:.0f} | {c.share:.1f} |")
-    lines += ["", f"- the monitor takes {found[0].mean / found[1].mean:.1f} times as long as the plain loop's core"]
+        lines.append(
+            f"| {c.name} | {c.mean:.0f} | {c.p50:.0f} | {c.p95:.0f} | {c.p99:.0f} | {c.share:.1f} |"
+        )
+    lines += [
+        "",
+        f"- the monitor takes {found[0].mean / found[1].mean:.1f} times as long as the plain loop's core",
+    ]
     if running is not None:
         lines += ["", "| process | CPU, % of a core | memory MB |", "|---|---|---|"]
         lines += [f"| {x.name} | {x.cpu:.1f} | {x.memory:.0f} |" for x in running.loads]
@@ -204,7 +213,9 @@ def markdown(found: Sequence[Cost], running: Running | None) -> str:
 def main() -> None:
     """Entry point of the command."""
     p = OneLine(prog="er bench monitor", description=(__doc__ or "").split("\n")[0])
-    p.add_argument("--seconds", type=float, default=60.0, help="length of the run of the graph (60); 0: none")
+    p.add_argument(
+        "--seconds", type=float, default=60.0, help="length of the run of the graph (60); 0: none"
+    )
     o = p.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         os.environ["ROS_LOG_DIR"] = folder

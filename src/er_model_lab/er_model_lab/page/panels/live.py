@@ -26,17 +26,23 @@ class LivePanel:
         self.monitor = ui.label().props("role=status aria-live=polite")
         self.error = ui.label().classes("numbers text-lg")
         _heading("To drive next")
-        self.bar = ui.linear_progress(0.0, show_value=False).props('aria-label="Share of what a verdict needs"')
+        self.bar = ui.linear_progress(0.0, show_value=False).props(
+            'aria-label="Share of what a verdict needs"'
+        )
         self.gaps = [ui.label().classes("text-sm numbers") for _ in range(LISTED)]
         _heading("Verdict")
         self.verdict, self.says = ui.label().classes("font-bold"), ui.label().classes("text-sm")
         self.added = ui.row().classes("w-full gap-1")
         self.job = ui.label().classes("text-sm numbers").props("role=status aria-live=polite")
         with ui.row().classes("gap-1"):
-            self.learn = ui.button("Diagnose what was heard", on_click=host.safely(self.desk.learn))
+            self.learn = ui.button(
+                "Diagnose what was heard", on_click=host.safely(self.desk.learn)
+            )
             self.learn.props("no-caps")
             self.give = ui.button("Monitor: use this model", on_click=host.safely(self.desk.give))
-            self.give.props("no-caps outline").tooltip("The graph's monitor goes by the model that is shown here")
+            self.give.props("no-caps outline").tooltip(
+                "The graph's monitor goes by the model that is shown here"
+            )
         ui.checkbox("diagnose by itself when the data carry it", value=self.desk.by_itself).props(
             "dense"
         ).bind_value(self.desk, "by_itself")
@@ -51,7 +57,9 @@ class LivePanel:
         job = desk.jobs.job
         ahead = f", {job.leaders[0].effect.replace('_', ' ')} ahead" if job and job.leaders else ""
         self.job.text = (
-            "" if job is None else job.error or (f"{job.title}: {job.stage}{ahead}" if running else "")
+            ""
+            if job is None
+            else job.error or (f"{job.title}: {job.stage}{ahead}" if running else "")
         )
         for button in (self.learn, self.give):
             button.set_enabled(not running and desk.now.model is not None)
@@ -82,7 +90,9 @@ class LivePanel:
         now, usual, ratio = heard.error(), heard.said("usual"), heard.said("ratio")
         if math.isnan(now):
             return "no live error yet"
-        expected = f", usual {newtons(usual)}, test {ratio:.2f} of its limit" if usual > 0.0 else ""
+        expected = (
+            f", usual {newtons(usual)}, test {ratio:.2f} of its limit" if usual > 0.0 else ""
+        )
         return f"live error {newtons(now)}{expected}"
 
     def _gaps(self) -> None:
@@ -102,10 +112,16 @@ class LivePanel:
         self.says.text = "" if result is None else verdict_sentence(result.view)
         model = self.desk.now.model
         for effect in result.effects if result is not None and model is not None else ():
-            if model is not None and effect in model.catalogue.names and effect not in model.effects:
+            if (
+                model is not None
+                and effect in model.catalogue.names
+                and effect not in model.effects
+            ):
                 add = self.host.safely(lambda effect=effect: self.desk.add(effect))
                 with self.added:
-                    ui.button(f"Add {model.catalogue[effect].title}", on_click=add).props("no-caps")
+                    ui.button(f"Add {model.catalogue[effect].title}", on_click=add).props(
+                        "no-caps"
+                    )
 
 
 def _heading(words: str) -> None:
