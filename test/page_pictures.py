@@ -10,11 +10,14 @@ import subprocess
 import sys
 import tempfile
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
+from er_models.files import save_model
 from PIL import Image
 
 from test.conftest import ROOT
+from test.played_graph import VEHICLE, with_friction
 from test.sample import write_sample
 
 PICTURES = ROOT / "docs" / "pictures"
@@ -83,36 +86,36 @@ def walk(page):
 @contextmanager
 def driven():
     """The address of a page beside a played graph."""
-    command = [sys.executable, "-m", "test.played_graph", "20", "1", "0.1"]
+    command = [sys.executable, "-m", "test.played_graph", "25", "1", "1"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         yield process.stdout.readline().strip()
         process.send_signal(signal.SIGINT)
 
 
 def drive(page):
-    """Beside a graph: listen, diagnose, add, and the live error falls; frames of it, and a picture of the end."""
+    """Beside a graph: a model that has the friction goes to the monitor, and the live error falls; frames and an end."""
     frames = []
 
-    def look(times, until=None):
+    def look(times):
         for _ in range(times):
             page.wait_for_timeout(PACE)
             shot = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
             frames.append(shot.resize(FRAME, Image.LANCZOS))
-            if until is not None and until.is_visible():
-                return
 
     page.set_viewport_size(LIVE)
     page.get_by_text("explains").wait_for()
     look(4)
-    page.get_by_role("button", name="Diagnose what was heard").click()
-    look(3)
-    added = page.get_by_role("button", name="Add Coulomb friction")
-    added.wait_for()
-    look(2)
-    added.click()
-    look(2)
-    page.get_by_text("monitor, inove_quarter_car_coulomb_friction_learnt_1").wait_for()
-    look(9)
+    with tempfile.TemporaryDirectory() as folder:
+        better = Path(folder) / "with_friction.yaml"
+        save_model(replace(with_friction(VEHICLE), name="with_friction"), better)
+        page.get_by_role("tab", name="Data").click()
+        page.set_input_files("input[type=file]", better)
+        page.locator("header").get_by_text("with_friction").wait_for()
+        page.get_by_role("tab", name="Live").click()
+        look(1)
+        page.get_by_role("button", name="Monitor: use this model").click()
+        page.get_by_text("monitor, with_friction_learnt_1").wait_for()
+    look(8)
     moving(frames)
     page.set_viewport_size(WIDE | {"height": 1000})
     take(page, "live")

@@ -108,6 +108,11 @@ def _driven(truth: Model, seconds: float, seed: int) -> list[tuple[float, ...]]:
     return [tuple(map(float, row)) for row in np.column_stack(columns)]
 
 
+def with_friction(car: Path) -> Model:
+    """A car whose damper rubs."""
+    return load_model(car).with_effect("coulomb_friction", {"F_c": 0.9, "v_0": 0.003})
+
+
 def serve(folder: Path, *, heard: float, pace: float, busy: float) -> None:
     """A page over a drive of which so many seconds are heard already; it prints its address.
 
@@ -117,9 +122,7 @@ def serve(folder: Path, *, heard: float, pace: float, busy: float) -> None:
     from er_model_lab.page.server import serve as served
     from er_model_lab.session.live_desk import LiveDesk
 
-    graph = PlayedGraph(
-        load_model(VEHICLE).with_effect("coulomb_friction", {"F_c": 0.9, "v_0": 0.003}), 120.0
-    )
+    graph = PlayedGraph(with_friction(VEHICLE), 120.0)
     desk = LiveDesk(folder, "", models=folder / "models", connect=graph.connect, niceness=0)
     desk.by_itself = False
     for _ in range(round(heard)):

@@ -199,4 +199,7 @@ def test_the_plant_takes_another_damper_in_the_middle_of_its_drive(
     stiffness = load_model(VEHICLE).value("quarter_car", "k_s") + 263.0
     assert (there - here)[300:].mean() == pytest.approx(-3.0 / stiffness, rel=0.05)
     assert put(node, damper_file="") == ""
-    assert np.allclose(deflections(node.rig, node.state), here, rtol=0.0, atol=1e-6)
+    back = deflections(
+        node.rig, node.state
+    )  # what the damper remembers begins anew, and is soon the same
+    assert np.allclose(back[400:], here[400:], rtol=0.0, atol=1e-6)
