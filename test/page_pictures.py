@@ -93,7 +93,7 @@ def driven():
 
 
 def drive(page):
-    """Beside a graph: a model that has the friction goes to the monitor, and the live error falls; frames and an end."""
+    """Beside a graph: a model that has the friction goes to the monitor, and the live error falls."""
     frames = []
 
     def look(times):
