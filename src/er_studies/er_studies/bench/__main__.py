@@ -3,6 +3,7 @@
 er bench models [ARGS]     prediction and simulation, against SciPy and C in the same run; their memory
 er bench observers [ARGS]  one step of every observer and of the Kalman filters beside them; load, memory
 er bench lab [ARGS]        diagnosis and improvement: a minute, more data, more effects; their memory
+er bench fleet [ARGS]      a fleet of recordings with one and two workers; a simulated cluster
 er bench graph [ARGS]      lost messages, latency and CPU of the running graph
 er bench monitor [ARGS]    the model beside the damper: its work, its process, late answers
 er bench page [ARGS]       the page: slider to curves, beside a running graph, leaks
@@ -19,6 +20,7 @@ PARTS = {
     "models": "er_studies.bench.models",
     "observers": "er_studies.bench.observers",
     "lab": "er_studies.bench.lab",
+    "fleet": "er_studies.bench.fleet",
     "graph": "er_studies.bench.graph",
     "monitor": "er_studies.bench.ros_monitor",
     "page": "er_studies.bench.page",
