@@ -1,4 +1,4 @@
-"""The pictures of docs/open.md and README.md: `./er exec python -m test.page_pictures [live]`, in the system's browser.
+"""The pictures of docs/open.md: `./er exec python -m test.page_pictures [live]`, in the system's browser.
 
 Needs Chromium and the package playwright, as the tests of the page do.
 """
