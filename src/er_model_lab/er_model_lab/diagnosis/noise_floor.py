@@ -8,15 +8,13 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
 import numpy as np
 from er_models.model import Array
-from er_models.seed import LARGEST
+from er_models.parallel import over_cores
 from numpy.typing import NDArray
 from scipy.signal import lfilter
-from threadpoolctl import threadpool_limits
 
+from er_model_lab.diagnosis.boosting import boosted_trees
 from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.leftover_structure import bursts, filtered
 from er_model_lab.diagnosis.null import Null
@@ -24,10 +22,9 @@ from er_model_lab.fitting.data_reach import within_learnt
 from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.problem.problem import Problem
 
-if TYPE_CHECKING:
-    from sklearn.ensemble import HistGradientBoostingRegressor
-
 MAX_SAMPLES = 5000
+BOOSTED = 300
+"""Steps of the integrator that take as long as a sample of a regression."""
 ENOUGH = 200
 """Held-out samples from which a floor is learnt."""
 FEATURES = (
@@ -105,22 +102,6 @@ def features(problem: Problem, force: Array) -> Array:
     return np.stack([*columns, *(y for _, y in problem.extra)], axis=1)
 
 
-def _trees(seed: int) -> HistGradientBoostingRegressor:
-    """The regression: small trees, many samples a leaf, so that noise is not learnt."""
-    from sklearn.ensemble import (
-        HistGradientBoostingRegressor,
-    )  # half a second, and many a command fits no trees
-
-    return HistGradientBoostingRegressor(
-        max_iter=80,
-        learning_rate=0.08,
-        max_leaf_nodes=12,
-        min_samples_leaf=30,
-        l2_regularization=1.0,
-        random_state=seed % (LARGEST + 1),
-    )
-
-
 def _rows(mask: NDArray[np.bool_]) -> NDArray[np.intp]:
     """Places of a mask, thinned to what the regression needs."""
     rows = np.flatnonzero(mask)
@@ -133,28 +114,34 @@ def _fourths(problem: Problem, rows: NDArray[np.intp]) -> NDArray[np.intp]:
     return seconds if np.unique(seconds).size == 4 else np.arange(rows.size) * 4 // rows.size
 
 
-def boosted(problem: Problem, residual: Array, inputs: Array, seed: int) -> float:
+def boosted(problem: Problem, residual: Array, inputs: Array) -> float:
     """Share of the training residual that is explained on unseen stretches."""
     rows = _rows(problem.train)
     target = residual[rows]
-    groups = _fourths(problem, rows)
-    out = np.zeros(rows.size)
-    for k in range(4):
-        problem.work.check()
-        train = groups != k
-        trees = _trees(seed).fit(inputs[rows[train]], target[train])
-        out[~train] = trees.predict(inputs[rows[~train]])
-    return 1.0 - float(np.mean((target - out) ** 2) / max(float(np.mean(target**2)), 1e-300))
+    groups, out = _fourths(problem, rows), np.zeros(rows.size)
+
+    def run(i: int, j: int) -> None:
+        for k in range(i, j):
+            train = groups != k
+            trees = boosted_trees(inputs[rows[train]], target[train])
+            out[~train] = trees.predict(inputs[rows[~train]])
+
+    over_cores(run, 4, 4 * rows.size * BOOSTED)
+    return _share(target, out)
 
 
 def boosted_held_out(
-    problem: Problem, scored: NDArray[np.bool_], residual: Array, inputs: Array, seed: int
+    problem: Problem, scored: NDArray[np.bool_], residual: Array, inputs: Array
 ) -> float:
     """Share of the residual of scored samples (n,) that a regression on the training residual explains."""
     rows, unseen = _rows(problem.train), _rows(scored)
-    out = _trees(seed).fit(inputs[rows], residual[rows]).predict(inputs[unseen])
-    target = residual[unseen]
-    return 1.0 - float(np.mean((target - out) ** 2) / max(float(np.mean(target**2)), 1e-300))
+    trees = boosted_trees(inputs[rows], residual[rows])
+    return _share(residual[unseen], trees.predict(inputs[unseen]))
+
+
+def _share(target: Array, predicted: Array) -> float:
+    """Share of the mean square of a target (m,) that is predicted."""
+    return 1.0 - float(np.mean((target - predicted) ** 2) / max(float(np.mean(target**2)), 1e-300))
 
 
 def _scored(problem: Problem) -> NDArray[np.bool_]:
@@ -168,7 +155,7 @@ def importance(problem: Problem, residual: Array, inputs: Array, seed: int) -> d
     rows = _rows(problem.train)
     test = _fourths(problem, rows) == 0
     known, target = inputs[rows[test]], residual[rows[test]]
-    trees = _trees(seed).fit(inputs[rows[~test]], residual[rows[~test]])
+    trees = boosted_trees(inputs[rows[~test]], residual[rows[~test]])
     rng = np.random.default_rng(seed)
     base = float(np.mean((target - trees.predict(known)) ** 2))
     out = {}
@@ -217,20 +204,13 @@ def _floor_of(output: int, problem: Problem, best: Candidate, null: Null, seed: 
 def _floor(
     problem: Problem, residual: Array, in_fit: Array, null: Null, output: int, seed: int
 ) -> Floor:
-    """Floor of one output, from its residual without each sample's block and from that of the fit.
-
-    The trees are small: on one thread they are as fast as on two, and do not wait for busy cores. Only the threads of
-    what is loaded can be limited.
-    """
-    import sklearn.ensemble  # noqa: F401
-
+    """Floor of one output, from its residual without each sample's block and from that of the fit."""
     inputs, scored = features(problem, problem.force - in_fit), _scored(problem)
     share, unseen, weights = filtered(problem, residual, in_fit)
-    with threadpool_limits(1, "openmp"):
-        trees = boosted(problem, residual, inputs, seed)
-        if trees > max(share, 0.03):
-            weights = importance(problem, residual, inputs, seed)
-        unseen = max(boosted_held_out(problem, scored, in_fit, inputs, seed), unseen, 0.0)
+    trees = boosted(problem, residual, inputs)
+    if trees > max(share, 0.03):
+        weights = importance(problem, residual, inputs, seed)
+    unseen = max(boosted_held_out(problem, scored, in_fit, inputs), unseen, 0.0)
     share = max(trees, share, 0.0)
     square = null.input_square[output :: null.outputs]
     loud = bursts(problem, residual, square, null.bursts[output])

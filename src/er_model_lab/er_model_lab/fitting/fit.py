@@ -29,8 +29,10 @@ AWAY = 2e-3
 """Share by which the mean square in longer steps may differ from the true one where a fit ends."""
 NOTHING = 1e-9
 """A parameter that moves the force by so small a share of the strongest one is not told by the data."""
-SHARES = np.array([0.0, 0.1, 0.3, 1.0])
-"""Shares of a step that are tried where it is not."""
+SHARES = np.array([0.1, 0.3, 1.0])
+"""Shares of a step that are tried, beside none of it, where it is not."""
+AS_TOLD = 0.9
+"""Share of the fall that a straight line promises from which on the least damping is the right one."""
 
 
 @dataclass(frozen=True)
@@ -203,10 +205,8 @@ def _leg(
         problem.work.check()
         rounds += 1
         trials = _trials(jacobian[train], (y - f)[train], theta, box, damping)
-        forces = problem.predict_many(box.model, box.vectors(trials))
-        costs = np.mean((y - forces)[:, train] ** 2, axis=1)
-        best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
-        if not costs[best] < cost * (1.0 - 1e-9):
+        best, found, tried = _best_of(trials, theta, f, cost, jacobian, box, problem)
+        if not tried < cost * (1.0 - 1e-9):
             if exact and damping > 1e3:
                 break
             if exact:
@@ -216,13 +216,33 @@ def _leg(
             else:
                 jacobian, exact, at = _jacobian(box, theta, f, problem, None), True, theta
             continue
-        gain = 1.0 - costs[best] / cost
-        theta, f, cost = trials[best], forces[best], float(costs[best])
+        gain = 1.0 - tried / cost
+        theta, f, cost = trials[best], found, tried
         damping = max(damping * DAMPINGS[best], 1e-7)
         if gain < tol or (cost > target and not exact):
             break
         jacobian, exact, at = _jacobian(box, theta, f, problem, None), True, theta
     return _Leg(theta, f, jacobian, cost, at, exact, rounds)
+
+
+def _best_of(
+    trials: Array, theta: Array, f: Array, cost: float, jacobian: Array, box: Box, problem: Problem
+) -> tuple[int, Array, float]:
+    """Which of the trials (3, p) about theta (p,) is best, what it predicts (n,), and its mean square.
+
+    f (n,), cost: the same at theta. Where the first does nearly what a straight line promises, it is the best.
+    """
+    train, y = problem.train, problem.force
+    first = problem.predict_many(box.model, box.vectors(trials[:1]))
+    costs = np.mean((y - first)[:, train] ** 2, axis=1)
+    promised = cost - _mean_square((y - f)[train] - jacobian[train] @ (trials[0] - theta))
+    if cost - costs[0] >= AS_TOLD * promised > 0.0:
+        return 0, first[0], float(costs[0])
+    others = problem.predict_many(box.model, box.vectors(trials[1:]))
+    forces = np.concatenate([first, others])
+    costs = np.mean((y - forces)[:, train] ** 2, axis=1)
+    best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
+    return best, forces[best], float(costs[best])
 
 
 def _again(
@@ -257,12 +277,13 @@ def practised(model: Model, problem: Problem) -> Model:
 
 
 def _jacobian(box: Box, theta: Array, f: Array, problem: Problem, known: Array | None) -> Array:
-    """Derivative of the force (n, p) by scaled parameters, one batch of predictions.
+    """Derivative of the force (n, p) by scaled parameters, one batch of predictions in longer steps.
 
     Columns that are known already are taken over.
     """
+    near = problem.near(box.model_at(theta), f)
     new = quotients(
-        lambda points: problem.predict_many(box.model, box.vectors(points)), theta,
+        lambda points: near.predict_many(box.model, box.vectors(points)), theta,
         steps(box.parameters, theta), f, 0 if known is None else known.shape[1],
     )  # fmt: skip
     return new if known is None else np.hstack([known, new])
@@ -328,11 +349,13 @@ def _truly_left_out(fitted: Fit, problem: Problem, steps: Array) -> Array:
     """Residual (n,) predicted by the model itself without each block."""
     box = Box(fitted.model, fitted.free, problem.scales, problem.forward.limits)
     r, train = fitted.residual.copy(), problem.train
+    near = problem.near(fitted.model, problem.force - fitted.residual)
     for b in range(steps.shape[0]):
         rows = problem.fold == b
         points = fitted.theta + np.multiply.outer(SHARES, steps[b])
         points = np.clip(points, box.low, box.high)
-        left = problem.force - problem.predict_many(box.model, box.vectors(points))
+        moved = problem.force - near.predict_many(box.model, box.vectors(points))
+        left = np.concatenate([fitted.residual[None], moved])
         rest = np.mean(left[:, train & ~rows] ** 2, axis=1)
         best = int(np.argmin(np.where(np.isfinite(rest), rest, np.inf)))
         r[rows] = left[best, rows]
