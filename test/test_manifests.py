@@ -119,7 +119,7 @@ def test_what_is_imported_is_declared(package: str) -> None:
 
 @pytest.mark.parametrize("package", OURS)
 def test_no_python_package_is_declared_that_nothing_imports(package: str) -> None:
-    used = {KEYS.get(module, module) for module in imported(package)}
+    used = {KEYS.get(module, PART_OF.get(module, module)) for module in imported(package)}
     assert {key for key in keys(package, "exec_depend") if key.startswith("python3-")} <= used
 
 

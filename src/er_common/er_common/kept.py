@@ -21,7 +21,7 @@ FEW = 24
 """Results that are kept, those last made."""
 LARGEST = 1 << 26
 """Largest result that is kept [bytes]."""
-LIBRARIES = ("numba", "numpy", "scikit-learn", "scipy")
+LIBRARIES = ("numba", "numpy", "scipy")
 """Whose versions count, too."""
 ENDING = ".result"
 _LOG = logging.getLogger(__name__)

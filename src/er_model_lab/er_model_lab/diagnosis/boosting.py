@@ -102,7 +102,7 @@ def _summed(
 def _split(
     sums: Array, counts: NDArray[np.int64], many: NDArray[np.int64], size: int, total: float, shares: Array
 ) -> tuple[float, int, int]:  # fmt: skip
-    """Where a leaf is split best: what that gains, which input, and the last bin on the left; shares: 1 / (n + RIDGE)."""
+    """Where a leaf is split best: what that gains, which input, the last bin on the left; shares: 1 / (n + RIDGE)."""
     gain, column, bin_ = 0.0, -1, 0
     here = total * total * shares[size]
     for c in range(many.size):
@@ -179,6 +179,30 @@ def _branch(
     total[rest] = total[node] - total[few]
 
 
+@inner
+def _largest(gain: Array, size: int) -> int:
+    """The first of the largest gains."""
+    node = 0
+    for other in range(1, size):
+        if gain[other] > gain[node]:
+            node = other
+    return node
+
+
+@inner
+def _take(
+    size: int, asked: NDArray[np.int64], rows: NDArray[np.int64], leaf: NDArray[np.int64], total: Array, shares: Array,
+    values: Array, left: Array,
+) -> None:  # fmt: skip
+    """Note what the leaves of a tree of so many nodes add, and take it off what is left (m,)."""
+    for node in range(size):
+        if asked[node] < 0:
+            i, j = leaf[node, 0], leaf[node, 1]
+            values[node] = RATE * total[node] * shares[j - i]
+            for place in range(i, j):
+                left[rows[place]] -= values[node]
+
+
 @entry
 def _grow(
     bins: NDArray[np.uint8], many: NDArray[np.int64], left: Array, asked: NDArray[np.int64], at: NDArray[np.int64],
@@ -201,10 +225,7 @@ def _grow(
         _summed(bins, rows, left, sums[0], counts[0])
         _look(0, leaf, total, sums, counts, many, shares, cut, gain)
         for slot in range(1, LEAVES):
-            node = 0
-            for other in range(1, size):
-                if gain[other] > gain[node]:
-                    node = other
+            node = _largest(gain, size)
             if not gain[node] > 0.0:
                 break
             asked[tree, node], at[tree, node], after[tree, node] = cut[node, 0], cut[node, 1], size
@@ -213,9 +234,4 @@ def _grow(
             for child in range(size, size + 2):
                 _look(child, leaf, total, sums, counts, many, shares, cut, gain)
             size += 2
-        for node in range(size):
-            if asked[tree, node] < 0:
-                i, j = leaf[node, 0], leaf[node, 1]
-                values[tree, node] = RATE * total[node] * shares[j - i]
-                for place in range(i, j):
-                    left[rows[place]] -= values[tree, node]
+        _take(size, asked[tree], rows, leaf, total, shares, values[tree], left)

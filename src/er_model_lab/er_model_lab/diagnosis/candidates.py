@@ -283,9 +283,12 @@ def _refit_many(
 
 
 def _ended(found: list[Candidate], problem: Problem) -> list[Candidate]:
-    """Candidates, best first, with those of the best few that may still win fitted to the end."""
+    """Candidates, best first, with those of the best few that may still win fitted to the end.
+
+    Where a gap lies tells only a closer look.
+    """
     near = WORTH_AN_END * found[0].mse if found else 0.0
-    ahead = [c for c in found[:FINALISTS] if c.mse < near]
+    ahead = [c for c in found[:FINALISTS] if c.mse < near or is_gap(c.fit.model.catalogue[c.name])]
     ended = problem.each(_finished, range(len(ahead)), ahead, stage=FINISHING)
     return sorted(
         [*ended, *(c for c in found if not any(c is a for a in ahead))], key=lambda c: c.mse

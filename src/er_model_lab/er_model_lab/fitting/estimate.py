@@ -80,7 +80,6 @@ def _step(j: Array, e: Array, inner: NDArray[np.bool_]) -> Array:
 def polished(fitted: Fit, problem: Problem, share: float) -> Fit:
     """The fit moved along secants while that lowers the error, with those derivatives."""
     box, train, theta = Box(fitted.model, fitted.free, problem.scales), problem.train, fitted.theta
-    problem = problem.near(fitted.model, problem.force - fitted.residual)
     f, j = secants(box, theta, problem, share)
     inner = ~fitted.at_bound
     for _ in range(POLISH):

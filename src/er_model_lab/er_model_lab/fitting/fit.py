@@ -25,6 +25,8 @@ DOUBTFUL = 1.1
 """Mean square without each block, over that of the fit, above which a straight line is not believed."""
 DAMPINGS = (0.1, 1.0, 10.0)
 """Multiples of the damping that are tried at once."""
+FEW = 3
+"""Iterations in the usual steps that a fit gets in any case, beside those in longer ones."""
 AWAY = 2e-3
 """Share by which the mean square in longer steps may differ from the true one where a fit ends."""
 NOTHING = 1e-9
@@ -172,10 +174,12 @@ def _ended(
     early = (better and coarse.rounds >= max_iter) or (coarse.cost > target and not coarse.exact)
     if early or abs(true - coarse.cost) <= AWAY * coarse.cost:
         return taken
-    last = _leg(box, theta, f, problem, known, target, max_iter, tol)
+    left = max(max_iter - coarse.rounds, FEW)
+    last = _leg(box, theta, f, problem, known, target, left, tol)
+    rounds = coarse.rounds + last.rounds
     if last.exact:
-        return last
-    return replace(taken, theta=last.theta, f=last.f, rounds=last.rounds)
+        return replace(last, rounds=rounds)
+    return replace(taken, theta=last.theta, f=last.f, rounds=rounds)
 
 
 def _cost(f: Array, problem: Problem) -> float:
@@ -204,8 +208,12 @@ def _leg(
     while rounds < max_iter and np.isfinite(cost):
         problem.work.check()
         rounds += 1
-        trials = _trials(jacobian[train], (y - f)[train], theta, box, damping)
-        best, found, tried = _best_of(trials, theta, f, cost, jacobian, box, problem)
+        j, r = jacobian[train], (y - f)[train]
+        h, g = j.T @ j / r.size, j.T @ r / r.size
+        trials = _trials(h, g, theta, box, damping)
+        step = trials[0] - theta
+        enough = cost - AS_TOLD * float(step @ (2.0 * g - h @ step))
+        best, found, tried = _best_of(trials, enough, box, problem)
         if not tried < cost * (1.0 - 1e-9):
             if exact and damping > 1e3:
                 break
@@ -225,24 +233,16 @@ def _leg(
     return _Leg(theta, f, jacobian, cost, at, exact, rounds)
 
 
-def _best_of(
-    trials: Array, theta: Array, f: Array, cost: float, jacobian: Array, box: Box, problem: Problem
-) -> tuple[int, Array, float]:
-    """Which of the trials (3, p) about theta (p,) is best, what it predicts (n,), and its mean square.
-
-    f (n,), cost: the same at theta. Where the first does nearly what a straight line promises, it is the best.
-    """
-    train, y = problem.train, problem.force
-    first = problem.predict_many(box.model, box.vectors(trials[:1]))
-    costs = np.mean((y - first)[:, train] ** 2, axis=1)
-    promised = cost - _mean_square((y - f)[train] - jacobian[train] @ (trials[0] - theta))
-    if cost - costs[0] >= AS_TOLD * promised > 0.0:
-        return 0, first[0], float(costs[0])
+def _best_of(trials: Array, enough: float, box: Box, problem: Problem) -> tuple[int, Array, float]:
+    """Which of the trials (3, p) is best, what it predicts (n,), its mean square; the first where that is enough."""
+    first = problem.predict_many(box.model, box.vectors(trials[:1]))[0]
+    cost = _cost(first, problem)
+    if cost <= enough:
+        return 0, first, cost
     others = problem.predict_many(box.model, box.vectors(trials[1:]))
-    forces = np.concatenate([first, others])
-    costs = np.mean((y - forces)[:, train] ** 2, axis=1)
+    costs = np.array([cost, *(_cost(f, problem) for f in others)])
     best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
-    return best, forces[best], float(costs[best])
+    return best, (others[best - 1] if best else first), float(costs[best])
 
 
 def _again(
@@ -277,21 +277,22 @@ def practised(model: Model, problem: Problem) -> Model:
 
 
 def _jacobian(box: Box, theta: Array, f: Array, problem: Problem, known: Array | None) -> Array:
-    """Derivative of the force (n, p) by scaled parameters, one batch of predictions in longer steps.
+    """Derivative of the force (n, p) by scaled parameters, one batch of predictions.
 
     Columns that are known already are taken over.
     """
-    near = problem.near(box.model_at(theta), f)
     new = quotients(
-        lambda points: near.predict_many(box.model, box.vectors(points)), theta,
+        lambda points: problem.predict_many(box.model, box.vectors(points)), theta,
         steps(box.parameters, theta), f, 0 if known is None else known.shape[1],
     )  # fmt: skip
     return new if known is None else np.hstack([known, new])
 
 
-def _trials(j: Array, r: Array, theta: Array, box: Box, damping: float) -> Array:
-    """Three damped Gauss-Newton points inside the box; parameters pushed against a bound are held."""
-    h, g = j.T @ j / r.size, j.T @ r / r.size
+def _trials(h: Array, g: Array, theta: Array, box: Box, damping: float) -> Array:
+    """Three damped Gauss-Newton points inside the box; parameters pushed against a bound are held.
+
+    h (p, p), g (p,): products of derivatives, and of derivatives and residual, as means over the samples.
+    """
     held = ((theta <= box.low) & (g < 0)) | ((theta >= box.high) & (g > 0))
     points = []
     for factor in DAMPINGS:

@@ -16,7 +16,7 @@ from er_models.model import Model
 from er_model_lab.diagnosis.rule import RULE, Rule
 
 OURS = ("er_models", "er_common", "er_records", "er_model_lab")
-LIBRARIES = ("numpy", "scipy", "numba", "scikit-learn", "pyarrow")
+LIBRARIES = ("numpy", "scipy", "numba", "pyarrow")
 """Packages whose versions decide a result."""
 
 
