@@ -25,8 +25,6 @@ DOUBTFUL = 1.1
 """Mean square without each block, over that of the fit, above which a straight line is not believed."""
 DAMPINGS = (0.1, 1.0, 10.0)
 """Multiples of the damping that are tried at once."""
-FEW = 3
-"""Iterations in the usual steps that a fit gets in any case, beside those in longer ones."""
 AWAY = 2e-3
 """Share by which the mean square in longer steps may differ from the true one where a fit ends."""
 NOTHING = 1e-9
@@ -174,12 +172,10 @@ def _ended(
     early = (better and coarse.rounds >= max_iter) or (coarse.cost > target and not coarse.exact)
     if early or abs(true - coarse.cost) <= AWAY * coarse.cost:
         return taken
-    left = max(max_iter - coarse.rounds, FEW)
-    last = _leg(box, theta, f, problem, known, target, left, tol)
-    rounds = coarse.rounds + last.rounds
+    last = _leg(box, theta, f, problem, known, target, max_iter, tol)
     if last.exact:
-        return replace(last, rounds=rounds)
-    return replace(taken, theta=last.theta, f=last.f, rounds=rounds)
+        return last
+    return replace(taken, theta=last.theta, f=last.f, rounds=last.rounds)
 
 
 def _cost(f: Array, problem: Problem) -> float:
