@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from er_models.effect import SMOOTH
 from er_models.model import Array, Model
 from er_models.scales import Scales
 from er_models.sensitivity import quotients, steps
@@ -32,7 +33,8 @@ NOTHING = 1e-9
 SHARES = np.array([0.1, 0.3, 1.0])
 """Shares of a step that are tried, beside none of it, where it is not."""
 AS_TOLD = 0.9
-"""Share of the fall that a straight line promises from which on the least damping is the right one."""
+"""Share of the fall that a straight line promises from which on the least damping is right where equations are smooth.
+"""
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,7 @@ class Box:
             if limits and name in limits:
                 self.low[k], self.high[k] = np.array(limits[name]) / self.scale[k]
         self.size = np.array([q.size for q in params])
+        self.smooth = all(q.step == SMOOTH for q in params)
 
     def start(self) -> Array:
         """Scaled values of the model, moved into the box."""
@@ -208,8 +211,8 @@ def _leg(
         h, g = j.T @ j / r.size, j.T @ r / r.size
         trials = _trials(h, g, theta, box, damping)
         step = trials[0] - theta
-        enough = cost - AS_TOLD * float(step @ (2.0 * g - h @ step))
-        best, found, tried = _best_of(trials, enough, box, problem)
+        fall = float(step @ (2.0 * g - h @ step)) if box.smooth else np.inf
+        best, found, tried = _best_of(trials, cost - AS_TOLD * fall, box, problem)
         if not tried < cost * (1.0 - 1e-9):
             if exact and damping > 1e3:
                 break
