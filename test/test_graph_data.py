@@ -352,6 +352,7 @@ OTHER = {
     "rate_factor": ("mode:=lockstep", "rate_factor:=0"),
     "hardware": RIG,
     "calibration": RIG,
+    "key": (*RIG, "key:=none"),
     "remap": ("corners:=4", "remap:=sensors/acceleration=/chassis/{corner}/imu"),
     "road": (*RIG, "road:=program"),
     "controller": ("controller:=ftc",),
@@ -721,6 +722,7 @@ def test_a_wire_for_each_corner() -> None:
     found = [s for s in nodes(given, CONFIG) if s.executable == "hardware_bridge"]
     assert [spec.parameters["link"] for spec in found] == ["udp:x:1", "udp:y:2"]
     for pair, words in (
+        ("key:=none,none,none", "key: expected 2 with commas between, in the order a, b"),
         ("hardware:=udp:x:1", "hardware: expected 2 with commas between, in the order a, b"),
         ("corners:=a,a", "corners: expected 4, or different names"),
         ("corners:=5", "corners: expected 4, or different names"),

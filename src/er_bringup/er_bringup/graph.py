@@ -24,6 +24,7 @@ from er_ftc_controller.programs import FTC
 from er_model_lab.programs import RECORDER
 from er_models.errors import InputError
 from er_observers.programs import OBSERVERS
+from er_plant_sim.hardware.key_file import NONE as NO_KEY
 from er_plant_sim.programs import BRIDGE, PLANT
 from er_ros_common.arguments import Value, ros_arguments
 from er_ros_common.parameter_files import check_names, given_in
@@ -259,6 +260,7 @@ def _bridge(given: Mapping[str, str], config: Path) -> dict[str, Value]:
     return {
         "link": given["hardware"],
         "calibration_file": find(given["calibration"], config, "hardware"),
+        "key_file": given["key"] if given["key"] in ("", NO_KEY) else find(given["key"], config),
         "road_source": given["road"],
     }
 
