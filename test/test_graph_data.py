@@ -22,7 +22,7 @@ from er_plant_sim.settings import PlantParameters
 from er_ros_common.builders import Tick
 from er_ros_common.core import When
 
-from er_bringup import up
+from er_bringup import graph, up
 from er_common import topics
 from er_ros_common import builders
 from test.graph_help import CONFIG, ROOT
@@ -729,3 +729,18 @@ def test_a_wire_for_each_corner() -> None:
     ):
         with pytest.raises(InputError, match=words):
             nodes(parse(("corners:=a,b", "calibration:=device_emulator", pair)), CONFIG)
+
+
+def test_with_the_security_of_ros_each_process_has_its_nodes_enclave(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pairs = ("namespace:=car/front_left", "controller:=none", "observers:=unified")
+
+    def enclaves(*more: str) -> list[str]:
+        words = [word for spec in nodes(parse((*pairs, *more)), CONFIG) for word in spec.arguments()]
+        return [words[i + 1] for i, word in enumerate(words) if word == "--enclave"]
+
+    assert enclaves() == []
+    monkeypatch.setattr(graph, "SECURED", True)
+    assert enclaves() == ["/car/front_left/unified_observer", "/car/front_left/plant"]
+    assert enclaves("composed:=true")[-1] == "/car/front_left/composed"

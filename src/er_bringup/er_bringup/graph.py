@@ -6,6 +6,7 @@ for node in nodes(parse(["controller:=skyhook", "record:=run1"]), config):
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -43,6 +44,8 @@ from er_bringup.programs import ASKED, COMPOSED, CONTROLLERS, EVERY, SOURCES
 
 STACK_PUBLISHES = (ACCELERATION, DEFLECTION, PWM_APPLIED)
 """What a vehicle stack says of a corner; it knows neither its damper's force nor the road."""
+SECURED = os.environ.get("ROS_SECURITY_ENABLE") == "true"
+"""Whether ROS wants an enclave for each process: that of its node in the policy of `integration/ros_sros2.py`."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +78,7 @@ class NodeSpec:
             files=self.files,
             remaps=self.remaps,
             log_level=self.log_level,
+            enclave=self.full_name if SECURED else "",
         )
 
     def place(self) -> list[str]:

@@ -28,9 +28,7 @@ from er_plant_sim.hardware.session import Caller
 LIMITED_KEPT = 8
 """Commands whose limiting here is remembered until the device reports them in force."""
 
-NO_ANSWER = (
-    "no device answers: it has to be there and to have this key (key_file; none: a wire without authentication)"
-)
+NO_ANSWER = "no device answers: is it there, and does it have the key of key_file?"
 
 
 class Sources(NamedTuple):

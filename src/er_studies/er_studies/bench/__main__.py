@@ -5,6 +5,7 @@ er bench observers [ARGS]  one step of every observer and of the Kalman filters 
 er bench lab [ARGS]        diagnosis and improvement: a minute, more data, more effects; their memory
 er bench graph [ARGS]      lost messages, latency and CPU of the running graph
 er bench ros [ARGS]        loop latency and CPU, in processes and composed, beside plain rclpy executors
+er bench wire [ARGS]       frames of the hardware bridge with and without authentication
 
 -h after a name shows its arguments.
 """
@@ -19,6 +20,7 @@ PARTS = {
     "lab": "er_studies.bench.lab",
     "graph": "er_studies.bench.graph",
     "ros": "er_studies.bench.ros",
+    "wire": "er_studies.bench.wire",
 }
 
 
