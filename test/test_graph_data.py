@@ -737,7 +737,9 @@ def test_with_the_security_of_ros_each_process_has_its_nodes_enclave(
     pairs = ("namespace:=car/front_left", "controller:=none", "observers:=unified")
 
     def enclaves(*more: str) -> list[str]:
-        words = [word for spec in nodes(parse((*pairs, *more)), CONFIG) for word in spec.arguments()]
+        words = [
+            word for spec in nodes(parse((*pairs, *more)), CONFIG) for word in spec.arguments()
+        ]
         return [words[i + 1] for i, word in enumerate(words) if word == "--enclave"]
 
     assert enclaves() == []

@@ -10,8 +10,9 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-rclpy = pytest.importorskip("rclpy")
+pytest.importorskip("rclpy")
 
+import rclpy
 from er_bringup.given import CAR as CORNERS
 from er_bringup.integration.names import BASE
 from er_bringup.integration.ros_sros2 import OPERATOR, cards, policy
@@ -86,7 +87,10 @@ def allowed(profile: ET.Element, kind: str, what: str, name: str) -> bool:
 def profile(made: ET.Element, node: str) -> ET.Element:
     """The profile of a node in the enclave of its own."""
     for enclave in made.iter("enclave"):
-        if str(enclave.get("path")).endswith(f"/{node}") and len(found := enclave.findall("*/profile")) == 1:
+        if (
+            str(enclave.get("path")).endswith(f"/{node}")
+            and len(found := enclave.findall("*/profile")) == 1
+        ):
             return found[0]
     raise AssertionError(f"{node} has no enclave")
 
@@ -112,7 +116,9 @@ def test_what_every_node_has_beside_its_card_is_allowed(made: ET.Element) -> Non
         rclpy.init(args=[], domain_id=int(env["ROS_DOMAIN_ID"]))
         try:
             for name in ("er_bringup/imu_adapter", "er_bringup/ros2_control_joint"):
-                node: Any = part([name]).executable.make(["--ros-args", "-p", "use_sim_time:=true"])
+                node: Any = part([name]).executable.make(
+                    ["--ros-args", "-p", "use_sim_time:=true"]
+                )
                 own = profile(made, node.get_name())
                 ends = {
                     ("topic", "publish"): [each.topic_name for each in node.publishers],
@@ -132,10 +138,15 @@ def test_what_every_node_has_beside_its_card_is_allowed(made: ET.Element) -> Non
 
 
 def test_only_who_should_command_or_measure_may(made: ET.Element) -> None:
-    commanding = {each.name for each in CONTROLLERS.values()} | {"body_controller", "ros2_control_joint"}
+    commanding = {each.name for each in CONTROLLERS.values()} | {
+        "body_controller",
+        "ros2_control_joint",
+    }
     for own in made.iter("profile"):
         node = str(own.get("node"))
-        assert allowed(own, "topic", "publish", full(own, PWM_COMMAND.name)) <= (node in commanding)
+        assert allowed(own, "topic", "publish", full(own, PWM_COMMAND.name)) <= (
+            node in commanding
+        )
         for topic in SENSORS:
             measuring = node in ("plant", "hardware_bridge", "imu_adapter", "accel_adapter")
             assert allowed(own, "topic", "publish", full(own, topic.name)) <= measuring

@@ -8,7 +8,6 @@ import subprocess
 from collections.abc import Callable
 from dataclasses import replace
 from hashlib import blake2s
-from pathlib import Path
 from typing import Any
 
 import numpy as np

@@ -25,7 +25,10 @@ class Sealed(World):
     def __init__(self, wire: Wire | None = None, **changes: Any) -> None:
         self.starts = 0
         super().__init__(
-            replace(host(), key=KEY), wire or Wire(), d=Device(RIG, CALIBRATION, 1, KEY, self.seed()), **changes
+            replace(host(), key=KEY),
+            wire or Wire(),
+            d=Device(RIG, CALIBRATION, 1, KEY, self.seed()),
+            **changes,
         )
 
     def __post_init__(self) -> None:
@@ -129,7 +132,9 @@ def test_before_its_numbers_would_come_again_a_session_is_renewed_without_a_gap(
     world.run(0.2)
     before = world.host.caller.keys
     world.host = world.host._replace(sent=session.RENEWED)
-    world.device = world.device._replace(callee=world.device.callee._replace(heard=session.RENEWED))
+    world.device = world.device._replace(
+        callee=world.device.callee._replace(heard=session.RENEWED)
+    )
     world.run(0.3)
     assert world.host.caller.keys != before
     assert [r.seq for r in world.readings] == list(range(1, 101))
@@ -162,7 +167,10 @@ def test_an_answer_counts_for_the_call_of_now_alone() -> None:
     assert kinds(out, (KEY,)) == ["Open"]
     assert opening.offered.device
     assert session.answered(KEY, later, answer) == (later, b"")
-    assert session.answered(KEY, session.Caller(), Answer(b"d" * 8, b"")) == (session.Caller(), b"")
+    assert session.answered(KEY, session.Caller(), Answer(b"d" * 8, b"")) == (
+        session.Caller(),
+        b"",
+    )
 
 
 def test_a_recording_of_the_other_side_opens_no_session() -> None:
@@ -275,4 +283,6 @@ def test_a_forger_changes_nothing_and_locks_nobody_out(kind: str) -> None:
     assert attacked.device.height == alone.device.height
     assert attacked.device.callee.sessions == alone.device.callee.sessions
     assert (attacked.host.lost, attacked.host.boots) == (alone.host.lost, alone.host.boots)
-    assert kind == "replays" or attacked.device.parser.damaged + attacked.device.parser.skipped > 100
+    assert (
+        kind == "replays" or attacked.device.parser.damaged + attacked.device.parser.skipped > 100
+    )

@@ -388,4 +388,6 @@ def _sent(p: Bridge, state: BridgeState, message: Message) -> tuple[BridgeState,
 
 def farewell(p: Bridge, state: BridgeState) -> tuple[BridgeState, bytes]:
     """The last thing the device is told: its safe duty."""
-    return _sent(p, state, frame.Command(0, frame.from_duty(p.gate.safe_duty), p.sources.safe, 0, 0))
+    return _sent(
+        p, state, frame.Command(0, frame.from_duty(p.gate.safe_duty), p.sources.safe, 0, 0)
+    )

@@ -132,9 +132,7 @@ def _on_open(p: Device, state: DeviceState, asked: Open) -> tuple[DeviceState, b
     return _sent(p, state._replace(callee=callee, sent=0), p.hello)
 
 
-def _ordered(
-    p: Device, state: DeviceState, found: Frame, now: int
-) -> tuple[DeviceState, bool]:
+def _ordered(p: Device, state: DeviceState, found: Frame, now: int) -> tuple[DeviceState, bool]:
     """Whether a frame is newer than the one before; without a key any frame is after a while without such a one."""
     if p.key:
         callee, fresh = session.followed(state.callee, found.seq, found.key)

@@ -158,9 +158,7 @@ class Emulator:
                 _, _, piece, receiver = heapq.heappop(going)
                 self.link.write(piece, receiver)
 
-    def _heard(
-        self, state: DeviceState, data: bytes, sender: Sender
-    ) -> tuple[DeviceState, bytes]:
+    def _heard(self, state: DeviceState, data: bytes, sender: Sender) -> tuple[DeviceState, bytes]:
         """Take a piece; whoever sent a newer frame of the session gets the samples from then on."""
         before = state.callee.taken
         state, answer = device.on_bytes(

@@ -80,7 +80,9 @@ def read(path: Path) -> bytes:
     if found.st_uid not in (os.geteuid(), 0):
         raise InputError(path, "", "a key of this user", f"one of user {found.st_uid}")
     if not re.fullmatch(rf"[0-9a-fA-F]{{{2 * KEY}}}", text):
-        raise InputError(path, "", f"{2 * KEY} hexadecimal digits", f"{len(text)} other characters")
+        raise InputError(
+            path, "", f"{2 * KEY} hexadecimal digits", f"{len(text)} other characters"
+        )
     return bytes.fromhex(text)
 
 

@@ -42,7 +42,7 @@ class Link(Protocol):
     def read(self, timeout: float) -> bytes:
         """Bytes that came within this time [s]; none is an answer too."""
 
-    def write(self, data: bytes, to: Sender = None) -> None:
+    def write(self, data: bytes, to: Sender = None, /) -> None:
         """Send bytes, to the other end where nobody is named; what the wire does not take at once is lost."""
 
     def close(self) -> None:
@@ -100,7 +100,7 @@ class SerialLink:
             raise OSError(errno.ENODEV, "the port is gone")
         return data
 
-    def write(self, data: bytes, to: Sender = None) -> None:
+    def write(self, data: bytes, _: Sender = None, /) -> None:
         """Send bytes."""
         self._port.write(data)
 
@@ -118,9 +118,7 @@ class UdpLink:
 
     datagram = True
 
-    def __init__(
-        self, host: str, port: int, *, listen: bool = False, follow: bool = True
-    ) -> None:
+    def __init__(self, host: str, port: int, *, listen: bool = False, follow: bool = True) -> None:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
         self.sender: Sender = None
@@ -144,7 +142,7 @@ class UdpLink:
             self.peer = self.sender
         return data
 
-    def write(self, data: bytes, to: Sender = None) -> None:
+    def write(self, data: bytes, to: Sender = None, /) -> None:
         """Send one datagram."""
         there = to or self.peer
         if there is not None:
@@ -187,7 +185,7 @@ class PtyLink:
         ready, _, _ = select.select([self._master], [], [], timeout)
         return os.read(self._master, CHUNK) if ready else b""
 
-    def write(self, data: bytes, to: Sender = None) -> None:
+    def write(self, data: bytes, _: Sender = None, /) -> None:
         """Send bytes; without a reader they are lost, as on a wire that ends nowhere."""
         try:
             os.write(self._master, data)

@@ -61,7 +61,12 @@ def step(
         whole = close + (seal.TAG if spoken == own == SEALED else CRC.size)
         if whole > end:
             break
-        key = _key(keys if spoken == own else (), kind, buffer[at + len(MARK) : close], buffer[close:whole])
+        key = _key(
+            keys if spoken == own else (),
+            kind,
+            buffer[at + len(MARK) : close],
+            buffer[close:whole],
+        )
         if key is None:
             at, skipped, damaged = at + 1, skipped + 1, damaged + 1
             continue

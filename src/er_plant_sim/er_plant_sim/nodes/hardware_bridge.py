@@ -61,9 +61,7 @@ class BridgeNode(ManagedNode):
             exposed = not key and built.address.kind == "udp"
             (log.warning if exposed else log.info)(self, note)
         self.bridge = replace(built.bridge, key=key)
-        self.state = bridge.start(
-            self.bridge, monotonic_ns(), seed=secrets.token_bytes(seal.SEED)
-        )
+        self.state = bridge.start(self.bridge, monotonic_ns(), seed=secrets.token_bytes(seal.SEED))
         units = spoilable(programmed=self.bridge.duty is not None)
         self.port = FaultPort(self, units, enabled=p.enable_fault_injection, seed=0, rate=p.rate)
         self.out = Outlet(

@@ -47,7 +47,7 @@ class Ended(NamedTuple):
 
 def ended(key: bytes) -> Ended:
     """The host's side with a device that was heard and whose clock is known."""
-    p, now, number, out = replace(BRIDGE, key=key), 10**9, 0, b""
+    p, now, out = replace(BRIDGE, key=key), 10**9, b""
     state = bridge.start(p, now, seed=bytes(seal.SEED))
     if key:
         state, said = bridge.on_time(p, state, now)
@@ -56,8 +56,8 @@ def ended(key: bytes) -> Ended:
         offer = Answer(bytes(seal.NONCE), call.message.host)
         out = seal.session_keys(key, *offer).device
         state, _ = bridge.on_bytes(p, state, frame.encode(offer, 0, key), now)
-    for message in (Hello(1, PERIOD, 63, 1, 50_000, 5_000), *(SyncReply(now, now, now),) * 30):
-        number += 1
+    said_first = (Hello(1, PERIOD, 63, 1, 50_000, 5_000), *(SyncReply(now, now, now),) * 30)
+    for number, message in enumerate(said_first):
         state, _ = bridge.on_bytes(p, state, frame.encode(message, number, out), now)
     return Ended(p, bridge.begin(state), out)
 
