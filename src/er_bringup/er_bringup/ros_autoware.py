@@ -75,7 +75,7 @@ class State(NamedTuple):
 class AutowareCore:
     """Velocity reports in, accelerations of the car out, with the stamp and frame of the report."""
 
-    inputs = (REPORT,)
+    inputs: tuple[Topic, ...] = (REPORT,)
     output = topics.BODY_LOAD
     awaited = "two reports of the velocity"
 
@@ -96,7 +96,7 @@ class AutowareCore:
         return {"acceleration forward, left [m/s2]": f"{state.a_x:.2f}, {state.a_y:.2f}"}
 
     def on_message(
-        self, state: State, _: Topic, message: Any, when: When
+        self, state: State, _: Topic, message: Any, when: When, /
     ) -> tuple[State, list[Said]]:
         """Take a report; from the second one on the load is published."""
         stamp = from_stamp(message.header.stamp)

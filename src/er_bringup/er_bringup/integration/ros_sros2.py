@@ -76,7 +76,8 @@ def _enclave(enclaves: ET.Element, path: str) -> ET.Element:
 def _node(profiles: ET.Element, base: str, card: Card) -> None:
     """What one node may do."""
     profile = ET.SubElement(profiles, "profile", ns=base, node=card.program.name)
-    heard, asked = [topics.CLOCK.name, *(topic.name for topic in card.subscribes)], ()
+    heard = [topics.CLOCK.name, *(topic.name for topic in card.subscribes)]
+    asked: tuple[str, ...] = ()
     if card.program is RECORDER:  # it keeps everything, and the nodes' parameters
         heard, asked = ["/*"], ("/*/get_parameters", "/*/list_parameters")
     elif card.parameters and "wait_for_nodes" in [spec.name for spec in specs(card.parameters)]:

@@ -38,7 +38,7 @@ class AdapterCore(Protocol):
         """Whether samples stay away, at a time on the steady clock [ns]."""
 
     def on_message(
-        self, state: Any, topic: Topic, message: Any, when: When
+        self, state: Any, topic: Topic, message: Any, when: When, /
     ) -> tuple[Any, list[Said]]:
         """Take a message."""
 

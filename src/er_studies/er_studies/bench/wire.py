@@ -56,7 +56,10 @@ def ended(key: bytes) -> Ended:
         offer = Answer(bytes(seal.NONCE), call.message.host)
         out = seal.session_keys(key, *offer).device
         state, _ = bridge.on_bytes(p, state, frame.encode(offer, 0, key), now)
-    said_first = (Hello(1, PERIOD, 63, 1, 50_000, 5_000), *(SyncReply(now, now, now),) * 30)
+    said_first: tuple[frame.Message, ...] = (
+        Hello(1, PERIOD, 63, 1, 50_000, 5_000),
+        *(SyncReply(now, now, now),) * 30,
+    )
     for number, message in enumerate(said_first):
         state, _ = bridge.on_bytes(p, state, frame.encode(message, number, out), now)
     return Ended(p, bridge.begin(state), out)
