@@ -8,6 +8,7 @@ er bench graph [ARGS]      lost messages, latency and CPU of the running graph
 er bench monitor [ARGS]    the model beside the damper: its work, its process, late answers
 er bench page [ARGS]       the page: slider to curves, beside a running graph, leaks
 er bench ros [ARGS]        loop latency and CPU, in processes and composed, beside plain rclpy executors
+er bench wire [ARGS]       frames of the hardware bridge with and without authentication
 
 -h after a name shows its arguments.
 """
@@ -25,6 +26,7 @@ PARTS = {
     "monitor": "er_studies.bench.ros_monitor",
     "page": "er_studies.bench.page",
     "ros": "er_studies.bench.ros",
+    "wire": "er_studies.bench.wire",
 }
 
 
