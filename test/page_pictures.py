@@ -1,4 +1,4 @@
-"""The pictures of docs/open.md: `./er exec python -m test.page_pictures` takes them in the system's browser.
+"""The pictures of docs/open.md: `./er exec python -m test.page_pictures [live]`, in the system's browser.
 
 Needs Chromium and the package playwright, as the tests of the page do.
 """
@@ -10,16 +10,23 @@ import subprocess
 import sys
 import tempfile
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
+from er_models.files import save_model
 from PIL import Image
 
 from test.conftest import ROOT
+from test.played_graph import VEHICLE, with_friction
 from test.sample import write_sample
 
 PICTURES = ROOT / "docs" / "pictures"
 WIDE, PHONE = {"width": 1280, "height": 800}, {"width": 390, "height": 844}
-PATIENCE = 300_000.0
+LIVE, FRAME, COLOURS = {"width": 1180, "height": 1010}, (826, 707), 48
+"""Of the picture that moves: the page, what it is made smaller to, and its colours."""
+PACE = 900
+"""Between two of its frames [ms]."""
+PATIENCE = 600_000.0
 """The longest that anything may take [ms]."""
 
 
@@ -76,8 +83,60 @@ def walk(page):
     take(page, "phone")
 
 
+@contextmanager
+def driven():
+    """The address of a page beside a played graph."""
+    command = [sys.executable, "-m", "test.played_graph", "25", "1", "1"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        yield process.stdout.readline().strip()
+        process.send_signal(signal.SIGINT)
+
+
+def drive(page):
+    """Beside a graph: a model that has the friction goes to the monitor, and the live error falls."""
+    frames = []
+
+    def look(times):
+        for _ in range(times):
+            page.wait_for_timeout(PACE)
+            shot = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+            frames.append(shot.resize(FRAME, Image.LANCZOS))
+
+    page.set_viewport_size(LIVE)
+    page.get_by_text("explains").wait_for()
+    look(4)
+    with tempfile.TemporaryDirectory() as folder:
+        better = Path(folder) / "with_friction.yaml"
+        save_model(replace(with_friction(VEHICLE), name="with_friction"), better)
+        page.get_by_role("tab", name="Data").click()
+        page.set_input_files("input[type=file]", better)
+        page.locator("header").get_by_text("with_friction").wait_for()
+        page.get_by_role("tab", name="Live").click()
+        look(1)
+        page.get_by_role("button", name="Monitor: use this model").click()
+        page.get_by_text("monitor, with_friction_learnt_1").wait_for()
+    look(8)
+    moving(frames)
+    page.set_viewport_size(WIDE | {"height": 1000})
+    take(page, "live")
+    page.get_by_label("Light or dark").click()
+    take(page, "live_dark")
+
+
+def moving(frames):
+    """One picture that moves, of the few colours that a page has; the last frame stays."""
+    palette = frames[-1].quantize(COLOURS, dither=Image.Dither.NONE)
+    each = [f.quantize(palette=palette, dither=Image.Dither.NONE) for f in frames]
+    times = [600] * (len(each) - 1) + [3000]
+    path = PICTURES / "live.gif"
+    each[0].save(
+        path, save_all=True, append_images=each[1:], duration=times, loop=0, optimize=True
+    )
+    print(f"{len(each)} frames, {path.stat().st_size / 1e3:.0f} kB: {path}")
+
+
 def main():
-    """Take all of them."""
+    """Take all of them, or those beside a graph (`live`)."""
     from playwright.sync_api import sync_playwright
 
     browser = shutil.which("chromium") or shutil.which("google-chrome")
@@ -86,15 +145,16 @@ def main():
     PICTURES.mkdir(exist_ok=True)
     with (
         tempfile.TemporaryDirectory() as folder,
-        served(Path(folder)) as address,
         sync_playwright() as started,
+        started.chromium.launch(executable_path=browser, args=["--no-sandbox"]) as window,
     ):
-        page = started.chromium.launch(executable_path=browser, args=["--no-sandbox"]).new_page(
-            viewport=WIDE
-        )
-        page.set_default_timeout(PATIENCE)
-        page.goto(address)
-        walk(page)
+        parts = ((driven(), drive), (served(Path(folder)), walk))
+        for address, walked in parts[:1] if "live" in sys.argv else parts:
+            with address as there:
+                page = window.new_page(viewport=WIDE)
+                page.set_default_timeout(PATIENCE)
+                page.goto(there)
+                walked(page)
     print(f"{len([*PICTURES.glob('open_*.webp')])} pictures: {PICTURES}")
 
 

@@ -89,7 +89,7 @@ def test_it_goes_on_beside_whatever_is_asked_of_it(
     save_model(load_model(VEHICLE).with_effect("preload", {"F_0": 3.0}), worn)
     monitor = graph.start(
         "model_monitor", "--ros-args", "-p", f"model_file:={VEHICLE}", "-p", "learn:=10.0",
-        "-p", f"models:={tmp_path / 'models'}", "-p", "max_age:=0.5",
+        "-p", f"models:={tmp_path / 'models'}", "-p", "max_age:=0.5", "-p", "along:=[plant, nobody]",
     )  # fmt: skip
     graph.start("plant", *plant_arguments(*PLANT, "-p", f"damper_file:={worn}"))
     seen.until(lambda: len(seen.residuals) > 1100, 240.0)
@@ -101,6 +101,8 @@ def test_it_goes_on_beside_whatever_is_asked_of_it(
     answer = seen.result_of(seen.use.call_async(UseModel.Request(model=str(worn))))
     assert answer.accepted, answer.reason
     assert f"model: {answer.reason}" in monitor.text
+    monitor.wait_for("plant goes over to it, too")
+    assert "nobody does not answer: it keeps its model" in monitor.text
     before = len(seen.residuals)
     seen.until(lambda: len(seen.residuals) > before + 500)
     wrong, right = (

@@ -4,26 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 pytest.importorskip("rclpy")
 
+import numpy as np
 import rclpy
 from er_bringup.programs import CORES
 from er_common.parameter_table import specs
 from er_common.program import Program
 from er_ftc_controller.programs import FTC, SKYHOOK
 from er_ftc_controller.settings import controller_of
+from er_models.files import load_model, save_model
 from er_observers.programs import FAULT_ESTIMATOR, OBSERVERS
 from er_plant_sim.nodes.plant import PlantNode
+from er_plant_sim.rig import Rig, RigState
 from er_ros_common.core import When, shell_of
 from er_ros_common.core_node import CoreNode
 from er_ros_common.managed import ManagedNode
 from rclpy.parameter import Parameter
 
 from er_common import topics
+from er_plant_sim import rig as plant
 from er_ros_common import builders
 from test.graph_help import CONFIG, GAINS, VEHICLE, own_domain, plant_arguments
 
@@ -160,3 +165,41 @@ def test_the_plant_takes_other_limits_of_the_duty(node: PlantNode) -> None:
     node.trigger_configure()
     assert node.rig.dt == 0.01
     assert node.timer.timer_period_ns == 10_000_000
+
+
+@pytest.mark.parametrize("node", [Program("plant", "er_plant_sim", "")], indirect=True)
+def test_the_plant_takes_another_damper_in_the_middle_of_its_drive(
+    node: PlantNode, tmp_path: Path
+) -> None:
+    def driven(rig: Rig, state: RigState, ticks: int) -> RigState:
+        for _ in range(ticks):
+            state = plant.advance(rig, state)
+        return state
+
+    def deflections(rig: Rig, state: RigState) -> Any:
+        each = []
+        for _ in range(600):
+            state = driven(rig, state, 1)
+            assert state.sim.output is not None
+            each.append(state.sim.output.deflection)
+        return np.array(each)
+
+    worn = tmp_path / "worn.yaml"
+    save_model(load_model("inove_guo").with_effect("preload", {"F_0": 3.0}), worn)
+    node.state = driven(node.rig, node.state, 400)
+    before, rig, model_id = node.state, node.rig, node.health.model_id
+    assert "none.yaml" in put(node, damper_file=str(tmp_path / "none.yaml"))
+    assert (node.state, node.rig) == (before, rig)
+    assert put(node, damper_file=str(worn)) == ""
+    assert node.health.model_id != model_id
+    assert (node.state.sim.tick, node.state.sim.output) == (before.sim.tick, before.sim.output)
+    assert np.array_equal(node.state.sim.plant.q, before.sim.plant.q)
+    # the car settles where its springs hold the preload
+    there, here = (deflections(r, s) for r, s in ((node.rig, node.state), (rig, before)))
+    stiffness = load_model(VEHICLE).value("quarter_car", "k_s") + 263.0
+    assert (there - here)[300:].mean() == pytest.approx(-3.0 / stiffness, rel=0.05)
+    assert put(node, damper_file="") == ""
+    back = deflections(
+        node.rig, node.state
+    )  # what the damper remembers begins anew, and is soon the same
+    assert np.allclose(back[400:], here[400:], rtol=0.0, atol=1e-6)

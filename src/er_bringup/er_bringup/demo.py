@@ -25,6 +25,8 @@ from er_models.seed import OF_A_PLANT, seed_reader
 from rich.console import Console
 from rich.table import Table
 
+from er_bringup.demo_live import LATER, Live, has_browser
+from er_bringup.demo_live import play as play_live
 from er_bringup.hidden import RANGES, choose, hide
 from er_bringup.terminal import console
 from er_bringup.up import configuration, run
@@ -260,7 +262,27 @@ def parser() -> OneLine:
         help="pace: of the real clock, of simulated time, or of the duties that answer",
     )
     p.add_argument("--repeat", type=int, default=1, help="that many demonstrations, and a table")
+    live = p.add_argument_group("on the running graph, on a page")
+    live.add_argument(
+        "--live",
+        action="store_true",
+        help="find it while it is driven, and once more what begins then",
+    )
+    live.add_argument(
+        "--later", default="leak", choices=(*LATER, "none"), help="what begins in the second drive"
+    )
+    live.add_argument(
+        "--pace", type=float, default=1.0, help="speed of simulated time; 1: the real clock"
+    )
+    live.add_argument("--no-browser", action="store_true", help="only print the page's address")
+    live.add_argument("--stay", action="store_true", help="the page stays until Ctrl-C")
     return p
+
+
+def live_of(given: argparse.Namespace, seed: int, out: Path) -> Live:
+    """What to do on the running graph."""
+    browser = has_browser() and not given.no_browser
+    return Live(given.effect, seed, given.later, given.pace, out, browser, given.stay)
 
 
 def main() -> None:
@@ -270,6 +292,8 @@ def main() -> None:
     out = given.out or Path("log") / "demo" / f"{time.strftime('%Y%m%d-%H%M%S')}-{seed}"
     demo = Demo(given.effect, seed, given.learn, given.check, out.absolute(), given.mode)
     try:
+        if given.live:
+            sys.exit(0 if play_live(live_of(given, seed, out.absolute()), console()) else 1)
         if given.repeat > 1:
             sys.exit(1 if repeat(demo, given.repeat, console()) > MAY_FAIL * given.repeat else 0)
         sys.exit(0 if play(demo, console()).success else 1)

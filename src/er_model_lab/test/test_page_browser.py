@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from http.client import HTTPConnection
 from pathlib import Path
@@ -21,14 +22,21 @@ from test.sample import write_sample
 pytest.importorskip("nicegui", reason="the package nicegui is not installed")
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 BROWSER = next((path for name in BROWSERS if (path := shutil.which(name))), None)
+ROOT = str(Path(__file__).parents[3])
+OPEN = ("-m", "er_model_lab.cli.app", "open", "--no-browser")
+PLAYED = (
+    "-c",
+    f"import sys; sys.path.insert(0, {ROOT!r}); from test.played_graph import main; main()",
+)
+"""A page beside a graph that is played, of how many seconds before and at which pace."""
 PATIENCE = 60_000.0
 """The longest that anything on a page may take on a busy machine [ms]."""
 
 
 @contextmanager
-def opened(*words: str, cwd: Path) -> Iterator[str]:
-    """The address that `lab open` prints; ended by Ctrl-C, which must end it well."""
-    command = [sys.executable, "-m", "er_model_lab.cli.app", "open", "--no-browser", *words]
+def opened(*words: str, cwd: Path, program: Sequence[str] = OPEN) -> Iterator[str]:
+    """The address that a program prints, by default `lab open`; ended by Ctrl-C, which must end it well."""
+    command = [sys.executable, *program, *words]
     alone = {k: v for k, v in os.environ.items() if not k.startswith(("PYTEST", "NICEGUI"))}
     with subprocess.Popen(
         command, cwd=cwd, env=alone, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
@@ -79,8 +87,8 @@ def test_only_the_address_that_is_printed_opens_the_page(tmp_path: Path) -> None
         assert busy.stderr.startswith("--port: expected a port that is free")
 
 
-@pytest.fixture
-def page(tmp_path: Path) -> Iterator[Any]:
+@contextmanager
+def seen(*words: str, cwd: Path, program: Sequence[str] = OPEN) -> Iterator[Any]:
     """A page in a browser, without errors and without a request to another host."""
     if BROWSER is None:
         pytest.skip("no Chromium or Chrome on this machine")
@@ -89,7 +97,7 @@ def page(tmp_path: Path) -> Iterator[Any]:
     )
     errors, hosts = list[str](), set[str]()
     with (
-        opened("--model", "inove_guo", cwd=tmp_path) as address,
+        opened(*words, cwd=cwd, program=program) as address,
         playwright.sync_playwright() as started,
         started.chromium.launch(
             executable_path=BROWSER, args=["--no-sandbox", "--disable-gpu"]
@@ -107,6 +115,13 @@ def page(tmp_path: Path) -> Iterator[Any]:
         yield made
         assert errors == []
         assert hosts == {address.split("/")[2]}
+
+
+@pytest.fixture
+def page(tmp_path: Path) -> Iterator[Any]:
+    """A page over a model."""
+    with seen("--model", "inove_guo", cwd=tmp_path) as made:
+        yield made
 
 
 def test_drop_look_drag_cancel_add_undo_and_take(page: Any, tmp_path: Path) -> None:
@@ -157,3 +172,59 @@ def test_drop_look_drag_cancel_add_undo_and_take(page: Any, tmp_path: Path) -> N
     assert "lab.add(data, model, 'coulomb_friction', seed=SEED" in program
     assert "coulomb_friction" in lab.load_model(taken["Model"]).effects
     assert "lab.add(data" in taken["Program"].read_text(encoding="utf-8")
+
+
+def test_beside_a_running_graph_the_live_error_falls_once_the_effect_is_added(
+    tmp_path: Path,
+) -> None:
+    from playwright.sync_api import expect
+
+    expect.set_options(timeout=PATIENCE)
+    with seen("14", "1", "0.2", cwd=tmp_path, program=PLAYED) as page:
+        expect(page.get_by_text("monitor, inove_quarter_car: explains")).to_be_visible()
+        expect(page.get_by_text("drive a bump").first).to_be_visible()
+        before = live_error(page)
+        page.get_by_role("tab", name="Learn").click()
+        page.get_by_label("Effect to add").fill("coulomb")
+        page.get_by_role("option", name="Coulomb friction").click()
+        page.get_by_role("button", name="Add", exact=True).click()
+        page.get_by_role("tab", name="Live").click()
+        expect(
+            page.get_by_text("monitor, inove_quarter_car_coulomb_friction_learnt_1")
+        ).to_be_visible()
+        page.wait_for_function(
+            "([text, most]) => parseFloat((document.body.innerText.match(text) || [0, 9])[1]) < most",
+            arg=[LIVE, 0.6 * before],
+        )
+        page.get_by_role("switch", name="follow the drive").click()
+        expect(page.locator("header [role=status]")).to_contain_text("held out")
+
+
+def test_axe_finds_nothing_serious_on_any_panel_light_or_dark(tmp_path: Path) -> None:
+    axe = pytest.importorskip(
+        "axe_playwright_python.sync_playwright", reason="axe is not installed"
+    ).Axe()
+    found = dict[str, list[str]]()
+    with seen("12", "0", "0", cwd=tmp_path, program=PLAYED) as page:
+        page.get_by_text("To drive next").wait_for()
+        for name in ("Live", "Data", "Play", "Learn", "Steps", "Take", "Live again, dark"):
+            if name.endswith("dark"):
+                page.get_by_label("Light or dark").click()
+            page.get_by_role("tab", name=name.split()[0]).click()
+            page.wait_for_timeout(700)
+            found[name] = [
+                f"{v['id']}: {v['nodes'][0]['html'][:120]}"
+                for v in axe.run(page).response["violations"]
+                if v["impact"] in ("serious", "critical")
+            ]
+    assert {name: each for name, each in found.items() if each} == {}
+
+
+LIVE = r"live error ([0-9.]+) N"
+"""What the page says of the monitor's error."""
+
+
+def live_error(page: Any) -> float:
+    """The error that a live page shows [N]."""
+    found = page.get_by_text(re.compile(LIVE)).inner_text()
+    return float(re.search(LIVE, found)[1])  # type: ignore[index]

@@ -106,6 +106,12 @@ def initial_state(
     return State(0.0, float(road), state, w, np.full(plant.depth, float(duty)), memory)
 
 
+def gone_over(plant: Plant, state: State) -> State:
+    """The same car at the same instant with another damper, which begins settled in the motion that there is."""
+    begun = initial_state(plant, state.road, float(state.duties[-1]), state.q)
+    return begun._replace(t=state.t, duties=state.duties)
+
+
 def step(plant: Plant, state: State, inputs: tuple[float | Array, float]) -> tuple[State, Output]:
     """The car one sample later, and what its sensors read then: a pure step, as `simulate` makes them.
 

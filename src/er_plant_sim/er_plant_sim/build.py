@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,10 @@ from er_models.files import load_model
 from er_models.model import Model
 from er_models.own import effects
 from er_models.program import SCHEMA, Program, load_program, parse_program
+from er_models.simulation import gone_over
 
 from er_plant_sim.noise import Errors, Noise
-from er_plant_sim.rig import Rig
+from er_plant_sim.rig import Rig, RigState
 from er_plant_sim.rig_parameters import for_this_run, gate, of_a_wheel, scaled
 from er_plant_sim.settings import PlantParameters, SensorErrors, program_values
 from er_plant_sim.simulator import damper_replaced, simulator
@@ -35,6 +37,13 @@ def build(p: PlantParameters) -> Rig:
     program, heights = scaled(program, known, dt)
     programmed = p.duty_source == "program"
     return Rig(simulator(model, dt, noise), gate(p, model), program, programmed, heights)
+
+
+def with_damper(p: PlantParameters, rig: Rig, state: RigState) -> tuple[Rig, RigState]:
+    """The rig with the damper that the parameters name, at the same instant of its drive; raises as `build`."""
+    made = simulator(load_plant_model(p), rig.dt, rig.sim.noise)
+    car = gone_over(made.plant, state.sim.plant)
+    return replace(rig, sim=made), RigState(state.sim._replace(plant=car), state.gate)
 
 
 def load_plant_model(p: PlantParameters) -> Model:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, make_dataclass
 from difflib import get_close_matches
 from typing import Any
 
-from er_common.parameter_table import REQUIRED, param
+from er_common.parameter_table import REQUIRED, param, tuning
 from er_models.duty import KINDS as DUTIES
 from er_models.errors import InputError
 from er_models.road import FACTOR
@@ -50,7 +50,7 @@ class SensorErrors:
 class PlantParameters(RigParameters, SensorErrors):
     """Every parameter of the plant but those of the program (`road.*`, `duty.*`), which override its file."""
 
-    damper_file: str = param("", text="model file whose damper replaces that of the vehicle")
+    damper_file: str = tuning("", text="model file whose damper replaces that of the vehicle")
     mode: str = param(
         "realtime",
         choices=MODES,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from er_models.errors import ErError, InputError
@@ -13,13 +13,20 @@ from er_models.errors import ErError, InputError
 from er_model_lab.cli.options import EffectsFrom, Seed
 from er_model_lab.cli.running import fail
 
+if TYPE_CHECKING:
+    from er_model_lab.session.desk import Desk
+
 HOST = "127.0.0.1"
 """The only address that the page is served at."""
 
 
 def open_command(
     data: Annotated[
-        list[Path] | None, typer.Argument(metavar="[DATA ...]", help="Measurements to begin with.")
+        list[Path] | None,
+        typer.Argument(
+            metavar="[DATA ...]",
+            help="Measurements to begin with; with --live the namespace of a graph.",
+        ),
     ] = None,
     model: Annotated[
         str | None,
@@ -31,6 +38,18 @@ def open_command(
     no_browser: Annotated[
         bool, typer.Option("--no-browser", help="Only print the address.")
     ] = False,
+    live: Annotated[
+        bool,
+        typer.Option(
+            "--live", help="Follow the running graph in the namespace that is named, or in none."
+        ),
+    ] = False,
+    minutes: Annotated[
+        float,
+        typer.Option(
+            "--minutes", min=1.0, max=60.0, help="How much of a drive is remembered (--live)."
+        ),
+    ] = 5.0,
     allow_code: Annotated[
         bool,
         typer.Option(
@@ -44,16 +63,13 @@ def open_command(
     """The lab as a page: look, play, learn, add, take away. The last line is its address; Ctrl-C ends it."""
     try:
         with TemporaryDirectory(prefix="er_lab_") as folder:
-            _serve(
-                Path(folder),
-                data or [],
-                model,
-                port,
-                not no_browser,
-                allow_code,
-                effects_from or [],
-                seed,
-            )
+            free, begun = _free(port), effects_from or []
+            if live:
+                desk = _beside(Path(folder), data or [], minutes, seed)
+            else:
+                desk = _over(Path(folder), data or [], seed, allow_code)
+            desk.code_files = tuple(begun)
+            _serve(desk, data if data and not live else [], model, free, browser=not no_browser)
     except KeyboardInterrupt:  # how a page is ended
         return
     except ErError as error:
@@ -75,26 +91,32 @@ def _free(asked: int | None) -> int:
         return int(found.getsockname()[1])
 
 
-def _serve(
-    folder: Path, data: list[Path], model: str | None, port: int | None, browser: bool, code: bool,
-    effects_from: list[Path], seed: int,
-) -> None:  # fmt: skip
-    free = _free(port)
-    from er_common.extras import extra
-
+def _over(folder: Path, data: list[Path], seed: int, code: bool) -> Desk:
     from er_model_lab.session.desk import Desk
-    from er_model_lab.session.steps import Source
-    from er_model_lab.verbs.load import load_model
 
     for path in data:
         if not path.exists():
             raise InputError(path, "", "a file or folder", "nothing there")
-    begun = load_model(model, effects_from) if model else None
+    return Desk(folder, given=data, seed=seed, code=code)
+
+
+def _beside(folder: Path, names: list[Path], minutes: float, seed: int) -> Desk:
+    from er_model_lab.session.live_desk import LiveDesk
+
+    if len(names) > 1:
+        raise InputError("--live", "", "one namespace, or none", " ".join(map(str, names)))
+    return LiveDesk(folder, str(names[0]) if names else "", minutes=minutes, seed=seed)
+
+
+def _serve(desk: Desk, data: list[Path], model: str | None, port: int, *, browser: bool) -> None:
+    from er_common.extras import extra
+
+    from er_model_lab.session.steps import Source
+    from er_model_lab.verbs.load import load_model
+
+    begun = load_model(model, desk.code_files) if model else None
     with extra("er_model_lab[page]", "the page"):
         from er_model_lab.page.server import serve
-
-    desk = Desk(folder, given=data, seed=seed, code=code)
-    desk.code_files = tuple(effects_from)
     if data or begun:
         desk.bring([Source(path) for path in data], begun, str(model or ""))
-    serve(desk, host=HOST, port=free, browser=browser, say=lambda address: typer.echo(address))
+    serve(desk, host=HOST, port=port, browser=browser, say=typer.echo)

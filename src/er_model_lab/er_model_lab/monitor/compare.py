@@ -94,18 +94,19 @@ def step(m: Monitor, state: State, row: Row) -> tuple[State, Answer]:
             return State(watch=state.watch), Answer(_NAN, _NAN)
         v, a = _known(row.v, 0.0), _known(row.sprung - row.unsprung, 0.0)
         damper = begin(m.follower, Sample(row.x, v, a, row.u))
-        state = state._replace(driven=row.stamp, begun=row.stamp)
+        driven = begun = row.stamp
     else:
         damper = _followed(m, damper, row, elapsed / SECOND)
-        state = state._replace(driven=row.stamp) if math.isfinite(row.u) else state
-    state = state._replace(damper=damper, stamp=row.stamp)
+        driven, begun = row.stamp if math.isfinite(row.u) else state.driven, state.begun
     force, more, less = damper.forces.tolist()
-    error = row.f - force
-    known = row.stamp - state.driven <= m.hold * SECOND
-    if not (known and math.isfinite(error) and row.stamp - state.begun >= SETTLING * SECOND):
-        return state, Answer(force if known else _NAN, error if known else _NAN)
-    part = Part(error, 0.5 * (more - less), force, float(damper.sample[1]))
-    return state._replace(watch=watch(m.settings, state.watch, part)), Answer(force, error)
+    error, seen = row.f - force, state.watch
+    known = row.stamp - driven <= m.hold * SECOND
+    if known and math.isfinite(error) and row.stamp - begun >= SETTLING * SECOND:
+        seen = watch(
+            m.settings, seen, Part(error, 0.5 * (more - less), force, float(damper.sample[1]))
+        )
+    answer = Answer(force, error) if known else Answer(_NAN, _NAN)
+    return State(damper, row.stamp, driven, begun, seen), answer
 
 
 def _followed(m: Monitor, damper: Following, row: Row, elapsed: float) -> Following:

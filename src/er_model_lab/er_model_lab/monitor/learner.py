@@ -46,7 +46,7 @@ def learn(task: Task, heard: Mapping[str, Array], cancel: Event, say: Any) -> di
         return {"reason": " ".join(str(error).split())}
     if cancel.is_set() or result.model is None:
         return {"reason": "cancelled" if cancel.is_set() else "there is no new model"}
-    return _told(result, _kept(result.model, model.name, Path(task.models)))
+    return _told(result, kept(result.model, model.name, Path(task.models)))
 
 
 def _data(task: Task, heard: Mapping[str, Array]) -> Dataset:
@@ -69,7 +69,7 @@ def _progress(say: Any) -> Any:
     return told
 
 
-def _kept(model: Model, name: str, folder: Path) -> str:
+def kept(model: Model, name: str, folder: Path) -> str:
     """The new model in a file of its own, which it does not share with any before."""
     folder.mkdir(parents=True, exist_ok=True)
     number = 1
@@ -102,8 +102,8 @@ def main() -> None:
     os.nice(NICE)
     folder, cancel = Path(sys.argv[1]), Event()
     task = Task(**json.loads((folder / TASK).read_text(encoding="utf-8")))
-    with np.load(folder / HEARD) as kept:
-        heard = {name: kept[name] for name in kept.files}
+    with np.load(folder / HEARD) as file:
+        heard = {name: file[name] for name in file.files}
 
     def say(content: dict[str, Any]) -> None:
         try:

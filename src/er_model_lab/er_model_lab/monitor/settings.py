@@ -61,6 +61,9 @@ class MonitorParameters(NodeParameters):
         text="how much of what was heard last ~/diagnose can learn from",
     )
     models: str = param("models", text="folder for the models that ~/diagnose makes")
+    along: tuple[str, ...] = param(
+        (), text="nodes that ~/use_model asks to go over to the model, too: a plant, observers"
+    )
     timeout: float = param(
         0.05,
         unit="s",

@@ -107,7 +107,7 @@ def watch(s: Settings, w: Watch, part: Part) -> Watch:
     n, ee, dd, ff, vv = w.sums
     n, ee, dd, ff, vv = n + 1, ee + e * e, dd + d * d, ff + f * f, vv + v * v
     if n < s.samples:
-        return w._replace(sums=(n, ee, dd, ff, vv))
+        return Watch((n, ee, dd, ff, vv), *w[1:])  # at a third of the time of `_replace`
     w = w._replace(sums=(0, 0.0, 0.0, 0.0, 0.0))
     if vv / n < s.moving**2:  # at rest nothing is seen of most effects
         return w

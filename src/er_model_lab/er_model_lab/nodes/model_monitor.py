@@ -16,8 +16,12 @@ from er_models.errors import ErError
 from er_models.model import Array
 from er_ros_common.core_node import CoreNode
 from er_ros_common.health import Report
+from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.srv import SetParameters
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
+from rclpy.client import Client
+from rclpy.parameter import Parameter
 
 from er_damper_msgs.action import Diagnose
 from er_damper_msgs.srv import UseModel
@@ -26,6 +30,8 @@ from er_model_lab.monitor.learning import Learning, Task
 from er_model_lab.ros_monitor import MonitorCore, State
 from er_ros_common import log
 
+MODEL_FILE, FILE = "model_file", {"plant": "damper_file"}
+"""Parameter that names a node's model; of those where it has another name. A plant keeps its car."""
 LOOK = 0.1
 """How often the process that learns is looked at [s]."""
 LEAST = 5.0
@@ -80,6 +86,14 @@ class MonitorNode(CoreNode):
         self.offer(UseModel, "~/use_model", self.on_use_model)
         self.server: ActionServer = self._once("action ~/diagnose", self._served)
         self.every(LOOK, self.on_look)
+        self.others = {name: self._client(name) for name in self.core.p.along}
+
+    def _client(self, name: str) -> Client:
+        service = f"{name}/set_parameters"
+        made: Client = self._once(
+            f"client {name}", lambda: self.create_client(SetParameters, service)
+        )
+        return made
 
     def _served(self) -> ActionServer:
         return ActionServer(
@@ -131,7 +145,24 @@ class MonitorNode(CoreNode):
             f"{core.model.name} ({request.model}) from sample {self.state.last.seq + 1} on"
         )
         log.info(self, f"model: {answer.reason}")
+        for name, asked in self.others.items():
+            self._tell(name, asked, request.model)
         return answer
+
+    def _tell(self, name: str, asked: Client, model: str) -> None:
+        """Ask another node to go over to a model, through its parameters, and say what came of it."""
+        if not asked.service_is_ready():
+            log.warning(self, f"{name} does not answer: it keeps its model")
+            return
+        value = Parameter(FILE.get(name.rpartition("/")[2], MODEL_FILE), value=model)
+        future = asked.call_async(SetParameters.Request(parameters=[value.to_parameter_msg()]))
+        future.add_done_callback(lambda done: self._went(name, done.result().results[0]))
+
+    def _went(self, name: str, result: SetParametersResult) -> None:
+        if result.successful:
+            log.info(self, f"{name} goes over to it, too")
+        else:
+            log.warning(self, f"{name} keeps its model: {result.reason}")
 
     def on_goal(self, _: Diagnose.Goal) -> GoalResponse:
         """Take a goal where none is under way."""

@@ -62,7 +62,7 @@ def force(desk: Desk, theme: Theme) -> Json:
     """Measured and predicted force over time, and what is left below, of the seconds in view."""
     sight, predicted = desk.sight, desk.predicted
     if sight is None or predicted is None:
-        return _empty(theme, "force over time", 400)
+        return nothing_yet(theme, "force over time", 400)
     seconds = desk.selection.seconds
     rows = [
         ("measured", sight.force, theme.measured, "y", 2.4), ("model", predicted, theme.model, "y", 1.4),
@@ -71,20 +71,20 @@ def force(desk: Desk, theme: Theme) -> Json:
     if (given := desk.as_given) is not None:
         rows.insert(1, ("as given", given, theme.marked, "y", 1.0))
     data = [
-        _line(*curve(sight, y, seconds), name, colour, width, yaxis=axis)
+        line_of(*curve(sight, y, seconds), name, colour, width, yaxis=axis)
         for name, y, colour, axis, width in rows
     ]
     if desk.selection.velocity is not None:
         at = _marked(desk, sight)
-        data.append(_dots(sight.t[at], sight.force[at], "in the tile", theme.marked))
-    layout = _layout(theme, 400)
+        data.append(dots_of(sight.t[at], sight.force[at], "in the tile", theme.marked))
+    layout = layout_of(theme, 400)
     layout |= {
-        "xaxis": _axis(theme, "time [s]", range=list(seconds or (sight.t[0], sight.t[-1])), anchor="y2"),
-        "yaxis": _axis(theme, "force [N]", domain=[0.40, 1.0]),
-        "yaxis2": _axis(theme, "left [N]", domain=[0.0, 0.33], anchor="x"),
+        "xaxis": axis_of(theme, "time [s]", range=list(seconds or (sight.t[0], sight.t[-1])), anchor="y2"),
+        "yaxis": axis_of(theme, "force [N]", domain=[0.40, 1.0]),
+        "yaxis2": axis_of(theme, "left [N]", domain=[0.0, 0.33], anchor="x"),
         "shapes": _held(sight, theme), "dragmode": "zoom", "hovermode": "x",
     }  # fmt: skip
-    return _figure(data, layout)
+    return figure_of(data, layout)
 
 
 def _marked(desk: Desk, sight: Sight) -> NDArray[np.int64]:
@@ -113,7 +113,7 @@ def residual_map(desk: Desk, theme: Theme) -> Json:
     """Rms of what is left over velocity and deflection, of the seconds in view."""
     sight, residual = desk.sight, desk.residual
     if sight is None or residual is None:
-        return _empty(theme, "where it fails", 300)
+        return nothing_yet(theme, "where it fails", 300)
     at = desk.selection
     seconds = (
         None if at.seconds is None else (sight.t >= at.seconds[0]) & (sight.t <= at.seconds[1])
@@ -126,9 +126,9 @@ def residual_map(desk: Desk, theme: Theme) -> Json:
         "colorbar": {"title": {"text": "rms [N]", "side": "right"}, "thickness": 10, "outlinewidth": 0},
         "hovertemplate": "%{x:.0f} mm/s, %{y:.1f} mm: %{z:.3g} N<extra></extra>",
     }]  # fmt: skip
-    layout = _layout(theme, 300) | {
-        "xaxis": _axis(theme, "velocity [mm/s]", zeroline=False),
-        "yaxis": _axis(theme, "deflection [mm]", zeroline=False),
+    layout = layout_of(theme, 300) | {
+        "xaxis": axis_of(theme, "velocity [mm/s]", zeroline=False),
+        "yaxis": axis_of(theme, "deflection [mm]", zeroline=False),
     }  # fmt: skip
     if at.velocity is not None and at.deflection is not None:
         (a, b), (c, d) = at.velocity, at.deflection
@@ -136,44 +136,44 @@ def residual_map(desk: Desk, theme: Theme) -> Json:
             "type": "rect", "x0": 1e3 * a, "x1": 1e3 * b, "y0": 1e3 * c, "y1": 1e3 * d,
             "line": {"color": theme.ink, "width": 3},
         }]  # fmt: skip
-    return _figure(data, layout)
+    return figure_of(data, layout)
 
 
 def force_loops(desk: Desk, theme: Theme) -> Json:
     """Force over velocity, measured and predicted, of the seconds in view; the selected tile is marked."""
     sight, predicted = desk.sight, desk.predicted
     if sight is None or predicted is None:
-        return _empty(theme, "loops", 300)
+        return nothing_yet(theme, "loops", 300)
     mask = Selection(desk.selection.seconds).mask(sight)
     joined = int(mask.sum()) <= ON_SCREEN
     v, forces = loops(sight, [sight.force, predicted], mask, ON_SCREEN if joined else DOTS)
     both = zip(("measured", "model"), forces, (theme.measured, theme.model), strict=True)
     data = [
-        _line(1e3 * v, y, name, colour, 1.2) if joined else _dots(1e3 * v, y, name, colour, 3)
+        line_of(1e3 * v, y, name, colour, 1.2) if joined else dots_of(1e3 * v, y, name, colour, 3)
         for name, y, colour in both
     ]
     if desk.selection.velocity is not None:
         at = _marked(desk, sight)
         data.append(
-            _dots(1e3 * sight.problem.motion.v[at], sight.force[at], "in the tile", theme.marked)
+            dots_of(1e3 * sight.problem.motion.v[at], sight.force[at], "in the tile", theme.marked)
         )
-    layout = _layout(theme, 300) | {
-        "xaxis": _axis(theme, "velocity [mm/s]"), "yaxis": _axis(theme, "force [N]"), "hovermode": "closest",
+    layout = layout_of(theme, 300) | {
+        "xaxis": axis_of(theme, "velocity [mm/s]"), "yaxis": axis_of(theme, "force [N]"), "hovermode": "closest",
     }  # fmt: skip
-    return _figure(data, layout)
+    return figure_of(data, layout)
 
 
 def residual_spectrum(desk: Desk, theme: Theme) -> Json:
     """Amplitude density of what is left, of what is selected."""
     sight, residual = desk.sight, desk.residual
     if sight is None or residual is None:
-        return _empty(theme, "spectrum", 300)
+        return nothing_yet(theme, "spectrum", 300)
     f, density = spectrum(sight, residual, desk.selection.mask(sight))
-    layout = _layout(theme, 300) | {
-        "xaxis": _axis(theme, "frequency [Hz]", type="log", tickformat="~g", dtick="D2"),
-        "yaxis": _axis(theme, "left [N/\N{SQUARE ROOT}Hz]", type="log", tickformat="~g", dtick="D2"),
+    layout = layout_of(theme, 300) | {
+        "xaxis": axis_of(theme, "frequency [Hz]", type="log", tickformat="~g", dtick="D2"),
+        "yaxis": axis_of(theme, "left [N/\N{SQUARE ROOT}Hz]", type="log", tickformat="~g", dtick="D2"),
     }  # fmt: skip
-    return _figure([_line(f, density, "left", theme.left, 1.4)], layout)
+    return figure_of([line_of(f, density, "left", theme.left, 1.4)], layout)
 
 
 def waterfall(fall: list[tuple[Step, Errors]], floor: float | None, theme: Theme) -> Json:
@@ -187,9 +187,9 @@ def waterfall(fall: list[tuple[Step, Errors]], floor: float | None, theme: Theme
         {"type": "bar", "x": places, "y": y, "name": name, "marker": {"color": colour}}
         for name, y, colour in bars
     ]
-    layout = _layout(theme, 280) | {
-        "barmode": "group", "xaxis": _axis(theme, "", tickvals=places, ticktext=names),
-        "yaxis": _axis(theme, "rms error [N]", rangemode="tozero"),
+    layout = layout_of(theme, 280) | {
+        "barmode": "group", "xaxis": axis_of(theme, "", tickvals=places, ticktext=names),
+        "yaxis": axis_of(theme, "rms error [N]", rangemode="tozero"),
     }  # fmt: skip
     if floor is not None:
         layout["shapes"] = [{
@@ -197,7 +197,7 @@ def waterfall(fall: list[tuple[Step, Errors]], floor: float | None, theme: Theme
             "line": {"color": theme.floor, "dash": "dash"},
             "label": {"text": f"noise {floor:.3g} N", "font": {"color": theme.floor}, "textposition": "end"},
         }]  # fmt: skip
-    return _figure(data, layout)
+    return figure_of(data, layout)
 
 
 def of_report(figure: Any, theme: Theme) -> Json:
@@ -209,10 +209,11 @@ def of_report(figure: Any, theme: Theme) -> Json:
     for key, axis in layout.items():
         if key.startswith(("xaxis", "yaxis")):
             axis |= {"gridcolor": theme.rule, "zerolinecolor": theme.rule}
-    return _figure(drawn["data"], layout)
+    return figure_of(drawn["data"], layout)
 
 
-def _line(x: Array, y: Array, name: str, colour: str, width: float, **more: Any) -> Json:
+def line_of(x: Array, y: Array, name: str, colour: str, width: float, **more: Any) -> Json:
+    """A curve."""
     line = {"color": colour, "width": width}
     return {
         "x": np.round(x, 4),
@@ -224,7 +225,8 @@ def _line(x: Array, y: Array, name: str, colour: str, width: float, **more: Any)
     }
 
 
-def _dots(x: Array, y: Array, name: str, colour: str, size: float = 6) -> Json:
+def dots_of(x: Array, y: Array, name: str, colour: str, size: float = 6) -> Json:
+    """Points."""
     return {
         "x": np.round(x, 4),
         "y": np.round(y, 5),
@@ -234,14 +236,16 @@ def _dots(x: Array, y: Array, name: str, colour: str, size: float = 6) -> Json:
     }
 
 
-def _axis(theme: Theme, label: str, **more: Any) -> Json:
+def axis_of(theme: Theme, label: str, **more: Any) -> Json:
+    """An axis in the colours of the page."""
     return {
         "title": {"text": label, "standoff": 6}, "gridcolor": theme.rule, "zerolinecolor": theme.rule,
         "automargin": True, **more,
     }  # fmt: skip
 
 
-def _layout(theme: Theme, height: int) -> Json:
+def layout_of(theme: Theme, height: int) -> Json:
+    """What all figures have."""
     return {
         "height": height, "margin": {"l": 54, "r": 12, "t": 28, "b": 40}, "paper_bgcolor": "rgba(0,0,0,0)",
         "plot_bgcolor": "rgba(0,0,0,0)", "font": {"color": theme.ink, "size": 12}, "uirevision": "kept",
@@ -249,13 +253,15 @@ def _layout(theme: Theme, height: int) -> Json:
     }  # fmt: skip
 
 
-def _empty(theme: Theme, what: str, height: int) -> Json:
-    layout = _layout(theme, height) | {"xaxis": {"visible": False}, "yaxis": {"visible": False}}
+def nothing_yet(theme: Theme, what: str, height: int) -> Json:
+    """A figure without data."""
+    layout = layout_of(theme, height) | {"xaxis": {"visible": False}, "yaxis": {"visible": False}}
     layout["annotations"] = [
         {"text": f"{what}: no data yet", "showarrow": False, "font": {"size": 14}}
     ]
-    return _figure([], layout)
+    return figure_of([], layout)
 
 
-def _figure(data: list[Json], layout: Json) -> Json:
+def figure_of(data: list[Json], layout: Json) -> Json:
+    """A whole figure."""
     return {"data": data, "layout": layout, "config": CONFIG}

@@ -7,6 +7,7 @@ import logging
 import secrets
 import webbrowser
 from collections.abc import Callable
+from threading import Thread
 
 from nicegui import app, ui
 
@@ -16,8 +17,14 @@ from er_model_lab.session import dropped
 from er_model_lab.session.desk import Desk
 
 
-def serve(desk: Desk, *, host: str, port: int, browser: bool, say: Callable[[str], None]) -> None:
-    """Serve until the program is ended; say: told the address once the page can be opened."""
+def serve(
+    desk: Desk, *, host: str, port: int, browser: bool, say: Callable[[str], None],
+    beside: Callable[[], None] | None = None,
+) -> None:  # fmt: skip
+    """Serve until the program is ended; say: told the address once the page can be opened.
+
+    beside: what goes on beside the page, in a thread of its own; the page ends with it.
+    """
     token = secrets.token_urlsafe(24)
     hosts = frozenset({f"{host}:{port}", f"localhost:{port}"})
     app.add_middleware(Guard, wanted=Pass(hosts, token, dropped.LARGEST))  # type: ignore[arg-type]
@@ -39,6 +46,14 @@ def serve(desk: Desk, *, host: str, port: int, browser: bool, say: Callable[[str
         say(address)
         if browser:
             await asyncio.get_running_loop().run_in_executor(None, webbrowser.open, address)
+        if beside is not None:
+            Thread(target=go_on, args=(asyncio.get_running_loop(), beside), daemon=True).start()
+
+    def go_on(loop: asyncio.AbstractEventLoop, beside: Callable[[], None]) -> None:
+        try:
+            beside()
+        finally:
+            loop.call_soon_threadsafe(app.shutdown)
 
     logging.getLogger("nicegui").setLevel(logging.ERROR)
     app.on_startup(lambda: asyncio.create_task(ready()))

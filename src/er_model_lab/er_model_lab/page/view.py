@@ -10,15 +10,18 @@ from er_models.errors import ErError
 from nicegui import ui
 from nicegui.events import GenericEventArguments, ValueChangeEventArguments
 
+from er_model_lab.live.heard import Heard
 from er_model_lab.output.text.units import newtons
-from er_model_lab.page import plots
+from er_model_lab.page import live_plots, plots
 from er_model_lab.page.panels.data import DataPanel
 from er_model_lab.page.panels.learn import LearnPanel
+from er_model_lab.page.panels.live import LivePanel
 from er_model_lab.page.panels.panel import Host, Panel
 from er_model_lab.page.panels.play import PlayPanel
 from er_model_lab.page.panels.steps import StepsPanel
 from er_model_lab.page.panels.take import TakePanel
 from er_model_lab.session.desk import Desk
+from er_model_lab.session.live_desk import LiveDesk
 from er_model_lab.session.sight import Selection, tile_at
 
 PERIOD = 0.15
@@ -33,6 +36,13 @@ PLOTS: dict[str, tuple[Callable[[Desk, plots.Theme], plots.Json], str]] = {
     "spectrum": (plots.residual_spectrum, "Spectrum of what is left"),
 }
 """What is drawn, and its words for who cannot see it."""
+LIVE: dict[str, tuple[Callable[[Heard, plots.Theme], plots.Json], int]] = {
+    "error": (live_plots.error, 2), "force": (live_plots.force, 1), "map": (live_plots.residual_map, 4),
+    "loops": (live_plots.loops, 2), "spectrum": (live_plots.spectrum, 4),
+}  # fmt: skip
+"""The same of a running graph, and every how many turns each is drawn anew."""
+TURN = 0.5
+"""Time of a turn [s]."""
 STYLE = """
 .lab { display: grid; grid-template-columns: minmax(330px, 400px) 1fr; gap: 12px; width: 100%; align-items: start; }
 .lab > * { min-width: 0; }
@@ -44,6 +54,7 @@ STYLE = """
 .fail { color: #a33f00; } .body--dark .fail { color: #ff9a6a; }
 .warning { color: #7d5600; } .body--dark .warning { color: #e9b44c; }
 :focus-visible { outline: 3px solid #1976d2 !important; outline-offset: 1px; }
+.lab .q-tab { padding: 0 9px; }
 .q-uploader { width: 100%; max-height: 150px; }
 @media (max-width: 1000px) {
   .lab { grid-template-columns: minmax(0, 1fr); } .lab .views { grid-template-columns: minmax(0, 1fr); }
@@ -58,6 +69,8 @@ class View:
         self.desk, self.theme = desk, plots.LIGHT
         self.seen, self.told = -1, -1
         self.plots: dict[str, ui.plotly] = {}
+        self.live = desk if isinstance(desk, LiveDesk) else None
+        self.turn = 0
         self.dark = ui.dark_mode(None)
         ui.add_css(STYLE)
         ui.colors(primary="#1f5f99", accent="#9c4a7c")
@@ -69,6 +82,8 @@ class View:
                 self._views()
         ui.keyboard(on_key=self._key)
         ui.timer(PERIOD, self._tick)
+        if self.live is not None:
+            ui.timer(TURN, self._follow)
         ui.timer(0.0, self._as_system, once=True)
 
     def safely(self, action: Callable[..., Any]) -> Callable[..., Awaitable[None]]:
@@ -109,7 +124,7 @@ class View:
         """Redraw plots and numbers: all that follows a parameter while it is dragged."""
         desk, errors = self.desk, self.desk.errors()
         self.error.text = (
-            "no prediction yet" if errors is None
+            ("" if self.live else "no prediction yet") if errors is None
             else f"error {newtons(errors.train)} learnt from, {newtons(errors.held_out)} held out"
         )  # fmt: skip
         self.model.text = desk.now.model.name if desk.now.model else "no model"
@@ -118,8 +133,32 @@ class View:
         self.fitted.set_enabled(
             desk.now.model is not None and desk.now.model is not desk.now.fitted
         )
+        if self.following is not None:
+            return
         for name, (make, _) in PLOTS.items():
             self.plots[name].update_figure(make(desk, self.theme))
+
+    @property
+    def following(self) -> LiveDesk | None:
+        """The desk of the running graph that the plots show; None where they show what was opened."""
+        return self.live if self.live is not None and self.live.follow else None
+
+    def _follow(self) -> None:
+        """Draw what the graph said since the last turn; the error's course wherever one looks."""
+        desk, turn = self.live, self.turn
+        self.turn += 1
+        if desk is None:
+            return
+        self.panels[0].refresh()
+        for name, (make, every) in LIVE.items():
+            if turn % every == 0 and (desk.follow or name == "error"):
+                self.plots[name].update_figure(make(desk.heard, self.theme))
+
+    def follow(self, *, on: bool) -> None:
+        """Show the running graph, or what was opened."""
+        if self.live is not None:
+            self.live.follow, self.turn = on, 0
+            self.live.changed()
 
     def _header(self) -> None:
         desk = self.desk
@@ -137,6 +176,7 @@ class View:
 
     def _panels(self) -> None:
         makers: dict[str, Callable[[Host], Panel]] = {
+            **({"Live": LivePanel} if self.live is not None else {}),
             "Data": DataPanel,
             "Play": PlayPanel,
             "Learn": LearnPanel,
@@ -147,16 +187,29 @@ class View:
             for name in makers:
                 ui.tab(name)
         self.panels: list[Panel] = []
-        with ui.tab_panels(
-            tabs, value="Data" if self.desk.sight is None else "Play", keep_alive=False
-        ).classes("w-full"):
+        with ui.tab_panels(tabs, value=self._first(), keep_alive=False).classes("w-full"):
             for name, maker in makers.items():
                 with ui.tab_panel(name).classes("p-1"):
                     self.panels.append(maker(self))
 
+    def _first(self) -> str:
+        """The panel that is open at first."""
+        if self.live is not None:
+            return "Live"
+        return "Data" if self.desk.sight is None else "Play"
+
     def _views(self) -> None:
+        if self.live is not None:
+            plot = ui.plotly(live_plots.error(self.live.heard, self.theme)).classes("w-full wide")
+            plot.props('role="figure" aria-label="Live error over the drive, and what happened"')
+            self.plots["error"] = plot
         with ui.row().classes("wide items-center gap-1"):
-            ui.label("Drag over the curves, click a tile of the map.").classes("muted")
+            if self.live is not None:
+                ui.switch(
+                    "follow the drive", value=self.live.follow, on_change=lambda e: self.follow(on=bool(e.value))
+                )  # fmt: skip
+            else:
+                ui.label("Drag over the curves, click a tile of the map.").classes("muted")
             ui.space()
             ui.checkbox("beside the model as given", on_change=self._beside).props("dense")
             for icon, words, by in (
@@ -190,6 +243,8 @@ class View:
 
     def _moved(self, event: GenericEventArguments) -> None:
         """The curves were zoomed: the seconds in view are selected."""
+        if self.following is not None:
+            return
         low, high = event.args.get("xaxis.range[0]"), event.args.get("xaxis.range[1]")
         at = self.desk.selection
         if event.args.get("xaxis.autorange"):
@@ -201,7 +256,7 @@ class View:
         """A tile was clicked: its samples are selected, or all again."""
         sight, at = self.desk.sight, self.desk.selection
         points = event.args.get("points") or []
-        if sight is None or not points:
+        if sight is None or not points or self.following is not None:
             return
         found = tile_at(sight, 1e-3 * float(points[0]["x"]), 1e-3 * float(points[0]["y"]))
         same = found.velocity == at.velocity and found.deflection == at.deflection

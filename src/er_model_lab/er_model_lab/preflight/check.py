@@ -122,7 +122,7 @@ def preflight(
     found += motion_findings(records)
     found += size_findings(records, model) if model is not None else ()
     courses = [excitation.course_of(bridged(r)) for r in records]
-    reach = _reach(model, excitation.reach_of(courses))
+    reach = reach_for(model, excitation.reach_of(courses))
     have = excitation.counts(courses, reach)
     return Preflight(
         tuple(sorted(found, key=lambda f: ORDER[f.level])), reach, have,
@@ -130,7 +130,7 @@ def preflight(
     )  # fmt: skip
 
 
-def _reach(model: Model | None, seen: excitation.Reach) -> excitation.Reach:
+def reach_for(model: Model | None, seen: excitation.Reach) -> excitation.Reach:
     """Reach of the model's rig where it says one, else of the data."""
     rig = {} if model is None else model.rig
     known = {

@@ -196,30 +196,44 @@ class Desk:
         """Diagnose, as a job."""
         from er_model_lab.verbs.diagnose import diagnose
 
-        data, model, seed = self.data, self.now.known, self.session.seed
+        gather, model, seed = self.gathering(), self.now.known, self.session.seed
 
         def work(progress: Progress, cancel: threading.Event) -> None:
             self.result = diagnose(
-                data, model, seed=seed, anyway=True, progress=progress, cancel=cancel
+                gather(), model, seed=seed, anyway=True, progress=progress, cancel=cancel
             )
 
         self.result = None
         self.jobs.start("diagnose", work)
 
+    def gathering(self, *, anew: bool = True) -> Callable[[], Dataset]:
+        """What a job calls for the data that it is to learn from; raises as `data`.
+
+        anew: what has come since counts, too, where data come by themselves.
+        """
+        del anew  # here none do
+        data = self.data
+        return lambda: data
+
+    def learnt(self, model: Model) -> None:
+        """A job has made another model, which is the one of the session now."""
+
     def add(self, effect: str) -> None:
         """Add an effect and refit everything, as a job."""
         from er_model_lab.verbs.add import add
 
-        self._fit(Step("add", effect), lambda **how: add(self.data, self.now.known, effect, **how))
+        gather = self.gathering(anew=False)
+        self._fit(Step("add", effect), lambda **how: add(gather(), self.now.known, effect, **how))
 
     def improve(self, *, measured_terms: bool = False) -> None:
         """Add until nothing more is found, as a job."""
         from er_model_lab.verbs.improve import improve
 
         step = Step("improve", "", {"measured_terms": True} if measured_terms else {})
+        gather = self.gathering()
         self._fit(
             step,
-            lambda **how: improve(self.data, self.now.known, measured_terms=measured_terms, **how),
+            lambda **how: improve(gather(), self.now.known, measured_terms=measured_terms, **how),
         )
 
     def plan(self, *, between: tuple[str, ...] = (), reveal: str | None = None) -> None:
@@ -248,6 +262,7 @@ class Desk:
             self._predict(
                 sight if sight and sight.fits(result.model) else look(self.data, result.model)
             )
+            self.learnt(result.model)
 
         self.jobs.start(step.says, work)
 

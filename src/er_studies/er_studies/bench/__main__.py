@@ -5,6 +5,8 @@ er bench observers [ARGS]  one step of every observer and of the Kalman filters 
 er bench lab [ARGS]        diagnosis and improvement: a minute, more data, more effects; their memory
 er bench fleet [ARGS]      a fleet of recordings with one and two workers; a simulated cluster
 er bench graph [ARGS]      lost messages, latency and CPU of the running graph
+er bench monitor [ARGS]    the model beside the damper: its work, its process, late answers
+er bench page [ARGS]       the page: slider to curves, beside a running graph, leaks
 er bench ros [ARGS]        loop latency and CPU, in processes and composed, beside plain rclpy executors
 er bench wire [ARGS]       frames of the hardware bridge with and without authentication
 
@@ -21,6 +23,8 @@ PARTS = {
     "lab": "er_studies.bench.lab",
     "fleet": "er_studies.bench.fleet",
     "graph": "er_studies.bench.graph",
+    "monitor": "er_studies.bench.ros_monitor",
+    "page": "er_studies.bench.page",
     "ros": "er_studies.bench.ros",
     "wire": "er_studies.bench.wire",
 }

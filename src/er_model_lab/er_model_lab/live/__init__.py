@@ -1,0 +1,1 @@
+"""The running graph as the page sees it: what is heard of it, what that does not show yet, and who listens."""

@@ -1,0 +1,56 @@
+"""Joins what several topics say of one instant to a row; what is lost is NaN. Pure."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left, insort
+
+COLUMNS = (
+    "sprung_acceleration", "unsprung_acceleration", "deflection", "deflection_velocity", "duty", "damper_force",
+    "left", "usual", "ratio", "status",
+)  # fmt: skip
+"""Of a row, behind its time: channels of the lab, then what a monitor says of the model.
+
+left: measured less predicted force [N]; usual: the size that it should have [N]; ratio: of the test over its limit [1];
+status: one of `DamperForce.STATUS_*`.
+"""
+WAIT = 100_000_000
+"""How far behind the newest stamp a row waits for what it lacks [ns]."""
+BACK = 1_000_000_000
+"""Step back of the stamps that is another drive, not a straggler [ns]."""
+
+Row = tuple[float, ...]
+"""Time since the first stamp [s], then `COLUMNS`."""
+
+
+class Join:
+    """Rows by their stamps; again: how often time began anew."""
+
+    def __init__(self) -> None:
+        self.rows: dict[int, list[float]] = {}
+        self.order: list[int] = []
+        self.first, self.given, self.again = 0, -1, 0
+
+    def add(self, stamp: int, column: int, values: tuple[float, ...]) -> None:
+        """Put values of a stamp [ns] into a row, from a column on; one that was given on already gets no more."""
+        if self.given - stamp > BACK:
+            again = self.again + 1
+            Join.__init__(self)  # another drive
+            self.again = again
+        if stamp <= self.given:
+            return
+        row = self.rows.get(stamp)
+        if row is None:
+            row = self.rows[stamp] = [math.nan] * len(COLUMNS)
+            insort(self.order, stamp)
+            self.first = self.first or stamp
+        row[column : column + len(values)] = values
+
+    def ready(self) -> list[Row]:
+        """Rows that wait for nothing any more, in order."""
+        if not self.order:
+            return []
+        many = bisect_left(self.order, self.order[-1] - WAIT)
+        ready, self.order = self.order[:many], self.order[many:]
+        self.given = ready[-1] if ready else self.given
+        return [(1e-9 * (s - self.first), *self.rows.pop(s)) for s in ready]

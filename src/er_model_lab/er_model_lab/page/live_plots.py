@@ -1,0 +1,158 @@
+"""Figures of a running graph, from what was heard of it last; each replaces that of `plots` of the same name."""
+
+from __future__ import annotations
+
+import numpy as np
+from er_models.model import Array
+from scipy.signal import welch
+
+from er_model_lab.live.heard import PLACE, Heard
+from er_model_lab.output.report.palette import ERROR
+from er_model_lab.output.report.samples import rms_map
+from er_model_lab.output.report.thin import min_max
+from er_model_lab.page import plots
+from er_model_lab.page.plots import Json, Theme
+from er_model_lab.session.sight import TILES
+
+SHOWN = 10.0
+"""Time of the curves, loops and spectrum [s]."""
+SETTLING = 1.0
+"""Time after another model was taken up that is not judged [s]."""
+POINTS = 400
+"""Points of a curve: what a screen shows of one that moves on."""
+WINDOW = 2.0
+"""Time of a point of the error's course [s]."""
+
+
+def force(heard: Heard, theme: Theme) -> Json:
+    """Measured force and that of the monitor's model in the last seconds, and what is left below."""
+    rows = heard.last(SHOWN)
+    if not len(rows):
+        return plots.nothing_yet(theme, "force over time", 400)
+    t, f, left = (rows[:, PLACE[name]] for name in ("t", "damper_force", "left"))
+    curves = (
+        ("measured", f, theme.measured, "y", 2.4), ("model", f - left, theme.model, "y", 1.4),
+        ("measured \N{MINUS SIGN} model", left, theme.left, "y2", 1.1),
+    )  # fmt: skip
+    data = [
+        plots.line_of(*_thin(t, y), name, colour, width, yaxis=axis)
+        for name, y, colour, axis, width in curves
+    ]
+    layout = plots.layout_of(theme, 400) | {
+        "xaxis": plots.axis_of(theme, "time [s]", range=[heard.now - SHOWN, heard.now], anchor="y2"),
+        "yaxis": plots.axis_of(theme, "force [N]", domain=[0.40, 1.0]),
+        "yaxis2": plots.axis_of(theme, "left [N]", domain=[0.0, 0.33], anchor="x"), "hovermode": "x",
+    }  # fmt: skip
+    return plots.figure_of(data, layout | {"uirevision": heard.now})
+
+
+def error(heard: Heard, theme: Theme) -> Json:
+    """Size of what is left over all that is remembered, what it should be, and what happened."""
+    t, left, usual = (heard.column(name) for name in ("t", "left", "usual"))
+    if not t.size:
+        return plots.nothing_yet(theme, "live error", 190)
+    begin, size = course(t, left, heard.since)
+    at = np.searchsorted(t, begin).clip(0, t.size - 1)
+    top = float(np.nanmax(size)) if np.isfinite(size).any() else 1.0
+    layout = plots.layout_of(theme, 190) | {
+        "xaxis": plots.axis_of(theme, "time [s]", range=[t[0], max(heard.now, t[0] + 20.0)]),
+        "yaxis": plots.axis_of(theme, "rms [N]", range=[0.0, 1.15 * top]),
+        "shapes": [_upright(m.t, theme) for m in heard.marks if m.t >= t[0]],
+        "annotations": [_word(m.t, m.says, theme) for m in heard.marks if m.t >= t[0]],
+    }  # fmt: skip
+    data = [
+        plots.line_of(begin, size, "live error", theme.model, 2.4),
+        plots.line_of(
+            begin, np.where(usual[at] > 0.0, usual[at], np.nan), "usual", theme.floor, 1.2
+        ),
+    ]
+    return plots.figure_of(data, layout | {"uirevision": heard.now})
+
+
+def course(t: Array, left: Array, since: float) -> tuple[Array, Array]:
+    """Times [s] and rms of what is left [N] in windows, of which none spans the change of the model."""
+    begin = np.unique(np.r_[np.arange(t[0], t[-1], WINDOW), since if since > t[0] else t[0]])
+    edge = np.searchsorted(t, begin)
+    keep = np.diff(edge, prepend=-1) > 0
+    begin, edge = begin[keep], edge[keep]
+    good = np.isfinite(left)
+    count = np.add.reduceat(good.astype(float), edge)
+    power = np.add.reduceat(np.where(good, left, 0.0) ** 2, edge)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return begin, np.sqrt(power / np.where(count > 0.2 * WINDOW / 0.005, count, np.nan))
+
+
+def residual_map(heard: Heard, theme: Theme) -> Json:
+    """Rms of what is left over velocity and deflection since the model was taken up; it fills while one drives."""
+    rows = heard.last(since=heard.since + SETTLING * (heard.since > 0.0))
+    v, x, left = (rows[:, PLACE[name]] for name in ("deflection_velocity", "deflection", "left"))
+    good = np.isfinite(v) & np.isfinite(x) & np.isfinite(left)
+    if np.count_nonzero(good) < 10:
+        return plots.nothing_yet(theme, "where it fails", 300)
+    edges_v, edges_x, z = rms_map(v[good], x[good], left[good], TILES, 3)
+    whole = heard.column("left")
+    peak = 2.0 * float(np.sqrt(np.nanmean(whole**2)))  # one scale for the models before and after
+    data: list[Json] = [{
+        "type": "heatmap", "x": np.round(1e3 * (edges_v[1:] + edges_v[:-1]) / 2, 3),
+        "y": np.round(1e3 * (edges_x[1:] + edges_x[:-1]) / 2, 3), "z": np.ascontiguousarray(np.round(z, 3)),
+        "zmin": 0.0, "zmax": peak,
+        "colorscale": ERROR, "hoverongaps": False,
+        "colorbar": {"title": {"text": "rms [N]", "side": "right"}, "thickness": 10, "outlinewidth": 0},
+        "hovertemplate": "%{x:.0f} mm/s, %{y:.1f} mm: %{z:.3g} N<extra></extra>",
+    }]  # fmt: skip
+    layout = plots.layout_of(theme, 300) | {
+        "xaxis": plots.axis_of(theme, "velocity [mm/s]", zeroline=False),
+        "yaxis": plots.axis_of(theme, "deflection [mm]", zeroline=False),
+    }  # fmt: skip
+    return plots.figure_of(data, layout)
+
+
+def loops(heard: Heard, theme: Theme) -> Json:
+    """Force over velocity of the last seconds, measured and of the model."""
+    rows = heard.last(SHOWN)[::5]
+    if not len(rows):
+        return plots.nothing_yet(theme, "loops", 300)
+    v, f, left = (rows[:, PLACE[n]] for n in ("deflection_velocity", "damper_force", "left"))
+    data = [
+        plots.dots_of(1e3 * v, f, "measured", theme.measured, 3),
+        plots.dots_of(1e3 * v, f - left, "model", theme.model, 3),
+    ]
+    layout = plots.layout_of(theme, 300) | {
+        "xaxis": plots.axis_of(theme, "velocity [mm/s]"), "yaxis": plots.axis_of(theme, "force [N]"),
+        "hovermode": "closest",
+    }  # fmt: skip
+    return plots.figure_of(data, layout)
+
+
+def spectrum(heard: Heard, theme: Theme) -> Json:
+    """Amplitude density of what is left in the last seconds."""
+    t, left = heard.column("t", SHOWN, heard.since), heard.column("left", SHOWN, heard.since)
+    left = np.where(np.isfinite(left), left, 0.0)
+    if left.size < 256 or not left.any():
+        return plots.nothing_yet(theme, "spectrum", 300)
+    f, power = welch(left, (left.size - 1) / (t[-1] - t[0]), nperseg=256)
+    layout = plots.layout_of(theme, 300) | {
+        "xaxis": plots.axis_of(theme, "frequency [Hz]", type="log", tickformat="~g", dtick="D2"),
+        "yaxis": plots.axis_of(theme, "left [N/\N{SQUARE ROOT}Hz]", type="log", tickformat="~g", dtick="D2"),
+    }  # fmt: skip
+    return plots.figure_of(
+        [plots.line_of(f[1:], np.sqrt(power[1:]), "left", theme.left, 1.4)], layout
+    )
+
+
+def _thin(t: Array, y: Array) -> tuple[Array, Array]:
+    rows = min_max(y, POINTS)
+    return t[rows], y[rows]
+
+
+def _upright(t: float, theme: Theme) -> Json:
+    line = {"color": theme.marked, "width": 1.5, "dash": "dot"}
+    return {"type": "line", "x0": t, "x1": t, "y0": 0, "y1": 1, "yref": "paper", "line": line}
+
+
+def _word(t: float, says: str, theme: Theme) -> Json:
+    font = {"color": theme.marked, "size": 12}
+    return {
+        "x": t, "y": 1, "yref": "paper", "text": says, "showarrow": False, "xanchor": "left", "yanchor": "top",
+        "font": font,
+    }  # fmt: skip

@@ -1,0 +1,198 @@
+"""Beside a running graph: rows of what is heard, what a drive shows, and a model that the monitor goes on with."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from er_model_lab.live.coverage import DO, carries, coverage
+from er_model_lab.live.heard import Heard
+from er_model_lab.live.join import COLUMNS, WAIT, Join
+from er_model_lab.page import live_plots, plots
+from er_model_lab.preflight.excitation import CELLS
+from er_model_lab.session.live_desk import LiveDesk
+from er_model_lab.session.script import script
+from er_model_lab.session.steps import Step
+from er_models.files import load_model
+from er_models.model import Model
+
+from test.played_graph import VEHICLE, PlayedGraph
+
+FRICTION = {"F_c": 0.9, "v_0": 0.003}
+STEP = 5_000_000
+DUTY, FORCE = COLUMNS.index("duty"), COLUMNS.index("damper_force")
+
+
+def with_friction() -> Model:
+    return load_model(VEHICLE).with_effect("coulomb_friction", FRICTION)
+
+
+def beside(graph: PlayedGraph, folder: Path) -> LiveDesk:
+    desk = LiveDesk(folder / "heard", "", models=folder / "models", connect=graph.connect)
+    desk.by_itself = False
+    return desk
+
+
+def test_what_belongs_to_an_instant_is_a_row_and_what_is_lost_is_not_waited_for() -> None:
+    join = Join()
+    for k in (1, 3, 2, 40):  # not in order
+        join.add(k * STEP, FORCE, (float(k),))
+    join.add(2 * STEP, DUTY, (0.1,))
+    rows = join.ready()
+    assert [r[1 + FORCE] for r in rows] == [1.0, 2.0, 3.0]
+    assert [r[1 + DUTY] for r in rows][1] == 0.1
+    assert math.isnan(rows[0][1 + DUTY])
+    assert rows[2][0] == pytest.approx(0.01)
+    join.add(3 * STEP, DUTY, (0.2,))  # too late
+    assert join.ready() == []
+    join.add(40 * STEP + WAIT + 1, FORCE, (0.0,))
+    assert [r[1 + FORCE] for r in join.ready()] == [40.0]
+    join.add(40 * STEP + 4_000_000_000, FORCE, (0.0,))
+    join.ready()
+    join.add(STEP, FORCE, (7.0,))
+    join.add(STEP + 2 * WAIT, FORCE, (8.0,))
+    assert join.again == 0, "the jump back is within what was given on"
+    join.add(40 * STEP + 9_000_000_000, FORCE, (0.0,))
+    join.ready()
+    join.add(STEP, FORCE, (7.0,))
+    join.add(STEP + 2 * WAIT, FORCE, (8.0,))
+    assert join.again == 1
+    assert [r[0] for r in join.ready()] == [0.0]
+
+
+def test_memory_is_bounded_and_holds_the_last() -> None:
+    heard, rng = Heard(minutes=0.05), np.random.default_rng(1)
+    kept, t = heard._kept.nbytes, 0
+    for _ in range(200):
+        n = int(rng.integers(1, 2 * heard.most))
+        heard.add([(0.005 * (t + k), *(float(t + k),) * len(COLUMNS)) for k in range(n)])
+        t += n
+        assert heard.now == 0.005 * (t - 1)
+        whole = heard.column("left")
+        assert np.array_equal(whole, np.arange(t - whole.size, t))
+    assert heard.rows.shape[0] == heard.most
+    assert heard._kept.nbytes == kept
+    assert heard.last(0.1).shape[0] == 21
+    for k in range(100):
+        heard.mark(str(k))
+    assert len(heard.marks) == 50
+
+
+def test_every_region_has_words_for_who_drives() -> None:
+    assert {*DO} == {*CELLS}
+
+
+def test_a_drive_shows_more_and_more_and_a_drive_at_rest_nothing() -> None:
+    graph = PlayedGraph(load_model(VEHICLE), 20.0)
+    heard = Heard()
+    graph.told = lambda word: heard.add(word.get("rows", []))
+    graph.drive(4.0)
+    first = coverage(heard.channels(), load_model(VEHICLE))
+    assert not carries(first)
+    assert "hold the duty" in next(s.do for s in first if s.region == "duty_levels")
+    graph.drive(16.0)
+    later = coverage(heard.channels(), load_model(VEHICLE))
+    assert carries(later)
+    assert all(
+        b.have >= a.have for a in first for b in later if b.region == a.region and a.unit == "s"
+    )
+    assert [s.done for s in later] == sorted(s.done for s in later), "what lacks most comes first"
+    rest = {name: np.zeros_like(y) for name, y in heard.channels().items()} | {
+        "t": heard.channels()["t"]
+    }
+    assert not carries(coverage(rest, load_model(VEHICLE)))
+
+
+def test_what_was_learnt_goes_to_the_monitor_and_the_live_error_falls(tmp_path: Path) -> None:
+    graph = PlayedGraph(with_friction(), 25.0)
+    desk = beside(graph, tmp_path)
+    graph.drive(1.0)
+    desk.jobs.wait(60.0)
+    assert desk.now.known.name == "inove_quarter_car", (
+        "the monitor's model is what one begins with"
+    )
+    with pytest.raises(Exception, match="10 s of motion"):
+        desk.learn()
+    graph.drive(11.0)
+    before = desk.heard.error()
+    desk.gathering()()
+    truth = with_friction()
+    desk.session = desk.session.then(desk.now.learnt(truth, Step("add", "coulomb_friction")))
+    desk.learnt(truth)  # as a fit ends
+    assert [Path(p).parent for p in graph.used] == [tmp_path / "models"]
+    assert "coulomb_friction" in load_model(graph.used[0]).effects
+    graph.drive(8.0)
+    assert desk.heard.error() < 0.5 * before
+    assert [m.says for m in desk.heard.marks] == ["added coulomb friction"]
+    program = script(desk.session)
+    assert "heard_1.csv" in program
+    assert "lab.add(data, model, 'coulomb_friction'" in program
+    for make in (
+        live_plots.force,
+        live_plots.error,
+        live_plots.residual_map,
+        live_plots.loops,
+        live_plots.spectrum,
+    ):
+        assert make(desk.heard, plots.DARK)["data"]
+    graph.use(str(tmp_path / "none.yaml"))
+    assert "none.yaml" in desk.refused
+
+
+def test_an_alarm_is_learnt_from_where_it_began(tmp_path: Path) -> None:
+    leak = {"f": 0.7, "t_0": 20.0, "t_r": 0.0, "q": 0.0, "d": 0.5}
+    graph = PlayedGraph(load_model(VEHICLE).with_effect("oil_leakage", leak), 60.0)
+    desk = beside(graph, tmp_path)
+    graph.drive(18.0)
+    assert not desk.failing
+    assert desk.since == -math.inf
+    graph.drive(8.0)
+    desk.jobs.wait(60.0)
+    assert desk.failing
+    assert [m.says for m in desk.heard.marks] == ["alarm"]
+    assert 19.0 < desk.since < 21.0
+    assert not desk.due(), "it listens for a while first"
+    graph.drive(16.0)
+    assert desk.due()
+    assert desk.gathering()().records[0].t[-1] == pytest.approx(
+        desk.heard.now - desk.since, abs=0.1
+    )
+
+
+def test_another_drive_begins_with_nothing(tmp_path: Path) -> None:
+    graph = PlayedGraph(load_model(VEHICLE), 10.0)
+    desk = beside(graph, tmp_path)
+    graph.drive(5.0)
+    graph.told({"again": 1})
+    assert (desk.heard.seconds, desk.shown) == (0.0, [])
+    graph.told({"ended": "no graph"})
+    assert desk.gone == "no graph"
+
+
+def test_messages_are_read_as_they_are_sent() -> None:
+    pytest.importorskip("rclpy")
+    from er_model_lab.ros_live import READERS
+    from rclpy.serialization import serialize_message
+
+    from er_common import topics
+    from er_ros_common import builders
+
+    for frame in ("", "x", "damper", "a_longer_name"):
+        tick = builders.Tick(3_000_000_007, 5)
+        sent = {
+            topics.ACCELERATION: (builders.suspension_acceleration(tick, 1.5, -2.5), (1.5, -2.5)),
+            topics.DEFLECTION: (builders.suspension_deflection(tick, 0.1, 0.2), (0.1, 0.2)),
+            topics.PWM_APPLIED: (builders.pwm_duty(tick, 0.25), (0.25,)),
+            topics.FORCE: (builders.damper_force(tick, 7.5), (7.5,)),
+            topics.MODEL_RESIDUAL: (
+                builders.damper_force(tick, -1.0, force_sd=0.2, test_ratio=0.5, status=2), (-1.0, 0.2, 0.5, 2),
+            ),
+        }  # fmt: skip
+        assert sent.keys() == READERS.keys()
+        for topic, (message, values) in sent.items():
+            message.header.frame_id = frame
+            assert READERS[topic][1](serialize_message(message)) == (3_000_000_007, values)
+            message.valid = False
+            assert all(map(math.isnan, READERS[topic][1](serialize_message(message))[1]))

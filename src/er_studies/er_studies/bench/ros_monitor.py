@@ -1,0 +1,233 @@
+"""What a model beside the damper costs: its own work, the process, and whether its answers are in time.
+
+    er bench monitor                     the core, then the graph for 60 s
+    er bench monitor --seconds 0         the core alone
+
+The core is given the messages of a rough road one after another; its time is that of the thread, and the same messages
+go to the Skyhook controller's core: the plain loop. In the graph plant, controller, monitor and a node of plain rclpy
+with the monitor's ends, which computes nothing, run side by side. An answer is late where it is ready after the next
+sample was due. Exit status 1 where more than 1 in 1000 are.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from time import monotonic, sleep, thread_time_ns
+from typing import Any
+
+import numpy as np
+import rclpy
+from er_bringup.given import complete
+from er_bringup.graph import nodes
+from er_bringup.processes import Child, stop
+from er_bringup.up import argv, configuration
+from er_common.topics import ACCELERATION, DEFLECTION, FORCE, PWM_APPLIED, Topic
+from er_ftc_controller.programs import SKYHOOK
+from er_ftc_controller.ros_skyhook import SkyhookCore, SkyhookParameters
+from er_model_lab.monitor.settings import MonitorParameters
+from er_model_lab.programs import MONITOR
+from er_model_lab.ros_monitor import MonitorCore
+from er_models.errors import ErError
+from er_models.files import load_model
+from er_models.model import Model
+from er_models.one_line import OneLine
+from er_models.program import load_program, resolve
+from er_models.simulation import simulate
+from er_plant_sim.programs import PLANT
+from er_ros_common.core import Core, When
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+from er_common import topics
+from er_damper_msgs.msg import NodeStatus
+from er_ros_common import builders, qos
+from er_studies.bench.graph import Load, Usage, usage
+from er_studies.bench.ros import START
+
+DT = 0.005
+PLAIN = "plain rclpy"
+LATE = 1e-3
+"""Most answers that may be late, as a share."""
+Sent = list[tuple[Topic, Any]]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Time of the thread per sample of a core: mean, p50, p95, p99 [us]."""
+
+    name: str
+    mean: float
+    p50: float
+    p95: float
+    p99: float
+
+    @property
+    def share(self) -> float:
+        """Of a core of the machine, at the rate of the samples [%]."""
+        return 1e-4 * self.mean / DT
+
+
+def ride(model: Model, seconds: float) -> list[Sent]:
+    """The messages of each tick of a rough road."""
+    program = load_program(configuration() / "experiments/identification.yaml")
+    way, duty = resolve(program, model, DT).ride(DT)
+    found = simulate(model, DT, way, duty)
+    rows = min(round(seconds / DT), duty.size)
+    columns = {name: found[name][:rows].tolist() for name in (
+        "sprung_acceleration", "unsprung_acceleration", "deflection", "deflection_velocity", "duty", "damper_force",
+    )}  # fmt: skip
+    return [_tick(k, *row) for k, row in enumerate(zip(*columns.values(), strict=True), 1)]
+
+
+def _tick(k: int, body: float, wheel: float, x: float, v: float, u: float, f: float) -> Sent:
+    at = builders.Tick(k * 5_000_000, k)
+    return [
+        (ACCELERATION, builders.suspension_acceleration(at, body, wheel)),
+        (DEFLECTION, builders.suspension_deflection(at, x, v)),
+        (PWM_APPLIED, builders.pwm_duty(at, u)),
+        (FORCE, builders.damper_force(at, f)),
+    ]
+
+
+def cost(name: str, core: Core, sent: Sequence[Sent]) -> Cost:
+    """What a core takes for each tick; the first tenth does not count."""
+    state, took = core.start(), np.empty(len(sent))
+    for k, messages in enumerate(sent):
+        when = When((k + 1) * 5_000_000, None)
+        mine = [each for each in messages if each[0] in core.inputs]
+        began = thread_time_ns()
+        for topic, message in mine:
+            state, _ = core.on_message(state, topic, message, when)
+        took[k] = 1e-3 * (thread_time_ns() - began)
+    took = took[len(sent) // 10 :]
+    return Cost(name, float(took.mean()), *map(float, np.percentile(took, (50.0, 95.0, 99.0))))
+
+
+def cores(seconds: float) -> list[Cost]:
+    """The monitor, and the plain loop."""
+    file = configuration() / "vehicles/inove_quarter_car.yaml"
+    sent = ride(load_model(file), seconds)
+    skyhook = SkyhookParameters(
+        u_min=0.0, u_max=0.3, safe_duty=0.1, corner_frequency=0.1, max_age=0.0
+    )
+    monitor = MonitorParameters(model_file=str(file), max_age=0.0)
+    return [
+        cost("monitor", MonitorCore(monitor), sent),
+        cost("skyhook controller", SkyhookCore(skyhook), sent),
+    ]
+
+
+@dataclass(frozen=True)
+class Running:
+    """Load of each process, answers of the monitor and those that were late, and its longest step [ms]."""
+
+    loads: tuple[Load, ...]
+    answers: int
+    late: int
+    step: float
+
+
+def graph(seconds: float) -> Running:
+    """Plant, controller, monitor and the plain node for so long."""
+    given = complete({
+        "model_monitor": "true", "observers": "none", "program": "identification", "duration": "0",
+    })  # fmt: skip
+    out = io.StringIO()
+    children = [Child(s.executable, argv(s), out) for s in nodes(given, configuration())]
+    children.append(Child(PLAIN, [sys.executable, "-m", "er_studies.bench.ros_plain"], out))
+    rclpy.init(args=[])
+    node, executor = Node("bench", enable_rosout=False), SingleThreadedExecutor()
+    executor.add_node(node)
+    said: list[NodeStatus] = []
+    name = topics.STATUS.name.replace("~", MONITOR.name)
+    node.create_subscription(NodeStatus, name, said.append, qos.profile(topics.STATUS.subscriber))
+    try:
+        until = monotonic() + START
+        while not (said and said[-1].published):
+            executor.spin_once(timeout_sec=0.1)
+            if monotonic() > until:
+                raise ErError(f"the graph did not begin within {START:g} s")
+        sleep(2.0)
+        before, began, first = _usages(children), monotonic(), said[-1]
+        said.clear()
+        while monotonic() < began + seconds or not said:
+            executor.spin_once(timeout_sec=0.1)
+        after, elapsed, last = _usages(children), monotonic() - began, said[-1]
+    finally:
+        stop(children)
+        rclpy.try_shutdown()
+    loads = tuple(
+        Load(
+            c.label,
+            100.0 * (after[c.label].cpu - before[c.label].cpu) / elapsed,
+            after[c.label].memory / 1e6,
+        )
+        for c in children
+    )
+    late = last.deadline_misses - first.deadline_misses
+    step = 1e3 * max(s.step_time_max for s in said)
+    return Running(loads, (last.published - first.published) // 2, late, step)
+
+
+def _usages(children: Sequence[Child]) -> dict[str, Usage]:
+    found = {c.label: usage(c.process.pid) for c in children}
+    ended = [label for label, each in found.items() if each is None]
+    if ended:
+        raise ErError(f"{', '.join(ended)} ended")
+    return {label: each for label, each in found.items() if each is not None}
+
+
+def markdown(found: Sequence[Cost], running: Running | None) -> str:
+    """The figures as tables."""
+    lines = [
+        f"load average of the machine {os.getloadavg()[0]:.1f}, {os.cpu_count()} cores", "",
+        "| core | us a sample | p50 | p95 | p99 | % of a core at 200 Hz |", "|---|---|---|---|---|---|",
+    ]  # fmt: skip
+    for c in found:
+        lines.append(
+            f"| {c.name} | {c.mean:.0f} | {c.p50:.0f} | {c.p95:.0f} | {c.p99:.0f} | {c.share:.1f} |"
+        )
+    lines += [
+        "",
+        f"- the monitor takes {found[0].mean / found[1].mean:.1f} times as long as the plain loop's core",
+    ]
+    if running is not None:
+        lines += ["", "| process | CPU, % of a core | memory MB |", "|---|---|---|"]
+        lines += [f"| {x.name} | {x.cpu:.1f} | {x.memory:.0f} |" for x in running.loads]
+        by = {x.name: x.cpu for x in running.loads}
+        own = by[MONITOR.name]
+        lines += [
+            "",
+            f"- the monitor's process takes {own / by[PLANT.name]:.2f} of the plant's, {own / by[SKYHOOK.name]:.2f} of "
+            f"the controller's, {own / by[PLAIN]:.2f} of {PLAIN} with the same ends: {own - by[PLAIN]:.1f} % more",
+            f"- {running.late} of {running.answers} answers were late, the longest step took {running.step:.1f} ms",
+        ]  # fmt: skip
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Entry point of the command."""
+    p = OneLine(prog="er bench monitor", description=(__doc__ or "").split("\n")[0])
+    p.add_argument(
+        "--seconds", type=float, default=60.0, help="length of the run of the graph (60); 0: none"
+    )
+    o = p.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["ROS_LOG_DIR"] = folder
+        try:
+            found = cores(20.0)
+            running = graph(o.seconds) if o.seconds else None
+        except ErError as error:
+            sys.stderr.write(f"er bench monitor: {error}\n")
+            sys.exit(error.exit_status)
+    sys.stdout.write(markdown(found, running) + "\n")
+    sys.exit(1 if running and running.late > LATE * running.answers else 0)
+
+
+if __name__ == "__main__":
+    main()
