@@ -28,7 +28,7 @@ from er_models.model import Array, Model
 from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
 
-from er_model_lab.fitting.fit import Box, Fit, covariance
+from er_model_lab.fitting.fit import Box, Fit, covariance, fit, widths
 from er_model_lab.problem.forward import colour_of
 from er_model_lab.problem.problem import Problem
 
@@ -45,6 +45,9 @@ ABOUT = (0.75, 0.85, 0.92, 0.96, 0.98, 0.99, 1.01, 1.02, 1.04, 1.08, 1.18, 1.33)
 LOOKS, TRIED, LIKELIER = 8, 3, 4.0
 """How often that is done at most, how many are polished, and the gain of twice the logarithm of the likelihood that is
 worth a move."""
+UNTOLD, PART = 0.5, 0.3
+"""Standard deviation, as a share of what values may be before any data, from which on a direction is not told; part of
+that direction from which on a value lies along it."""
 NEAR = 3.0
 """Standard deviations within which the likelihood about a fit is looked at."""
 
@@ -177,6 +180,54 @@ def _about(box: Box, switching: NDArray[np.bool_]) -> Array:
             ways += [ways[0] - ways[1]]
         rows += [np.power(about, way) for way in ways for about in ABOUT]
     return np.array(rows)
+
+
+def settled(fitted: Fit, given: Model, problem: Problem) -> Fit:
+    """The fit with the given model's values where the data do not tell them, all else following.
+
+    Two levels of the duty tell two numbers: yield force, exponent and remanence make up for each other, and any of
+    many fits predicts other levels wrongly. What was known of them before is more than nothing.
+    """
+    least = 1.0 + LIKELIER / _independent(fitted, problem)
+    refused = set[tuple[str, str]]()
+    while place := _untold(fitted, given, problem, refused):
+        effect, name = place
+        values = {**fitted.model.effects[effect], name: given.value(effect, name)}
+        others = tuple(f for f, held in zip(fitted.free, fitted.at_bound, strict=True) if f != place and not held)
+        tried = fit(fitted.model.with_effect(effect, values), problem, others)
+        refused.add(place)
+        if tried.mse(problem.train) <= least * fitted.mse(problem.train):
+            fitted = _widened(tried, fitted)
+    return fitted
+
+
+def _untold(
+    fitted: Fit, given: Model, problem: Problem, refused: set[tuple[str, str]]
+) -> tuple[str, str] | None:
+    """The value of the given model that the data tell least of, along the direction that they tell least of."""
+    inner, wide = np.flatnonzero(~fitted.at_bound), widths(fitted)
+    if not inner.size:
+        return None
+    noise = max(fitted.mse(problem.train), 1e-300)
+    j = fitted.jacobian[problem.train][:, inner] * wide[inner]
+    told, directions = np.linalg.eigh(j.T @ j / noise)
+    if told[0] > 1.0 / UNTOLD**2:
+        return None
+    known = [
+        fitted.free[k] not in refused and fitted.free[k][0] in given.effects for k in inner
+    ]
+    shares = np.abs(directions[:, 0]) * known
+    k = int(np.argmax(shares))
+    return fitted.free[inner[k]] if shares[k] > PART else None
+
+
+def _widened(part: Fit, whole: Fit) -> Fit:
+    """A fit of some of the values of another as one of all: the others are held, as at a bound."""
+    places = [whole.free.index(f) for f in part.free]
+    theta = np.array([part.model.effects[e][q] for e, q in whole.free]) / whole.scale
+    jacobian, held = np.zeros_like(whole.jacobian), np.ones_like(whole.at_bound)
+    jacobian[:, places], held[places] = part.jacobian, part.at_bound
+    return replace(part, free=whole.free, theta=theta, scale=whole.scale, jacobian=jacobian, at_bound=held)
 
 
 def estimate(fitted: Fit, problem: Problem, seed: int) -> Estimate:
