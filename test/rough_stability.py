@@ -146,7 +146,10 @@ def main(argv: list[str] | None = None) -> int:
             a.key: a for a in plan(given.kinds, seeds_of(given.seeds), given.cases, given.match)
         }
         one = partial(asked_again, changes=tuple(given.changes), limit=given.limit)
-        fits: Callable[[dict[str, Any]], bool] = lambda row: row.get("changes") == given.changes
+
+        def fits(row: dict[str, Any]) -> bool:
+            return bool(row.get("changes") == given.changes)
+
         rows = collect(given, asked, one, fits, digest(folders=DECIDES))
         return page(rows, heading(given, rows))
 

@@ -81,9 +81,7 @@ def improved(
     cancel, done = threading.Event(), threading.Event()
     threading.Thread(target=watch, args=(limit, cancel, done), daemon=True).start()
     try:
-        found = improve(
-            data, load_model(folder / "model.yaml"), seed=seed, cancel=cancel, **asked
-        )
+        found = improve(data, load_model(folder / "model.yaml"), seed=seed, cancel=cancel, **asked)
     except Cancelled:
         return None
     finally:

@@ -56,7 +56,9 @@ class Motion:
             return np.column_stack([np.arange(m), np.full(m, -1.0), np.zeros((m, 2))])
         turn = np.argsort(self.began, kind="stable")
         ends = self.began + np.diff(self.starts) * self.dt
-        out = np.column_stack([turn, np.full(m, -1.0), np.zeros(m), self.began - self.began[turn[0]]])
+        out = np.column_stack(
+            [turn, np.full(m, -1.0), np.zeros(m), self.began - self.began[turn[0]]]
+        )
         out[turn[1:], 1] = turn[:-1]
         out[turn[1:], 2] = np.maximum(self.began[turn[1:]] - ends[turn[:-1]], 0.0)
         return out

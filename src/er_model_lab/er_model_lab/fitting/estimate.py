@@ -193,7 +193,11 @@ def settled(fitted: Fit, given: Model, problem: Problem) -> Fit:
     while place := _untold(fitted, given, problem, refused):
         effect, name = place
         values = {**fitted.model.effects[effect], name: given.value(effect, name)}
-        others = tuple(f for f, held in zip(fitted.free, fitted.at_bound, strict=True) if f != place and not held)
+        others = tuple(
+            f
+            for f, held in zip(fitted.free, fitted.at_bound, strict=True)
+            if f != place and not held
+        )
         tried = fit(fitted.model.with_effect(effect, values), problem, others)
         refused.add(place)
         if tried.mse(problem.train) <= least * fitted.mse(problem.train):
@@ -213,9 +217,7 @@ def _untold(
     told, directions = np.linalg.eigh(j.T @ j / noise)
     if told[0] > 1.0 / UNTOLD**2:
         return None
-    known = [
-        fitted.free[k] not in refused and fitted.free[k][0] in given.effects for k in inner
-    ]
+    known = [fitted.free[k] not in refused and fitted.free[k][0] in given.effects for k in inner]
     shares = np.abs(directions[:, 0]) * known
     k = int(np.argmax(shares))
     return fitted.free[inner[k]] if shares[k] > PART else None
@@ -227,7 +229,9 @@ def _widened(part: Fit, whole: Fit) -> Fit:
     theta = np.array([part.model.effects[e][q] for e, q in whole.free]) / whole.scale
     jacobian, held = np.zeros_like(whole.jacobian), np.ones_like(whole.at_bound)
     jacobian[:, places], held[places] = part.jacobian, part.at_bound
-    return replace(part, free=whole.free, theta=theta, scale=whole.scale, jacobian=jacobian, at_bound=held)
+    return replace(
+        part, free=whole.free, theta=theta, scale=whole.scale, jacobian=jacobian, at_bound=held
+    )
 
 
 def estimate(fitted: Fit, problem: Problem, seed: int) -> Estimate:

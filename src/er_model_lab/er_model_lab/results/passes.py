@@ -53,8 +53,10 @@ def told_together(
         whole["reasons"] = _with(whole["reasons"], last["reasons"])
     elif results[0]["verdict"] == "missing_effect":
         unsure = [r for r in results[1:] if r["effects"] and r["verdict"] != "missing_effect"]
-        for more in unsure[:1]:  # what a later pass names without certainty is not certain in the whole, either
-            whole["verdict"], whole["reasons"] = more["verdict"], _with(whole["reasons"], more["reasons"])
+        # what a later pass names without certainty is not certain in the whole, either
+        for more in unsure[:1]:
+            whole["verdict"] = more["verdict"]
+            whole["reasons"] = _with(whole["reasons"], more["reasons"])
     return whole
 
 

@@ -177,7 +177,9 @@ def ended(s, r, ends):
 
 
 @entry
-def predict_rows(on, slots, links, at_rest, ps, dt, starts, course, x, v, a, u, theta, n_sub, forces):
+def predict_rows(
+    on, slots, links, at_rest, ps, dt, starts, course, x, v, a, u, theta, n_sub, forces
+):
     """One prediction per row of `ps` (m, n_parameters) into `forces` (m, n).
 
     Several records are laid end to end; `starts` holds their first rows and the end, `course` how they follow one

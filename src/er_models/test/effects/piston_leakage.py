@@ -7,7 +7,7 @@ WORKED = (
     Force({"v_l": 0.1, "F_r": 10.0}, PASSIVE, v=0.1, force=2.5),
     # springs are no part of it; the other way
     Force({"v_l": 0.1, "F_r": 10.0}, PASSIVE, x=0.01, v=-0.1, force=1.0 - 2.5),
-    # 4 N of yield force where the bleed passes 0.05 m/s at 1 N: 0.1 = 0.05 1 + 0.1 / 4 1 is not met; s^2 / 40 + s / 20 = 0.1
+    # 4 N of yield force where the bleed passes 0.05 m/s at 1 N: s^2 / 40 + s / 20 = 0.1 with s^2 the force
     Force(
         {"v_l": 0.05, "F_r": 1.0},
         {"passive": {"k0": 100.0, "c0": 0.0}, **YIELD},
