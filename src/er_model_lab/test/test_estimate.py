@@ -128,7 +128,9 @@ def test_what_two_levels_of_the_duty_do_not_tell_stays_as_it_was():
     errors = [np.std(predict(f.model, middle) - predict(truth, middle)) for f in (off, kept)]
     assert errors[1] < 0.3 * errors[0]
     assert kept.model.value("bingham_yield", "beta") == 1.2
-    assert estimated(kept, problem, 0).deviations["bingham_yield"]["beta"] == np.inf
+    told = estimated(off, problem, 0, given)
+    assert told.value("bingham_yield", "beta") == 1.2
+    assert told.deviations["bingham_yield"]["beta"] > 0.3
     sure = fit(given, problem)
     assert settled(sure, given, problem).model.value("passive", "c0") == sure.model.value(
         "passive", "c0"

@@ -26,7 +26,6 @@ from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.verdict import decide
 from er_model_lab.fitting.data_reach import beyond
 from er_model_lab.fitting.envelope import with_unfelt
-from er_model_lab.fitting.estimate import settled
 from er_model_lab.fitting.fit import with_deviations
 from er_model_lab.fitting.velocity_channel import (
     KINEMATIC,
@@ -139,8 +138,8 @@ class DamperLevel:
         ):  # parameters and term make up for each other: neither is moved by itself
             found = bare
         else:
-            kept = settled(replace(best, model=bare), on_fused(study.model), problem)
-            found = study.opened.span.estimate(kept, problem, seed)
+            given = on_fused(study.model)
+            found = study.opened.span.estimate(replace(best, model=bare), problem, seed, given)
         found = with_unfelt(found, on_fused(study.model), problem)
         return put_back(found, best.model, only=undone)
 
