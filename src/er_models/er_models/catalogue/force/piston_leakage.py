@@ -4,18 +4,17 @@ The force F drives the flow of both ways, v = v_l sqrt(F / F_r) + v F / f_h, whe
 without the bleed.
 """
 
-from math import copysign, sqrt
+from math import sqrt
 
-from er_models.effect import Effect, Param, Signature
+from er_models.effect import LEAST_COMPLIANCE, Effect, Param, Signature
 
 
 def limit(v_l: float, F_r: float, v: float, f_h: float, f_d: float) -> float:
     """Force [N] with the bleed open: next to no velocity needs next to no force."""
-    if v_l <= 0.0 or f_h == 0.0:
-        return f_d
-    bleed = v_l / sqrt(F_r)
-    root = 2.0 * abs(v) / (bleed + sqrt(bleed * bleed + 4.0 * v * v / abs(f_h)))
-    return f_d + copysign(root * root, f_h) - f_h
+    bleed = v_l / sqrt(F_r) + LEAST_COMPLIANCE
+    size = max(abs(f_h), LEAST_COMPLIANCE)
+    root = 2.0 * abs(v) / (bleed + sqrt(bleed * bleed + 4.0 * v * v / size))
+    return f_d + (root * root / size - 1.0) * f_h if v_l > 0.0 else f_d
 
 
 EFFECT = Effect(
