@@ -77,7 +77,7 @@ def cut_below(given):
 def hangs(given):
     """A velocity channel that stands still for 0.3 s."""
     y = given.channels["deflection_velocity"].copy()
-    y[1500:1560] = y[1499]
+    y[1500:1560] = 1.01 * y[1499]
     return changed(given, "deflection_velocity", y)
 
 
