@@ -135,6 +135,5 @@ def test_what_two_levels_of_the_duty_do_not_tell_stays_as_it_was():
     )
     assert told >= whole
     sure = fit(given, problem)
-    assert settled(sure, given, problem).model.value("passive", "c0") == sure.model.value(
-        "passive", "c0"
-    )
+    again = settled(sure, given, problem).model.value("passive", "c0")
+    assert again == pytest.approx(sure.model.value("passive", "c0"), rel=1e-3)
