@@ -6,6 +6,7 @@ er bench lab [ARGS]        diagnosis and improvement: a minute, more data, more 
 er bench fleet [ARGS]      a fleet of recordings with one and two workers; a simulated cluster
 er bench graph [ARGS]      lost messages, latency and CPU of the running graph
 er bench ros [ARGS]        loop latency and CPU, in processes and composed, beside plain rclpy executors
+er bench wire [ARGS]       frames of the hardware bridge with and without authentication
 
 -h after a name shows its arguments.
 """
@@ -21,6 +22,7 @@ PARTS = {
     "fleet": "er_studies.bench.fleet",
     "graph": "er_studies.bench.graph",
     "ros": "er_studies.bench.ros",
+    "wire": "er_studies.bench.wire",
 }
 
 
