@@ -16,6 +16,7 @@ SIGNALS = {
     "v": "v",  # its velocity [m/s]
     "u": "total",  # duty on its way to the field, in the places `field` and `rate` alone
     "h": f"y[{FLD}]",  # duty after the chains have formed
+    "f": "total",  # force that the filled damper carries, in the place `bypass` alone
     "w": "y[{state}]",  # the truth's own state
 }
 """What a law may ask for by name, as it is written into the composed function."""
@@ -33,6 +34,7 @@ PLACES = {
     "yield_force": Place("total *= {law}", "multiplies the yield force"),
     "viscosity": Place("total *= {law}", "multiplies the viscous coefficient"),
     "fluid": Place("total += {law}", "adds to the force that the filled damper carries [N]"),
+    "bypass": Place("total = {law}", "maps that force where some of the fluid goes another way"),
     "friction": Place("total += {law}", "adds to the friction of the rod [N]"),
     "elastic": Place("total += {law}", "adds to springs, gas and stops [N]"),
     "whole": Place("total *= {law}", "multiplies the whole force of the rod"),

@@ -23,8 +23,9 @@ from test.blind.slots import (
 )
 from test.blind.truth import cavitation, outside_force, self_heating, viscoelastic_branch
 
-viscosity, fluid, friction, elastic, whole = (
-    composed(place, EVERY) for place in ("viscosity", "fluid", "friction", "elastic", "whole")
+viscosity, fluid, bypass, friction, elastic, whole = (
+    composed(place, EVERY)
+    for place in ("viscosity", "fluid", "bypass", "friction", "elastic", "whole")
 )
 
 
@@ -35,7 +36,8 @@ def hydraulic(
     """Force [N] of the filled damper: viscous terms and the field force."""
     c = base[C0] * self_heating.viscosity(y[TF], rows[HEATING, 0])
     c = viscosity(c, t, x, v, y, dy, rows)
-    return float(fluid(c * v + y[FER], t, x, v, y, dy, rows))
+    carried = fluid(c * v + y[FER], t, x, v, y, dy, rows)
+    return float(bypass(carried, t, x, v, y, dy, rows))
 
 
 @inner

@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.verbs.improve import improve
 from er_model_lab.verbs.load import load
 from er_model_lab.work import Cancelled
@@ -16,6 +17,7 @@ from er_models.catalogue import CATALOGUE
 from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Model
+from er_records.dataset import Dataset
 
 from test.blind_score.answer import said, timed
 from test.blind_score.fused import errors_on
@@ -72,20 +74,26 @@ def watch(limit: float, cancel: threading.Event, done: threading.Event) -> None:
             return
 
 
-def answer(case: Case, measured_terms: bool, limit: float) -> dict[str, Any]:
-    """The lab's answer, and the errors of its model on the fresh record."""
+def improved(
+    data: Dataset, folder: Path, seed: int, limit: float, **asked: Any
+) -> DiagnosisResult | None:
+    """What `improve` makes of the start model of a case's folder; None: not within so much processor time [s]."""
     cancel, done = threading.Event(), threading.Event()
     threading.Thread(target=watch, args=(limit, cancel, done), daemon=True).start()
     try:
-        found = improve(
-            load(case.data), load_model(case.folder / "model.yaml"), seed=case.asked.seed, cancel=cancel,
-            **options(measured_terms),
-        )  # fmt: skip
+        found = improve(data, load_model(folder / "model.yaml"), seed=seed, cancel=cancel, **asked)
     except Cancelled:
-        pass
+        return None
     finally:
         done.set()
-    if cancel.is_set():
+    return None if cancel.is_set() else found
+
+
+def answer(case: Case, measured_terms: bool, limit: float) -> dict[str, Any]:
+    """The lab's answer, and the errors of its model on the fresh record."""
+    asked = options(measured_terms)
+    found = improved(load(case.data), case.folder, case.asked.seed, limit, **asked)
+    if found is None:
         return {"failed": f"no answer within {limit:g} s of processor time"}
     result = found.to_dict()
     out = said(result) | {"outliers": result.get("outliers"), "notes": result["notes"]}

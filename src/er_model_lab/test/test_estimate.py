@@ -1,9 +1,18 @@
 """Estimates: the bias of noisy motion is taken off, and deviations hold where forces jump."""
 
 import numpy as np
-from er_model_lab.fitting.estimate import estimated
+import pytest
+from er_model_lab.fitting.estimate import estimated, settled
 from er_model_lab.fitting.fit import fit, with_deviations
-from lab_help import problem_of
+from er_model_lab.problem.prepare import prepare
+from er_models.model import Model
+from er_models.prediction import motion, predict
+from er_models.scales import Scales
+from er_records.dataset import Dataset
+from er_records.record import Record
+from lab_help import DT, imposed, problem_of
+
+SCALES = Scales(force=30.0, deflection=0.01, velocity=0.15, duty=0.3)
 
 TRUE = {"F_c": 1.0, "v_0": 0.003}
 
@@ -96,3 +105,35 @@ def test_a_parameter_that_moves_nothing_is_not_known_exactly() -> None:
     told = standard_deviations(cast(Any, fitted), cast(Any, problem))
     assert 0.01 < told[0] < 0.1
     assert np.isinf(told[1:]).all()
+
+
+def test_what_two_levels_of_the_duty_do_not_tell_stays_as_it_was():
+    """Exponent, yield force and remanence make up for each other; a level between them is predicted all the same."""
+    values = {
+        "passive": {"k0": 200.0, "c0": 80.0},
+        "bingham_yield": {"sigma": 20.0, "beta": 1.2, "v_0": 0.003},
+    }
+    given = Model("mr", values, SCALES)
+    rng, n = np.random.default_rng(1), 4000
+    x, v, a, _ = imposed(rng, n)
+    u = 0.3 * np.repeat(rng.integers(0, 2, n // 100), 100).astype(float)
+    truth = given.with_effect("remanence", {"r": 0.08, "s": 0.6})
+    force = predict(truth, motion(DT, x, v, u, a)) + 0.05 * rng.standard_normal(n)
+    channels = {"deflection": x, "deflection_velocity": v, "duty": u, "damper_force": force}
+    problem = prepare(Dataset.of([Record("made", np.arange(n) * DT, channels)]))
+    begun = {**values, "bingham_yield": {"sigma": 15.0, "beta": 0.6, "v_0": 0.003}}
+    off = fit(Model("mr", begun, SCALES).with_effect("remanence"), problem, max_iter=40)
+    kept = settled(off, given, problem)
+    assert kept.mse(problem.train) < 1.001 * off.mse(problem.train)
+    middle = motion(DT, x, v, 0.0 * u + 0.15, a)
+    errors = [np.std(predict(f.model, middle) - predict(truth, middle)) for f in (off, kept)]
+    assert errors[1] < 0.3 * errors[0]
+    assert kept.model.value("bingham_yield", "beta") == pytest.approx(1.2, abs=0.02)
+    told, whole = (
+        m.deviations["bingham_yield"]["beta"]
+        for m in (estimated(off, problem, 0, given), with_deviations(off, problem))
+    )
+    assert told >= whole
+    sure = fit(given, problem)
+    again = settled(sure, given, problem).model.value("passive", "c0")
+    assert again == pytest.approx(sure.model.value("passive", "c0"), rel=1e-3)

@@ -67,7 +67,23 @@ def clipped(given):
     return changed(given, "damper_force", y)
 
 
-KINDS = {"scattered": scattered, "bent": bent, "struck": struck, "clipped": clipped}
+def cut_below(given):
+    """A load cell whose amplifier ends at two thirds of what other samples reach, for 0.4 s."""
+    y = given.channels["damper_force"].copy()
+    y[1000:1080] = 0.66 * y.max()
+    return changed(given, "damper_force", y)
+
+
+def hangs(given):
+    """A velocity channel that stands still for 0.3 s."""
+    y = given.channels["deflection_velocity"].copy()
+    y[1500:1560] = 1.01 * y[1499]
+    return changed(given, "deflection_velocity", y)
+
+
+KINDS = {
+    "scattered": scattered, "bent": bent, "struck": struck, "clipped": clipped, "cut_below": cut_below, "hangs": hangs,
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +109,10 @@ def test_wild_samples_are_found_and_told(clean, kind):
     said = check(Dataset.of([spoilt])).to_dict()
     assert said["outliers"]["count"] == sum(p["samples"] for p in places(found)) > 0
     assert any("wild" in note for note in said["notes"])
-    worst = {"scattered": "spikes", "struck": "spikes", "bent": "ends", "clipped": "clipping"}
+    worst = {
+        "scattered": "spikes", "struck": "spikes", "bent": "ends", "clipped": "clipping", "cut_below": "held",
+        "hangs": "held",
+    }  # fmt: skip
     assert worst[kind] in {f["check"] for f in said["preflight"]["findings"] if f["level"] != "ok"}
 
 
@@ -119,7 +138,7 @@ def same(before, after):
 @pytest.mark.slow
 @pytest.mark.parametrize("effect", [None, HIDDEN[0]])
 def test_no_verdict_and_no_value_changes(clean, effect):
-    """All four kinds in one record."""
+    """All kinds in one record."""
     spoilt = clean[effect]
     for change in KINDS.values():
         spoilt = change(spoilt)

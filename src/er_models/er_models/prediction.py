@@ -21,7 +21,9 @@ class Motion:
     """Inputs of a damper, one or more records laid end to end.
 
     x, v, a: deflection [m], velocity [m/s], acceleration [m/s2]; u: duty held from each sample on;
-    theta: temperature difference [K]; all (n,). starts (m+1,): first rows of the records and the end.
+    theta: temperature difference [K]; all (n,). starts (m+1,): first rows of the records and the end. began (m,): when
+    each record began on one clock [s], where they follow one another: heat and ageing go on from one to the next. None:
+    each begins anew.
     """
 
     dt: float
@@ -31,6 +33,7 @@ class Motion:
     u: Array
     theta: Array
     starts: np.ndarray
+    began: Array | None = None
 
     @property
     def n(self) -> int:
@@ -39,10 +42,25 @@ class Motion:
 
     @property
     def t(self) -> Array:
-        """Time since the start of each sample's record [s]."""
+        """Time since the start of each sample's record, or of the first of those that follow one another [s]."""
         out = np.empty(self.n)
-        for i, j in zip(self.starts[:-1], self.starts[1:], strict=True):
-            out[i:j] = np.arange(j - i) * self.dt
+        for i, j, clock in zip(self.starts[:-1], self.starts[1:], self.course[:, 3], strict=True):
+            out[i:j] = clock + np.arange(j - i) * self.dt
+        return out
+
+    @property
+    def course(self) -> Array:
+        """How records follow one another (m, 4), as the kernel takes it (`kernel.imposed`)."""
+        m = self.starts.size - 1
+        if self.began is None:
+            return np.column_stack([np.arange(m), np.full(m, -1.0), np.zeros((m, 2))])
+        turn = np.argsort(self.began, kind="stable")
+        ends = self.began + np.diff(self.starts) * self.dt
+        out = np.column_stack(
+            [turn, np.full(m, -1.0), np.zeros(m), self.began - self.began[turn[0]]]
+        )
+        out[turn[1:], 1] = turn[:-1]
+        out[turn[1:], 2] = np.maximum(self.began[turn[1:]] - ends[turn[:-1]], 0.0)
         return out
 
 
@@ -168,7 +186,7 @@ def _rows(
     x, v, a, u, theta = map(plain, (inputs.x, inputs.v, inputs.a, inputs.u, inputs.theta))
     vectors, starts = plain(vectors), inputs.starts
     shared = (c.on, c.slots, c.links, c.at_rest)
-    along = (inputs.dt, starts, x, v, a, u, theta, n_sub)
+    along = (inputs.dt, starts, plain(inputs.course), x, v, a, u, theta, n_sub)
     if told is None or not c.slots.size:
         return lambda forces, _, i, j: made.predict_rows(*shared, vectors[i:j], *along, forces)
     force, weight = plain(told.force), plain(told.weight)

@@ -31,7 +31,7 @@ from er_studies.bench.models.timing import Line, best, table
 from numba.core.runtime import _nrt_python as native
 from numba.core.runtime import rtsys
 
-HANDED_OVER = 12
+HANDED_OVER = 13
 """Arrays among the arguments of `predict_rows`; numba counts a reference to each like an array."""
 NEEDS_C = pytest.mark.skipif(compiler() is None, reason="no C compiler (gcc or cc)")
 

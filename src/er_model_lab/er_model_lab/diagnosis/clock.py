@@ -61,6 +61,17 @@ def clock_ties(
     return tuple(groups)
 
 
+def second_clocks(best: Candidate) -> tuple[str, ...]:
+    """Effects of heat and ageing that were added beside another one.
+
+    What warms thins by no equation exactly, and a second slow effect makes up for the form of the first.
+    """
+    model = best.fit.model
+    held = [name for name in model.effects if slow(model.catalogue[name])]
+    added = [name for name in held if name in best.effects]
+    return tuple(added[1:] if len(added) == len(held) else added)
+
+
 def _near(step: Round) -> list[str]:
     """Effects of heat and ageing that come near the one that a round took, best first."""
     assert step.taken is not None

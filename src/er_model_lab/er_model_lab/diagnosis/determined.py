@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from er_models.effect import arguments
 
 from er_model_lab.diagnosis.candidates import Candidate
+from er_model_lab.diagnosis.coverage import STEP
 from er_model_lab.fitting.fit import standard_deviations
 from er_model_lab.problem.problem import Problem
 
@@ -28,6 +30,14 @@ def far(candidate: Candidate) -> bool:
         if abs(off) > FAR * abs((high if off > 0.0 else low) - q.neutral):
             return True
     return False
+
+
+def unseen(candidate: Candidate, problem: Problem) -> bool:
+    """Whether the effect added last is a law of the duty, of which the data hold one value."""
+    effect = candidate.fit.model.catalogue[candidate.name]
+    follows = any({"u", "u_f"} & {*arguments(hook)} for hook in effect.hooks.values())
+    still = float(np.ptp(problem.motion.u)) <= STEP
+    return still and (follows or effect.stage == "actuation")
 
 
 def loose(best: Candidate, problem: Problem) -> tuple[str, ...]:

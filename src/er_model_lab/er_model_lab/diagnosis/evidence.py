@@ -110,19 +110,22 @@ def reasons(
         f"added: {', '.join(catalogue[e].title for e in best.effects)}; the error falls by "
         f"{effect_size(base, best):.3g} N, {seen.explained:.0%} of what is explainable"
     )
-    titles = [catalogue[e].title for e in seen.loose]
-    return (left, fall, *_reasons_of_effects(verdict, seen, titles))
+    open_ = [f"{catalogue[e].title}: these data do not determine its values" for e in seen.loose]
+    open_ += [
+        f"{catalogue[e].title}: beside another effect of heat or ageing it may stand for the form of that one"
+        for e in seen.slow
+    ]
+    return (left, fall, *_reasons_of_effects(verdict, seen, open_))
 
 
-def _reasons_of_effects(verdict: Verdict, seen: Evidence, loose: list[str]) -> tuple[str, ...]:
-    """Why what was taken is not all, or not certain."""
+def _reasons_of_effects(verdict: Verdict, seen: Evidence, open_: list[str]) -> tuple[str, ...]:
+    """Why what was taken is not all, or not certain; open_: what is not of single effects."""
     if seen.too_many:
         return (
             f"{seen.effects} effects together leave more than noise: they may stand for another",
         )
     if verdict == "ambiguous":
         tie = ("the data cannot tell some effects apart",) if seen.tied else ()
-        open_ = tuple(f"{title}: these data do not determine its values" for title in loose)
         return (*tie, *open_, *seen.blocking)
     if verdict == "partial":
         return ("a part remains that no known effect explains",)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from er_models.model import Model
 
 from er_model_lab.diagnosis.candidates import Candidate, baseline, effect_size, refit
-from er_model_lab.diagnosis.clock import clock_ties
+from er_model_lab.diagnosis.clock import clock_ties, second_clocks
 from er_model_lab.diagnosis.coverage import Coverage, coverage
 from er_model_lab.diagnosis.determined import loose
 from er_model_lab.diagnosis.evidence import VISIBLE, evidence, reasons, shares
@@ -141,6 +141,7 @@ def judge(
     beyond_fit = explainable(min(base.mse, base.fit.mse(problem.train)), floor.floor)
     unsure = loose(best, problem)
     seen = evidence(best, rounds[0], floor, beyond_fit, explained, ties, cover, unsure, rule)
+    seen = replace(seen, slow=second_clocks(best))
     verdict = decide(seen, rule)
     why = reasons(verdict, seen, base, best, rounds[0], floor, rule)
     if verdict in NOTHING_NAMED:

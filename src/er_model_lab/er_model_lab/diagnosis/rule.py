@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from er_models.errors import InputError
 
+from er_model_lab.fitting.estimate import SMALLEST
+
 
 @dataclass(frozen=True)
 class Rule:
@@ -20,7 +22,7 @@ class Rule:
     """
 
     false_alarm: float = 0.01
-    smallest: float = 0.12
+    smallest: float = SMALLEST
     helps: float = 0.2
 
     def __post_init__(self) -> None:

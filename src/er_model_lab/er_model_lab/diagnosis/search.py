@@ -17,7 +17,7 @@ from er_model_lab.diagnosis.candidates import (
     screen,
     without,
 )
-from er_model_lab.diagnosis.determined import far, loose
+from er_model_lab.diagnosis.determined import far, loose, unseen
 from er_model_lab.diagnosis.null import Null, simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.problem.problem import Problem
@@ -132,14 +132,15 @@ def tied(
 ) -> list[Candidate]:
     """Candidates the data cannot tell from the best one, in the order in which they are told.
 
-    Those whose values the data determine come first, then those that are not far from doing nothing, then the
-    simplest. A tie needs nearly the same effect size, and a paired difference within `DOUBT` standard errors, or within
-    `SURE` and too small to count as an effect of its own. A difference that would count, in several blocks and
-    nowhere the other way, is not chance, however unevenly it is spread: a stop acts seldom. Where the motion
-    repeats itself a difference comes back in every cycle, so that only its size counts. A form of fewer parameters
-    that leaves next to nothing more is tied, too: turbulent damping as v^1.75 is met a little better by a power
-    law with a free exponent than by v^2. So is one of as many: beside errors of the motion, which smooth what is
-    predicted, a lag of 2 ms may meet a force that is 2 ms late a little better than the delay does.
+    A law of the duty comes last where the duty never changes. Those whose values the data determine come first,
+    then those that are not far from doing nothing, then the simplest. A tie needs nearly the same effect size, and
+    a paired difference within `DOUBT` standard errors, or within `SURE` and too small to count as an effect of its
+    own. A difference that would count, in several blocks and nowhere the other way, is not chance, however unevenly
+    it is spread: a stop acts seldom. Where the motion repeats itself a difference comes back in every cycle, so
+    that only its size counts. A form of fewer parameters that leaves next to nothing more is tied, too: turbulent
+    damping as v^1.75 is met a little better by a power law with a free exponent than by v^2. So is one of as many:
+    beside errors of the motion, which smooth what is predicted, a lag of 2 ms may meet a force that is 2 ms late a
+    little better than the delay does.
     """
     best = candidates[0]
     size = effect_size(base, best)
@@ -157,7 +158,13 @@ def tied(
     unsure = {c.name for c in near if len(near) > 1 and c.name in loose(c, problem)}
     return sorted(
         near,
-        key=lambda c: (c.name in unsure, far(c), *complexity(c), disguised(c, near, problem)),
+        key=lambda c: (
+            unseen(c, problem),
+            c.name in unsure,
+            far(c),
+            *complexity(c),
+            disguised(c, near, problem),
+        ),
     )
 
 

@@ -28,7 +28,7 @@ from er_models.model import Array, Model
 from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
 
-from er_model_lab.fitting.fit import Box, Fit, covariance
+from er_model_lab.fitting.fit import Box, Fit, covariance, fit, standard_deviations, widths
 from er_model_lab.problem.forward import colour_of
 from er_model_lab.problem.problem import Problem
 
@@ -45,6 +45,11 @@ ABOUT = (0.75, 0.85, 0.92, 0.96, 0.98, 0.99, 1.01, 1.02, 1.04, 1.08, 1.18, 1.33)
 LOOKS, TRIED, LIKELIER = 8, 3, 4.0
 """How often that is done at most, how many are polished, and the gain of twice the logarithm of the likelihood that is
 worth a move."""
+SMALLEST = 0.12
+"""Error, as a share of the noise, below which nothing counts: real dampers follow no equation more closely."""
+UNTOLD, PART, REFUSED = 0.1, 0.3, 3.0
+"""Standard deviation, as a share of what values may be before any data, from which on a direction is hardly told; part
+of that direction from which on a value lies along it; standard deviations by which data refuse a value."""
 NEAR = 3.0
 """Standard deviations within which the likelihood about a fit is looked at."""
 
@@ -179,6 +184,59 @@ def _about(box: Box, switching: NDArray[np.bool_]) -> Array:
     return np.array(rows)
 
 
+def settled(fitted: Fit, given: Model, problem: Problem) -> Fit:
+    """The fit with the given model's values where the data hardly tell them, all else following.
+
+    Two levels of the duty tell two numbers: yield force, exponent and remanence make up for each other, and each of
+    many fits predicts other levels differently. What was known of them before is more than nothing, unless the data
+    refuse it by `REFUSED` deviations or by an error that would count.
+    """
+    least, refused = 1.0 + SMALLEST**2, set[tuple[str, str]]()
+    deviations = dict(zip(fitted.free, standard_deviations(fitted, problem), strict=True))
+    while place := _untold(fitted, given, problem, refused):
+        effect, name = place
+        refused.add(place)
+        known, found = given.value(effect, name), fitted.model.value(effect, name)
+        if abs(known - found) > REFUSED * deviations[place]:
+            continue
+        values = {**fitted.model.effects[effect], name: known}
+        held = dict(zip(fitted.free, fitted.at_bound, strict=True))
+        others = tuple(f for f in fitted.free if f != place and not held[f])
+        tried = fit(fitted.model.with_effect(effect, values), problem, others)
+        if tried.mse(problem.train) <= least * fitted.mse(problem.train):
+            fitted = _widened(tried, fitted)
+    return fitted
+
+
+def _untold(
+    fitted: Fit, given: Model, problem: Problem, refused: set[tuple[str, str]]
+) -> tuple[str, str] | None:
+    """The value of the given model that the data tell least of, along the direction that they tell least of."""
+    inner, wide = np.flatnonzero(~fitted.at_bound), widths(fitted)
+    if not inner.size:
+        return None
+    noise = max(fitted.mse(problem.train), 1e-300)
+    j = fitted.jacobian[problem.train][:, inner] * wide[inner]
+    told, directions = np.linalg.eigh(j.T @ j / noise)
+    if told[0] > 1.0 / UNTOLD**2:
+        return None
+    known = [fitted.free[k] not in refused and fitted.free[k][0] in given.effects for k in inner]
+    shares = np.abs(directions[:, 0]) * known
+    k = int(np.argmax(shares))
+    return fitted.free[inner[k]] if shares[k] > PART else None
+
+
+def _widened(part: Fit, whole: Fit) -> Fit:
+    """A fit of some of the values of another as one of all: the others are held, as at a bound."""
+    places = [whole.free.index(f) for f in part.free]
+    theta = np.array([part.model.effects[e][q] for e, q in whole.free]) / whole.scale
+    jacobian, held = np.zeros_like(whole.jacobian), np.ones_like(whole.at_bound)
+    jacobian[:, places], held[places] = part.jacobian, part.at_bound
+    return replace(
+        part, free=whole.free, theta=theta, scale=whole.scale, jacobian=jacobian, at_bound=held
+    )
+
+
 def estimate(fitted: Fit, problem: Problem, seed: int) -> Estimate:
     """Values without bias and their covariance, of a polished fit."""
     box, rng, train = (
@@ -198,8 +256,12 @@ def estimate(fitted: Fit, problem: Problem, seed: int) -> Estimate:
     return Estimate(theta, taken, found + np.diag(doubt * fitted.scale**2))
 
 
-def estimated(fitted: Fit, problem: Problem, seed: int) -> Model:
-    """The model with its estimates; a deviation is infinite where the data say nothing."""
+def estimated(fitted: Fit, problem: Problem, seed: int, given: Model | None = None) -> Model:
+    """The model with its estimates; a deviation is infinite where the data say nothing.
+
+    given: the model before the fit, whose values stay where the data hardly tell them; deviations are as without that.
+    """
+    whole, fitted = fitted, fitted if given is None else settled(fitted, given, problem)
     tried = sorted(
         (moved(polished(fitted, problem, share), problem, share) for share in SECANTS),
         key=lambda f: f.mse(problem.train),
@@ -214,4 +276,10 @@ def estimated(fitted: Fit, problem: Problem, seed: int) -> Model:
     for (effect, name), value in zip(better.free, variances, strict=True):
         sd = float(np.sqrt(value)) if value >= 0 else float("inf")
         deviations.setdefault(effect, {})[name] = sd
+    if fitted is not whole:
+        for (effect, name), sd in zip(
+            whole.free, standard_deviations(whole, problem), strict=True
+        ):
+            own = deviations[effect][name]
+            deviations[effect][name] = float(sd) if not np.isfinite(own) else max(own, float(sd))
     return replace(model, deviations=deviations)

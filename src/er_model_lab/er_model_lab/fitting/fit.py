@@ -362,19 +362,30 @@ def _truly_left_out(fitted: Fit, problem: Problem, steps: Array) -> Array:
     return r
 
 
+def widths(fitted: Fit) -> Array:
+    """How far values (p,) may lie from where they are before any data: as much as they are large; scaled."""
+    catalogue = fitted.model.catalogue
+    sizes = np.array([catalogue[e].parameter(q).size for e, q in fitted.free])
+    return np.asarray(np.maximum(np.abs(fitted.theta), sizes))
+
+
 def covariance(fitted: Fit, problem: Problem) -> Array:
-    """Covariance (p, p) of the parameters [SI], robust to correlated errors: sandwich over one-second blocks."""
+    """Covariance (p, p) of the parameters [SI], robust to correlated errors: sandwich over one-second blocks.
+
+    Values that make up for each other wholly (a share and the width of a play between two levels) are known no better
+    than before the data (`widths`).
+    """
     train = np.flatnonzero(problem.train)
     inner = np.flatnonzero(~fitted.at_bound)
     j, r = fitted.jacobian[train][:, inner], fitted.residual[train]
-    h = j.T @ j
-    inverse = np.linalg.pinv(h, rcond=1e-12)
+    before = np.diag(float(np.mean(r**2)) / widths(fitted)[inner] ** 2)
+    inverse = np.linalg.pinv(j.T @ j + before, rcond=1e-15)
     length = problem.second
     blocks = train // length
     edges = np.flatnonzero(np.diff(blocks)) + 1
     scores = np.add.reduceat(j * r[:, None], np.concatenate([[0], edges]), axis=0)
     m = scores.shape[0]
-    meat = scores.T @ scores * (m / max(m - inner.size, 1))
+    meat = scores.T @ scores * (m / max(m - inner.size, 1)) + before * float(np.mean(r**2))
     out = np.full((fitted.theta.size,) * 2, np.nan)
     out[np.ix_(inner, inner)] = (
         inverse @ meat @ inverse * np.outer(fitted.scale[inner], fitted.scale[inner])

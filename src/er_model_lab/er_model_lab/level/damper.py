@@ -138,7 +138,8 @@ class DamperLevel:
         ):  # parameters and term make up for each other: neither is moved by itself
             found = bare
         else:
-            found = study.opened.span.estimate(replace(best, model=bare), problem, seed)
+            given = on_fused(study.model)
+            found = study.opened.span.estimate(replace(best, model=bare), problem, seed, given)
         found = with_unfelt(found, on_fused(study.model), problem)
         return put_back(found, best.model, only=undone)
 

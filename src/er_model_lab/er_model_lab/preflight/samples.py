@@ -30,6 +30,8 @@ ALIVE = 0.01
 """Share of its range by which another channel must move in a run that is called clipped."""
 LONE = 10
 """Samples of a single run from which on it is no chance."""
+USUAL, UNUSUAL = 0.99, 5.0
+"""Share of the runs of a channel that are usual, and how much longer one is that it hung in."""
 STUCK_FAIL = 0.2
 """Share of a record in which a stuck channel makes it useless."""
 
@@ -180,6 +182,22 @@ def clipped(y: Array, others: list[Array]) -> NDArray[np.bool_]:
             for i, n in zip(first, length, strict=True):
                 top[i : i + n] = True
     return top
+
+
+def hung(y: Array, others: list[Array], dt: float) -> NDArray[np.bool_]:
+    """Samples (n,) of one and the same value for 0.1 s or more while others move: a cable, or a range that ended.
+
+    Runs that are usual in the channel are none: of a coarse converter, or of a slower rate of its own. dt: [s].
+    """
+    still, found = np.zeros(y.size, bool), runs(y)
+    if not others or not found.length.size:
+        return still
+    alone = y.size - int(found.length.sum())
+    usual = float(np.quantile(np.concatenate([np.ones(alone), found.length]), USUAL))
+    least = max(STUCK / dt, LONE, UNUSUAL * usual)
+    for i, n in zip(found.first, found.length, strict=True):
+        still[i : i + n] = n >= least and _moved(others, int(i), int(n)) > MOVED
+    return still
 
 
 def _moved(others: list[Array], i: int, n: int) -> float:

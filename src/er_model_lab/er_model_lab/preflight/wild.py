@@ -1,4 +1,4 @@
-"""Samples that are no measurements, found before anything is fitted: those that stand alone, bent ends, flat tops."""
+"""Samples that are no measurements, found before anything is fitted: those that stand alone, bent ends, flat runs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from er_records.record import Record
 
 from er_model_lab.preflight.bent_ends import bent_ends
 from er_model_lab.preflight.finding import Finding, Level
-from er_model_lab.preflight.samples import FEW, clipped, others
+from er_model_lab.preflight.samples import FEW, clipped, hung, others
 from er_model_lab.preflight.spikes import LEAST, Mask, spikes
 
 JUDGED = ("damper_force", "deflection", "deflection_velocity", *ACCELEROMETERS)
@@ -48,7 +48,8 @@ def _wild(record: Record, name: str) -> Mask:
     """Wild samples (n,) of a channel."""
     y = record.channels[name]
     moving = {c: z for c, z in record.channels.items() if c == name or c != "damper_force"}
-    flat = clipped(y, others(replace(record, channels=moving), name))
+    beside = others(replace(record, channels=moving), name)
+    flat = clipped(y, beside) | hung(y, beside, record.dt)
     alone = spikes(y, STRUCK if name in ACCELEROMETERS else LEAST)
     if flat.any() or alone.any():
         rows = np.arange(y.size)

@@ -31,6 +31,8 @@ FOR_NOISE = 2500
 """Samples from which the noise levels of the motion sensors and the intensity of a motion are estimated."""
 MOTION = ("deflection", "deflection_velocity", *ACCELEROMETERS)
 """Channels of the motion."""
+LONGEST_PAUSE = 3600.0
+"""Pause between two records [s] after which the second is not taken as going on from the first."""
 BESIDE = 2
 """Samples to either side of wild motion whose force says nothing, either."""
 CONTRADICTION = 0.03
@@ -81,6 +83,7 @@ def prepare(
     motion = join(
         [_motion(r, f, c, dt, reference) for r, f, c in zip(records, fused, raw, strict=True)]
     )
+    motion = replace(motion, began=None if data.whole else began(records))
     fold, held_out = split(motion, len(data.score))
     wild = np.concatenate([without_weight(r, dt) for r in records])
     fold[wild], held_out[wild] = -1, False
@@ -187,6 +190,18 @@ def reference_temperature(records: Sequence[Record], dt: float) -> float:
     measured = (r for r in records if r.has("temperature"))
     first = next(measured, None)
     return 0.0 if first is None else float(resampled(first, "temperature", dt)[0])
+
+
+def began(records: Sequence[Record]) -> Array | None:
+    """When each record began on one clock (m,) [s]; None where their stamps do not say that they follow one another.
+
+    Clocks that begin anew with each file overlap. After a long pause nothing is known of the heat.
+    """
+    first, last = (np.array([r.t[k] for r in records]) for k in (0, -1))
+    turn = np.argsort(first, kind="stable")
+    pauses = first[turn[1:]] - last[turn[:-1]]
+    follow = pauses.size and np.all(pauses > 0.0) and np.all(pauses <= LONGEST_PAUSE)
+    return first - first[turn[0]] if follow else None
 
 
 def warmth(record: Record, dt: float, n: int, reference: float) -> Array:

@@ -91,7 +91,9 @@ def _status(candidate: Candidate, found: Diagnosis) -> tuple[str, list[str]]:
     for group in found.alternatives:
         if name in group:
             return "confounded", [other for other in group if other != name]
-    if name in found.effects and (found.coverage.blocking or name in found.evidence.loose):
+    if name in found.effects and (
+        found.coverage.blocking or name in (*found.evidence.loose, *found.evidence.slow)
+    ):
         return "confounded", _others(candidate, found)
     if name in found.effects:
         return "present", []

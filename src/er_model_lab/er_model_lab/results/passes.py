@@ -51,6 +51,12 @@ def told_together(
         earlier = Earlier(tied=bool(whole["alternatives"]), too_many=too_many(whole))
         whole["verdict"] = decide(replace(seen, earlier=earlier), rule)
         whole["reasons"] = _with(whole["reasons"], last["reasons"])
+    elif results[0]["verdict"] == "missing_effect":
+        unsure = [r for r in results[1:] if r["effects"] and r["verdict"] != "missing_effect"]
+        # what a later pass names without certainty is not certain in the whole, either
+        for more in unsure[:1]:
+            whole["verdict"] = more["verdict"]
+            whole["reasons"] = _with(whole["reasons"], more["reasons"])
     return whole
 
 

@@ -18,8 +18,11 @@ from er_model_lab.span.whole_record import WholeRecords, on_whole, remembers
 class Span(Protocol):
     """How much of the data a problem holds."""
 
-    def estimate(self, fitted: Fit, problem: Problem, seed: int) -> Model:
-        """The model of a fit with estimates of everything that was fitted: values without bias, and deviations."""
+    def estimate(self, fitted: Fit, problem: Problem, seed: int, given: Model) -> Model:
+        """The model of a fit with estimates of everything that was fitted: values without bias, and deviations.
+
+        given: the model before the fit.
+        """
 
     def checked(self, problem: Problem, residual: Array, **models: Model) -> Checked | None:
         """What each model leaves of all data; None where all were searched.
@@ -31,9 +34,9 @@ class Span(Protocol):
 class All:
     """All data are searched."""
 
-    def estimate(self, fitted: Fit, problem: Problem, seed: int) -> Model:
+    def estimate(self, fitted: Fit, problem: Problem, seed: int, given: Model) -> Model:
         """Estimates from the data as they are."""
-        return estimated(fitted, problem, seed)
+        return estimated(fitted, problem, seed, given)
 
     def checked(self, problem: Problem, residual: Array, **models: Model) -> None:
         """Nothing is left to check."""
@@ -46,11 +49,11 @@ class Stretches:
 
     whole: WholeRecords
 
-    def estimate(self, fitted: Fit, problem: Problem, seed: int) -> Model:
+    def estimate(self, fitted: Fit, problem: Problem, seed: int, given: Model) -> Model:
         """Estimates from the stretches; of what remembers more than a stretch, from whole records."""
         if remembers(fitted.model):
             return with_deviations(fit(fitted.model, problem, tol=1e-7), problem)
-        return estimated(fitted, problem, seed)
+        return estimated(fitted, problem, seed, given)
 
     def checked(self, problem: Problem, residual: Array, **models: Model) -> Checked:
         """All data predicted with each model."""

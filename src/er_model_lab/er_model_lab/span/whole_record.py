@@ -23,6 +23,7 @@ from er_model_lab.problem.held_out import telling
 from er_model_lab.problem.motion_error import Sensed
 from er_model_lab.problem.prepare import (
     FOR_NOISE,
+    began,
     measured_channels,
     reference_temperature,
     resampled,
@@ -120,6 +121,7 @@ def _whole(problem: Problem, data: Dataset) -> WholeRecords:
     reference = reference_temperature(sources, dt)
     fused = [_fused(record, dt, problem.noise, smooth, reference) for record in sources]
     motion, force = join([m for m, _ in fused]), np.concatenate([f for _, f in fused])
+    motion = replace(motion, began=began(sources))
     rows = []
     for place, n in zip(data.places, np.diff(problem.motion.starts), strict=True):
         begin = first_row(motion, sources, place.record, place.i)

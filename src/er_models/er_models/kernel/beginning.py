@@ -19,11 +19,15 @@ import numpy as np
 
 from er_models.kernel.fast import entry, inner
 from er_models.kernel.imposed import (
+    CLOCK,
     LEAST,
     MOST,
     NOTED,
     PLAIN,
     SETTLED,
+    TURN,
+    cooled,
+    ended,
     late,
     output_delay,
     predict,
@@ -46,8 +50,8 @@ def way(reach, j):
 
 @inner
 def slopes(
-    on, slots, links, at_rest, p, dt, x, v, a, u, theta, s, reach, shift, shown, left, near, raw
-):
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, near, raw
+):  # fmt: skip
     """How the force follows the beginning of each state over its way: shown (S, n) [N]; how many rows show it.
 
     States that begin at zero are counted from there. near (S,): the near ends, as shares; left (S, n), raw (n,):
@@ -59,15 +63,16 @@ def slopes(
         away, near[q] = way(reach, own)
         if not at_rest[own] and away != 0.0:
             seen = predict(
-                on, slots, links, at_rest, p, dt, x, v, a, u, theta, 1, s, shown[q], reach, own, away, left[q],
+                on, slots, links, at_rest, p, dt, x, v, a, u, theta, 1, clock, warm, s, shown[q], reach, own, away,
+                left[q],
             )  # fmt: skip
         for k in range(seen, n):
             shown[q, k] = left[q, k] = 0.0
         rows = max(rows, seen)
     if rows:
         predict(
-            on, slots, links, at_rest, p, dt, x[:rows], v[:rows], a[:rows], u[:rows], theta[:rows], 1, s, shown[many],
-            reach, PLAIN, 0.0, raw,
+            on, slots, links, at_rest, p, dt, x[:rows], v[:rows], a[:rows], u[:rows], theta[:rows], 1, clock, warm, s,
+            shown[many], reach, PLAIN, 0.0, raw,
         )  # fmt: skip
     for q in range(many):
         for k in range(rows):
@@ -111,7 +116,8 @@ def shares(sums, near, share):
 
 @entry
 def begun_rows(
-    on, slots, links, at_rest, ps, dt, starts, x, v, a, u, theta, n_sub, measured, weight, unscored, forces, spent
+    on, slots, links, at_rest, ps, dt, starts, course, x, v, a, u, theta, n_sub, measured, weight, unscored, forces,
+    spent,
 ):  # fmt: skip
     """As `predict_rows`, but each state begins where the measured force (n,) [N] says.
 
@@ -122,19 +128,25 @@ def begun_rows(
     s, reach = np.empty((ROWS, at_rest.shape[0])), np.empty((3, at_rest.shape[0]))
     shown, left, sums = np.empty((many + 1, n)), np.empty((many, n)), np.empty((many, many + 1))
     near, share, raw, error = np.empty(many), np.empty(many), np.empty(n), np.empty(n)
+    records, warm = starts.shape[0] - 1, np.empty(at_rest.shape[0])
+    ends = np.empty((records, 2, at_rest.shape[0]))
     for k in range(ps.shape[0]):
         p, force = ps[k], forces[k]
         shift, spent[k] = output_delay(on, p) / dt, 0.0
-        for r in range(starts.shape[0] - 1):
-            i, j = starts[r], starts[r + 1]
+        for turn in range(records):
+            r = int(course[turn, TURN])
+            i, j, clock = starts[r], starts[r + 1], course[r, CLOCK]
+            cooled(course, r, ends, warm)
             x_r, v_r, a_r = x[i:j], v[i:j], a[i:j]
             u_r, theta_r, f_r = u[i:j], theta[i:j], force[i:j]
             predict(
-                on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, n_sub, s, f_r, reach, NOTED, 0.0, raw,
+                on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, n_sub, clock, warm, s, f_r, reach, NOTED,
+                0.0, raw,
             )  # fmt: skip
+            ended(s, r, ends)
             late(f_r, shift, raw[i:j])
             rows = slopes(
-                on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, s, reach, shift, shown,
+                on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, clock, warm, s, reach, shift, shown,
                 left, near, raw,
             )  # fmt: skip
             for row in range(rows):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from er_models.kernel.elementary import exp
 from er_models.kernel.fast import entry, inline, inner
 from er_models.kernel.inputs import at, cubic, delayed, split
 from er_models.kernel.states import HOLD, ROWS, W0, G, R, W, keep, settle, solve, visit
@@ -26,8 +27,13 @@ def output_delay(on, p):  # type: ignore[no-untyped-def]
 # --- below this line: compiled with the composed equations ---
 FADED = 7.0
 """Time constants of a state after which its beginning no longer shows; within the last of them it is faded out."""
+TURN, BEFORE, PAUSE, CLOCK = range(4)
+"""Columns of a course (m, 4): which record comes when; of each record the one before it, -1: none, the pause since
+that one's end and the time since the first of them began [s]."""
 LEAST, MOST, SETTLED = range(3)
 """Rows of the reach of each state (3, n_states): ends of where it and its equilibria are, and where it settled."""
+HEAT = 2
+"""Mark in `at_rest` of a state that goes on from one record to the next."""
 NOTED, PLAIN = -1, -2
 """In place of a state that is moved away from where it settles: the reach of each is noted, or nothing is."""
 
@@ -68,15 +74,24 @@ def reached(slots, s, slowest, reach):
 
 
 @inner
-def start(on, slots, links, at_rest, p, s, reach, own, away, x, v, a, u, theta):
-    """Settle every state, then move one of them away from there, or note where they settled; measured force [N]."""
+def start(on, slots, links, at_rest, p, s, reach, own, away, clock, warm, x, v, a, u, theta):
+    """Settle every state, then move one of them away from there, or note where they settled; measured force [N].
+
+    clock: time since the first of records that follow one another began [s]; warm (n_states,): the heat that is there.
+    """
     f_m = settle(on, slots, links, at_rest, p, s, x, v, a, u, theta)
+    if clock > 0.0:
+        for i in range(slots.shape[0]):
+            j = slots[i]
+            if at_rest[j] == HEAT:
+                s[W, j] = s[W0, j] = warm[j]
     if own >= 0:
         s[W, own] += away
         s[W0, own] = s[W, own]
-        _, f_m, _ = visit(on, links, p, s, 0.0, HOLD, x, v, a, u, 0.0, theta)
+    if own >= 0 or clock > 0.0:
+        _, f_m, _ = visit(on, links, p, s, 0.0, HOLD, x, v, a, u, clock, theta)
         keep(slots, s)
-    elif own == NOTED:
+    if own == NOTED:
         for j in range(reach.shape[1]):
             for i in range(reach.shape[0]):
                 reach[i, j] = s[W, j]
@@ -85,8 +100,8 @@ def start(on, slots, links, at_rest, p, s, reach, own, away, x, v, a, u, theta):
 
 @inner
 def predict(
-    on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, s, force, reach, own, away, left
-):
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, force, reach, own, away, left
+):  # fmt: skip
     """Measured force [N] over one record of imposed motion, arrays of length n; how many rows were computed.
 
     The duty is held from each sample on, later by the dead time: a step that it jumps in is cut in
@@ -98,8 +113,8 @@ def predict(
     turn = turning(cut, n_sub)
     u_now, faded = u[0], 0.0
     f_m = start(
-        on, slots, links, at_rest, p, s, reach, own, away, x[0], v[0], a[0], u_now, theta[0]
-    )
+        on, slots, links, at_rest, p, s, reach, own, away, clock, warm, x[0], v[0], a[0], u_now, theta[0]
+    )  # fmt: skip
     force[0] = f_m
     if own >= 0:
         left[0] = 1.0
@@ -117,7 +132,7 @@ def predict(
                 h, end = (q - end) * dt, q
             _, f_m, _ = solve(
                 on, links, p, s, h, HOLD, at(x_k, q), at(v_k, q), a[k] + q * a_rise, u_now,
-                (k + q) * dt, theta[k] + q * theta_rise,
+                clock + (k + q) * dt, theta[k] + q * theta_rise,
             )  # fmt: skip
             keep(slots, s)
             if jump and q == 0.0:
@@ -144,22 +159,46 @@ def late(force, shift, raw):
         delayed(raw, shift, force)
 
 
+@inner
+def cooled(course, r, ends, warm):
+    """Heat (n_states,) with which record r begins: that of the one before it, after the pause."""
+    before = int(course[r, BEFORE])
+    for j in range(warm.shape[0]):
+        warm[j] = 0.0
+        if before >= 0:
+            warm[j] = ends[before, 0, j] * exp(-ends[before, 1, j] * course[r, PAUSE])
+
+
+@inner
+def ended(s, r, ends):
+    """Note states and rates at the end of record r."""
+    for j in range(s.shape[1]):
+        ends[r, 0, j], ends[r, 1, j] = s[W, j], s[R, j]
+
+
 @entry
-def predict_rows(on, slots, links, at_rest, ps, dt, starts, x, v, a, u, theta, n_sub, forces):
+def predict_rows(
+    on, slots, links, at_rest, ps, dt, starts, course, x, v, a, u, theta, n_sub, forces
+):
     """One prediction per row of `ps` (m, n_parameters) into `forces` (m, n).
 
-    Several records are laid end to end; `starts` holds their first rows and the end.
+    Several records are laid end to end; `starts` holds their first rows and the end, `course` how they follow one
+    another (`prediction.Motion`).
     """
-    s = np.empty((ROWS, at_rest.shape[0]))
+    s, many = np.empty((ROWS, at_rest.shape[0])), starts.shape[0] - 1
+    ends, warm = np.empty((many, 2, at_rest.shape[0])), np.empty(at_rest.shape[0])
     for k in range(ps.shape[0]):
         p, force = ps[k], forces[k]
         shift = output_delay(on, p) / dt
-        for r in range(starts.shape[0] - 1):
+        for q in range(many):
+            r = int(course[q, TURN])
             i, j = starts[r], starts[r + 1]
+            cooled(course, r, ends, warm)
             predict(
-                on, slots, links, at_rest, p, dt, x[i:j], v[i:j], a[i:j], u[i:j], theta[i:j], n_sub, s, force[i:j],
-                s, PLAIN, 0.0, force[i:j],
+                on, slots, links, at_rest, p, dt, x[i:j], v[i:j], a[i:j], u[i:j], theta[i:j], n_sub, course[r, CLOCK],
+                warm, s, force[i:j], s, PLAIN, 0.0, force[i:j],
             )  # fmt: skip
+            ended(s, r, ends)
             if shift != 0.0:
                 late(force[i:j], shift, np.empty(j - i))
 

@@ -20,7 +20,11 @@ from er_models.kernel.order import (
 
 
 class Layout(NamedTuple):
-    """on: mask (`kernel.mask`); slots: states in use; links: those of them that feed back; at_rest (n_states,)."""
+    """on: mask (`kernel.mask`); slots: states in use; links: those of them that feed back.
+
+    at_rest (n_states,): 1 for a state that begins at zero, 2 where that is heat, which a record may have of the one
+    before it.
+    """
 
     on: NDArray[np.uint8]
     slots: NDArray[np.int64]
@@ -62,7 +66,8 @@ def layout(
     for effect in used:
         if effect.has_state:
             slots.add(c.slots[effect.name])
-            rest[c.slots[effect.name]] = effect.initial == "zero"
+            warms = effect.stage == "heat"
+            rest[c.slots[effect.name]] = (effect.initial == "zero") * (1 + warms)
         if feeds_back(effect):
             links.add(c.slots[effect.name])
     return Layout(mask(c, used, terms), _sorted(slots), _sorted(links), rest)
