@@ -1,6 +1,7 @@
 """When an effect is worth a name: what chance gives, ties, and effects that are needed together."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from er_model_lab.diagnosis.search import (
     DOUBT,
     SURE,
     Round,
+    beyond_motion,
     block_gains,
     nested,
     paired_t,
@@ -74,6 +76,21 @@ def test_without_a_deflection_drawn_motions_miss_the_true_one_about_its_middle()
     missed = np.std(x - problem.motion.x)
     shown = np.std([drawn(problem, rng).x - problem.motion.x for _ in range(4)])
     assert shown == pytest.approx(missed, rel=0.5)
+
+
+def test_a_gain_counts_beyond_the_errors_of_the_motion_where_they_act():
+    rows = np.arange(1000)
+    gate = rows % 10 == 0
+    problem = SimpleNamespace(train=np.ones(rows.size, bool))
+    null = Null(np.zeros(0), 1.0, 1.0, 0.0, np.where(gate, 10.0, 0.0))
+    base, on_plateaus, at_the_gate = (
+        SimpleNamespace(residual=np.sqrt(left))
+        for left in (np.full(rows.size, 2.0), np.where(gate, 2.0, 1.0), np.where(gate, 0.0, 2.0))
+    )
+    assert beyond_motion(base, on_plateaus, null, problem) == pytest.approx(np.sqrt(0.9))
+    assert beyond_motion(base, at_the_gate, null, problem) == 0.0
+    lost = SimpleNamespace(residual=np.sqrt(np.where(gate, 12.0, 1.0)))
+    assert beyond_motion(base, lost, null, problem) == 0.0
 
 
 def test_chance_passes_its_threshold_as_often_as_it_is_allowed_to():

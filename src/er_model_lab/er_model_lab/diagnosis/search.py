@@ -98,8 +98,12 @@ def seldom(gains: Array, limit: float) -> bool:
     What it gains without its best block must still exceed the limit, and what the other blocks lose be next to nothing.
     """
     rest = float(gains.sum() - gains.max()) / gains.size
-    lost = -float(gains[gains < 0.0].sum())
-    return rest > limit**2 and lost < HARMLESS * float(gains[gains > 0.0].sum())
+    return rest > limit**2 and harmless(gains)
+
+
+def harmless(gains: Array) -> bool:
+    """Whether what blocks lose is next to nothing beside what the others gain; gains: falls of mean squares."""
+    return -float(gains[gains < 0.0].sum()) < HARMLESS * float(gains[gains > 0.0].sum())
 
 
 def beyond_motion(base: Candidate, candidate: Candidate, null: Null, problem: Problem) -> float:

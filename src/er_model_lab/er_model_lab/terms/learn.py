@@ -11,7 +11,7 @@ from er_models.model import Array, Model
 from numpy.typing import NDArray
 
 from er_model_lab.diagnosis.candidates import Candidate, effect_size
-from er_model_lab.diagnosis.search import DOUBT, paired_t, passes
+from er_model_lab.diagnosis.search import DOUBT, NEARLY_ALL, harmless, paired_t
 from er_model_lab.fitting.fit import SHARES, Box, Fit, fit
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors
@@ -232,8 +232,7 @@ def _as_felt(
 ) -> Array | None:
     """The design as the model passes it on, where a sensor that lags or a mount in series changes what a term adds."""
     bare, model = (
-        _with(fitted.model, _term(choice, each, np.zeros(c.size)))
-        for each in (0.0 * c, c)
+        _with(fitted.model, _term(choice, each, np.zeros(c.size))) for each in (0.0 * c, c)
     )
     p, q = model.compiled().p, bare.compiled().p
     added = np.subtract(*problem.predict_many(model, np.stack([p, q])))
@@ -324,14 +323,15 @@ def _spread(
 def _refused(before: Candidate, after: Candidate, problem: Problem, limit: float) -> str:
     """Why a term is not taken; empty where it is.
 
-    It must gain as an effect must, on blocks left out, and never raise the error of what is held out. Records of
-    different kind gain unevenly: what is steady is asked as for effects, or a paired t.
+    It must gain as an effect must, on blocks left out steadily, and never raise the error of what is held out. Records
+    of different kind gain unevenly: where nearly all blocks gain and the others lose next to nothing, that is steady.
     """
     size = effect_size(before, after)
     if not size > limit:
         return f"it would lower the error of blocks left out by {size:.3g} N, chance reaches {limit:.3g} N"
-    steady = paired_t(before.losses - after.losses) > DOUBT
-    if not (steady or passes(before, after, limit)):
+    gains = before.losses - after.losses
+    even = float(np.mean(gains > 0.0)) >= NEARLY_ALL and harmless(gains)
+    if not (even or paired_t(gains) > DOUBT):
         return "what it gains varies too much from one stretch of time to the next"
     was, now = (errors(problem, c.fit.residual, problem.held_out).rmse for c in (before, after))
     if not now < was:

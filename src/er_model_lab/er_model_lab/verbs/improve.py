@@ -304,7 +304,7 @@ def _improved(made: _Passes, model: Model, asked: Question) -> DiagnosisResult:
         whole["notes"] = [now if note == told else note for note in whole["notes"]]
         view = replace(view, notes=tuple(now if note == told else note for note in view.notes))
     whole["measured_terms"] = list[Any]()
-    for found, last, limit in made.terms:  # noqa: B007 (the last one is drawn)
+    for found, last, limit in made.terms:
         whole = with_term(whole, found, last, first, limit)
         view = replace(view, notes=(whole["notes"][0], *view.notes))
     if last is not first:
