@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from er_model_lab.diagnosis import search
 from er_model_lab.diagnosis.candidates import (
     baseline,
     cross_judged,
@@ -78,19 +79,42 @@ def test_without_a_deflection_drawn_motions_miss_the_true_one_about_its_middle()
     assert shown == pytest.approx(missed, rel=0.5)
 
 
-def test_a_gain_counts_beyond_the_errors_of_the_motion_where_they_act():
-    rows = np.arange(1000)
-    gate = rows % 10 == 0
-    problem = SimpleNamespace(train=np.ones(rows.size, bool))
-    null = Null(np.zeros(0), 1.0, 1.0, 0.0, np.where(gate, 10.0, 0.0))
-    base, on_plateaus, at_the_gate = (
-        SimpleNamespace(residual=np.sqrt(left))
-        for left in (np.full(rows.size, 2.0), np.where(gate, 2.0, 1.0), np.where(gate, 0.0, 2.0))
+GATE = np.arange(1000) % 10 == 0
+ERRORS = Null(np.zeros(0), 1.0, 1.0, 0.0, np.where(GATE, 10.0, 0.0), least=2.0)
+"""Errors of a motion that act in one sample of ten."""
+
+
+def leaving(square):
+    """A candidate that leaves this mean square (n,) in each sample."""
+    mean = float(np.mean(square))
+    return SimpleNamespace(
+        name="of", residual=np.sqrt(square), losses=np.full(12, mean), mse=mean, seen=mean
     )
-    assert beyond_motion(base, on_plateaus, null, problem) == pytest.approx(np.sqrt(0.9))
-    assert beyond_motion(base, at_the_gate, null, problem) == 0.0
-    lost = SimpleNamespace(residual=np.sqrt(np.where(gate, 12.0, 1.0)))
-    assert beyond_motion(base, lost, null, problem) == 0.0
+
+
+BEFORE, ON_PLATEAUS = leaving(np.full(GATE.size, 2.0)), leaving(np.where(GATE, 2.0, 1.0))
+AT_THE_GATE, LOSES_THERE = leaving(np.where(GATE, 0.0, 2.0)), leaving(np.where(GATE, 12.0, 1.0))
+
+
+def test_a_gain_counts_beyond_the_errors_of_the_motion_where_they_act():
+    problem = SimpleNamespace(train=np.ones(GATE.size, bool))
+    sizes = [
+        beyond_motion(BEFORE, c, ERRORS, problem) for c in (ON_PLATEAUS, AT_THE_GATE, LOSES_THERE)
+    ]
+    assert sizes == pytest.approx([np.sqrt(0.9), 0.0, 0.0], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("found", "small", "taken"),
+    [(ON_PLATEAUS, False, False), (ON_PLATEAUS, True, True), (AT_THE_GATE, True, False)],
+)
+def test_small_steps_believe_what_acts_on_the_plateaus(found, small, taken, monkeypatch):
+    monkeypatch.setattr(search, "_without_refinements", lambda base, able, limit: able)
+    monkeypatch.setattr(search, "tied", lambda base, able, problem, limit: able)
+    problem = SimpleNamespace(train=np.ones(GATE.size, bool), cycles=())
+    step = search.decided(BEFORE, [found], ERRORS, problem, replace(RULE, plateaus=small))
+    assert (step.taken is found) is taken
+    assert step.threshold < 0.2 if taken else step.threshold == ERRORS.least
 
 
 def test_chance_passes_its_threshold_as_often_as_it_is_allowed_to():

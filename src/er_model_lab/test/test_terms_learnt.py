@@ -107,7 +107,7 @@ def test_blocks_left_out_tell_the_error_of_fresh_data(learnt):
 
 
 def test_two_forces_over_different_quantities_are_two_terms(tmp_path):
-    model, problem = made(lambda x, v, u: 2.0 * np.sin(400 * x) + 4.0 * u**2 * np.tanh(20 * v))
+    model, problem = made(lambda x, v, u: 1500.0 * v * np.abs(x) + np.sin(20.0 * u))
     first = learn(baseline(model, problem), problem, LIMIT)
     second = learn(first.candidate, problem, LIMIT)
     assert isinstance(second, Learnt), second

@@ -221,10 +221,17 @@ def one_round(base: Candidate, problem: Problem, seed: int, rule: Rule = RULE) -
     """Refit every missing effect, calibrate, and choose the best or nothing."""
     candidates = refit_all(base, problem)
     null = simulate_null(base, candidates, problem, seed)
+    return decided(base, candidates, null, problem, rule)
+
+
+def decided(
+    base: Candidate, candidates: list[Candidate], null: Null, problem: Problem, rule: Rule
+) -> Round:
+    """The round with the best of its candidates taken, or nothing."""
     left = np.sqrt(min(candidates[0].mse, base.mse))
     limit = threshold(null, left, rule)
     able = [c for c in candidates if passes(base, c, limit)]
-    if not able and null.least and not problem.cycles:
+    if rule.plateaus and not able and null.least and not problem.cycles:
         bare = replace(null, least=0.0)
         of_noise = threshold(bare, left, rule)
         able = [

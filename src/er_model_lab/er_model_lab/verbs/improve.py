@@ -156,7 +156,8 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
         if found.interrupted or not _goes_on(found):
             return _Passes(studies, current, stopped=found.interrupted)
         if found.verdict == "partial":
-            asked = replace(asked, rule=replace(given, helps=min(given.helps, FURTHER)))
+            small = replace(given, helps=min(given.helps, FURTHER), plateaus=True)
+            asked = replace(asked, rule=small)
     return _Passes(studies, current)
 
 
