@@ -1,9 +1,11 @@
 """When an effect is worth a name: what chance gives, ties, and effects that are needed together."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from er_model_lab.diagnosis import search
 from er_model_lab.diagnosis.candidates import (
     baseline,
     cross_judged,
@@ -21,6 +23,7 @@ from er_model_lab.diagnosis.search import (
     DOUBT,
     SURE,
     Round,
+    beyond_motion,
     block_gains,
     nested,
     paired_t,
@@ -74,6 +77,44 @@ def test_without_a_deflection_drawn_motions_miss_the_true_one_about_its_middle()
     missed = np.std(x - problem.motion.x)
     shown = np.std([drawn(problem, rng).x - problem.motion.x for _ in range(4)])
     assert shown == pytest.approx(missed, rel=0.5)
+
+
+GATE = np.arange(1000) % 10 == 0
+ERRORS = Null(np.zeros(0), 1.0, 1.0, 0.0, np.where(GATE, 10.0, 0.0), least=2.0)
+"""Errors of a motion that act in one sample of ten."""
+
+
+def leaving(square):
+    """A candidate that leaves this mean square (n,) in each sample."""
+    mean = float(np.mean(square))
+    return SimpleNamespace(
+        name="of", residual=np.sqrt(square), losses=np.full(12, mean), mse=mean, seen=mean
+    )
+
+
+BEFORE, ON_PLATEAUS = leaving(np.full(GATE.size, 2.0)), leaving(np.where(GATE, 2.0, 1.0))
+AT_THE_GATE, LOSES_THERE = leaving(np.where(GATE, 0.0, 2.0)), leaving(np.where(GATE, 12.0, 1.0))
+
+
+def test_a_gain_counts_beyond_the_errors_of_the_motion_where_they_act():
+    problem = SimpleNamespace(train=np.ones(GATE.size, bool))
+    sizes = [
+        beyond_motion(BEFORE, c, ERRORS, problem) for c in (ON_PLATEAUS, AT_THE_GATE, LOSES_THERE)
+    ]
+    assert sizes == pytest.approx([np.sqrt(0.9), 0.0, 0.0], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("found", "small", "taken"),
+    [(ON_PLATEAUS, False, False), (ON_PLATEAUS, True, True), (AT_THE_GATE, True, False)],
+)
+def test_small_steps_believe_what_acts_on_the_plateaus(found, small, taken, monkeypatch):
+    monkeypatch.setattr(search, "_without_refinements", lambda base, able, limit: able)
+    monkeypatch.setattr(search, "tied", lambda base, able, problem, limit: able)
+    problem = SimpleNamespace(train=np.ones(GATE.size, bool), cycles=())
+    step = search.decided(BEFORE, [found], ERRORS, problem, replace(RULE, plateaus=small))
+    assert (step.taken is found) is taken
+    assert step.threshold < 0.2 if taken else step.threshold == ERRORS.least
 
 
 def test_chance_passes_its_threshold_as_often_as_it_is_allowed_to():

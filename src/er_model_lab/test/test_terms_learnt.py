@@ -106,6 +106,23 @@ def test_blocks_left_out_tell_the_error_of_fresh_data(learnt):
         assert np.median(sd) > 0.0
 
 
+def test_two_forces_over_different_quantities_are_two_terms(tmp_path):
+    model, problem = made(lambda x, v, u: 1500.0 * v * np.abs(x) + np.sin(20.0 * u))
+    first = learn(baseline(model, problem), problem, LIMIT)
+    second = learn(first.candidate, problem, LIMIT)
+    assert isinstance(second, Learnt), second
+    assert len({t.name for t in second.model.terms}) == 2
+    assert second.model.terms[0] == first.term
+    left = [
+        float(np.sqrt(c.fit.mse(problem.held_out))) for c in (first.candidate, second.candidate)
+    ]
+    assert left[1] < min(0.9 * left[0], 1.15 * FORCE_NOISE)
+    save_model(second.model, tmp_path / "two.yaml")
+    again = problem.predict(load_model(tmp_path / "two.yaml"))
+    np.testing.assert_allclose(again, problem.predict(second.model), atol=1e-9)
+    assert "no further term" in learn(second.candidate, problem, LIMIT)
+
+
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_complete_model_gets_no_term(seed):
     model, problem = made(None, seed=seed)
@@ -297,6 +314,8 @@ def test_it_is_refused_where_chance_a_few_blocks_or_held_out_data_speak_against_
     worse = after.fit.residual + 3.0 * problem.held_out * FORCE_NOISE
     bad = replace(after, fit=replace(after.fit, residual=worse))
     assert "held-out data would rise" in _refused(before, bad, problem, LIMIT)
+    uneven = before.losses * (1.0 - 0.9 * (np.arange(before.losses.size) == 3)) - 1e-9
+    assert _refused(before, replace(after, losses=uneven), problem, LIMIT) == ""
     losses = after.losses.copy()
     losses[0] = 20.0 * before.losses[0]
     assert "varies too much" in _refused(before, replace(after, losses=losses), problem, LIMIT)

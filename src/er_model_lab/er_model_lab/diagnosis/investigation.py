@@ -19,6 +19,7 @@ from er_model_lab.diagnosis.search import (
     MOST_EFFECTS,
     Round,
     afresh,
+    decided,
     one_round,
     passes,
     promising,
@@ -80,6 +81,8 @@ def search_effects(
     """
     if begun is None:
         begun = one_round(baseline(model, problem), problem, seed, rule)
+    elif rule.plateaus:
+        begun = decided(begun.base, begun.candidates, begun.null, problem, rule)
     base, rounds = begun.base, [begun]
     best = begun.taken or base
     floor = _floor(problem, _leader(rounds[0]), rounds[0].null, seed)

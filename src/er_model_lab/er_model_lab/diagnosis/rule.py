@@ -24,6 +24,7 @@ class Rule:
     false_alarm: float = 0.01
     smallest: float = SMALLEST
     helps: float = 0.2
+    plateaus: bool = False
 
     def __post_init__(self) -> None:
         if not 0.0 < self.false_alarm < 1.0:

@@ -44,6 +44,9 @@ FORM, TWIN, SPARE = 0.997, 0.99, 1.5
 """Shares of the best one's effect size that a form of fewer parameters, which is named first then, and one of as many
 have, and the most by which either is behind, over what counts as an effect, where the two are tied: what is real keeps
 to no equation, and no sensor to its noise, so closely that it would decide."""
+PARTS, UNDERRATED = 10, 4.0
+"""Parts of the samples, by what the errors of the motion cause there, in which a gain must exceed it, and how much more
+in mean square these errors may cause than the fusion says."""
 NESTED, SAME = 1e-2, 1e-4
 """Mean square of the difference of two forces, over what is left, below which they are nearly, and wholly, the same."""
 
@@ -95,8 +98,26 @@ def seldom(gains: Array, limit: float) -> bool:
     What it gains without its best block must still exceed the limit, and what the other blocks lose be next to nothing.
     """
     rest = float(gains.sum() - gains.max()) / gains.size
-    lost = -float(gains[gains < 0.0].sum())
-    return rest > limit**2 and lost < HARMLESS * float(gains[gains > 0.0].sum())
+    return rest > limit**2 and harmless(gains)
+
+
+def harmless(gains: Array) -> bool:
+    """Whether what blocks lose is next to nothing beside what the others gain; gains: falls of mean squares."""
+    return -float(gains[gains < 0.0].sum()) < HARMLESS * float(gains[gains > 0.0].sum())
+
+
+def beyond_motion(base: Candidate, candidate: Candidate, null: Null, problem: Problem) -> float:
+    """Effect size [N] less what the errors of the motion may cause, each where it is.
+
+    They act where the gate closes. An effect that gains on the plateaus of the force is none of theirs, however large
+    they are elsewhere; a lag or a delay gains where they act.
+    """
+    rows = problem.train
+    errors = UNDERRATED * null.input_square[rows]
+    gains = base.residual[rows] ** 2 - candidate.residual[rows] ** 2
+    parts = np.array_split(np.argsort(errors, kind="stable"), PARTS)
+    of_motion = [np.clip(gains[p].sum(), 0.0, errors[p].sum()) for p in parts]
+    return float(np.sqrt(max(gains.sum() - sum(of_motion), 0.0) / gains.size))
 
 
 def block_gains(better: Candidate, worse: Candidate, problem: Problem) -> Array:
@@ -207,8 +228,27 @@ def one_round(base: Candidate, problem: Problem, seed: int, rule: Rule = RULE) -
     """Refit every missing effect, calibrate, and choose the best or nothing."""
     candidates = refit_all(base, problem)
     null = simulate_null(base, candidates, problem, seed)
-    limit = threshold(null, np.sqrt(min(candidates[0].mse, base.mse)), rule)
-    able = _without_refinements(base, [c for c in candidates if passes(base, c, limit)], limit)
+    return decided(base, candidates, null, problem, rule)
+
+
+def decided(
+    base: Candidate, candidates: list[Candidate], null: Null, problem: Problem, rule: Rule
+) -> Round:
+    """The round with the best of its candidates taken, or nothing."""
+    left = np.sqrt(min(candidates[0].mse, base.mse))
+    limit = threshold(null, left, rule)
+    able = [c for c in candidates if passes(base, c, limit)]
+    if rule.plateaus and not able and null.least and not problem.cycles:
+        bare = replace(null, least=0.0)
+        of_noise = threshold(bare, left, rule)
+        able = [
+            c
+            for c in candidates
+            if passes(base, c, of_noise) and beyond_motion(base, c, null, problem) > of_noise
+        ]
+        if able:
+            null, limit = bare, of_noise
+    able = _without_refinements(base, able, limit)
     if not able:
         return Round(base, candidates, null, limit, None, [])
     group = tied(base, able, problem, limit)

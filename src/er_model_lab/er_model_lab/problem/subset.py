@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from er_model_lab.problem.stretches import STRETCH, chosen
 
-MANY, PRACTISED = 300.0, 75.0
+MANY, PRACTISED = 150.0, 75.0
 """Length of several runs together [s] from which fits begin on stretches of them, and that of these stretches."""
 
 

@@ -121,7 +121,8 @@ def with_term(whole: Json, found: Learnt, study: Study, first: Study, limit: flo
         more["long"] = study.checked.as_json(again=study.again)
     out |= left_after(whole, more)
     entry = term_json(found, problem)
-    told: Json = clean(out | {"measured_terms": [entry], "notes": [note(entry), *whole["notes"]]})
+    entries, notes = [*whole["measured_terms"], entry], [note(entry), *whole["notes"]]
+    told: Json = clean(out | {"measured_terms": entries, "notes": notes})
     return told
 
 

@@ -99,9 +99,10 @@ def parts(values: Mapping[str, Array]) -> list[Parts]:
     return found
 
 
-def searched(samples: Samples, base: float) -> Choice:
-    """The best term; base: mean square of blocks left out without any [N2]."""
-    found = [(p, _coarse(p, samples)) for p in parts(samples.values)]
+def searched(samples: Samples, base: float, known: Sequence[Parts] = ()) -> Choice:
+    """The best term; base: mean square of blocks left out without it [N2]; known: terms that the model holds."""
+    able = [p for p in parts(samples.values) if p not in known]
+    found = [(p, _coarse(p, samples)) for p in able]
     found.sort(key=lambda f: f[1])
     fall = base - found[0][1]
     single = [f for f in found if len(f[0][0]) == 1 and f[1] < found[0][1] + SIMPLER * fall]

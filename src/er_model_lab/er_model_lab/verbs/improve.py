@@ -33,7 +33,7 @@ from er_model_lab.results.result import DiagnosisResult, with_notes
 from er_model_lab.results.steps import errors_of, left_of, steps
 from er_model_lab.results.terms import as_study, with_term
 from er_model_lab.results.values import clean, headline
-from er_model_lab.terms.learn import Learnt, learn
+from er_model_lab.terms.learn import MOST_TERMS, Learnt, learn
 from er_model_lab.verbs.asking import question
 from er_model_lab.verbs.diagnose import offer, result_of
 from er_model_lab.verbs.history import with_history
@@ -44,7 +44,7 @@ from er_model_lab.work import STOPPED, Event, Leader, Progress, Work
 Keep = Callable[[Model], None]
 """Takes what an interruption would leave."""
 
-MOST_PASSES = 5
+MOST_PASSES = 7
 """How often the model that was just improved is diagnosed."""
 FURTHER = 0.05
 """Share of what is explainable that an effect must explain once others have explained a part: a small step."""
@@ -72,7 +72,7 @@ def improve(
 ) -> DiagnosisResult:
     """Diagnose and add until the model is adequate or nothing known helps; the new model is refitted in any case.
 
-    measured_terms: what is left then is learnt as one smooth term, measured and not explained, where it helps.
+    measured_terms: what is left then is learnt as a smooth term or two, measured and not explained, where they help.
 
     Ctrl-C ends it with what was done until then. From the model of that result, given as `interrupted`, the same call
     goes on to the same end. name: of the new model. keep: is called every half minute with such a model, so that
@@ -94,7 +94,7 @@ def improve(
     named = name or f"{model.name}_improved"
     made = _pruned(_passes(asked, start, named, keep), asked, start, named)
     if measured_terms and not made.stopped:
-        made = _with_term(made, asked, start, named)
+        made = _with_terms(made, asked, start, named)
     current = finished(made.model, interrupted=made.stopped)
     result = with_notes(gone_on(_improved(made, current, asked), start), *made.notes)
     result = result if measured_terms else with_notes(result, last=offer(result, asked))
@@ -109,8 +109,8 @@ def improve(
 class _Passes:
     """Studies one after another, the model that they made, whether Ctrl-C ended them, and what else there is to say.
 
-    dropped: effects that were added and are not needed beside those added later; term: what was learnt at last, its
-    study, and the size it had to exceed [N].
+    dropped: effects that were added and are not needed beside those added later; terms: what was learnt at last, each
+    with its study and the size it had to exceed [N].
     """
 
     studies: list[Study]
@@ -118,7 +118,7 @@ class _Passes:
     stopped: bool = False
     notes: tuple[str, ...] = ()
     dropped: tuple[str, ...] = ()
-    term: tuple[Learnt, Study, float] | None = None
+    terms: tuple[tuple[Learnt, Study, float], ...] = ()
 
 
 def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Passes:
@@ -156,7 +156,8 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
         if found.interrupted or not _goes_on(found):
             return _Passes(studies, current, stopped=found.interrupted)
         if found.verdict == "partial":
-            asked = replace(asked, rule=replace(given, helps=min(given.helps, FURTHER)))
+            small = replace(given, helps=min(given.helps, FURTHER), plateaus=True)
+            asked = replace(asked, rule=small)
     return _Passes(studies, current)
 
 
@@ -211,12 +212,21 @@ def _as_searched(best: Candidate) -> Candidate:
     return replace(best, fit=replace(best.fit, model=as_searched(best.fit)))
 
 
-def _with_term(made: _Passes, asked: Question, start: Begun, name: str) -> _Passes:
-    """The passes with what they leave learnt as a measured term, or a note why there is none."""
-    study = made.studies[-1]
-    if study.diagnosis.verdict in ("adequate", "insufficient_data"):
+def _with_terms(made: _Passes, asked: Question, start: Begun, name: str) -> _Passes:
+    """The passes with what they leave learnt as measured terms, one after the other, or a note why there is none."""
+    if made.studies[-1].diagnosis.verdict in ("adequate", "insufficient_data"):
         return replace(made, notes=(*made.notes, "nothing is left to learn as a measured term"))
-    best, limit = study.diagnosis.best, study.diagnosis.rounds[-1].threshold
+    many = -1
+    while many < len(made.terms) < MOST_TERMS and not made.stopped:
+        many = len(made.terms)
+        made = _with_term(made, asked, start, name)
+    return made
+
+
+def _with_term(made: _Passes, asked: Question, start: Begun, name: str) -> _Passes:
+    """The same with one term more; where it is the first, else a note why there is none."""
+    study = made.terms[-1][1] if made.terms else made.studies[-1]
+    best, limit = study.diagnosis.best, made.studies[-1].diagnosis.rounds[-1].threshold
     bare, problem = _as_searched(best), replace(study.problem, work=asked.work)
     asked.work.report("learning what is left", 0, 1)
     try:
@@ -225,14 +235,15 @@ def _with_term(made: _Passes, asked: Question, start: Begun, name: str) -> _Pass
         asked.work.wind_up()
         return replace(made, stopped=True)
     if isinstance(found, str):
-        return replace(made, notes=(*made.notes, found))
+        return made if made.terms else replace(made, notes=(*made.notes, found))
     kept = put_back(found.model, best.fit.model)
     candidate = replace(found.candidate, fit=replace(found.candidate.fit, model=kept))
     grown = checked(as_study(study, replace(found, candidate=candidate)))
     model = with_history(
         asked.level.finished(grown, asked.seed), made.model, grown, asked.seed, name
     )
-    return replace(made, model=marked(model, start.digest), term=(found, grown, limit))
+    terms = (*made.terms, (found, grown, limit))
+    return replace(made, model=marked(model, start.digest), terms=terms)
 
 
 def _worse(study: Study, rule: Rule) -> str:
@@ -294,8 +305,7 @@ def _improved(made: _Passes, model: Model, asked: Question) -> DiagnosisResult:
         whole["notes"] = [now if note == told else note for note in whole["notes"]]
         view = replace(view, notes=tuple(now if note == told else note for note in view.notes))
     whole["measured_terms"] = list[Any]()
-    if made.term is not None:
-        found, last, limit = made.term
+    for found, last, limit in made.terms:
         whole = with_term(whole, found, last, first, limit)
         view = replace(view, notes=(whole["notes"][0], *view.notes))
     if last is not first:
