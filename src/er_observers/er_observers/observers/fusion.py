@@ -65,11 +65,11 @@ LEAST, MOST = 1e-7, 1e6
 """Bounds of q, in units of the balance's usual variance a sample."""
 GATE = 64.0
 """Squared innovation of the deflection over its variance that is no sensor's."""
-CAREFUL = 4.0
+CAREFUL = 1.5
 """How much larger the error of the integrated acceleration is taken for where the sensor is judged."""
 ALIAS = 1.5
 """How much of the second differences the bend explains at most, in shares of what it does on ISO roads."""
-SKIPS = 3
+SKIPS = 1
 """Samples in a row that may be refused before the sensor is believed only after `RETURN`."""
 LEARNT, UNKNOWN = 40.0, 5.0
 """Second differences before the sensor's noise counts as known; multiple of the file's noise that it is taken for before.
@@ -79,6 +79,8 @@ WARM = 100.0
 FASTEST = 1.0
 """Deviation of the first velocity [m/s]."""
 RETURN = 0.5
+HUNG = 2.0
+"""Repetitions of the last value that are a sensor that hangs, where the car moves by as many deviations a sample."""
 ALIKE = 9.0
 """How much larger than usual a squared difference from the observer's own deflection may be for the sensor to return."""
 EDGES = (4.0, 40.0)
@@ -101,9 +103,9 @@ NUMBERS = USUAL_X + 1
 (X, V, F, D, P00, P01, P02, P03, P11, P12, P13, P22, P23, P33) = range(14)
 (
     Q, BEND, APART, CHANGE, LAST_X, PAST_X, PAST_APART, SECOND, NOISE, TRUST, SKIPPED, BACK, MEAN, SQUARE, MEAN_USUAL,
-    SQUARE_USUAL, THETA, TIME, SAMPLES, WIDTH, KIN_X, KIN_V, KIN_00, KIN_01, KIN_11, KNOWN,
-) = range(14, 40)  # fmt: skip
-FILTERS = 40
+    SQUARE_USUAL, THETA, TIME, SAMPLES, WIDTH, KIN_X, KIN_V, KIN_00, KIN_01, KIN_11, KNOWN, SAME,
+) = range(14, 41)  # fmt: skip
+FILTERS = 41
 """Three signals (m_s y_1, x_m, f) with five numbers each."""
 SUMS = FILTERS + 15
 SIZE = SUMS + 10
@@ -140,14 +142,14 @@ def numbers_of(
 
 
 def begin() -> Array:
-    """Memory (65,) before any deflection."""
+    """Memory (66,) before any deflection."""
     memory = np.zeros(SIZE)
     memory[THETA] = 1.0
     return memory
 
 
 def interrupted(memory: Array) -> Array:
-    """Memory (65,) where the next sample does not follow this one: what was learnt stays."""
+    """Memory (66,) where the next sample does not follow this one: what was learnt stays."""
     kept = memory.copy()
     kept[SAMPLES] = 0.0
     return kept
@@ -307,7 +309,10 @@ def _noise(p: Array, w: Array, seen: float, now: float, dt: float) -> None:
     if math.isfinite(second):
         w[KNOWN] += 1.0
         weight = max(dt / WINDOW_X, 1.0 / w[KNOWN])
-        w[SECOND] += weight * (second * second - w[SECOND])
+        square = second * second
+        if w[KNOWN] > LEARNT:
+            square = min(square, GATE * w[SECOND])
+        w[SECOND] += weight * (square - w[SECOND])
     bent = ALIAS * (0.07 * dt * dt) ** 2 * w[BEND]
     told = p[NOISE_X] * p[NOISE_X]
     if w[KNOWN] >= LEARNT:
@@ -334,7 +339,7 @@ def fuse(
     p: Array, w: Array, sprung: float, unsprung: float, seen: float, own: Array, rho: float,
     dt: float,
 ) -> tuple[bool, float, float, float]:  # fmt: skip
-    """Take a sample into the memory w (65,), in place: whether the sensor is believed, force [N], deflection, velocity.
+    """Take a sample into the memory w (66,), in place: whether the sensor is believed, force [N], deflection, velocity.
 
     own (n,): the observer's estimate, with which the filter begins; rho: duty in force for dt [s] until now.
     """
@@ -355,14 +360,17 @@ def fuse(
         return False, 0.0, 0.0, 0.0
     past, far = w[APART], _innovation(p, w, seen, now, dt)
     _predict(p, w, now, rho, dt)
-    good, of_x = far < GATE, 1.0
+    w[SAME] = w[SAME] + 1.0 if seen == w[LAST_X] else 0.0
+    hangs = w[SAME] >= HUNG and abs(w[KIN_V]) * dt > HUNG * w[NOISE]
+    good, of_x = far < GATE and not hangs, 1.0
     if good:
         _noise(p, w, seen, now, dt)
         s, innovation = w[P00] + w[NOISE] * w[NOISE], seen - w[X]
         of_x = innovation * innovation / s
         _correct(w, (w[P00], w[P01], w[P02], w[P03]), s, innovation)
     _weigh(p, w, sprung, of_x)
-    w[PAST_X], w[LAST_X], w[PAST_APART], w[APART] = w[LAST_X], seen, past, now
+    w[PAST_X], w[LAST_X] = w[LAST_X], seen if good or hangs else math.nan
+    w[PAST_APART], w[APART] = past, now
     w[SAMPLES] += 1.0
     if not good:
         w[SKIPPED] += 1.0
