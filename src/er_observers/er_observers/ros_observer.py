@@ -220,6 +220,8 @@ class ObserverCore(Core):
             values |= {"test ratio": f"{estimate.test_ratio:.2f}", "resets": s.mind.resets}
             payload = observer.payload_of(self.gains, s.mind)
             values |= {"payload": payload.text, "sprung mass ratio": f"{payload.ratio:.3f}"}
+            if self.hears_deflection:
+                values["sprung mass ratio, with deflection"] = f"{s.mind.load:.3f}"
             values["damping asymmetry"] = f"{payload.asymmetry:.3f}"
             if self.undriven(s.last.stamp, s.driven):
                 reason = f"{topics.PWM_APPLIED.name}: no usable duty for {self.p.timeout:g} s"

@@ -65,7 +65,7 @@ LEAST, MOST = 1e-7, 1e6
 """Bounds of q, in units of the balance's usual variance a sample."""
 GATE = 64.0
 """Squared innovation of the deflection over its variance that is no sensor's."""
-CAREFUL = 1.5
+CAREFUL = 4.0
 """How much larger the error of the integrated acceleration is taken for where the sensor is judged."""
 ALIAS = 1.5
 """How much of the second differences the bend explains at most, in shares of what it does on ISO roads."""
@@ -92,6 +92,8 @@ ENOUGH = 1.0
 """Time in motion before the load may move [s]."""
 LEAK = 1.15
 """Loss of stiffness over the loss of damping that is found, at most."""
+UNEXPLAINED = 2.0
+"""What the share that the regression leaves unexplained adds to its error: friction and noise bias it by that share."""
 UNSURE = 3.0
 """Standard deviations of the regression that a load may be off without being moved."""
 
@@ -449,7 +451,8 @@ def _move(p: Array, w: Array, dt: float) -> None:
     ratio = (au - av * vu / vv) / left
     damping = (vu - ratio * av) / vv
     rest = max(uu_f - ratio * au - damping * vu, 0.0)
-    error = math.sqrt(rest / (left * w[TIME] * p[EDGE_HIGH] * 0.25)) * UNSURE + rest / uu
+    error = math.sqrt(rest / (left * w[TIME] * p[EDGE_HIGH] * 0.25)) * UNSURE
+    error += UNEXPLAINED * rest / uu
     kept = min(max(1.0 - LEAK * (1.0 - damping), 0.0), 1.0)
     low = ratio * (p[K_S] + kept * p[K_0]) / (p[K_S] + p[K_0])
     w[WIDTH] = ratio - low

@@ -105,6 +105,11 @@ class State(NamedTuple):
         return self.memory[self.layout.y]
 
     @property
+    def load(self) -> float:
+        """Sprung mass over the believed one that the deflection sensor's force is told with; 1 before any is found."""
+        return self.memory.item(self.layout.fusion_at + fusion.THETA)
+
+    @property
     def health(self) -> Health:
         """Memory of the watch."""
         doubt, decay, lost, healing, power, floor, weak, contradicted = self.memory[
