@@ -101,9 +101,7 @@ class Gains:
         s = self.sensors or Sensors(0.0, 0.0, 0.0)
         fused = fusion.numbers_of(form, *s, learns=self.payload)
         object.__setattr__(self, "fused", fused if self.sensors else 0.0 * fused)
-        book = book_of(
-            self.plan, self.reading, self.rules, self.mass, self.fused, self.layout
-        )
+        book = book_of(self.plan, self.reading, self.rules, self.mass, self.fused, self.layout)
         object.__setattr__(self, "book", book)
 
     @property

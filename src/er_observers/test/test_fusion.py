@@ -5,14 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_observers.observers import fusion
-from er_observers.observers.status import VERDICTS, ALONE, Status
+from er_observers.observers.status import ALONE, VERDICTS, Status
 from er_observers.running import runtime
 from er_observers.running.runtime import Sample
 from er_studies.observers.classes import scenario, with_noise
 from er_studies.observers.nrmse import nrmse
 from er_studies.observers.scenarios.drive import drive as ridden
 
-NAMES = ("t", "told_sprung_acceleration", "told_unsprung_acceleration", "told_duty", "told_deflection")
+NAMES = (
+    "t",
+    "told_sprung_acceleration",
+    "told_unsprung_acceleration",
+    "told_duty",
+    "told_deflection",
+)
 
 
 @pytest.fixture(scope="module")
@@ -87,13 +93,19 @@ def test_a_sensor_that_is_wrong_is_refused_at_once(gains, rides, what):
 
 def test_without_a_deflection_nothing_changes(gains, rides):
     """Bit for bit: the two accelerometers are what runs where no deflection comes."""
-    blind = samples_of(rides["healthy"], told_deflection=np.full(rides["healthy"]["t"].size, np.nan))
+    blind = samples_of(
+        rides["healthy"], told_deflection=np.full(rides["healthy"]["t"].size, np.nan)
+    )
     assert followed(gains, blind)[0] == followed(replace(gains, sensors=None), blind)[0]
 
 
 def test_a_load_is_found_and_a_leak_is_none(gains, rides):
     """A fifth more mass within two hundredths; two fifths of the oil's force gone leave the mass where it was."""
-    assert followed(gains, samples_of(rides["heavy"]))[1][-1, fusion.THETA] == pytest.approx(1.2, abs=0.04)
-    assert followed(gains, samples_of(rides["f2"]))[1][-1, fusion.THETA] == pytest.approx(1.0, abs=0.01)
+    assert followed(gains, samples_of(rides["heavy"]))[1][-1, fusion.THETA] == pytest.approx(
+        1.2, abs=0.04
+    )
+    assert followed(gains, samples_of(rides["f2"]))[1][-1, fusion.THETA] == pytest.approx(
+        1.0, abs=0.01
+    )
     fixed = replace(gains, payload=False)
     assert followed(fixed, samples_of(rides["heavy"]))[1][-1, fusion.THETA] == 1.0

@@ -51,7 +51,9 @@ def test_tuning_finds_better_and_spends_its_budget(car, record, monkeypatch):
 
 def test_comparison_prints_a_table(tmp_path):
     words = ["--config", str(CONFIG), "--classes", "A", "--case", "healthy", "--noise", "200"]
-    result = CliRunner().invoke(classes_command.app, [*words, "--json", str(tmp_path / "found.json")])
+    result = CliRunner().invoke(
+        classes_command.app, [*words, "--json", str(tmp_path / "found.json")]
+    )
     assert result.exit_code == 0, result.output
     assert "| 200 um, A, healthy |" in result.output
     assert np.isfinite(float(result.output.splitlines()[-1].split("|")[-2]))

@@ -9,15 +9,15 @@ The model of the damper tells it with less noise and is wrong under a fault. An 
 .. math::  x' = v, \quad v' = y_1 - y_2, \quad \tau f' = -f + f_c \rho \tanh(k_1 x + c_1 v), \quad d' = w, \quad
            -\theta m_s y_1 = (k_s + k_0) x + c_0 v + f + d
 
-with the accelerations as inputs, whose error between two samples is in proportion to how they bend there, and d for all
-that the model does not hold. The density q of w follows the innovations: while they are larger than their covariance
-it grows, at once after one that is far too large, else it falls. So a healthy damper is filtered by its model, and under
-a fault the filter is the balance with a filtered deflection. The force never leaves
+with the accelerations as inputs, whose error between two samples is in proportion to how they bend there, and d for
+all that the model does not hold. The variance q of w follows the innovations: while they are larger than their
+covariance it grows, at once after one that is far too large, else it falls. So a healthy damper is filtered by its
+model, and under a fault the filter is the balance with a filtered deflection. The force never leaves
 
 .. math::  |\hat F - F_b| \le 4 \sigma_b
 
-which is what is promised for any damper, fault, friction and road (docs/observers.md). sigma_x is that of the rig's file,
-or more where the second differences of x_m less those of the accelerations show more.
+which is what is promised for any damper, fault, friction and road (docs/observers.md). sigma_x is that of the rig's
+file, or more where the second differences of x_m less those of the accelerations show more.
 
 *A sensor that hangs, jumps or is missing* shows in what the
 accelerations alone predict of it, eight deviations away. From that sample on the
@@ -72,8 +72,7 @@ ALIAS = 1.5
 SKIPS = 1
 """Samples in a row that may be refused before the sensor is believed only after `RETURN`."""
 LEARNT, UNKNOWN = 40.0, 5.0
-"""Second differences before the sensor's noise counts as known; multiple of the file's noise that it is taken for before.
-"""
+"""Second differences before the sensor's noise counts as known; before, it is taken for so many times the file's."""
 WARM = 100.0
 """Samples before the band's outputs are used."""
 FASTEST = 1.0
@@ -82,7 +81,7 @@ RETURN = 0.5
 HUNG = 2.0
 """Repetitions of the last value that are a sensor that hangs, where the car moves by as many deviations a sample."""
 ALIKE = 9.0
-"""How much larger than usual a squared difference from the observer's own deflection may be for the sensor to return."""
+"""How many times its usual size a squared difference from the observer's own deflection may be for a return."""
 EDGES = (4.0, 40.0)
 """Band of the regression for a body of 24.8 rad/s; scaled with the body's frequency."""
 BODY = 24.8
@@ -178,8 +177,10 @@ def _begin(p: Array, w: Array, seen: float, v: float, f: float) -> None:
 
 @compiled
 def _innovation(p: Array, w: Array, seen: float, now: float, dt: float) -> float:
-    """Squared innovation of the sensor over its variance, by the accelerations alone; corrected in place where it is no more
-    than `GATE`. NaN where nothing was seen [m]."""
+    """Squared innovation of the sensor over its variance, by the accelerations alone; NaN where nothing was seen [m].
+
+    The motion that they predict is corrected, in place, where that is below `GATE`.
+    """
     bend = now - w[APART] - w[CHANGE]
     x = w[KIN_X] + dt * w[KIN_V] + dt * dt * (w[APART] / 3.0 + now / 6.0)
     v = w[KIN_V] + 0.5 * dt * (w[APART] + now) - BENT / 12.0 * dt * bend

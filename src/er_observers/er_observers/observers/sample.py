@@ -171,7 +171,12 @@ def run_sample(
     lowest = HEAD + 2 * order + m
     duty, repaired = duty_within(asked, last, values[lowest], values[lowest + duties - 1])
     y, pace, x, z, known = lay.y_at, lay.pace_at, lay.x_at, lay.z_at, lay.payload_at
-    y_0, y_1, bend, mass_known = before[y:pace], memory[y:pace], memory[pace:x], memory[known : lay.fusion_at]
+    y_0, y_1, bend, mass_known = (
+        before[y:pace],
+        memory[y:pace],
+        memory[pace:x],
+        memory[known : lay.fusion_at],
+    )
     ratio_of_mass, sprung_before = mass_known[RATIO], y_0[0]
     y_1[0], y_1[1] = ratio_of_mass * sprung, unsprung
     if m > 2:

@@ -19,9 +19,9 @@ from er_models.model import Array
 from er_observers.gains import Gains
 from er_observers.observers import fusion, payload
 from er_observers.observers import watch as watching
+from er_observers.observers.fusion import fuse
 from er_observers.observers.kernel import advance, substeps
 from er_observers.observers.payload import Payload
-from er_observers.observers.fusion import fuse
 from er_observers.observers.sample import (
     CHANGE,
     HEALTH,
@@ -147,7 +147,9 @@ def start(
         first, P = start_phase.follow(gains.opening, first, prior, duty, 0.0, seen)
     z = law.state(first, seen, np.zeros(law.order))
     fused = fusion.begin() if fused is None else fusion.interrupted(fused)
-    memory = np.concatenate([watching.begin(gains.rules), [0.0], y, y + math.nan, first, z, known, fused])
+    memory = np.concatenate(
+        [watching.begin(gains.rules), [0.0], y, y + math.nan, first, z, known, fused]
+    )
     if not running:
         memory[watching.LOST] = math.inf
     estimate = _says(*_fused(gains, sample, duty, 0.0, memory, _said(gains, memory)))
@@ -245,7 +247,9 @@ def _fused(
 ) -> Said:
     """What is said with a deflection sensor, its memory brought on, in place; duty: in force for dt [s] until now."""
     fused, x, y = memory[gains.layout.fusion], memory[gains.layout.x], memory[gains.layout.y]
-    deflection = sample.deflection if abs(sample.deflection) <= gains.limits.deflection else math.nan
+    deflection = (
+        sample.deflection if abs(sample.deflection) <= gains.limits.deflection else math.nan
+    )
     return better(said, fuse(gains.fused, fused, y[0], y[1], deflection, x, duty, dt), fused)
 
 

@@ -1,4 +1,4 @@
-"""ISO roads of classes A to E as they are, healthy, with faults, friction and load: what sensors and peers are scored on."""
+"""ISO roads of classes A to E, healthy, with faults, friction and load: what observers and peers are scored on."""
 
 from __future__ import annotations
 
@@ -51,5 +51,3 @@ def with_noise(s: Scenario, micrometres: float) -> Scenario:
     """The same with another deflection sensor; 0: without one."""
     noise = 1e-6 * micrometres if micrometres else float("nan")
     return replace(s, sensors=replace(s.sensors, deflection=noise))
-
-

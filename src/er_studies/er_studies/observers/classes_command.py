@@ -1,4 +1,4 @@
-"""``er study classes``: observers with and without deflection sensor beside the peers, on ISO roads of classes A to E."""
+"""``er study classes``: observers with and without deflection sensor beside the peers, ISO roads A to E."""
 
 from __future__ import annotations
 
@@ -40,7 +40,12 @@ def columns(model: Model, config: Path) -> tuple[Estimator, ...]:
 
 
 def errors_of(
-    columns: Sequence[Estimator], road_class: str, case: str, micrometres: int, model: Model, seeds: int
+    columns: Sequence[Estimator],
+    road_class: str,
+    case: str,
+    micrometres: int,
+    model: Model,
+    seeds: int,
 ) -> dict[str, float]:
     """Median NRMSE of each column over the roads, by name; those without the sensor at the usual noise only."""
     found: dict[str, list[float]] = {}
@@ -61,21 +66,32 @@ def _error(e: Estimator, record: dict[str, Array], rows: Array) -> float:
 
 def table(found: dict[str, dict[str, float]], names: Sequence[str]) -> str:
     """The errors in % as a table in Markdown; the last column: fused over the best of all others there."""
-    lines = ["| drive | " + " | ".join(names) + " | fused / best |", "|---" * (len(names) + 2) + "|"]
+    lines = [
+        "| drive | " + " | ".join(names) + " | fused / best |",
+        "|---" * (len(names) + 2) + "|",
+    ]
     for drive_name, errors in found.items():
         others = [v for n, v in errors.items() if n != "fused"]
         cells = [f"{100 * errors[n]:.3f}" if n in errors else "" for n in names]
-        lines.append(f"| {drive_name} | {' | '.join(cells)} | {errors['fused'] / min(others):.2f} |")
+        lines.append(
+            f"| {drive_name} | {' | '.join(cells)} | {errors['fused'] / min(others):.2f} |"
+        )
     return "\n".join(lines) + "\n"
 
 
 def main(
-    config: Annotated[Path, typer.Option(help="Folder with vehicles, gains, peers.")] = Path("config"),
+    config: Annotated[Path, typer.Option(help="Folder with vehicles, gains, peers.")] = Path(
+        "config"
+    ),
     seeds: Annotated[int, typer.Option(min=1, help="Roads of each drive.")] = 1,
     classes: Annotated[str, typer.Option(help="Classes of road.")] = CLASSES,
-    case: Annotated[list[str] | None, typer.Option(help="Case, again for more; all by default.")] = None,
+    case: Annotated[
+        list[str] | None, typer.Option(help="Case, again for more; all by default.")
+    ] = None,
     noise: Annotated[list[int] | None, typer.Option(help="Noise of the deflection [um].")] = None,
-    json_file: Annotated[Path | None, typer.Option("--json", help="Write the errors here.")] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write the errors here.")
+    ] = None,
 ) -> None:
     """Compare on roads that are scored and not tuned on; a table in Markdown."""
     writable({"--json": json_file}, None, {})

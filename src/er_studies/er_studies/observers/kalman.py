@@ -94,7 +94,7 @@ class State(NamedTuple):
 def make(
     name: str, model: Model, statement: Statement | None = None, kind: Kind | None = None
 ) -> Filter:
-    """The filter `name` of `KINDS`, or another kind, for a vehicle model, compiled; raises what `relative_form` raises."""
+    """The filter `name` of `KINDS`, or another kind, for a vehicle model, compiled; raises as `relative_form`."""
     known, form = statement or Statement(), relative_form(model)
     kind = kind or KINDS[name]
     h = known.period / kind.n_sub

@@ -25,8 +25,8 @@ from er_observers.observers.status import Status
 from er_observers.running.runtime import Estimate, Sample
 
 TUNED = {"samples": (3.0, 30.0), "arrival": (0.1, 100.0), "sharp": (0.3, 30.0)}
-"""What is tuned, with bounds: N; deviation of the start in multiples of (sigma_x, 10 mm/s, 1 N); the balance's deviation
-in multiples of its noise."""
+"""What is tuned, with bounds: N; deviation of the start in multiples of (sigma_x, 10 mm/s, 1 N); the balance's
+deviation in multiples of its noise."""
 _ROUNDS = 2
 _STEPS = (1e-7, 1e-5, 1e-4)
 
@@ -63,6 +63,7 @@ def make(model: Model, samples: float, arrival: float, sharp: float) -> Horizon:
 
 def start(p: Horizon, sample: Sample, x: Array | None = None) -> State:
     """State at the first sample: rest, or x (4,)."""
+    del p
     t, sprung, unsprung, duty, seen = sample
     first = np.array([seen, 0.0, 0.0]) if x is None else np.array([seen, x[1], x[3]])
     rows = np.array([[t, sprung - unsprung, sprung, seen, duty]])

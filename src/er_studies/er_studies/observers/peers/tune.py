@@ -25,7 +25,9 @@ DRIVES = (("A", "healthy", 20), ("C", "healthy", 20), ("E", "healthy", 20), ("B"
 SECONDS = 5.0
 
 
-def score(name: str, model: Model, values: Mapping[str, float], records: Sequence[dict[str, Array]]) -> float:
+def score(
+    name: str, model: Model, values: Mapping[str, float], records: Sequence[dict[str, Array]]
+) -> float:
     """Geometric mean of the errors from 2 s on; infinite where the peer fails."""
     try:
         made = peer(name, model, values)
@@ -40,7 +42,9 @@ def score(name: str, model: Model, values: Mapping[str, float], records: Sequenc
     return found if math.isfinite(found) else math.inf
 
 
-def tuned(name: str, model: Model, budget: int, records: Sequence[dict[str, Array]]) -> dict[str, float]:
+def tuned(
+    name: str, model: Model, budget: int, records: Sequence[dict[str, Array]]
+) -> dict[str, float]:
     """The best of a budget of trials: half drawn over the whole range, half about the best so far."""
     bounds = PEERS[name].tuned
     low, high = (np.log([b[k] for b in bounds.values()]) for k in (0, 1))
