@@ -58,17 +58,17 @@ PATH = 4
 """Pieces of a sample along which the gate is integrated."""
 WINDOW, WINDOW_X = 0.25, 2.0
 """Averages of the bend, and of the second differences of the deflection [s]."""
-SPEED_UP, FAR, SHARE, USUAL = 0.05, 36.0, 0.1, 9.0
+SPEED_UP, FAR, SHARE, USUAL, SETTLED = 0.05, 36.0, 0.1, 9.0, 20.0
 """How fast q follows the innovations; squared innovation over its variance from which q is set at once, to which share
-of that square; the largest that counts else."""
-LEAST, MOST = 1e-7, 1e6
-"""Bounds of q, in units of the balance's usual variance a sample."""
+of that square; the largest that counts else; samples before that."""
+LEAST, MOST = 3e-5, 1e6
+"""Bounds of q: in variances of m_s y_1, and [N2]."""
 GATE = 64.0
 """Squared innovation of the deflection over its variance that is no sensor's."""
 CAREFUL = 4.0
 """How much larger the error of the integrated acceleration is taken for where the sensor is judged."""
-ALIAS = 1.5
-"""How much of the second differences the bend explains at most, in shares of what it does on ISO roads."""
+ALIAS = 0.085
+"""Error of the second difference of the deflection in shares of dt^2 times the bend: a fifth more than ISO roads leave."""
 SKIPS = 1
 """Samples in a row that may be refused before the sensor is believed only after `RETURN`."""
 LEARNT, UNKNOWN = 40.0, 5.0
@@ -78,6 +78,7 @@ WARM = 100.0
 FASTEST = 1.0
 """Deviation of the first velocity [m/s]."""
 RETURN = 0.5
+"""Time for which a sensor must be as usual before it is believed again [s]."""
 HUNG = 2.0
 """Repetitions of the last value that are a sensor that hangs, where the car moves by as many deviations a sample."""
 ALIKE = 9.0
@@ -298,10 +299,10 @@ def _weigh(p: Array, w: Array, sprung: float, of_x: float) -> None:
     innovation = -mass * sprung - (h_0 * w[X] + h_1 * w[V] + w[F] + w[D])
     _correct(w, (a, b, c, d), s, innovation)
     size = innovation * innovation / s
-    if size > FAR and w[SAMPLES] > 20.0:
+    if size > FAR and w[SAMPLES] > SETTLED:
         w[Q] = max(w[Q], SHARE * innovation * innovation)
     w[Q] *= math.exp(SPEED_UP * (0.5 * (min(size, USUAL) + min(of_x, USUAL)) - 1.0))
-    w[Q] = min(max(w[Q], LEAST * usual / 3.2e-3), MOST)
+    w[Q] = min(max(w[Q], LEAST * usual), MOST)
 
 
 @compiled
@@ -316,7 +317,7 @@ def _noise(p: Array, w: Array, seen: float, now: float, dt: float) -> None:
         if w[KNOWN] > LEARNT:
             square = min(square, GATE * w[SECOND])
         w[SECOND] += weight * (square - w[SECOND])
-    bent = ALIAS * (0.07 * dt * dt) ** 2 * w[BEND]
+    bent = (ALIAS * dt * dt) ** 2 * w[BEND]
     told = p[NOISE_X] * p[NOISE_X]
     if w[KNOWN] >= LEARNT:
         w[NOISE] = math.sqrt(max(told, (w[SECOND] - bent) / 6.0))
