@@ -68,7 +68,7 @@ GATE = 64.0
 CAREFUL = 4.0
 """How much larger the error of the integrated acceleration is taken for where the sensor is judged."""
 ALIAS = 0.085
-"""Error of the second difference of the deflection in shares of dt^2 times the bend: a fifth more than ISO roads leave."""
+"""Error of the second difference of the deflection in shares of dt^2 times the bend: above what ISO roads leave."""
 SKIPS = 1
 """Samples in a row that may be refused before the sensor is believed only after `RETURN`."""
 LEARNT, UNKNOWN = 40.0, 5.0
