@@ -59,17 +59,19 @@ def test_errors_on_a_smooth_road(gains, rides):
 def test_what_is_promised_holds_for_anything(gains):
     """No damper made these samples: the force stays within four deviations of the balance, whatever comes."""
     random, n = np.random.default_rng(5), 600
-    y = np.cumsum(random.normal(size=(2, n)) * [[3.0], [30.0]], axis=1)
-    x = 1e-3 * np.cumsum(random.normal(size=n))
-    samples = [Sample(0.005 * k, *y[:, k], random.uniform(0.0, 0.3), x[k]) for k in range(n)]
+    t, waves = 0.005 * np.arange(n), ((12.6, 5e-3, 0.0), (44.0, 1e-3, 1.0))
+    x = np.sum([a * np.sin(w * t + p) for w, a, p in waves], axis=0)
+    bent = np.sum([-w * w * a * np.sin(w * t + p) for w, a, p in waves], axis=0)
+    sprung = np.cumsum(random.normal(size=n))
+    duty = random.uniform(0.0, 0.3, n)
+    samples = [Sample(t[k], sprung[k], sprung[k] - bent[k], duty[k], x[k]) for k in range(n)]
     estimates, w = followed(gains, samples)
     p, mass = gains.fused, w[:, fusion.THETA] * gains.fused[fusion.M_S]
     band = 4.0 * np.hypot(mass * p[fusion.NOISE_A], p[fusion.K_S] * w[:, fusion.NOISE])
-    balance = -mass * y[0] - p[fusion.K_S] * x
+    balance = -mass * sprung - p[fusion.K_S] * x
     fused = w[:, fusion.TRUST] == fusion.BELIEVED
     force = np.array([e.force for e in estimates])
     assert fused.sum() > 50
-    # the load moves after the answer of its sample: one sample late
     assert np.all(np.abs(force - balance)[fused] <= band[fused] * (1.0 + 1e-9) + 1e-9)
 
 

@@ -101,7 +101,8 @@ def main(
     with progress_of("drives") as tick:
         for done, (n, c, k) in enumerate(jobs, start=1):
             found[f"{n} um, {c}, {k}"] = errors_of(made, c, k, n, car, seeds)
-            tick(done, len(jobs))
+            if tick is not None:
+                tick(done, len(jobs))
     typer.echo(table(found, [e.name for e in made]), nl=False)
     if json_file is not None:
         write_whole(json_file, json.dumps(found, indent=1) + "\n")
