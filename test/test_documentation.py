@@ -29,6 +29,8 @@ ELSEWHERE = {
     "lab open": ("test_page_browser", "with pages that talk to it"),
     "demo": ("test_demo", "shorter, at the pace of the computer"),
     "replay": ("test_replay", "with a recording"),
+    "study classes": ("test_observer_peers", "one class, one case"),
+    "study tune_peers": ("test_observer_peers", "fewer trials of one peer"),
     "study thesis chapter1": ("test_thesis_chapter_1", "which computes the chapter once"),
     "study thesis chapter2": ("test_thesis_chapter_2", "with a shorter ride"),
     "study thesis chapter6": ("test_thesis_chapter_6", "the very words"),

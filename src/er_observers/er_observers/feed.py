@@ -3,6 +3,8 @@
 Duty and deflection of a tick are published after its accelerations. Where one has not come before the
 accelerations of the next tick, these are given on with NaN in its place: a lost part holds nothing up. The
 observers take NaN as duty for "as before", and bridge a sample whose deflection they need and do not have.
+A deflection that they can do without is waited for only while it comes: the tick after a lost one goes on with
+accelerations and duty.
 ARCHITECTURE.md compares this with the other two ways to join a tick.
 """
 
@@ -39,7 +41,9 @@ class Joined(NamedTuple):
 class Feed(NamedTuple):
     """Accelerations that wait for other parts, and parts that wait for them, by stamp [ns].
 
-    deflections: None where none are used; lost, blind: duties and deflections that did not come in time.
+    deflections: None where none are used; lost, blind: duties and deflections that did not come in time;
+    needed: whether a tick always waits for its deflection, else only where that of the tick before came;
+    came: whether it did.
     """
 
     waiting: Motion | None = None
@@ -47,11 +51,13 @@ class Feed(NamedTuple):
     deflections: _Parts | None = None
     lost: int = 0
     blind: int = 0
+    needed: bool = False
+    came: bool = False
 
 
-def feed_of(*, deflection: bool) -> Feed:
-    """Before any message; deflection: whether a tick needs one."""
-    return Feed(deflections=_NONE if deflection else None)
+def feed_of(*, deflection: bool, needed: bool = True) -> Feed:
+    """Before any message; deflection: whether a tick has one; needed: whether it always waits for it."""
+    return Feed(deflections=_NONE if deflection else None, needed=needed)
 
 
 def on_motion(feed: Feed, motion: Motion) -> tuple[Feed, list[Joined]]:
@@ -59,24 +65,26 @@ def on_motion(feed: Feed, motion: Motion) -> tuple[Feed, list[Joined]]:
     ready = []
     if feed.waiting is not None:
         ready.append(_joined(feed, feed.waiting))
-        stamp, sees = feed.waiting.stamp, feed.deflections is not None
+        stamp, seen = feed.waiting.stamp, feed.deflections
+        blind = seen is not None and stamp not in seen
         feed = feed._replace(
             lost=feed.lost + (stamp not in feed.duties),
-            blind=feed.blind + (sees and stamp not in (feed.deflections or _NONE)),
+            blind=feed.blind + blind,
+            came=feed.came and not blind,
         )
-    _, duties, seen, lost, blind = feed
-    return _given_on(Feed(motion, duties, seen, lost, blind), ready)
+    _, duties, seen, *rest = feed
+    return _given_on(Feed(motion, duties, seen, *rest), ready)
 
 
 def on_duty(
     feed: Feed, stamp: int, duty: float, *, back: bool = False
 ) -> tuple[Feed, list[Joined]]:
     """Take a duty; the accelerations it completes. back: time has jumped back, those kept are of another past."""
-    waiting, duties, seen, lost, blind = feed
+    waiting, duties, seen, *rest = feed
     if waiting is not None and waiting.stamp == stamp and not duties and seen is None:
-        return Feed(None, _NONE, None, lost, blind), [Joined(waiting, duty)]  # nearly always
+        return Feed(None, _NONE, None, *rest), [Joined(waiting, duty)]  # nearly always
     kept = _with(_NONE if back else duties, stamp, duty)
-    return _given_on(Feed(waiting, kept, seen, lost, blind), [])
+    return _given_on(Feed(waiting, kept, seen, *rest), [])
 
 
 def on_deflection(
@@ -84,19 +92,19 @@ def on_deflection(
 ) -> tuple[Feed, list[Joined]]:
     """Take a deflection [m]; the accelerations it completes. back: as in `on_duty`."""
     seen = _with((not back and feed.deflections) or _NONE, stamp, deflection)
-    return _given_on(feed._replace(deflections=seen), [])
+    return _given_on(feed._replace(deflections=seen, came=True), [])
 
 
 def _given_on(feed: Feed, ready: list[Joined]) -> tuple[Feed, list[Joined]]:
     """Give on what waits when it is complete, after what is ready already."""
-    motion, duties, seen, lost, blind = feed
+    motion, duties, seen, *rest = feed
     if motion is None or motion.stamp not in duties:
         return feed, ready
-    if seen is not None and motion.stamp not in seen:
+    if seen is not None and motion.stamp not in seen and (feed.needed or feed.came):
         return feed, ready
     ready.append(_joined(feed, motion))
     left = None if seen is None else _after(seen, motion.stamp)
-    return Feed(None, _after(duties, motion.stamp), left, lost, blind), ready
+    return Feed(None, _after(duties, motion.stamp), left, *rest), ready
 
 
 def _joined(feed: Feed, motion: Motion) -> Joined:

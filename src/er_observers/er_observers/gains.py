@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import yaml
@@ -23,6 +23,7 @@ from er_models.model import Array, Model
 
 from er_observers.claim_file import claim_of, sections
 from er_observers.forms import SENSORS, form_of
+from er_observers.observers import fusion
 from er_observers.observers.kernel import SUBSTEP
 from er_observers.observers.matrices import Plan, bridge_plan, plan_of
 from er_observers.observers.payload import numbers_of
@@ -36,10 +37,20 @@ if TYPE_CHECKING:
     from er_observers.synthesis.certify import Certificate
 
 SCHEMA = "er_gains 1"
+DEFLECTION_NOISE = 0.002
+"""Noise of a deflection sensor where the model says none, in shares of the deflection's envelope."""
 _KEYS = (
     *("schema", "observer", "model", "spec", "scaling", "law", "solution", "common"),
     *("certificate", "trade_off", "solver", "digest"),
 )
+
+
+class Sensors(NamedTuple):
+    """Noise of accelerometers [m/s2] and deflection sensor [m], and the deflection's size [m]."""
+
+    acceleration: float
+    deflection: float
+    size: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +61,8 @@ class Gains:
     start phase, None where it needs none or its states are not the relative ones; payload: whether the
     sprung mass is estimated, where it can be; spread (n,): of a start within the envelope; layout,
     reading, rules, mass: parts of the book that the loop takes, see `sample.book_of`;
-    sees_deflection: whether the gains were made for a deflection sensor beside the accelerometers.
+    sees_deflection: whether the gains were made for a deflection sensor beside the accelerometers;
+    sensors: what a deflection sensor beside gains for two accelerometers is fused with, None: not at all.
     """
 
     observer: str
@@ -62,6 +74,7 @@ class Gains:
     opening: Opening | None = None
     payload: bool = True
     spread: Array | None = None
+    sensors: Sensors | None = None
     plan: Plan = field(init=False)
     bridge: Plan = field(init=False)
     watch: Watch = field(init=False)
@@ -70,6 +83,7 @@ class Gains:
     reading: Array = field(init=False)
     rules: Array = field(init=False)
     mass: Array = field(init=False)
+    fused: Array = field(init=False)
     book: Array = field(init=False)
 
     def __post_init__(self) -> None:
@@ -84,7 +98,10 @@ class Gains:
         object.__setattr__(self, "reading", np.concatenate([np.ravel(p) for p in parts]))
         object.__setattr__(self, "rules", rules_of(watch, self.limits))
         object.__setattr__(self, "mass", numbers_of(form, self.limits.noise, on=self.payload))
-        book = book_of(self.plan, self.reading, self.rules, self.mass, self.layout)
+        s = self.sensors or Sensors(0.0, 0.0, 0.0)
+        fused = fusion.numbers_of(form, *s, learns=self.payload)
+        object.__setattr__(self, "fused", fused if self.sensors else 0.0 * fused)
+        book = book_of(self.plan, self.reading, self.rules, self.mass, self.fused, self.layout)
         object.__setattr__(self, "book", book)
 
     @property
@@ -172,7 +189,10 @@ def load_gains(
     figures, name = file.at("certificate"), str(file.at("digest"))
     opening = _opening(model, claim, limits)
     spread = spread_of(model, claim.form)
-    gains = Gains(observer, model.name, claim, figures, name, limits, opening, spread=spread)
+    gains = Gains(
+        observer, model.name, claim, figures, name, limits, opening,
+        spread=spread, sensors=_sensors(model, limits),
+    )  # fmt: skip
     key, rows = "certificate.discrete.duties", len(gains.plan.part("duties"))
     if file.number(key) != rows:
         raise InputError(path, key, f"{rows}, the substeps that run ({again})", file.at(key))
@@ -184,6 +204,13 @@ def _opening(model: Model, claim: Claim, limits: Limits) -> Opening | None:
     if claim.form.C.shape[0] == len(SENSORS) or claim.form.states != RELATIVE:
         return None
     return opening_of(model, claim.form, model.rig.get("acceleration_noise", limits.noise))
+
+
+def _sensors(model: Model, limits: Limits) -> Sensors:
+    """Noise of the rig's sensors; where the model says none, half the limits' and a share of the envelope."""
+    size = model.scales.deflection
+    acceleration = model.rig.get("acceleration_noise", 0.5 * limits.noise)
+    return Sensors(acceleration, model.rig.get("deflection_noise", DEFLECTION_NOISE * size), size)
 
 
 def _form(file: Document, model: Model) -> LinearForm:

@@ -92,7 +92,10 @@ class ObserverCore(Core):
         model = load_model(p.model_file)
         gains = ready(p.gains_file, model, name)
         self.gains = gains if p.payload else replace(gains, payload=False)
-        seen = (topics.DEFLECTION,) if self.gains.sees_deflection else ()
+        self.hears_deflection = self.gains.sees_deflection or (
+            p.deflection and bool(self.gains.fused.any())
+        )
+        seen = (topics.DEFLECTION,) if self.hears_deflection else ()
         self.inputs = (*USUAL, *seen)
         self.model_id, self.gains_id = model.digest(), self.gains.digest
         self._take(p)
@@ -111,7 +114,8 @@ class ObserverCore(Core):
     def start(self) -> State:
         """Before any message."""
         checks = (StampState(),) * len(self.inputs)
-        return State(feed_of(deflection=self.gains.sees_deflection), checks)
+        needed = self.gains.sees_deflection
+        return State(feed_of(deflection=self.hears_deflection, needed=needed), checks)
 
     def on_message(
         self, state: State, topic: topics.Topic, message: Any, when: When
@@ -208,7 +212,7 @@ class ObserverCore(Core):
         """Health of the observer."""
         s, mode, status, reason = state, "", NodeStatus.STATUS_INITIALIZING, ""
         values: dict[str, object] = {"duties lost": s.feed.lost}
-        if self.gains.sees_deflection:
+        if self.hears_deflection:
             values["deflections lost"] = s.feed.blind
         if s.mind is not None:
             mode, estimate = "running", s.mind.estimate
@@ -216,6 +220,8 @@ class ObserverCore(Core):
             values |= {"test ratio": f"{estimate.test_ratio:.2f}", "resets": s.mind.resets}
             payload = observer.payload_of(self.gains, s.mind)
             values |= {"payload": payload.text, "sprung mass ratio": f"{payload.ratio:.3f}"}
+            if self.hears_deflection:
+                values["sprung mass ratio, with deflection"] = f"{s.mind.load:.3f}"
             values["damping asymmetry"] = f"{payload.asymmetry:.3f}"
             if self.undriven(s.last.stamp, s.driven):
                 reason = f"{topics.PWM_APPLIED.name}: no usable duty for {self.p.timeout:g} s"

@@ -23,5 +23,9 @@ class ObserverParameters(NodeParameters):
     payload: bool = param(
         True, text="whether sprung mass and asymmetry of the damping are estimated and used"
     )
+    deflection: bool = param(
+        True,
+        text="whether the deflection sensor is used where it is there; false: the accelerometers alone",
+    )
     max_age: float = oldest_sample()
     listeners: int = awaited_listeners()

@@ -77,3 +77,21 @@ def test_time_that_jumps_back_forgets_what_is_kept() -> None:
     feed, _ = on_duty(feed, 5, 0.2, back=True)
     feed, _ = on_deflection(feed, 5, 2e-3, back=True)
     assert on_motion(feed, motion(5))[1] == [(motion(5), 0.2, 2e-3)]
+
+
+def test_a_deflection_that_may_be_missing_is_waited_for_while_it_comes() -> None:
+    feed, ready = on_motion(feed_of(deflection=True, needed=False), motion(5))
+    feed, ready = on_duty(feed, 5, 0.2)
+    assert ready[0].motion == motion(5)
+    feed, _ = on_deflection(feed, 5, 1e-3)  # comes late: from now on it is waited for
+    feed, _ = on_motion(feed, motion(10))
+    feed, ready = on_duty(feed, 10, 0.2)
+    assert ready == []
+    feed, ready = on_deflection(feed, 10, 2e-3)
+    assert ready == [(motion(10), 0.2, 2e-3)]
+    feed, _ = on_motion(feed, motion(15))
+    feed, _ = on_duty(feed, 15, 0.2)
+    feed, ready = on_motion(feed, motion(20))
+    assert math.isnan(ready[0].deflection)
+    feed, ready = on_duty(feed, 20, 0.2)
+    assert ready[0].motion == motion(20)

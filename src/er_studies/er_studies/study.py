@@ -2,6 +2,8 @@
 
 er study thesis CHAPTER [ARGS]        make a chapter of the thesis again, with its figures beside ours
 er study observers [SCENARIO] [ARGS]  observers beside Kalman filters on named drives, and the thesis's tables
+er study classes [ARGS]               observers with and without deflection sensor and their peers, ISO A to E
+er study tune_peers [ARGS]            the peers tuned, the same number of trials for each
 er study variants [ARGS]              every theorem in every form, with its gamma or why it has none
 er study figures [ARGS]               frequency responses of the observers' errors, figures of chapters 3 to 5
 er study fault_trials [ARGS]          the fault estimator on random drives, and beside its rivals
@@ -19,6 +21,8 @@ from er_studies.programs import hand_over
 PARTS = {
     "thesis": "er_studies.thesis.command",
     "observers": "er_studies.observers.command",
+    "classes": "er_studies.observers.classes_command",
+    "tune_peers": "er_studies.observers.peers.tune",
     "variants": "er_studies.observers.variants_command",
     "figures": "er_studies.observers.frequency.command",
     "fault_trials": "er_studies.faults.command",

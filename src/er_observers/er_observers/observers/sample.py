@@ -1,7 +1,7 @@
 """One sample of an observer in one compiled call: the state, what it says, and its health.
 
 The memory between samples is one array: health (8,), change of the relative acceleration [m/s2], y (m,), pace (m,),
-x (n,), z (N,), payload (48,). `Layout` says where each begins.
+x (n,), z (N,), payload (49,), fusion (59,). `Layout` says where each begins.
 """
 
 from __future__ import annotations
@@ -12,8 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from er_models.model import Array
 
-from er_observers.observers import payload, watch
+from er_observers.observers import fusion, payload, watch
 from er_observers.observers.compiled import compiled
+from er_observers.observers.fusion import REFUSED, TRUST, fuse
 from er_observers.observers.kernel import HEAD, SUBSTEP, advance
 from er_observers.observers.matrices import Plan
 from er_observers.observers.payload import (
@@ -24,8 +25,9 @@ from er_observers.observers.payload import (
     even_drive,
     learn,
 )
-from er_observers.observers.status import BLIND, FINE, UNTOLD
+from er_observers.observers.status import ALONE, BLIND, FINE, REPAIRED, UNTOLD
 from er_observers.observers.watch import (
+    DEFLECTION,
     DOUBT,
     FLOOR,
     LOST,
@@ -49,14 +51,14 @@ HEALTH = slice(0, watch.SIZE)
 CHANGE = watch.SIZE
 HEAD_SIZE = CHANGE + 1
 """Numbers before the outputs."""
-_PARTS = 5
+_PARTS = 6
 """Parts of a book; it begins with their ends."""
 
 
 class Layout(NamedTuple):
     """Where things lie in the memory: outputs m, model states n, observer states N; of `layout_of`.
 
-    *_at: where y, pace, x, z and the payload begin; size: numbers in the memory.
+    *_at: where y, pace, x, z, the payload and the fusion begin; size: numbers in the memory.
     """
 
     m: int
@@ -67,6 +69,7 @@ class Layout(NamedTuple):
     x_at: int
     z_at: int
     payload_at: int
+    fusion_at: int
     size: int
 
     @property
@@ -92,7 +95,12 @@ class Layout(NamedTuple):
     @property
     def payload(self) -> slice:
         """What is known of the sprung mass, see `payload`."""
-        return slice(self.payload_at, self.size)
+        return slice(self.payload_at, self.fusion_at)
+
+    @property
+    def fusion(self) -> slice:
+        """What is known with a deflection sensor, see `fusion`."""
+        return slice(self.fusion_at, self.size)
 
 
 @compiled
@@ -102,7 +110,8 @@ def layout_of(m: int, n: int, order: int) -> Layout:
     x = pace + m
     z = x + n
     known = z + order
-    return Layout(m, n, order, HEAD_SIZE, pace, x, z, known, known + payload.SIZE)
+    fused = known + payload.SIZE
+    return Layout(m, n, order, HEAD_SIZE, pace, x, z, known, fused, fused + fusion.SIZE)
 
 
 @compiled
@@ -124,13 +133,15 @@ def duty_within(duty: float, before: float, low: float, high: float) -> tuple[fl
     return min(max(duty, low), high), not low - 1e-6 <= duty <= high + 1e-6
 
 
-def book_of(plan: Plan, reading: Array, rules: Array, mass: Array, layout: Layout) -> Array:
+def book_of(
+    plan: Plan, reading: Array, rules: Array, mass: Array, sensors: Array, layout: Layout
+) -> Array:
     """All that `run_sample` takes of an observer: where the parts begin, the parts, room for a memory.
 
     reading: R (n, N), S (n, m), F (n,), Gamma (n,) one after the other; rules: of `watch.rules_of`;
-    mass: of `payload.numbers_of`.
+    mass: of `payload.numbers_of`; sensors: of `fusion.numbers_of`.
     """
-    parts = (plan.values, reading, rules, mass, plan.scratch)
+    parts = (plan.values, reading, rules, mass, sensors, plan.scratch)
     ends = float(_PARTS) + np.cumsum([len(p) for p in parts])
     return np.concatenate([ends, *parts, np.empty(layout.size)])
 
@@ -146,9 +157,10 @@ def run_sample(
     the duty from now on as `duty_within` has it, and whether it went so: a sample that does not
     simply follow the one before changes nothing.
     """
-    a, b, c, d, e = int(book[0]), int(book[1]), int(book[2]), int(book[3]), int(book[4])
+    a, b, c, d = int(book[0]), int(book[1]), int(book[2]), int(book[3])
     values, reading, rules, mass = book[_PARTS:a], book[a:b], book[b:c], book[c:d]
-    scratch, before = book[d:e], book[e:]
+    d, e, g = int(book[3]), int(book[4]), int(book[5])
+    sensors, scratch, before = book[d:e], book[e:g], book[g:]
     order, m, duties = int(values[0]), int(values[1]), int(values[3])
     lay = layout_of(m, memory.shape[0] - layout_of(m, 0, order).size, order)
     if not follows(rules, memory[LOST], dt, sprung, unsprung, deflection, m):
@@ -159,7 +171,12 @@ def run_sample(
     lowest = HEAD + 2 * order + m
     duty, repaired = duty_within(asked, last, values[lowest], values[lowest + duties - 1])
     y, pace, x, z, known = lay.y_at, lay.pace_at, lay.x_at, lay.z_at, lay.payload_at
-    y_0, y_1, bend, mass_known = before[y:pace], memory[y:pace], memory[pace:x], memory[known:]
+    y_0, y_1, bend, mass_known = (
+        before[y:pace],
+        memory[y:pace],
+        memory[pace:x],
+        memory[known : lay.fusion_at],
+    )
     ratio_of_mass, sprung_before = mass_known[RATIO], y_0[0]
     y_1[0], y_1[1] = ratio_of_mass * sprung, unsprung
     if m > 2:
@@ -178,10 +195,28 @@ def run_sample(
         mass_known[SPEED] = math.nan  # the error of a start without start phase teaches nothing
     v, f = memory[x + 1], memory[x + int(mass[YIELD])]
     learn(mass, mass_known, y_0[0], y_0[1], sprung, unsprung, v, end, f, last, dt)
-    force, x_1, v_1, ratio, verdict = keep(
-        reading, rules, before, last, dt, repaired, end, lay, memory
-    )
+    said = keep(reading, rules, before, last, dt, repaired, end, lay, memory)
+    fused = memory[lay.fusion_at :]
+    seen = deflection if abs(deflection) <= rules[DEFLECTION] else math.nan
+    found = fuse(sensors, fused, sprung, unsprung, seen, memory[x:z], last, dt)
+    force, x_1, v_1, ratio, verdict = better(said, found, fused)
     return force, x_1, v_1, ratio, verdict, duty, repaired, True
+
+
+@compiled
+def better(
+    said: tuple[float, float, float, float, int],
+    found: tuple[bool, float, float, float],
+    fused: Array,
+) -> tuple[float, float, float, float, int]:
+    """What is `said` with a deflection sensor: what was `found` with it, or that it is refused."""
+    force, x, v, ratio, verdict = said
+    believed, fused_force, fused_x, fused_v = found
+    if believed:
+        return fused_force, fused_x, fused_v, ratio, REPAIRED if verdict == REPAIRED else FINE
+    if verdict == FINE and fused[TRUST] == REFUSED:
+        verdict = ALONE
+    return force, x, v, ratio, verdict
 
 
 @compiled

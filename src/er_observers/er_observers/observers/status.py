@@ -69,7 +69,7 @@ class Health(NamedTuple):
     contradicted: bool
 
 
-FINE, UNSETTLED, REPAIRED, GONE, BLIND, CONFLICTING, UNTOLD = range(7)
+FINE, UNSETTLED, REPAIRED, GONE, BLIND, CONFLICTING, UNTOLD, ALONE = range(8)
 VERDICTS = {
     FINE: (Status.OK, ""),
     UNSETTLED: (Status.INITIALISING, "the first error has not decayed yet"),
@@ -78,5 +78,6 @@ VERDICTS = {
     BLIND: (Status.WEAK, "the fluid hardly yields: accelerometers do not see the deflection"),
     CONFLICTING: (Status.DEGRADED, "the accelerations contradict the damper model"),
     UNTOLD: (Status.DEGRADED, "a load or a loss of the damper: not told apart"),
+    ALONE: (Status.DEGRADED, "the deflection sensor is refused: from the accelerometers alone"),
 }
 """What `watch.judge` and `payload` may say: a status and its reason."""

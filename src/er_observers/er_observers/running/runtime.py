@@ -17,11 +17,20 @@ import numpy as np
 from er_models.model import Array
 
 from er_observers.gains import Gains
-from er_observers.observers import payload
+from er_observers.observers import fusion, payload
 from er_observers.observers import watch as watching
+from er_observers.observers.fusion import fuse
 from er_observers.observers.kernel import advance, substeps
 from er_observers.observers.payload import Payload
-from er_observers.observers.sample import CHANGE, HEALTH, Layout, duty_within, keep, run_sample
+from er_observers.observers.sample import (
+    CHANGE,
+    HEALTH,
+    Layout,
+    better,
+    duty_within,
+    keep,
+    run_sample,
+)
 from er_observers.observers.sample import said as said_of
 from er_observers.observers.status import ROUNDING, VERDICTS, Health, Status
 from er_observers.opening import phase as start_phase
@@ -35,8 +44,8 @@ Said = tuple[float, float, float, float, int]
 class Sample(NamedTuple):
     """Both accelerations at t [m/s2] and the duty applied from t until the next sample.
 
-    Accelerations are those of the motion, upwards, without gravity. deflection [m]: used by gains
-    that were made for such a sensor, and by no others.
+    Accelerations are those of the motion, upwards, without gravity. deflection [m]: fused with them
+    where it is a number (`observers.fusion`); gains that were made for such a sensor need it.
     """
 
     t: float
@@ -96,6 +105,11 @@ class State(NamedTuple):
         return self.memory[self.layout.y]
 
     @property
+    def load(self) -> float:
+        """Sprung mass over the believed one that the deflection sensor's force is told with; 1 before any is found."""
+        return self.memory.item(self.layout.fusion_at + fusion.THETA)
+
+    @property
     def health(self) -> Health:
         """Memory of the watch."""
         doubt, decay, lost, healing, power, floor, weak, contradicted = self.memory[
@@ -105,11 +119,15 @@ class State(NamedTuple):
 
 
 def start(
-    gains: Gains, sample: Sample, x: Array | None = None, known: Array | None = None
+    gains: Gains,
+    sample: Sample,
+    x: Array | None = None,
+    known: Array | None = None,
+    fused: Array | None = None,
 ) -> State:
     """State at the first sample: the likeliest for its accelerations, or x (n,) where known.
 
-    known: what was learnt of the sprung mass before (`payload`). A sample that is not valid leaves the
+    known, fused: what was learnt of the sprung mass before (`payload`, `fusion`). A sample that is not valid leaves the
     observer waiting for one that is. `InputError` for an x beyond what the model's envelope allows.
     """
     if x is not None and gains.spread is not None:
@@ -128,10 +146,13 @@ def start(
         prior = gains.opening.prior
         first, P = start_phase.follow(gains.opening, first, prior, duty, 0.0, seen)
     z = law.state(first, seen, np.zeros(law.order))
-    memory = np.concatenate([watching.begin(gains.rules), [0.0], y, y + math.nan, first, z, known])
+    fused = fusion.begin() if fused is None else fusion.interrupted(fused)
+    memory = np.concatenate(
+        [watching.begin(gains.rules), [0.0], y, y + math.nan, first, z, known, fused]
+    )
     if not running:
         memory[watching.LOST] = math.inf
-    estimate = _estimate(gains, memory)
+    estimate = _says(*_fused(gains, sample, duty, 0.0, memory, _said(gains, memory)))
     rejected = 0 if running else 1
     return State(sample.t, memory, gains.layout, P, duty, estimate, running, 0, rejected)
 
@@ -216,8 +237,20 @@ def _found(
     keep(gains.reading, gains.rules, state.memory, state.duty, dt, repaired, end, *rest)
     done = start_phase.finished(opening, P)
     memory[watching.DOUBT] = 0.0 if done else 1.0
-    said = said_of(gains.reading, gains.rules, *rest)
+    memory[lay.fusion] = state.memory[lay.fusion]
+    said = _fused(gains, sample, state.duty, dt, memory, _said(gains, memory))
     return None if done else P, said, duty, repaired
+
+
+def _fused(
+    gains: Gains, sample: Sample, duty: float, dt: float, memory: Array, said: Said
+) -> Said:
+    """What is said with a deflection sensor, its memory brought on, in place; duty: in force for dt [s] until now."""
+    fused, x, y = memory[gains.layout.fusion], memory[gains.layout.x], memory[gains.layout.y]
+    deflection = (
+        sample.deflection if abs(sample.deflection) <= gains.limits.deflection else math.nan
+    )
+    return better(said, fuse(gains.fused, fused, y[0], y[1], deflection, x, duty, dt), fused)
 
 
 def _bridge(gains: Gains, state: State, sample: Sample, dt: float) -> State:
@@ -236,6 +269,7 @@ def _bridge(gains: Gains, state: State, sample: Sample, dt: float) -> State:
     memory[CHANGE] = 0.0
     memory[lay.y], memory[lay.pace], memory[lay.x] = payload.told(known, seen), math.nan, x
     memory[lay.z], memory[lay.payload] = gains.claim.solution.law.state(x, seen, state.z), known
+    memory[lay.fusion] = fusion.interrupted(memory[lay.fusion])
     return state._replace(
         t=sample.t,
         memory=memory,
@@ -248,7 +282,9 @@ def _bridge(gains: Gains, state: State, sample: Sample, dt: float) -> State:
 
 def _restart(gains: Gains, state: State, sample: Sample) -> State:
     """Start afresh, counting it."""
-    fresh = start(gains, sample, known=state.memory[state.layout.payload])
+    lay = state.layout
+    learnt = (state.memory[lay.payload], state.memory[lay.fusion])
+    fresh = start(gains, sample, None, *learnt)
     return fresh._replace(
         resets=state.resets + state.running, rejected=state.rejected + fresh.rejected
     )
@@ -289,7 +325,12 @@ def _likeliest(gains: Gains, y: Array, duty: float) -> Array:
 
 def _estimate(gains: Gains, memory: Array) -> Estimate:
     """What the memory says."""
-    return _says(*said_of(gains.reading, gains.rules, gains.layout, memory))
+    return _says(*_said(gains, memory))
+
+
+def _said(gains: Gains, memory: Array) -> Said:
+    """What the memory says of the accelerometers alone."""
+    return said_of(gains.reading, gains.rules, gains.layout, memory)
 
 
 def _says(

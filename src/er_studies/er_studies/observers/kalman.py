@@ -91,9 +91,12 @@ class State(NamedTuple):
     estimate: Estimate
 
 
-def make(name: str, model: Model, statement: Statement | None = None) -> Filter:
-    """The filter `name` of `KINDS` for a vehicle model, compiled; raises what `relative_form` raises."""
-    kind, known, form = KINDS[name], statement or Statement(), relative_form(model)
+def make(
+    name: str, model: Model, statement: Statement | None = None, kind: Kind | None = None
+) -> Filter:
+    """The filter `name` of `KINDS`, or another kind, for a vehicle model, compiled; raises as `relative_form`."""
+    known, form = statement or Statement(), relative_form(model)
+    kind = kind or KINDS[name]
     h = known.period / kind.n_sub
     linear, kick = substep_matrices(form, h)
     density = kind.share * road_density(model) * form.D1**2

@@ -22,7 +22,13 @@ from er_studies.observers.scenarios.drive import drive
 from er_studies.observers.scenarios.scenario import Plant, Scenario
 from er_studies.observers.scenarios.starts import first_state
 
-_TOLD = ("t", "told_sprung_acceleration", "told_unsprung_acceleration", "told_duty")
+_TOLD = (
+    "t",
+    "told_sprung_acceleration",
+    "told_unsprung_acceleration",
+    "told_duty",
+    "told_deflection",
+)
 
 
 class Trace(NamedTuple):

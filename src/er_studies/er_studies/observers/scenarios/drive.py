@@ -19,13 +19,13 @@ COLUMNS = (
     "t", "road", "deflection", "deflection_velocity", "duty", "damper_force",
     "sprung_acceleration", "unsprung_acceleration", "tyre_deflection",
 )  # fmt: skip
-_NOISE, _PLANT = 1, 2  # streams of random numbers beside the road's own
+_NOISE, _PLANT, _DEFLECTION = 1, 2, 3  # streams of random numbers beside the road's own
 
 
 def drive(scenario: Scenario, believed: Model, number: int = 0) -> dict[str, Array]:
     """Record of road `number` of a scenario, each (n,): the truth under the contract's names.
 
-    `told_*` are the two accelerations and the duty as an observer gets them. The road is scaled by
+    `told_*` are the two accelerations, the duty and the deflection as an observer gets them. The road is scaled by
     the believed model, so that every plant of a scenario meets the same one.
     """
     seed = scenario.program.seed + number
@@ -101,4 +101,6 @@ def _told(
         seen = np.concatenate([np.full(late, true[0]), true[: true.size - late]])
         noise = sensors.noise * random.standard_normal(true.size)
         told[f"told_{name}"] = seen + sign * sensors.bias + noise
+    drawn = np.random.default_rng([seed, _DEFLECTION]).standard_normal(record["t"].size)
+    told["told_deflection"] = record["deflection"] + sensors.deflection * drawn
     return told

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -55,13 +56,15 @@ class Sensors:
 
     noise: standard deviation of both accelerometers [m/s2]. bias: of the sprung and, with the
     opposite sign, of the unsprung one [m/s2]. delay: of both [s], whole samples. duty_step: the
-    rig applies the duty rounded to this step, observers are told the one asked for.
+    rig applies the duty rounded to this step, observers are told the one asked for. deflection: noise
+    of the deflection sensor [m], NaN where there is none.
     """
 
     noise: float = 0.025
     bias: float = 0.0
     delay: float = 0.0
     duty_step: float = 0.0
+    deflection: float = math.nan
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,113 @@
+"""With a deflection sensor: the balance of the body and the model, fused; what is promised holds for any damper."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from er_observers.observers import fusion
+from er_observers.observers.status import ALONE, VERDICTS, Status
+from er_observers.running import runtime
+from er_observers.running.runtime import Sample
+from er_studies.observers.classes import scenario, with_noise
+from er_studies.observers.nrmse import nrmse
+from er_studies.observers.scenarios.drive import drive as ridden
+
+NAMES = (
+    "t",
+    "told_sprung_acceleration",
+    "told_unsprung_acceleration",
+    "told_duty",
+    "told_deflection",
+)
+
+
+@pytest.fixture(scope="module")
+def rides(car):
+    """Records of class A, by case."""
+    return {
+        case: ridden(with_noise(scenario("A", case, 7101, 8.0), 20.0), car)
+        for case in ("healthy", "f2", "heavy")
+    }
+
+
+def samples_of(record, **changed):
+    columns = {name: record[name] for name in NAMES} | changed
+    return [Sample(*row) for row in zip(*(columns[name].tolist() for name in NAMES), strict=True)]
+
+
+def followed(gains, samples):
+    """Estimates, and the memory of the fusion after each sample."""
+    state = runtime.start(gains, samples[0])
+    estimates, memories = [state.estimate], [state.memory[state.layout.fusion].copy()]
+    for sample in samples[1:]:
+        state, estimate = runtime.step(gains, state, sample)
+        estimates.append(estimate)
+        memories.append(state.memory[state.layout.fusion].copy())
+    return estimates, np.array(memories)
+
+
+def test_errors_on_a_smooth_road(gains, rides):
+    """Healthy and with a leak of two fifths, where the accelerometers alone leave ten times as much."""
+    for case, most in (("healthy", 0.0022), ("f2", 0.003)):
+        record, rows = rides[case], rides[case]["t"] >= 2.0
+        force = np.array([e.force for e in followed(gains, samples_of(record))[0]])
+        assert nrmse(record["damper_force"][rows], force[rows]) < most
+    alone = followed(replace(gains, sensors=None), samples_of(rides["f2"]))[0]
+    assert nrmse(record["damper_force"][rows], np.array([e.force for e in alone])[rows]) > 0.01
+
+
+def test_what_is_promised_holds_for_anything(gains):
+    """No damper made these samples: the force stays within four deviations of the balance, whatever comes."""
+    random, n = np.random.default_rng(5), 600
+    t, waves = 0.005 * np.arange(n), ((12.6, 5e-3, 0.0), (44.0, 1e-3, 1.0))
+    x = np.sum([a * np.sin(w * t + p) for w, a, p in waves], axis=0)
+    bent = np.sum([-w * w * a * np.sin(w * t + p) for w, a, p in waves], axis=0)
+    sprung = np.cumsum(random.normal(size=n))
+    duty = random.uniform(0.0, 0.3, n)
+    samples = [Sample(t[k], sprung[k], sprung[k] - bent[k], duty[k], x[k]) for k in range(n)]
+    estimates, w = followed(gains, samples)
+    p, mass = gains.fused, w[:, fusion.THETA] * gains.fused[fusion.M_S]
+    band = 4.0 * np.hypot(mass * p[fusion.NOISE_A], p[fusion.K_S] * w[:, fusion.NOISE])
+    balance = -mass * sprung - p[fusion.K_S] * x
+    fused = w[:, fusion.TRUST] == fusion.BELIEVED
+    force = np.array([e.force for e in estimates])
+    assert fused.sum() > 50
+    assert np.all(np.abs(force - balance)[fused] <= band[fused] * (1.0 + 1e-9) + 1e-9)
+
+
+@pytest.mark.parametrize("what", ["hangs", "jumps", "is missing"])
+def test_a_sensor_that_is_wrong_is_refused_at_once(gains, rides, what):
+    """From the third sample at the latest the accelerometers answer, as if there had never been a sensor."""
+    record, begin, end = rides["healthy"], 800, 1000
+    x = record["told_deflection"].copy()
+    x[begin:end] = {"hangs": x[begin], "jumps": x[begin:end] + 1e-3, "is missing": np.nan}[what]
+    estimates, w = followed(gains, samples_of(record, told_deflection=x))
+    alone = followed(replace(gains, sensors=None), samples_of(record))[0]
+    late = begin + (8 if what == "hangs" else 0)
+    assert np.all(w[late:end, fusion.TRUST] == fusion.REFUSED)
+    for mine, theirs in zip(estimates[late:end], alone[late:end], strict=True):
+        assert mine.force == theirs.force
+        assert (mine.status, mine.reason) == VERDICTS[ALONE] or theirs.status is not Status.OK
+    error = np.array([e.force for e in estimates]) - record["damper_force"]
+    assert np.abs(error[begin : end + 200]).max() < 0.5
+    assert estimates[-1].status in (Status.OK, Status.DEGRADED)
+
+
+def test_without_a_deflection_nothing_changes(gains, rides):
+    """Bit for bit: the two accelerometers are what runs where no deflection comes."""
+    blind = samples_of(
+        rides["healthy"], told_deflection=np.full(rides["healthy"]["t"].size, np.nan)
+    )
+    assert followed(gains, blind)[0] == followed(replace(gains, sensors=None), blind)[0]
+
+
+def test_a_load_is_found_and_a_leak_is_none(gains, rides):
+    """A fifth more mass within two hundredths; two fifths of the oil's force gone leave the mass where it was."""
+    assert followed(gains, samples_of(rides["heavy"]))[1][-1, fusion.THETA] == pytest.approx(
+        1.2, abs=0.04
+    )
+    assert followed(gains, samples_of(rides["f2"]))[1][-1, fusion.THETA] == pytest.approx(
+        1.0, abs=0.01
+    )
+    fixed = replace(gains, payload=False)
+    assert followed(fixed, samples_of(rides["heavy"]))[1][-1, fusion.THETA] == 1.0
