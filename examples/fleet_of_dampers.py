@@ -31,7 +31,9 @@ def recording(c0: float) -> pd.DataFrame:
     duty = np.repeat(rng.choice([0.0, 0.1, 0.2, 0.3], 8), 150)
     damper = model.with_effect("passive", {**passive, "c0": c0})
     force = predict(damper, motion(0.005, x, v, duty, a)) + 0.15 * rng.standard_normal(t.size)
-    return pd.DataFrame({"t": t, "deflection": x, "deflection_velocity": v, "duty": duty, "damper_force": force})
+    return pd.DataFrame(
+        {"t": t, "deflection": x, "deflection_velocity": v, "duty": duty, "damper_force": force}
+    )
 
 
 # %% [markdown]

@@ -122,7 +122,8 @@ def test_a_client_that_is_killed_loses_nothing(tmp_path):
     left = psutil.Process(client.pid).children(recursive=True)
     client.kill()
     client.wait()
-    assert left and all(told), told
+    assert left
+    assert all(told), told
     again = lab.fleet(
         tmp_path / "data", model, out=table, search=False, resume=True, executor=Loop()
     )

@@ -107,7 +107,11 @@ def spread(
 def _fill(run: _Run, jobs: Iterator[Job], sealed: bytes, *, left: bool) -> bool:
     """Hand out as many batches as there is room for; whether jobs are left."""
     while len(run.running) < AHEAD * run.engine.workers and (left or run.back):
-        batch = run.back.pop() if run.back else list(islice(jobs, batch_size(run.each, run.engine.workers)))
+        batch = (
+            run.back.pop()
+            if run.back
+            else list(islice(jobs, batch_size(run.each, run.engine.workers)))
+        )
         if not batch:
             return False
         try:

@@ -37,7 +37,9 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--recordings", type=int, default=5, help="of a unit")
     parser.add_argument("--seconds", type=float, default=60.0, help="of a recording")
     parser.add_argument("--search", action="store_true", help="diagnose every unit; else refit")
-    parser.add_argument("--simulate", type=int, default=1_000_000, help="recordings on the clusters")
+    parser.add_argument(
+        "--simulate", type=int, default=1_000_000, help="recordings on the clusters"
+    )
     parser.add_argument("--clusters", type=int, nargs="+", default=CLUSTERS, help="their workers")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures")
@@ -78,8 +80,8 @@ def clusters(
     each, grown = client(model, row, min(recordings, 20_000))
     cost = costs(model, times, each)
     sys.stdout.write(
-        f"a recording {times.mean():.2f} s at a worker and {1e3 * each:.2f} ms at the client, a batch {1e3 * cost.batch:.1f} ms"
-        f" at the client; passing its result on {1e3 * cost.gather:.1f} ms of the scheduler;"
+        f"a recording {times.mean():.2f} s at a worker and {1e3 * each:.2f} ms at the client, a batch"
+        f" {1e3 * cost.batch:.1f} ms at the client; passing its result on {1e3 * cost.gather:.1f} ms of the scheduler;"
         f" {grown:.0f} MB of the client for 20 000 recordings\n\n"
     )
     for size in sizes:

@@ -76,7 +76,9 @@ class _Wire:
 class _World:
     """All that is under way; times are simulated ones [s]."""
 
-    def __init__(self, scheduler: Any, workers: int, recordings: int, costs: Costs, seed: int) -> None:
+    def __init__(
+        self, scheduler: Any, workers: int, recordings: int, costs: Costs, seed: int
+    ) -> None:
         """Nothing is under way."""
         self.scheduler, self.workers, self.left, self.costs = scheduler, workers, recordings, costs
         self.box: list[tuple[str, Any]] = []
@@ -162,7 +164,9 @@ class _World:
             self._begun(now, worker)
         self._at(now + LATENCY, self._finished, worker, key, number, seconds)
 
-    async def _finished(self, now: float, worker: str, key: str, number: int, seconds: float) -> None:
+    async def _finished(
+        self, now: float, worker: str, key: str, number: int, seconds: float
+    ) -> None:
         """The scheduler hears that a batch is done."""
         begun, moment = time.process_time(), time.time()
         self.scheduler.handle_task_finished(
@@ -184,7 +188,9 @@ class _World:
     async def _released(self, now: float, key: str) -> None:
         """The scheduler forgets a batch whose result the client has."""
         begun = time.process_time()
-        self.scheduler.client_releases_keys(keys=[key], client="client", stimulus_id=f"release-{key}")
+        self.scheduler.client_releases_keys(
+            keys=[key], client="client", stimulus_id=f"release-{key}"
+        )
         self._emptied(self._serve("scheduler", now, time.process_time() - begun))
 
 
@@ -206,7 +212,9 @@ async def simulated(workers: int, recordings: int, costs: Costs, seed: int = 0) 
     for name in ("distributed.scheduler", "distributed.core"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     with dask.config.set({"distributed.scheduler.work-stealing": False}):
-        scheduler = await Scheduler(protocol="inproc", dashboard=False, dashboard_address="127.0.0.1:0", port=0)
+        scheduler = await Scheduler(
+            protocol="inproc", dashboard=False, dashboard_address="127.0.0.1:0", port=0
+        )
         try:
             world = _World(scheduler, workers, recordings, costs, seed)
             await _registered(scheduler, workers, world.box)
@@ -217,7 +225,13 @@ async def simulated(workers: int, recordings: int, costs: Costs, seed: int = 0) 
             await scheduler.close()
     busy = {who: seconds / world.end for who, seconds in world.busy.items()}
     return Outcome(
-        workers, world.end, busy["workers"] / workers, busy["scheduler"], busy["client"], world.most, world.batches
+        workers,
+        world.end,
+        busy["workers"] / workers,
+        busy["scheduler"],
+        busy["client"],
+        world.most,
+        world.batches,
     )
 
 

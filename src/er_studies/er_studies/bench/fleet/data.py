@@ -16,7 +16,9 @@ EVERY = 10
 """Each so many units, one has friction that the model lacks."""
 
 
-def fleet(model: Model, folder: Path, units: int, recordings: int, seconds: float, seed: int) -> None:
+def fleet(
+    model: Model, folder: Path, units: int, recordings: int, seconds: float, seed: int
+) -> None:
     """Write the recordings, a folder a unit."""
     for number in range(units):
         rng = np.random.default_rng((seed, number))

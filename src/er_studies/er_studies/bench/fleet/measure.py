@@ -43,8 +43,8 @@ BATCHES = 2000
 class Line:
     """One run.
 
-    wall, processor: times, the latter of all processes [s]; first, last: the largest worker in the first and in the last
-    third of the run [MB]; client: at its end [MB]; found: what was found.
+    wall, processor: times, the latter of all processes [s]; first, last: the largest worker in the first and in the
+    last third of the run [MB]; client: at its end [MB]; found: what was found.
     """
 
     what: str
@@ -85,9 +85,7 @@ class Answers(Executor):
         return done
 
 
-def compared(
-    data: Path, model: Model, workers: Sequence[int], *, search: bool
-) -> Iterator[Line]:
+def compared(data: Path, model: Model, workers: Sequence[int], *, search: bool) -> Iterator[Line]:
     """The fleet in a plain loop (0 workers), and by so many workers of Dask; each in a folder of its own."""
     for number in workers:
         executor = None if number else Loop()
@@ -195,7 +193,14 @@ def costs(model: Model, times: Array, each: float) -> Costs:
     with tempfile.TemporaryDirectory() as place:
         scheduler = _started("scheduler", "--host", address, "--no-dashboard")
         worker = _started(
-            "worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--local-directory", place
+            "worker",
+            address,
+            "--nthreads",
+            "1",
+            "--no-nanny",
+            "--no-dashboard",
+            "--local-directory",
+            place,
         )
         try:
             with cluster(address) as engine:
