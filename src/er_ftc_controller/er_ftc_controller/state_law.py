@@ -27,7 +27,7 @@ SLOW, FAST = (0.51, 0.70), (1.165, 1.467)
 """Edges over the body's frequency: from slow to resonance, from resonance to none."""
 MEMORY, LONG = 0.52, 1.3
 """Memory of the frequency; of the share, and of being fast: in periods of the body."""
-LASTING = (0.4, 0.8)
+LASTING = (0.3, 0.6)
 """How lasting a fast motion is from which on the gains fall, and are gone."""
 ROUGH = (0.7, 1.1)
 """Edges of the share times the square of the frequency."""
@@ -58,23 +58,29 @@ class Shares(NamedTuple):
     rough: float
 
 
-class State(NamedTuple):
-    """The body's velocity [m/s]; last accelerations [m/s2] and for how long none came [s]; what tells the regime.
+class Told(NamedTuple):
+    """What tells the regime.
 
     a2, v2, x2, band2: mean squares of acceleration, velocity, deflection and its part about the body's frequency;
     filters: of that part; fast: how lasting a fast motion is.
     """
 
-    velocity: float = 0.0
-    sprung: float = math.nan
-    unsprung: float = math.nan
-    missing: float = math.inf
     a2: float = 0.0
     v2: float = 0.0
     x2: float = 0.0
     band2: float = 0.0
     filters: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     fast: float = 0.0
+
+
+class State(NamedTuple):
+    """The body's velocity [m/s]; last accelerations [m/s2] and for how long none came [s]; the regime."""
+
+    velocity: float = 0.0
+    sprung: float = math.nan
+    unsprung: float = math.nan
+    missing: float = math.inf
+    told: Told = Told()
     shares: Shares = Shares(0.0, 0.0, 0.0)
 
 
@@ -94,46 +100,39 @@ def step(
         sprung, unsprung, missing = state.sprung, state.unsprung, state.missing + dt
     before = state.sprung if math.isfinite(state.sprung) else sprung
     velocity = state.velocity * math.exp(-p.corner * dt) + 0.5 * dt * (before + sprung)
-    state = _heard(p, state, x, sprung, velocity, dt)
-    shares = _shares(p, state)
+    told, ratio = _told(p, state.told, x, sprung, velocity, dt)
+    shares = _shares(told, ratio)
     m_s, m_us, k_t = p.body
-    tyre = -(m_s * sprung + m_us * unsprung) / k_t
-    wheel = velocity - v
-    goal = 0.0
+    tyre, wheel, goal = -(m_s * sprung + m_us * unsprung) / k_t, velocity - v, 0.0
     for share, k in zip(shares, p.gains):
         if share:
             goal -= share * (
                 k[0] * x + k[1] * velocity + k[2] * tyre + k[3] * wheel + k[4] * force
             )
-    kept = (state.a2, state.v2, state.x2, state.band2, state.filters, state.fast)
-    return State(velocity, sprung, unsprung, missing, *kept, shares), goal
+    return State(velocity, sprung, unsprung, missing, told, shares), goal
 
 
-def _heard(
-    p: StateLaw, state: State, x: float, sprung: float, velocity: float, dt: float
-) -> State:
-    """Mean squares, filters and what lasts, one sample on."""
-    band, filters = _about(p.frequency, state.filters, x, dt)
-    short = math.exp(-dt * p.frequency / MEMORY)
-    long = math.exp(-dt * p.frequency / LONG)
-    a2 = short * state.a2 + (1.0 - short) * sprung * sprung
-    v2 = short * state.v2 + (1.0 - short) * velocity * velocity
-    x2 = long * state.x2 + (1.0 - long) * x * x
-    band2 = long * state.band2 + (1.0 - long) * band * band
-    quiet = (QUIET * p.swing) ** 2
-    goal = _ramp(_ratio(p, a2, v2), FAST) * a2 / (a2 + quiet)
-    fast = long * state.fast + (1.0 - long) * goal
-    return state._replace(a2=a2, v2=v2, x2=x2, band2=band2, filters=filters, fast=fast)
+def _told(
+    p: StateLaw, before: Told, x: float, sprung: float, velocity: float, dt: float
+) -> tuple[Told, float]:
+    """What tells the regime one sample on; the frequency of the body's motion over its own."""
+    band, filters = _about(p.frequency, before.filters, x, dt)
+    short, long = math.exp(-dt * p.frequency / MEMORY), math.exp(-dt * p.frequency / LONG)
+    a2 = short * before.a2 + (1.0 - short) * sprung * sprung
+    v2 = short * before.v2 + (1.0 - short) * velocity * velocity
+    x2 = long * before.x2 + (1.0 - long) * x * x
+    band2 = long * before.band2 + (1.0 - long) * band * band
+    quiet, ratio = (QUIET * p.swing) ** 2, _ratio(p, a2, v2)
+    fast = long * before.fast + (1.0 - long) * _ramp(ratio, FAST) * a2 / (a2 + quiet)
+    return Told(a2, v2, x2, band2, filters, fast), ratio
 
 
-def _shares(p: StateLaw, state: State) -> Shares:
+def _shares(told: Told, ratio: float) -> Shares:
     """Shares of the gains."""
-    ratio = _ratio(p, state.a2, state.v2)
-    calm = 1.0 - _ramp(state.fast, LASTING)
+    calm = 1.0 - _ramp(told.fast, LASTING)
     slow = min(1.0 - _ramp(ratio, SLOW), calm)
-    resonance = calm - slow
-    told = state.band2 / state.x2 * ratio**2 if state.x2 > 0.0 else 0.0
-    return Shares(slow, resonance, _ramp(told, ROUGH) * (1.0 - calm))
+    many = told.band2 / told.x2 * ratio**2 if told.x2 > 0.0 else 0.0
+    return Shares(slow, calm - slow, _ramp(many, ROUGH) * (1.0 - calm))
 
 
 def _ratio(p: StateLaw, a2: float, v2: float) -> float:

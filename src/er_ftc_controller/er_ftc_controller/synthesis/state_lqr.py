@@ -54,7 +54,7 @@ class StateDesign:
     """
 
     slow: float = 0.33
-    resonance: StateWeights = StateWeights(1.0, 1.0, 0.585, 4.55, 2.14)
+    resonance: StateWeights = StateWeights(1.0, 1.29, 0.96, 3.9, 3.33)
     rough: StateWeights = StateWeights(1.0, 1.7, 1000.0, 2.0, 6.4)
 
 
