@@ -46,6 +46,7 @@ Seeds = Annotated[
 
 app.command("tune")(contest_command.tune_command)
 app.command("peers")(contest_command.peers_command)
+app.command("robust")(contest_command.robust_command)
 app.command("front")(contest_command.front_command)
 
 

@@ -38,11 +38,11 @@ class Road(NamedTuple):
     seed: int
 
 
-def iso(model: Model, seed: int) -> Road:
-    """8 s of a random road, speed 10 to 30 m/s, peak deflection velocity of the passive car 0.08 to 0.25 m/s."""
+def iso(model: Model, seed: int, seconds: float = 8.0) -> Road:
+    """Seconds of a random road, speed 10 to 30 m/s, peak deflection velocity of the passive car 0.08 to 0.25 m/s."""
     rng = np.random.default_rng([seed, 1])
     spec = {"kind": "iso8608", "road_class": "C", "speed": float(rng.uniform(10.0, 30.0))}
-    return _scaled(model, spec, 8.0, 2.0, seed, float(np.exp(rng.uniform(math.log(0.08), math.log(0.25)))))
+    return _scaled(model, spec, seconds, 2.0, seed, float(np.exp(rng.uniform(math.log(0.08), math.log(0.25)))))
 
 
 def bump(model: Model, seed: int) -> Road:

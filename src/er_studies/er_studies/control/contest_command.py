@@ -20,7 +20,7 @@ from er_models.places import writable
 from er_models.yaml_file import read_yaml
 from rich.console import Console
 
-from er_studies.control import contest
+from er_studies.control import contest, robust
 from er_studies.control.contest import FAULTS, SCORED, TONES, Line, Rider
 from er_studies.control.form_ride import Ridden
 from er_studies.control.peers import PEERS
@@ -66,6 +66,18 @@ def peers_command(
         write_whole(out, text + "\n")
 
 
+def robust_command(seeds: Seeds = 5, out: Out = None) -> None:
+    """The loop with the fault estimator, on a leak that appears: other loads, late and lost samples."""
+    writable({"--out": out})
+    of, knobs = setup(configuration()), _knobs(None)
+    with progress_of("cases") as tick:
+        found = robust.rows(of, seeds, knobs["constant"]["duty"], tick)
+    text = robust.markdown(found, knobs["constant"]["duty"])
+    Console(soft_wrap=True, markup=False, highlight=False).print(text)
+    if out is not None:
+        write_whole(out, text + "\n")
+
+
 def front_command(
     picture: Annotated[Path, typer.Argument(help="Picture to write.")],
     seeds: Seeds = 20,
@@ -76,12 +88,19 @@ def front_command(
     front_picture(picture, [x for x in _contest(seeds, None, told=True) if x.fault in ("healthy", "leakage")])
 
 
+def _knobs(file: Path | None) -> Mapping[str, Mapping[str, float]]:
+    """Knobs of all peers."""
+    found: Mapping[str, Mapping[str, float]] = read_yaml(
+        file or configuration() / "weights" / "peers.yaml", "a file of knobs"
+    )
+    return found
+
+
 def _contest(seeds: int, knobs: Path | None, *, told: bool) -> list[Line]:
     """Every controller on all kinds of roads."""
     of = setup(configuration())
     model = of.model
-    file = knobs or configuration() / "weights" / "peers.yaml"
-    given: Mapping[str, Mapping[str, float]] = read_yaml(file, "a file of knobs")
+    given = _knobs(knobs)
     riders: dict[str, Rider] = {
         name: contest.peer(model, name, {k: given[name][k] for k in peer.knobs})
         for name, peer in PEERS.items()
