@@ -17,9 +17,8 @@ from er_models.linear import fingerprint
 from er_models.model import Model
 
 from er_ftc_controller.synthesis.certificate import proved
-from er_ftc_controller.synthesis.make import Feedback, law_of
 from er_ftc_controller.synthesis.solution import Solution, Vertex
-from er_ftc_controller.synthesis.state_proof import StateProof, failed, loops_of
+from er_ftc_controller.synthesis.state_proof import Feedback, StateProof, failed, law_of, loops_of
 from er_ftc_controller.synthesis.weights import Plant, Weights, generalised_plant
 
 SCHEMA = "er_lpv_gains 1"

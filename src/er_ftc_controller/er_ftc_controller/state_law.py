@@ -5,7 +5,7 @@ r"""One sample of the scheduled state feedback: from the sensors to the yield fo
 
 The state is read, not observed: deflection and its rate are measured, the body's velocity is the leaky integral of its
 acceleration, the wheel's is that less the deflection's, the tyre's deflection follows from both accelerations, and the
-force loop follows the yield force. Which gain acts is told by two measures of the last half period of the body:
+force loop follows the yield force. Two measures of the last half period of the body tell which gain acts:
 
 - its frequency, the root of the mean square of its acceleration over that of its velocity: below the body's own the gain
   of a slow road, about it that of the resonance. Above it none, once it has been above for a while: a bump begins with

@@ -20,10 +20,10 @@ from rich.table import Table
 from er_ftc_controller.gains import save_gains
 from er_ftc_controller.synthesis.certificate import Certificate
 from er_ftc_controller.synthesis.lmi import Wish, passive_gamma
-from er_ftc_controller.synthesis.make import Feedback, synthesise, synthesise_feedback
+from er_ftc_controller.synthesis.make import synthesise, synthesise_feedback
 from er_ftc_controller.synthesis.solution import Solution
 from er_ftc_controller.synthesis.state_lqr import REGIMES
-from er_ftc_controller.synthesis.state_proof import LEAST
+from er_ftc_controller.synthesis.state_proof import LEAST, Feedback
 from er_ftc_controller.synthesis.study import HERTZ, Peaks, gains, passive_gains, peaks, trade_off
 from er_ftc_controller.synthesis.weights import radius_for, weights_for
 
@@ -139,7 +139,9 @@ def _state_table(feedback: Feedback) -> Table:
     rows = zip(("none", *REGIMES), ((0.0,) * 5, *feedback.law.gains), feedback.proof.gammas)
     for name, gain, gamma in rows:
         table.add_row(name, *(f"{k:.4g}" for k in gain), f"{gamma:.3f}")
-    table.caption = f"proved for every mixture, f2 and f3 from {LEAST:g} to 1, however fast they change"
+    table.caption = (
+        f"proved for every mixture, f2 and f3 from {LEAST:g} to 1, however fast they change"
+    )
     return table
 
 

@@ -1,4 +1,4 @@
-"""The scheduled state feedback: its gains, what is proved of them, which of them acts, and what it does without sensors."""
+"""The scheduled state feedback: its gains, what is proved of them, which acts, and what it does without sensors."""
 
 from __future__ import annotations
 
@@ -13,7 +13,13 @@ from er_ftc_controller.control import Ftc, Sample
 from er_ftc_controller.gains import Loaded, load_gains
 from er_ftc_controller.settings import FtcParameters, controller_of
 from er_ftc_controller.state_law import START, Shares, StateLaw, step
-from er_ftc_controller.synthesis.state_lqr import StateWeights, car_of, state_gain, state_gains, StateDesign
+from er_ftc_controller.synthesis.state_lqr import (
+    StateDesign,
+    StateWeights,
+    car_of,
+    state_gain,
+    state_gains,
+)
 from er_ftc_controller.synthesis.state_proof import CORNERS, failed, loops_of, sampled
 from er_models.errors import InputError
 from er_models.files import load_model
@@ -46,7 +52,9 @@ def law(loaded: Loaded) -> StateLaw:
 
 @pytest.fixture(scope="module")
 def ftc(car: Model, loaded: Loaded) -> Ftc:
-    given = yaml.safe_load((CONFIG / "nodes" / "ftc_controller.yaml").read_text())["/**"]["ros__parameters"]
+    given = yaml.safe_load((CONFIG / "nodes" / "ftc_controller.yaml").read_text())["/**"][
+        "ros__parameters"
+    ]
     return controller_of(FtcParameters(model_file="", gains_file="", **given), car, loaded)
 
 
@@ -70,7 +78,9 @@ def test_a_gain_is_the_regulator_of_its_weights(car: Model) -> None:
     gain, (A, B, _) = state_gain(car, weights), car_of(car, Factors())
     from er_ftc_controller.synthesis.state_lqr import sizes_of
 
-    sizes = np.array([w * u for w, u in zip((1.0, 1.0, 1.0, 4.0, 2.0), sizes_of(car).units, strict=True)])
+    sizes = np.array(
+        [w * u for w, u in zip((1.0, 1.0, 1.0, 4.0, 2.0), sizes_of(car).units, strict=True)]
+    )
 
     def cost(k: np.ndarray) -> float:
         x, total = np.array([0.01, 0.0, 0.0, 0.0, 0.0]), 0.0
@@ -103,7 +113,9 @@ def test_what_is_not_proved_is_refused(car: Model, loaded: Loaded, tmp_path: Pat
     law, proof = loaded.feedback
     loops = loops_of(car, [np.array(k) for k in law.gains], law.corner)
     assert failed(loops, proof, DT) == ""
-    assert "gamma" in failed(loops, replace(proof, gammas=tuple(0.5 * g for g in proof.gammas)), DT)
+    assert "gamma" in failed(
+        loops, replace(proof, gammas=tuple(0.5 * g for g in proof.gammas)), DT
+    )
     assert "positive" in failed(loops, replace(proof, P=-proof.P), DT)
     assert "P_sampled" in failed(loops, replace(proof, P_sampled=np.eye(6)), DT)
     content = yaml.safe_load(GAINS.read_text())

@@ -36,7 +36,9 @@ def test_the_compiled_loop_is_the_car_of_the_integrator(car: Model) -> None:
     road = contest.bump(car, TUNED)
     found = ride_peer(Ridden(car), road.heights, 0, np.array([0.2]), 0)
     true = simulate(car, DT, road.heights, np.full(len(found), 0.2))
-    for column, name in enumerate(("deflection", "sprung_acceleration", "tyre_deflection", "damper_force")):
+    for column, name in enumerate(
+        ("deflection", "sprung_acceleration", "tyre_deflection", "damper_force")
+    ):
         assert np.abs(found[:, column] - true[name]).max() < 5e-3 * np.ptp(true[name])
 
 
@@ -56,7 +58,9 @@ def test_the_compiled_loop_is_the_car_of_the_integrator(car: Model) -> None:
         ("clipped_lqr", (-100.0, 0.0, 0.0, 0.0, 0.0), {X: 0.02, GATE: 0.1}, 0.25),
     ],
 )
-def test_every_peer_by_hand(name: str, p: tuple[float, ...], seen: dict[int, float], expected: float) -> None:
+def test_every_peer_by_hand(
+    name: str, p: tuple[float, ...], seen: dict[int, float], expected: float
+) -> None:
     s = np.zeros(10 + AHEAD)
     s[FULL] = 20.0
     for place, value in seen.items():
@@ -67,7 +71,8 @@ def test_every_peer_by_hand(name: str, p: tuple[float, ...], seen: dict[int, flo
 def test_preview_pays_for_the_predictive_controller(car: Model) -> None:
     knobs = {"deflection": 1e6, "tyre": 3e7}
     roads = [contest.iso(car, TUNED + k) for k in range(2)]
-    blind, sees = (contest.scores(Ridden(car), roads, contest.peer(car, n, knobs)).mean(axis=0) for n in ("mpc", "mpc_preview"))
+    riders = (contest.peer(car, name, knobs) for name in ("mpc", "mpc_preview"))
+    blind, sees = (contest.scores(Ridden(car), roads, r).mean(axis=0) for r in riders)
     assert (sees[:3] < blind[:3]).all()
 
 
@@ -83,10 +88,13 @@ def test_one_is_dominated_where_another_is_better_in_all_three() -> None:
     assert [dominated_by(lines, line) for line in lines] == [["b"], [], []]
 
 
-def test_ours_is_no_worse_than_passive_on_tones_and_far_better_on_bumps(of: Setup, car: Model) -> None:
+def test_ours_is_no_worse_than_passive_on_tones_and_far_better_on_bumps(
+    of: Setup, car: Model
+) -> None:
     ours = contest.ours(_built(of))
     roads = [contest.tone(car, hertz) for hertz in (1.0, 2.0, 4.0, 6.0, 8.0, 12.0)]
-    change = contest.scores(Ridden(car), roads, ours) / contest.scores(Ridden(car), roads, contest.passive) - 1.0
+    bare = contest.scores(Ridden(car), roads, contest.passive)
+    change = contest.scores(Ridden(car), roads, ours) / bare - 1.0
     assert change[:, :3].max() < 0.01
     assert (change[2, :3] < -0.2).all()
     bumps, leak = [contest.bump(car, SCORED + k) for k in range(4)], Ridden(car, FAULTS["leakage"])
@@ -96,11 +104,18 @@ def test_ours_is_no_worse_than_passive_on_tones_and_far_better_on_bumps(of: Setu
 
 
 @pytest.mark.parametrize("mass", [0.9, 1.3])
-def test_another_load_leaves_it_stable_and_better_than_a_constant_duty(of: Setup, car: Model, mass: float) -> None:
-    heavy = replace(car, effects={**car.effects, "quarter_car": {**car.effects["quarter_car"], "m_s": mass * 2.27}})
+def test_another_load_leaves_it_stable_and_better_than_a_constant_duty(
+    of: Setup, car: Model, mass: float
+) -> None:
+    heavy = replace(
+        car,
+        effects={**car.effects, "quarter_car": {**car.effects["quarter_car"], "m_s": mass * 2.27}},
+    )
     rig = Ridden(heavy, FAULTS["leakage"], 0.3, 1)
     road, p = contest.iso(car, TUNED + 1), np.array([0.005])
     ours = measured(contest.ours(_built(of))(rig, road), heavy, road.begin)
-    bare = measured(ride_peer(rig, road.heights, PEERS["constant"].number, p, road.seed), heavy, road.begin)
+    bare = measured(
+        ride_peer(rig, road.heights, PEERS["constant"].number, p, road.seed), heavy, road.begin
+    )
     assert math.isfinite(ours.sum())
     assert (ours[:3] < 1.01 * bare[:3]).all()

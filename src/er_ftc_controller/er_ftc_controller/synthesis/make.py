@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from er_models.model import Array, Model
+from er_models.model import Model
 
-from er_ftc_controller.state_law import StateLaw
 from er_ftc_controller.synthesis.certificate import Certificate, certify
 from er_ftc_controller.synthesis.lmi import Wish, solve
 from er_ftc_controller.synthesis.solution import Solution
 from er_ftc_controller.synthesis.state_lqr import CORNER, StateDesign, sizes_of, state_gains
-from er_ftc_controller.synthesis.state_proof import StateProof, loops_of
+from er_ftc_controller.synthesis.state_proof import Feedback, law_of, loops_of
+from er_ftc_controller.synthesis.state_solve import prove
 from er_ftc_controller.synthesis.weights import (
     Plant,
     Weights,
@@ -44,21 +44,6 @@ def synthesise(model: Model, weights: Weights | None = None, wish: Wish | None =
     return Design(plant, solution, certify(plant, solution))
 
 
-class Feedback(NamedTuple):
-    """A scheduled state feedback, and what is proved of it."""
-
-    law: StateLaw
-    proof: StateProof
-
-
-def law_of(model: Model, gains: Array, corner: float) -> StateLaw:
-    """The law of gains (3, 5) on a vehicle; corner: of its leaky integral [rad/s]."""
-    frequency, units = sizes_of(model)
-    car, (slow, resonance, rough) = model.effects["quarter_car"], gains.tolist()
-    body = (car["m_s"], car["m_us"], car["k_t"])
-    return StateLaw((tuple(slow), tuple(resonance), tuple(rough)), body, corner, frequency, units[0])
-
-
 def synthesise_feedback(model: Model, design: StateDesign | None = None) -> Feedback:
     """The state feedback of a vehicle, proved.
 
@@ -66,8 +51,6 @@ def synthesise_feedback(model: Model, design: StateDesign | None = None) -> Feed
         NoController: No quadratic function bears its gains and faults.
         ErError: The model is no vehicle with a damper that lags.
     """
-    from er_ftc_controller.synthesis.state_solve import prove
-
     corner = float(f"{2.0 * np.pi * CORNER * sizes_of(model).frequency:.4g}")
     gains = np.array(state_gains(model, design or StateDesign()))
     return Feedback(law_of(model, gains, corner), prove(loops_of(model, list(gains), corner)))

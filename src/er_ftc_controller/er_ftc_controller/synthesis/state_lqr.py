@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 from er_models.errors import InputError
 from er_models.forms.lipschitz import linearise
-from er_models.forms.lti import lti_form
 from er_models.forms.loss import Factors, damaged
+from er_models.forms.lti import lti_form
 from er_models.model import Array, Model
 from scipy.linalg import LinAlgError, solve_continuous_are
 
@@ -74,9 +74,7 @@ def sizes_of(model: Model) -> Sizes:
     )
     omega = 2.0 * np.pi * frequency
     force = car["m_s"] * omega**2 * stroke
-    return Sizes(
-        frequency, (omega**2 * stroke, stroke, omega * stroke, force / car["k_t"], force)
-    )
+    return Sizes(frequency, (omega**2 * stroke, stroke, omega * stroke, force / car["k_t"], force))
 
 
 def state_gains(model: Model, design: StateDesign) -> tuple[Array, Array, Array]:
@@ -106,5 +104,7 @@ def state_gain(model: Model, weights: StateWeights) -> Array:
     try:
         P = solve_continuous_are(forgets, B[:, None], rows.T @ rows, np.array([[goal**-2]]))
     except (LinAlgError, ValueError) as error:
-        raise InputError(model.name, "weights", "weights that a gain solves", str(error)) from error
+        raise InputError(
+            model.name, "weights", "weights that a gain solves", str(error)
+        ) from error
     return np.asarray(B @ P * goal**2)

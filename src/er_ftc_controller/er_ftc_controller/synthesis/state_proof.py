@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from er_models.exact import exact, is_positive_definite
@@ -25,6 +26,7 @@ from er_models.forms.loss import Factors
 from er_models.model import Array, Model
 from scipy.linalg import expm
 
+from er_ftc_controller.state_law import StateLaw
 from er_ftc_controller.synthesis.state_lqr import car_of, sizes_of
 
 LEAST = 0.5
@@ -40,6 +42,23 @@ class StateProof:
     P: Array
     P_sampled: Array
     gammas: tuple[float, ...]
+
+
+class Feedback(NamedTuple):
+    """A scheduled state feedback, and what is proved of it."""
+
+    law: StateLaw
+    proof: StateProof
+
+
+def law_of(model: Model, gains: Array, corner: float) -> StateLaw:
+    """The law of gains (3, 5) on a vehicle; corner: of its leaky integral [rad/s]."""
+    frequency, units = sizes_of(model)
+    car, (slow, resonance, rough) = model.effects["quarter_car"], gains.tolist()
+    body = (car["m_s"], car["m_us"], car["k_t"])
+    return StateLaw(
+        (tuple(slow), tuple(resonance), tuple(rough)), body, corner, frequency, units[0]
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +82,9 @@ def loops_of(model: Model, gains: Sequence[Array], corner: float) -> Loops:
     frequency, (a, x, v, tyre, force) = sizes_of(model)
     rate = 2.0 * np.pi * frequency
     scale = np.array([x, v, tyre, v, force, v])
-    read = np.eye(5, 6)  # what the law takes for the state: the leaky integral and the wheel below it
+    read = np.eye(
+        5, 6
+    )  # what the law takes for the state: the leaky integral and the wheel below it
     read[1] = np.eye(6)[5]
     read[3] = np.eye(6)[5] - np.eye(6)[1] + np.eye(6)[3]
     K = np.array([np.zeros(6), *(k @ read for k in gains)]) * scale
@@ -101,7 +122,11 @@ def failed(loops: Loops, proof: StateProof, sample: float) -> str:
         for j in range(len(CORNERS)):
             if not _bounded(loops.A[i, j], loops.D, loops.C[j], proof.P, gamma):
                 return f"gamma {gamma:.4g} does not hold with gain {i} at f2, f3 = {CORNERS[j]}"
-    return "" if falls(loops, proof.P_sampled, sample) else "P_sampled of the state feedback does not fall"
+    return (
+        ""
+        if falls(loops, proof.P_sampled, sample)
+        else "P_sampled of the state feedback does not fall"
+    )
 
 
 def falls(loops: Loops, P: Array, sample: float) -> bool:

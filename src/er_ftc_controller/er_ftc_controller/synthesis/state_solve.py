@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from er_models.constants import SAMPLE_TIME
-from er_models.model import Array
-
 import cvxpy as cp
 import numpy as np
+from er_models.constants import SAMPLE_TIME
+from er_models.model import Array
 
 from er_ftc_controller.synthesis.solution import NoController
 from er_ftc_controller.synthesis.state_proof import Loops, StateProof, failed, sampled
@@ -25,7 +24,9 @@ def prove(loops: Loops, sample: float = SAMPLE_TIME) -> StateProof:
     held = [P >> 1e-6 * np.eye(6)]
     for i in range(gains):
         for j in range(corners):
-            held.append(_gain(P, loops.A[i, j], loops.D, loops.C[j], gamma[i]) << -1e-6 * np.eye(10))
+            held.append(
+                _gain(P, loops.A[i, j], loops.D, loops.C[j], gamma[i]) << -1e-6 * np.eye(10)
+            )
     _solve(cp.Problem(cp.Minimize(cp.sum(gamma)), held))
     if P.value is None or gamma.value is None:
         raise NoController("state feedback: no quadratic function bears all gains and faults")

@@ -1,4 +1,4 @@
-"""Ours and its peers on roads drawn by a seed: tuning on some, scores on others, every change against the passive car."""
+"""Ours and its peers on roads drawn by a seed: tuned on some, scored on others, all against the passive car."""
 
 from __future__ import annotations
 
@@ -42,15 +42,25 @@ def iso(model: Model, seed: int, seconds: float = 8.0) -> Road:
     """Seconds of a random road, speed 10 to 30 m/s, peak deflection velocity of the passive car 0.08 to 0.25 m/s."""
     rng = np.random.default_rng([seed, 1])
     spec = {"kind": "iso8608", "road_class": "C", "speed": float(rng.uniform(10.0, 30.0))}
-    return _scaled(model, spec, seconds, 2.0, seed, float(np.exp(rng.uniform(math.log(0.08), math.log(0.25)))))
+    return _scaled(
+        model, spec, seconds, 2.0, seed, float(np.exp(rng.uniform(math.log(0.08), math.log(0.25))))
+    )
 
 
 def bump(model: Model, seed: int) -> Road:
-    """One bump of 0.06 to 0.6 s, every other one round, else with edges of a tenth to 0.3 of it; peak 0.15 to 0.3 m/s."""
+    """One bump of 0.06 to 0.6 s, every other one round, else with edges of 0.1 to 0.3 of it; peak 0.15 to 0.3 m/s."""
     rng = np.random.default_rng([seed, 2])
     length = 5.0 * float(np.exp(rng.uniform(math.log(0.06), math.log(0.6))))
     edge = 0.5 if seed % 2 == 0 else float(rng.uniform(0.1, 0.3))
-    spec = {"kind": "bumps", "length": length, "spacing": 1000.0, "speed": 5.0, "edge": edge, "start": 2.5, "count": 1}
+    spec = {
+        "kind": "bumps",
+        "length": length,
+        "spacing": 1000.0,
+        "speed": 5.0,
+        "edge": edge,
+        "start": 2.5,
+        "count": 1,
+    }
     return _scaled(model, spec, 3.5, 0.4, seed, float(rng.uniform(0.15, 0.3)))
 
 
@@ -63,7 +73,9 @@ def tone(model: Model, hertz: float) -> Road:
     return road._replace(heights=road.heights * min(1.0, 0.004 / largest))
 
 
-def _scaled(model: Model, spec: Mapping[str, object], seconds: float, begin: float, seed: int, peak: float) -> Road:
+def _scaled(
+    model: Model, spec: Mapping[str, object], seconds: float, begin: float, seed: int, peak: float
+) -> Road:
     """A road on which the passive car reaches a peak deflection velocity [m/s]."""
     heights = road_profile(spec, within(times(seconds, DT).size, DT), seed)
     record = ride_peer(Ridden(model), heights, 0, np.zeros(1), seed)
@@ -132,7 +144,7 @@ class Line(NamedTuple):
 
 
 def contest(
-    model: Model, riders: Mapping[str, Rider], kinds: Mapping[str, tuple[Sequence[Road], Sequence[Ridden]]],
+    riders: Mapping[str, Rider], kinds: Mapping[str, tuple[Sequence[Road], Sequence[Ridden]]],
     names: Mapping[Factors, str], tick: Callable[[int, int], None] | None = None,
 ) -> list[Line]:  # fmt: skip
     """Every rider on every kind of road and car."""
@@ -150,13 +162,18 @@ def contest(
 
 def dominated_by(lines: Sequence[Line], one: Line) -> list[str]:
     """Controllers that are better than one in deflection, comfort and tyre load at once."""
-    rivals = [o for o in lines if (o.kind, o.fault) == (one.kind, one.fault) and o.name != one.name]
+    rivals = [
+        o for o in lines if (o.kind, o.fault) == (one.kind, one.fault) and o.name != one.name
+    ]
     return [o.name for o in rivals if bool(np.all(o.change[:3] <= one.change[:3]))]
 
 
 def markdown(lines: Sequence[Line]) -> str:
     """The lines as a table, in per cent."""
-    rows = ["| roads | fault | controller | " + " | ".join(HEADS) + " | dominated by |", "|---" * 8 + "|"]
+    rows = [
+        "| roads | fault | controller | " + " | ".join(HEADS) + " | dominated by |",
+        "|---" * 8 + "|",
+    ]
     for line in lines:
         cells = " | ".join(f"{100.0 * v:+.1f}" for v in line.change)
         worse = ", ".join(dominated_by(lines, line)) or "-"

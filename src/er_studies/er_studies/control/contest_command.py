@@ -53,7 +53,7 @@ def tune_command(
 def peers_command(
     seeds: Seeds = 20,
     knobs: Annotated[Path | None, typer.Option(help="Knobs, as `tune` writes them; else the shipped ones.")] = None,
-    told: Annotated[bool, typer.Option(help="Tell ours the faults; no peer is told.")] = True,  # noqa: FBT002
+    told: Annotated[bool, typer.Option(help="Tell ours the faults; no peer is told.")] = True,
     out: Out = None,
 ) -> None:  # fmt: skip
     """Ours and its peers on ISO roads with every fault, on bumps, within the rig's limits, and on tones."""
@@ -85,7 +85,9 @@ def front_command(
     """Deflection against comfort of ours and every peer, on ISO roads and bumps, healthy and with a leak."""
     from er_studies.control.report.front import front_picture
 
-    front_picture(picture, [x for x in _contest(seeds, None, told=True) if x.fault in ("healthy", "leakage")])
+    front_picture(
+        picture, [x for x in _contest(seeds, None, told=True) if x.fault in ("healthy", "leakage")]
+    )
 
 
 def _knobs(file: Path | None) -> Mapping[str, Mapping[str, float]]:
@@ -117,7 +119,7 @@ def _contest(seeds: int, knobs: Path | None, *, told: bool) -> list[Line]:
     }
     names = {left: name for name, left in FAULTS.items()}
     with progress_of("cars") as tick:
-        return contest.contest(model, riders, kinds, names, tick)
+        return contest.contest(riders, kinds, names, tick)
 
 
 def _tones(of: Setup) -> str:

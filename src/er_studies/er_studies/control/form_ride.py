@@ -16,13 +16,26 @@ from er_models.constants import SAMPLE_TIME as DT
 from er_models.forms.lipschitz import LinearForm, linearise
 from er_models.forms.loss import Factors, damaged
 from er_models.model import Array, Model
+from er_models.static_damper import HEALTHY
 
 from er_ftc_controller import control
 from er_studies.control.closed_loop import Sensors
 from er_studies.control.measures import weighted
 from er_studies.control.peers import duty
 from er_studies.control.peers.sample import (
-    A_S, A_U, AHEAD, FORCE, FULL, GATE, STEP, TYRE, V_S, WAY, V, X, compiled,
+    A_S,
+    A_U,
+    AHEAD,
+    FORCE,
+    FULL,
+    GATE,
+    STEP,
+    TYRE,
+    V_S,
+    WAY,
+    V,
+    X,
+    compiled,
 )  # fmt: skip
 
 LEAK = 2.0 * math.pi * 0.1
@@ -35,7 +48,7 @@ class Ridden:
     """A car with a fault from the start, the healthy one that is believed in; greatest duty, latency in samples."""
 
     model: Model
-    left: Factors = Factors()
+    left: Factors = HEALTHY
     u_max: float = 1.0
     latency: int = 0
 
@@ -46,7 +59,7 @@ class Ridden:
 
     @cached_property
     def matrices(self) -> tuple[Array, Array, Array, Array]:
-        """A (5, 5); B, D_1, Gamma in rows (3, 5); accelerations and force in rows (3, 5); belief: m_s, m_us, k_t, lag, full."""
+        """A (5, 5); B, D_1, Gamma; accelerations and force, in rows (3, 5) each; belief: m_s, m_us, k_t, lag, full."""
         f, healthy, car = self.form, linearise(self.model), self.model.effects["quarter_car"]
         lag = -float(healthy.A[4, 4])
         belief = np.array([car["m_s"], car["m_us"], car["k_t"], lag, healthy.B[4] / lag])
@@ -60,10 +73,12 @@ def noise_of(samples: int, seed: int, sensors: Sensors = Sensors()) -> Array:  #
 
 
 def ride_peer(of: Ridden, road: Array, number: int, p: Array, seed: int) -> Array:
-    """Record (n, 5) of a peer: deflection, body acceleration, tyre deflection, damper force, duty; road as of `ride`."""
+    """Record (n, 5) of a peer: deflection, body acceleration, tyre deflection, damper force, duty."""
     rates = _rates(road)
     noise = noise_of(len(rates) + 1, seed)
-    return _peer(number, np.ascontiguousarray(p, float), *of.matrices, rates, noise, of.u_max, of.latency)  # type: ignore[no-any-return]
+    return _peer(
+        number, np.ascontiguousarray(p, float), *of.matrices, rates, noise, of.u_max, of.latency
+    )  # type: ignore[no-any-return]
 
 
 def ride_ours(of: Ridden, road: Array, ftc: Ftc, seed: int, *, told: bool = True) -> Array:
@@ -78,7 +93,9 @@ def ride_ours(of: Ridden, road: Array, ftc: Ftc, seed: int, *, told: bool = True
             _advance(A, inputs, q, rates[k - 1], acting)
         a_s, a_us, force = outputs @ q
         if told and not k % 20:
-            mind = control.hear(ftc, mind, Faults(k * DT, *left, certain=min(left) < 1.0, usable=True))
+            mind = control.hear(
+                ftc, mind, Faults(k * DT, *left, certain=min(left) < 1.0, usable=True)
+            )
         read = np.array([q[0], q[1] - q[3], a_s, a_us]) + noise[k][[2, 3, 0, 1]]
         mind, command = control.step(ftc, mind, k * DT, Sample(*read.tolist()))
         acting, pending = (pending, command.duty) if of.latency else (command.duty, 0.0)
@@ -154,11 +171,14 @@ def _peer(
         s[FORCE] = s[FORCE] * kept + (1.0 - kept) * full * acting * 0.5 * (gate + now)
         gate, rate = now, s[A_S] - s[A_U]
         s[GATE] = math.tanh(
-            inputs[2, 0] * (s[X] + time * (s[V] + 0.5 * time * rate)) + inputs[2, 1] * (s[V] + time * rate)
+            inputs[2, 0] * (s[X] + time * (s[V] + 0.5 * time * rate))
+            + inputs[2, 1] * (s[V] + time * rate)
         )
         for i in range(AHEAD):
             first = k + i * PER_STEP
-            s[WAY + i] = rates[first : first + PER_STEP].mean() if first + PER_STEP <= n - 1 else 0.0
+            s[WAY + i] = (
+                rates[first : first + PER_STEP].mean() if first + PER_STEP <= n - 1 else 0.0
+            )
         wish = duty(number, p, s, u_max)
         if latency > 0:
             acting, pending = pending, wish

@@ -1,4 +1,4 @@
-"""The loop with the fault estimator in it, where the car is another than believed and samples come late or not at all."""
+"""The loop with the fault estimator in it, where the car is another than believed and samples come late or never."""
 
 from __future__ import annotations
 
@@ -76,7 +76,11 @@ def _felt(record: Mapping[str, Array], car: Model) -> Array:
     """Deflection, comfort and tyre load, rms (3,)."""
     rows = record["t"] >= BEGIN
     felt = weighted(record["sprung_acceleration"], DT)
-    values = (record["deflection"], felt, car.value("quarter_car", "k_t") * record["tyre_deflection"])
+    values = (
+        record["deflection"],
+        felt,
+        car.value("quarter_car", "k_t") * record["tyre_deflection"],
+    )
     return np.array([float(np.sqrt(np.mean(v[rows] ** 2))) for v in values])
 
 

@@ -1,4 +1,4 @@
-"""Controllers that a practitioner would pick instead: one file each, compiled, with knobs that one search tunes alike."""
+"""Controllers that a practitioner would pick instead: one file each, compiled, with knobs that one search tunes."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from er_ftc_controller.synthesis.state_lqr import (
     car_of,
     state_gain,
 )
+from er_models.forms.lipschitz import linearise
 from er_models.forms.loss import Factors
 from er_models.forms.lti import lti_form
-from er_models.forms.lipschitz import linearise
 from er_models.model import Array, Model
 from scipy.linalg import expm, solve_continuous_lyapunov
 
@@ -81,7 +81,12 @@ def _mpc(model: Model, knobs: Knobs, *, preview: bool) -> Array:
 DUTY = {"duty": (0.005, 1.0)}
 COSTS = {"deflection": (1e4, 3e6), "tyre": (1e5, 3e8)}
 """Squares of m/s2 over m."""
-SIZES = {"deflection": (0.3, 5.0), "velocity": (0.5, 50.0), "tyre": (0.5, 15.0), "goal": (1.0, 10.0)}
+SIZES = {
+    "deflection": (0.3, 5.0),
+    "velocity": (0.5, 50.0),
+    "tyre": (0.5, 15.0),
+    "goal": (1.0, 10.0),
+}
 PEERS: Mapping[str, Peer] = {
     "constant": Peer(0, DUTY, _plainly),
     "skyhook": Peer(1, DUTY, _plainly),

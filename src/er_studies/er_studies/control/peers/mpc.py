@@ -1,10 +1,10 @@
 """Hybrid predictive control: the car with its gate over 100 ms, every pair of some duties, the passive car after it.
 
-The first duty of a pair acts for two steps of `STEP`, the second for the rest. What counts is the square of the body's
-acceleration, deflection and tyre deflection, and at the end what the passive car would still cost. With preview the road's
-rates ahead are known, else they are taken for none.
-p: A (25), B (5), D (5) of a step, slopes of the gate (2), row of the acceleration (5), weights (3), cost at the end (25),
-preview.
+The first duty of a pair acts for two steps of `STEP`, the second for the rest. What counts is the square of the
+body's acceleration, deflection and tyre deflection, and at the end what the passive car would still cost. With preview
+the road's rates ahead are known, else they are taken for none.
+p: A (25), B (5), D (5) of a step, slopes of the gate (2), row of the acceleration (5), weights (3), cost at the end
+(25), preview.
 """
 
 from __future__ import annotations
@@ -14,7 +14,18 @@ import math
 import numpy as np
 from er_models.model import Array
 
-from er_studies.control.peers.sample import AHEAD, FORCE, FULL, STEP, TYRE, V_S, V, WAY, X, compiled
+from er_studies.control.peers.sample import (
+    AHEAD,
+    FORCE,
+    FULL,
+    STEP,
+    TYRE,
+    V_S,
+    WAY,
+    V,
+    X,
+    compiled,
+)
 
 DUTIES = 4
 FIRST = 2

@@ -1,4 +1,4 @@
-"""Power-driven damper: as little power as possible from suspension to body; duty to p[0], stiffness p[1], damping p[2]."""
+"""Power-driven damper: least power from suspension to body; duty to p[0], stiffness p[1], passive damping p[2]."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """What every peer reads at a sample, by place in one array, and how peers are compiled.
 
-X, V: deflection [m], its rate [m/s]; A_S, A_U: accelerations [m/s2]; V_S: leaky integral of A_S [m/s]; TYRE: deflection
-of the tyre by both accelerations [m]; FORCE: yield force followed by the healthy model [N]; GATE: gate at the motion led
-on to the middle of the time the duty acts; FULL: yield force of the healthy damper at duty 1 [N]; WAY: rates of the
-road over the next `AHEAD` steps of `STEP` s [m/s], for who may see them.
+X, V: deflection [m], its rate [m/s]; A_S, A_U: accelerations [m/s2]; V_S: leaky integral of A_S [m/s]; TYRE: its
+deflection by both accelerations [m]; FORCE: yield force followed by the healthy model [N]; GATE: gate at the motion
+led on to the middle of the time the duty acts; FULL: yield force of the healthy damper at duty 1 [N]; WAY: rates of
+the road over the next `AHEAD` steps of `STEP` s [m/s], for who may see them.
 """
 
 from __future__ import annotations

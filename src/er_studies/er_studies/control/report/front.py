@@ -20,11 +20,27 @@ def front_picture(path: Path, lines: Sequence[Line]) -> None:
         for line in here:
             x, y, tyre = (100.0 * float(v) for v in line.change[:3])
             ours = line.name == "fault_tolerant"
-            axis.scatter(x, y, s=90 if ours else 40, marker="*" if ours else "o", color="C3" if ours else "C0")
-            axis.annotate(f"{line.name} ({tyre:+.1f})", (x, y), fontsize=7, xytext=(3, 3), textcoords="offset points")
+            axis.scatter(
+                x,
+                y,
+                s=90 if ours else 40,
+                marker="*" if ours else "o",
+                color="C3" if ours else "C0",
+            )
+            axis.annotate(
+                f"{line.name} ({tyre:+.1f})",
+                (x, y),
+                fontsize=7,
+                xytext=(3, 3),
+                textcoords="offset points",
+            )
         axis.axhline(0.0, color="0.6", linewidth=0.8)
         axis.axvline(0.0, color="0.6", linewidth=0.8)
-        axis.set(title=f"{kind}, {fault} (tyre load in brackets)", xlabel="deflection [%]", ylabel="comfort [%]")
+        axis.set(
+            title=f"{kind}, {fault} (tyre load in brackets)",
+            xlabel="deflection [%]",
+            ylabel="comfort [%]",
+        )
         axis.grid(visible=True, alpha=0.3)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path)
