@@ -23,11 +23,9 @@ from typing import NamedTuple, TypeAlias
 
 from er_models.errors import InputError
 from er_models.forms.loss import Factors
-from er_models.static_damper import Domain
 
 from er_ftc_controller import force_loop, lpv, state_law
 from er_ftc_controller.force_loop import ForceLoop, LoopState, Motion
-from er_ftc_controller.schedule import project
 from er_ftc_controller.state_law import StateLaw
 
 SLACK = 1e-9
@@ -288,8 +286,8 @@ def _fed_back(
     feedback, goal = state_law.step(
         p.feedback, state.feedback, sample[:2], accelerations, loop.force, dt
     )
-    ends = damper.ends(passive, gate, p.loop.duties, left)
-    given, _ = project(passive + goal, Domain(*sorted(ends)))  # type: ignore[arg-type]
+    low, high = sorted(damper.ends(passive, gate, p.loop.duties, left))
+    given = min(max(passive + goal, low), high)
     loop, _ = force_loop.duty_for(p.direct, loop, given - passive, gate, dt, left)
     return p.rest, loop, feedback, passive + goal, given, sum(feedback.shares), then
 

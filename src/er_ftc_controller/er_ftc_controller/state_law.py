@@ -7,9 +7,9 @@ The state is read, not observed: deflection and its rate are measured, the body'
 acceleration, the wheel's is that less the deflection's, the tyre's deflection follows from both accelerations, and the
 force loop follows the yield force. Two measures of the last half period of the body tell which gain acts:
 
-- its frequency, the root of the mean square of its acceleration over that of its velocity: below the body's own the gain
-  of a slow road, about it that of the resonance. Above it none, once it has been above for a while: a bump begins with
-  a fast edge, too, and the resonance is what follows.
+- its frequency, the root of the mean square of its acceleration over that of its velocity: below the body's own the
+  gain of a slow road, about it that of the resonance. Above it none, once it has been above for a while: a bump begins
+  with a fast edge, too, and the resonance is what follows.
 - the share of the deflection's mean square about the body's frequency, times the square of the frequency: large where a
   road moves the body and the wheel at once, small for any single tone. Then the gain of a rough road acts.
 
