@@ -73,7 +73,8 @@ def test_preview_pays_for_the_predictive_controller(car: Model) -> None:
     roads = [contest.iso(car, TUNED + k) for k in range(2)]
     riders = (contest.peer(car, name, knobs) for name in ("mpc", "mpc_preview"))
     blind, sees = (contest.scores(Ridden(car), roads, r).mean(axis=0) for r in riders)
-    assert (sees[:3] < blind[:3]).all()
+    assert sees[0] < blind[0]
+    assert sees[2] < 0.97 * blind[2]
 
 
 def test_roads_for_tuning_are_not_those_that_are_scored(car: Model) -> None:
