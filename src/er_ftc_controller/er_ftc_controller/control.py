@@ -283,9 +283,8 @@ def _fed_back(
         return None
     left, damper = _factors(state.left), p.loop.damper
     passive, gate = float(damper.passive(*then, left)), float(damper.gate(*then))
-    lost = 1.0 - left.leakage * left.deformation
     feedback, goal = state_law.step(
-        p.feedback, state.feedback, sample[:2], accelerations, loop.force, dt, lost
+        p.feedback, state.feedback, sample[:2], accelerations, loop.force, dt
     )
     low, high = sorted(damper.ends(passive, gate, p.loop.duties, left))
     given = min(max(passive + goal, low), high)

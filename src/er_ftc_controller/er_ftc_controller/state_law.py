@@ -31,8 +31,6 @@ LASTING = (0.3, 0.6)
 """How lasting a fast motion is from which on the gains fall, and are gone."""
 ROUGH = (0.7, 1.1)
 """Edges of the share times the square of the frequency."""
-LOST = (0.0, 0.3)
-"""Edges of the lost share of the damping, from which on a rough road gets the gain of the resonance."""
 QUIET = 0.014
 """Acceleration over that of a swing by the stroke that counts as none."""
 
@@ -91,11 +89,11 @@ START = State()
 
 def step(
     p: StateLaw, state: State, motion: tuple[float, float], accelerations: tuple[float, float],
-    force: float, dt: float, lost: float = 0.0,
+    force: float, dt: float,
 ) -> tuple[State, float]:  # fmt: skip
     """Yield force to head for [N]; motion: deflection [m], rate [m/s]; accelerations: NaN for those of before.
 
-    force: yield force now [N]; dt: since the sample before [s]; lost: share of the passive damping lost to faults.
+    force: yield force now [N]; dt: since the sample before [s].
     """
     (x, v), (sprung, unsprung), missing = motion, accelerations, 0.0
     if not math.isfinite(sprung + unsprung):
@@ -103,7 +101,7 @@ def step(
     before = state.sprung if math.isfinite(state.sprung) else sprung
     velocity = state.velocity * math.exp(-p.corner * dt) + 0.5 * dt * (before + sprung)
     told, ratio = _told(p, state.told, x, sprung, velocity, dt)
-    shares = _shares(told, ratio, lost)
+    shares = _shares(told, ratio)
     m_s, m_us, k_t = p.body
     tyre, wheel, goal = -(m_s * sprung + m_us * unsprung) / k_t, velocity - v, 0.0
     for share, k in zip(shares, p.gains):
@@ -129,13 +127,12 @@ def _told(
     return Told(a2, v2, x2, band2, filters, fast), ratio
 
 
-def _shares(told: Told, ratio: float, lost: float) -> Shares:
-    """Shares of the gains; a damper that has lost damping is as bold on a rough road as about the resonance."""
+def _shares(told: Told, ratio: float) -> Shares:
+    """Shares of the gains."""
     calm = 1.0 - _ramp(told.fast, LASTING)
     slow = min(1.0 - _ramp(ratio, SLOW), calm)
     many = told.band2 / told.x2 * ratio**2 if told.x2 > 0.0 else 0.0
-    rough, bold = _ramp(many, ROUGH) * (1.0 - calm), _ramp(lost, LOST)
-    return Shares(slow, calm - slow + bold * rough, (1.0 - bold) * rough)
+    return Shares(slow, calm - slow, _ramp(many, ROUGH) * (1.0 - calm))
 
 
 def _ratio(p: StateLaw, a2: float, v2: float) -> float:
