@@ -9,11 +9,14 @@ import sys
 import time
 
 import psutil
+import pyarrow.parquet as pq
 import pytest
 from distributed import Security
 from er_model_lab.fleets.asked import Asked, code
 from er_model_lab.fleets.cluster import cluster, refuse_others
 from er_model_lab.fleets.engine import OtherCode, spread
+from er_studies.bench.fleet.data import fleet
+from er_studies.bench.fleet.measure import Loop
 
 import er_model_lab as lab
 
@@ -92,6 +95,40 @@ def test_workers_of_other_versions_are_refused_by_name(engine):
         refuse_others(client)
     with pytest.raises(OtherCode, match="numpy"):
         spread(engine, told_by, iter([(0, 0)]), ASKED, print, lambda: None)
+
+
+CLIENT = """
+import sys
+import er_model_lab as lab
+
+if __name__ == "__main__":
+    lab.fleet(
+        sys.argv[1], lab.load_model("inove_guo"), out=sys.argv[2], search=False, workers=1,
+        progress=lambda *words: print(*words, flush=True),
+    )
+"""
+
+
+def test_a_client_that_is_killed_loses_nothing(tmp_path):
+    """What it had told of is kept, and its workers end by themselves."""
+    model = lab.load_model("inove_guo")
+    fleet(model, tmp_path / "data", units=2, recordings=4, seconds=5.0, seed=3)
+    (tmp_path / "client.py").write_text(CLIENT)
+    table, words = tmp_path / "fleet.parquet", [sys.executable, tmp_path / "client.py"]
+    client = subprocess.Popen(
+        [*words, tmp_path / "data", table], stdout=subprocess.PIPE, text=True
+    )
+    told = [client.stdout.readline() for _ in range(3)]
+    left = psutil.Process(client.pid).children(recursive=True)
+    client.kill()
+    client.wait()
+    assert left and all(told), told
+    again = lab.fleet(
+        tmp_path / "data", model, out=table, search=False, resume=True, executor=Loop()
+    )
+    assert 2 <= again.to_dict()["reused"] < 8
+    assert pq.read_table(table)["unit"].to_pylist() == ["unit0000", "unit0001"]
+    assert psutil.wait_procs(left, timeout=60)[1] == []
 
 
 CERTIFICATE = ("req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=fleet")

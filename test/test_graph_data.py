@@ -22,7 +22,7 @@ from er_plant_sim.settings import PlantParameters
 from er_ros_common.builders import Tick
 from er_ros_common.core import When
 
-from er_bringup import up
+from er_bringup import graph, up
 from er_common import topics
 from er_ros_common import builders
 from test.graph_help import CONFIG, ROOT
@@ -352,6 +352,7 @@ OTHER = {
     "rate_factor": ("mode:=lockstep", "rate_factor:=0"),
     "hardware": RIG,
     "calibration": RIG,
+    "key": (*RIG, "key:=none"),
     "remap": ("corners:=4", "remap:=sensors/acceleration=/chassis/{corner}/imu"),
     "road": (*RIG, "road:=program"),
     "controller": ("controller:=ftc",),
@@ -721,9 +722,27 @@ def test_a_wire_for_each_corner() -> None:
     found = [s for s in nodes(given, CONFIG) if s.executable == "hardware_bridge"]
     assert [spec.parameters["link"] for spec in found] == ["udp:x:1", "udp:y:2"]
     for pair, words in (
+        ("key:=none,none,none", "key: expected 2 with commas between, in the order a, b"),
         ("hardware:=udp:x:1", "hardware: expected 2 with commas between, in the order a, b"),
         ("corners:=a,a", "corners: expected 4, or different names"),
         ("corners:=5", "corners: expected 4, or different names"),
     ):
         with pytest.raises(InputError, match=words):
             nodes(parse(("corners:=a,b", "calibration:=device_emulator", pair)), CONFIG)
+
+
+def test_with_the_security_of_ros_each_process_has_its_nodes_enclave(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pairs = ("namespace:=car/front_left", "controller:=none", "observers:=unified")
+
+    def enclaves(*more: str) -> list[str]:
+        words = [
+            word for spec in nodes(parse((*pairs, *more)), CONFIG) for word in spec.arguments()
+        ]
+        return [words[i + 1] for i, word in enumerate(words) if word == "--enclave"]
+
+    assert enclaves() == []
+    monkeypatch.setattr(graph, "SECURED", True)
+    assert enclaves() == ["/car/front_left/unified_observer", "/car/front_left/plant"]
+    assert enclaves("composed:=true")[-1] == "/car/front_left/composed"

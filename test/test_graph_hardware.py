@@ -25,6 +25,8 @@ PUBLISHED = (
 )  # fmt: skip
 SAFE_DUTY = 0.1
 """That of config/nodes/hardware_bridge.yaml."""
+PLAIN = "who can send to it can move the damper"
+"""What both ends of a wire without authentication say of it."""
 WIRE = ("--drift", "5e-5", "--jitter", "0.0003")
 
 
@@ -60,6 +62,7 @@ def test_a_program_runs_over_a_serial_port(tmp_path: Path) -> None:
         assert not port.is_symlink()
     assert status == 0, text
     assert "Traceback" not in text + device.text
+    assert text.count(PLAIN) == device.text.count(PLAIN) == 1
     found = read(bag)
     for topic in PUBLISHED:
         each = found[f"/{topic.name}"]
@@ -103,7 +106,8 @@ def test_a_device_over_udp_may_die_and_come_back(tmp_path: Path) -> None:
         free.bind(("127.0.0.1", 0))
         link = f"udp:127.0.0.1:{free.getsockname()[1]}"
     bag = tmp_path / "bag"
-    with own_domain() as env, Graph(env, tmp_path) as graph:
+    home = {"XDG_CONFIG_HOME": str(tmp_path)}
+    with own_domain() as env, Graph(env | home, tmp_path) as graph:
         device = graph.start("device_emulator", *emulator_arguments(link, *WIRE, "--loss", "0.01"))
         device.wait_for("200 Hz")
         up = graph.start("up", *hardware(link, bag, "duration:=0"))
@@ -115,6 +119,9 @@ def test_a_device_over_udp_may_die_and_come_back(tmp_path: Path) -> None:
         sleep(2.5)
         assert up.stop() == 0, up.text
     assert "Traceback" not in up.text
+    # both sides found the same key, which the first of them made
+    assert f"made the key {tmp_path / 'er' / 'wire.key'}" in device.text + up.text
+    assert PLAIN not in device.text + up.text
     found = read(bag)
     for topic in PUBLISHED:
         each = found[f"/{topic.name}"]

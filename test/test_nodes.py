@@ -14,7 +14,15 @@ import yaml
 pytest.importorskip("rclpy")
 
 from er_bringup.arguments import ARGUMENTS
-from er_bringup.programs import ACCEL_ADAPTER, ANSWERING, CONTROLLERS, EVERY, IMU_ADAPTER, JOINT
+from er_bringup.programs import (
+    ACCEL_ADAPTER,
+    ANSWERING,
+    AUTOWARE_ADAPTER,
+    CONTROLLERS,
+    EVERY,
+    IMU_ADAPTER,
+    JOINT,
+)
 from er_bringup.ros_checks import CONTRACT
 from er_common.parameter_table import specs
 from er_common.program import CONTROLLER, OBSERVER
@@ -30,7 +38,7 @@ from test.conftest import ROOT
 from test.graph_help import NODES, PROGRAMS
 
 BY_HAND = dict.fromkeys(
-    (JOINT.name, IMU_ADAPTER.name, ACCEL_ADAPTER.name),
+    (JOINT.name, IMU_ADAPTER.name, ACCEL_ADAPTER.name, AUTOWARE_ADAPTER.name),
     "started beside a vehicle stack (docs/vehicle.md)",
 )
 """Nodes that the graph of `er up` does not hold."""

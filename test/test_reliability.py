@@ -56,7 +56,7 @@ def test_a_sensor_that_is_silent_r1(name: str) -> None:
     assert all(not m.valid and m.force == 0.0 for m in lost)
     back = [a for a in answers if a.t >= 2.5]
     assert next(a.t for a in back if a.message.valid) - 2.5 <= 0.01
-    # later than the 0.2 s aimed at, see docs/reliability.md: the doubt of a fresh start has to decay
+    # later than the 0.2 s aimed at, see docs/results/reliability.md: the doubt of a fresh start has to decay
     assert first(back, DamperForce.STATUS_OK) - 2.5 <= 0.35
 
 

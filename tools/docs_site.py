@@ -27,7 +27,7 @@ ASIDE = {".venv", "build", "install", "log", "test", "src", "site"}
 """Folders whose texts are no pages: those of packages are shown where they are installed from."""
 PICTURES = (".svg", ".png", ".gif", ".webp", ".jpg")
 SECTIONS = {
-    "Start": ["docs/tutorial", "docs/my_rig", "docs/demo"],
+    "Start": ["docs/tutorial", "docs/my_rig"],
     "The lab": [
         "docs/lab", "docs/open", "docs/data", "docs/identification", "docs/plan", "docs/report", "docs/model_file",
         "docs/export", "docs/fleet", "docs/notation",

@@ -1,4 +1,4 @@
-"""The long runs behind docs/reliability.md.
+"""The long runs behind docs/results/reliability.md.
 
 python -m test.reliability faults                 delay of detection of each fault, false alarms (virtual time)
 python -m test.reliability fuzz [COUNT]           messages of any content at every input
@@ -10,7 +10,7 @@ python -m test.reliability soak [SECONDS [PRIORITY]]  a running graph with a fau
 
 PRIORITY: real-time priority of the nodes.
 
-Exit status 1 where something is not as docs/reliability.md says.
+Exit status 1 where something is not as docs/results/reliability.md says.
 """
 
 from __future__ import annotations

@@ -89,6 +89,11 @@ ARGUMENTS = (
         "",
         "calibration of the rig's channels: a file, or a name in config/hardware",
     ),
+    Argument(
+        "key",
+        "",
+        "key file of the wire; none: no authentication; empty: the user's own over UDP, none over a serial port",
+    ),
     Argument("road", "device", "who moves the road of a real rig", choices=("device", "program")),
     Argument("controller", "skyhook", "controller to run", choices=(*CONTROLLERS, "none")),
     Argument(

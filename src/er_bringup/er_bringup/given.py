@@ -29,7 +29,7 @@ TOPICS = tuple(topic.name for topic in (*SENSORS, *SAID, DIAGNOSTICS, CLOCK))
 SIMULATED = ("mode", "rate_factor", "damper")
 """What only a simulated plant can be told."""
 STACK_HAS = (
-    "damper", "program", "seed", "effects_from", "calibration", "road", "duty",
+    "damper", "program", "seed", "effects_from", "calibration", "key", "road", "duty",
     "plant_params",
 )  # fmt: skip
 """What nobody is told where the sensors are a vehicle stack's."""
@@ -125,11 +125,11 @@ def of_corner(given: Mapping[str, str], names: Sequence[str], place: int) -> dic
             )
             raise InputError("arguments", "seed", expected, f"'{seed}'")
         own["seed"] = str(seed + place)
-    for key in ("hardware", "calibration"):
+    for key in ("hardware", "calibration", "key"):
         if given[key] == STACK:
             continue
         texts = [text.strip() for text in given[key].split(",")]
-        shared = len(texts) == 1 and (key == "calibration" or not texts[0])
+        shared = len(texts) == 1 and (key != "hardware" or not texts[0])
         if not shared and len(texts) != len(names):
             expected = f"{len(names)} with commas between, in the order {', '.join(names)}"
             raise InputError("arguments", key, expected, f"{len(texts)}")

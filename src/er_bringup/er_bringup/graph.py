@@ -6,6 +6,7 @@ for node in nodes(parse(["controller:=skyhook", "record:=run1"]), config):
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -24,6 +25,7 @@ from er_ftc_controller.programs import FTC
 from er_model_lab.programs import RECORDER
 from er_models.errors import InputError
 from er_observers.programs import OBSERVERS
+from er_plant_sim.hardware.key_file import NONE as NO_KEY
 from er_plant_sim.programs import BRIDGE, PLANT
 from er_ros_common.arguments import Value, ros_arguments
 from er_ros_common.parameter_files import check_names, given_in
@@ -42,6 +44,8 @@ from er_bringup.programs import ASKED, COMPOSED, CONTROLLERS, EVERY, SOURCES
 
 STACK_PUBLISHES = (ACCELERATION, DEFLECTION, PWM_APPLIED)
 """What a vehicle stack says of a corner; it knows neither its damper's force nor the road."""
+SECURED = os.environ.get("ROS_SECURITY_ENABLE") == "true"
+"""Whether ROS wants an enclave for each process: that of its node in the policy of `integration/ros_sros2.py`."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +78,7 @@ class NodeSpec:
             files=self.files,
             remaps=self.remaps,
             log_level=self.log_level,
+            enclave=self.full_name if SECURED else "",
         )
 
     def place(self) -> list[str]:
@@ -259,6 +264,7 @@ def _bridge(given: Mapping[str, str], config: Path) -> dict[str, Value]:
     return {
         "link": given["hardware"],
         "calibration_file": find(given["calibration"], config, "hardware"),
+        "key_file": given["key"] if given["key"] in ("", NO_KEY) else find(given["key"], config),
         "road_source": given["road"],
     }
 

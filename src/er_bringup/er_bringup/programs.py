@@ -35,7 +35,12 @@ ACCEL_ADAPTER: Final = Program(
     PACKAGE,
     "Two geometry_msgs/AccelStamped of a vehicle as the accelerations of a corner.",
 )
-PROGRAMS: Final = (COMPOSED, JOINT, IMU_ADAPTER, ACCEL_ADAPTER)
+AUTOWARE_ADAPTER: Final = Program(
+    "autoware_adapter",
+    PACKAGE,
+    "Autoware's velocity report of a vehicle as the load of braking and cornering on its body.",
+)
+PROGRAMS: Final = (COMPOSED, JOINT, IMU_ADAPTER, ACCEL_ADAPTER, AUTOWARE_ADAPTER)
 
 EVERY: Final = (
     *observer_programs.PROGRAMS,

@@ -119,7 +119,8 @@ class State(NamedTuple):
 class AdapterCore:
     """Two accelerometers in, the accelerations of a corner out, with the stamp of the body's."""
 
-    outputs = (topics.ACCELERATION,)
+    output = topics.ACCELERATION
+    awaited = "pair of samples"
 
     def __init__(self, p: AdapterParameters, sensors: tuple[Topic, ...]) -> None:
         self.p, self.inputs = p, sensors
@@ -135,6 +136,10 @@ class AdapterCore:
     def silent(self, state: State, steady: int) -> bool:
         """Whether samples stay away, at a time on the steady clock [ns]."""
         return silence(self.p, steady - state.heard) > self.p.timeout
+
+    def values(self, state: State) -> dict[str, object]:
+        """What else it tells of itself."""
+        return {"samples without their other half": state.alone}
 
     def on_message(
         self, state: State, topic: Topic, message: Any, when: When

@@ -228,6 +228,26 @@ def test_the_same_samples_count_once_wherever_they_lie(tmp_path: Path) -> None:
     ]  # fmt: skip
 
 
+def test_a_unit_that_got_another_damper_changes_where_it_did(tmp_path: Path) -> None:
+    rows = []
+    for unit in ("a", "b", "c"):
+        for k in range(6):
+            c0 = 1.8 if (unit, k >= 3) == ("b", True) else 1.0
+            path = record(tmp_path / f"{unit}{k}.parquet", seed=10 * ord(unit) + k, c0=c0)
+            rows.append(f"{path.name},{unit},{10.0 * k}")
+    table = tmp_path / "drives.csv"
+    table.write_text("\n".join(["path,unit,mileage [km]", *rows]) + "\n")
+    out = tmp_path / "fleet.parquet"
+    with ThreadPoolExecutor(1) as pool:
+        found = lab.fleet(table, load_model(GUO), out=out, search=False, executor=pool).to_dict()
+    assert [each["unit"] for each in found["differ"]] == ["b"]
+    units = {row["unit"]: row for row in pq.read_table(out).to_pylist()}
+    assert [row["changes"] for row in (units["a"], units["c"])] == [[], []]
+    change = next(c for c in units["b"]["changes"] if c["quantity"] == "passive.c0")
+    assert change["form"] == "step"
+    assert 20e3 <= change["at"] <= 30e3
+
+
 def test_clocks_that_overlap_are_told() -> None:
     used = [
         {"time": t, "seconds": 60.0, "path": p} for t, p in ((0.0, "a"), (30.0, "b"), (100.0, "c"))

@@ -136,12 +136,13 @@ def predict_many(
     return _predicted(model, vectors, inputs, told, longest)[0]
 
 
-def beginnings(model: Model, inputs: Motion, told: Told) -> float:
+def beginnings(model: Model, inputs: Motion, told: Told, *, longest: float = SUBSTEP) -> float:
     """How many numbers the measured force has told of where the states of all records begin.
 
-    One of which it tells nothing, or that is forgotten before anything is judged, does not count.
+    One of which it tells nothing, or that is forgotten before anything is judged, does not count. longest: as in
+    `predict`.
     """
-    return float(_predicted(model, model.compiled().p[None], inputs, told)[1][0])
+    return float(_predicted(model, model.compiled().p[None], inputs, told, longest)[1][0])
 
 
 def _predicted(

@@ -21,4 +21,7 @@ CAR: Final = Program(
 EMULATOR: Final = Program(
     "device_emulator", PACKAGE, "A rig that is only a program.", module="hardware.emulator"
 )
-PROGRAMS: Final = (PLANT, BRIDGE, CAR, EMULATOR)
+WIRE_KEY: Final = Program(
+    "wire_key", PACKAGE, "The key that host and device share.", module="hardware.key_file"
+)
+PROGRAMS: Final = (PLANT, BRIDGE, CAR, EMULATOR, WIRE_KEY)

@@ -15,6 +15,7 @@ def ros_arguments(
     namespace: str = "",
     remaps: Mapping[str, str] | None = None,
     log_level: str = "",
+    enclave: str = "",
 ) -> list[str]:
     """What follows the executable; nothing when there is nothing to say.
 
@@ -27,6 +28,8 @@ def ros_arguments(
         found += ["-r", f"__node:={name}"]
     for old, new in (remaps or {}).items():
         found += ["-r", f"{old}:={new}"]
+    if enclave:
+        found += ["--enclave", enclave]
     if log_level:
         found += ["--log-level", log_level]
     for file in files:

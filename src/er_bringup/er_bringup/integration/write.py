@@ -1,4 +1,4 @@
-"""Writes the files for recording and plotting, for one namespace or all corners of a car.
+"""Writes the files for recording, plotting and access control, for one namespace or all corners of a car.
 
 ./er exec python -m er_bringup.integration.write --out DIR [--namespace NS]
 """
@@ -12,7 +12,7 @@ from er_models.files import write_whole
 from er_models.one_line import OneLine
 
 from er_bringup.given import CAR
-from er_bringup.integration import foxglove, plotjuggler, ros_recording
+from er_bringup.integration import foxglove, plotjuggler, ros_recording, ros_sros2
 from er_bringup.integration.names import BASE
 
 
@@ -25,6 +25,7 @@ def files(namespace: str = "") -> Mapping[str, str]:
         "recording/mcap_writer.yaml": ros_recording.writer(),
         "layouts/plotjuggler.xml": plotjuggler.layout(namespace),
         "layouts/foxglove.json": foxglove.layout(namespace),
+        "sros2/policy.xml": ros_sros2.policy([namespace]),
     }
 
 

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 
+from er_common.topics import ACCELERATION
 from er_ros_common.spin import run
 
-from er_bringup.nodes.acceleration_adapter import executable
+from er_bringup.nodes.adapter import executable
 from er_bringup.programs import ACCEL_ADAPTER
-from er_bringup.ros_adapter import ACCEL, AdapterParameters
+from er_bringup.ros_adapter import ACCEL, AdapterCore, AdapterParameters
 
-NODE = executable(ACCEL_ADAPTER, AdapterParameters, ACCEL)
+NODE = executable(
+    ACCEL_ADAPTER, AdapterParameters, partial(AdapterCore, sensors=ACCEL), ACCEL, ACCELERATION
+)
 
 
 def main() -> None:

@@ -35,7 +35,7 @@ BEYOND = 1e6
 HOPE = 1.2
 """Mean square, over a target, up to which a fit to stretches may still reach it on all runs."""
 WORTH_AN_END = 2.0
-"""Mean square, over that of the best, up to which such a fit to many runs is brought to its end."""
+"""Mean square, over that of the best, up to which a fit is brought to its end."""
 
 
 @dataclass(frozen=True)
@@ -265,10 +265,7 @@ def refit_all(
         return _refit_many(base, problem, few, tried)
     found = problem.each(_refitted, tried, base, stage=TRYING, best=partial(leaders, base))
     found.sort(key=lambda c: c.mse)
-    ahead = problem.each(
-        _finished, range(len(found[:FINALISTS])), found[:FINALISTS], stage=FINISHING
-    )
-    return sorted([*ahead, *found[FINALISTS:]], key=lambda c: c.mse)
+    return _ended(found, problem)
 
 
 def _refit_many(
@@ -282,8 +279,16 @@ def _refit_many(
         _judged, list(enumerate(begun)), base, stage=FINISHING, best=partial(leaders, base)
     )
     found.sort(key=lambda c: max(c.mse, c.seen))
-    near = WORTH_AN_END * found[0].mse
-    ahead = [c for c in found[:FINALISTS] if c.mse < near]
+    return _ended(found, problem)
+
+
+def _ended(found: list[Candidate], problem: Problem) -> list[Candidate]:
+    """Candidates, best first, with those of the best few that may still win fitted to the end.
+
+    Where a gap lies tells only a closer look.
+    """
+    near = WORTH_AN_END * found[0].mse if found else 0.0
+    ahead = [c for c in found[:FINALISTS] if c.mse < near or is_gap(c.fit.model.catalogue[c.name])]
     ended = problem.each(_finished, range(len(ahead)), ahead, stage=FINISHING)
     return sorted(
         [*ended, *(c for c in found if not any(c is a for a in ahead))], key=lambda c: c.mse

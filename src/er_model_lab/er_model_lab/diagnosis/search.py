@@ -219,8 +219,13 @@ def promising(best: Candidate, step: Round, problem: Problem) -> bool:
     others = [
         c for c in step.candidates if c is not step.taken and effect_size(step.base, c) > limit
     ]
-    catalogue = best.fit.model.catalogue
-    return any(screen(best, catalogue[c.name], problem).gain > limit for c in others)
+    gains = problem.each(_gain_beside, [c.name for c in others], best)
+    return any(gain > limit for gain in gains)
+
+
+def _gain_beside(name: str, problem: Problem, best: Candidate) -> float:
+    """What an effect gains beside a model, in a straight line [N]."""
+    return screen(best, best.fit.model.catalogue[name], problem).gain
 
 
 def _without_refinements(base: Candidate, able: list[Candidate], limit: float) -> list[Candidate]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from er_models.effect import SMOOTH
 from er_models.model import Array, Model
 from er_models.scales import Scales
 from er_models.sensitivity import quotients, steps
@@ -29,8 +30,11 @@ AWAY = 2e-3
 """Share by which the mean square in longer steps may differ from the true one where a fit ends."""
 NOTHING = 1e-9
 """A parameter that moves the force by so small a share of the strongest one is not told by the data."""
-SHARES = np.array([0.0, 0.1, 0.3, 1.0])
-"""Shares of a step that are tried where it is not."""
+SHARES = np.array([0.1, 0.3, 1.0])
+"""Shares of a step that are tried, beside none of it, where it is not."""
+AS_TOLD = 0.9
+"""Share of the fall that a straight line promises from which on the least damping is right where equations are smooth.
+"""
 
 
 @dataclass(frozen=True)
@@ -72,6 +76,7 @@ class Box:
             if limits and name in limits:
                 self.low[k], self.high[k] = np.array(limits[name]) / self.scale[k]
         self.size = np.array([q.size for q in params])
+        self.smooth = all(q.step == SMOOTH for q in params)
 
     def start(self) -> Array:
         """Scaled values of the model, moved into the box."""
@@ -202,11 +207,13 @@ def _leg(
     while rounds < max_iter and np.isfinite(cost):
         problem.work.check()
         rounds += 1
-        trials = _trials(jacobian[train], (y - f)[train], theta, box, damping)
-        forces = problem.predict_many(box.model, box.vectors(trials))
-        costs = np.mean((y - forces)[:, train] ** 2, axis=1)
-        best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
-        if not costs[best] < cost * (1.0 - 1e-9):
+        j, r = jacobian[train], (y - f)[train]
+        h, g = j.T @ j / r.size, j.T @ r / r.size
+        trials = _trials(h, g, theta, box, damping)
+        step = trials[0] - theta
+        fall = float(step @ (2.0 * g - h @ step)) if box.smooth else np.inf
+        best, found, tried = _best_of(trials, cost - AS_TOLD * fall, box, problem)
+        if not tried < cost * (1.0 - 1e-9):
             if exact and damping > 1e3:
                 break
             if exact:
@@ -216,13 +223,25 @@ def _leg(
             else:
                 jacobian, exact, at = _jacobian(box, theta, f, problem, None), True, theta
             continue
-        gain = 1.0 - costs[best] / cost
-        theta, f, cost = trials[best], forces[best], float(costs[best])
+        gain = 1.0 - tried / cost
+        theta, f, cost = trials[best], found, tried
         damping = max(damping * DAMPINGS[best], 1e-7)
         if gain < tol or (cost > target and not exact):
             break
         jacobian, exact, at = _jacobian(box, theta, f, problem, None), True, theta
     return _Leg(theta, f, jacobian, cost, at, exact, rounds)
+
+
+def _best_of(trials: Array, enough: float, box: Box, problem: Problem) -> tuple[int, Array, float]:
+    """Which of the trials (3, p) is best, what it predicts (n,), its mean square; the first where that is enough."""
+    first = problem.predict_many(box.model, box.vectors(trials[:1]))[0]
+    cost = _cost(first, problem)
+    if cost <= enough:
+        return 0, first, cost
+    others = problem.predict_many(box.model, box.vectors(trials[1:]))
+    costs = np.array([cost, *(_cost(f, problem) for f in others)])
+    best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
+    return best, (others[best - 1] if best else first), float(costs[best])
 
 
 def _again(
@@ -268,9 +287,11 @@ def _jacobian(box: Box, theta: Array, f: Array, problem: Problem, known: Array |
     return new if known is None else np.hstack([known, new])
 
 
-def _trials(j: Array, r: Array, theta: Array, box: Box, damping: float) -> Array:
-    """Three damped Gauss-Newton points inside the box; parameters pushed against a bound are held."""
-    h, g = j.T @ j / r.size, j.T @ r / r.size
+def _trials(h: Array, g: Array, theta: Array, box: Box, damping: float) -> Array:
+    """Three damped Gauss-Newton points inside the box; parameters pushed against a bound are held.
+
+    h (p, p), g (p,): products of derivatives, and of derivatives and residual, as means over the samples.
+    """
     held = ((theta <= box.low) & (g < 0)) | ((theta >= box.high) & (g > 0))
     points = []
     for factor in DAMPINGS:
@@ -328,11 +349,13 @@ def _truly_left_out(fitted: Fit, problem: Problem, steps: Array) -> Array:
     """Residual (n,) predicted by the model itself without each block."""
     box = Box(fitted.model, fitted.free, problem.scales, problem.forward.limits)
     r, train = fitted.residual.copy(), problem.train
+    near = problem.near(fitted.model, problem.force - fitted.residual)
     for b in range(steps.shape[0]):
         rows = problem.fold == b
         points = fitted.theta + np.multiply.outer(SHARES, steps[b])
         points = np.clip(points, box.low, box.high)
-        left = problem.force - problem.predict_many(box.model, box.vectors(points))
+        moved = problem.force - near.predict_many(box.model, box.vectors(points))
+        left = np.concatenate([fitted.residual[None], moved])
         rest = np.mean(left[:, train & ~rows] ** 2, axis=1)
         best = int(np.argmin(np.where(np.isfinite(rest), rest, np.inf)))
         r[rows] = left[best, rows]

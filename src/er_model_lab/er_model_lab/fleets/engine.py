@@ -22,8 +22,10 @@ from er_model_lab.blas import on_one_thread
 from er_model_lab.fleets.asked import Asked, code
 from er_model_lab.jobs.call import Call
 
-SECONDS = 2.0
-"""Work of a batch [s]: long beside what handing it out costs, short beside what is lost with a worker."""
+SECONDS, EACH = 2.0, 0.01
+"""Work of a batch, and more of it for each worker [s]: long beside what handing it out costs, short beside what is lost
+with a worker, and no more than a hundred batches a second, which one scheduler has to hand out.
+"""
 LARGEST = 200
 """Jobs of a batch, at most."""
 AHEAD = 3
@@ -105,7 +107,7 @@ def spread(
 def _fill(run: _Run, jobs: Iterator[Job], sealed: bytes, *, left: bool) -> bool:
     """Hand out as many batches as there is room for; whether jobs are left."""
     while len(run.running) < AHEAD * run.engine.workers and (left or run.back):
-        batch = run.back.pop() if run.back else _batch(jobs, run.each)
+        batch = run.back.pop() if run.back else list(islice(jobs, batch_size(run.each, run.engine.workers)))
         if not batch:
             return False
         try:
@@ -119,10 +121,9 @@ def _fill(run: _Run, jobs: Iterator[Job], sealed: bytes, *, left: bool) -> bool:
     return left
 
 
-def _batch(jobs: Iterator[Job], each: float) -> list[Job]:
-    """The next jobs, of `SECONDS` of work together as far as that is known."""
-    size = 1 if each <= 0.0 else max(1, min(LARGEST, int(SECONDS / each)))
-    return list(islice(jobs, size))
+def batch_size(each: float, workers: int) -> int:
+    """How many jobs of so many seconds make a batch; one while nothing is known of them."""
+    return max(1, min(LARGEST, int(max(SECONDS, EACH * workers) / each))) if each > 0.0 else 1
 
 
 def _ended(done: SimpleQueue[Future[Any]]) -> list[Future[Any]]:

@@ -130,7 +130,8 @@ class DamperForward:
 
     def beginnings(self, data: Sensed, model: Model) -> float:
         """Of all states and records."""
-        return beginnings(model, data.motion, data.told)
+        coarse = max(self.longest, COARSE)
+        return beginnings(model, data.motion, data.told, longest=coarse)
 
     def free(self, model: Model) -> Free:
         """Fitted parameters of the damper.

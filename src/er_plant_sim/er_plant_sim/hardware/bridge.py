@@ -17,14 +17,18 @@ from typing import NamedTuple
 from er_plant_sim import duty_gate
 from er_plant_sim.duty_gate import Applied, Gate, GateState, Reason
 from er_plant_sim.hardware import calibration as calibrating
-from er_plant_sim.hardware import clocks, frame, parser
+from er_plant_sim.hardware import clocks, frame, parser, session
 from er_plant_sim.hardware.calibration import Calibration, Filters, Value
 from er_plant_sim.hardware.clocks import ClockModel, ClockState, Exchange
-from er_plant_sim.hardware.frame import Frame, Hello, Message, Sample, Sync, SyncReply
+from er_plant_sim.hardware.frame import Answer, Frame, Hello, Message, Sample, Sync, SyncReply
 from er_plant_sim.hardware.parser import ParserState
+from er_plant_sim.hardware.seal import SEED
+from er_plant_sim.hardware.session import Caller
 
 LIMITED_KEPT = 8
 """Commands whose limiting here is remembered until the device reports them in force."""
+
+NO_ANSWER = "no device answers: is it there, and does it have the key of key_file?"
 
 
 class Sources(NamedTuple):
@@ -42,7 +46,8 @@ class Bridge:
     certain: the clocks are aligned when the offset's standard deviation is below this [s]; asking: time
     between two questions for the time [ns]; unanswered: time without an answer after which the clocks are not
     aligned any more, as two that are 200 ppm apart are off by `certain` then [ns]; timely: a sample whose stamp
-    is farther from now is not believed [ns]; duty, road: of the program from a tick on [1], [m], or None.
+    is farther from now is not believed [ns]; duty, road: of the program from a tick on [1], [m], or None;
+    key: what it shares with the device, empty on a wire without authentication.
     """
 
     calibration: Calibration
@@ -57,6 +62,7 @@ class Bridge:
     unanswered: int = 5_000_000_000
     timely: int = 1_000_000_000
     clock: ClockModel = field(default_factory=ClockModel)
+    key: bytes = b""
 
 
 class BridgeState(NamedTuple):
@@ -65,7 +71,7 @@ class BridgeState(NamedTuple):
     heard: sequence number of the last frame, heard_at: when it came [ns]; seq: of the last sample given on,
     `number` its number on the device; begun: whether samples are given on; asked_at, answered_at: when the
     device was last asked for its time, and answered [ns]; counts: frames lost and repeated, samples missed and
-    untimely.
+    untimely; caller: session with the device, on a wire with a key.
     """
 
     parser: ParserState = ParserState()
@@ -92,6 +98,7 @@ class BridgeState(NamedTuple):
     untimely: int = 0
     boots: int = 0
     conflict: bool = False
+    caller: Caller = Caller()
 
 
 class Reading(NamedTuple):
@@ -112,21 +119,36 @@ class Said(NamedTuple):
     silence: bool = False
 
 
-def start(p: Bridge, now: int, *, sent: int = 0) -> BridgeState:
-    """Before the first byte; sent: number of the last frame of before, where this program sent some already."""
-    return BridgeState(gate=GateState(p.gate.safe_duty, 1e-9 * now), sample_at=now, sent=sent)
+def start(p: Bridge, now: int, *, sent: int = 0, seed: bytes = b"") -> BridgeState:
+    """Before the first byte.
+
+    sent: number of the last frame of before, where this program sent some already; seed: of the nonces on a wire with
+    a key, drawn at random at each start.
+
+    Raises:
+        ValueError: There is a key and no seed: the nonces of before would be used again.
+    """
+    if p.key and len(seed) < SEED:
+        raise ValueError(f"expected a seed of {SEED} bytes beside a key, found {len(seed)}")
+    gate = GateState(p.gate.safe_duty, 1e-9 * now)
+    return BridgeState(gate=gate, sample_at=now, sent=sent, caller=Caller(seed))
 
 
 def on_bytes(
     p: Bridge, state: BridgeState, data: bytes, now: int, *, datagram: bool = False
 ) -> tuple[BridgeState, Said]:
     """Take bytes of the wire; datagram: they are whole frames, nothing of which follows later."""
-    parsed, found = parser.step(state.parser, data)
+    keys = state.caller.listening(p.key) if p.key else ()
+    parsed, found = parser.step(state.parser, data, keys)
     state = state._replace(parser=parser.flushed(parsed) if datagram else parsed)
     readings: list[Reading] = []
     out = b""
     for each in found:
-        state, fresh = _ordered(state, each)
+        if isinstance(each.message, Answer):
+            caller, answer = session.answered(p.key, state.caller, each.message)
+            state, out = state._replace(caller=caller), out + answer
+            continue
+        state, fresh = (_in_session if p.key else _ordered)(state, each)
         if not fresh:
             continue
         state = state._replace(heard_at=now)
@@ -172,10 +194,15 @@ def on_command(
 
 
 def on_time(p: Bridge, state: BridgeState, now: int) -> tuple[BridgeState, Said]:
-    """Ask the device for its time when it is due, and notice its silence."""
-    out, silence = b"", False
+    """Call the device and ask it for its time when that is due, and notice its silence."""
+    called, silence = b"", False
+    quiet = now - state.heard_at
+    if p.key and session.due(state.caller, now, quiet=quiet, sent=state.sent):
+        caller, called = session.call(p.key, state.caller, now)
+        state = state._replace(caller=caller)
+    out = b""
     if now - state.asked_at >= (p.asking if aligned(p, state) else p.asking // 5):
-        state, out = _sent(state._replace(asked_at=now), Sync(now))
+        state, out = _sent(p, state._replace(asked_at=now), Sync(now))
     if (
         state.begun
         and state.seq
@@ -184,7 +211,7 @@ def on_time(p: Bridge, state: BridgeState, now: int) -> tuple[BridgeState, Said]
     ):
         # not the time of now: samples that were only held up may still come, and are older
         state, silence = state._replace(silent=True, stamp=state.stamp + 1), True
-    return state, Said([], out, silence)
+    return state, Said([], called + out, silence)
 
 
 def begin(state: BridgeState) -> BridgeState:
@@ -208,7 +235,10 @@ def aligned(p: Bridge, state: BridgeState) -> bool:
 def refusal(p: Bridge, state: BridgeState) -> str:
     """Why no sample is given on although the device sends some; empty when they are."""
     if state.parser.foreign and state.hello is None:
-        return f"the device speaks version {state.parser.version} of the protocol, this program {frame.VERSION}"
+        ours = frame.SEALED if p.key else frame.VERSION
+        return f"the device speaks version {state.parser.version} of the protocol, this program {ours}"
+    if p.key and not state.caller.keys.host:
+        return NO_ANSWER
     if state.hello is None:
         return "the device has not said what it is"
     if state.hello.period != p.period:
@@ -245,6 +275,17 @@ def _ordered(state: BridgeState, found: Frame) -> tuple[BridgeState, bool]:
     if ahead <= 0:
         return state._replace(repeated=state.repeated + 1), False
     return state._replace(heard=found.seq, lost=state.lost + ahead - 1), True
+
+
+def _in_session(state: BridgeState, found: Frame) -> tuple[BridgeState, bool]:
+    """Whether a frame is a newer one of the session; the first one of another session opens that."""
+    before = state.caller
+    caller, fresh = session.ordered(before, found.seq, found.key)
+    if caller.keys != before.keys:
+        return state._replace(caller=caller, sent=0), fresh
+    if not fresh:
+        return state._replace(repeated=state.repeated + 1), False
+    return state._replace(caller=caller, lost=state.lost + found.seq - before.heard - 1), True
 
 
 def _on_hello(state: BridgeState, hello: Hello) -> BridgeState:
@@ -333,14 +374,20 @@ def _told(
     flags, height = 0, 0
     if p.road is not None:
         flags, height = frame.MOVE_ROAD, frame.from_height(p.road(state.seq + 1))
-    return _sent(state, frame.Command(answers, frame.from_duty(duty), source, flags, height))
+    return _sent(p, state, frame.Command(answers, frame.from_duty(duty), source, flags, height))
 
 
-def _sent(state: BridgeState, message: Message) -> tuple[BridgeState, bytes]:
+def _sent(p: Bridge, state: BridgeState, message: Message) -> tuple[BridgeState, bytes]:
+    """A frame with the next number; none before a session, on a wire with a key."""
+    key = state.caller.keys.host
+    if p.key and not key:
+        return state, b""
     sent = (state.sent + 1) % frame.WRAP
-    return state._replace(sent=sent), frame.encode(message, sent)
+    return state._replace(sent=sent), frame.encode(message, sent, key)
 
 
 def farewell(p: Bridge, state: BridgeState) -> tuple[BridgeState, bytes]:
     """The last thing the device is told: its safe duty."""
-    return _sent(state, frame.Command(0, frame.from_duty(p.gate.safe_duty), p.sources.safe, 0, 0))
+    return _sent(
+        p, state, frame.Command(0, frame.from_duty(p.gate.safe_duty), p.sources.safe, 0, 0)
+    )

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import heapq
+import secrets
 import signal
 import sys
 from collections.abc import Sequence
@@ -14,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from time import monotonic_ns
 from types import FrameType
-from typing import Any
+from typing import Any, TypeAlias
 
 from er_common.parameter_table import build as checked
 from er_models.constants import SAMPLE_RATE
@@ -24,14 +25,17 @@ from er_models.seed import seed_reader
 from er_models.yaml_file import read_yaml
 
 from er_plant_sim.build import build
-from er_plant_sim.hardware import device, impair, link
+from er_plant_sim.hardware import device, impair, key_file, link, seal
 from er_plant_sim.hardware.calibration import load_calibration
-from er_plant_sim.hardware.device import Device
+from er_plant_sim.hardware.device import Device, DeviceState
 from er_plant_sim.hardware.impair import Wire, WireState
+from er_plant_sim.hardware.link import Sender
 from er_plant_sim.schedule import Progress, Schedule, due, next_due
 from er_plant_sim.settings import PlantParameters
 
 WIRES = ("pty", "udp", "serial")
+Piece: TypeAlias = tuple[int, int, bytes, Sender]
+"""What is on its way: when it arrives [ns], its number, bytes, whose or for whom."""
 
 
 def _share(text: str) -> float:
@@ -63,6 +67,12 @@ def parser() -> argparse.ArgumentParser:
         required=True,
         metavar="FILE",
         help="calibration file: how it turns its values into counts",
+    )
+    p.add_argument(
+        "--key",
+        default="",
+        metavar="FILE",
+        help="key that it shares with the host; none: a wire without authentication (over UDP: the user's own)",
     )
     p.add_argument(
         "--params", metavar="FILE", help="parameter file of the plant: noise, safe duty"
@@ -126,8 +136,8 @@ class Emulator:
         """Tick and answer until told to stop."""
         state = device.start(self.device)
         outward, inward = WireState(), WireState(given=1 << 40)
-        going: list[tuple[int, int, bytes]] = []
-        coming: list[tuple[int, int, bytes]] = []
+        going: list[Piece] = []
+        coming: list[Piece] = []
         schedule = Schedule(round(1e9 * self.device.rig.dt / (1.0 + self.drift)))
         progress = Progress(monotonic_ns())
         while not self.ended:
@@ -139,28 +149,34 @@ class Emulator:
             wait = min([next_due(schedule, progress), *(q[0][0] for q in (going, coming) if q)])
             data = self.link.read(max(1e-9 * (wait - monotonic_ns()), 0.0))
             if data:
-                inward = self._post(coming, inward, data)
+                inward = self._post(coming, inward, data, self.link.sender)
             while coming and coming[0][0] <= monotonic_ns():
-                piece = heapq.heappop(coming)[2]
-                state, answer = device.on_bytes(
-                    self.device,
-                    state,
-                    piece,
-                    self.time(monotonic_ns()),
-                    datagram=self.link.datagram,
-                )
-                outward = self._post(going, outward, answer)
+                _, _, piece, sender = heapq.heappop(coming)
+                state, answer = self._heard(state, piece, sender)
+                outward = self._post(going, outward, answer, sender)
             while going and going[0][0] <= monotonic_ns():
-                self.link.write(heapq.heappop(going)[2])
+                _, _, piece, receiver = heapq.heappop(going)
+                self.link.write(piece, receiver)
+
+    def _heard(self, state: DeviceState, data: bytes, sender: Sender) -> tuple[DeviceState, bytes]:
+        """Take a piece; whoever sent a newer frame of the session gets the samples from then on."""
+        before = state.callee.taken
+        state, answer = device.on_bytes(
+            self.device, state, data, self.time(monotonic_ns()), datagram=self.link.datagram
+        )
+        if state.callee.taken != before and isinstance(self.link, link.UdpLink):
+            self.link.peer = sender
+        return state, answer
 
     def _post(
-        self, queue: list[tuple[int, int, bytes]], state: WireState, data: bytes
+        self, queue: list[Piece], state: WireState, data: bytes, who: Sender = None
     ) -> WireState:
+        """Give a piece to the wire; who: sent it, or gets it where that is not the host of before."""
         if not data:
             return state
         state, out = impair.step(self.wire, state, data, monotonic_ns())
         if out is not None:
-            heapq.heappush(queue, (out[0], state.given, out[1]))
+            heapq.heappush(queue, (out[0], state.given, out[1], who))
         return state
 
     def time(self, now: int) -> int:
@@ -177,14 +193,18 @@ def emulator(options: argparse.Namespace) -> Emulator:
     address = link.Address(options.link, WIRES, "--link")
     rig = build(parameters(options))
     boot = monotonic_ns() % 2**32
-    made = Device(rig, load_calibration(options.calibration), boot)
+    key, note = key_file.key_of(options.key, address.kind)
+    if note:
+        sys.stderr.write(f"device_emulator: {note}\n")
+    calibration = load_calibration(options.calibration)
+    made = Device(rig, calibration, boot, key, secrets.token_bytes(seal.SEED))
     wire = Wire(
         options.loss, options.corruption, options.jitter, address.kind != "udp", options.seed
     )
     # compile before the first tick: the rig's clock must not begin with seconds of silence
     device.tick(made, device.tick(made, device.start(made), 0)[0], 0)
     try:
-        return Emulator(made, link.listen(address), wire, options.drift)
+        return Emulator(made, link.listen(address, follow=not key), wire, options.drift)
     except OSError as error:
         raise InputError(
             "--link", "", "a wire that can be had", error.strerror or str(error)

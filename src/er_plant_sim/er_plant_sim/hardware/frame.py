@@ -1,13 +1,14 @@
-"""Frames of the wire between host and rig, version 1: header, payload, CRC. docs/hardware.md shows them.
+"""Frames of the wire between host and rig: header, payload, CRC or tag. docs/hardware.md shows them.
 
     offset  size  field
     0       2     mark, 0xA5 0x5A
-    2       1     version of the protocol
+    2       1     version of the protocol: 1 with a CRC, 2 with a tag
     3       1     kind of the frame
     4       2     bytes of payload
     6       4     sequence number of the sender, one more each frame
     10      n     payload
-    10 + n  4     CRC-32 (IEEE 802.3) of everything after the mark
+    10 + n  4     version 1: CRC-32 (IEEE 802.3) of everything after the mark
+            8     version 2: tag of the same bytes (`hardware/seal.py`)
 
 All numbers are integers, lowest byte first, so that no NaN can travel.
 """
@@ -19,7 +20,11 @@ from enum import IntEnum
 from typing import Final, NamedTuple, TypeAlias
 from zlib import crc32
 
+from er_plant_sim.hardware import seal
+
 VERSION: Final = 1
+SEALED: Final = 2
+"""Version of the protocol whose frames carry a tag."""
 MARK: Final = b"\xa5\x5a"
 HEADER: Final = struct.Struct("<2sBBHI")
 CRC: Final = struct.Struct("<I")
@@ -36,6 +41,9 @@ class Kind(IntEnum):
     COMMAND = 3
     SYNC = 4
     SYNC_REPLY = 5
+    CALL = 6
+    ANSWER = 7
+    OPEN = 8
 
 
 CHANNELS: Final = (
@@ -120,7 +128,27 @@ class SyncReply(NamedTuple):
     sent: int
 
 
-Message: TypeAlias = Hello | Sample | Command | Sync | SyncReply
+class Call(NamedTuple):
+    """Host to device: its nonce, to be answered."""
+
+    host: bytes
+
+
+class Answer(NamedTuple):
+    """Device to host: the nonce it offers, and that of the call."""
+
+    device: bytes
+    host: bytes
+
+
+class Open(NamedTuple):
+    """Host to device: both nonces; the session begins."""
+
+    device: bytes
+    host: bytes
+
+
+Message: TypeAlias = Hello | Sample | Command | Sync | SyncReply | Call | Answer | Open
 
 _LAYOUTS: Final = {
     Kind.HELLO: struct.Struct("<IIHHIH"),
@@ -128,6 +156,9 @@ _LAYOUTS: Final = {
     Kind.COMMAND: struct.Struct("<IHBBi"),
     Kind.SYNC: struct.Struct("<Q"),
     Kind.SYNC_REPLY: struct.Struct("<QQQ"),
+    Kind.CALL: struct.Struct(f"<{seal.NONCE}s"),
+    Kind.ANSWER: struct.Struct(f"<{seal.NONCE}s{seal.NONCE}s"),
+    Kind.OPEN: struct.Struct(f"<{seal.NONCE}s{seal.NONCE}s"),
 }
 _KINDS: Final = {
     Hello: Kind.HELLO,
@@ -135,32 +166,44 @@ _KINDS: Final = {
     Command: Kind.COMMAND,
     Sync: Kind.SYNC,
     SyncReply: Kind.SYNC_REPLY,
+    Call: Kind.CALL,
+    Answer: Kind.ANSWER,
+    Open: Kind.OPEN,
 }
+HANDSHAKE: Final = frozenset({int(Kind.CALL), int(Kind.ANSWER), int(Kind.OPEN)})
+"""Kinds of version 2 alone, sealed with the shared key."""
 SIZES: Final = {int(kind): layout.size for kind, layout in _LAYOUTS.items()}
 """Bytes of payload of each kind."""
 LONGEST: Final = OVERHEAD + max(SIZES.values())
-"""Bytes of the longest frame."""
+"""Bytes of the longest frame of version 1."""
+_PLAIN: Final[dict[int, type[Sync | SyncReply | Call | Answer | Open]]] = {
+    int(_KINDS[each]): each for each in (Sync, SyncReply, Call, Answer, Open)
+}
+"""Messages of which every content can be."""
 FULL_DUTY: Final = round(1.0 / DUTY_UNIT)
 _N: Final = len(CHANNELS)
 
 
 class Frame(NamedTuple):
-    """A frame whose CRC was right: sequence number and what it says."""
+    """A frame whose CRC or tag was right: sequence number, what it says, and the key of its tag."""
 
     seq: int
     message: Message
+    key: bytes = b""
 
 
-def encode(message: Message, seq: int) -> bytes:
-    """Bytes of a frame."""
+def encode(message: Message, seq: int, key: bytes = b"") -> bytes:
+    """Bytes of a frame; with a key one of version 2."""
     kind = _KINDS[type(message)]
     if isinstance(message, Sample):
         number, time, values, *rest = message
         payload = _LAYOUTS[kind].pack(number % WRAP, time, *values, *rest)
     else:
         payload = _LAYOUTS[kind].pack(*message)
-    head = HEADER.pack(MARK, VERSION, kind, len(payload), seq % WRAP)
-    return head + payload + CRC.pack(crc32(payload, crc32(head[2:])))
+    version = SEALED if key else VERSION
+    whole = HEADER.pack(MARK, version, kind, len(payload), seq % WRAP) + payload
+    body = whole[len(MARK) :]
+    return whole + (seal.tag(key, body) if key else CRC.pack(crc32(body)))
 
 
 def decode(kind: int, payload: bytes) -> Message | None:
@@ -174,7 +217,7 @@ def decode(kind: int, payload: bytes) -> Message | None:
         return Command(*values) if values[1] <= FULL_DUTY else None
     if kind == Kind.HELLO:
         return Hello(*values) if values[1] > 0 and values[5] <= FULL_DUTY else None
-    return Sync(*values) if kind == Kind.SYNC else SyncReply(*values)
+    return _PLAIN[kind](*values)
 
 
 def ahead(number: int, of: int) -> int:

@@ -15,7 +15,7 @@ import socket
 import termios
 import tty
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 from er_models.errors import InputError
 
@@ -28,18 +28,22 @@ HOST_WIRES = ("serial", "udp")
 CHUNK = 65536
 WRITE_TIMEOUT = 0.02
 """Longest time a write may hold up the loop [s]; what does not fit by then is lost."""
+Sender: TypeAlias = tuple[str, int] | None
+"""Host and port of who sent a datagram."""
 
 
 class Link(Protocol):
     """An open wire; everything but `close` raises OSError when it is gone."""
 
     datagram: bool
+    sender: Sender
+    """Who sent what was read last, where the wire knows that."""
 
     def read(self, timeout: float) -> bytes:
         """Bytes that came within this time [s]; none is an answer too."""
 
-    def write(self, data: bytes) -> None:
-        """Send bytes; what the wire does not take at once is lost."""
+    def write(self, data: bytes, to: Sender = None, /) -> None:
+        """Send bytes, to the other end where nobody is named; what the wire does not take at once is lost."""
 
     def close(self) -> None:
         """Give the wire back."""
@@ -76,6 +80,7 @@ class SerialLink:
     """A serial port."""
 
     datagram = False
+    sender: Sender = None
 
     def __init__(self, port: str, baud: int) -> None:
         import serial
@@ -95,7 +100,7 @@ class SerialLink:
             raise OSError(errno.ENODEV, "the port is gone")
         return data
 
-    def write(self, data: bytes) -> None:
+    def write(self, data: bytes, _: Sender = None, /) -> None:
         """Send bytes."""
         self._port.write(data)
 
@@ -105,14 +110,20 @@ class SerialLink:
 
 
 class UdpLink:
-    """UDP to a device, or with `listen` the device's side, which answers whoever sent the last whole frame."""
+    """UDP to a device, or with `listen` the device's side.
+
+    peer: whom that answers: whoever sent the last whole frame of version 1. With `follow` false nobody, until the
+    device has found out who sent a frame that it believes, and says so.
+    """
 
     datagram = True
 
-    def __init__(self, host: str, port: int, *, listen: bool = False) -> None:
+    def __init__(self, host: str, port: int, *, listen: bool = False, follow: bool = True) -> None:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
-        self._peer: tuple[str, int] | None = None if listen else (host, port)
+        self.sender: Sender = None
+        self.peer: Sender = None if listen else (host, port)
+        self._follow = follow
         if listen:
             self._socket.bind((host, port))
         else:
@@ -124,18 +135,19 @@ class UdpLink:
         if not ready:
             return b""
         try:
-            data, peer = self._socket.recvfrom(CHUNK)
+            data, self.sender = self._socket.recvfrom(CHUNK)
         except ConnectionRefusedError:  # nobody listens there yet
             return b""
-        if peer != self._peer and parser.step(ParserState(), data)[1]:
-            self._peer = peer
+        if self._follow and self.sender != self.peer and parser.step(ParserState(), data)[1]:
+            self.peer = self.sender
         return data
 
-    def write(self, data: bytes) -> None:
+    def write(self, data: bytes, to: Sender = None, /) -> None:
         """Send one datagram."""
-        if self._peer is not None:
+        there = to or self.peer
+        if there is not None:
             try:
-                self._socket.sendto(data, self._peer) if self._listens else self._socket.send(data)
+                self._socket.sendto(data, there) if self._listens else self._socket.send(data)
             except (BlockingIOError, ConnectionRefusedError):
                 return
 
@@ -156,6 +168,7 @@ class PtyLink:
     """The device's end of a pseudo terminal, with a link to the host's end at a path."""
 
     datagram = False
+    sender: Sender = None
 
     def __init__(self, path: str) -> None:
         self._path = Path(path)
@@ -172,7 +185,7 @@ class PtyLink:
         ready, _, _ = select.select([self._master], [], [], timeout)
         return os.read(self._master, CHUNK) if ready else b""
 
-    def write(self, data: bytes) -> None:
+    def write(self, data: bytes, _: Sender = None, /) -> None:
         """Send bytes; without a reader they are lost, as on a wire that ends nowhere."""
         try:
             os.write(self._master, data)
@@ -193,10 +206,10 @@ def connect(address: Address) -> Link:
     return SerialLink(address.place, address.number)
 
 
-def listen(address: Address) -> Link:
-    """A device's side of a wire; OSError where it cannot be had."""
+def listen(address: Address, *, follow: bool = True) -> Link:
+    """A device's side of a wire; OSError where it cannot be had. follow: see `UdpLink`."""
     if address.kind == "pty":
         return PtyLink(address.place)
     if address.kind == "udp":
-        return UdpLink(address.place, address.number, listen=True)
+        return UdpLink(address.place, address.number, listen=True, follow=follow)
     return SerialLink(address.place, address.number)

@@ -1,6 +1,7 @@
-"""From bytes as they come to frames: ``step(state, data) -> (state, frames)``. Never raises.
+"""From bytes as they come to frames: ``step(state, data, keys) -> (state, frames)``. Never raises.
 
-After anything that is not a whole frame with the right CRC the search for the next mark begins one byte
+With keys a frame is one of version 2 whose tag is right under one of them, without any one of version 1 whose CRC is
+right. After anything that is not a whole frame the search for the next mark begins one byte
 later, so that a damaged length cannot swallow the frames behind it.
 """
 
@@ -9,14 +10,25 @@ from __future__ import annotations
 from typing import NamedTuple
 from zlib import crc32
 
-from er_plant_sim.hardware.frame import CRC, HEADER, MARK, SIZES, VERSION, Frame, decode
+from er_plant_sim.hardware import seal
+from er_plant_sim.hardware.frame import (
+    CRC,
+    HANDSHAKE,
+    HEADER,
+    MARK,
+    SEALED,
+    SIZES,
+    VERSION,
+    Frame,
+    decode,
+)
 
 
 class ParserState(NamedTuple):
     """Bytes that are not yet a frame, and counts since the start.
 
-    frames: whole ones; skipped: bytes that belonged to none; damaged: marks with a wrong CRC; foreign:
-    right CRC, but another version (`version` is the last one met) or a content that cannot be.
+    frames: whole ones; skipped: bytes that belonged to none; damaged: marks with a wrong CRC or tag; foreign:
+    right CRC or tag, but another version (`version` is the last one met) or a content that cannot be.
     """
 
     rest: bytes = b""
@@ -27,12 +39,14 @@ class ParserState(NamedTuple):
     version: int = VERSION
 
 
-def step(state: ParserState, data: bytes) -> tuple[ParserState, list[Frame]]:
-    """Frames completed by these bytes, in order."""
+def step(
+    state: ParserState, data: bytes, keys: tuple[bytes, ...] = ()
+) -> tuple[ParserState, list[Frame]]:
+    """Frames completed by these bytes, in order; keys: that of the handshake, then those of sessions."""
     buffer = state.rest + data
     found: list[Frame] = []
     at, skipped, damaged, foreign, version = 0, 0, 0, 0, state.version
-    end = len(buffer)
+    own, end = SEALED if keys else VERSION, len(buffer)
     while True:
         mark = _next_mark(buffer, at)
         skipped += mark - at
@@ -40,27 +54,37 @@ def step(state: ParserState, data: bytes) -> tuple[ParserState, list[Frame]]:
         if end - at < HEADER.size:
             break
         _, spoken, kind, size, seq = HEADER.unpack_from(buffer, at)
-        if not _plausible(spoken, kind, size):
+        if not _plausible(own, spoken, kind, size):
             at, skipped = at + 1, skipped + 1
             continue
-        whole = at + HEADER.size + size + CRC.size
+        close = at + HEADER.size + size
+        whole = close + (seal.TAG if spoken == own == SEALED else CRC.size)
         if whole > end:
             break
-        payload = buffer[at + HEADER.size : whole - CRC.size]
-        if (
-            crc32(buffer[at + len(MARK) : whole - CRC.size])
-            != CRC.unpack_from(buffer, whole - CRC.size)[0]
-        ):
+        key = _key(
+            keys if spoken == own else (),
+            kind,
+            buffer[at + len(MARK) : close],
+            buffer[close:whole],
+        )
+        if key is None:
             at, skipped, damaged = at + 1, skipped + 1, damaged + 1
             continue
-        message = decode(kind, payload) if spoken == VERSION else None
+        message = decode(kind, buffer[at + HEADER.size : close]) if spoken == own else None
         if message is None:
             foreign, version = foreign + 1, spoken
         else:
-            found.append(Frame(seq, message))
+            found.append(Frame(seq, message, key))
         at = whole
     counts = (state.skipped + skipped, state.damaged + damaged, state.foreign + foreign)
     return ParserState(buffer[at:], state.frames + len(found), *counts, version), found
+
+
+def _key(keys: tuple[bytes, ...], kind: int, body: bytes, close: bytes) -> bytes | None:
+    """The key of a frame's tag, empty where it has a CRC; None where what closes it is wrong."""
+    if not keys:
+        return b"" if crc32(body) == CRC.unpack(close)[0] else None
+    return seal.fitting(keys[:1] if kind in HANDSHAKE else keys[1:], body, close)
 
 
 def flushed(state: ParserState) -> ParserState:
@@ -76,10 +100,10 @@ def _next_mark(buffer: bytes, at: int) -> int:
     return len(buffer) - buffer.endswith(MARK[:1]) if len(buffer) > at else len(buffer)
 
 
-def _plausible(version: int, kind: int, size: int) -> bool:
-    """Whether a header may be one: kinds of this version have a fixed size, others are at most that long."""
-    if version == VERSION:
-        return SIZES.get(kind) == size
+def _plausible(own: int, version: int, kind: int, size: int) -> bool:
+    """Whether a header may be one: kinds of our own version have a fixed size, others are at most that long."""
+    if version == own:
+        return SIZES.get(kind) == size and (own == SEALED or kind not in HANDSHAKE)
     return version > 0 and kind in SIZES and size <= LARGEST_PAYLOAD
 
 

@@ -41,6 +41,11 @@ class BridgeParameters(RigParameters):
     calibration_file: str = param(
         REQUIRED, text="file with the calibration of the device's channels"
     )
+    key_file: str = param(
+        "",
+        text="key shared with the device: a file, none (no authentication), or empty: none over a serial port, "
+        "the user's own over UDP",
+    )
     road_source: str = param(
         "device",
         choices=("program", "device"),

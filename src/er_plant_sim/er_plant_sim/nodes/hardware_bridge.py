@@ -6,6 +6,7 @@ the callbacks is behind one lock, and what is said to the device is written unde
 
 from __future__ import annotations
 
+import secrets
 import signal
 import sys
 import threading
@@ -26,7 +27,7 @@ from er_common import topics
 from er_damper_msgs.msg import NodeStatus, PwmDuty
 from er_plant_sim import ros_commands, ros_hardware
 from er_plant_sim.duty_gate import Reason
-from er_plant_sim.hardware import bridge, clocks, frame
+from er_plant_sim.hardware import bridge, clocks, frame, key_file, seal
 from er_plant_sim.hardware.bridge import Reading
 from er_plant_sim.hardware.settings import BridgeParameters, build
 from er_plant_sim.nodes.outlet import Outlet, spoilable
@@ -54,8 +55,13 @@ class BridgeNode(ManagedNode):
     def configure(self) -> None:
         """Load the files and make the ends; the wire is opened when the node begins."""
         p, built = self.p, build(self.p, ros_hardware.SOURCES)
-        self.bridge, self.ticks, self.address = built.bridge, built.ticks, built.address
-        self.state = bridge.start(self.bridge, monotonic_ns())
+        self.ticks, self.address = built.ticks, built.address
+        key, note = key_file.key_of(p.key_file, built.address.kind)
+        if note:
+            exposed = not key and built.address.kind == "udp"
+            (log.warning if exposed else log.info)(self, note)
+        self.bridge = replace(built.bridge, key=key)
+        self.state = bridge.start(self.bridge, monotonic_ns(), seed=secrets.token_bytes(seal.SEED))
         units = spoilable(programmed=self.bridge.duty is not None)
         self.port = FaultPort(self, units, enabled=p.enable_fault_injection, seed=0, rate=p.rate)
         self.out = Outlet(
@@ -90,7 +96,8 @@ class BridgeNode(ManagedNode):
 
     def begin(self) -> None:
         """Open the wire, and wait for everybody; the device knows the numbers of before."""
-        self.state = bridge.start(self.bridge, monotonic_ns(), sent=self.state.sent)
+        seed = secrets.token_bytes(seal.SEED)  # nonces of before are never used again
+        self.state = bridge.start(self.bridge, monotonic_ns(), sent=self.state.sent, seed=seed)
         self.reading: Reading | None = None
         self.time = SystemTime()
         self.repeated, self.over = 0, False
@@ -215,6 +222,7 @@ class BridgeNode(ManagedNode):
         return {
             "duty": f"{self.reading.applied.duty:.4f}" if self.reading else "none yet",
             "frames lost": s.lost,
+            "authenticated": bool(s.caller.keys.host),
             "frames damaged": s.parser.damaged,
             "frames repeated": s.repeated,
             "bytes skipped": s.parser.skipped,

@@ -27,7 +27,7 @@ def table(path: Path) -> Table:
     if not data:
         raise InputError(path, "", "a Parquet table", "an empty file")
     try:
-        stored = pq.read_table(pa.BufferReader(data))
+        stored = pq.ParquetFile(pa.BufferReader(data)).read()  # read_table imports pandas
     except (pa.ArrowException, OSError) as error:
         raise InputError(path, "", "a Parquet file", str(error).splitlines()[0]) from None
 

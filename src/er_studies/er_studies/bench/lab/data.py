@@ -23,8 +23,11 @@ def truth(model: Model) -> Model:
     return model.with_effect("coulomb_friction", {"F_c": 0.05 * force, "v_0": 0.02 * velocity})
 
 
-def record(model: Model, seconds: float, seed: int = 0) -> Record:
-    """Six sines within the velocity of the model, steps of the duty, noise of every sensor."""
+def record(model: Model, seconds: float, seed: int = 0, damper: Model | None = None) -> Record:
+    """Six sines within the velocity of the model, steps of the duty, noise of every sensor.
+
+    damper: what makes the force; else the `truth` of the model.
+    """
     rng, n = np.random.default_rng(seed), round(seconds / DT)
     t: Array = np.asarray(np.arange(n) * DT, np.float64)
     w: Array = np.asarray(2.0 * np.pi * np.array(FREQUENCIES), np.float64)
@@ -32,7 +35,7 @@ def record(model: Model, seconds: float, seed: int = 0) -> Record:
     size = 0.45 * model.scales.velocity / w / np.sqrt(w.size)
     x, v, a = (_derivative(t, w, phase, size, order) for order in range(3))
     u = np.repeat(rng.choice(DUTIES, n // HOLD + 1), HOLD)[:n]
-    force = predict(truth(model), motion(DT, x, v, u, a))
+    force = predict(damper or truth(model), motion(DT, x, v, u, a))
     channels = {
         "deflection": x, "deflection_velocity": v, "duty": u, "damper_force": force, "sprung_acceleration": a,
         "unsprung_acceleration": np.zeros(n),
