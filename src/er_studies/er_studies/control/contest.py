@@ -176,8 +176,9 @@ def markdown(lines: Sequence[Line]) -> str:
     ]
     for line in lines:
         cells = " | ".join(f"{100.0 * v:+.1f}" for v in line.change)
-        worse = ", ".join(dominated_by(lines, line)) or "-"
-        rows.append(f"| {line.kind} | {line.fault} | {line.name} | {cells} | {worse} |")
+        names = dominated_by(lines, line)
+        worse = ", ".join(names) if len(names) < 4 else f"{len(names)} others"
+        rows.append(f"| {line.kind} | {line.fault} | {line.name} | {cells} | {worse or '-'} |")
     return "\n".join(rows)
 
 
