@@ -16,16 +16,17 @@ Source: thesis (6.12)-(6.17), figure 6.11; modes, ramps and what is held are our
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import NamedTuple, TypeAlias
 
 from er_models.errors import InputError
 from er_models.forms.loss import Factors
 
-from er_ftc_controller import force_loop, lpv
+from er_ftc_controller import force_loop, lpv, state_law
 from er_ftc_controller.force_loop import ForceLoop, LoopState, Motion
+from er_ftc_controller.state_law import StateLaw
 
 SLACK = 1e-9
 """Times that are closer are equal: stamps are sums of rounded periods [s]."""
@@ -81,12 +82,25 @@ class Ftc:
     """The LPV controller, the inner loop of the force, the rules of the modes.
 
     body: sprung mass [kg] and spring [N/m], which tell the force where no sample holds one; None: nothing does.
+    feedback: the scheduled state feedback, in charge while accelerations come; None: `law`, which needs the deflection
+    alone, always is.
     """
 
     law: lpv.Lpv
     loop: ForceLoop
     rules: Rules
     body: tuple[float, float] | None = None
+    feedback: StateLaw | None = None
+
+    @cached_property
+    def direct(self) -> ForceLoop:
+        """The force loop without a horizon: the state feedback reckons with the lag itself."""
+        return replace(self.loop, horizon=math.inf, dead_zone=0.0)
+
+    @cached_property
+    def rest(self) -> lpv.State:
+        """The first state of `law`."""
+        return lpv.start(self.law)
 
 
 class Sample(NamedTuple):
@@ -114,7 +128,8 @@ class Faults(NamedTuple):
 class Command(NamedTuple):
     """Duty [1]; its mode and why; force asked for and nearest that can be given [N]; rho; the factors in use.
 
-    x, v: the motion the force is meant for [m, m/s].
+    rho: of the LPV controller; of the state feedback the share of its gains that acts. x, v: the motion the force is
+    meant for [m, m/s].
     """
 
     duty: float
@@ -135,7 +150,8 @@ class State(NamedTuple):
     """Memory between samples.
 
     t: of the last call [s], None before; heard: of the last usable sample; share: of the controlled duty, 0 safe;
-    left: factors in use; aim: where they go; faults: last usable estimate; control, loop: of their own; command.
+    left: factors in use; aim: where they go; faults: last usable estimate; control, loop, feedback: of their own;
+    command.
     """
 
     t: float | None
@@ -148,10 +164,13 @@ class State(NamedTuple):
     control: lpv.State
     loop: LoopState
     command: Command
+    feedback: state_law.State = state_law.START
 
 
-Moved: TypeAlias = tuple[lpv.State, LoopState, float, float, float, tuple[float, float]]
-"""State of the controller and of the force loop; force wanted and given [N], rho, the motion it is meant for."""
+Moved: TypeAlias = tuple[
+    lpv.State, LoopState, state_law.State, float, float, float, tuple[float, float]
+]
+"""States of controller, force loop and state feedback; force wanted, given [N], rho, the motion it is meant for."""
 
 
 def start(p: Ftc) -> State:
@@ -183,14 +202,16 @@ def step(p: Ftc, state: State, t: float, sample: Sample | None) -> tuple[State, 
     running = awake and not lost
     share = min(max(state.share + _share_gained(p, dt, running=running), 0.0), 1.0)
     last = state.command
-    moved = (state.control, state.loop, last.wanted, last.given, last.rho, (last.x, last.v))
+    moved: Moved = (
+        state.control, state.loop, state.feedback, last.wanted, last.given, last.rho, (last.x, last.v),
+    )  # fmt: skip
     if usable and sample is not None:
         moved = _controlled(p, state, sample, dt)
-    control, loop, wanted, given, rho, motion = moved
+    control, loop, feedback, wanted, given, rho, motion = moved
     mode, reason = _mode(p, state, t, heard=heard, running=running, lost=lost)
     duty = p.rules.safe_duty + share * (loop.duty - p.rules.safe_duty)
     command = Command(duty, mode, reason, wanted, given, rho, state.left, *motion)
-    rest = (state.left, state.aim, state.faults, state.refused, control, loop, command)
+    rest = (state.left, state.aim, state.faults, state.refused, control, loop, command, feedback)
     return State(t, heard, share, *rest), command
 
 
@@ -212,8 +233,8 @@ def _aged(p: Ftc, state: State, t: float) -> tuple[State, float]:
     dt = 0.0 if state.t is None else t - state.t
     if not 0.0 <= dt <= p.rules.gap + SLACK:  # whoever applies duties has gone to the safe one
         state = state._replace(
-            heard=None, faults=None, share=0.0, control=lpv.start(p.law), loop=LoopState()
-        )
+            heard=None, faults=None, share=0.0, control=p.rest, loop=LoopState(), feedback=state_law.START,
+        )  # fmt: skip
         dt = 0.0
     if state.left == state.aim:
         return state, dt
@@ -244,10 +265,31 @@ def _controlled(p: Ftc, state: State, sample: Sample, dt: float) -> Moved:
     then = force_loop.ahead(x, v, rate, p.rules.ahead)
     if not _believed(p, *then):
         then = (x, v)
+    if (moved := _fed_back(p, state, loop, sample, then, dt)) is not None:
+        return moved
     control, asked = lpv.step(p.law, state.control, x, then, left, p.rules.restore)
     wanted, given, passive, gate, rho = asked
     loop, _ = force_loop.duty_for(p.loop, loop, given - passive, gate, dt, left)
-    return control, loop, wanted, given, rho, then
+    return control, loop, state_law.START, wanted, given, rho, then
+
+
+def _fed_back(
+    p: Ftc, state: State, loop: LoopState, sample: Sample, then: tuple[float, float], dt: float
+) -> Moved | None:
+    """The state feedback one sample on; None where it is not in charge."""
+    accelerations = (sample.sprung_acceleration, sample.unsprung_acceleration)
+    heard = math.isfinite(sum(accelerations)) or state.feedback.missing + dt <= p.rules.timeout
+    if p.feedback is None or not heard:
+        return None
+    left, damper = _factors(state.left), p.loop.damper
+    passive, gate = float(damper.passive(*then, left)), float(damper.gate(*then))
+    feedback, goal = state_law.step(
+        p.feedback, state.feedback, sample[:2], accelerations, loop.force, dt
+    )
+    low, high = sorted(damper.ends(passive, gate, p.loop.duties, left))
+    given = min(max(passive + goal, low), high)
+    loop, _ = force_loop.duty_for(p.direct, loop, given - passive, gate, dt, left)
+    return p.rest, loop, feedback, passive + goal, given, sum(feedback.shares), then
 
 
 @lru_cache(maxsize=4)

@@ -7,7 +7,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
+from er_models.constants import SAMPLE_TIME
 from er_models.errors import InputError
 from er_models.files import write_whole
 from er_models.gain_file import Document, digest, flat, read
@@ -16,6 +18,7 @@ from er_models.model import Model
 
 from er_ftc_controller.synthesis.certificate import proved
 from er_ftc_controller.synthesis.solution import Solution, Vertex
+from er_ftc_controller.synthesis.state_proof import Feedback, StateProof, failed, law_of, loops_of
 from er_ftc_controller.synthesis.weights import Plant, Weights, generalised_plant
 
 SCHEMA = "er_lpv_gains 1"
@@ -23,16 +26,21 @@ SCHEMA = "er_lpv_gains 1"
 
 @dataclass(frozen=True, eq=False)
 class Loaded:
-    """A proved controller: the plant it was made for, its vertices (scaled as the plant), hash of the content."""
+    """A proved controller: the plant it was made for, its vertices (scaled as the plant), hash of the content.
+
+    feedback: the state feedback, None in a file without one.
+    """
 
     plant: Plant
     solution: Solution
     digest: str
+    feedback: Feedback | None = None
 
 
 def save_gains(
-    path: str | Path, model: Model, plant: Plant, solution: Solution, notes: Mapping[str, Any]
-) -> None:
+    path: str | Path, model: Model, plant: Plant, solution: Solution, notes: Mapping[str, Any],
+    feedback: Feedback | None = None,
+) -> None:  # fmt: skip
     """Write a gain file, whole or not at all. The state of the controller has no unit; y is in m, u_er in N."""
     rate, road = plant.rate, plant.weights.road
     vertices = [
@@ -56,6 +64,8 @@ def save_gains(
         "status": solution.status,
         **notes,
     }
+    if feedback is not None:
+        content["state_feedback"] = _section(feedback)
     content["digest"] = digest(content)
     text = yaml.safe_dump(content, sort_keys=False, width=99, default_flow_style=None)
     write_whole(Path(path), text)
@@ -89,7 +99,29 @@ def load_gains(path: str | Path, model: Model) -> Loaded:
     _, failed = proved(plant, solution)
     if failed:
         raise InputError(path, "vertices", f"inequalities that hold ({again})", failed)
-    return Loaded(plant, solution, content["digest"])
+    feedback = _feedback(file, model, again) if "state_feedback" in content else None
+    return Loaded(plant, solution, content["digest"], feedback)
+
+
+def _section(feedback: Feedback) -> dict[str, Any]:
+    """The state feedback [SI] and its proof, scaled as `state_proof.loops_of`."""
+    law, proof = feedback
+    return {
+        "corner": law.corner, "K": flat(np.array(law.gains)), "gammas": list(proof.gammas),
+        "P": flat(proof.P), "P_sampled": flat(proof.P_sampled),
+    }  # fmt: skip
+
+
+def _feedback(file: Document, model: Model, again: str) -> Feedback:
+    """The state feedback of a file, proved again; `InputError` where it is not."""
+    at = "state_feedback"
+    gains, corner = file.matrix(f"{at}.K", (3, 5)), file.number(f"{at}.corner")
+    P, sampled = (file.matrix(f"{at}.{key}", (6, 6)) for key in ("P", "P_sampled"))
+    gammas = file.numbers(f"{at}.gammas", 4)
+    proof = StateProof(P, sampled, tuple(gammas.tolist()))
+    if why := failed(loops_of(model, list(gains), corner), proof, SAMPLE_TIME):
+        raise InputError(file.path, at, f"inequalities that hold ({again})", why)
+    return Feedback(law_of(model, gains, corner), proof)
 
 
 def _vertex(entry: Document, plant: Plant) -> Vertex:

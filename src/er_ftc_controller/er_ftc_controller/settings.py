@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
 from er_common.common_parameters import (
     NodeParameters,
     awaited_listeners,
@@ -12,6 +13,7 @@ from er_common.common_parameters import (
     sample_rate,
 )
 from er_common.parameter_table import REQUIRED, param, tuning
+from er_models.constants import SAMPLE_RATE
 from er_models.errors import InputError
 from er_models.model import Model
 from er_models.static_damper import static_damper
@@ -20,8 +22,12 @@ from er_ftc_controller import lpv
 from er_ftc_controller.control import Ftc, Rules
 from er_ftc_controller.force_loop import ForceLoop
 from er_ftc_controller.gains import Loaded
+from er_ftc_controller.state_law import StateLaw
+from er_ftc_controller.synthesis.solution import NoController
+from er_ftc_controller.synthesis.state_proof import falls, loops_of
 
 LAWS = ("fault_tolerant", "nominal")
+FEEDBACKS = ("state", "deflection")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,6 +40,11 @@ class FtcParameters(NodeParameters):
         "fault_tolerant",
         choices=LAWS,
         text="fault_tolerant: the forces asked for follow the faults; nominal: as if the damper were healthy",
+    )
+    feedback: str = param(
+        "state",
+        choices=FEEDBACKS,
+        text="state: scheduled state feedback while accelerations come; deflection: the LPV law of the thesis alone",
     )
     rate: float = sample_rate()
     u_min: float = tuning(REQUIRED, low=0.0, high=1.0, text="least duty")
@@ -154,4 +165,21 @@ def controller_of(p: FtcParameters, model: Model, loaded: Loaded) -> Ftc:
     )  # fmt: skip
     car = model.effects["quarter_car"]
     body = (car["m_s"], car["k_s"])
-    return Ftc(lpv.controller(loaded, damper, duties, p.mu, p.rate), loop, rules, body)
+    law = lpv.controller(loaded, damper, duties, p.mu, p.rate)
+    return Ftc(law, loop, rules, body, _feedback(p, model, loaded))
+
+
+def _feedback(p: FtcParameters, model: Model, loaded: Loaded) -> StateLaw | None:
+    """The state feedback, if it is asked for, the gains hold one, and it is proved for the rate; else none."""
+    if p.feedback == "deflection" or loaded.feedback is None:
+        return None
+    law, proof = loaded.feedback
+    loops, sample = loops_of(model, [np.array(k) for k in law.gains], law.corner), 1.0 / p.rate
+    if p.rate != SAMPLE_RATE and not falls(loops, proof.P_sampled, sample):
+        from er_ftc_controller.synthesis.state_solve import common
+
+        try:
+            return law if falls(loops, common(loops, sample), sample) else None
+        except NoController:
+            return None
+    return law

@@ -20,8 +20,10 @@ from rich.table import Table
 from er_ftc_controller.gains import save_gains
 from er_ftc_controller.synthesis.certificate import Certificate
 from er_ftc_controller.synthesis.lmi import Wish, passive_gamma
-from er_ftc_controller.synthesis.make import synthesise
+from er_ftc_controller.synthesis.make import synthesise, synthesise_feedback
 from er_ftc_controller.synthesis.solution import Solution
+from er_ftc_controller.synthesis.state_lqr import REGIMES
+from er_ftc_controller.synthesis.state_proof import LEAST, Feedback
 from er_ftc_controller.synthesis.study import HERTZ, Peaks, gains, passive_gains, peaks, trade_off
 from er_ftc_controller.synthesis.weights import radius_for, weights_for
 
@@ -75,13 +77,16 @@ def lpv_ftc(
     with _progress() as tick:
         tick("vertices")
         plant, solution, certificate = synthesise(car, weights, wish)
+        tick("state feedback")
+        feedback = synthesise_feedback(car)
         curve = trade_off(car, weights, wish.radius, tick) if pictures else []
     ends = [(f"rho = {k.rho:g}", gains(plant, k)) for k in solution.vertices]
     passive = passive_gains(car)
     notes: dict[str, Any] = {"wish": asdict(wish), "certificate": _plain(certificate)}
-    save_gains(out, car, plant, solution, notes)
+    save_gains(out, car, plant, solution, notes, feedback)
     found = [("passive", peaks(passive)), *((name, peaks(g)) for name, g in ends)]
     Console().print(_table(passive_gamma(plant), solution, certificate, found))
+    Console().print(_state_table(feedback))
     if pictures is not None:
         from er_ftc_controller.report.bode import bode_picture, trade_off_picture
 
@@ -123,6 +128,20 @@ def _table(passive: float, s: Solution, c: Certificate, found: list[tuple[str, P
     for row in rows:
         table.add_row(*row)
     table.caption = f"sampled at 200 Hz, any held rho: {c.mixed:.4f}; stable however rho jumps"
+    return table
+
+
+def _state_table(feedback: Feedback) -> Table:
+    """Gains of the regimes and the gain from the road that is proved with each, for people."""
+    table = Table(title="State feedback")
+    for name in ("", "z_def [N/m]", "z_s' [N s/m]", "z_t [N/m]", "z_us' [N s/m]", "F_er", "gamma"):
+        table.add_column(name, justify="right" if name else "left")
+    rows = zip(("none", *REGIMES), ((0.0,) * 5, *feedback.law.gains), feedback.proof.gammas)
+    for name, gain, gamma in rows:
+        table.add_row(name, *(f"{k:.4g}" for k in gain), f"{gamma:.3f}")
+    table.caption = (
+        f"proved for every mixture, f2 and f3 from {LEAST:g} to 1, however fast they change"
+    )
     return table
 
 

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
 from er_models.model import Model
 
 from er_ftc_controller.synthesis.certificate import Certificate, certify
 from er_ftc_controller.synthesis.lmi import Wish, solve
 from er_ftc_controller.synthesis.solution import Solution
+from er_ftc_controller.synthesis.state_lqr import CORNER, StateDesign, sizes_of, state_gains
+from er_ftc_controller.synthesis.state_proof import Feedback, law_of, loops_of
+from er_ftc_controller.synthesis.state_solve import prove
 from er_ftc_controller.synthesis.weights import (
     Plant,
     Weights,
@@ -38,3 +42,15 @@ def synthesise(model: Model, weights: Weights | None = None, wish: Wish | None =
     plant = generalised_plant(model, weights or weights_for(model))
     solution = solve(plant, wish or Wish(radius_for(model)))
     return Design(plant, solution, certify(plant, solution))
+
+
+def synthesise_feedback(model: Model, design: StateDesign | None = None) -> Feedback:
+    """The state feedback of a vehicle, proved.
+
+    Raises:
+        NoController: No quadratic function bears its gains and faults.
+        ErError: The model is no vehicle with a damper that lags.
+    """
+    corner = float(f"{2.0 * np.pi * CORNER * sizes_of(model).frequency:.4g}")
+    gains = np.array(state_gains(model, design or StateDesign()))
+    return Feedback(law_of(model, gains, corner), prove(loops_of(model, list(gains), corner)))

@@ -18,18 +18,23 @@ from er_studies.control.rivals import Law
 FAULTS = ("electrical_fault", "oil_leakage", "duct_deformation")
 """Effects of f1, f2, f3."""
 _NOISE = 7  # stream of random numbers beside the road's own
+_LOST = 8
 _TICK = 200  # samples from one word of how far a drive is to the next
 
 
 @dataclass(frozen=True)
 class Sensors:
-    """Standard deviations: accelerometers [m/s2], deflection [m], its velocity [m/s], force [N]; latency in samples."""
+    """Standard deviations: accelerometers [m/s2], deflection [m], its velocity [m/s], force [N]; latency in samples.
+
+    lost: share of the samples that reach neither controller nor estimator.
+    """
 
     acceleration: float = 0.025
     deflection: float = 2.0e-5
     velocity: float = 1.0e-3
     force: float = 0.15
     latency: int = 0
+    lost: float = 0.0
 
 
 class Told(NamedTuple):
@@ -90,6 +95,7 @@ def drive(
     state, out = initial_state(plant, float(road[0])), Output(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     ways = road[1:].reshape(-1, plant.n_sub)
     noise = _noise(sensors, len(ways) + 1, seed)
+    lost = np.random.default_rng([seed, _LOST]).random(len(ways) + 1) < sensors.lost
     mind, opinion = law.start(), watch.start()
     pending, told_duty = [0.0] * (sensors.latency + 1), 0.0
     rows, left, believed = [], [], []
@@ -101,12 +107,13 @@ def drive(
             state, out = step_plant(plant, state, (ways[k - 1], told_duty))
         seen = _seen(out, noise[k])
         sample = Sample(seen[2], seen[3], seen[0], seen[1], duty=told_duty)
-        mind, command = law.step(mind, t, sample)
+        mind, command = law.step(mind, t, None if lost[k] else sample)
         pending = [*pending[1:], command.duty]
         told_duty = pending[0] if sensors.latency else command.duty
-        opinion, faults = watch.step(opinion, Told(t, *seen[:4], told_duty, seen[4]))
-        if faults is not None:
-            mind = law.hear(mind, faults)
+        if not lost[k]:
+            opinion, faults = watch.step(opinion, Told(t, *seen[:4], told_duty, seen[4]))
+            if faults is not None:
+                mind = law.hear(mind, faults)
         rows.append((
             t, state.road, out.deflection, out.deflection_velocity, out.sprung_acceleration, float(state.q[2]),
             out.damper_force, told_duty, command.wanted, command.given, command.rho,

@@ -15,7 +15,7 @@ from er_models.files import write_whole
 from er_models.places import writable
 from rich.console import Console
 
-from er_studies.control import inner, tradeoff, whole_car
+from er_studies.control import contest_command, inner, tradeoff, whole_car
 from er_studies.control.closed_loop import known
 from er_studies.control.estimated import estimated
 from er_studies.control.run import WatchOf, compare, run, setup
@@ -42,6 +42,12 @@ From = Annotated[
 Seeds = Annotated[
     int | None, typer.Option(min=1, help="Number of random roads per scenario; all by default.")
 ]
+
+
+app.command("tune")(contest_command.tune_command)
+app.command("peers")(contest_command.peers_command)
+app.command("robust")(contest_command.robust_command)
+app.command("front")(contest_command.front_command)
 
 
 @app.command("compare")

@@ -16,7 +16,7 @@ from er_studies.control.measures import weighted
 from er_studies.control.run import Setup
 from er_studies.control.scenarios import Scenario
 
-BASE: Mapping[str, Any] = {"horizon": 0.01, "dead_zone": 0.05}
+BASE: Mapping[str, Any] = {"feedback": "deflection", "horizon": 0.01, "dead_zone": 0.05}
 """What all ways have in common where they do not say otherwise, beside the shipped parameters."""
 VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "inverse static model": {"horizon": 0.0, "least_gate": 0.0, "ahead": 0.0},

@@ -29,8 +29,8 @@ LAWS = (
 )  # fmt: skip
 """Controllers in the order they are shown.
 
-force_feedback: nominal, its loop corrected by the force that the accelerometer tells. faults_known: fault_tolerant,
-told the true faults.
+nominal: as if the damper were healthy. force_feedback: the LPV law of the deflection alone, nominal, its loop corrected
+by the force that the accelerometer tells. faults_known: fault_tolerant, told the true faults.
 """
 FEEDBACK = 0.3
 """Correction of the force loop with feedback."""
@@ -54,7 +54,7 @@ class Setup:
             return rivals.two_states(self.skyhook)
         p = replace(self.parameters, u_max=scenario.duty_max, latency=scenario.latency * DT)
         if name == "force_feedback":
-            p = replace(p, correction=FEEDBACK)
+            p = replace(p, feedback="deflection", correction=FEEDBACK)
         return self.built(p, nominal=name in ("nominal", "force_feedback"))
 
     def built(self, p: FtcParameters, *, nominal: bool = False) -> Law:

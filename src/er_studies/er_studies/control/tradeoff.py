@@ -1,4 +1,4 @@
-"""Deflection against comfort: what horizon, dead zone and mu cost and bring, against the passive car."""
+"""Deflection against comfort of the LPV law by the deflection alone: what horizon, dead zone and mu cost and bring."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ def points(
     found = []
     for done, change in enumerate(changes, 1):
         p = replace(
-            setup.parameters, u_max=scenario.duty_max, latency=scenario.latency * DT, **change
-        )
+            setup.parameters, feedback="deflection", u_max=scenario.duty_max, latency=scenario.latency * DT, **change,
+        )  # fmt: skip
         ours, nominal = (
             {f: _felt(setup, scenario, f, law, seeds) for f in faults}
             for law in (setup.built(p), setup.built(p, nominal=True))
