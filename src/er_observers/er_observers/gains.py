@@ -48,7 +48,7 @@ class Gains:
 
     plan: the observer; bridge: the model alone; watch: constants of its health; opening: of its
     start phase, None where it needs none or its states are not the relative ones; payload: whether the
-    sprung mass is estimated, where it can be; gas: share of the damper's own stiffness in all of it; spread (n,): of a start within the envelope; layout,
+    sprung mass is estimated, where it can be; spread (n,): of a start within the envelope; layout,
     reading, rules, mass: parts of the book that the loop takes, see `sample.book_of`;
     sees_deflection: whether the gains were made for a deflection sensor beside the accelerometers.
     """
@@ -61,7 +61,6 @@ class Gains:
     limits: Limits = LIMITS
     opening: Opening | None = None
     payload: bool = True
-    gas: float = 0.0
     spread: Array | None = None
     plan: Plan = field(init=False)
     bridge: Plan = field(init=False)
@@ -84,7 +83,7 @@ class Gains:
         object.__setattr__(self, "layout", layout_of(form.C.shape[0], form.n, law.order))
         object.__setattr__(self, "reading", np.concatenate([np.ravel(p) for p in parts]))
         object.__setattr__(self, "rules", rules_of(watch, self.limits))
-        object.__setattr__(self, "mass", numbers_of(form, self.limits.noise, self.gas, on=self.payload))
+        object.__setattr__(self, "mass", numbers_of(form, self.limits.noise, on=self.payload))
         book = book_of(self.plan, self.reading, self.rules, self.mass, self.layout)
         object.__setattr__(self, "book", book)
 
@@ -173,10 +172,7 @@ def load_gains(
     figures, name = file.at("certificate"), str(file.at("digest"))
     opening = _opening(model, claim, limits)
     spread = spread_of(model, claim.form)
-    k0, k_s = model.effects["passive"]["k0"], model.effects["quarter_car"]["k_s"]
-    gains = Gains(
-        observer, model.name, claim, figures, name, limits, opening, spread=spread, gas=k0 / (k0 + k_s)
-    )  # fmt: skip
+    gains = Gains(observer, model.name, claim, figures, name, limits, opening, spread=spread)
     key, rows = "certificate.discrete.duties", len(gains.plan.part("duties"))
     if file.number(key) != rows:
         raise InputError(path, key, f"{rows}, the substeps that run ({again})", file.at(key))

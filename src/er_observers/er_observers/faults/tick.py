@@ -34,9 +34,6 @@ from er_observers.faults.sums import ROWS, SIZE, N, add, misfit
 from er_observers.observers.compiled import compiled
 from er_observers.observers.copies import add_row, copy_row, scale_row
 
-_REAL = 25.0
-"""Mean square of the velocity over its variance: below, the gate sees noise, which as a column of the regression would
-look like a lost force."""
 _SAME = 0.1
 """Spread of duties over their mean below which they are one: a law of the field could be anything between."""
 _TRIES, _LOOSE, _TIGHTER, _EARLY, _FAR = 2, 0.1, 0.3, 5, 2.0
@@ -77,12 +74,13 @@ MEMORY = RAW.stop
 STORED = SIZE + WITHIN * TOLD
 """Places of a block in the window: its sum, and its samples."""
 ROOM = 4 * N + N * N + 2 * SIZE
-FORCE, VARIANCE, CUT, LEAST, KEPT, CALM, FRESH, ANEW, FADING = range(9)
-"""Places in the set-up (9,): noise of a given force, 0 for none; variance of the force [N2]; misfit that cuts the
+FORCE, VARIANCE, CUT, LEAST, KEPT, CALM, FRESH, ANEW, FADING, REAL = range(10)
+"""Places in the set-up (10,): noise of a given force, 0 for none; variance of the force [N2]; misfit that cuts the
 window, blocks before a verdict, share of the lessons kept per block, blocks kept in the window while all is well,
 blocks that are too young for lessons when the window is cut, blocks after a cut in which all is followed anew,
-share of a sample in the mean square of the velocity."""
-SETUP = FADING + 1
+share of a sample in the mean square of the velocity, and that over its variance below which samples do not count: the
+gate sees noise, which as a column of the regression would look like a lost force."""
+SETUP = REAL + 1
 
 
 @compiled
@@ -115,7 +113,7 @@ def run(
     _compare(memory, rows)
     v, variance = mind[V], mind[follow.COVARIANCE][V * STATES + V]
     counted[SHAKEN] += setup[FADING] * (v * v - counted[SHAKEN])
-    told[COUNTS] = 1.0 if counted[SHAKEN] > _REAL * variance else 0.0
+    told[COUNTS] = 1.0 if counted[SHAKEN] > setup[REAL] * variance else 0.0
     if told[COUNTS] > 0.0:
         _add(memory[BLOCK], rows, memory[EXPECTED])
         _count(memory[LEVELS], counted[DUTY])
@@ -242,6 +240,12 @@ def _single(levels: Array) -> float:
     return 1.0 if levels[2] / levels[0] < (1.0 + _SAME**2) * mean * mean else 0.0
 
 
+def _moved(counted: Array, window: Array) -> bool:
+    """Whether any sample counts in the window: one that holds none begins with the motion, as after a cut."""
+    places = (int(counted[HEAD]) - np.arange(int(counted[COUNT]))) % BLOCKS
+    return bool(np.any(window[places, ROWS] > 0.0))
+
+
 def close(
     p: Array, noise: Array, setup: Array, rules: Array, prior: Array, first: Array, room: Array,
     window: Array, memory: Array,
@@ -256,7 +260,9 @@ def close(
     surprise = misfit(block, ones, memory[EXPECTED]) / max(block[ROWS], 1.0)
     counted[QUIET] += 1.0
     enough = block[ROWS] >= 0.5 * WITHIN
-    if (
+    if enough and not _moved(counted, window):
+        counted[COUNT], counted[QUIET] = 0.0, 1.0
+    elif (
         enough
         and counted[QUIET] > setup[LEAST]
         and surprise > setup[CUT] * max(verdict[MISFIT], 1.0)

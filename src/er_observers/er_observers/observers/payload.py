@@ -24,9 +24,8 @@ what happens between two samples the integral takes the bend that the model give
 under field, which it cannot follow.
 
 Friction or hysteresis make something of nu as well, and so does what a fault takes from the damper: -C_{1v} v and
--C_{1f} F_er in place of y_1, the losses of damping and field; and both at once with -g C_{1x} x, g the share of the gas
-spring in the stiffness, a leak. So theta is only used as far as the mass alone explains nearly all of nu, but for a, and
-leaves little more of it than both losses together do, or the leak alone. Near the body's resonance a
+-C_{1f} F_er in place of y_1, the losses of damping and field. So theta is only used as far as the mass alone explains
+nearly all of nu, but for a, and leaves little more of it than both losses together do. Near the body's resonance a
 lighter damper moves the body much as a heavier body does: where neither explains clearly more, that is said. a is
 even in the motion, which the rest is not, and needs less. They count as known after ten times the time constant of
 the band, in motion. A car that stands keeps them, and learns anew when it moves again: loads change at rest.
@@ -84,29 +83,26 @@ FAR = 3.0
 FAINT = 0.1
 """Ratio off by so much must be seen above the noise of the accelerometers; else the car counts as standing."""
 
+(RATIO, EVEN, SPEED, GATE, MX, MF, MV, DX, DF, DV, EX, EF, EV, FX, FF, FV) = range(16)
+NU, MASS, DAMPING, BOTH, FIELD = range(16, 31, 3)
 (
-    RATIO, EVEN, SPEED, GATE, MX, MF, MV, DX, DF, DV, EX, EF, EV, FX, FF, FV, LX, LF, LV,
-) = range(19)  # fmt: skip
-NU, MASS, DAMPING, BOTH, FIELD, LEAK = range(19, 37, 3)
-(
-    POWER, MM, MN, NN, DD, DN, EE, EN, EM, HH, HN, DH, DE, HE, LL, LN, LE, TIME, STILL, UNDECIDED, LOAD,
-) = range(37, 58)  # fmt: skip
-SIZE = 58
-"""Numbers in the memory; NU, MASS, DAMPING, BOTH, FIELD and LEAK are the places of passes of the band, three numbers
-each; sums over mass M, nu N, damping D, asymmetry E, field H and leak L; UNDECIDED: whether a load and a loss are not told apart;
+    POWER, MM, MN, NN, DD, DN, EE, EN, EM, HH, HN, DH, DE, HE, TIME, STILL, UNDECIDED, LOAD,
+) = range(31, 49)  # fmt: skip
+SIZE = 49
+"""Numbers in the memory; NU, MASS, DAMPING, BOTH and FIELD are the places of passes of the band, three numbers each;
+sums over mass M, nu N, damping D, asymmetry E and field H; UNDECIDED: whether a load and a loss are not told apart;
 LOAD: ratio that was found since the car stood, 0 before that."""
 
 (
     ON, C_1X, C_1V, C_1F, F_C, PER_TAU, K_1, C_1,
-    APART_X, APART_V, APART_TYRE, LOW_EDGE, HIGH_EDGE, STANDING, STIFF_DUTY, YIELD, GAS,
-) = range(17)  # fmt: skip
-"""Places in the numbers (17,) of a model, with the symbols of the equations above: 1 where the regression is on; the
+    APART_X, APART_V, APART_TYRE, LOW_EDGE, HIGH_EDGE, STANDING, STIFF_DUTY, YIELD,
+) = range(16)  # fmt: skip
+"""Places in the numbers (16,) of a model, with the symbols of the equations above: 1 where the regression is on; the
 sprung acceleration by deflection [1/s2], velocity [1/s] and force [1/kg]; yield force at duty 1 [N], 1 / tau [1/s], the
 gate's k_1 [1/m] and c_1 [s/m]; the relative acceleration by deflection [1/s2], velocity [1/s] and the tyre's deflection
 [1/s2]; edges of the band [rad/s]; power of S over the sample time below which the car counts as standing [m2/s3]; duty
-above which the open gate damps more than the rest of the damper; place of the yield force in the state;
-share of the gas spring in the stiffness."""
-NUMBERS = GAS + 1
+above which the open gate damps more than the rest of the damper; place of the yield force in the state."""
+NUMBERS = YIELD + 1
 
 
 class Verdict(IntEnum):
@@ -145,11 +141,11 @@ class Payload(NamedTuple):
         return self.verdict.name.lower().replace("_", " ")
 
 
-def numbers_of(form: LinearForm, noise: float, gas: float, *, on: bool = True) -> Array:
-    """What the regression takes of a model (17,); all zero where it is off.
+def numbers_of(form: LinearForm, noise: float, *, on: bool = True) -> Array:
+    """What the regression takes of a model (16,); all zero where it is off.
 
     Needs both accelerometers, no deflection sensor, and a yield force that only the gate drives. noise: of the
-    accelerometers [m/s2]; gas: share of the stiffness that a leak takes.
+    accelerometers [m/s2].
     """
     at = int(np.argmax(np.abs(form.B)))
     lone = not np.any(np.delete(form.A[at], at)) and not form.C[0, 2]
@@ -160,7 +156,7 @@ def numbers_of(form: LinearForm, noise: float, gas: float, *, on: bool = True) -
     numbers[C_1X], numbers[C_1V], numbers[C_1F] = form.C[0, 0], form.C[0, 1], form.C[0, at]
     numbers[F_C], numbers[PER_TAU] = -form.B[at] / form.A[at, at], -form.A[at, at]
     numbers[K_1], numbers[C_1] = form.Gamma[:2]
-    numbers[YIELD], numbers[GAS] = at, gas
+    numbers[YIELD] = at
     numbers[[APART_X, APART_V, APART_TYRE]] = (form.C[0] - form.C[1])[:3]
     low, high = (share * math.sqrt(-form.C[0, 0]) for share in BAND)
     numbers[LOW_EDGE], numbers[HIGH_EDGE] = low, high
@@ -170,14 +166,14 @@ def numbers_of(form: LinearForm, noise: float, gas: float, *, on: bool = True) -
 
 
 def begin() -> Array:
-    """Memory (58,) before anything is known."""
+    """Memory (49,) before anything is known."""
     memory = np.zeros(SIZE)
     memory[RATIO], memory[SPEED] = 1.0, math.nan
     return memory
 
 
 def interrupted(memory: Array) -> Array:
-    """Memory (58,) where the next sample does not follow this one: what was learnt stays."""
+    """Memory (49,) where the next sample does not follow this one: what was learnt stays."""
     kept = memory.copy()
     kept[SPEED] = math.nan
     return kept
@@ -194,7 +190,7 @@ def told(memory: Array, y: Array) -> Array:
 
 
 def said(numbers: Array, memory: Array) -> Payload:
-    """What a memory (58,) says."""
+    """What a memory (49,) says."""
     ratio, even = float(memory[RATIO]), float(memory[EVEN])
     if not numbers[ON] or not memory[TIME] > 0.0:
         idle = Verdict.NOT_EXCITED if numbers[ON] else Verdict.OFF
@@ -251,22 +247,19 @@ def _told(left: float, lost: float) -> float:
 
 @compiled
 def _left_by_losses(memory: Array, left: float) -> float:
-    """Sum of squares that losses of damping and field leave of that which the asymmetry leaves, or a leak alone."""
+    """Sum of squares that losses of damping and field leave of that which the asymmetry leaves."""
     per, of_d, of_h = 1.0 / memory[EE], memory[DE], memory[HE]
     dn = memory[DN] - of_d * memory[EN] * per
     hn = memory[HN] - of_h * memory[EN] * per
     dd = memory[DD] - of_d * of_d * per
     hh = memory[HH] - of_h * of_h * per
     dh = memory[DH] - of_d * of_h * per
-    ln = memory[LN] - memory[LE] * memory[EN] * per
-    ll = memory[LL] - memory[LE] ** 2 * per
-    leak = left - ln * ln / ll if ll > 0.0 else left
     if dd > 0.0:
         left -= dn * dn / dd
         hn, hh = hn - dh * dn / dd, hh - dh * dh / dd
     if hh > 1e-6 * memory[HH]:
         left -= hn * hn / hh
-    return float(max(min(left, leak), 0.0))
+    return float(max(left, 0.0))
 
 
 @compiled
@@ -329,7 +322,7 @@ def learn(
     p: Array, memory: Array, a_0: float, b_0: float, a_1: float, b_1: float, v: float, s: float,
     f: float, rho: float, dt: float,
 ) -> None:  # fmt: skip
-    """Take a sample into the memory (58,), in place, and move the ratio in use.
+    """Take a sample into the memory (49,), in place, and move the ratio in use.
 
     p: of `numbers_of`; a, b: sprung and unsprung acceleration at its beginning and end [m/s2]; v: the observer's
     relative velocity [m/s], s: its gate's input and f: its yield force [N] at the end; rho: duty in force during it.
@@ -344,9 +337,6 @@ def learn(
     damping = _respond(p, memory, DX, -p[C_1V] * v, drive, keep, dt)
     even = _respond(p, memory, EX, -p[C_1V] * abs(v), drive, keep, dt)
     field = _respond(p, memory, FX, -p[C_1F] * f, drive, keep, dt)
-    x = (s - p[C_1] * v) / p[K_1]
-    all_lost = -p[GAS] * p[C_1X] * x - p[C_1V] * v - p[C_1F] * f
-    leak = _respond(p, memory, LX, all_lost, drive, keep, dt)
     speed = v - (memory[RATIO] - 1.0) * memory[MV] - memory[EVEN] * memory[EV]
     change, rise = 0.5 * (a_0 - b_0 + a_1 - b_1), (a_1 - b_1 - a_0 + b_0) / dt
     bend = p[APART_X] * change + p[APART_V] * rise + p[APART_TYRE] * 0.5 * (b_0 + b_1)
@@ -354,8 +344,8 @@ def learn(
     memory[SPEED], memory[GATE] = speed, s
     passes = s * s_0 < 0.0 or min(abs(s), abs(s_0)) < OPEN
     if (rho > p[STIFF_DUTY] and passes) or not math.isfinite(nu):
-        nu = mass = damping = even = field = leak = 0.0
-    _weigh(p, memory, nu, mass, damping, even, field, leak, dt)
+        nu = mass = damping = even = field = 0.0
+    _weigh(p, memory, nu, mass, damping, even, field, dt)
 
 
 @compiled
@@ -367,13 +357,13 @@ def _trust(square: float, usual: float) -> float:
 @compiled
 def _weigh(
     p: Array, memory: Array, nu: float, mass: float, damping: float, even: float, field: float,
-    leak: float, dt: float,
+    dt: float,
 ) -> None:  # fmt: skip
     """Band, sums and the ratio in use, from the changes over a sample."""
     low, high = 1.0 / (1.0 + dt * p[LOW_EDGE]), dt * p[HIGH_EDGE] / (1.0 + dt * p[HIGH_EDGE])
     n, m = _pass(memory, NU, nu, low, high), _pass(memory, MASS, mass, low, high)
     d, b = _pass(memory, DAMPING, damping, low, high), _pass(memory, BOTH, even, low, high)
-    h, k = _pass(memory, FIELD, field, low, high), _pass(memory, LEAK, leak, low, high)
+    h = _pass(memory, FIELD, field, low, high)
     memory[POWER] += (1.0 - low) * (m * m - memory[POWER])
     if memory[POWER] > p[STANDING] * dt:
         if memory[STILL] > REST:
@@ -400,9 +390,6 @@ def _weigh(
         memory[DH] += counts * d * h
         memory[DE] += counts * d * b
         memory[HE] += counts * h * b
-        memory[LL] += counts * k * k
-        memory[LN] += counts * k * n
-        memory[LE] += counts * k * b
         memory[TIME] = forget * memory[TIME] + counts
     else:
         memory[STILL] += dt
