@@ -62,7 +62,7 @@ def test_no_road_makes_a_healthy_damper_faulty(car: Model, number: int) -> None:
     group = replace(GROUPS[0], seconds=20.0)
     trial = trial_of(group, SEED, number)
     assert trial.road in COURSES
-    found = found_in(group, trial, car, estimator(car))
+    found = found_in(trial, car, estimator(car))
     assert (found.wrong, found.last, found.unexplained) == ((), "NONE", 0.0)
 
 
@@ -70,14 +70,14 @@ def test_no_road_makes_a_healthy_damper_faulty(car: Model, number: int) -> None:
 def test_what_is_no_fault_is_not_named_one(car: Model, name: str) -> None:
     (group,) = (replace(g, seconds=20.0) for g in GROUPS if g.name == name)
     for number in (1, 8):
-        assert found_in(group, trial_of(group, SEED, number), car, estimator(car)).wrong == ()
+        assert found_in(trial_of(group, SEED, number), car, estimator(car)).wrong == ()
 
 
 @pytest.mark.parametrize("name", ["f1 = 0.5", "f2 = 0.6", "f3 = 0.6"])
 def test_a_fault_is_named_and_measured_on_roads_of_every_class(car: Model, name: str) -> None:
     (group,) = (g for g in GROUPS if g.name == name)
     for number in (0, 2, 4):
-        found = found_in(group, trial_of(group, SEED, number), car, estimator(car))
+        found = found_in(trial_of(group, SEED, number), car, estimator(car))
         assert found.named <= IN_TIME
         assert found.error <= CLOSE
         assert (found.wrong, found.doubted) == ((), False)

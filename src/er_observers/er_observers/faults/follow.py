@@ -198,7 +198,14 @@ def _bend(bends: Array, before: float, change: float) -> tuple[float, float]:
 
 @compiled
 def _widen(
-    law: Array, belief: Belief, dt: float, change: float, ramp: Array, mind: Array, P: Array, B: Array
+    law: Array,
+    belief: Belief,
+    dt: float,
+    change: float,
+    ramp: Array,
+    mind: Array,
+    P: Array,
+    B: Array,
 ) -> None:
     """Add to P (5, 5), in place, what a loose belief and the rest of a bend may do, and to B (5, 3) what bends do.
 
@@ -229,9 +236,16 @@ def _even_out(P: Array) -> None:
 
 @compiled
 def _pass(
-    law: Array, turn: Array, bend: tuple[float, float], dt: float, at: Array, end: Array, T: Array, columns: int
+    law: Array,
+    turn: Array,
+    bend: tuple[float, float],
+    dt: float,
+    at: Array,
+    end: Array,
+    T: Array,
+    columns: int,
 ) -> None:
-    """State at the end of a sample of dt [s] that begins at `at`, whose road has the mean rate at[R], and derivatives."""
+    """State at the end of a sample of dt [s] that begins at `at`, at[R] the mean rate of its road, and derivatives."""
     by, fixed = bend
     change = by * at[R] + fixed
     T[:, :COLUMNS] = 0.0
@@ -293,6 +307,29 @@ def _improved(
 
 
 @compiled
+def _lean(h: Array, S: Array, phi: Array) -> None:
+    """Fill phi (n,) with how a sensor leans on what the state leans on by S (5, n)."""
+    for i in range(phi.size):
+        phi[i] = 0.0
+        for j in range(STATES):
+            phi[i] += h[j] * S[j, i]
+
+
+@compiled
+def _turn(p: Array, q: int, turn: Array, given: bool, z: Array, phi: Array) -> None:
+    """Add, in place, what the unknowns change in the force that a sensor feels."""
+    for i in range(N):
+        f = turn[i, STIFF] * z[X] + turn[i, VISCOUS] * z[V] + turn[i, FIELD] * z[F_ER]
+        f += turn[i, OFFSET]
+        if q == 0:
+            phi[i] += f / p[M_US]
+        elif given:
+            phi[i] += f if i != 3 else 0.0
+        else:
+            phi[i] -= f / p[M_S]
+
+
+@compiled
 def _correct(
     p: Array, q: int, turn: Array, given: bool, z: Array, h: Array, error: float, noise: float,
     P: Array, S: Array, B: Array, rest: Array, rows: Array,
@@ -302,32 +339,17 @@ def _correct(
         rows[q - 1, N + 1] = 0.0
     if not math.isfinite(error):
         return
-    g, phi = P @ h, np.empty(N)
+    g, phi, bent = P @ h, np.empty(N), np.empty(BENDS)
     spread = h @ g + noise**2
     error -= float(h @ rest)
-    for i in range(N):
-        phi[i] = 0.0
-        for j in range(STATES):
-            phi[i] += h[j] * S[j, i]
-        if q in (0, 3):
-            f = turn[i, STIFF] * z[X] + turn[i, VISCOUS] * z[V] + turn[i, FIELD] * z[F_ER]
-            f += turn[i, OFFSET]
-            if q == 0:
-                phi[i] += f / p[M_US]
-            elif given:
-                phi[i] += f if i != 3 else 0.0
-            else:
-                phi[i] -= f / p[M_S]
+    _lean(h, S, phi)
+    _lean(h, B, bent)
+    if q in (0, 3):
+        _turn(p, q, turn, given, z, phi)
     if q > 0:
-        copy_row(phi, rows[q - 1])
+        copy_row(phi, rows[q - 1, :N])
         rows[q - 1, N], rows[q - 1, N + 1] = error, spread
-    bent = np.empty(BENDS)
-    for i in range(BENDS):
-        bent[i] = 0.0
-        for j in range(STATES):
-            bent[i] += h[j] * B[j, i]
-        if q > 0:
-            rows[q - 1, N + 2 + i] = bent[i]
+        copy_row(bent, rows[q - 1, N + 2 :])
     for i in range(STATES):
         share = g[i] / spread
         rest[i] += share * error

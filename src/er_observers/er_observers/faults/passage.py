@@ -4,10 +4,11 @@ r"""Car and damper between two samples, and what every unknown changes in it, co
            \quad \dot w = \tfrac{k_t}{m_{us}} (v + r), \quad \dot r = f / m_s + a
 
 with f = k_s x + F_d + b of (2.1) and (6.8), 1 / mu the mass of both bodies against one another, w the acceleration that
-the tyre gives the wheel, r the rate of the road less that of the body, and a the slope of the road's rate. Under a field a damper that does not yield
-is a spring on which the wheel swings some hundred times a second: no curve through two samples shows that, but these
-equations do. A piece is an implicit midpoint step; the gate acts with its mean along the piece and the field with the
-mean of its own answer, so the one unknown is where the gate ends, and no response time is too short.
+the tyre gives the wheel, r the rate of the road less that of the body, and a the slope of the road's rate. Under a
+field a damper that does not yield is a spring on which the wheel swings some hundred times a second: no curve through
+two samples shows that, but these equations do. A piece is an implicit midpoint step; the gate acts with its mean along
+the piece and the field with the mean of its own answer, so the one unknown is where the gate ends, and no response time
+is too short.
 
 Source: thesis (2.1), (2.10), (6.8); Quispel and McLaren 2008 (average vector field).
 """
@@ -32,12 +33,13 @@ COLUMNS = RAMP + 1
 LONGEST, PIECES = 0.3125e-3, 16
 """Longest piece of a sample [s], and the most pieces of one: as many as a sample of 200 Hz has."""
 (
-    STIFF, VISCOUS, FIELD, OFFSET, LAG, BY_X, BY_V, PER_MASS, BODY, PUSH, TYRE, HEIGHT, KEPT, MEAN, PIECE, HALF, COUNT, SLOPE,
+    STIFF, VISCOUS, FIELD, OFFSET, LAG, BY_X, BY_V, PER_MASS, BODY, PUSH, TYRE, HEIGHT, KEPT, MEAN, PIECE, HALF, COUNT,
+    SLOPE,
 ) = range(18)  # fmt: skip
 """Places in the law (18,): f = STIFF x + VISCOUS v + FIELD F_er + OFFSET; response time and gate; mu, what a force
 gives the body, what the body has besides; tyre over wheel; height of the gate; what a piece leaves of F_er, and the
-share of it that acts in the mean; length of a piece; what half a piece takes from v; number of pieces; slope of the road's rate
-[m/s2]."""
+share of it that acts in the mean; length of a piece; what half a piece takes from v; number of pieces; slope of the
+road's rate [m/s2]."""
 LAW = 18
 TURNED = 7
 """Columns of `turn` (N, 7): derivatives of the law's first seven places by the unknowns."""
@@ -150,7 +152,11 @@ def _piece(law: Array, turn: Array, z: Array, T: Array, columns: int) -> None:
         dv_1 = d_base - d_pull * gate - v_1 * d_half - pull * (early * d_0 + late * bare)
         dv_1 /= whole + pull * late * lean
         d_gate = early * d_0 + late * (bare + lean * dv_1)
-        T[X, j], T[V, j], T[R, j] = dx + 0.5 * h * (dv + dv_1), dv_1, dr + h * (law[BODY] * d_f + d_slope)
+        T[X, j], T[V, j], T[R, j] = (
+            dx + 0.5 * h * (dv + dv_1),
+            dv_1,
+            dr + h * (law[BODY] * d_f + d_slope),
+        )
         T[F_ER, j] = law[KEPT] * df + d_kept * (force - law[HEIGHT] * gate)
         T[F_ER, j] += (1.0 - law[KEPT]) * law[HEIGHT] * d_gate
         T[W, j] = dw + h * law[TYRE] * (0.5 * (dv + dv_1) + d_rate)

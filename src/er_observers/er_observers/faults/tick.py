@@ -1,10 +1,10 @@
 """One sample of the fault estimator in one compiled call: motion, regression, blocks; and, per block, a verdict.
 
-The memory between samples is one array: what is counted (8,), how the road bends, the follower, verdict, what is expected (N,), the block
-that fills up, what the healthy damper has taught (SIZE,), number, sum and sum of squares of the duties with a field,
-and the samples of the block. The window of finished blocks, each its sum and its samples, changes once a block only and
-is kept apart. After a cut the samples since then are followed anew at the end of every block, with what is expected by
-then: rows are derivatives, and those of a healthy damper lead a faulty one astray.
+The memory between samples is one array: what is counted (8,), how the road bends, the follower, verdict, what is
+expected (N,), the block that fills up, what the healthy damper has taught (SIZE,), number, sum and sum of squares of
+the duties with a field, and the samples of the block. The window of finished blocks, each its sum and its samples,
+changes once a block only and is kept apart. After a cut the samples since then are followed anew at the end of every
+block, with what is expected by then: rows are derivatives, and those of a healthy damper lead a faulty one astray.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Large numbers of drives on continuous roads of every kind: what the fault estimator names, and what it leaves open."""
+"""Hundreds of drives on continuous roads of every kind: what the fault estimator names, and what it leaves open."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from er_models.model import Model
 from er_models.orphan import end_with_parent
 from er_models.parallel import cores
 from er_observers.faults.ready import ready
+from er_observers.faults.rules import Estimator
 from er_observers.faults.sample import Kind
 
 from er_studies.faults.acceptance import NAMED, follow, moving
@@ -32,8 +33,10 @@ _QUIET = tuple(COURSES[:5]) + COURSES
 
 @dataclass(frozen=True)
 class Group:
-    """Drives of one kind. left: what the fault leaves; from_start: it is there from the first sample on, else it appears
-    after 6 to 10 s; grows: see `Trial`; hidden: what the model does not know; seconds: length of a drive.
+    """Drives of one kind.
+
+    left: what the fault leaves; from_start: it is there from the first sample on, else it appears after 6 to 10 s;
+    grows: see `Trial`; hidden: what the model does not know; seconds: length of a drive.
     """
 
     name: str
@@ -63,10 +66,12 @@ GROUPS = (*HEALTHY, *FAULTY)
 
 
 class Found(NamedTuple):
-    """Of one drive. road; wrong: kinds of fault that were named and are not there; unexplained: share of the time;
+    """Of one drive.
 
-    named: motion until the fault had its name [s], inf without; error: greatest of its factors after `IN_TIME` s of
-    motion, and at the end; moved: motion after the fault [s]; last: the kind at the end; doubted: whether something is unexplained then.
+    wrong: kinds of fault that were named and are not there; unexplained: share of the time; named: motion until the
+    fault had its name [s], inf without; error: greatest of its factors after `IN_TIME` s of motion, and at the end;
+    moved: motion after the fault [s]; last: the kind at the end; doubted: whether something is unexplained then;
+    left_open: whether a fault was ever said to be there whose kind is open.
     """
 
     road: str
@@ -78,6 +83,7 @@ class Found(NamedTuple):
     moved: float
     last: str
     doubted: bool
+    left_open: bool
 
 
 def trial_of(group: Group, seed: int, number: int) -> Trial:
@@ -93,7 +99,7 @@ def trial_of(group: Group, seed: int, number: int) -> Trial:
     )  # fmt: skip
 
 
-def found_in(group: Group, trial: Trial, model: Model, p: Any) -> Found:
+def found_in(trial: Trial, model: Model, p: Estimator) -> Found:
     """What the estimator makes of a drive."""
     record = drive(trial, model)
     said = follow(p, record)
@@ -101,17 +107,22 @@ def found_in(group: Group, trial: Trial, model: Model, p: Any) -> Found:
     moved = np.cumsum(moving(record, model)[begun:]) * DT
     right = NAMED[next(iter(trial.left))] if len(trial.left) == 1 else Kind.COMBINED
     right = right if trial.left else Kind.NONE
-    others = {e.kind.name for e in said if e.kind not in (right, Kind.NONE, Kind.SOME, Kind.UNKNOWN)}
-    early = {e.kind.name for e in said[: round(max(trial.fault_time, 0.0) / DT)] if e.kind > Kind.NONE}
+    others = {
+        e.kind.name for e in said if e.kind not in (right, Kind.NONE, Kind.SOME, Kind.UNKNOWN)
+    }
+    early = {
+        e.kind.name for e in said[: round(max(trial.fault_time, 0.0) / DT)] if e.kind > Kind.NONE
+    }
     hits = [k for k in range(begun, len(said)) if said[k].kind is right]
     then = begun + min(int(np.searchsorted(moved, IN_TIME)), moved.size - 1)
     errors = [
-        max((abs(said[k].factors[int(f[1]) - 1] - v) for f, v in trial.left.items()), default=0.0) for k in (then, -1)
+        max((abs(said[k].factors[int(f[1]) - 1] - v) for f, v in trial.left.items()), default=0.0)
+        for k in (then, -1)
     ]
     return Found(
         trial.road, tuple(sorted(others | early)), float(np.mean([e.unexplained for e in said])),
         float(moved[hits[0] - begun]) if hits else math.inf, *errors, float(moved[-1]), said[-1].kind.name,
-        said[-1].unexplained,
+        said[-1].unexplained, any(e.kind is Kind.SOME for e in said),
     )  # fmt: skip
 
 
@@ -126,7 +137,7 @@ def _begin_worker(model: Model) -> None:
 def _work(job: tuple[Group, int, int]) -> Found:
     group, seed, number = job
     model, p = _WORKER["here"]
-    return found_in(group, trial_of(group, seed, number), model, p)
+    return found_in(trial_of(group, seed, number), model, p)
 
 
 def statistics(

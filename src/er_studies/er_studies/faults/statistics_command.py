@@ -51,7 +51,10 @@ def _print(
     console: Console, asked: Sequence[Group], found: dict[str, list[Found]], seed: int
 ) -> None:
     """The tables of drives without faults and with."""
-    quiet = Table("drives", "road", "number", "a fault named", "unexplained", "of the time", title=f"No fault, seed {seed}")
+    quiet = Table(
+        "drives", "road", "number", "a fault named", "one that is open", "unexplained", "of the time",
+        title=f"No fault, seed {seed}",
+    )  # fmt: skip
     faulty = Table(
         "drives", "road", "number", f"named within {IN_TIME:g} s", f"all factors within {CLOSE:g} then", "at the end",
         "median s to name", "another fault named", "unexplained at the end", title=f"Faults, seed {seed}",
@@ -60,9 +63,8 @@ def _print(
         for road in ("all", *_ROADS):
             some = [f for f in found[group.name] if road == "all" or f.road.startswith(road)]
             if some:
-                (faulty if group.left else quiet).add_row(
-                    group.name if road == "all" else "", road, str(len(some)), *(_faulty if group.left else _quiet)(some)
-                )  # fmt: skip
+                table, cells = (faulty, _faulty(some)) if group.left else (quiet, _quiet(some))
+                table.add_row(group.name if road == "all" else "", road, str(len(some)), *cells)
     for table in (quiet, faulty):
         if table.row_count:
             console.print(table)
@@ -70,7 +72,9 @@ def _print(
 
 def _quiet(some: Sequence[Found]) -> list[str]:
     share = 100.0 * float(np.mean([f.unexplained for f in some]))
-    return [_count(some, [bool(f.wrong) for f in some]), _count(some, [f.unexplained > 0.0 for f in some]), f"{share:.1f} %"]
+    named, left_open = [bool(f.wrong) for f in some], [f.left_open for f in some]
+    doubted = [f.unexplained > 0.0 for f in some]
+    return [*(_count(some, yes) for yes in (named, left_open, doubted)), f"{share:.1f} %"]
 
 
 def _faulty(some: Sequence[Found]) -> list[str]:
