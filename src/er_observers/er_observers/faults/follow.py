@@ -49,11 +49,11 @@ SEEN = 5
 STATE, COVARIANCE, LEAN = slice(0, 5), slice(5, 30), slice(30, 30 + STATES * N)
 BENDS = 3
 BENT = slice(LEAN.stop, LEAN.stop + STATES * BENDS)
-BEFORE, CHANGE, ROUGH = range(BENT.stop, BENT.stop + 3)
-SIZE = ROUGH + 1
+BEFORE, CHANGE, ROUGH, UNDER_WAY = range(BENT.stop, BENT.stop + 4)
+SIZE = UNDER_WAY + 1
 """A follower (SIZE,): state (5,), covariance (5, 5), how the state leans on the unknowns (5, N) and on the bends of the
 road (5, 3), the acceleration of the body that was seen last [m/s2], the last change of the road's rate from sample to
-sample [m/s], NaN before there was one, and the mean square of these changes of late [m2/s2]."""
+sample [m/s], the mean square of these changes of late [m2/s2], and 1 once there was one."""
 ROW = N + 2 + BENDS
 """A row: derivative of an innovation by the unknowns (N,), the innovation, its variance (0: nothing was seen), and its
 derivatives by both shares of the bend and by what is left of it, in its deviations."""
@@ -111,7 +111,6 @@ def begin(p: Array, noise: Array, x: float, v: float, mind: Array) -> None:
     z[X], z[V] = x, v if known else 0.0
     P[X, X], P[V, V] = noise[1] ** 2, noise[2] ** 2 if known else 1e6 * noise[2] ** 2
     P[F_ER, F_ER], P[W, W] = (0.3 * p[SIGMA]) ** 2, (_WIDE * noise[0]) ** 2
-    mind[CHANGE] = math.nan
 
 
 @compiled
@@ -120,7 +119,7 @@ def advance(rig: Rig, belief: Belief, step: Step, mind: Array, rows: Array) -> N
     p, known, given = rig.p, belief.known, rig.force_noise > 0.0
     z, P = mind[STATE], mind[COVARIANCE].reshape((STATES, STATES))
     S, before = mind[LEAN].reshape((STATES, N)), z[R]
-    B, bend = mind[BENT].reshape((STATES, BENDS)), _bend(belief.bends, before, mind[CHANGE])
+    B, bend = mind[BENT].reshape((STATES, BENDS)), _bend(belief.bends, before, mind)
     law, turn = np.empty(LAW), np.empty((N, TURNED))
     prescribe(p, known, step.duty, step.dt, _push(step.seen, given, mind), law, turn)
     _free_the_road(rig.noise, P, S)
@@ -185,15 +184,15 @@ def _look(rig: Rig, seen: Array, loose: float, measured: Array, r: Array) -> Non
 
 
 @compiled
-def _bend(bends: Array, before: float, change: float) -> tuple[float, float]:
+def _bend(bends: Array, before: float, mind: Array) -> tuple[float, float]:
     """By how much the road's rate changes within a sample: its derivative by the mean rate, and what it is at 0 [m/s].
 
-    before: mean rate of the sample before, change: from the one before that [m/s].
+    before: mean rate of the sample before [m/s].
     """
-    if not math.isfinite(change):
+    if mind[UNDER_WAY] <= 0.0:
         return 0.0, 0.0
     by = bends[0] + 0.5 * bends[1]
-    return by, -by * before - 0.5 * bends[1] * change
+    return by, -by * before - 0.5 * bends[1] * mind[CHANGE]
 
 
 @compiled
@@ -215,7 +214,7 @@ def _widen(
     P[F_ER, F_ER] += (_ALSO * belief.loose) ** 2
     mind[ROUGH] += _LATE * (change * change - mind[ROUGH])
     rest = belief.bends[2] * math.sqrt(mind[ROUGH]) / dt
-    known, second = math.isfinite(mind[CHANGE]), change - mind[CHANGE]
+    known, second = mind[UNDER_WAY] > 0.0, change - mind[CHANGE]
     for i in range(STATES):
         for j in range(STATES):
             P[i, j] += rest * rest * ramp[i] * ramp[j]
@@ -223,7 +222,7 @@ def _widen(
         if known:
             B[i, 0] += change / dt * ramp[i]
             B[i, 1] += 0.5 * second / dt * ramp[i]
-    mind[CHANGE] = change
+    mind[CHANGE], mind[UNDER_WAY] = change, 1.0
 
 
 @compiled
