@@ -220,7 +220,7 @@ def followed(car: Model, record: Drive) -> tuple[Array, Array]:
     first = record.samples[0]
     follow.begin(p.p, p.noise, first.deflection, math.nan, mind)
     rig = follow.Rig(p.p, p.noise, 0.0)
-    belief = follow.Belief(p.first[: sums.N], 0.0, 0.0)
+    belief = follow.Belief(p.first[: sums.N], 0.0, np.zeros(follow.BENDS))
     errors, found, duty = [], [], first.duty
     for s, true in zip(record.samples[1:], record.motion[1:], strict=True):
         seen = np.array([*s[1:5], math.nan])
@@ -243,14 +243,26 @@ def test_the_follower_knows_how_wrong_it_is_and_errs_on_its_own(car: Model) -> N
         assert abs(float(np.corrcoef(each[1:], each[:-1])[0, 1])) < 4.0 / math.sqrt(each.size)
 
 
+def test_how_a_road_bends_is_learnt(car: Model) -> None:
+    """A smooth one goes on as it did; one that is straight between samples does not bend at all."""
+    trial, p = Trial(1005, duration=8.0, road="bumps"), estimator(car)
+    for straight, bends in ((False, 1.0), (True, 0.0)):
+        samples = drive(replace(trial, straight=straight), car).samples
+        state = start(p, samples[0])
+        for sample in samples[1:]:
+            state, _ = step(p, state, sample)
+        assert state.memory[tick.BENDS][0] == pytest.approx(bends, abs=0.3)
+        assert state.memory[tick.BENDS][2] < 0.3
+
+
 def test_the_derivatives_of_a_sample_are_those_of_its_end(car: Model) -> None:
-    """By state and unknowns, against differences; also for a damper without response time."""
+    """By state, slope of the road's rate and unknowns, against differences; also without response time."""
     p = estimator(car).p.copy()
     known = np.array([0.9, 0.7, 0.5, 0.02, 0.1, 0.01, -0.01, 0.02])
     start = np.array([1e-3, 4e-3, 1.5, 3.0, 0.02])
-    sizes = np.array([1e-6, 1e-5, 1e-4, 1e-3, 1e-5, *[1e-5] * 8])
+    sizes = np.array([1e-6, 1e-5, 1e-4, 1e-3, 1e-5, 1e-2, *[1e-5] * 8])
 
-    def end(z: Array, unknowns: Array) -> tuple[Array, Array]:
+    def end(z: Array, slope: float, unknowns: Array) -> tuple[Array, Array]:
         law, turn = np.empty(passage.LAW), np.empty((sums.N, passage.TURNED))
         # the share that errors of the gate are counted in stays as believed
         passage.prescribe(p, known, 0.3, DT, math.nan, law, turn)
@@ -260,19 +272,21 @@ def test_the_derivatives_of_a_sample_are_those_of_its_end(car: Model) -> None:
         if p[regression.TAU] > 0.0:
             law[passage.KEPT] = math.exp(-h / law[passage.LAG])
             law[passage.MEAN] = (1.0 - law[passage.KEPT]) * law[passage.LAG] / h
+        law[passage.SLOPE] = slope
         viscous = 0.25 * h * law[passage.STIFF] + 0.5 * law[passage.VISCOUS]
         law[passage.HALF] = h * law[passage.PER_MASS] * viscous + 0.25 * h * h * law[passage.TYRE]
-        out, T = z.copy(), np.eye(5, 13)
-        passage.sample(law, turn, out, T, 13)
+        out, T = z.copy(), np.eye(5, passage.COLUMNS + sums.N)
+        passage.sample(law, turn, out, T, T.shape[1])
         return out, T
 
     for tau in (p[regression.TAU], 0.0):
         p[regression.TAU] = tau
-        _, T = end(start, known)
+        _, T = end(start, 3.0, known)
         for j, size in enumerate(sizes):
-            z, q = np.zeros(5), np.zeros(8)
-            (z if j < 5 else q)[j if j < 5 else j - 5] = size
-            ends = end(start + z, known + q)[0], end(start - z, known - q)[0]
+            by = np.zeros(T.shape[1])
+            by[j] = size
+            z, slope, q = by[:5], by[passage.RAMP], by[passage.COLUMNS :]
+            ends = [end(start + way * z, 3.0 + way * slope, known + way * q)[0] for way in (1, -1)]
             assert T[:, j] == pytest.approx((ends[0] - ends[1]) / (2.0 * size), rel=1e-3, abs=1e-6)
 
 
@@ -284,7 +298,7 @@ def test_a_sample_is_that_of_the_simulated_car(car: Model, dt: float, pieces: in
     """
     plant = prepare(car, dt)
     state, p = initial_state(plant), estimator(car)
-    law, turn, T = np.empty(passage.LAW), np.empty((sums.N, passage.TURNED)), np.eye(5, 13)
+    law, turn, T = np.empty(passage.LAW), np.empty((sums.N, passage.TURNED)), np.eye(5, 14)
     random, duty, gone = np.random.default_rng(3), 0.3, []
     for _ in range(400):
         height = state.road + dt / DT * 1e-3 * random.standard_normal()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ from er_observers.faults.rules import estimator
 from er_observers.faults.sample import Kind
 from er_studies.faults import bound
 from er_studies.faults.acceptance import faultless, faulty
-from er_studies.faults.trials import Trial, drive
+from er_studies.faults.statistics import CLOSE, GROUPS, IN_TIME, found_in, trial_of
+from er_studies.faults.trials import COURSES, Trial, drive
 
 
 def test_what_could_be_known_at_best(car: Model) -> None:
@@ -49,3 +51,33 @@ def test_a_drive_is_judged_as_it_went(car: Model) -> None:
     assert abs(found.errors["f1"]) < 0.1
     quiet = faultless(p, Trial(5000, spread=0.05, duration=5.0), car)
     assert (quiet.named, quiet.silent) == ((), ())
+
+
+SEED = 4711
+"""Of drives that nothing was tuned on."""
+
+
+@pytest.mark.parametrize("number", [*range(0, 14, 2), 13])
+def test_no_road_makes_a_healthy_damper_faulty(car: Model, number: int) -> None:
+    group = replace(GROUPS[0], seconds=20.0)
+    trial = trial_of(group, SEED, number)
+    assert trial.road in COURSES
+    found = found_in(trial, car, estimator(car))
+    assert (found.wrong, found.last, found.unexplained) == ((), "NONE", 0.0)
+
+
+@pytest.mark.parametrize("name", ["friction 0.5 N", "mass +20 %"])
+def test_what_is_no_fault_is_not_named_one(car: Model, name: str) -> None:
+    (group,) = (replace(g, seconds=20.0) for g in GROUPS if g.name == name)
+    for number in (1, 8):
+        assert found_in(trial_of(group, SEED, number), car, estimator(car)).wrong == ()
+
+
+@pytest.mark.parametrize("name", ["f1 = 0.5", "f2 = 0.6", "f3 = 0.6"])
+def test_a_fault_is_named_and_measured_on_roads_of_every_class(car: Model, name: str) -> None:
+    (group,) = (g for g in GROUPS if g.name == name)
+    for number in (0, 2, 4):
+        found = found_in(trial_of(group, SEED, number), car, estimator(car))
+        assert found.named <= IN_TIME
+        assert found.error <= CLOSE
+        assert (found.wrong, found.doubted) == ((), False)

@@ -173,7 +173,7 @@ def _name(rules: Array, likely: int, verdict: Array) -> None:
     blind = named in ORDER and verdict[EXCITED][named - 1] <= 0.0
     sure = sure and not (blind and likely == NONE)
     sure = sure and not (
-        likely > NONE and verdict[DOUBTS] > 0.0
+        likely != NONE and verdict[DOUBTS] > 0.0
     )  # first see whether it is no fault
     same = likely == int(verdict[TRIED]) and sure
     verdict[TRIALS] = verdict[TRIALS] + 1.0 if same else (1.0 if sure else 0.0)

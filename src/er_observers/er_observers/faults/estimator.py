@@ -54,7 +54,7 @@ def start(p: Estimator, sample: Sample) -> State:
     memory, window = np.zeros(tick.MEMORY), np.zeros((tick.BLOCKS, tick.STORED))
     memory[tick.VERDICT] = decision.begin()
     memory[tick.EXPECTED] = p.first[:N]
-    memory[tick.COUNTED][tick.BENT] = tick.FIRST
+    memory[tick.BENDS] = tick.FIRST
     return _placed(
         p, State(sample.t, 0.0, memory, window, running=False, estimate=NOTHING), sample
     )

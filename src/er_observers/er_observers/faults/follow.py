@@ -18,15 +18,17 @@ from er_models.model import Array
 
 from er_observers.faults.passage import (
     BODY,
+    COLUMNS,
     F_ER,
     FIELD,
     LAW,
     OFFSET,
     PER_MASS,
+    RAMP,
+    SLOPE,
     STATES,
     STIFF,
     TURNED,
-    TYRE,
     VISCOUS,
     R,
     V,
@@ -45,12 +47,16 @@ BODY_SEEN, WHEEL_SEEN, X_SEEN, V_SEEN, FORCE_SEEN = range(5)
 """Places in what is seen (5,): accelerations [m/s2], deflection, velocity, and a given force; NaN where it is not."""
 SEEN = 5
 STATE, COVARIANCE, LEAN = slice(0, 5), slice(5, 30), slice(30, 30 + STATES * N)
-BEFORE = LEAN.stop
-SIZE = BEFORE + 1
-"""A follower (SIZE,): state (5,), covariance (5, 5), how the state leans on the unknowns (5, N), and the acceleration
-of the body that was seen last [m/s2]."""
-ROW = N + 2
-"""A row: derivative of an innovation by the unknowns (N,), the innovation, its variance (0: nothing was seen)."""
+BENDS = 3
+BENT = slice(LEAN.stop, LEAN.stop + STATES * BENDS)
+BEFORE, CHANGE, ROUGH, UNDER_WAY = range(BENT.stop, BENT.stop + 4)
+SIZE = UNDER_WAY + 1
+"""A follower (SIZE,): state (5,), covariance (5, 5), how the state leans on the unknowns (5, N) and on the bends of the
+road (5, 3), the acceleration of the body that was seen last [m/s2], the last change of the road's rate from sample to
+sample [m/s], the mean square of these changes of late [m2/s2], and 1 once there was one."""
+ROW = N + 2 + BENDS
+"""A row: derivative of an innovation by the unknowns (N,), the innovation, its variance (0: nothing was seen), and its
+derivatives by both shares of the bend and by what is left of it, in its deviations."""
 ROAD = 3
 """Place in the noise (4,), after those of acceleration, x and v: how much the road's rate may be [m/s]."""
 _ITERATIONS, _CLOSE = 4, 0.1
@@ -59,6 +65,8 @@ _WIDE = 1e4
 """Deviation of the tyre's pull at the start, over the noise of an accelerometer."""
 _ALSO = 0.3
 """Share of `loose` by which the yield force may be wrong as well."""
+_LATE = 0.25
+"""Share of a sample in the mean square of changes."""
 
 
 class Rig(NamedTuple):
@@ -76,13 +84,14 @@ class Rig(NamedTuple):
 class Belief(NamedTuple):
     """What a sample is followed with.
 
-    known (N,): the unknowns; loose [N]: force by which they may be wrong; bent: how the road bends within a sample,
-    over the change of its rate from the one before.
+    known (N,): the unknowns; loose [N]: force by which they may be wrong; bends (3,): how far the road's rate goes on
+    within a sample as it did since the one before, and as its change did, 1 for a smooth road and 0 for one that is
+    straight between samples, and how far it does something else, over its changes of late.
     """
 
     known: Array
     loose: float
-    bent: float
+    bends: Array
 
 
 class Step(NamedTuple):
@@ -110,34 +119,36 @@ def advance(rig: Rig, belief: Belief, step: Step, mind: Array, rows: Array) -> N
     p, known, given = rig.p, belief.known, rig.force_noise > 0.0
     z, P = mind[STATE], mind[COVARIANCE].reshape((STATES, STATES))
     S, before = mind[LEAN].reshape((STATES, N)), z[R]
+    B, bend = mind[BENT].reshape((STATES, BENDS)), _bend(belief.bends, before, mind)
     law, turn = np.empty(LAW), np.empty((N, TURNED))
     prescribe(p, known, step.duty, step.dt, _push(step.seen, given, mind), law, turn)
     _free_the_road(rig.noise, P, S)
     measured, r = np.empty(4), np.empty(4)
     _look(rig, step.seen, belief.loose, measured, r)
     at, end, rest = z.copy(), np.empty(STATES), np.empty(STATES)
-    T = np.empty((STATES, STATES + N))
+    T = np.empty((STATES, COLUMNS + N))
     H, shown = np.zeros((4, STATES)), np.empty(4)
     whole = T.shape[1]  # a bare number is a type to Numba: it would be a compilation of its own
     for _ in range(_ITERATIONS):
-        _pass(law, turn, at, end, T, whole - N)
+        _pass(law, turn, bend, step.dt, at, end, T, whole - N)
         _show(p, law, known, end, given, H, shown)
         difference(z, at, rest)
         move = _improved(P, T, H, shown, measured, r, rest)
         add_row(move, at)
         if abs(p[C1] * (T[V, :STATES] @ move)) < _CLOSE:
             break
-    copy(S, T[:, STATES:])
-    _pass(law, turn, at, end, T, whole)
+    copy(S, T[:, COLUMNS:])
+    _pass(law, turn, bend, step.dt, at, end, T, whole)
     _show(p, law, known, end, given, H, shown)
     A = np.ascontiguousarray(T[:, :STATES])
     copy(A @ P @ A.T, P)
-    _widen(law, belief.loose, belief.bent, step.dt, abs(at[R] - before), P)
-    copy(T[:, STATES:], S)
+    copy(A @ B, B)
+    _widen(law, belief, step.dt, at[R] - before, T[:, RAMP], mind, P, B)
+    copy(T[:, COLUMNS:], S)
     difference(z, at, rest)
     rest = A @ rest
     for q in range(4):
-        _correct(p, q, turn, given, end, H[q], measured[q] - shown[q], r[q], P, S, rest, rows)
+        _correct(p, q, turn, given, end, H[q], measured[q] - shown[q], r[q], P, S, B, rest, rows)
     copy_row(end, z)
     add_row(rest, z)
     _even_out(P)
@@ -173,13 +184,45 @@ def _look(rig: Rig, seen: Array, loose: float, measured: Array, r: Array) -> Non
 
 
 @compiled
-def _widen(law: Array, loose: float, bent: float, dt: float, change: float, P: Array) -> None:
-    """Add to P (5, 5), in place, what a loose belief and a bent road may do; change: of the road's rate [m/s]."""
-    between = bent * law[TYRE] * dt * change
-    P[W, W] += between**2
-    P[V, V] += (0.25 * dt * between) ** 2
-    P[V, V] += (0.5 * dt * law[PER_MASS] * loose) ** 2
-    P[F_ER, F_ER] += (_ALSO * loose) ** 2
+def _bend(bends: Array, before: float, mind: Array) -> tuple[float, float]:
+    """By how much the road's rate changes within a sample: its derivative by the mean rate, and what it is at 0 [m/s].
+
+    before: mean rate of the sample before [m/s].
+    """
+    if mind[UNDER_WAY] <= 0.0:
+        return 0.0, 0.0
+    by = bends[0] + 0.5 * bends[1]
+    return by, -by * before - 0.5 * bends[1] * mind[CHANGE]
+
+
+@compiled
+def _widen(
+    law: Array,
+    belief: Belief,
+    dt: float,
+    change: float,
+    ramp: Array,
+    mind: Array,
+    P: Array,
+    B: Array,
+) -> None:
+    """Add to P (5, 5), in place, what a loose belief and the rest of a bend may do, and to B (5, 3) what bends do.
+
+    change: of the road's rate [m/s]; ramp (5,): what a slope of it does to the end of the sample.
+    """
+    P[V, V] += (0.5 * dt * law[PER_MASS] * belief.loose) ** 2
+    P[F_ER, F_ER] += (_ALSO * belief.loose) ** 2
+    mind[ROUGH] += _LATE * (change * change - mind[ROUGH])
+    rest = belief.bends[2] * math.sqrt(mind[ROUGH]) / dt
+    known, second = mind[UNDER_WAY] > 0.0, change - mind[CHANGE]
+    for i in range(STATES):
+        for j in range(STATES):
+            P[i, j] += rest * rest * ramp[i] * ramp[j]
+        B[i, 2] = rest * ramp[i]
+        if known:
+            B[i, 0] += change / dt * ramp[i]
+            B[i, 1] += 0.5 * second / dt * ramp[i]
+    mind[CHANGE], mind[UNDER_WAY] = change, 1.0
 
 
 @compiled
@@ -191,13 +234,31 @@ def _even_out(P: Array) -> None:
 
 
 @compiled
-def _pass(law: Array, turn: Array, at: Array, end: Array, T: Array, columns: int) -> None:
-    """State at the end of a sample that begins at `at`, and its derivatives."""
-    T[:, :STATES] = 0.0
+def _pass(
+    law: Array,
+    turn: Array,
+    bend: tuple[float, float],
+    dt: float,
+    at: Array,
+    end: Array,
+    T: Array,
+    columns: int,
+) -> None:
+    """State at the end of a sample of dt [s] that begins at `at`, at[R] the mean rate of its road, and derivatives."""
+    by, fixed = bend
+    change = by * at[R] + fixed
+    T[:, :COLUMNS] = 0.0
     for i in range(STATES):
         T[i, i] = 1.0
+    T[R, RAMP] = -0.5 * dt
     copy_row(at, end)
+    end[R] -= 0.5 * change
+    law[SLOPE] = change / dt
     sample(law, turn, end, T, columns)
+    end[R] -= 0.5 * change
+    T[R, RAMP] -= 0.5 * dt
+    for i in range(STATES):
+        T[i, R] += by / dt * T[i, RAMP]
 
 
 @compiled
@@ -245,38 +306,55 @@ def _improved(
 
 
 @compiled
+def _lean(h: Array, S: Array, phi: Array) -> None:
+    """Fill phi (n,) with how a sensor leans on what the state leans on by S (5, n)."""
+    for i in range(phi.size):
+        phi[i] = 0.0
+        for j in range(STATES):
+            phi[i] += h[j] * S[j, i]
+
+
+@compiled
+def _turn(p: Array, q: int, turn: Array, given: bool, z: Array, phi: Array) -> None:
+    """Add, in place, what the unknowns change in the force that a sensor feels."""
+    for i in range(N):
+        f = turn[i, STIFF] * z[X] + turn[i, VISCOUS] * z[V] + turn[i, FIELD] * z[F_ER]
+        f += turn[i, OFFSET]
+        if q == 0:
+            phi[i] += f / p[M_US]
+        elif given:
+            phi[i] += f if i != 3 else 0.0
+        else:
+            phi[i] -= f / p[M_S]
+
+
+@compiled
 def _correct(
     p: Array, q: int, turn: Array, given: bool, z: Array, h: Array, error: float, noise: float,
-    P: Array, S: Array, rest: Array, rows: Array,
+    P: Array, S: Array, B: Array, rest: Array, rows: Array,
 ) -> None:  # fmt: skip
     """Correct by one sensor, in place; all but the wheel's, which tells the road, leave a row."""
     if q > 0:
         rows[q - 1, N + 1] = 0.0
     if not math.isfinite(error):
         return
-    g, phi = P @ h, np.empty(N)
+    g, phi, bent = P @ h, np.empty(N), np.empty(BENDS)
     spread = h @ g + noise**2
     error -= float(h @ rest)
-    for i in range(N):
-        phi[i] = 0.0
-        for j in range(STATES):
-            phi[i] += h[j] * S[j, i]
-        if q in (0, 3):
-            f = turn[i, STIFF] * z[X] + turn[i, VISCOUS] * z[V] + turn[i, FIELD] * z[F_ER]
-            f += turn[i, OFFSET]
-            if q == 0:
-                phi[i] += f / p[M_US]
-            elif given:
-                phi[i] += f if i != 3 else 0.0
-            else:
-                phi[i] -= f / p[M_S]
+    _lean(h, S, phi)
+    _lean(h, B, bent)
+    if q in (0, 3):
+        _turn(p, q, turn, given, z, phi)
     if q > 0:
-        copy_row(phi, rows[q - 1])
+        copy_row(phi, rows[q - 1, :N])
         rows[q - 1, N], rows[q - 1, N + 1] = error, spread
+        copy_row(bent, rows[q - 1, N + 2 :])
     for i in range(STATES):
         share = g[i] / spread
         rest[i] += share * error
         for j in range(N):
             S[i, j] -= share * phi[j]
+        for j in range(BENDS):
+            B[i, j] -= share * bent[j]
         for j in range(STATES):
             P[i, j] -= share * g[j]

@@ -1,13 +1,14 @@
 r"""Car and damper between two samples, and what every unknown changes in it, compiled.
 
 .. math::  \dot x = v, \quad \dot v = -\mu f - w, \quad \tau \dot F_{er} = \sigma u^\beta \tanh(k_1 x + c_1 v) - F_{er},
-           \quad \dot w = \tfrac{k_t}{m_{us}} (v + r), \quad \dot r = f / m_s
+           \quad \dot w = \tfrac{k_t}{m_{us}} (v + r), \quad \dot r = f / m_s + a
 
 with f = k_s x + F_d + b of (2.1) and (6.8), 1 / mu the mass of both bodies against one another, w the acceleration that
-the tyre gives the wheel and r the rate of the road less that of the body. Under a field a damper that does not yield
-is a spring on which the wheel swings some hundred times a second: no curve through two samples shows that, but these
-equations do. A piece is an implicit midpoint step; the gate acts with its mean along the piece and the field with the
-mean of its own answer, so the one unknown is where the gate ends, and no response time is too short.
+the tyre gives the wheel, r the rate of the road less that of the body, and a the slope of the road's rate. Under a
+field a damper that does not yield is a spring on which the wheel swings some hundred times a second: no curve through
+two samples shows that, but these equations do. A piece is an implicit midpoint step; the gate acts with its mean along
+the piece and the field with the mean of its own answer, so the one unknown is where the gate ends, and no response time
+is too short.
 
 Source: thesis (2.1), (2.10), (6.8); Quispel and McLaren 2008 (average vector field).
 """
@@ -25,15 +26,21 @@ from er_observers.observers.gate import gate_of, slopes_of, solve_gate
 X, V, F_ER, W, R = range(5)
 """Places in the state (5,)."""
 STATES = 5
+RAMP = 5
+"""Place of the slope of the road's rate in the derivatives, behind the state; then come the unknowns."""
+COLUMNS = RAMP + 1
+"""Columns of the derivatives before those of the unknowns."""
 LONGEST, PIECES = 0.3125e-3, 16
 """Longest piece of a sample [s], and the most pieces of one: as many as a sample of 200 Hz has."""
 (
     STIFF, VISCOUS, FIELD, OFFSET, LAG, BY_X, BY_V, PER_MASS, BODY, PUSH, TYRE, HEIGHT, KEPT, MEAN, PIECE, HALF, COUNT,
-) = range(17)  # fmt: skip
-"""Places in the law (17,): f = STIFF x + VISCOUS v + FIELD F_er + OFFSET; response time and gate; mu, what a force
+    SLOPE,
+) = range(18)  # fmt: skip
+"""Places in the law (18,): f = STIFF x + VISCOUS v + FIELD F_er + OFFSET; response time and gate; mu, what a force
 gives the body, what the body has besides; tyre over wheel; height of the gate; what a piece leaves of F_er, and the
-share of it that acts in the mean; length of a piece; what half a piece takes from v; number of pieces."""
-LAW = 17
+share of it that acts in the mean; length of a piece; what half a piece takes from v; number of pieces; slope of the
+road's rate [m/s2]."""
+LAW = 18
 TURNED = 7
 """Columns of `turn` (N, 7): derivatives of the law's first seven places by the unknowns."""
 _LEAST = 0.02
@@ -58,6 +65,7 @@ def prescribe(
     )
     told = math.isfinite(push)
     law[BODY], law[PUSH] = (0.0, push) if told else (1.0 / p[M_S], 0.0)
+    law[SLOPE] = 0.0
     law[PER_MASS] = law[BODY] + 1.0 / p[M_US]
     law[TYRE] = p[K_T] / p[M_US]
     law[HEIGHT] = p[SIGMA] * duty ** p[BETA] if duty > 0.0 else 0.0
@@ -89,9 +97,9 @@ def strut(law: Array, z: Array) -> float:
 
 @compiled
 def sample(law: Array, turn: Array, z: Array, T: Array, columns: int) -> None:
-    """Bring the state z (5,) over a sample, and the first columns of its derivatives T (5, 5 + N), in place.
+    """Bring the state z (5,) over a sample, and the first columns of its derivatives T (5, 6 + N), in place.
 
-    T: by the state at the begin of the sample, then by the unknowns.
+    T: by the state at the begin of the sample, by the slope of the road's rate, then by the unknowns.
     """
     for _ in range(int(law[COUNT])):
         _piece(law, turn, z, T, columns)
@@ -103,7 +111,7 @@ def _piece(law: Array, turn: Array, z: Array, T: Array, columns: int) -> None:
     h, mass, half, mean = law[PIECE], law[PER_MASS], law[HALF], law[MEAN]
     x, v, force, w, r = z[X], z[V], z[F_ER], z[W], z[R]
     f = strut(law, z)
-    rate = r + 0.5 * h * (law[BODY] * f - law[PUSH])
+    rate = r + 0.5 * h * (law[BODY] * f - law[PUSH] + law[SLOPE])
     base = v * (1.0 - half) - h * (w + 0.5 * h * law[TYRE] * rate - law[PUSH])
     base -= h * mass * (law[STIFF] * x + law[OFFSET] + law[FIELD] * mean * force)
     pull = h * mass * law[FIELD] * (1.0 - mean) * law[HEIGHT]
@@ -115,15 +123,16 @@ def _piece(law: Array, turn: Array, z: Array, T: Array, columns: int) -> None:
     v_1 = (base - pull * gate) / whole
     x_1 = x + 0.5 * h * (v + v_1)
     early, late = slopes_of(s_0, t_0, s_1, t_1, gate)
-    z[X], z[V], z[R] = x_1, v_1, r + h * (law[BODY] * f - law[PUSH])
+    z[X], z[V], z[R] = x_1, v_1, r + h * (law[BODY] * f - law[PUSH] + law[SLOPE])
     z[F_ER] = law[KEPT] * force + (1.0 - law[KEPT]) * law[HEIGHT] * gate
     z[W] = w + h * law[TYRE] * (0.5 * (v + v_1) + rate)
     for j in range(columns):
         dx, dv, df, dw, dr = T[X, j], T[V, j], T[F_ER, j], T[W, j], T[R, j]
         d_f = law[STIFF] * dx + law[VISCOUS] * dv + law[FIELD] * df
         d_mean = d_kept = d_half = d_stiff = d_field = d_offset = d_x = d_v = 0.0
-        if j >= STATES:
-            i = j - STATES
+        d_slope = 1.0 if j == RAMP else 0.0
+        if j >= COLUMNS:
+            i = j - COLUMNS
             d_stiff, d_field, d_offset = turn[i, STIFF], turn[i, FIELD], turn[i, OFFSET]
             d_x, d_v = turn[i, BY_X], turn[i, BY_V]
             d_half = _half(law, d_stiff, turn[i, VISCOUS])
@@ -131,7 +140,7 @@ def _piece(law: Array, turn: Array, z: Array, T: Array, columns: int) -> None:
             if turn[i, LAG] > 0.0:
                 d_kept = law[KEPT] * h / law[LAG] ** 2 * turn[i, LAG]
                 d_mean = (1.0 - law[KEPT]) / h * turn[i, LAG] - d_kept * law[LAG] / h
-        d_rate = dr + 0.5 * h * law[BODY] * d_f
+        d_rate = dr + 0.5 * h * (law[BODY] * d_f + d_slope)
         d_base = dv * (1.0 - half) - v * d_half - h * (dw + 0.5 * h * law[TYRE] * d_rate)
         d_base -= h * mass * (
             d_stiff * x + law[STIFF] * dx + d_offset + law[FIELD] * mean * df
@@ -143,7 +152,11 @@ def _piece(law: Array, turn: Array, z: Array, T: Array, columns: int) -> None:
         dv_1 = d_base - d_pull * gate - v_1 * d_half - pull * (early * d_0 + late * bare)
         dv_1 /= whole + pull * late * lean
         d_gate = early * d_0 + late * (bare + lean * dv_1)
-        T[X, j], T[V, j], T[R, j] = dx + 0.5 * h * (dv + dv_1), dv_1, dr + h * law[BODY] * d_f
+        T[X, j], T[V, j], T[R, j] = (
+            dx + 0.5 * h * (dv + dv_1),
+            dv_1,
+            dr + h * (law[BODY] * d_f + d_slope),
+        )
         T[F_ER, j] = law[KEPT] * df + d_kept * (force - law[HEIGHT] * gate)
         T[F_ER, j] += (1.0 - law[KEPT]) * law[HEIGHT] * d_gate
         T[W, j] = dw + h * law[TYRE] * (0.5 * (dv + dv_1) + d_rate)

@@ -29,7 +29,8 @@ class Rules:
     well; fresh: blocks too young to learn from when the window is cut; anew: blocks after a cut in which all samples
     since then are followed again. memory: how long lessons last [s]; settle: pace of the mean square of the
     velocity [1/s]. healthy, single, combined: probabilities before
-    any sample. road: how fast the road may be, over the greatest velocity of the damper.
+    any sample. road: how fast the road may be, over the greatest velocity of the damper; real: rms velocity over its
+    deviation from which samples count.
     """
 
     tolerance: float = 0.05
@@ -54,6 +55,7 @@ class Rules:
     settle: float = 10.0
     road: float = 4.0
     anew: float = 10.0
+    real: float = 20.0
 
 
 RULES = Rules()
@@ -105,7 +107,7 @@ def estimator(
 
 
 def _setup(r: Rules, force_noise: float, seen: float, sample_time: float) -> Array:
-    """Set-up (9,) of `tick`.
+    """Set-up (10,) of `tick`.
 
     force_noise [N]: of a given force, 0 for none; seen [N]: deviation of the force, however it is seen;
     sample_time [s].
@@ -115,6 +117,7 @@ def _setup(r: Rules, force_noise: float, seen: float, sample_time: float) -> Arr
     setup[tick.CUT], setup[tick.LEAST] = r.cut, r.least
     setup[tick.KEPT] = math.exp(-(sample_time * tick.WITHIN) / r.memory)
     setup[tick.FADING] = min(sample_time * r.settle, 1.0)
+    setup[tick.REAL] = r.real**2
     setup[tick.CALM], setup[tick.FRESH], setup[tick.ANEW] = r.calm, r.fresh, r.anew
     return setup
 

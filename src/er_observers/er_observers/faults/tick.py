@@ -1,10 +1,10 @@
 """One sample of the fault estimator in one compiled call: motion, regression, blocks; and, per block, a verdict.
 
-The memory between samples is one array: what is counted (9,), the follower, verdict, what is expected (N,), the block
-that fills up, what the healthy damper has taught (SIZE,), number, sum and sum of squares of the duties with a field,
-and the samples of the block. The window of finished blocks, each its sum and its samples, changes once a block only and
-is kept apart. After a cut the samples since then are followed anew at the end of every block, with what is expected by
-then: rows are derivatives, and those of a healthy damper lead a faulty one astray.
+The memory between samples is one array: what is counted (8,), how the road bends, the follower, verdict, what is
+expected (N,), the block that fills up, what the healthy damper has taught (SIZE,), number, sum and sum of squares of
+the duties with a field, and the samples of the block. The window of finished blocks, each its sum and its samples,
+changes once a block only and is kept apart. After a cut the samples since then are followed anew at the end of every
+block, with what is expected by then: rows are derivatives, and those of a healthy damper lead a faulty one astray.
 """
 
 from __future__ import annotations
@@ -34,17 +34,18 @@ from er_observers.faults.sums import ROWS, SIZE, N, add, misfit
 from er_observers.observers.compiled import compiled
 from er_observers.observers.copies import add_row, copy_row, scale_row
 
-_REAL = 25.0
-"""Mean square of the velocity over its variance: below, the gate sees noise, which as a column of the regression would
-look like a lost force."""
 _SAME = 0.1
 """Spread of duties over their mean below which they are one: a law of the field could be anything between."""
 _TRIES, _LOOSE, _TIGHTER, _EARLY, _FAR = 2, 0.1, 0.3, 5, 2.0
 """How often, how far from what is believed (over the whole yield force), and for how many blocks a beginning is looked
 for, and the misfit that asks for it."""
-FIRST, _BENDS, _STRAIGHT, _PACE = 0.5, 1.0, 0.003, 0.3
-"""Bend of the road within a sample at first, the greatest and least that are believed, and how fast it is learnt, per
-block. Roads of ISO 8608 show 0.15 to 0.35, bumps 0.1, one that is straight between samples the least."""
+FIRST = (1.0, 1.0, 0.5)
+"""Bends of the road within a sample at first, see `follow.Belief`: those of a smooth road, and much besides."""
+_LEAST, _MOST, _PACE = 3e-3, 3.0, 0.3
+"""Least and greatest bend besides that is believed, and how fast it is learnt, per block."""
+_UNSURE, _RECENT, _ODD = 1.0, 0.98, 9.0
+"""Deviation of the first two bends at first, what a block leaves of what was learnt of them, and the square of an
+innovation over its variance beyond which it counts less."""
 BLOCKS = 60
 """Blocks the window can hold."""
 WITHIN = 20
@@ -54,12 +55,15 @@ HELD, LASTED, COUNTS, BEGINS = range(follow.SEEN, follow.SEEN + 4)
 first of a block whether the motion begins with it (1)."""
 TOLD = follow.SEEN + 4
 """Places of a sample."""
-DUTY, FILLED, COUNT, HEAD, QUIET, SHAKEN, BENT, MISSED, MOVES = range(9)
+DUTY, FILLED, COUNT, HEAD, QUIET, SHAKEN, MISSED, MOVES = range(8)
 """Counted: duty in force; samples in the block; blocks in the window, place of the newest, blocks since the window was
-last cut, mean square of the velocity [m2/s2]; how the road bends within samples, see `follow`, squared innovations of
-the motion over their variances in this block, and their number."""
-COUNTED = slice(0, 9)
-MIND = slice(9, 9 + follow.SIZE)
+last cut, mean square of the velocity [m2/s2]; by how much squared innovations of the motion were beyond their variances
+in this block, weighted with the share of the bends in them, and the sum of these weights."""
+COUNTED = slice(0, 8)
+BENDS = slice(8, 8 + follow.BENDS)
+LEARNT = slice(BENDS.stop, BENDS.stop + 5)
+"""Bends, see `follow.Belief`; what is known of the first two: lower triangle of their information, and its vector."""
+MIND = slice(LEARNT.stop, LEARNT.stop + follow.SIZE)
 VERDICT = slice(MIND.stop, MIND.stop + LENGTH)
 EXPECTED = slice(VERDICT.stop, VERDICT.stop + N)
 BLOCK = slice(EXPECTED.stop, EXPECTED.stop + SIZE)
@@ -70,12 +74,13 @@ MEMORY = RAW.stop
 STORED = SIZE + WITHIN * TOLD
 """Places of a block in the window: its sum, and its samples."""
 ROOM = 4 * N + N * N + 2 * SIZE
-FORCE, VARIANCE, CUT, LEAST, KEPT, CALM, FRESH, ANEW, FADING = range(9)
-"""Places in the set-up (9,): noise of a given force, 0 for none; variance of the force [N2]; misfit that cuts the
+FORCE, VARIANCE, CUT, LEAST, KEPT, CALM, FRESH, ANEW, FADING, REAL = range(10)
+"""Places in the set-up (10,): noise of a given force, 0 for none; variance of the force [N2]; misfit that cuts the
 window, blocks before a verdict, share of the lessons kept per block, blocks kept in the window while all is well,
 blocks that are too young for lessons when the window is cut, blocks after a cut in which all is followed anew,
-share of a sample in the mean square of the velocity."""
-SETUP = FADING + 1
+share of a sample in the mean square of the velocity, and that over its variance below which samples do not count: the
+gate sees noise, which as a column of the regression would look like a lost force."""
+SETUP = REAL + 1
 
 
 @compiled
@@ -103,12 +108,12 @@ def run(
     told[follow.FORCE_SEEN], told[HELD], told[LASTED] = force, counted[DUTY], dt
     rows = np.empty((3, follow.ROW))
     rig = follow.Rig(p, noise, setup[FORCE])
-    belief = follow.Belief(memory[EXPECTED], 0.0, counted[BENT])
+    belief = follow.Belief(memory[EXPECTED], 0.0, memory[BENDS])
     follow.advance(rig, belief, follow.Step(told[: follow.SEEN], counted[DUTY], dt), mind, rows)
-    _compare(counted, rows)
+    _compare(memory, rows)
     v, variance = mind[V], mind[follow.COVARIANCE][V * STATES + V]
     counted[SHAKEN] += setup[FADING] * (v * v - counted[SHAKEN])
-    told[COUNTS] = 1.0 if counted[SHAKEN] > _REAL * variance else 0.0
+    told[COUNTS] = 1.0 if counted[SHAKEN] > setup[REAL] * variance else 0.0
     if told[COUNTS] > 0.0:
         _add(memory[BLOCK], rows, memory[EXPECTED])
         _count(memory[LEVELS], counted[DUTY])
@@ -118,20 +123,40 @@ def run(
 
 
 @compiled
-def _compare(counted: Array, rows: Array) -> None:
-    """Count how the motion's innovations compare with their variances, in place."""
+def _compare(memory: Array, rows: Array) -> None:
+    """Count what the motion's innovations say of the road's bends, in place."""
+    counted, known, learnt = memory[COUNTED], memory[BENDS], memory[LEARNT]
     for q in range(2):
-        if rows[q, N + 1] > 0.0:
-            counted[MISSED] += rows[q, N] ** 2 / rows[q, N + 1]
-            counted[MOVES] += 1.0
+        variance = rows[q, N + 1]
+        if variance > 0.0:
+            first, second, rest = rows[q, N + 2], rows[q, N + 3], rows[q, N + 4]
+            square = rows[q, N] ** 2 / variance
+            share = rest * rest / variance
+            counted[MISSED] += share * (square - 1.0)
+            counted[MOVES] += share
+            weight = (1.0 if square < _ODD else _ODD / square) / variance
+            y = rows[q, N] + first * known[0] + second * known[1]
+            learnt[0] += weight * first * first
+            learnt[1] += weight * first * second
+            learnt[2] += weight * second * second
+            learnt[3] += weight * first * y
+            learnt[4] += weight * second * y
 
 
 @compiled
-def _learn_the_road(setup: Array, counted: Array) -> None:
-    """Let the bend be what the motion's innovations say, unless the damper has just changed; in place."""
+def _learn_the_road(setup: Array, memory: Array) -> None:
+    """Let the bends be what the motion's innovations say, unless the damper has just changed; in place."""
+    counted, known, learnt = memory[COUNTED], memory[BENDS], memory[LEARNT]
     if counted[QUIET] > setup[ANEW] and counted[MOVES] > 0.0:
-        beyond = min(counted[MISSED] / counted[MOVES] - 1.0, 1.0)
-        counted[BENT] = min(max(counted[BENT] * math.exp(_PACE * beyond), _STRAIGHT), _BENDS)
+        beyond = min(max(counted[MISSED] / counted[MOVES], -1.0), 1.0)
+        known[2] = min(max(known[2] * math.exp(_PACE * beyond), _LEAST), _MOST)
+        sure = _UNSURE**-2
+        a, b, c = learnt[0] + sure, learnt[1], learnt[2] + sure
+        one, two, whole = learnt[3] + sure, learnt[4] + sure, a * c - b * b
+        known[0] = (c * one - b * two) / whole
+        known[1] = (a * two - b * one) / whole
+    for i in range(learnt.size):
+        learnt[i] *= _RECENT
     counted[MISSED] = counted[MOVES] = 0.0
 
 
@@ -156,7 +181,7 @@ def _anew(
     head, count = int(counted[HEAD]), int(counted[COUNT])
     rows, begun, now = np.empty((3, follow.ROW)), False, mind.copy()
     rig = follow.Rig(p, noise, setup[FORCE])
-    belief = follow.Belief(memory[EXPECTED], loose, counted[BENT])
+    belief = follow.Belief(memory[EXPECTED], loose, memory[BENDS])
     for i in range(count - 1, -1, -1):
         stored = window[(head - i) % BLOCKS]
         raw = stored[SIZE:].reshape((WITHIN, TOLD))
@@ -215,6 +240,12 @@ def _single(levels: Array) -> float:
     return 1.0 if levels[2] / levels[0] < (1.0 + _SAME**2) * mean * mean else 0.0
 
 
+def _moved(counted: Array, window: Array) -> bool:
+    """Whether any sample counts in the window: one that holds none begins with the motion, as after a cut."""
+    places = (int(counted[HEAD]) - np.arange(int(counted[COUNT]))) % BLOCKS
+    return bool(np.any(window[places, ROWS] > 0.0))
+
+
 def close(
     p: Array, noise: Array, setup: Array, rules: Array, prior: Array, first: Array, room: Array,
     window: Array, memory: Array,
@@ -229,7 +260,9 @@ def close(
     surprise = misfit(block, ones, memory[EXPECTED]) / max(block[ROWS], 1.0)
     counted[QUIET] += 1.0
     enough = block[ROWS] >= 0.5 * WITHIN
-    if (
+    if enough and not _moved(counted, window):
+        counted[COUNT], counted[QUIET] = 0.0, 1.0
+    elif (
         enough
         and counted[QUIET] > setup[LEAST]
         and surprise > setup[CUT] * max(verdict[MISFIT], 1.0)
@@ -238,7 +271,7 @@ def close(
         counted[COUNT], counted[QUIET] = 0.0, 0.0
     elif _well(verdict):
         _shorten(setup, rules, int(setup[CALM]) - 1, window, memory)
-    _learn_the_road(setup, counted)
+    _learn_the_road(setup, memory)
     head = int(counted[HEAD])
     if counted[QUIET] > 0.0:  # a cut lies within its block
         head = (head + 1) % BLOCKS

@@ -57,7 +57,7 @@ def faulty(p: Estimator, trial: Trial, model: Model) -> Outcome:
     """What is made of a fault."""
     record = drive(trial, model)
     found, begun = follow(p, record), round(trial.fault_time / DT)
-    moved = np.cumsum(_moving(record, model)[begun:]) * DT
+    moved = np.cumsum(moving(record, model)[begun:]) * DT
     at = {s: begun + min(int(np.searchsorted(moved, s)), moved.size - 1) for s in (2.0, 5.0)}
     errors = {
         f: found[at[LIMITS[f][1]]].factors[int(f[1]) - 1] - left for f, left in trial.left.items()
@@ -91,7 +91,7 @@ def _could(
     return told, not_told, bound.told_apart(least[1, -1], trial.left)
 
 
-def _moving(record: Drive, model: Model) -> Array:
+def moving(record: Drive, model: Model) -> Array:
     """1 where the damper has moved within the last quarter of a second, (n,)."""
     limit = _MOVING * model.rig.get("velocity_max", model.scales.velocity)
     fast = np.abs(record.motion[:, 1]) > limit

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -17,6 +18,9 @@ from er_observers.faults.sample import Sample
 FAULTS = {"f1": "electrical_fault", "f2": "oil_leakage", "f3": "duct_deformation"}
 """Effect of each factor."""
 _ROADS = ("iso8608", "bumps", "steps")
+CLASSES = ("A", "B", "C", "D", "E")
+COURSES = (*(f"iso8608 {c}" for c in CLASSES), "round bumps", "sharp bumps", "tone", "chirp")
+"""Roads that are drawn in full: shape and speed besides the seed."""
 _PART = 1.5
 """Time between two steps of the road [s]."""
 
@@ -27,7 +31,9 @@ class Trial:
 
     left: what the fault leaves, by factor, from `fault_time` [s] on. hidden: effects that the model does not know,
     from the start. spread: every parameter of the plant is off by a random share within it. duty: held instead of
-    Skyhook's. still: the car stands. straight: the road is so between samples, a special case.
+    Skyhook's. still: the car stands. straight: the road is so between samples, a special case. road: one of the kinds
+    that `_spec` knows or of `COURSES`, drawn where it is empty. peak: deflection velocity that the road gives the
+    passive car [m/s], drawn near the rig's where it is 0. grows: time in which the fault grows [s].
     """
 
     seed: int
@@ -40,6 +46,8 @@ class Trial:
     still: bool = False
     road: str = ""
     straight: bool = False
+    peak: float = 0.0
+    grows: float = 0.0
 
 
 class Drive(NamedTuple):
@@ -85,7 +93,7 @@ def _plant(trial: Trial, model: Model, random: np.random.Generator) -> Model:
     for name, values in trial.hidden.items():
         plant = plant.with_effect(name, dict(values) or None)
     for factor, left in trial.left.items():
-        values = {"f": left, "t_0": trial.fault_time, "t_r": 0.0, "q": 0.0, "d": 0.5}
+        values = {"f": left, "t_0": trial.fault_time, "t_r": trial.grows, "q": 0.0, "d": 0.5}
         plant = plant.with_effect(FAULTS[factor], values)
     return plant
 
@@ -94,27 +102,45 @@ def _road(trial: Trial, model: Model, random: np.random.Generator) -> Array:
     """Heights of the road [m], as of `Program.ride`: a random kind, scaled to the velocity of the rig."""
     kind = trial.road or str(random.choice(_ROADS, p=(0.5, 0.25, 0.25)))
     peak = random.uniform(0.8, 1.0) * model.rig.get("velocity_max", model.scales.velocity)
-    spec: dict[str, Any] = {"kind": "iso8608", "road_class": "C"}
-    if kind == "bumps":
-        length = float(random.uniform(4.0, 10.0))
-        spec = {
-            "kind": "bumps",
-            "height": 0.01,
-            "length": length,
-            "spacing": 2.0 * length,
-            "speed": 30.0,
-        }
-    elif kind == "steps":
-        part = {"kind": "step", "height": 0.01, "time": 0.4, "rise": 0.03, "seconds": _PART}
-        spec = {"kind": "sequence", "fade": 0.1, "parts": [part]}
+    spec = _course(kind, trial.duration, random) if kind in COURSES else _spec(kind, random)
     document = {
         "schema": "er_program 1", "duration": trial.duration, "seed": trial.seed,
-        "road": {**spec, "peak_velocity": float(peak), "straight": DT * trial.straight},
+        "road": {**spec, "peak_velocity": float(trial.peak or peak), "straight": DT * trial.straight},
         "duty": {"kind": "constant", "level": 0.0},
     }  # fmt: skip
     program = resolve(parse_program(document, Path("trial")), model, DT)
     height = program.ride(DT)[0]
     return np.zeros_like(height) if trial.still else height
+
+
+def _spec(kind: str, random: np.random.Generator) -> dict[str, Any]:
+    """A road of class C, bumps of a random length, or steps."""
+    if kind == "bumps":
+        length = float(random.uniform(4.0, 10.0))
+        shape = {"height": 0.01, "length": length, "spacing": 2.0 * length, "speed": 30.0}
+        return {"kind": "bumps", **shape}
+    if kind == "steps":
+        part = {"kind": "step", "height": 0.01, "time": 0.4, "rise": 0.03, "seconds": _PART}
+        return {"kind": "sequence", "fade": 0.1, "parts": [part]}
+    return {"kind": "iso8608", "road_class": "C"}
+
+
+def _course(kind: str, duration: float, random: np.random.Generator) -> dict[str, Any]:
+    """A road of `COURSES` with a random speed, length or frequency."""
+    speed = float(random.uniform(20.0, 100.0)) / 3.6
+    if kind.startswith("iso8608"):
+        return {"kind": "iso8608", "road_class": kind[-1], "speed": speed}
+    if kind.endswith("bumps"):
+        length = speed / float(random.uniform(2.0, 8.0))
+        edge = 0.5 if kind.startswith("round") else float(random.uniform(0.03, 0.2))
+        spacing = length * float(random.uniform(1.0, 6.0))
+        shape = {"height": 0.01, "length": length, "spacing": spacing, "speed": speed}
+        return {"kind": "bumps", **shape, "edge": edge}
+    if kind == "tone":
+        frequency = float(np.exp(random.uniform(math.log(1.0), math.log(20.0))))
+        return {"kind": "sine", "amplitude": 0.005, "frequency": frequency}
+    high = float(random.uniform(10.0, 25.0))
+    return {"kind": "chirp", "amplitude": 0.004, "f0": 0.5, "f1": high, "sweep": duration}
 
 
 def faults(factor: str, seed: int, number: int, spread: float = 0.0) -> Iterator[Trial]:
