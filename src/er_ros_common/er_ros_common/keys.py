@@ -14,6 +14,7 @@ KEYS: Final = {
     "numba": "python3-numba",
     "numpy": "python3-numpy",
     "pandas": "python3-pandas",
+    "psutil": "python3-psutil",
     "pytest": "python3-pytest",
     "rich": "python3-rich",
     "rosbags": "python3-rosbags-pip",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from er_models.errors import InputError
 
-from er_model_lab.fitting.estimate import SMALLEST
+from er_model_lab.smallest import SMALLEST
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,8 @@ class Rule:
 
     false_alarm: rate at which a complete model may be given a missing effect; smallest: size as a share of the
     noise below which no effect is named, however certain: what differs so little may as well be the form of
-    another law; helps: share of what is explainable that what is named must explain together.
+    another law; helps: share of what is explainable that what is named must explain together; plateaus: whether errors
+    of the motion are asked for only where they act, beside motion that is rounded at its reversals.
 
     Raises:
         InputError: a rate or a share that is none.

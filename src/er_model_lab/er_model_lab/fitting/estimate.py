@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 from er_model_lab.fitting.fit import Box, Fit, covariance, fit, standard_deviations, widths
 from er_model_lab.problem.forward import colour_of
 from er_model_lab.problem.problem import Problem
+from er_model_lab.smallest import SMALLEST
 
 SECANTS = (0.01, 0.03)
 """Steps of a derivative, as shares of the value."""
@@ -45,8 +46,6 @@ ABOUT = (0.75, 0.85, 0.92, 0.96, 0.98, 0.99, 1.01, 1.02, 1.04, 1.08, 1.18, 1.33)
 LOOKS, TRIED, LIKELIER = 8, 3, 4.0
 """How often that is done at most, how many are polished, and the gain of twice the logarithm of the likelihood that is
 worth a move."""
-SMALLEST = 0.12
-"""Error, as a share of the noise, below which nothing counts: real dampers follow no equation more closely."""
 UNTOLD, PART, REFUSED = 0.1, 0.3, 3.0
 """Standard deviation, as a share of what values may be before any data, from which on a direction is hardly told; part
 of that direction from which on a value lies along it; standard deviations by which data refuse a value."""
