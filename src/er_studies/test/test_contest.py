@@ -15,7 +15,8 @@ from er_studies.control import contest
 from er_studies.control.contest import FAULTS, SCORED, TUNED, Line, dominated_by
 from er_studies.control.contest_command import _built
 from er_studies.control.form_ride import Ridden, measured, ride_peer
-from er_studies.control.peers import PEERS, duty
+from er_studies.control.peers import PEERS
+from er_studies.control.peers.rule import duty
 from er_studies.control.peers.sample import A_S, AHEAD, FULL, GATE, V_S, V, X
 from er_studies.control.run import Setup, setup
 

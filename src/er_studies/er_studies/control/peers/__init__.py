@@ -18,23 +18,14 @@ from er_models.forms.lti import lti_form
 from er_models.model import Array, Model
 from scipy.linalg import expm, solve_continuous_lyapunov
 
-from er_studies.control.peers import (
-    clipped_lqr,
-    constant,
-    linear_skyhook,
-    mpc,
-    pdd,
-    sh_add,
-    skyhook,
-)
-from er_studies.control.peers.sample import STEP, compiled
+from er_studies.control.peers.sample import STEP
 
 Knobs = Mapping[str, float]
 
 
 @dataclass(frozen=True)
 class Peer:
-    """Number in `duty`; knobs with their bounds, searched on a logarithmic scale; its parameters p for a vehicle."""
+    """Number in `rule.duty`; knobs with bounds, searched on a logarithmic scale; its parameters p for a vehicle."""
 
     number: int
     knobs: Mapping[str, tuple[float, float]]
@@ -97,23 +88,3 @@ PEERS: Mapping[str, Peer] = {
     "mpc": Peer(6, COSTS, lambda m, k: _mpc(m, k, preview=False)),
     "mpc_preview": Peer(6, COSTS, lambda m, k: _mpc(m, k, preview=True)),
 }
-
-
-@compiled
-def duty(number: int, p: Array, s: Array, u_max: float) -> float:
-    """Duty of a peer for a sample, within the limits."""
-    if number == 0:
-        u = constant.duty(p, s)
-    elif number == 1:
-        u = skyhook.duty(p, s)
-    elif number == 2:
-        u = linear_skyhook.duty(p, s)
-    elif number == 3:
-        u = sh_add.duty(p, s)
-    elif number == 4:
-        u = pdd.duty(p, s)
-    elif number == 5:
-        u = clipped_lqr.duty(p, s)
-    else:
-        u = mpc.duty(p, s, u_max)
-    return min(max(u, 0.0), u_max)

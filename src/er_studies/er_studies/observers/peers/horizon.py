@@ -19,16 +19,13 @@ from typing import NamedTuple
 import numpy as np
 from er_models.linear import relative_form
 from er_models.model import Array, Model
-from er_observers.observers.compiled import compiled
-from er_observers.observers.gate import mean_gate
+from er_observers.filters.horizon import along, solved
 from er_observers.observers.status import Status
 from er_observers.running.runtime import Estimate, Sample
 
 TUNED = {"samples": (3.0, 30.0), "arrival": (0.1, 100.0), "sharp": (0.3, 30.0)}
 """What is tuned, with bounds: N; deviation of the start in multiples of (sigma_x, 10 mm/s, 1 N); the balance's
 deviation in multiples of its noise."""
-_ROUNDS = 2
-_STEPS = (1e-7, 1e-5, 1e-4)
 
 
 class Horizon(NamedTuple):
@@ -79,60 +76,8 @@ def step(p: Horizon, state: State, sample: Sample) -> tuple[State, Estimate]:
     rows = np.vstack([state.rows, [t, sprung - unsprung, sprung, seen, duty]])
     first = state.first
     if len(rows) > p.samples:
-        first, rows = _along(p.numbers, rows[:2], first), rows[1:]
-    first, last = _solved(p.numbers, np.ascontiguousarray(rows), first)
+        first, rows = along(p.numbers, rows[:2], first), rows[1:]
+    first, last = solved(p.numbers, np.ascontiguousarray(rows), first)
     force = float(p.numbers[2] * last[0] + p.numbers[3] * last[1] + last[2])
     estimate = Estimate(force, float(last[0]), float(last[1]), Status.OK, 0.0, "")
     return State(rows, first, estimate), estimate
-
-
-@compiled
-def _along(p: Array, rows: Array, first: Array) -> Array:
-    """State (3,) one sample on from the first of the rows."""
-    dt, a, b = rows[1, 0] - rows[0, 0], rows[0, 1], rows[1, 1]
-    out = np.empty(3)
-    out[0] = first[0] + dt * first[1] + dt * dt * (a / 3.0 + b / 6.0)
-    out[1] = first[1] + 0.5 * dt * (a + b)
-    gate, _ = mean_gate(p[6] * first[0] + p[7] * first[1], p[6] * out[0] + p[7] * out[1])
-    keep = math.exp(-p[5] * dt)
-    out[2] = keep * first[2] + (1.0 - keep) * p[4] * rows[0, 4] * gate
-    return out
-
-
-@compiled
-def _residuals(p: Array, rows: Array, first: Array, out: Array) -> Array:
-    """Weighted residuals (2 N,) of a start (3,), into out; returns the last state."""
-    x, balance = first.copy(), p[11] * p[0] * p[8]
-    for k in range(rows.shape[0]):
-        if k > 0:
-            x = _along(p, rows[k - 1 : k + 1], x)
-        force = p[2] * x[0] + p[3] * x[1] + x[2]
-        out[2 * k] = (x[0] - rows[k, 3]) / p[9]
-        out[2 * k + 1] = (p[0] * rows[k, 2] + p[1] * x[0] + force) / balance
-    return x
-
-
-@compiled
-def _solved(p: Array, rows: Array, prior: Array) -> tuple[Array, Array]:
-    """Start (3,) of the rows, sought from the prior, and the state at their end."""
-    n, first = 2 * rows.shape[0], prior.copy()
-    r, moved, J = np.empty(n), np.empty(n), np.empty((3, n))
-    spread = np.array([p[9], 0.01, 1.0]) * p[10]
-    for _ in range(_ROUNDS):
-        _residuals(p, rows, first, r)
-        for i in range(3):
-            there = first.copy()
-            there[i] += _STEPS[i]
-            _residuals(p, rows, there, moved)
-            for k in range(n):
-                J[i, k] = (moved[k] - r[k]) / _STEPS[i]
-        H, g = np.zeros((3, 3)), np.zeros(3)
-        for i in range(3):
-            H[i, i] += 1.0 / spread[i] ** 2
-            g[i] += (prior[i] - first[i]) / spread[i] ** 2
-            for k in range(n):
-                g[i] -= J[i, k] * r[k]
-                for j in range(3):
-                    H[i, j] += J[i, k] * J[j, k]
-        first = first + np.linalg.solve(H, g)
-    return first, _residuals(p, rows, first, r)
