@@ -35,6 +35,11 @@ def of_other_versions():
     code()["numpy"] = "0.1"
 
 
+def ignores_ctrl_c():
+    """Whether a worker leaves it to who asks."""
+    return signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+
+
 def workers():
     """Processes that this one started to share its work."""
     return [
@@ -70,6 +75,8 @@ def test_a_worker_that_is_killed_costs_nothing(engine):
 
 def test_ctrl_c_ends_a_run_and_no_worker(engine):
     """A terminal sends it to all processes."""
+    engine.executor._client.wait_for_workers(2, timeout=60)
+    assert [*engine.executor._client.run(ignores_ctrl_c).values()] == [True, True]
     before, found = {p.pid for p in workers()}, []
 
     def told(number, result):
