@@ -369,16 +369,17 @@ def widths(fitted: Fit) -> Array:
     return np.asarray(np.maximum(np.abs(fitted.theta), sizes))
 
 
-def covariance(fitted: Fit, problem: Problem) -> Array:
+def covariance(fitted: Fit, problem: Problem, wide: Array | None = None) -> Array:
     """Covariance (p, p) of the parameters [SI], robust to correlated errors: sandwich over one-second blocks.
 
     Values that make up for each other wholly (a share and the width of a play between two levels) are known no better
-    than before the data (`widths`).
+    than before the data: to `wide` (p,), scaled, or `widths`.
     """
     train = np.flatnonzero(problem.train)
     inner = np.flatnonzero(~fitted.at_bound)
     j, r = fitted.jacobian[train][:, inner], fitted.residual[train]
-    before = np.diag(float(np.mean(r**2)) / widths(fitted)[inner] ** 2)
+    wide = widths(fitted) if wide is None else wide
+    before = np.diag(float(np.mean(r**2)) / wide[inner] ** 2)
     inverse = np.linalg.pinv(j.T @ j + before, rcond=1e-15)
     length = problem.second
     blocks = train // length

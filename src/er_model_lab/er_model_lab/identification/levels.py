@@ -131,7 +131,8 @@ class _LevelsFit:
         edge = (z <= self.spread(self.box.low) + near) | (z >= self.spread(self.box.high) - near)
         model = self.box.model_at(z[: n + 1])
         fitted = Fit(model, (*self.box.free[:n], *names), z, scale, residual, jacobian, edge, MOST)
-        spread = covariance(fitted, among(problem, *(level.rows for level in self.levels)))
+        wide = np.maximum(np.abs(z), self.spread(self.box.size))
+        spread = covariance(fitted, among(problem, *(level.rows for level in self.levels)), wide)
         sd = np.sqrt(np.maximum(np.diag(spread), 0.0))
         deviations = {k: dict(v) for k, v in model.deviations.items()}
         for (effect, name), value in zip(self.box.free[:n], sd[:n], strict=True):
