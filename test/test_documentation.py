@@ -65,6 +65,7 @@ SHORTER = {
     " --json fleet.json": ("--workers", "1"),
     "control endurance --minutes 1": ("--minutes", "0.2"),
     "control car --seeds 3 --first 100": ("--seconds", "1"),
+    "control robust": ("--seeds", "1"),
     "study fault_statistics --number 200 --seed 1": ("--number", "1"),
     "study fault_trials --number 50 --seed 2": ("--number", "5"),
     "lab plan --model config/vehicles/inove_quarter_car.yaml --between gas_spring end_stop --out next.yaml"
