@@ -92,7 +92,8 @@ def test_with_a_leak_it_lowers_the_deflection_and_respects_the_domain(of: Setup)
     assert gap.mean + gap.half < 0.0
     ours, passive = means(rows, "fault_tolerant"), means(rows, "passive")
     assert ours.violations == ours.safe == 0.0
-    assert 0.0 < ours.wishes < 0.7  # a state feedback asks for forces of both signs: what no damper gives is clipped
+    # a state feedback asks for forces of both signs: what no damper gives is clipped
+    assert 0.0 < ours.wishes < 0.7
     assert ours.rms < 0.92 * passive.rms  # the gains give deflection here for bumps
     assert ours.tyre < passive.tyre
     assert ours.comfort < 1.03 * passive.comfort
