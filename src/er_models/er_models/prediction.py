@@ -44,7 +44,8 @@ class Motion:
     def t(self) -> Array:
         """Time since the start of each sample's record, or of the first of those that follow one another [s]."""
         out = np.empty(self.n)
-        for i, j, clock in zip(self.starts[:-1], self.starts[1:], self.course[:, 3], strict=True):
+        *_, clocks = self.course.T
+        for i, j, clock in zip(self.starts[:-1], self.starts[1:], clocks, strict=True):
             out[i:j] = clock + np.arange(j - i) * self.dt
         return out
 
@@ -52,16 +53,15 @@ class Motion:
     def course(self) -> Array:
         """How records follow one another (m, 4), as the kernel takes it (`kernel.imposed`)."""
         m = self.starts.size - 1
-        if self.began is None:
-            return np.column_stack([np.arange(m), np.full(m, -1.0), np.zeros((m, 2))])
-        turn = np.argsort(self.began, kind="stable")
-        ends = self.began + np.diff(self.starts) * self.dt
-        out = np.column_stack(
-            [turn, np.full(m, -1.0), np.zeros(m), self.began - self.began[turn[0]]]
-        )
-        out[turn[1:], 1] = turn[:-1]
-        out[turn[1:], 2] = np.maximum(self.began[turn[1:]] - ends[turn[:-1]], 0.0)
-        return out
+        turn, before, pause, clock = np.arange(m), np.full(m, -1.0), np.zeros(m), np.zeros(m)
+        if self.began is not None:
+            turn = np.argsort(self.began, kind="stable")
+            first, later = turn[:-1], turn[1:]
+            ends = self.began + np.diff(self.starts) * self.dt
+            before[later] = first
+            pause[later] = np.maximum(self.began[later] - ends[first], 0.0)
+            clock = self.began - self.began[turn[0]]
+        return np.column_stack([turn, before, pause, clock])
 
 
 @dataclass(frozen=True)

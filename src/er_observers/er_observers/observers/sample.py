@@ -1,7 +1,7 @@
 """One sample of an observer in one compiled call: the state, what it says, and its health.
 
 The memory between samples is one array: health (8,), change of the relative acceleration [m/s2], y (m,), pace (m,),
-x (n,), z (N,), payload (49,), fusion (59,). `Layout` says where each begins.
+x (n,), z (N,), payload (49,), fusion (66,). `Layout` says where each begins.
 """
 
 from __future__ import annotations
