@@ -7,7 +7,6 @@ from er_models.model import Array
 from scipy.signal import welch
 
 from er_model_lab.live.heard import PLACE, Heard
-from er_model_lab.output.report.palette import ERROR
 from er_model_lab.output.report.samples import rms_map
 from er_model_lab.output.report.thin import min_max
 from er_model_lab.page import plots
@@ -30,19 +29,11 @@ def force(heard: Heard, theme: Theme) -> Json:
     if not len(rows):
         return plots.nothing_yet(theme, "force over time", 400)
     t, f, left = (rows[:, PLACE[name]] for name in ("t", "damper_force", "left"))
-    curves = (
-        ("measured", f, theme.measured, "y", 2.4), ("model", f - left, theme.model, "y", 1.4),
-        ("measured \N{MINUS SIGN} model", left, theme.left, "y2", 1.1),
-    )  # fmt: skip
     data = [
         plots.line_of(*_thin(t, y), name, colour, width, yaxis=axis)
-        for name, y, colour, axis, width in curves
+        for name, y, colour, axis, width in plots.force_curves(theme, f, f - left, left)
     ]
-    layout = plots.layout_of(theme, 400) | {
-        "xaxis": plots.axis_of(theme, "time [s]", range=[heard.now - SHOWN, heard.now], anchor="y2"),
-        "yaxis": plots.axis_of(theme, "force [N]", domain=[0.40, 1.0]),
-        "yaxis2": plots.axis_of(theme, "left [N]", domain=[0.0, 0.33], anchor="x"), "hovermode": "x",
-    }  # fmt: skip
+    layout = plots.force_layout(theme, heard.now - SHOWN, heard.now)
     return plots.figure_of(data, layout | {"uirevision": heard.now})
 
 
@@ -92,19 +83,9 @@ def residual_map(heard: Heard, theme: Theme) -> Json:
     edges_v, edges_x, z = rms_map(v[good], x[good], left[good], TILES, 3)
     whole = heard.column("left")
     peak = 2.0 * float(np.sqrt(np.nanmean(whole**2)))  # one scale for the models before and after
-    data: list[Json] = [{
-        "type": "heatmap", "x": np.round(1e3 * (edges_v[1:] + edges_v[:-1]) / 2, 3),
-        "y": np.round(1e3 * (edges_x[1:] + edges_x[:-1]) / 2, 3), "z": np.ascontiguousarray(np.round(z, 3)),
-        "zmin": 0.0, "zmax": peak,
-        "colorscale": ERROR, "hoverongaps": False,
-        "colorbar": {"title": {"text": "rms [N]", "side": "right"}, "thickness": 10, "outlinewidth": 0},
-        "hovertemplate": "%{x:.0f} mm/s, %{y:.1f} mm: %{z:.3g} N<extra></extra>",
-    }]  # fmt: skip
-    layout = plots.layout_of(theme, 300) | {
-        "xaxis": plots.axis_of(theme, "velocity [mm/s]", zeroline=False),
-        "yaxis": plots.axis_of(theme, "deflection [mm]", zeroline=False),
-    }  # fmt: skip
-    return plots.figure_of(data, layout)
+    v, x = (np.round(plots.middles(edges), 3) for edges in (edges_v, edges_x))
+    tiled = plots.tiles_of(v, x, np.ascontiguousarray(np.round(z, 3)), peak)
+    return plots.figure_of([tiled], plots.tiles_layout(theme))
 
 
 def loops(heard: Heard, theme: Theme) -> Json:
@@ -117,11 +98,7 @@ def loops(heard: Heard, theme: Theme) -> Json:
         plots.dots_of(1e3 * v, f, "measured", theme.measured, 3),
         plots.dots_of(1e3 * v, f - left, "model", theme.model, 3),
     ]
-    layout = plots.layout_of(theme, 300) | {
-        "xaxis": plots.axis_of(theme, "velocity [mm/s]"), "yaxis": plots.axis_of(theme, "force [N]"),
-        "hovermode": "closest",
-    }  # fmt: skip
-    return plots.figure_of(data, layout)
+    return plots.figure_of(data, plots.loops_layout(theme))
 
 
 def spectrum(heard: Heard, theme: Theme) -> Json:
@@ -131,13 +108,7 @@ def spectrum(heard: Heard, theme: Theme) -> Json:
     if left.size < 256 or not left.any():
         return plots.nothing_yet(theme, "spectrum", 300)
     f, power = welch(left, (left.size - 1) / (t[-1] - t[0]), nperseg=256)
-    layout = plots.layout_of(theme, 300) | {
-        "xaxis": plots.axis_of(theme, "frequency [Hz]", type="log", tickformat="~g", dtick="D2"),
-        "yaxis": plots.axis_of(theme, "left [N/\N{SQUARE ROOT}Hz]", type="log", tickformat="~g", dtick="D2"),
-    }  # fmt: skip
-    return plots.figure_of(
-        [plots.line_of(f[1:], np.sqrt(power[1:]), "left", theme.left, 1.4)], layout
-    )
+    return plots.spectrum_of(theme, f[1:], np.sqrt(power[1:]))
 
 
 def _thin(t: Array, y: Array) -> tuple[Array, Array]:

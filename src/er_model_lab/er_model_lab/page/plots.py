@@ -64,10 +64,7 @@ def force(desk: Desk, theme: Theme) -> Json:
     if sight is None or predicted is None:
         return nothing_yet(theme, "force over time", 400)
     seconds = desk.selection.seconds
-    rows = [
-        ("measured", sight.force, theme.measured, "y", 2.4), ("model", predicted, theme.model, "y", 1.4),
-        ("measured \N{MINUS SIGN} model", sight.force - predicted, theme.left, "y2", 1.1),
-    ]  # fmt: skip
+    rows = force_curves(theme, sight.force, predicted, sight.force - predicted)
     if (given := desk.as_given) is not None:
         rows.insert(1, ("as given", given, theme.marked, "y", 1.0))
     data = [
@@ -77,14 +74,27 @@ def force(desk: Desk, theme: Theme) -> Json:
     if desk.selection.velocity is not None:
         at = _marked(desk, sight)
         data.append(dots_of(sight.t[at], sight.force[at], "in the tile", theme.marked))
-    layout = layout_of(theme, 400)
-    layout |= {
-        "xaxis": axis_of(theme, "time [s]", range=list(seconds or (sight.t[0], sight.t[-1])), anchor="y2"),
+    layout = force_layout(theme, *(seconds or (sight.t[0], sight.t[-1])))
+    return figure_of(data, layout | {"shapes": _held(sight, theme), "dragmode": "zoom"})
+
+
+def force_curves(
+    theme: Theme, measured: Array, predicted: Array, left: Array
+) -> list[tuple[str, Array, str, str, float]]:
+    """Name, values, colour, axis and width of the curves of a force over time."""
+    return [
+        ("measured", measured, theme.measured, "y", 2.4), ("model", predicted, theme.model, "y", 1.4),
+        ("measured \N{MINUS SIGN} model", left, theme.left, "y2", 1.1),
+    ]  # fmt: skip
+
+
+def force_layout(theme: Theme, begin: float, end: float) -> Json:
+    """Force over time [s] above, what is left below."""
+    return layout_of(theme, 400) | {
+        "xaxis": axis_of(theme, "time [s]", range=[begin, end], anchor="y2"),
         "yaxis": axis_of(theme, "force [N]", domain=[0.40, 1.0]),
-        "yaxis2": axis_of(theme, "left [N]", domain=[0.0, 0.33], anchor="x"),
-        "shapes": _held(sight, theme), "dragmode": "zoom", "hovermode": "x",
+        "yaxis2": axis_of(theme, "left [N]", domain=[0.0, 0.33], anchor="x"), "hovermode": "x",
     }  # fmt: skip
-    return figure_of(data, layout)
 
 
 def _marked(desk: Desk, sight: Sight) -> NDArray[np.int64]:
@@ -120,23 +130,37 @@ def residual_map(desk: Desk, theme: Theme) -> Json:
     )
     z, tiles = tile_map(sight, residual, seconds, 5 if seconds is None else 1), sight.tiles
     peak = float(np.nanquantile(z, 0.99)) if np.isfinite(z).any() else 1.0
-    data: list[Json] = [{
-        "type": "heatmap", "x": 1e3 * (tiles.v[1:] + tiles.v[:-1]) / 2, "y": 1e3 * (tiles.x[1:] + tiles.x[:-1]) / 2,
-        "z": np.round(z, 4), "zmin": 0.0, "zmax": peak, "colorscale": ERROR, "hoverongaps": False,
-        "colorbar": {"title": {"text": "rms [N]", "side": "right"}, "thickness": 10, "outlinewidth": 0},
-        "hovertemplate": "%{x:.0f} mm/s, %{y:.1f} mm: %{z:.3g} N<extra></extra>",
-    }]  # fmt: skip
-    layout = layout_of(theme, 300) | {
-        "xaxis": axis_of(theme, "velocity [mm/s]", zeroline=False),
-        "yaxis": axis_of(theme, "deflection [mm]", zeroline=False),
-    }  # fmt: skip
+    tiled = tiles_of(middles(tiles.v), middles(tiles.x), np.round(z, 4), peak)
+    layout = tiles_layout(theme)
     if at.velocity is not None and at.deflection is not None:
         (a, b), (c, d) = at.velocity, at.deflection
         layout["shapes"] = [{
             "type": "rect", "x0": 1e3 * a, "x1": 1e3 * b, "y0": 1e3 * c, "y1": 1e3 * d,
             "line": {"color": theme.ink, "width": 3},
         }]  # fmt: skip
-    return figure_of(data, layout)
+    return figure_of([tiled], layout)
+
+
+def middles(edges: Array) -> Array:
+    """Middles of tiles [mm, mm/s] from their edges [m, m/s]."""
+    return np.asarray(1e3 * (edges[1:] + edges[:-1]) / 2)
+
+
+def tiles_of(v: Array, x: Array, z: Array, peak: float) -> Json:
+    """Rms z [N] over velocity [mm/s] and deflection [mm]; peak: end of the colours [N]."""
+    return {
+        "type": "heatmap", "x": v, "y": x, "z": z, "zmin": 0.0, "zmax": peak, "colorscale": ERROR, "hoverongaps": False,
+        "colorbar": {"title": {"text": "rms [N]", "side": "right"}, "thickness": 10, "outlinewidth": 0},
+        "hovertemplate": "%{x:.0f} mm/s, %{y:.1f} mm: %{z:.3g} N<extra></extra>",
+    }  # fmt: skip
+
+
+def tiles_layout(theme: Theme) -> Json:
+    """Axes of such a map."""
+    return layout_of(theme, 300) | {
+        "xaxis": axis_of(theme, "velocity [mm/s]", zeroline=False),
+        "yaxis": axis_of(theme, "deflection [mm]", zeroline=False),
+    }
 
 
 def force_loops(desk: Desk, theme: Theme) -> Json:
@@ -157,10 +181,14 @@ def force_loops(desk: Desk, theme: Theme) -> Json:
         data.append(
             dots_of(1e3 * sight.problem.motion.v[at], sight.force[at], "in the tile", theme.marked)
         )
-    layout = layout_of(theme, 300) | {
+    return figure_of(data, loops_layout(theme))
+
+
+def loops_layout(theme: Theme) -> Json:
+    """Axes of force over velocity."""
+    return layout_of(theme, 300) | {
         "xaxis": axis_of(theme, "velocity [mm/s]"), "yaxis": axis_of(theme, "force [N]"), "hovermode": "closest",
     }  # fmt: skip
-    return figure_of(data, layout)
 
 
 def residual_spectrum(desk: Desk, theme: Theme) -> Json:
@@ -168,7 +196,11 @@ def residual_spectrum(desk: Desk, theme: Theme) -> Json:
     sight, residual = desk.sight, desk.residual
     if sight is None or residual is None:
         return nothing_yet(theme, "spectrum", 300)
-    f, density = spectrum(sight, residual, desk.selection.mask(sight))
+    return spectrum_of(theme, *spectrum(sight, residual, desk.selection.mask(sight)))
+
+
+def spectrum_of(theme: Theme, f: Array, density: Array) -> Json:
+    """Amplitude density [N/sqrt(Hz)] over frequency [Hz]."""
     layout = layout_of(theme, 300) | {
         "xaxis": axis_of(theme, "frequency [Hz]", type="log", tickformat="~g", dtick="D2"),
         "yaxis": axis_of(theme, "left [N/\N{SQUARE ROOT}Hz]", type="log", tickformat="~g", dtick="D2"),
