@@ -9,7 +9,6 @@ what came since. Exit status 0 only if the effect was found and both errors fell
 from __future__ import annotations
 
 import os
-import socket
 import threading
 from collections.abc import Callable
 from contextlib import contextmanager
@@ -18,6 +17,7 @@ from pathlib import Path
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
+from er_common.port import HOST, free_port
 from er_models.errors import ErError
 from er_models.files import load_model, save_model
 from er_models.model import Model
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
     from er_model_lab.session.live_desk import LiveDesk
 
-HOST = "127.0.0.1"
 LATER: dict[str, tuple[str, dict[str, float]]] = {
     "leak": ("oil_leakage", {"f": 0.75, "t_0": 60.0, "t_r": 5.0, "q": 0.0, "d": 0.5}),
     "heat": ("self_heating", {"t_h": 60.0, "b_v": 6.0, "b_y": 6.0}),
@@ -103,13 +102,10 @@ def play(live: Live, console: Console) -> bool:
         while live.stay and not failed:
             sleep(1.0)
 
-    with socket.socket() as free:
-        free.bind((HOST, 0))
-        port = int(free.getsockname()[1])
     say = console.print
     try:
         serve(
-            desk, host=HOST, port=port, browser=live.browser,
+            desk, host=HOST, port=free_port(), browser=live.browser,
             say=lambda address: say(f"page: {address}", soft_wrap=True), beside=steps,
         )  # fmt: skip
     finally:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import socket
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from er_common.port import HOST, free_port
 from er_models.errors import ErError, InputError
 
 from er_model_lab.cli.options import EffectsFrom, Seed
@@ -15,9 +15,6 @@ from er_model_lab.cli.running import fail
 
 if TYPE_CHECKING:
     from er_model_lab.session.desk import Desk
-
-HOST = "127.0.0.1"
-"""The only address that the page is served at."""
 
 
 def open_command(
@@ -63,7 +60,7 @@ def open_command(
     """The lab as a page: look, play, learn, add, take away. The last line is its address; Ctrl-C ends it."""
     try:
         with TemporaryDirectory(prefix="er_lab_") as folder:
-            free, begun = _free(port), effects_from or []
+            free, begun = free_port(port), effects_from or []
             if live:
                 desk = _beside(Path(folder), data or [], minutes, seed)
             else:
@@ -74,21 +71,6 @@ def open_command(
         return
     except ErError as error:
         fail(error)
-
-
-def _free(asked: int | None) -> int:
-    """A port of this machine: the one asked for, else any.
-
-    Raises:
-        InputError: It is in use, or not allowed.
-    """
-    with socket.socket() as found:
-        try:
-            found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            found.bind((HOST, asked or 0))
-        except (OSError, OverflowError) as error:
-            raise InputError("--port", "", "a port that is free", f"{asked}: {error}") from None
-        return int(found.getsockname()[1])
 
 
 def _over(folder: Path, data: list[Path], seed: int, code: bool) -> Desk:

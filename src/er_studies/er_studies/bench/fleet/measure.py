@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import pickle
-import socket
 import subprocess
 import sys
 import tempfile
@@ -19,6 +18,7 @@ from typing import Any
 
 import numpy as np
 import psutil
+from er_common.port import HOST, free_port
 from er_model_lab.fleets.asked import Asked, code
 from er_model_lab.fleets.cluster import cluster
 from er_model_lab.fleets.engine import Engine, work
@@ -187,9 +187,7 @@ def costs(model: Model, times: Array, each: float) -> Costs:
 
     The scheduler's messages that the simulation counts by itself are taken off; what is left is passing a result on.
     """
-    with socket.socket() as port:
-        port.bind(("127.0.0.1", 0))
-        address = f"tcp://127.0.0.1:{port.getsockname()[1]}"
+    address = f"tcp://{HOST}:{free_port()}"
     with tempfile.TemporaryDirectory() as place:
         scheduler = _started("scheduler", "--host", address, "--no-dashboard")
         worker = _started(
