@@ -72,19 +72,21 @@ def on_motion(feed: Feed, motion: Motion) -> tuple[Feed, list[Joined]]:
             blind=feed.blind + blind,
             came=feed.came and not blind,
         )
-    _, duties, seen, *rest = feed
-    return _given_on(Feed(motion, duties, seen, *rest), ready)
+    _, duties, seen, lost, missed, needed, came = feed
+    return _given_on(Feed(motion, duties, seen, lost, missed, needed, came), ready)
 
 
 def on_duty(
     feed: Feed, stamp: int, duty: float, *, back: bool = False
 ) -> tuple[Feed, list[Joined]]:
     """Take a duty; the accelerations it completes. back: time has jumped back, those kept are of another past."""
-    waiting, duties, seen, *rest = feed
+    waiting, duties, seen, lost, blind, needed, came = feed
     if waiting is not None and waiting.stamp == stamp and not duties and seen is None:
-        return Feed(None, _NONE, None, *rest), [Joined(waiting, duty)]  # nearly always
+        return Feed(None, _NONE, None, lost, blind, needed, came), [
+            Joined(waiting, duty)
+        ]  # nearly always
     kept = _with(_NONE if back else duties, stamp, duty)
-    return _given_on(Feed(waiting, kept, seen, *rest), [])
+    return _given_on(Feed(waiting, kept, seen, lost, blind, needed, came), [])
 
 
 def on_deflection(
@@ -97,14 +99,15 @@ def on_deflection(
 
 def _given_on(feed: Feed, ready: list[Joined]) -> tuple[Feed, list[Joined]]:
     """Give on what waits when it is complete, after what is ready already."""
-    motion, duties, seen, *rest = feed
+    motion, duties, seen, lost, blind, needed, came = feed
     if motion is None or motion.stamp not in duties:
         return feed, ready
-    if seen is not None and motion.stamp not in seen and (feed.needed or feed.came):
+    if seen is not None and motion.stamp not in seen and (needed or came):
         return feed, ready
     ready.append(_joined(feed, motion))
     left = None if seen is None else _after(seen, motion.stamp)
-    return Feed(None, _after(duties, motion.stamp), left, *rest), ready
+    after = _after(duties, motion.stamp)
+    return Feed(None, after, left, lost, blind, needed, came), ready
 
 
 def _joined(feed: Feed, motion: Motion) -> Joined:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import cvxpy as cp
 import numpy as np
+from cvxpy.atoms.affine.bmat import bmat
+from cvxpy.atoms.affine.sum import sum as total
 from er_models.constants import SAMPLE_TIME
 from er_models.model import Array
 
@@ -27,7 +31,7 @@ def prove(loops: Loops, sample: float = SAMPLE_TIME) -> StateProof:
             held.append(
                 _gain(P, loops.A[i, j], loops.D, loops.C[j], gamma[i]) << -1e-6 * np.eye(10)
             )
-    _solve(cp.Problem(cp.Minimize(cp.sum(gamma)), held))
+    _solve(cp.Problem(cp.Minimize(total(gamma)), held))
     if P.value is None or gamma.value is None:
         raise NoController("state feedback: no quadratic function bears all gains and faults")
     limits = SLACK * np.asarray(gamma.value)
@@ -48,14 +52,17 @@ def prove(loops: Loops, sample: float = SAMPLE_TIME) -> StateProof:
     return proof
 
 
-def _gain(P: cp.Variable, A: Array, D: Array, C: Array, gamma: object) -> cp.Expression:
+def _gain(
+    P: cp.Variable, A: Array, D: Array, C: Array, gamma: cp.Expression | float
+) -> cp.Expression:
     """The bounded real matrix (10, 10)."""
     entry, zero = P @ D[:, None], np.zeros((1, 3))
-    return cp.bmat([
+    rows = [
         [P @ A + A.T @ P, entry, C.T],
         [entry.T, -gamma * np.eye(1), zero],
         [C, zero.T, -gamma * np.eye(3)],
-    ])  # fmt: skip
+    ]
+    return cast(cp.Expression, bmat(rows))  # type: ignore[no-untyped-call]
 
 
 def common(loops: Loops, sample: float) -> Array:
@@ -67,7 +74,7 @@ def common(loops: Loops, sample: float) -> Array:
     if P.value is None or t.value is None or not t.value.item() > 0.0:
         raise NoController("state feedback: no quadratic function falls along all sampled loops")
     whole = np.asarray(P.value)
-    return 0.5 * (whole + whole.T)
+    return np.asarray(0.5 * (whole + whole.T))
 
 
 def _solve(problem: cp.Problem) -> None:

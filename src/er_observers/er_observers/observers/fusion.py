@@ -195,14 +195,14 @@ def _innovation(p: Array, w: Array, seen: float, now: float, dt: float) -> float
         x, v = x + a / s * innovation, v + b / s * innovation
         a, b, c = a - a * a / s, b - a * b / s, c - b * b / s
     w[KIN_X], w[KIN_V], w[KIN_00], w[KIN_01], w[KIN_11] = x, v, a, b, c
-    return far
+    return float(far)
 
 
 @compiled
 def _noise_of_speed(p: Array, w: Array, bend: float, dt: float) -> float:
     """Variance that a sample adds to the integrated velocity [m2/s2]."""
     rough = max(w[BEND], bend * bend)
-    return (dt * p[NOISE_A]) ** 2 + (ROUGH * dt) ** 2 * rough
+    return float((dt * p[NOISE_A]) ** 2 + (ROUGH * dt) ** 2 * rough)
 
 
 @compiled

@@ -115,13 +115,13 @@ def found_in(trial: Trial, model: Model, p: Estimator) -> Found:
     }
     hits = [k for k in range(begun, len(said)) if said[k].kind is right]
     then = begun + min(int(np.searchsorted(moved, IN_TIME)), moved.size - 1)
-    errors = [
+    error, last_error = (
         max((abs(said[k].factors[int(f[1]) - 1] - v) for f, v in trial.left.items()), default=0.0)
         for k in (then, -1)
-    ]
+    )
     return Found(
         trial.road, tuple(sorted(others | early)), float(np.mean([e.unexplained for e in said])),
-        float(moved[hits[0] - begun]) if hits else math.inf, *errors, float(moved[-1]), said[-1].kind.name,
+        float(moved[hits[0] - begun]) if hits else math.inf, error, last_error, float(moved[-1]), said[-1].kind.name,
         said[-1].unexplained, any(e.kind is Kind.SOME for e in said),
     )  # fmt: skip
 

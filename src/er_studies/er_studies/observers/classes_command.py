@@ -13,6 +13,7 @@ import typer
 from er_models.files import load_model, write_whole
 from er_models.model import Array, Model
 from er_models.places import writable
+from numpy.typing import NDArray
 
 from er_studies.observers.classes import CASES, CLASSES, MICROMETRES, scenario, with_noise
 from er_studies.observers.estimators import Estimator, estimators_of
@@ -59,7 +60,7 @@ def errors_of(
     return {name: float(np.median(v)) for name, v in found.items()}
 
 
-def _error(e: Estimator, record: dict[str, Array], rows: Array) -> float:
+def _error(e: Estimator, record: dict[str, Array], rows: NDArray[np.bool_]) -> float:
     """NRMSE of one column on one record."""
     return nrmse(record["damper_force"][rows], follow(e, record, None).force[rows])
 

@@ -201,7 +201,8 @@ def _graph(key: str, size: int) -> Any:
     from distributed.protocol.serialize import Serialized, serialize
 
     task = Task(key, len, [f"recordings/{k:07d}.parquet" for k in range(size)])
-    return Serialized(*serialize(LLGExpr({key: task}), serializers=["pickle"]))
+    graph: Any = LLGExpr({key: task})  # type: ignore[no-untyped-call]
+    return Serialized(*serialize(graph, serializers=["pickle"]))  # type: ignore[no-untyped-call]
 
 
 async def simulated(workers: int, recordings: int, costs: Costs, seed: int = 0) -> Outcome:

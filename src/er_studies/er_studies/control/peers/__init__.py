@@ -6,12 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from er_ftc_controller.synthesis.state_lqr import (
-    StateWeights,
-    body_frequency,
-    car_of,
-    state_gain,
-)
+from er_ftc_controller.synthesis.state_lqr import StateWeights, car_of, state_gain
+from er_ftc_controller.synthesis.weights import body_frequency
 from er_models.forms.lipschitz import linearise
 from er_models.forms.loss import Factors
 from er_models.forms.lti import lti_form

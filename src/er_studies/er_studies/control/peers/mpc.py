@@ -62,8 +62,8 @@ def _cost(p: Array, s: Array, first: float, then: float, best: float) -> float:
             felt += p[37 + i] * q[i]
         cost += STEP * (p[42] * felt**2 + p[43] * q[0] ** 2 + p[44] * q[2] ** 2)
         if cost > best:
-            return cost
+            return float(cost)
     for i in range(5):
         for j in range(5):
             cost += q[i] * p[45 + 5 * i + j] * q[j]
-    return cost
+    return float(cost)
