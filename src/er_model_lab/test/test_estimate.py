@@ -97,7 +97,8 @@ def test_a_parameter_that_moves_nothing_is_not_known_exactly() -> None:
 
     rng = np.random.default_rng(0)
     fitted = SimpleNamespace(
-        theta=np.zeros(3), scale=np.ones(3), at_bound=np.array([False, False, True]),
+        model=Model("made", {}, SCALES), theta=np.zeros(3), scale=np.ones(3), at_bound=np.array([False, False, True]),
+        free=(("passive", "k0"), ("passive", "c0"), ("coulomb_friction", "F_c")),
         residual=rng.standard_normal(1000),
         jacobian=np.stack([rng.standard_normal(1000), np.zeros(1000), np.ones(1000)], axis=1),
     )  # fmt: skip

@@ -64,6 +64,8 @@ def read(node: ElementTree.Element) -> str:
     parts = [read(child) for child in node]
     if not parts:
         return read_leaf(node)
+    if node.tag == "msqrt":
+        return f"(({''.join(parts)}) ** 0.5)"
     if node.tag in ("mfrac", "msup", "mtr"):
         return read_pair(node.tag, *parts)
     if parts[0] == parts[-1] == "|":

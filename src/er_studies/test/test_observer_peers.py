@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from er_models.files import load_model
 from er_studies.observers import classes_command
 from er_studies.observers.classes import scenario, with_noise
@@ -49,7 +50,20 @@ def test_tuning_finds_better_and_spends_its_budget(car, record, monkeypatch):
     assert score("momentum", car, values, [record]) == pytest.approx(min(tried), rel=1e-2)
 
 
+def test_the_file_is_made_by_one_command(tmp_path):
+    """`er study tune_peers` with one trial of each."""
+    out = tmp_path / "peers.yaml"
+    words = ["--config", str(CONFIG), "--out", str(out), "--budget", "1"]
+    assert CliRunner().invoke(tune.app, words).exit_code == 0
+    assert yaml.safe_load(out.read_text())["peers"].keys() == known.PEERS.keys()
+    assert [
+        e.name
+        for e in known.tuned_peers(load_model(CONFIG / "vehicles" / "inove_quarter_car.yaml"), out)
+    ]
+
+
 def test_comparison_prints_a_table(tmp_path):
+    """`er study classes` of one class."""
     words = ["--config", str(CONFIG), "--classes", "A", "--case", "healthy", "--noise", "200"]
     result = CliRunner().invoke(
         classes_command.app, [*words, "--json", str(tmp_path / "found.json")]

@@ -29,6 +29,7 @@ EFFECT = Effect(
         Param("F_r", "N", 0.5, 2.0, None, (1.0,), "force at which it does", fitted=False),
     ),
     hooks={"limit": limit},
+    dissipative=True,
     signature=Signature(
         mark="force is missing at low velocity, a parabola in place of the yield force's step",
         plane="force-velocity",
