@@ -267,7 +267,9 @@ def test_an_input_that_new_gains_do_without_is_neither_heard_nor_asked_for(
 ) -> None:
     """Its end stays, and messages go on arriving there."""
     pairs = (f"model_file:={VEHICLE}", f"gains_file:={CONFIG / 'gains/unified.yaml'}")
-    words = [word for pair in (*pairs, "autostart:=false") for word in ("-p", pair)]
+    words = [
+        word for pair in (*pairs, "deflection:=false", "autostart:=false") for word in ("-p", pair)
+    ]
     node = CoreNode(OBSERVERS["unified"], ["--ros-args", *words])
     ros.add_node(node)
     shell = node.shell

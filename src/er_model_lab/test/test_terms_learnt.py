@@ -107,7 +107,9 @@ def test_blocks_left_out_tell_the_error_of_fresh_data(learnt):
 
 
 def test_two_forces_over_different_quantities_are_two_terms(tmp_path):
-    both = lambda x, v, u: 1500.0 * v * np.abs(x) + np.sin(10.0 * u)
+    def both(x, v, u):
+        return 1500.0 * v * np.abs(x) + np.sin(10.0 * u)
+
     model, problem = made(both, seconds=40.0)  # long enough to hold out no level of the duty whole
     first = learn(baseline(model, problem), problem, LIMIT)
     second = learn(first.candidate, problem, LIMIT)

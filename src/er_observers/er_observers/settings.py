@@ -24,7 +24,7 @@ class ObserverParameters(NodeParameters):
         True, text="whether sprung mass and asymmetry of the damping are estimated and used"
     )
     deflection: bool = param(
-        False,
+        True,
         text="whether the deflection sensor is used where it is there; false: the accelerometers alone",
     )
     max_age: float = oldest_sample()

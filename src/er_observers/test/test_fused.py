@@ -1,17 +1,20 @@
 """With a deflection sensor: the balance of the body and the model, fused; what is promised holds for any damper."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from er_observers.observers import fusion
-from er_observers.observers.status import ALONE, VERDICTS, Status
+from er_observers.observers.status import ALONE, VERDICTS, WRONG, Status
 from er_observers.running import runtime
 from er_observers.running.runtime import Sample
 from er_studies.observers.classes import scenario, with_noise
 from er_studies.observers.nrmse import nrmse
 from er_studies.observers.scenarios.drive import drive as ridden
+from er_studies.observers.scenarios.files import load_scenario
 
+CONFIG = Path(__file__).resolve().parents[3] / "config"
 NAMES = (
     "t",
     "told_sprung_acceleration",
@@ -111,3 +114,50 @@ def test_a_load_is_found_and_a_leak_is_none(gains, rides):
     )
     fixed = replace(gains, payload=False)
     assert followed(fixed, samples_of(rides["heavy"]))[1][-1, fusion.THETA] == 1.0
+
+
+def reasons(gains, record, **changed):
+    """When, and as what, estimates from 1 s on are told as degraded: the first time of each reason [s]."""
+    found = {}
+    estimates = followed(gains, samples_of(record, **changed))[0]
+    for t, e in zip(record["t"], estimates, strict=True):
+        if t > 1.0 and e.status is Status.DEGRADED:
+            found.setdefault(e.reason, t)
+    return found
+
+
+@pytest.mark.parametrize(("road", "most"), [("A", 0.5), ("B", 0.5), ("C", 1.2)])
+def test_an_accelerometer_that_drifts_off_is_doubted(gains, car, road, most):
+    """3 m/s2 more than there is, from 3 s on, of either accelerometer; and never without."""
+    record = ridden(with_noise(scenario(road, "healthy", 7102, 6.0), 20.0), car)
+    assert reasons(gains, record) == {}
+    for name in NAMES[1:3]:
+        off = record[name] + np.where(record["t"] >= 3.0, 3.0, 0.0)
+        found = reasons(gains, record, **{name: off})
+        assert 3.0 < found[VERDICTS[WRONG][1]] < 3.0 + most
+
+
+@pytest.mark.parametrize("name", ["experiment_bumps", "chapter_3_chirp", "chapter_4_step"])
+def test_no_bump_or_chirp_is_a_wrong_accelerometer(gains, car, name):
+    for s in load_scenario(CONFIG / f"scenarios/{name}.yaml"):
+        assert VERDICTS[WRONG][1] not in reasons(gains, ridden(with_noise(s, 20.0), car))
+
+
+def test_a_silence_does_not_refuse_the_sensor(gains, rides):
+    """The sensor answers with the first sample after half a second of which nothing is known."""
+    samples = samples_of(rides["healthy"])
+    state = runtime.start(gains, samples[0])
+    for sample in samples[1:600]:
+        state, _ = runtime.step(gains, state, sample)
+    state = runtime.lose(gains, state, samples[600].t)
+    for sample in samples[700:720]:
+        state, estimate = runtime.step(gains, state, sample)
+        assert estimate.status is Status.OK
+
+
+def test_time_that_goes_back_forgets_what_was_learnt(gains, rides):
+    """A recording that loops gives the same answers again."""
+    samples = samples_of(rides["heavy"])[:600]
+    once = followed(gains, samples)[0]
+    twice = followed(gains, [*samples, *samples])[0]
+    assert [e.force for e in twice[600:]] == [e.force for e in once]

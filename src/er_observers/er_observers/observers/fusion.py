@@ -25,6 +25,10 @@ observer of the two accelerometers answers. The sensor is believed again when it
 over `SKIPS` samples at most, or when its difference from the observer's own deflection is for `RETURN` seconds what it
 used to be, in the mean and in the mean square.
 
+*An accelerometer that is wrong* draws the motion that both predict to one side of the sensor. The mean of these
+innovations over their root mean square shows it; the estimate goes on, degraded, since nobody knows which of the two
+accelerometers it is.
+
 *The load.* k_s x_m is regressed on m_s y_1, c_0 v and f, all through one band around the body's resonance: what a
 damper loses shows in the coefficients of v and f, and what the body weighs in that of y_1, a quarter of a period apart.
 Only the damper's own stiffness k_0 is not told from mass: a leak that takes it away looks like (k_s + k_0) / (k_s + f
@@ -81,6 +85,11 @@ RETURN = 0.5
 """Time for which a sensor must be as usual before it is believed again [s]."""
 HUNG = 2.0
 """Repetitions of the last value that are a sensor that hangs, where the car moves by as many deviations a sample."""
+ALONG = 0.5
+"""Average of the innovations of the deflection, by which the accelerometers are judged [s]."""
+AWAY, NEAR = 0.15, 0.05
+"""Square of their mean over their mean square above which the accelerometers contradict the sensor, and below which no
+more. Healthy sensors stay below 0.02 on ISO roads and bumps, and below 0.1 on a step with a duty that switches."""
 ALIKE = 9.0
 """How many times its usual size a squared difference from the observer's own deflection may be for a return."""
 EDGES = (4.0, 40.0)
@@ -105,9 +114,10 @@ NUMBERS = USUAL_X + 1
 (X, V, F, D, P00, P01, P02, P03, P11, P12, P13, P22, P23, P33) = range(14)
 (
     Q, BEND, APART, CHANGE, LAST_X, PAST_X, PAST_APART, SECOND, NOISE, TRUST, SKIPPED, BACK, MEAN, SQUARE, MEAN_USUAL,
-    SQUARE_USUAL, THETA, TIME, SAMPLES, WIDTH, KIN_X, KIN_V, KIN_00, KIN_01, KIN_11, KNOWN, SAME,
-) = range(14, 41)  # fmt: skip
-FILTERS = 41
+    SQUARE_USUAL, THETA, TIME, SAMPLES, WIDTH, KIN_X, KIN_V, KIN_00, KIN_01, KIN_11, KNOWN, SAME, DRIFT, SPREAD,
+    ADRIFT,
+) = range(14, 44)  # fmt: skip
+FILTERS = 44
 """Three signals (m_s y_1, x_m, f) with five numbers each."""
 SUMS = FILTERS + 15
 SIZE = SUMS + 10
@@ -144,14 +154,14 @@ def numbers_of(
 
 
 def begin() -> Array:
-    """Memory (66,) before any deflection."""
+    """Memory (69,) before any deflection."""
     memory = np.zeros(SIZE)
     memory[THETA] = 1.0
     return memory
 
 
 def interrupted(memory: Array) -> Array:
-    """Memory (66,) where the next sample does not follow this one: what was learnt stays."""
+    """Memory (69,) where the next sample does not follow this one: what was learnt stays."""
     kept = memory.copy()
     kept[SAMPLES] = 0.0
     return kept
@@ -171,6 +181,7 @@ def _begin(p: Array, w: Array, seen: float, v: float, f: float) -> None:
     w[KIN_X], w[KIN_V], w[KIN_00], w[KIN_01], w[KIN_11] = seen, v, noise, 0.0, w[P11]
     w[Q] = max(w[Q], balance * balance)
     w[LAST_X], w[PAST_X], w[SAMPLES], w[CHANGE] = seen, math.nan, 1.0, 0.0
+    w[DRIFT] = w[SPREAD] = w[ADRIFT] = 0.0
     for i in range(FILTERS, SUMS):
         w[i] = 0.0
     w[FILTERS + 5] = seen
@@ -192,10 +203,22 @@ def _innovation(p: Array, w: Array, seen: float, now: float, dt: float) -> float
     s, innovation = a + w[NOISE] * w[NOISE], seen - x
     far = innovation * innovation / s
     if far < GATE:
+        _judge(w, innovation / math.sqrt(s), dt)
         x, v = x + a / s * innovation, v + b / s * innovation
         a, b, c = a - a * a / s, b - a * b / s, c - b * b / s
     w[KIN_X], w[KIN_V], w[KIN_00], w[KIN_01], w[KIN_11] = x, v, a, b, c
     return float(far)
+
+
+@compiled
+def _judge(w: Array, innovation: float, dt: float) -> None:
+    """Follow, in place, whether innovations, each over its deviation, lie to one side."""
+    weight = min(1.0, dt / ALONG)
+    w[DRIFT] += weight * (innovation - w[DRIFT])
+    w[SPREAD] += weight * (innovation * innovation - w[SPREAD])
+    if w[SAMPLES] > SETTLED:
+        limit = NEAR if w[ADRIFT] > 0.0 else AWAY
+        w[ADRIFT] = 1.0 if w[DRIFT] * w[DRIFT] > limit * w[SPREAD] else 0.0
 
 
 @compiled
@@ -343,7 +366,7 @@ def fuse(
     p: Array, w: Array, sprung: float, unsprung: float, seen: float, own: Array, rho: float,
     dt: float,
 ) -> tuple[bool, float, float, float]:  # fmt: skip
-    """Take a sample into the memory w (66,), in place: whether the sensor is believed, force [N], deflection, velocity.
+    """Take a sample into the memory w (69,), in place: whether the sensor is believed, force [N], deflection, velocity.
 
     own (n,): the observer's estimate, with which the filter begins; rho: duty in force for dt [s] until now.
     """

@@ -1,7 +1,7 @@
 """One sample of an observer in one compiled call: the state, what it says, and its health.
 
 The memory between samples is one array: health (8,), change of the relative acceleration [m/s2], y (m,), pace (m,),
-x (n,), z (N,), payload (49,), fusion (66,). `Layout` says where each begins.
+x (n,), z (N,), payload (49,), fusion (69,). `Layout` says where each begins.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from er_models.model import Array
 
 from er_observers.observers import fusion, payload, watch
 from er_observers.observers.compiled import compiled
-from er_observers.observers.fusion import REFUSED, TRUST, fuse
+from er_observers.observers.fusion import ADRIFT, REFUSED, TRUST, fuse
 from er_observers.observers.kernel import HEAD, SUBSTEP, advance
 from er_observers.observers.matrices import Plan
 from er_observers.observers.payload import (
@@ -25,7 +25,7 @@ from er_observers.observers.payload import (
     even_drive,
     learn,
 )
-from er_observers.observers.status import ALONE, BLIND, FINE, REPAIRED, UNTOLD
+from er_observers.observers.status import ALONE, BLIND, FINE, REPAIRED, UNTOLD, WRONG
 from er_observers.observers.watch import (
     DEFLECTION,
     DOUBT,
@@ -213,7 +213,8 @@ def better(
     force, x, v, ratio, verdict = said
     believed, fused_force, fused_x, fused_v = found
     if believed:
-        return fused_force, fused_x, fused_v, ratio, REPAIRED if verdict == REPAIRED else FINE
+        good = WRONG if fused[ADRIFT] > 0.0 else FINE
+        return fused_force, fused_x, fused_v, ratio, REPAIRED if verdict == REPAIRED else good
     if verdict == FINE and fused[TRUST] == REFUSED:
         verdict = ALONE
     return force, x, v, ratio, verdict

@@ -69,7 +69,7 @@ class Health(NamedTuple):
     contradicted: bool
 
 
-FINE, UNSETTLED, REPAIRED, GONE, BLIND, CONFLICTING, UNTOLD, ALONE = range(8)
+FINE, UNSETTLED, REPAIRED, GONE, BLIND, CONFLICTING, UNTOLD, ALONE, WRONG = range(9)
 VERDICTS = {
     FINE: (Status.OK, ""),
     UNSETTLED: (Status.INITIALISING, "the first error has not decayed yet"),
@@ -79,5 +79,6 @@ VERDICTS = {
     CONFLICTING: (Status.DEGRADED, "the accelerations contradict the damper model"),
     UNTOLD: (Status.DEGRADED, "a load or a loss of the damper: not told apart"),
     ALONE: (Status.DEGRADED, "the deflection sensor is refused: from the accelerometers alone"),
+    WRONG: (Status.DEGRADED, "the accelerations contradict the deflection sensor"),
 }
 """What `watch.judge` and `payload` may say: a status and its reason."""

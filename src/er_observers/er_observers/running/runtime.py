@@ -152,7 +152,10 @@ def start(
     )
     if not running:
         memory[watching.LOST] = math.inf
-    estimate = _says(*_fused(gains, sample, duty, 0.0, memory, _said(gains, memory)))
+    said = _said(gains, memory)
+    if running:  # a deflection sensor that nobody asked is not refused
+        said = _fused(gains, sample, duty, 0.0, memory, said)
+    estimate = _says(*said)
     rejected = 0 if running else 1
     return State(sample.t, memory, gains.layout, P, duty, estimate, running, 0, rejected)
 
@@ -199,7 +202,7 @@ def _other(gains: Gains, state: State, sample: Sample) -> State:
     if not math.isfinite(dt) or -hold < dt <= 0.0:
         return state._replace(rejected=state.rejected + 1)
     if abs(dt) > hold:
-        return _restart(gains, state, sample)
+        return _restart(gains, state, sample, other=dt < 0.0)
     if not _valid(gains, sample):
         return _bridge(gains, state, sample, dt)
     if state.memory.item(watching.LOST) + dt > hold:
@@ -280,10 +283,10 @@ def _bridge(gains: Gains, state: State, sample: Sample, dt: float) -> State:
     )
 
 
-def _restart(gains: Gains, state: State, sample: Sample) -> State:
-    """Start afresh, counting it."""
+def _restart(gains: Gains, state: State, sample: Sample, *, other: bool = False) -> State:
+    """Start afresh, counting it; other: time went back, so that what was learnt may belong to another drive."""
     lay = state.layout
-    learnt = (state.memory[lay.payload], state.memory[lay.fusion])
+    learnt = (None, None) if other else (state.memory[lay.payload], state.memory[lay.fusion])
     fresh = start(gains, sample, None, *learnt)
     return fresh._replace(
         resets=state.resets + state.running, rejected=state.rejected + fresh.rejected
