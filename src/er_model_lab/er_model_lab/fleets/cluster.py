@@ -26,6 +26,11 @@ PATIENCE = 60.0
 """How long a scheduler that is gone is waited for [s]."""
 ONE = {**THREADS, "NUMBA_NUM_THREADS": "1"}
 """Environment of a worker: one of them has one core."""
+LOCAL = {
+    "distributed.worker.daemon": True, "distributed.comm.timeouts.connect": "60s",
+    "distributed.worker.profile.enabled": False,
+}  # fmt: skip
+"""Dask's configuration of workers of this machine: its profiler, which nobody looks at here, takes a tenth of one."""
 WORKER = "er_model_lab.fleets.worker"
 """Module whose `dask_setup` a worker calls first."""
 
@@ -66,7 +71,7 @@ def _here(distributed: Any, workers: int | None, folder: str) -> Iterator[Any]:
     import dask
 
     with (
-        dask.config.set({"distributed.worker.daemon": True, "distributed.comm.timeouts.connect": "60s"}),
+        dask.config.set(LOCAL),
         distributed.LocalCluster(
             n_workers=workers or cores(), threads_per_worker=1, processes=True, dashboard_address=None,
             host="127.0.0.1", local_directory=folder, silence_logs=logging.CRITICAL, env=ONE,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import pickle
 import subprocess
 import sys
@@ -10,17 +11,20 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import psutil
 from er_common.port import HOST, free_port
 from er_model_lab.fleets.asked import Asked, code
-from er_model_lab.fleets.cluster import cluster
+from er_model_lab.fleets.cluster import ONE, cluster
 from er_model_lab.fleets.engine import Engine, work
 from er_model_lab.fleets.fleet import fleet
 from er_model_lab.fleets.recording import RecordingJob, recording
@@ -86,18 +90,30 @@ class Answers(Executor):
 
 
 def compared(data: Path, model: Model, workers: Sequence[int], *, search: bool) -> Iterator[Line]:
-    """The fleet in a plain loop (0 workers), and by so many workers of Dask; each in a folder of its own."""
+    """The fleet in a plain loop (0 workers), and by so many workers of Dask; each in a folder of its own.
+
+    The loop runs in a process with one thread, as each worker has; its start is not counted.
+    """
     for number in workers:
-        executor = None if number else Loop()
-        with tempfile.TemporaryDirectory() as place, _memory() as seen:
-            before, begun = _processor(), time.perf_counter()
-            result = fleet(
-                data, model, out=Path(place) / "fleet.parquet", search=search, workers=number or 1,
-                executor=executor,
-            )  # fmt: skip
-            wall, used = time.perf_counter() - begun, _processor() - before
-        what = f"{number} worker{'s' * (number > 1)}" if number else "plain loop"
-        yield Line(what, wall, used + seen.used, *seen.thirds(), seen.client, result.view.headline)
+        if number:
+            yield _line(data, model, number, search=search)
+            continue
+        with patch.dict(os.environ, ONE), ProcessPoolExecutor(1, get_context("spawn")) as pool:
+            yield pool.submit(partial(_line, data, model, 0, search=search)).result()
+
+
+def _line(data: Path, model: Model, number: int, *, search: bool) -> Line:
+    """One run in this process, with so many workers or none."""
+    executor = None if number else Loop()
+    with tempfile.TemporaryDirectory() as place, _memory() as seen:
+        before, begun = _processor(), time.perf_counter()
+        result = fleet(
+            data, model, out=Path(place) / "fleet.parquet", search=search, workers=number or 1,
+            executor=executor,
+        )  # fmt: skip
+        wall, used = time.perf_counter() - begun, _processor() - before
+    what = f"{number} worker{'s' * (number > 1)}" if number else "plain loop"
+    return Line(what, wall, used + seen.used, *seen.thirds(), seen.client, result.view.headline)
 
 
 class _Seen:
