@@ -34,12 +34,12 @@ if TYPE_CHECKING:
 
 LATER: dict[str, tuple[str, dict[str, float]]] = {
     "leak": ("oil_leakage", {"f": 0.75, "t_0": 60.0, "t_r": 5.0, "q": 0.0, "d": 0.5}),
-    "heat": ("self_heating", {"t_h": 60.0, "b_v": 6.0, "b_y": 6.0}),
+    "heat": ("self_heating", {"t_h": 60.0, "b_v": 3.0, "b_y": 3.0}),
 }
 """What begins in the second drive: the effect of the plant, and its values [SI]."""
 LEARN = 15.0
 """Motion from which the monitor learns what the error of its model is like [s]."""
-FALLS = 0.75
+FALLS = 0.9
 """Live error after over before, at most, to have fallen."""
 COUNTED = 10.0
 """Time of the drive over which a live error is taken [s]."""
@@ -118,7 +118,7 @@ def play(live: Live, console: Console) -> bool:
 def first(live: Live, desk: LiveDesk, console: Console) -> Act:
     """An effect is hidden from the beginning."""
     hidden = choose(live.effect, live.seed) or "nothing"
-    with drive(live, truth_of(live), "first", live.seed):
+    with drive(live, desk, truth_of(live), "first", live.seed):
         _wait("the first sample", START, lambda: desk.heard.seconds > 1.0, desk)
         console.print("driving: the page listens, and diagnoses when the data carry a verdict ...")
         _wait("a verdict", VERDICT, lambda: _decided(desk), desk)
@@ -141,12 +141,13 @@ def first(live: Live, desk: LiveDesk, console: Console) -> Act:
 def second(live: Live, desk: LiveDesk, console: Console) -> Act:
     """The same damper with its model in the monitor; something begins while it is driven."""
     effect, values = LATER[live.later]
-    begins = values.get("t_0", 0.0)
-    with drive(live, truth_of(live).with_effect(effect, values), "second", live.seed + 1):
+    begins, before = values.get("t_0", 0.0), desk.heard.now
+    truth = truth_of(live).with_effect(effect, values)
+    with drive(live, desk, truth, "second", live.seed + 1):
         _wait(
             "another drive",
             START,
-            lambda: desk.heard.seconds > 1.0 and desk.heard.now < START,
+            lambda: desk.heard.seconds > 1.0 and desk.heard.now < before,
             desk,
         )
         desk.give()
@@ -156,10 +157,10 @@ def second(live: Live, desk: LiveDesk, console: Console) -> Act:
         at, began = desk.heard.now, desk.heard.began()
         console.print(f"alarm after {at:.0f} s of driving; it began about {began:.0f} s")
         _wait("more data", ALARM, lambda: desk.heard.now - at > 2.0 * COUNTED, desk)
-        before = desk.heard.error(COUNTED)
+        error = desk.heard.error(COUNTED)
         desk.improve()
         after = _given(desk, console)
-    return Act(f"{effect}, later", "an alarm", before, after, at > begins)
+    return Act(f"{effect}, later", "an alarm", error, after, at > begins)
 
 
 def _decided(desk: LiveDesk) -> bool:
@@ -205,7 +206,7 @@ def truth_of(live: Live) -> Model:
 
 
 @contextmanager
-def drive(live: Live, truth: Model, name: str, seed: int) -> Iterator[None]:
+def drive(live: Live, desk: LiveDesk, truth: Model, name: str, seed: int) -> Iterator[None]:
     """The graph, with this damper in its plant, for as long as the block takes; raises `ErError` where it failed."""
     sealed, rules = live.out / "sealed" / f"{name}.yaml", live.out / "monitor.yaml"
     save_model(replace(truth, name="hidden"), sealed)
@@ -228,6 +229,7 @@ def drive(live: Live, truth: Model, name: str, seed: int) -> Iterator[None]:
                 run(arguments, stream, stopping)
         except BaseException as error:
             wrong.append(error)
+            desk.refused = " ".join(str(error).split()) or type(error).__name__
 
     thread = threading.Thread(target=go, name=name)
     thread.start()

@@ -35,6 +35,8 @@ from er_ros_common import qos
 
 PERIOD = 0.25
 """How often what has come is taken [s]."""
+PATIENCE = 5.0
+"""How long a monitor is looked for that is asked to go by a model [s]."""
 SILENCE = 1.0
 """Time without a sample after which that is said [s]."""
 NICE = 5
@@ -92,6 +94,7 @@ class Listener:
         self.use = asking.create_client(UseModel, f"{MONITOR.name}/use_model")
         self.get = asking.create_client(GetParameters, f"{MONITOR.name}/get_parameters")
         self.executor, self.asked = SingleThreadedExecutor(), False
+        self.wishes: list[tuple[str, float]] = []
         self.executor.add_node(asking)
 
     def _hear(self, topic: Topic) -> Subscription:
@@ -116,6 +119,9 @@ class Listener:
             self.say({"alone": alone})
         for data in _taken(self.status):
             self._status(deserialize_message(data, NodeStatus))
+        wishes, self.wishes = self.wishes, []
+        for path, until in wishes:
+            self._serve(path, until)
         self.executor.spin_once(timeout_sec=0.0)
 
     def _status(self, m: NodeStatus) -> None:
@@ -127,8 +133,14 @@ class Listener:
 
     def do(self, wish: Word) -> None:
         """Do what is asked."""
-        path = str(wish["use"])
+        self.wishes.append((str(wish["use"]), monotonic() + PATIENCE))
+
+    def _serve(self, path: str, until: float) -> None:
+        """Ask the monitor to go by a model; one that has just been started may take a while to be found."""
         if not self.use.service_is_ready():
+            if monotonic() < until:
+                self.wishes.append((path, until))
+                return
             reason = f"no {MONITOR.name} in the namespace: ./er up model_monitor:=true"
             self.say({"used": {"accepted": False, "reason": reason, "model": path}})
             return

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from er_model_lab.live.coverage import DO, carries, coverage
 from er_model_lab.live.heard import Heard
-from er_model_lab.live.join import COLUMNS, WAIT, Join
+from er_model_lab.live.join import COLUMNS, GAP, WAIT, Join
 from er_model_lab.page import live_plots, plots
 from er_model_lab.preflight.excitation import CELLS
 from er_model_lab.session.live_desk import LiveDesk
@@ -60,6 +60,18 @@ def test_what_belongs_to_an_instant_is_a_row_and_what_is_lost_is_not_waited_for(
     join.add(STEP + 2 * WAIT, FORCE, (8.0,))
     assert join.again == 1
     assert [r[0] for r in join.ready()] == [0.0]
+
+
+def test_a_pause_of_some_seconds_is_another_drive() -> None:
+    """Its rows count from its own first stamp; a shorter pause is a loss."""
+    join, begins, rows = Join(), (STEP, STEP + GAP, 3 * STEP + 3 * GAP), []
+    for begin in begins:
+        for k in range(60):
+            join.add(begin + k * STEP, FORCE, (1.0,))
+        rows.append(join.ready())
+    assert join.again == 1
+    assert rows[1][-1][0] > 1e-9 * GAP
+    assert rows[2][-1][0] < 1.0
 
 
 def test_memory_is_bounded_and_holds_the_last() -> None:

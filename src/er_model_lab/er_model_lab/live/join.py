@@ -18,6 +18,8 @@ WAIT = 100_000_000
 """How far behind the newest stamp a row waits for what it lacks [ns]."""
 BACK = 1_000_000_000
 """Step back of the stamps that is another drive, not a straggler [ns]."""
+GAP = 5_000_000_000
+"""Step forward of the stamps that is another drive, not a loss [ns]."""
 
 Row = tuple[float, ...]
 """Time since the first stamp [s], then `COLUMNS`."""
@@ -52,5 +54,19 @@ class Join:
             return []
         many = bisect_left(self.order, self.order[-1] - WAIT)
         ready, self.order = self.order[:many], self.order[many:]
+        before = [self.given, *ready][: len(ready)]
+        for k, (last, stamp) in enumerate(zip(before, ready, strict=True)):
+            if (
+                0 <= last < stamp - GAP
+            ):  # another drive; what is left of the one before goes with it
+                self.first, self.again = stamp, self.again + 1
+                return self._rows(ready, k)
+        return self._rows(ready, 0)
+
+    def _rows(self, ready: list[int], begin: int) -> list[Row]:
+        """Rows of these stamps, from the one in this place on; those before are dropped."""
+        for stamp in ready[:begin]:
+            self.rows.pop(stamp)
+        ready = ready[begin:]
         self.given = ready[-1] if ready else self.given
         return [(1e-9 * (s - self.first), *self.rows.pop(s)) for s in ready]

@@ -113,7 +113,8 @@ def _levels(courses: Sequence[Course], r: Reach) -> float:
         return 1.0
     seconds = np.zeros(LEVELS)
     for c in courses:
-        place = np.clip((c.u / r.duty * LEVELS).astype(int), 0, LEVELS - 1)
+        known = c.u[np.isfinite(c.u)]
+        place = np.clip((known / r.duty * LEVELS).astype(int), 0, LEVELS - 1)
         seconds += np.bincount(place, minlength=LEVELS) * c.dt
     return float(np.count_nonzero(seconds >= 0.5))
 

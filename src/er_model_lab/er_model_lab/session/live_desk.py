@@ -131,6 +131,8 @@ class LiveDesk(Desk):
         """Whether it is time to diagnose: the data carry a verdict, and there is none for the model in use."""
         if self.jobs.running or self.now.model is None or self.heard.now < self._next:
             return False
+        if self.heard.seconds < LEAST:
+            return False
         if self.failing:
             return self.heard.now - self.since >= AFTER_ALARM
         verdict = self.result.verdict if self.result else UNDECIDED[0]
