@@ -10,9 +10,10 @@ from typing import Any
 
 import pytest
 from er_bringup.demo import CLOSE, Verdict, judge
+from er_bringup.demo_live import LATER
 from er_bringup.hidden import RANGES, SPREAD, choose, hide
 from er_models.errors import UnknownName
-from er_models.files import load_model
+from er_models.files import load_model, save_model
 from rich.console import Console
 
 from er_bringup import demo as demo_module
@@ -121,3 +122,12 @@ def test_the_demonstration_finds_what_it_hid(tmp_path: Path) -> None:
     assert said["effects"] == ["coulomb_friction"]
     assert (tmp_path / "demo/report/index.html").is_file()
     assert load_model(tmp_path / "demo/model.yaml").effects.keys() >= {"coulomb_friction"}
+
+
+@pytest.mark.parametrize("later", LATER)
+def test_what_begins_later_is_within_its_bounds(later: str, tmp_path: Path) -> None:
+    """In every damper that is hidden at first: a plant takes the file."""
+    for effect in RANGES:
+        truth = hide(load_model(DAMPER), effect, 3).with_effect(*LATER[later])
+        save_model(truth, tmp_path / "damper.yaml")
+        assert load_model(tmp_path / "damper.yaml").effects.keys() >= {effect, LATER[later][0]}
