@@ -96,7 +96,9 @@ class ObserverCore(Core):
             p.deflection and bool(self.gains.fused.any())
         )
         seen = (topics.DEFLECTION,) if self.hears_deflection else ()
-        self.inputs = (*USUAL, *seen)
+        motion, duty = USUAL
+        self.inputs = (motion, *seen, duty)  # as they come within a tick
+        self.optional = () if self.gains.sees_deflection else seen
         self.model_id, self.gains_id = model.digest(), self.gains.digest
         self._take(p)
 
