@@ -253,7 +253,7 @@ CORES = {
     program: Shell(
         ObserverParameters,
         partial(ObserverCore, name),
-        hears=USUAL,
+        hears=(USUAL[0], topics.DEFLECTION, USUAL[1]),
         says=(topics.estimated_force(name), GAIN_INFO),
         patience=LIMITS.bridge,
         asked=quality.FOLLOWER,
