@@ -45,8 +45,8 @@ GAIN_INFO = topics.Topic(
     0.0,
     quality.STATUS,
 )
-USUAL = (topics.ACCELERATION, topics.PWM_APPLIED)
-"""What every observer listens to."""
+INPUTS = (topics.ACCELERATION, topics.DEFLECTION, topics.PWM_APPLIED)
+"""What an observer listens to, as it comes within a tick; the deflection only where it is used."""
 
 
 class State(NamedTuple):
@@ -95,10 +95,8 @@ class ObserverCore(Core):
         self.hears_deflection = self.gains.sees_deflection or (
             p.deflection and bool(self.gains.fused.any())
         )
-        seen = (topics.DEFLECTION,) if self.hears_deflection else ()
-        motion, duty = USUAL
-        self.inputs = (motion, *seen, duty)  # as they come within a tick
-        self.optional = () if self.gains.sees_deflection else seen
+        self.inputs = INPUTS if self.hears_deflection else (INPUTS[0], INPUTS[-1])
+        self.optional = () if self.gains.sees_deflection else (topics.DEFLECTION,)
         self.model_id, self.gains_id = model.digest(), self.gains.digest
         self._take(p)
 
@@ -253,7 +251,7 @@ CORES = {
     program: Shell(
         ObserverParameters,
         partial(ObserverCore, name),
-        hears=(USUAL[0], topics.DEFLECTION, USUAL[1]),
+        hears=INPUTS,
         says=(topics.estimated_force(name), GAIN_INFO),
         patience=LIMITS.bridge,
         asked=quality.FOLLOWER,

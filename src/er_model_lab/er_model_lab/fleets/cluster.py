@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from er_common.extras import extra
+from er_common.port import HOST
 from er_models.errors import InputError
 from er_models.parallel import cores
 
@@ -74,7 +75,7 @@ def _here(distributed: Any, workers: int | None, folder: str) -> Iterator[Any]:
         dask.config.set(LOCAL),
         distributed.LocalCluster(
             n_workers=workers or cores(), threads_per_worker=1, processes=True, dashboard_address=None,
-            host="127.0.0.1", local_directory=folder, silence_logs=logging.CRITICAL, env=ONE,
+            host=HOST, local_directory=folder, silence_logs=logging.CRITICAL, env=ONE,
             preload=[WORKER],
         ) as made,
         distributed.Client(made, set_as_default=False) as client,

@@ -54,19 +54,10 @@ class Join:
             return []
         many = bisect_left(self.order, self.order[-1] - WAIT)
         ready, self.order = self.order[:many], self.order[many:]
-        before = [self.given, *ready][: len(ready)]
-        for k, (last, stamp) in enumerate(zip(before, ready, strict=True)):
-            if (
-                0 <= last < stamp - GAP
-            ):  # another drive; what is left of the one before goes with it
-                self.first, self.again = stamp, self.again + 1
-                return self._rows(ready, k)
-        return self._rows(ready, 0)
-
-    def _rows(self, ready: list[int], begin: int) -> list[Row]:
-        """Rows of these stamps, from the one in this place on; those before are dropped."""
-        for stamp in ready[:begin]:
-            self.rows.pop(stamp)
-        ready = ready[begin:]
+        begin = 0  # where another drive begins; what is left of the one before is dropped
+        for k, (last, stamp) in enumerate(zip((self.given, *ready), ready, strict=False)):
+            if 0 <= last < stamp - GAP:
+                begin, self.first, self.again = k, stamp, self.again + 1
         self.given = ready[-1] if ready else self.given
-        return [(1e-9 * (s - self.first), *self.rows.pop(s)) for s in ready]
+        rows = [(1e-9 * (s - self.first), *self.rows.pop(s)) for s in ready]
+        return rows[begin:]

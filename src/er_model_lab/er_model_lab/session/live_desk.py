@@ -129,9 +129,9 @@ class LiveDesk(Desk):
 
     def due(self) -> bool:
         """Whether it is time to diagnose: the data carry a verdict, and there is none for the model in use."""
-        if self.jobs.running or self.now.model is None or self.heard.now < self._next:
+        if self.jobs.running or self.now.model is None:
             return False
-        if self.heard.seconds < LEAST:
+        if self.heard.now < self._next or self.heard.seconds < LEAST:
             return False
         if self.failing:
             return self.heard.now - self.since >= AFTER_ALARM

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import os
 import pickle
 import subprocess
 import sys
@@ -11,14 +10,11 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
-from unittest.mock import patch
 
 import numpy as np
 import psutil
@@ -33,6 +29,7 @@ from er_model_lab.fleets.source import Source
 from er_model_lab.fleets.store import Store
 from er_model_lab.work import HERE
 from er_models.model import Array, Model
+from joblib.externals.loky import ProcessPoolExecutor
 
 from er_studies.bench.fleet.cluster import Costs, simulated
 
@@ -98,8 +95,8 @@ def compared(data: Path, model: Model, workers: Sequence[int], *, search: bool) 
         if number:
             yield _line(data, model, number, search=search)
             continue
-        with patch.dict(os.environ, ONE), ProcessPoolExecutor(1, get_context("spawn")) as pool:
-            yield pool.submit(partial(_line, data, model, 0, search=search)).result()
+        with ProcessPoolExecutor(1, env=ONE) as pool:
+            yield pool.submit(_line, data, model, 0, search=search).result()
 
 
 def _line(data: Path, model: Model, number: int, *, search: bool) -> Line:
