@@ -6,7 +6,8 @@ import json
 import sqlite3
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pyarrow as pa
@@ -20,6 +21,7 @@ from er_model_lab.fleets.run import Run, _overlaps
 from er_model_lab.fleets.source import Source, sources
 from er_model_lab.fleets.store import Store
 from er_model_lab.fleets.unit import MOST_SAMPLES, chosen
+from er_model_lab.output.report.sections.fleet import parameters
 from er_model_lab.work import HERE
 from er_models.files import load_model
 from er_models.prediction import motion, predict
@@ -361,3 +363,28 @@ def test_what_is_wrong_is_one_line_and_nothing_is_written(tmp_path: Path) -> Non
         lab.fleet(tmp_path, model, out=tmp_path / "f.parquet", executor=ThreadPoolExecutor(1))
     assert not (tmp_path / "f.parquet").exists()
     assert sqlite3.sqlite_version_info >= (3, 24)
+
+
+def test_a_parameter_is_drawn_and_tabled_in_the_unit_it_is_labelled_with() -> None:
+    """A yield deflection of 74 um: values, common value and spreads are in micrometres, as the title says."""
+    name = "bouc_wen_hysteresis.z_y"
+    rows = [
+        {"pooled": {name: [7e-5 + 1e-6 * k, 1e-6]}, "values": {name: [8e-5, 1e-6]}}
+        for k in range(5)
+    ]
+    known = {"mean": 7.4e-5, "sd": 3e-5, "unit": "m", "between": 6.7e-5, "within": 0.0, "units": 5}
+    view = SimpleNamespace(
+        result={"parameters": {name: known}}, fleet=SimpleNamespace(rows=rows, total=5)
+    )
+    drawn = parameters(cast(Any, view))
+    assert drawn is not None
+    (panel,) = drawn.figures[0].panels
+    own, pooled, common = panel.marks
+    assert panel.title == f"{name} [\N{MICRO SIGN}m]"
+    assert np.allclose(own.y, 80.0)
+    assert np.allclose(pooled.y, 70.0 + np.arange(5))
+    assert common.value == pytest.approx(74.0)
+    assert drawn.facts["rows"][0][1:3] == (
+        "74 \N{PLUS-MINUS SIGN} 30 \N{MICRO SIGN}m",
+        "67.0 \N{MICRO SIGN}m",
+    )

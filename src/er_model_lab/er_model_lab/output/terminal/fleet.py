@@ -9,7 +9,7 @@ from rich.console import RenderableType
 
 from er_model_lab.output.terminal.markup import Pen
 from er_model_lab.output.text.fleet import change, suggested
-from er_model_lab.output.text.units import parameter, percent, short
+from er_model_lab.output.text.units import parameter, percent, quantity, short
 from er_model_lab.view import View
 
 MOST_UNITS, MOST_NEXT, MOST_PARAMETERS, MOST_FAILED = 10, 3, 8, 3
@@ -70,8 +70,8 @@ def _parameters(found: Mapping[str, Any], pen: Pen) -> Iterator[RenderableType]:
     """What the units have in common."""
     rows = [
         [
-            name, pen.safe(parameter([p["mean"], p["sd"], p["unit"]])), pen.safe(short(p["between"])),
-            pen.safe(short(p["within"])),
+            name, pen.safe(parameter([p["mean"], p["sd"], p["unit"]])),
+            *(pen.safe(quantity(p[k], p["unit"])) for k in ("between", "within")),
         ]
         for name, p in list(found["parameters"].items())[:MOST_PARAMETERS]
     ]  # fmt: skip

@@ -22,7 +22,7 @@ from er_model_lab.output.report.figure import (
 from er_model_lab.output.report.palette import AFTER, BEFORE, ERROR, FLOOR, MUTED
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.fleet import change, suggested
-from er_model_lab.output.text.units import parameter, percent, short, shown
+from er_model_lab.output.text.units import engineering, parameter, percent, quantity, short
 from er_model_lab.view import FleetView, SeriesView, View
 
 STRANGEST, MOST_UNITS, MOST_EFFECTS, MOST_PARAMETERS, MOST_NEXT = 10, 40, 14, 8, 30
@@ -127,12 +127,14 @@ def parameters(view: View) -> Section | None:
         own = np.array(
             [((rows[k].get("values") or {}).get(name) or [np.nan])[0] for _, k in seen], float
         )
+        factor, unit = engineering(float(np.abs(pooled).max()), p["unit"])
         marks: tuple[Mark, ...] = (
-            Points(at, own, "own data", MUTED, 3.5, 0.7), Points(at, pooled, "pooled", AFTER, 4.5, 0.9),
-            Level(float(p["mean"]), "common", BEFORE),
-        )  # fmt: skip
-        unit = f" [{shown(p['unit'])}]" if shown(p["unit"]) else ""
-        panels.append(Panel(marks, Axis("units in order"), Axis(), name + unit))
+            Points(at, factor * own, "own data", MUTED, 3.5, 0.7),
+            Points(at, factor * pooled, "pooled", AFTER, 4.5, 0.9),
+            Level(factor * float(p["mean"]), "common", BEFORE),
+        )
+        title = f"{name} [{unit}]" if unit else name
+        panels.append(Panel(marks, Axis("units in order"), Axis(), title))
     if not panels:
         return None
     alt = f"Values of {', '.join(list(known)[:MOST_PARAMETERS])} over all units, own and partially pooled."
@@ -140,7 +142,10 @@ def parameters(view: View) -> Section | None:
         "fleet_parameters", alt, tuple(panels), 2, height=60 + 200 * (-(-len(panels) // 2))
     )
     table = [
-        (name, parameter([p["mean"], p["sd"], p["unit"]]), short(p["between"]), short(p["within"]), str(p["units"]))
+        (
+            name, parameter([p["mean"], p["sd"], p["unit"]]),
+            *(quantity(p[k], p["unit"]) for k in ("between", "within")), str(p["units"]),
+        )
         for name, p in known.items()
     ]  # fmt: skip
     return Section(
