@@ -82,6 +82,7 @@ def seen(graph: Graph) -> Iterator[Seen]:
 
 
 @pytest.mark.slow
+@pytest.mark.alone
 def test_it_goes_on_beside_whatever_is_asked_of_it(
     graph: Graph, seen: Seen, tmp_path: Path
 ) -> None:

@@ -297,6 +297,7 @@ def test_all_looks_share_a_timer_and_stop_with_their_node(world: World) -> None:
     assert counts["echo"] == 0
 
 
+@pytest.mark.alone
 def test_while_messages_come_looks_ride_on_them(world: World) -> None:
     """Nobody is woken for them, and soon after the last message they come by themselves again."""
     looks: list[float] = []
