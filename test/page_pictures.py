@@ -22,7 +22,7 @@ from test.sample import write_sample
 
 PICTURES = ROOT / "docs" / "pictures"
 WIDE, PHONE = {"width": 1280, "height": 800}, {"width": 390, "height": 844}
-LIVE, FRAME, COLOURS = {"width": 1180, "height": 1010}, (826, 707), 48
+LIVE, FRAME, COLOURS = {"width": 1180, "height": 1010}, (826, 707), 64
 """Of the picture that moves: the page, what it is made smaller to, and its colours."""
 PACE = 900
 """Between two of its frames [ms]."""
@@ -120,12 +120,16 @@ def drive(page):
     page.set_viewport_size(WIDE | {"height": 1000})
     take(page, "live")
     page.get_by_label("Light or dark").click()
+    page.mouse.move(0, 0)
     take(page, "live_dark")
 
 
 def moving(frames):
     """One picture that moves, of the few colours that a page has; the last frame stays."""
-    palette = frames[-1].quantize(COLOURS, dither=Image.Dither.NONE)
+    both = Image.new("RGB", (FRAME[0], 2 * FRAME[1]))
+    for n, frame in enumerate((frames[0], frames[-1])):
+        both.paste(frame, (0, n * FRAME[1]))
+    palette = both.quantize(COLOURS, dither=Image.Dither.NONE)
     each = [f.quantize(palette=palette, dither=Image.Dither.NONE) for f in frames]
     times = [600] * (len(each) - 1) + [3000]
     path = PICTURES / "live.gif"
