@@ -275,6 +275,24 @@ def test_one_job_at_a_time_that_can_be_cancelled() -> None:
     assert told
 
 
+def test_a_job_that_goes_on_draws_no_plot_anew(desk: Desk) -> None:
+    go_on, goes_on = threading.Event(), threading.Event()
+
+    def work(progress, cancel) -> None:
+        for k in range(3):
+            progress("stage", k, 3, ())
+        goes_on.set()
+        assert go_on.wait(10.0)
+
+    seen, told = desk.revision, desk.progress
+    desk.jobs.start("long", work)
+    assert goes_on.wait(10.0)
+    assert (desk.revision, desk.progress > told + 2) == (seen, True)
+    go_on.set()
+    desk.jobs.wait(10.0)
+    assert desk.revision == seen + 1
+
+
 @pytest.mark.parametrize(
     ("low", "high"), [(0.0, 2500.0), (-40.0, 40.0), (-1.0, 9.0), (1e-4, 0.1), (2.0, 3.0)]
 )

@@ -67,7 +67,7 @@ class View:
 
     def __init__(self, desk: Desk) -> None:
         self.desk, self.theme = desk, plots.LIGHT
-        self.seen, self.told = -1, -1
+        self.seen, self.told = -1, (-1, -1)
         self.plots: dict[str, ui.plotly] = {}
         self.live = desk if isinstance(desk, LiveDesk) else None
         self.turn = 0
@@ -115,8 +115,9 @@ class View:
     def _tick(self) -> None:
         """The same with the panels, which need not follow every position of a slider."""
         self.look()
-        if self.told != self.desk.revision:
-            self.told = self.desk.revision
+        now = self.desk.revision, self.desk.progress
+        if self.told != now:
+            self.told = now
             for panel in self.panels:
                 panel.refresh()
 
@@ -303,7 +304,7 @@ class View:
         """Light or dark."""
         self.dark.value = dark
         self.theme = plots.DARK if dark else plots.LIGHT
-        self.seen, self.told = -1, -1
+        self.seen, self.told = -1, (-1, -1)
 
     def _key(self, event: Any) -> None:
         """Keys beside those of the widgets."""

@@ -44,13 +44,19 @@ class Desk:
         self.planned: PlanResult | None = None
         self.beside = False
         self.code_files: tuple[Path, ...] = ()
-        self.revision = 0
-        self.jobs = Jobs(self.changed)
+        self.revision = self.progress = 0
+        self.jobs = Jobs(self._went_on)
         self._lock = threading.RLock()
 
     def changed(self) -> None:
         """Say that there is something new to show."""
         self.revision += 1
+
+    def _went_on(self) -> None:
+        """Say that a job went on, which draws no plot anew; at its end there may be something new to show."""
+        self.progress += 1
+        if not self.jobs.running:
+            self.changed()
 
     @property
     def now(self) -> State:
