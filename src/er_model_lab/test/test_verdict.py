@@ -1,9 +1,12 @@
 """The verdict on every kind of evidence."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import get_args
 
 import pytest
+from er_model_lab.diagnosis import investigation
+from er_model_lab.diagnosis.evidence import MUCH_LEFT, evidence
 from er_model_lab.diagnosis.rule import Rule
 from er_model_lab.diagnosis.verdict import (
     ENOUGH,
@@ -103,3 +106,40 @@ def test_what_explains_little_helps_where_that_is_asked_for():
     assert (decide(weak), decide(weak, Rule(helps=0.1))) == ("unknown_effect", "partial")
     lag = replace(EVIDENCE["unknown_effect"], with_lag=0.15)
     assert (decide(lag), decide(lag, Rule(helps=0.1))) == ("unknown_effect", "partial")
+
+
+def seen(name="", mse=1.0, effects=()):
+    return SimpleNamespace(name=name, mse=mse, seen=mse, effects=effects)
+
+
+@pytest.mark.parametrize(
+    ("first", "alone", "both", "told"),
+    [(4.0, 4.2, 1.0, True), (4.0, 4.2, 3.9, True), (8.0, 8.2, 1.0, False), (4.0, 8.2, 3.0, False)],
+)
+def test_two_that_explain_the_same_alone_are_sure_only_where_both_add_much(
+    first, alone, both, told, monkeypatch
+):
+    """Mean squares left of 20: by the first, by the second alone, and by both."""
+    base, a, b = seen(mse=20.0), seen("a", first, ("a",)), seen("b", alone, ("b",))
+    near = ["a", "b"] if alone < 1.1 * first else ["a"]
+    monkeypatch.setattr(investigation, "close", lambda step: near)
+    rounds = [
+        SimpleNamespace(base=base, candidates=[a, b], taken=a),
+        SimpleNamespace(base=a, candidates=[], taken=seen("b", both, ("a", "b"))),
+    ]
+    best = rounds[1].taken
+    assert investigation.halves(best, rounds, ()) == ((("a", "b"),) if told else ())
+    assert investigation.halves(best, rounds, (("a", "b", "c"),)) == ()
+    assert investigation.halves(a, rounds, ()) == ()
+
+
+@pytest.mark.parametrize(("effects", "left", "said"), [
+    (1, 1.1 * MUCH_LEFT, False), (2, 0.9 * MUCH_LEFT, False), (2, 1.1 * MUCH_LEFT, True)
+])  # fmt: skip
+def test_several_effects_that_leave_much_may_stand_for_one(effects, left, said):
+    floor = SimpleNamespace(
+        floor=1.0, line=(0, 0, 0.0), measured=None, parts={}, of_sensors=1.0, explained=0.0
+    )
+    best = seen(mse=left**2, effects=("a", "b")[:effects])
+    found = evidence(best, None, floor, 0.0, 1.0, (), SimpleNamespace(blocking=()), (), Rule())
+    assert found.too_many == said

@@ -19,6 +19,8 @@ from er_model_lab.residual.errors import explainable
 VISIBLE = 0.05
 """Share [1] of what is left, in mean square, that must lie above the floor, or that boosted trees must explain, before
 anything more is looked for or something unknown is claimed."""
+MUCH_LEFT = 2.0
+"""Error over the noise floor from which several effects are no certain causes: they may stand for a form of one."""
 
 
 def shares(before: float, after: float, floor: Floor) -> tuple[float, float]:
@@ -49,7 +51,10 @@ def evidence(
         effects=added,
         explained=explained,
         without_lines=explained * (1.0 - floor.line[2]),
-        too_many=added >= MOST_EFFECTS and leaves_more_than_noise(best.mse, floor.floor),
+        too_many=bool(
+            (added >= MOST_EFFECTS and leaves_more_than_noise(best.mse, floor.floor))
+            or (added > 1 and np.sqrt(best.mse) > MUCH_LEFT * floor.floor)
+        ),
         tied=any(len(group) > 1 for group in ties),
         loose=unsure,
         blocking=cover.blocking,

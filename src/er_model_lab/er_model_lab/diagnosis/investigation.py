@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, replace
 
 from er_models.model import Model
@@ -19,6 +20,7 @@ from er_model_lab.diagnosis.search import (
     MOST_EFFECTS,
     Round,
     afresh,
+    close,
     decided,
     one_round,
     passes,
@@ -38,6 +40,9 @@ MOST, CLEAR = 0.5, 0.15
 BEYOND_DOUBT = 1.5
 """Size, over what chance gives, of a further effect that no longer needs to explain most of what is left, and of
 one that is kept beside others: they may stand for what the form of a rightly named effect lacks."""
+
+PART_OF = 0.5
+"""Share of what an effect explains alone below which, beside one that explains as much, it may be but another form."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +129,30 @@ def _searched(
     ties = _alternatives(best, rounds)
     if len(best.effects) > 1:
         best, ties = swapped(best, rounds, problem)
+        ties = (*ties, *halves(best, rounds, ties))
     return best, floor, (*ties, *clock_ties(best, rounds, ties, problem)), further
+
+
+def halves(
+    best: Candidate, rounds: list[Round], known: tuple[tuple[str, ...], ...]
+) -> tuple[tuple[str, ...], ...]:
+    """Pairs of effects of a model that may be one effect, of a form that neither has; known: groups tied anyhow.
+
+    Each alone explained nearly the same, so that what the second explains beside the first is little of that.
+    """
+    found = []
+    for step, later in itertools.combinations([s for s in rounds if s.taken is not None], 2):
+        assert step.taken is not None
+        assert later.taken is not None
+        first, second = step.taken.name, later.taken.name
+        if not {first, second} <= set(best.effects) or second not in close(step):
+            continue
+        if any({first, second} <= set(group) for group in known):
+            continue
+        alone = next(c for c in step.candidates if c.name == second)
+        if effect_size(later.base, later.taken) < PART_OF * effect_size(step.base, alone):
+            found.append((first, second))
+    return tuple(found)
 
 
 def _standing(best: Candidate, first: Round) -> Candidate:

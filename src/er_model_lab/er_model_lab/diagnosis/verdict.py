@@ -36,7 +36,8 @@ class Evidence:
     """All that a verdict rests on.
 
     effects: how many were taken; explained: share [1] of the explainable error that they explain, and `without_lines`
-    the same less what a spectral line hides; too_many: they are as many as a search takes and leave more than noise;
+    the same less what a spectral line hides; too_many: they are as many as a search takes and leave more than noise, or
+    several and leave much more;
     tied: the data cannot tell some of them apart; loose: effects whose values the data do not determine; slow: effects
     of heat and ageing beside another, which may be one slow change of another form; blocking: what the data lack, in
     sentences; remains: that something unknown is left where no effect was taken; within_errors: that an effect gains

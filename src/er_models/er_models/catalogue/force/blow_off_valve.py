@@ -33,7 +33,7 @@ EFFECT = Effect(
             "velocity at which that opens",
             step=CONTACT,
         ),
-        Param("v_w", "m/s", 1e-3, 0.3, None, (0.02,), "width of the knees", fitted=False),
+        Param("v_w", "m/s", 1e-3, 1.0, None, (0.02,), "width of the knees"),
     ),
     hooks={"force": force},
     signature=Signature(
