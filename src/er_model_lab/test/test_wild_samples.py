@@ -1,10 +1,15 @@
 """Wild samples are found, told, and change neither a verdict nor a value; what is sharp but real is left alone."""
 
+from functools import partial
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from er_model_lab.diagnosis.noise_floor import spectral_line
 from er_model_lab.preflight.bent_ends import bent_ends
 from er_model_lab.preflight.spikes import spikes
 from er_model_lab.preflight.wild import marked, places
+from er_model_lab.problem.problem import Problem
 from er_model_lab.verbs.check import check
 from er_model_lab.verbs.compare import compare
 from er_model_lab.verbs.diagnose import diagnose
@@ -185,3 +190,15 @@ def test_an_end_is_bent_only_where_the_inside_never_is():
     assert np.flatnonzero(bent_ends(y)).tolist() == [1995, 1996, 1997, 1998, 1999]
     y[np.arange(100, 1900, 100)] += 2.0
     assert not bent_ends(y).any()
+
+
+def test_a_load_cell_at_the_end_of_its_range_is_no_steady_tone():
+    rng, n = np.random.default_rng(3), 4000
+    wild = np.zeros(n, dtype=np.bool_)
+    wild[1800:1900] = True
+    left = rng.standard_normal(n) + 800.0 * wild
+    seen = SimpleNamespace(motion=SimpleNamespace(starts=np.array([0, n]), dt=0.002), wild=wild)
+    seen.with_weight = partial(Problem.with_weight, seen)
+    assert spectral_line(seen, left) == (0.0, 0.0, 0.0)
+    tone = left + 2.0 * np.sin(2.0 * np.pi * 3.0 * 0.002 * np.arange(n))
+    assert spectral_line(seen, tone)[0] == pytest.approx(3.0, abs=0.2)

@@ -184,7 +184,7 @@ def spectral_line(problem: Problem, residual: Array) -> tuple[float, float, floa
     """Frequency, amplitude and share of variance of the strongest line, if it stands out; else zeros."""
     starts = problem.motion.starts
     k = int(np.argmax(np.diff(starts)))
-    y = residual[starts[k] : starts[k + 1]][60:]
+    y = problem.with_weight(residual)[starts[k] : starts[k + 1]][60:]
     if y.size < 256:
         return 0.0, 0.0, 0.0
     spectrum = np.abs(np.fft.rfft((y - y.mean()) * np.hanning(y.size))) ** 2

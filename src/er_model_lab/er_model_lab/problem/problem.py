@@ -136,6 +136,10 @@ class Problem:
         weight = self.weight_of(tells if self.wild is None else tells & ~self.wild)
         return Told(self.force, weight, round(WARM_UP / self.motion.dt))
 
+    def with_weight(self, residual: Array) -> Array:
+        """What is left (n,) [N], and nothing at samples without weight: a spectrum takes no gaps."""
+        return residual if self.wild is None else np.where(self.wild, 0.0, residual)
+
     def weight_of(self, mask: NDArray[np.bool_]) -> Array:
         """Weight (n,) [1/N2] of the samples of a mask, by the white noise of the force."""
         return mask / max(self.sd_force, LEAST_NOISE) ** 2

@@ -244,7 +244,7 @@ def _lines(problem: Problem, residual: Array) -> tuple[tuple[float, float, float
     starts = problem.motion.starts
     k = int(np.argmax(np.diff(starts)))
     cut = slice(int(starts[k]) + 60, int(starts[k + 1]))
-    y = residual[cut]
+    y = problem.with_weight(residual)[cut]
     if y.size < 256:
         return ()
     power = _spectrum(y)
