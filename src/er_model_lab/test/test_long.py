@@ -218,6 +218,7 @@ def problem_of_rows(problem, rows):
 
 
 @pytest.mark.slow
+@pytest.mark.alone
 def test_an_hour_takes_less_than_two_gigabytes(tmp_path):
     truth = load_model(GUO).with_effect("coulomb_friction", {"F_c": 1.0, "v_0": 0.003})
     write_parquet(made(3600.0, truth, still=20.0), tmp_path / "hour.parquet")
