@@ -27,6 +27,7 @@ from er_model_lab.diagnosis.search import (
     promising,
     prune,
     swapped,
+    taken_in,
     threshold,
     try_pairs,
 )
@@ -141,10 +142,8 @@ def halves(
     Each alone explained nearly the same, so that what the second explains beside the first is little of that.
     """
     found = []
-    for step, later in itertools.combinations([s for s in rounds if s.taken is not None], 2):
-        assert step.taken is not None
+    for (first, step), (second, later) in itertools.combinations(taken_in(rounds), 2):
         assert later.taken is not None
-        first, second = step.taken.name, later.taken.name
         if not {first, second} <= set(best.effects) or second not in close(step):
             continue
         if any({first, second} <= set(group) for group in known):

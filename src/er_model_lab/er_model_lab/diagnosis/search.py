@@ -318,7 +318,7 @@ def swapped(
     counts is the tie in the whole model. What came as one of a pair is exchanged for what pairs were tried of.
     """
     groups = []
-    for name, step in [*_taken(rounds), *_paired(best, rounds)]:
+    for name, step in [*taken_in(rounds), *_paired(best, rounds)]:
         if name not in best.effects:
             continue
         others = [n for n in _near(name, step, best) if n not in best.effects]
@@ -334,14 +334,14 @@ def swapped(
     return best, tuple(g for g in groups if len(g) > 1)
 
 
-def _taken(rounds: list[Round]) -> list[tuple[str, Round]]:
+def taken_in(rounds: list[Round]) -> list[tuple[str, Round]]:
     """Effects that were taken, each with its round."""
     return [(step.taken.name, step) for step in rounds if step.taken is not None]
 
 
 def _paired(best: Candidate, rounds: list[Round]) -> list[tuple[str, Round]]:
     """Effects of a model that no round took: those of a pair, with the round whose singles the pairs are of."""
-    alone = {name for name, _ in _taken(rounds)}
+    alone = {name for name, _ in taken_in(rounds)}
     return [(name, rounds[0]) for name in best.effects if name not in alone]
 
 
