@@ -34,6 +34,8 @@ BEYOND = 1e6
 """Change of a prediction, over the largest force, from which on it has lost all measure."""
 HOPE = 1.2
 """Mean square, over a target, up to which a fit to stretches may still reach it on all runs."""
+NOTHING = 1e-6
+"""Mean square that a straight line gains, over what is left, below which an effect changes nothing."""
 WORTH_AN_END = 2.0
 """Mean square, over that of the best, up to which a fit is brought to its end."""
 
@@ -209,10 +211,14 @@ def _fitted_with(
 ) -> tuple[Fit, Screen]:
     """A fitted model with one effect more, everything refitted, and what a straight line said of it.
 
-    Where no amplitude switches the effect on, a straight line promises little: the two best starts are tried.
+    Where no amplitude switches the effect on, a straight line promises little: the two best starts are tried. What
+    changes nothing (a law of the duty where there is none) is not fitted.
     """
     seen = screen(base, effect, problem)
-    target = base.fit.mse(problem.train) * problem.forward.worth
+    left = base.fit.mse(problem.train)
+    target = left * problem.forward.worth
+    if seen.gain**2 < NOTHING * left and amplitudes(effect) and not is_gap(effect):
+        max_iter = 0
 
     def begun(values: dict[str, float]) -> Fit:
         grown = base.fit.model.with_effect(effect.name, values)

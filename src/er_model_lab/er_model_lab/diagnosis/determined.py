@@ -33,9 +33,13 @@ def far(candidate: Candidate) -> bool:
 
 
 def unseen(candidate: Candidate, problem: Problem) -> bool:
-    """Whether the effect added last is a law of the duty, of which the data hold one value."""
+    """Whether the effect added last is a law of the duty, of which the data hold one value.
+
+    What has a strength beside the duty, too, is none: a friction that the field may raise.
+    """
     effect = candidate.fit.model.catalogue[candidate.name]
-    follows = any({"u", "u_f"} & {*arguments(hook)} for hook in effect.hooks.values())
+    of_duty = all("duty" in q.unit for q in effect.parameters if q.neutral is not None)
+    follows = of_duty and any({"u", "u_f"} & {*arguments(hook)} for hook in effect.hooks.values())
     still = float(np.ptp(problem.motion.u)) <= STEP
     return still and (follows or effect.stage == "actuation")
 

@@ -154,24 +154,32 @@ def tied(
     """Candidates the data cannot tell from the best one, in the order in which they are told.
 
     A law of the duty comes last where the duty never changes. Those whose values the data determine come first,
-    then those that are not far from doing nothing, then the simplest. A tie needs nearly the same effect size, and
-    a paired difference within `DOUBT` standard errors, or within `SURE` and too small to count as an effect of its
-    own. A difference that would count, in several blocks and nowhere the other way, is not chance, however unevenly
-    it is spread: a stop acts seldom. Where the motion repeats itself a difference comes back in every cycle, so
-    that only its size counts. A form of fewer parameters that leaves next to nothing more is tied, too: turbulent
-    damping as v^1.75 is met a little better by a power law with a free exponent than by v^2. So is one of as many:
-    beside errors of the motion, which smooth what is predicted, a lag of 2 ms may meet a force that is 2 ms late a
-    little better than the delay does.
+    then those that are not far from doing nothing, then those that leave little more than the best, then the simplest.
+
+    A tie needs nearly the same effect size, and a paired difference within `DOUBT` standard errors, or within `SURE`
+    and too small to count as an effect of its own. A difference that would count, in several blocks and nowhere the
+    other way, is not chance, however unevenly it is spread: a stop acts seldom. Nor is one far beyond what counts, in
+    half of the blocks at least. Where the motion repeats itself a difference comes back in every cycle, so that only
+    its size counts.
+
+    A form of fewer parameters that leaves next to nothing more is tied, too: turbulent damping as v^1.75 is met a
+    little better by a power law with a free exponent than by v^2. So is one of as many: beside errors of the motion,
+    which smooth what is predicted, a lag of 2 ms may meet a force that is 2 ms late a little better than the delay.
     """
     best = candidates[0]
     size = effect_size(base, best)
     near = [best]
+
+    def behind(other: Candidate) -> float:
+        return float(np.sqrt(max(other.mse - best.mse, 0.0)))
+
     for other in candidates[1:]:
         gain = effect_size(base, other)
         if not passes(base, other, limit) or gain < NEARLY * size:
             continue
-        gap, gains = np.sqrt(max(other.mse - best.mse, 0.0)), block_gains(best, other, problem)
+        gap, gains = behind(other), block_gains(best, other, problem)
         doubtful = paired_t(gains) < (SURE if gap < limit else DOUBT) and not seldom(gains, limit)
+        doubtful = doubtful and not (gap > FAR_BEYOND * limit and np.mean(gains > 0.0) >= HALF)
         more = complexity(other)[0] - complexity(best)[0]
         spare = more <= 0 and gain > (FORM if more else TWIN) * size and gap < SPARE * limit
         if doubtful or spare or (problem.cycles and gap < limit):
@@ -183,6 +191,7 @@ def tied(
             unseen(c, problem),
             c.name in unsure,
             far(c),
+            behind(c) > FAR_BEYOND * limit,
             *complexity(c),
             disguised(c, near, problem),
         ),

@@ -491,6 +491,9 @@ def _move(p: Array, w: Array, dt: float) -> None:
 
 @compiled
 def _speed_noise(p: Array, w: Array, dt: float) -> float:
-    """Power that the sensor's noise leaves in c_0 v behind the band [N2]: two low passes of edge w leave w^3 dt / 4."""
-    edge = p[EDGE_HIGH]
-    return float((p[C_0] * w[NOISE]) ** 2 * edge**3 * dt / 4.0)
+    """Power that the sensor's noise leaves in c_0 v behind the band [N2].
+
+    Of a white noise's first difference two low passes of a weight h leave 2 (h / (2 - h))^3 of the noise's variance.
+    """
+    h = dt * p[EDGE_HIGH] / (1.0 + dt * p[EDGE_HIGH])
+    return float(2.0 * (p[C_0] * w[NOISE] / dt) ** 2 * (h / (2.0 - h)) ** 3)
