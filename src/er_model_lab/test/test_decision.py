@@ -14,6 +14,7 @@ from er_model_lab.diagnosis.candidates import (
     refit,
 )
 from er_model_lab.diagnosis.coverage import coverage
+from er_model_lab.diagnosis.determined import unseen
 from er_model_lab.diagnosis.investigation import _alternatives, _standing, judge, one_effect
 from er_model_lab.diagnosis.leftover_structure import burst_shares, bursts, filtered
 from er_model_lab.diagnosis.noise_floor import Floor, noise_floor
@@ -277,6 +278,35 @@ def test_a_rival_that_errs_in_a_few_blocks_and_is_better_in_none_is_no_tie(frict
         np.where(second == 1, 3.0, 1.0)
     )  # where the rival is better: chance may have shared them out
     assert len(tied(base, [other, rival], problem, limit=0.02)) == 2
+
+
+def test_a_rival_far_behind_is_no_tie_and_never_told_first(friction):
+    """Whose error comes in a few blocks of 9 times the square: told apart where it is behind in half of the blocks."""
+    _, (best, plain, *_), problem = friction
+    base = scaled_by(8.0, best, problem)
+    blocks = (np.cumsum(problem.train) - 1) // problem.second
+    spikes = np.where(blocks == 2, 6.0, 1.0)
+
+    def near(elsewhere):
+        rival = scaled_by(np.where(blocks % 2 == 0, spikes, elsewhere), best, problem)
+        rival = replace(rival, fit=plain.fit, effects=plain.effects)
+        behind = float(np.sqrt(rival.mse - best.mse))
+        assert paired_t(block_gains(best, rival, problem)) < DOUBT
+        return [tied(base, [best, rival], problem, limit=behind / by) for by in (2.9, 3.1)]
+
+    assert [len(found) for found in near(1.001)] == [2, 1]
+    within, beyond = near(0.9)
+    assert (within[1], beyond[0]) == (best, best), "the simpler one first, unless it is far behind"
+    assert (len(within), len(beyond)) == (2, 2)
+
+
+def test_a_friction_that_the_field_may_raise_is_no_law_of_the_duty():
+    model, still = problem_of(None, {}, seed=3)
+    steady = replace(still, motion=replace(still.motion, u=np.zeros(still.motion.n)))
+    base = baseline(model, steady)
+    for name, law in (("bouc_wen_hysteresis", False), ("field_friction", True)):
+        grown = refit(base, model.catalogue[name], steady, max_iter=0)
+        assert unseen(grown, steady) is law
 
 
 def test_a_free_exponent_that_hardly_helps_is_tied_with_the_form_that_has_none():

@@ -116,6 +116,25 @@ def test_a_load_is_found_and_a_leak_is_none(gains, rides):
     assert followed(fixed, samples_of(rides["heavy"]))[1][-1, fusion.THETA] == 1.0
 
 
+def test_a_rough_sensor_is_no_load(gains, car):
+    """200 um of noise on a smooth road: what the noise adds to the velocity's power is taken off, and no more."""
+    record = ridden(with_noise(scenario("A", "healthy", 7101, 12.0), 200.0), car)
+    loads = followed(gains, samples_of(record))[1][:, fusion.THETA]
+    assert np.abs(loads - 1.0).max() < 0.005
+
+
+def test_the_noise_of_a_velocity_behind_the_band(gains):
+    """White noise through the band as it stands, by its own differences."""
+    p, w, dt = gains.fused, fusion.begin(), 0.005
+    w[fusion.NOISE] = 1e-4
+    noise = np.random.default_rng(3).normal(0.0, 1e-4, 200_000)
+    out = np.array([fusion._filtered(p, w, fusion.FILTERS, x, dt) for x in noise])
+    seen = np.mean((p[fusion.C_0] * (out[:, 1] - out[:, 0]) / dt) ** 2)
+    assert seen == pytest.approx(
+        fusion._speed_noise(p, w, dt), rel=0.08
+    )  # the high passes take 6 %
+
+
 def reasons(gains, record, **changed):
     """When, and as what, estimates from 1 s on are told as degraded: the first time of each reason [s]."""
     found = {}
