@@ -358,6 +358,23 @@ def test_what_the_motions_errors_hide_is_said_to_be_hidden():
     assert "record both accelerations" in said["coulomb_friction"].reasons[-1]
 
 
+def test_what_trees_predict_of_no_more_than_measured_noise_is_nothing_unknown():
+    """A sharp friction at its reversals: the errors of the motion are there, and so can be predicted."""
+    model, problem = problem_of(None, {}, seed=5)
+    base = baseline(model, problem)
+    null = replace(simulate_null(base, [], problem, seed=1), least=0.0)
+    step = Round(base, [], null, threshold(null, null.force_noise), None, [])
+    left = float(np.sqrt(base.mse))
+    floor = Floor(0.8 * left, 0.3, 0.8 * left, 0.0, 0.0, {}, (0.0, 0.0, 0.0))
+    said = {
+        share: judge(base, base, [step], replace(floor, measured=share * left), problem)
+        for share in (0.9, 1.1)
+    }
+    assert said[0.9].verdict == "unknown_effect"
+    assert said[1.1].verdict == "insufficient_data"
+    assert "hide whether anything is missing" in said[1.1].reasons[-1]
+
+
 def test_what_noise_does_not_leave_is_seen_and_noise_is_not():
     model, problem = problem_of(None, {}, seed=6)
     residual, none = baseline(model, problem).fit.residual, np.zeros(problem.motion.n)

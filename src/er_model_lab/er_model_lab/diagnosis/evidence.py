@@ -59,7 +59,8 @@ def evidence(
         loose=unsure,
         blocking=cover.blocking,
         remains=not added and _remains(first, floor, beyond_fit),
-        within_errors=not added and _within_errors(first, rule) is not None,
+        within_errors=not added
+        and (_within_errors(first, rule) is not None or _hidden(first, floor, beyond_fit)),
         unlike_sensors=not added and _unlike_sensors(best, floor),
     )
 
@@ -72,18 +73,36 @@ def _unlike_sensors(best: Candidate, floor: Floor) -> bool:
 
 
 def _remains(first: Round, floor: Floor, beyond_fit: float) -> bool:
-    """Whether what is left, of which no effect was taken, comes in bursts, can be predicted, or is above the floor."""
-    least, left = first.null.least, first.base.mse
+    """Whether what is left, of which no effect was taken, comes in bursts, can be predicted, or is above the floor.
 
-    def counts(share: float, visible: float) -> bool:
-        return share > visible and share * left > least**2
-
+    What can be predicted counts only where more is left than rest, repeats and motion sensors show as noise.
+    """
     return bool(
-        counts(floor.bursts, 0.0)
-        or counts(floor.explained, VISIBLE)
-        or counts(beyond_fit, 2 * VISIBLE)
+        _counts(first, floor.bursts, 0.0)
         or floor.line[2] > VISIBLE
+        or (_predicted(first, floor, beyond_fit) and not _as_measured(first, floor))
     )
+
+
+def _counts(first: Round, share: float, visible: float) -> bool:
+    """Whether a share of what is left is visible, and more than the errors of the motion may cause."""
+    return share > visible and share * first.base.mse > first.null.least**2
+
+
+def _predicted(first: Round, floor: Floor, beyond_fit: float) -> bool:
+    """Whether what is left can be predicted from the inputs, or is above the floor."""
+    explained = _counts(first, floor.explained, VISIBLE)
+    return explained or _counts(first, beyond_fit, 2 * VISIBLE)
+
+
+def _as_measured(first: Round, floor: Floor) -> bool:
+    """Whether no more is left than noise that was measured: at rest and by the motion sensors, or in repeats."""
+    return floor.measured is not None and first.base.mse <= floor.measured**2
+
+
+def _hidden(first: Round, floor: Floor, beyond_fit: float) -> bool:
+    """Whether what can be predicted of what is left may as well be errors of the motion."""
+    return _predicted(first, floor, beyond_fit) and _as_measured(first, floor)
 
 
 def _within_errors(first: Round, rule: Rule) -> Candidate | None:
@@ -163,7 +182,13 @@ def _reasons_of_nothing(
             "of two seconds or the same motion twice, and the noise shows",
         )
     near = _within_errors(first, rule)
-    if verdict == "adequate" or near is None:
+    if near is None and verdict != "adequate":
+        return (
+            f"a part of what is left can be predicted from the inputs, yet {np.sqrt(first.base.mse):.3g} N are left, "
+            f"where rest or repeats and the errors of the motion sensors make {floor.measured or 0.0:.3g} N: these "
+            "errors hide whether anything is missing; a better deflection sensor, or both accelerations, would show it",
+        )
+    if near is None or verdict == "adequate":
         return (
             f"no effect exceeds what chance gives in a complete model ({first.threshold:.3g} N)",
         )
