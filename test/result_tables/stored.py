@@ -1,0 +1,90 @@
+"""What is stored of a run: its command, the code that made it, and what it wrote."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from er_models.errors import InputError
+from er_models.files import write_whole
+
+from test.blind_score.rows import ROOT, digest
+
+DATA = ROOT / "docs/results/data"
+
+
+@dataclass(frozen=True)
+class Run:
+    """A documented run.
+
+    name: of its file in `DATA`; command: as one types it, with `--json FILE` added; page: in `docs/results`; decides:
+    folders whose code makes other figures when it changes; keeps: what of the JSON is stored, all by default.
+    """
+
+    name: str
+    command: str
+    page: str
+    decides: tuple[str, ...]
+    keeps: Callable[[Any], Any] = lambda written: written
+
+    @property
+    def file(self) -> Path:
+        """Where it is stored."""
+        return DATA / f"{self.name}.json"
+
+    @property
+    def code(self) -> str:
+        """Hash of the code as it is now."""
+        return digest(folders=self.decides)
+
+    def store(self, written: Path) -> None:
+        """Keep what the command wrote, with the code that made it.
+
+        Raises:
+            InputError: no JSON.
+        """
+        try:
+            values = json.loads(written.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise InputError(written, "", f"the JSON of {self.command}", str(error)) from error
+        content = {"command": self.command, "code": self.code, "values": self.keeps(values)}
+        write_whole(self.file, json.dumps(content, indent=1, sort_keys=True) + "\n")
+
+    def stored(self) -> dict[str, Any]:
+        """What is stored.
+
+        Raises:
+            InputError: nothing is.
+        """
+        if not self.file.is_file():
+            raise InputError(self.file, "", f"the figures of ./er {self.command}", "no file")
+        content: dict[str, Any] = json.loads(self.file.read_text(encoding="utf-8"))
+        return content
+
+
+def marked(name: str) -> tuple[str, str]:
+    """Where a table begins and ends in a page."""
+    return f"<!-- table {name} -->\n", f"<!-- end of {name} -->\n"
+
+
+def within(text: str, name: str) -> tuple[int, int]:
+    """Where the table of a name stands in a page, its marks left out.
+
+    Raises:
+        InputError: the page holds no such marks.
+    """
+    first, last = marked(name)
+    if text.count(first) != 1 or text.count(last) != 1:
+        raise InputError("page", "", f"{first.strip()} and {last.strip()}, once each", name)
+    return text.index(first) + len(first), text.index(last)
+
+
+def markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table in Markdown."""
+    first, *others = (
+        "".join(f"| {cell} " if cell else "| " for cell in cells) + "|" for cells in (head, *rows)
+    )
+    return "\n".join([first, "|---" * len(head) + "|", *others]) + "\n"

@@ -1,0 +1,62 @@
+"""Tables of the result pages are those of the figures that are stored; where other code made these, a test says so."""
+
+import json
+
+import pytest
+from er_models.errors import InputError
+
+from test.conftest import ROOT
+from test.result_tables.__main__ import main, written
+from test.result_tables.stored import DATA, Run, within
+from test.result_tables.tables import RUNS, TABLES
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_the_page_shows_what_is_stored(name):
+    run, table = TABLES[name]
+    text = (ROOT / "docs/results" / run.page).read_text(encoding="utf-8")
+    i, j = within(text, name)
+    assert text[i:j] == table(run.stored()["values"]), "./er exec python -m test.result_tables"
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_the_code_that_made_the_figures_is_the_code_that_is_here(name):
+    run = RUNS[name]
+    stored = run.stored()
+    assert stored["command"] == run.command
+    if stored["code"] != run.code:
+        pytest.skip(f"docs/results/{run.page}: other code made its tables of `./er {run.command}`")
+
+
+def test_the_fused_observer_is_never_behind():
+    """What docs/observers.md claims of every class, noise and case: at most 5 % more than the best rival leaves."""
+    for drive, errors in RUNS["classes"].stored()["values"].items():
+        rivals = [error for name, error in errors.items() if name != "fused"]
+        assert errors["fused"] < 1.05 * min(rivals), drive
+
+
+def test_what_a_command_wrote_is_stored_with_its_code(tmp_path, monkeypatch):
+    monkeypatch.setattr("test.result_tables.stored.DATA", tmp_path)
+    run = Run("some", "study some", "some.md", ("src/er_common/er_common",))
+    (tmp_path / "written.json").write_text('{"a": 1}')
+    run.store(tmp_path / "written.json")
+    assert run.stored() == {"command": "study some", "code": run.code, "values": {"a": 1}}
+    (tmp_path / "written.json").write_text("none")
+    with pytest.raises(InputError, match="the JSON of study some"):
+        run.store(tmp_path / "written.json")
+
+
+def test_a_page_changed_by_hand_is_put_right(tmp_path):
+    for page in {run.page for run, _ in TABLES.values()}:
+        text = (DATA.parent / page).read_text(encoding="utf-8")
+        (tmp_path / page).write_text(text.replace("| fused |", "| worse |"))
+        written(tmp_path)
+        assert (tmp_path / page).read_text(encoding="utf-8") == text
+    with pytest.raises(InputError, match="table nothing"):
+        within("no table", "nothing")
+
+
+def test_a_file_that_is_missing_is_one_line(capsys):
+    assert main(["classes", "nowhere.json"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert json.loads(RUNS["classes"].file.read_text())["command"] == "study classes"
