@@ -174,8 +174,8 @@ def rmse(result: Mapping[str, Any], key: str = "rmse") -> float | None:
     return None if value is None else float(value)
 
 
-ALIKE = 1.05
-"""Ratio of errors that are called equal."""
+ALIKE, MUCH = 1.05, 2.0
+"""Ratio of errors that are called equal, and over noise that is told even where most is explained."""
 
 
 def left_after(view: View) -> float | None:
@@ -279,7 +279,16 @@ def _adequate(view: View) -> str:
 
 def _missing(view: View) -> str:
     them = "it" if len(_names(view)) == 1 else "them"
-    return f"With {them} {_fall(view)}; noise alone is {_floor(view)}."
+    after, floor = left_after(view), view.result.get("noise_floor")
+    more = ""
+    if (
+        view.result.get("final_verdict") == "unknown_effect"
+        and after
+        and floor
+        and after > MUCH * floor
+    ):
+        more = " That is most of what was missing. What is left is no noise, and no known effect explains it."
+    return f"With {them} {_fall(view)}; noise alone is {_floor(view)}.{more}"
 
 
 def _ambiguous(view: View) -> str:
