@@ -23,6 +23,7 @@ from er_model_lab.diagnosis.null import Null
 from er_model_lab.fitting.data_reach import within_learnt
 from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.problem.problem import Problem
+from er_model_lab.residual.spectral_lines import LEAST, longest, share_of, spectrum, stands_out
 
 if TYPE_CHECKING:
     from sklearn.ensemble import HistGradientBoostingRegressor
@@ -182,20 +183,14 @@ def importance(problem: Problem, residual: Array, inputs: Array, seed: int) -> d
 
 def spectral_line(problem: Problem, residual: Array) -> tuple[float, float, float]:
     """Frequency, amplitude and share of variance of the strongest line, if it stands out; else zeros."""
-    starts = problem.motion.starts
-    k = int(np.argmax(np.diff(starts)))
-    y = problem.with_weight(residual)[starts[k] : starts[k + 1]][60:]
-    if y.size < 256:
+    y = problem.with_weight(residual)[longest(problem)]
+    if y.size < LEAST:
         return 0.0, 0.0, 0.0
-    spectrum = np.abs(np.fft.rfft((y - y.mean()) * np.hanning(y.size))) ** 2
-    peak = int(np.argmax(spectrum[2:])) + 2
-    around = np.concatenate(
-        [spectrum[max(peak - 40, 2) : max(peak - 4, 2)], spectrum[peak + 5 : peak + 41]]
-    )
-    if around.size < 10 or spectrum[peak] < 40.0 * np.median(around):
+    power = spectrum(y)
+    peak = int(np.argmax(power[2:])) + 2
+    if not stands_out(power, power, peak):
         return 0.0, 0.0, 0.0
-    line = spectrum[max(peak - 2, 0) : peak + 3].sum()
-    share = float(line / spectrum.sum())
+    share = share_of(power, power, peak)
     frequency = peak / (y.size * problem.motion.dt)
     return float(frequency), float(np.sqrt(2.0 * share * np.var(y))), share
 

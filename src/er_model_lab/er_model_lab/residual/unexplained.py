@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.excess import quantities
+from er_model_lab.residual.spectral_lines import LEAST, longest, share_of, spectrum, stands_out
 
 BINS = 24
 """Bins of a mean over a quantity; of equal numbers of samples."""
@@ -241,39 +242,24 @@ def _period(x: Array, e: Array, teach: NDArray[np.bool_]) -> tuple[float, float,
 
 def _lines(problem: Problem, residual: Array) -> tuple[tuple[float, float, float], ...]:
     """Up to three steady tones of the longest record that stand out, and that the motion lacks."""
-    starts = problem.motion.starts
-    k = int(np.argmax(np.diff(starts)))
-    cut = slice(int(starts[k]) + 60, int(starts[k + 1]))
+    cut = longest(problem)
     y = problem.with_weight(residual)[cut]
-    if y.size < 256:
+    if y.size < LEAST:
         return ()
-    power = _spectrum(y)
-    moved = [_spectrum(s[cut]) for s in (problem.motion.v, problem.force - residual)]
+    power = spectrum(y)
+    moved = [spectrum(s[cut]) for s in (problem.motion.v, problem.force - residual)]
     found: list[tuple[float, float, float]] = []
-    total, left = max(float(power.sum()), 1e-300), power.copy()
+    left = power.copy()
     for _ in range(8):
         peak = int(np.argmax(left[2:])) + 2
-        share = float(left[max(peak - 2, 0) : peak + 3].sum()) / total
-        if not _stands_out(left, power, peak) or share < LOWEST_LINES or len(found) == 3:
+        share = share_of(left, power, peak)
+        if not stands_out(left, power, peak) or share < LOWEST_LINES or len(found) == 3:
             break
         left[max(peak - 5, 0) : peak + 6] = 0.0
-        if not any(_stands_out(m, m, p) for m in moved for p in range(peak - 1, peak + 2)):
+        if not any(stands_out(m, m, p) for m in moved for p in range(peak - 1, peak + 2)):
             amplitude = float(np.sqrt(2.0 * share * np.var(y)))
             found.append((peak / (y.size * problem.motion.dt), amplitude, share))
     return tuple(found)
-
-
-def _spectrum(y: Array) -> Array:
-    """Power of a signal with a Hann window."""
-    return np.asarray(np.abs(np.fft.rfft((y - y.mean()) * np.hanning(y.size))) ** 2)
-
-
-def _stands_out(line: Array, power: Array, peak: int) -> bool:
-    """Whether a line is far above its neighbourhood."""
-    around = np.concatenate(
-        [power[max(peak - 40, 2) : max(peak - 4, 2)], power[peak + 5 : peak + 41]]
-    )
-    return bool(around.size >= 10 and line[peak] > 40.0 * np.median(around))
 
 
 def sentences(rest: Rest) -> tuple[str, ...]:
