@@ -223,7 +223,8 @@ def test_messages_that_call_for_messages_leave_time_for_timers(world: World) -> 
     talker.say(1)
     world.until(lambda: len(ticks) >= 5)
     again["on"] = False
-    world.until(lambda: not world.local.order)  # what was on its way ends, however busy the machine
+    # what was on its way ends, however busy the machine
+    world.until(lambda: not world.local.order)
 
 
 class Between(deque[Any]):
