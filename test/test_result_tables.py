@@ -28,11 +28,14 @@ def test_the_code_that_made_the_figures_is_the_code_that_is_here(name):
         pytest.skip(f"docs/results/{run.page}: other code made its tables of `./er {run.command}`")
 
 
-def test_the_fused_observer_is_never_behind():
-    """What docs/observers.md claims of every class, noise and case: at most 5 % more than the best rival leaves."""
-    for drive, errors in RUNS["classes"].stored()["values"].items():
-        rivals = [error for name, error in errors.items() if name != "fused"]
-        assert errors["fused"] < 1.05 * min(rivals), drive
+def test_the_fused_observer_is_not_behind():
+    """What docs/observers.md claims: with the sensor never, and up to 20 um of its noise not behind those without."""
+    values = RUNS["classes"].stored()["values"]
+    for drive, errors in values.items():
+        noise, place = drive.split(" um, ")
+        rivals = errors if int(noise) > 20 else {**values[f"20 um, {place}"], **errors}
+        least = min(error for name, error in rivals.items() if name != "fused")
+        assert errors["fused"] < 1.05 * least, drive
 
 
 def test_what_a_command_wrote_is_stored_with_its_code(tmp_path, monkeypatch):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -80,11 +80,3 @@ def within(text: str, name: str) -> tuple[int, int]:
     if text.count(first) != 1 or text.count(last) != 1:
         raise InputError("page", "", f"{first.strip()} and {last.strip()}, once each", name)
     return text.index(first) + len(first), text.index(last)
-
-
-def markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table in Markdown."""
-    first, *others = (
-        "".join(f"| {cell} " if cell else "| " for cell in cells) + "|" for cells in (head, *rows)
-    )
-    return "\n".join([first, "|---" * len(head) + "|", *others]) + "\n"

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from test.result_tables.stored import Run, markdown
+from test.blind_score.tables import table
+from test.result_tables.stored import Run
 
 WORSE = 1.05
 """Error of the fused observer, over the best of its rivals, above which it is shown bold."""
@@ -70,7 +71,7 @@ def with_deflection(values: dict[str, dict[str, float]]) -> str:
             fused.append(f"**{_percent(own)}**" if own > WORSE * best else _percent(own))
         rows.append([drive, "fused", *fused])
         rows += [["", n, *(_percent(r[case]) for case in _CASES)] for n, r in rivals.items()]
-    return markdown(["noise, class", "estimate", *_CASES.values()], rows)
+    return table(["noise, class", "estimate", *_CASES.values()], rows)
 
 
 def without_deflection(values: dict[str, dict[str, float]]) -> str:
@@ -79,7 +80,7 @@ def without_deflection(values: dict[str, dict[str, float]]) -> str:
         [road, *(_percent(values[f"20 um, {road}, healthy"][name]) for name in _ALONE)]
         for road in "ABCDE"
     ]
-    return markdown(["class", *_ALONE.values()], rows)
+    return table(["class", *_ALONE.values()], rows)
 
 
 def with_faults(values: dict[str, dict[str, float]]) -> str:
@@ -88,7 +89,7 @@ def with_faults(values: dict[str, dict[str, float]]) -> str:
         [f"`{name}`{what}", *(_percent(values[f"faults/{name}"][e], 2) for e in _ESTIMATORS)]
         for name, what in _FAULTS.items()
     ]
-    return markdown(["", *_ESTIMATORS.values()], rows)
+    return table(["", *_ESTIMATORS.values()], rows)
 
 
 TABLES: dict[str, tuple[Run, Callable[[Any], str]]] = {

@@ -130,9 +130,8 @@ def test_the_noise_of_a_velocity_behind_the_band(gains):
     noise = np.random.default_rng(3).normal(0.0, 1e-4, 200_000)
     out = np.array([fusion._filtered(p, w, fusion.FILTERS, x, dt) for x in noise])
     seen = np.mean((p[fusion.C_0] * (out[:, 1] - out[:, 0]) / dt) ** 2)
-    assert seen == pytest.approx(
-        fusion._speed_noise(p, w, dt), rel=0.08
-    )  # the high passes take 6 %
+    # the high passes take 6 %
+    assert seen == pytest.approx(fusion._speed_noise(p, w, dt), rel=0.08)
 
 
 def reasons(gains, record, **changed):

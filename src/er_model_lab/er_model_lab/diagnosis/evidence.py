@@ -182,10 +182,10 @@ def _reasons_of_nothing(
             "of two seconds or the same motion twice, and the noise shows",
         )
     near = _within_errors(first, rule)
-    if near is None and verdict != "adequate":
+    if near is None and floor.measured is not None and verdict != "adequate":
         return (
             f"a part of what is left can be predicted from the inputs, yet {np.sqrt(first.base.mse):.3g} N are left, "
-            f"where rest or repeats and the errors of the motion sensors make {floor.measured or 0.0:.3g} N: these "
+            f"where rest or repeats and the errors of the motion sensors make {floor.measured:.3g} N: these "
             "errors hide whether anything is missing; a better deflection sensor, or both accelerations, would show it",
         )
     if near is None or verdict == "adequate":
