@@ -22,6 +22,7 @@ from er_model_lab.diagnosis.null import Null, simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.search import (
     DOUBT,
+    STEADY,
     SURE,
     Round,
     beyond_motion,
@@ -435,6 +436,21 @@ def test_what_acts_seldom_counts_where_it_acts_more_than_once_and_harms_nowhere(
     fall = float(np.mean(gains))
     found = replace(base, losses=base.losses - gains, mse=base.mse - fall, seen=base.seen - fall)
     assert passes(base, found, 0.028) is there
+
+
+def test_a_little_more_or_less_of_an_effect_decides_nothing_about_how_steady_it_must_be(friction):
+    """Of twelve blocks nine gain: enough at 2.9 times what counts as at 3.1 times, where nothing is asked any more."""
+    base = replace(friction[0], losses=np.full(12, 10.0))
+    found = replace(base, mse=base.mse - 1.0, seen=base.seen - 1.0)
+    gains = np.array([9.0, 1.0, 1.0, 0.5, 0.5, 0.3, 0.3, 0.2, 0.2, -0.3, -0.3, -0.4])
+    assert paired_t(gains) < STEADY
+
+    def there(gains, size):
+        return passes(base, replace(found, losses=base.losses - gains), 1.0 / size)
+
+    assert [there(gains, size) for size in (2.0, 2.5, 2.9, 3.1)] == [False, False, True, True]
+    seven = np.where(np.arange(12) == 7, -0.2, np.where(np.arange(12) == 8, -0.2, gains))
+    assert [there(seven, size) for size in (2.6, 2.9, 3.1)] == [False, True, True]
 
 
 def test_effects_that_are_both_needed_are_no_rivals(friction):

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from er_model_lab.diagnosis import candidates, investigation
-from er_model_lab.diagnosis.candidates import baseline, part_of, refit
+from er_model_lab.diagnosis.candidates import baseline, refit
 from er_model_lab.diagnosis.investigation import search_effects
 from er_model_lab.diagnosis.search import afresh, one_round
-from er_model_lab.fitting.fit import AWAY, Box, _jacobian, fit
+from er_model_lab.fitting.fit import AWAY, Box, _jacobian, fit, part_of
 from er_model_lab.level import damper
 from er_model_lab.level.damper import DamperLevel
 from er_model_lab.problem.forward import COARSE, DamperForward
@@ -42,7 +42,7 @@ def test_a_fit_ends_where_the_usual_steps_would_have_led_it(sought, monkeypatch,
     grown = model.with_effect("coulomb_friction", FRICTION | {"F_c": 3.0})
     through = DamperForward.near
 
-    def near(self, data, model, rows):
+    def near(self, data, model, rows, *_):
         found = through(self, data, model, rows)
 
         class Lazy(DamperForward):
@@ -91,14 +91,22 @@ def test_the_last_study_is_gone_on_with_on_the_same_samples_only(sought, step, m
     model, problem = sought
     opened = SimpleNamespace(problem=problem, searched=model, lag=None, data=None, model=model)
     last = replace(problem, force=2.0 * problem.force) if other else problem
-    study = SimpleNamespace(problem=last, diagnosis=SimpleNamespace(further=step))
+    best = baseline(model, problem)
+    study = SimpleNamespace(
+        problem=last, diagnosis=SimpleNamespace(further=step, best=best), opened=opened
+    )
     seen = []
     monkeypatch.setattr(DamperLevel, "given", lambda *_: opened)
     monkeypatch.setattr(damper, "replace", lambda found, **_: found)
     monkeypatch.setattr(damper, "_restored", lambda found, _: found)
-    monkeypatch.setattr(damper, "search_effects", lambda *_, begun, **__: seen.append(begun))
+    monkeypatch.setattr(
+        damper, "search_effects", lambda *_, known, begun, **__: seen.append((known, begun))
+    )
     DamperLevel().searched(SimpleNamespace(last=study, rule=None, seed=0, model=model), None)
-    assert [b is None for b in seen] == [other]
+    ((known, begun),) = seen
+    assert (known is None, begun is None) == (other, other)
+    if known is not None:  # nor is the model fitted again
+        assert (known.effects, known.fit) == ((), best.fit)
 
 
 def test_a_pair_that_stretches_deny_is_not_fitted_to_all_runs(sought, monkeypatch):
@@ -111,7 +119,7 @@ def test_a_pair_that_stretches_deny_is_not_fitted_to_all_runs(sought, monkeypatc
     monkeypatch.setattr(
         candidates, "fit", lambda *a, **k: fits.append(k["max_iter"]) or through(*a, **k)
     )
-    assert part_of(base, many.practice).fit.mse(problem.train) == base.seen
+    assert part_of(base.fit, many.practice).mse(problem.train) == base.seen
     refit(base, model.catalogue["preload"], many, target=0.5 * base.seen)
     assert fits[-1] == 0
     refit(base, model.catalogue["coulomb_friction"], many, target=0.5 * base.seen)

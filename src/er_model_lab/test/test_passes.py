@@ -165,15 +165,8 @@ def test_a_later_pass_that_makes_held_out_data_worse_is_not_taken(monkeypatch, l
         left = [
             SimpleNamespace(fit=SimpleNamespace(residual=np.full(8, e))) for e in (before, after)
         ]
-        found = SimpleNamespace(
-            base=left[0],
-            best=left[1],
-            effects=effects,
-            verdict="partial",
-            interrupted=False,
-            explained=1.0,
-        )
-        return SimpleNamespace(diagnosis=found, problem=problem, data=None)
+        found = Search(effects, left[1], (), base=left[0])
+        return Part(diagnosis=found, problem=problem)
 
     problem = SimpleNamespace(
         held_out=np.ones(8, bool), force=np.arange(8.0), forward=SimpleNamespace(outputs=1)
@@ -194,6 +187,26 @@ def test_a_later_pass_that_makes_held_out_data_worse_is_not_taken(monkeypatch, l
     assert ("end_stop not added" in " ".join(made.notes)) == (taken == 1)
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "kept"), [(0.9, 0.8, 2), (0.8, 0.9, 1), (0.8, 0.801, 2)]
+)
+def test_what_a_search_found_last_goes_again_where_held_out_data_refuse_it(first, second, kept):
+    names = ("preload", "end_stop")
+    problem = SimpleNamespace(
+        held_out=np.ones(8, bool), force=np.arange(8.0), forward=SimpleNamespace(outputs=1)
+    )
+    taken = [
+        Part(effects=names[: k + 1], fit=Part(residual=np.full(8, error)))
+        for k, error in enumerate((first, second))
+    ]
+    found = Search(names, taken[1], tuple(SimpleNamespace(taken=c) for c in taken))
+    study, notes = improve._vetoed(Part(diagnosis=found, problem=problem), 0.05)
+    assert study.diagnosis.effects == names[:kept]
+    assert study.diagnosis.best is taken[kept - 1]
+    assert len(notes) == 2 - kept
+    assert all(note.startswith("end_stop not added: the error on held-out data") for note in notes)
+
+
 @dataclass(frozen=True)
 class Part:
     """A stand-in for what `improve` takes apart: a fit, a candidate, a search or a study."""
@@ -206,7 +219,24 @@ class Part:
     best: object = None
     diagnosis: object = None
     problem: object = None
+    data: object = None
+    interrupted: bool = False
     rounds: tuple[SimpleNamespace, ...] = (SimpleNamespace(threshold=0.1),)
+
+
+@dataclass(frozen=True)
+class Search:
+    """A stand-in for what a search found."""
+
+    effects: tuple[str, ...]
+    best: object
+    rounds: tuple[SimpleNamespace, ...]
+    base: object = None
+    verdict: str = "partial"
+    explained: float = 1.0
+    alternatives: tuple[tuple[str, ...], ...] = ()
+    further: object = None
+    interrupted: bool = False
 
 
 def pruned(monkeypatch, after):

@@ -11,7 +11,7 @@ from er_model_lab.problem.forward import DamperForward
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.problem.problem import Problem
 from er_models.files import load_model
-from er_models.prediction import motion, predict
+from er_models.prediction import motion, predict, substeps
 from er_records.dataset import Dataset
 from er_records.record import Record
 from lab_help import DT, GUO, imposed
@@ -87,7 +87,8 @@ def test_the_best_effects_come_out_as_of_fits_to_all_runs_for_less_work(
     through = DamperForward.predict_many
 
     def counted(self, problem: Problem, model, vectors):
-        work.append(vectors.shape[0] * problem.motion.n)
+        steps = substeps(problem.motion.dt, self.longest)
+        work.append(vectors.shape[0] * problem.motion.n * steps)
         return through(self, problem, model, vectors)
 
     monkeypatch.setattr(DamperForward, "predict_many", counted)
@@ -105,8 +106,10 @@ def test_the_best_effects_come_out_as_of_fits_to_all_runs_for_less_work(
     assert part[0].name == whole[0].name == "coulomb_friction"
     assert part[0].mse == pytest.approx(whole[0].mse, rel=1e-3)
     assert {c.name for c in part} == set(TRIED)
-    for c in part:
-        assert c.fit.residual.shape == (many.motion.n,)
+    for place, c in enumerate(part):
         left = many.force - many.predict(c.fit.model)
-        np.testing.assert_allclose(c.fit.residual, left, atol=1e-9)
+        if place == 0:
+            np.testing.assert_allclose(c.fit.residual, left, atol=1e-9)
+        # the others are ranked in longer steps of the integrator
+        assert np.std(c.fit.residual - left) < 0.05 * np.std(left)
     assert less_work < 0.8 * all_work

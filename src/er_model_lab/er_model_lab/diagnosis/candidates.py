@@ -18,14 +18,23 @@ from er_models.prediction import motion, predict
 
 from er_model_lab.diagnosis.size_scan import profiled, scanned
 from er_model_lab.diagnosis.starts import amplitudes, gaps, is_gap, is_limit, scaled, starts
-from er_model_lab.fitting.fit import FIRST_ITERATIONS, Fit, cross_validated, fit, practised
-from er_model_lab.problem.forward import free_parameters
+from er_model_lab.fitting.fit import (
+    FIRST_ITERATIONS,
+    Fit,
+    cross_validated,
+    fit,
+    part_of,
+    practised,
+)
+from er_model_lab.problem.forward import ROUGH, free_parameters
 from er_model_lab.problem.problem import Practice, Problem
 from er_model_lab.work import Leader
 
 FOREIGN = 0.25
 """Share of the force left unexplained above which a model's own values are taken to be another damper's."""
 MOST_RESTARTS = 16
+A_LOOK = 4
+"""Iterations that every candidate gets on stretches of many runs; those that may win go on."""
 FINALISTS = 4
 """Candidates that are fitted to the end; of many runs these are fitted to all."""
 TRYING, FINISHING = "trying effects", "fitting the best to the end"
@@ -36,8 +45,8 @@ HOPE = 1.2
 """Mean square, over a target, up to which a fit to stretches may still reach it on all runs."""
 NOTHING = 1e-6
 """Mean square that a straight line gains, over what is left, below which an effect changes nothing."""
-WORTH_AN_END = 2.0
-"""Mean square, over that of the best, up to which a fit is brought to its end."""
+MAY_WIN = 0.25
+"""Share of the best one's gain from which on a fit is brought to its end, as mean squares: a tie asks for far more."""
 
 
 @dataclass(frozen=True)
@@ -170,6 +179,10 @@ def screen(base: Candidate, effect: Effect, problem: Problem) -> Screen:
     return Screen(ranked, kept, reach, gain)
 
 
+Begun = tuple[str, tuple[Fit, Screen]]
+"""An effect that was begun to be fitted."""
+
+
 def refit(
     base: Candidate, effect: Effect, problem: Problem, *, max_iter: int = FIRST_ITERATIONS, target: float = np.inf
 ) -> Candidate:  # fmt: skip
@@ -181,8 +194,8 @@ def refit(
     if few is None:
         fitted, seen = _fitted_with(base, effect, problem, max_iter)
     else:
-        part, rows = part_of(base, few), few.problem.train
-        begun, seen = _fitted_with(part, effect, few.problem, max_iter)
+        part, rows = _on_part(base, few), few.problem.train
+        begun, seen = _fitted_with(part, effect, _about(few.problem, part), max_iter)
         hopeless = base.seen * begun.mse(rows) > HOPE * target * part.fit.mse(rows)
         fitted = _on_all(base, begun, problem, 0 if hopeless else max_iter)
     return cross_judged(effects, fitted, problem, seen.kept, seen.reach, straight=hopeless)
@@ -193,12 +206,14 @@ def _refitted(name: str, problem: Problem, base: Candidate) -> Candidate:
     return refit(base, base.fit.model.catalogue[name], problem)
 
 
-def part_of(whole: Candidate, few: Practice) -> Candidate:
+def _on_part(whole: Candidate, few: Practice) -> Candidate:
     """A fitted model on the stretches to practise on."""
-    fitted = replace(
-        whole.fit, residual=whole.fit.residual[few.rows], jacobian=whole.fit.jacobian[few.rows]
-    )
-    return replace(whole, fit=fitted)
+    return replace(whole, fit=part_of(whole.fit, few))
+
+
+def _about(problem: Problem, base: Candidate) -> Problem:
+    """The problem as one that is predicted for less about a fitted model: where candidates are only ranked."""
+    return problem.near(base.fit.model, problem.force - base.fit.residual, ROUGH)
 
 
 def _on_all(base: Candidate, begun: Fit, problem: Problem, max_iter: int) -> Fit:
@@ -232,15 +247,17 @@ def _fitted_with(
 
 
 def finished(candidate: Candidate, problem: Problem, max_iter: int = 30) -> Candidate:
-    """A candidate fitted on where its iterations were used up, and with its gaps looked for more closely."""
-    fitted = candidate.fit
-    unfitted = problem.practice is not None and fitted.iterations == 0
-    if unfitted or fitted.iterations >= FIRST_ITERATIONS:
+    """A candidate fitted on where its iterations were used up, and with its gaps looked for more closely.
+
+    Of many runs each one is: it was fitted in longer steps of the integrator.
+    """
+    fitted, rough = candidate.fit, problem.practice is not None
+    if rough or fitted.iterations >= FIRST_ITERATIONS:
         fitted = fit(fitted.model, problem, max_iter=max_iter)
     for name in candidate.effects:
         if is_gap(fitted.model.catalogue[name]):
             fitted = profiled(fitted, name, problem)
-    if not fitted.mse(problem.train) < candidate.fit.mse(problem.train):
+    if not rough and not fitted.mse(problem.train) < candidate.fit.mse(problem.train):
         return candidate
     return cross_judged(candidate.effects, fitted, problem, candidate.kept, candidate.reach)
 
@@ -271,30 +288,49 @@ def refit_all(
         return _refit_many(base, problem, few, tried)
     found = problem.each(_refitted, tried, base, stage=TRYING, best=partial(leaders, base))
     found.sort(key=lambda c: c.mse)
-    return _ended(found, problem)
+    return _ended(base, found, problem)
 
 
 def _refit_many(
     base: Candidate, problem: Problem, few: Practice, effects: list[str]
 ) -> list[Candidate]:
     """Of many runs: every effect fitted to stretches, the best few to all; the others are judged as they are there."""
-    part = part_of(base, few)
-    fits = few.problem.each(_begun, effects, part, stage=TRYING)
-    begun = sorted(zip(effects, fits, strict=True), key=lambda b: b[1][0].mse(few.problem.train))
-    found = problem.each(
-        _judged, list(enumerate(begun)), base, stage=FINISHING, best=partial(leaders, base)
-    )
+    part, rows = _on_part(base, few), few.problem.train
+    near = _about(few.problem, part)
+
+    def ordered(fits: list[tuple[Fit, Screen]]) -> tuple[list[Begun], list[bool]]:
+        begun = sorted(zip(effects, fits, strict=True), key=lambda b: b[1][0].mse(rows))
+        gains = [part.fit.mse(rows) - fitted.mse(rows) for _, (fitted, _) in begun]
+        return begun, [may_win(gain, gains[0]) for gain in gains]
+
+    begun, able = ordered(near.each(_begun, effects, part, stage=TRYING))
+    effects = [name for name, _ in begun]
+    longer = near.each(_gone_on, list(zip(begun, able, strict=True)), stage=TRYING)
+    begun, able = ordered(longer)
+    ahead = [*able[:FINALISTS], *[False] * len(begun)]
+    jobs = list(zip(begun, ahead, strict=False))
+    best = partial(leaders, base)
+    found = _about(problem, base).each(_judged, jobs, base, stage=FINISHING, best=best)
     found.sort(key=lambda c: max(c.mse, c.seen))
-    return _ended(found, problem)
+    return _ended(base, found, problem)
 
 
-def _ended(found: list[Candidate], problem: Problem) -> list[Candidate]:
+def may_win(gain: float, best: float) -> bool:
+    """Whether a gain that is not the whole one yet may become the best."""
+    return gain >= MAY_WIN * best
+
+
+def _ended(base: Candidate, found: list[Candidate], problem: Problem) -> list[Candidate]:
     """Candidates, best first, with those of the best few that may still win fitted to the end.
 
     Where a gap lies tells only a closer look.
     """
-    near = WORTH_AN_END * found[0].mse if found else 0.0
-    ahead = [c for c in found[:FINALISTS] if c.mse < near or is_gap(c.fit.model.catalogue[c.name])]
+    gains = [base.mse - c.mse for c in found]
+    ahead = [
+        c
+        for c, gain in zip(found[:FINALISTS], gains, strict=False)
+        if may_win(gain, gains[0]) or is_gap(c.fit.model.catalogue[c.name])
+    ]
     ended = problem.each(_finished, range(len(ahead)), ahead, stage=FINISHING)
     return sorted(
         [*ended, *(c for c in found if not any(c is a for a in ahead))], key=lambda c: c.mse
@@ -302,16 +338,21 @@ def _ended(found: list[Candidate], problem: Problem) -> list[Candidate]:
 
 
 def _begun(name: str, problem: Problem, base: Candidate) -> tuple[Fit, Screen]:
-    """An effect fitted to stretches; problem and base: of them."""
-    return _fitted_with(base, base.fit.model.catalogue[name], problem, FIRST_ITERATIONS)
+    """An effect fitted to stretches, for a look; problem and base: of them."""
+    return _fitted_with(base, base.fit.model.catalogue[name], problem, A_LOOK)
 
 
-def _judged(
-    job: tuple[int, tuple[str, tuple[Fit, Screen]]], problem: Problem, base: Candidate
-) -> Candidate:
-    """A fit to stretches, with its place among them, fitted to all runs where it is one of the best."""
-    place, (name, (fitted, seen)) = job
-    ahead = place < FINALISTS
+def _gone_on(job: tuple[Begun, bool], problem: Problem) -> tuple[Fit, Screen]:
+    """An effect fitted on to stretches where a look had used its iterations up and it may win, which the job says."""
+    (_, (fitted, seen)), able = job
+    if able and fitted.iterations >= A_LOOK:
+        fitted = fit(fitted.model, problem, max_iter=FIRST_ITERATIONS - A_LOOK)
+    return fitted, seen
+
+
+def _judged(job: tuple[Begun, bool], problem: Problem, base: Candidate) -> Candidate:
+    """A fit to stretches, fitted to all runs where it is one of the best, which the job says."""
+    (name, (fitted, seen)), ahead = job
     on_all = _on_all(base, fitted, problem, FIRST_ITERATIONS if ahead else 0)
     names = (*base.effects, name)
     return cross_judged(names, on_all, problem, seen.kept, seen.reach, straight=not ahead)

@@ -76,17 +76,19 @@ class Diagnosis:
 
 
 def search_effects(
-    model: Model, problem: Problem, *, seed: int = 0, rule: Rule = RULE, begun: Round | None = None
-) -> Diagnosis:
+    model: Model, problem: Problem, *, seed: int = 0, rule: Rule = RULE, known: Candidate | None = None,
+    begun: Round | None = None,
+) -> Diagnosis:  # fmt: skip
     """Refit the model, then find which effects are missing and how sure that is.
 
-    begun: the `further` of a diagnosis of the same problem whose best model this is: what was tried is not tried again.
+    known: the model where it is fitted to the problem already. begun: the `further` of a diagnosis of the same problem
+    whose best model this is: what was tried is not tried again.
 
     Ctrl-C, or `cancel` of the problem's work, ends the search with the effects taken so far; before there is one it
     goes to the caller.
     """
     if begun is None:
-        begun = one_round(baseline(model, problem), problem, seed, rule)
+        begun = one_round(known or baseline(model, problem), problem, seed, rule)
     elif rule.plateaus:
         begun = decided(begun.base, begun.candidates, begun.null, problem, rule)
     base, rounds = begun.base, [begun]

@@ -25,9 +25,10 @@ from er_model_lab.problem.problem import Problem
 PAIRS_OF = 6
 """Pairs are tried among this many best singles."""
 MOST_EFFECTS = 3
-FAR_BEYOND = 3.0
-"""Size, over what chance gives, of an effect that is there however unevenly its gains are spread, and of what a
-generalised form must gain over its special case: the name then rests on one number alone."""
+BEYOND, FAR_BEYOND = 2.5, 3.0
+"""Size, over what chance gives, from which on less steadiness is asked of an effect, and of one that is there however
+unevenly its gains are spread. So much must a generalised form gain over its special case, too: the name then rests on
+one number alone."""
 STEADY = 3.0
 """Paired t of gains over blocks [1] above which chance does not make them: three standard errors."""
 NEARLY_ALL, HALF = 0.8, 0.5
@@ -79,17 +80,19 @@ def threshold(null: Null, floor: float, rule: Rule = RULE) -> float:
 def passes(base: Candidate, candidate: Candidate, limit: float) -> bool:
     """Whether an effect is there: large, and steady over blocks.
 
-    The fall must exceed the limit and be positive in half of the blocks at least. Unless it is far beyond
-    the limit (records of different kind, where some cannot show the effect), it must also be steady: by its
-    paired t, or positive in nearly all blocks, or seldom at work and harmless else.
+    The fall must exceed the limit and be positive in half of the blocks at least. It must also be steady: by its
+    paired t, or positive in nearly all blocks, or seldom at work and harmless else. The less is asked of that the
+    nearer it comes to far beyond the limit, and nothing from there on (records of different kind, where some cannot
+    show the effect).
     """
     size = effect_size(base, candidate)
     if size <= limit:
         return False
     gains = base.losses - candidate.losses
     positive = float(np.mean(gains > 0))
-    steady = paired_t(gains) > STEADY or positive >= NEARLY_ALL or seldom(gains, limit)
-    return positive >= HALF and (size > FAR_BEYOND * limit or steady)
+    asked = float(np.interp(size / limit, (BEYOND, FAR_BEYOND), (NEARLY_ALL, HALF)))
+    steady = paired_t(gains) > STEADY or seldom(gains, limit)
+    return positive >= (HALF if steady else asked)
 
 
 def seldom(gains: Array, limit: float) -> bool:

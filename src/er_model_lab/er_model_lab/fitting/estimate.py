@@ -28,7 +28,15 @@ from er_models.model import Array, Model
 from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
 
-from er_model_lab.fitting.fit import Box, Fit, covariance, fit, standard_deviations, widths
+from er_model_lab.fitting.fit import (
+    Box,
+    Fit,
+    covariance,
+    fit,
+    part_of,
+    standard_deviations,
+    widths,
+)
 from er_model_lab.problem.forward import colour_of
 from er_model_lab.problem.problem import Problem
 from er_model_lab.smallest import SMALLEST
@@ -105,21 +113,36 @@ def polished(fitted: Fit, problem: Problem, share: float) -> Fit:
 
 
 def moved(fitted: Fit, problem: Problem, share: float) -> Fit:
-    """A polished fit moved to likelier valleys of the values that switch, as long as there is one."""
+    """A polished fit moved to likelier valleys of the values that switch, as long as there is one.
+
+    They are looked for in longer steps of the integrator, of many runs on stretches; where that leads is polished on
+    all of them.
+    """
     box, train = Box(fitted.model, fitted.free, problem.scales), problem.train
     least = 1.0 - LIKELIER / _independent(fitted, problem)
     for _ in range(LOOKS):
-        points, costs = _looked(fitted, problem)
+        here, near = about(fitted, problem)
+        points, costs = _looked(here, near)
         begun = [
-            replace(fitted, model=box.model_at(x), theta=x)
+            replace(here, model=box.model_at(x), theta=x)
             for x in points[np.argsort(costs)[:TRIED]]
         ]
-        tried = [polished(f, problem, share) for f in begun]
-        best = min(tried, key=lambda f: f.mse(train), default=fitted)
+        tried = [polished(f, near, share) for f in begun]
+        best = min(tried, key=lambda f: f.mse(near.train), default=here)
+        if not best.mse(near.train) < least * here.mse(near.train):
+            break
+        best = polished(best, problem, share)
         if not best.mse(train) < least * fitted.mse(train):
             break
         fitted = best
     return fitted
+
+
+def about(fitted: Fit, problem: Problem) -> tuple[Fit, Problem]:
+    """A fit, of many runs on stretches, and the problem as one that is predicted for less about it."""
+    few = problem.practice
+    here, where = (fitted, problem) if few is None else (part_of(fitted, few), few.problem)
+    return here, where.near(here.model, where.force - here.residual)
 
 
 def breadth(fitted: Fit, problem: Problem) -> Array:
@@ -128,7 +151,7 @@ def breadth(fitted: Fit, problem: Problem) -> Array:
     Where valleys are many the curvature in one of them says too little: each point that was looked at is as many
     standard deviations away as the root of what it lacks in twice the logarithm of the likelihood.
     """
-    points, costs = _looked(fitted, problem)
+    points, costs = _looked(fitted, problem.near(fitted.model, problem.force - fitted.residual))
     lacks = _independent(fitted, problem) * (costs / max(fitted.mse(problem.train), 1e-300) - 1.0)
     near = lacks < NEAR**2
     away = np.abs(points - fitted.theta)[near] / np.sqrt(np.maximum(lacks[near], 1.0))[:, None]

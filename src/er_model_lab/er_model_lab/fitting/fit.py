@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from er_model_lab.problem.fit_store import Noted, key
 from er_model_lab.problem.forward import Free, Limits
-from er_model_lab.problem.problem import Problem
+from er_model_lab.problem.problem import Practice, Problem
 
 FIRST_ITERATIONS = 10
 """Iterations every candidate gets before the best are fitted to the end."""
@@ -273,6 +273,11 @@ def practised(model: Model, problem: Problem) -> Model:
     """The model with values from a few runs, where there are many: a start near the end for a fit to all."""
     few = problem.practice
     return model if few is None else fit(model, few.problem).model
+
+
+def part_of(whole: Fit, few: Practice) -> Fit:
+    """A fit on the stretches to practise on."""
+    return replace(whole, residual=whole.residual[few.rows], jacobian=whole.jacobian[few.rows])
 
 
 def _jacobian(box: Box, theta: Array, f: Array, problem: Problem, known: Array | None) -> Array:

@@ -16,7 +16,7 @@ from er_models.model import Model
 from er_records.dataset import Dataset
 from er_records.duty_known import driven
 
-from er_model_lab.diagnosis.candidates import Candidate, baseline
+from er_model_lab.diagnosis.candidates import Candidate, baseline, cross_judged
 from er_model_lab.diagnosis.evidence import shares
 from er_model_lab.diagnosis.floor_estimates import credible, floors
 from er_model_lab.diagnosis.investigation import Diagnosis, one_effect, search_effects
@@ -26,7 +26,7 @@ from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.verdict import decide
 from er_model_lab.fitting.data_reach import beyond
 from er_model_lab.fitting.envelope import with_unfelt
-from er_model_lab.fitting.fit import with_deviations
+from er_model_lab.fitting.fit import Fit, with_deviations
 from er_model_lab.fitting.velocity_channel import (
     KINEMATIC,
     as_searched,
@@ -102,13 +102,17 @@ class DamperLevel:
     def searched(self, asked: Question, noted: Notes | None) -> Study:
         """What the model lacks; a velocity channel that lags is undone first and named."""
         found, rule = self.given(asked), asked.rule
-        found = _looked_again(replace(found, problem=replace(found.problem, noted=noted)))
+        known = _known(found, asked)
+        found = replace(found, problem=replace(found.problem, noted=noted))
+        found = _looked_again(found, None if known is None else known.fit)
         before = _as_measured(found) if found.lag else None
         last, begun = asked.last, None
-        if last is not None and last.diagnosis.further and _alike(last.problem, found.problem):
+        if last is not None and _alike(last.problem, found.problem):
             begun = last.diagnosis.further
+        elif known is not None:
+            known = cross_judged((), known.fit, found.problem)
         seen = search_effects(
-            found.searched, found.problem, seed=asked.seed, rule=rule, begun=begun
+            found.searched, found.problem, seed=asked.seed, rule=rule, known=known, begun=begun
         )
         seen = _restored(seen, asked.model)
         if found.lag and before:
@@ -203,12 +207,26 @@ def _with_asked_lag(asked: Question) -> Study:
     return Study(found, _beside_lag(seen, before, found.lag), before)
 
 
-def _looked_again(asked: Opened) -> Opened:
+def _known(found: Opened, asked: Question) -> Candidate | None:
+    """The model as the study before left it, fitted to the same samples along the same motion, where one did."""
+    last = asked.last
+    if last is None or found.lag or last.opened.lag or set(KINEMATIC) & set(asked.model.effects):
+        return None
+    pairs = (
+        (last.problem.force, found.problem.force),
+        (last.problem.motion.v, found.problem.motion.v),
+    )
+    if not all(np.array_equal(a, b) for a, b in pairs):
+        return None
+    return replace(last.diagnosis.best, effects=())
+
+
+def _looked_again(asked: Opened, fitted: Fit | None = None) -> Opened:
     """Where samples are wild, without those as well that only show beside the fitted model."""
     problem = asked.problem
     if problem.wild is None or not problem.wild.any():
         return asked
-    fitted = baseline(asked.searched, problem).fit
+    fitted = fitted or baseline(asked.searched, problem).fit
     return replace(asked, problem=without_wild(problem, fitted.residual))
 
 

@@ -19,8 +19,9 @@ from er_model_lab.problem.motion_error import Sensed, drawn
 
 Free = tuple[tuple[str, str], ...]
 Limits = Mapping[tuple[str, str], tuple[float, float]]
-COARSE = 2.5e-3
-"""Steps of the integrator with which a fit looks for its way [s]; where it ends is predicted in the usual ones."""
+COARSE, ROUGH = 2.5e-3, 5e-3
+"""Steps of the integrator with which a fit looks for its way [s], where it ends is predicted in the usual ones; and
+those with which candidates are only ranked."""
 Past = tuple[Motion, NDArray[np.intp]]
 """Motion of whole records, and which rows of it data are."""
 
@@ -65,8 +66,11 @@ class Forward(Protocol):
     def predict(self, data: Sensed, model: Model) -> Array:
         """Rows (n,) of a model."""
 
-    def near(self, data: Sensed, model: Model, rows: Array) -> Forward:
-        """What predicts rows for less near a model that predicts these (n,): exact there; itself where nothing does."""
+    def near(self, data: Sensed, model: Model, rows: Array, longest: float = COARSE) -> Forward:
+        """What predicts rows for less near a model that predicts these (n,): exact there; itself where nothing does.
+
+        longest: its step of the integrator [s].
+        """
 
     def beginnings(self, data: Sensed, model: Model) -> float:
         """How many numbers the data have told of where the states of a model begin, beside its parameters."""
@@ -117,11 +121,11 @@ class DamperForward:
         """Force (n,) along the motion."""
         return np.asarray(self.predict_many(data, model, model.compiled().p[None])[0])
 
-    def near(self, data: Sensed, model: Model, rows: Array) -> Forward:
+    def near(self, data: Sensed, model: Model, rows: Array, longest: float = COARSE) -> Forward:
         """The same in longer steps, with their error at the model taken off."""
-        if substeps(data.motion.dt, COARSE) == substeps(data.motion.dt, self.longest):
+        if substeps(data.motion.dt, longest) >= substeps(data.motion.dt, self.longest):
             return self
-        coarse = replace(self, longest=COARSE, beside=None)
+        coarse = replace(self, longest=longest, beside=None)
         return replace(coarse, beside=rows - coarse.predict(data, model))
 
     def _complete(self, forces: Array) -> Array:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from er_model_lab.motion.fuse import Channels, Fused, Noise
 from er_model_lab.motion.repetition import Cycle, cycles
 from er_model_lab.problem.fit_store import Notes
-from er_model_lab.problem.forward import DAMPER, DamperForward, Forward, PartForward
+from er_model_lab.problem.forward import COARSE, DAMPER, DamperForward, Forward, PartForward
 from er_model_lab.problem.held_out import WARM_UP, telling
 from er_model_lab.problem.subset import stretches_to_practise_on
 from er_model_lab.work import HERE, Leader, Work
@@ -106,9 +106,12 @@ class Problem:
             parts.append(self.forward.predict_many(self, model, vectors[k : k + rows]))
         return np.concatenate(parts)
 
-    def near(self, model: Model, predicted: Array) -> Problem:
-        """The problem near a model that predicts this (n,) [N]: predictions cost less, and are exact at the model."""
-        return replace(self, forward=self.forward.near(self, model, predicted))
+    def near(self, model: Model, predicted: Array, longest: float = COARSE) -> Problem:
+        """The problem near a model that predicts this (n,) [N]: predictions cost less, and are exact at the model.
+
+        longest: step of the integrator [s].
+        """
+        return replace(self, forward=self.forward.near(self, model, predicted, longest))
 
     @property
     def parts(self) -> tuple[Problem, ...]:

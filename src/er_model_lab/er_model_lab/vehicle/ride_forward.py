@@ -15,7 +15,7 @@ from er_models.effect import Effect
 from er_models.model import Array, Model
 from er_models.scales import Scales
 
-from er_model_lab.problem.forward import Free, Limits, Output, Past
+from er_model_lab.problem.forward import COARSE, Free, Limits, Output, Past
 from er_model_lab.problem.motion_error import Sensed
 from er_model_lab.vehicle.ride import CHANNELS, SETTLE, Course, drive, drive_many, with_values
 from er_model_lab.work import HERE
@@ -106,9 +106,11 @@ class RideForward:
         """Rows (n,) of a model."""
         return np.asarray(self.predict_many(data, model, model.compiled().p[None])[0])
 
-    def near(self, data: Sensed, model: Model, rows: Array) -> RideForward:
+    def near(
+        self, data: Sensed, model: Model, rows: Array, longest: float = COARSE
+    ) -> RideForward:
         """Itself: nothing predicts a car for less that fits as well, since a mount is too stiff for longer steps."""
-        del data, model, rows
+        del data, model, rows, longest
         return self
 
     def beginnings(self, data: Sensed, model: Model) -> float:

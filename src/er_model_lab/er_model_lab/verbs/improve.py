@@ -95,6 +95,7 @@ def improve(
     made = _pruned(_passes(asked, start, named, keep), asked, start, named)
     if measured_terms and not made.stopped:
         made = _with_terms(made, asked, start, named)
+    made = _estimated(made, asked, start, named)
     current = finished(made.model, interrupted=made.stopped)
     result = with_notes(gone_on(_improved(made, current, asked), start), *made.notes)
     result = result if measured_terms else with_notes(result, last=offer(result, asked))
@@ -109,12 +110,14 @@ def improve(
 class _Passes:
     """Studies one after another, the model that they made, whether Ctrl-C ended them, and what else there is to say.
 
-    dropped: effects that were added and are not needed beside those added later; terms: what was learnt at last, each
-    with its study and the size it had to exceed [N].
+    last: the study that made the model, and the model before it; None where none did, or where the model holds its
+    estimates already. dropped: effects that were added and are not needed beside those added later; terms: what was
+    learnt at last, each with its study and the size it had to exceed [N].
     """
 
     studies: list[Study]
     model: Model
+    last: tuple[Study, Model] | None = None
     stopped: bool = False
     notes: tuple[str, ...] = ()
     dropped: tuple[str, ...] = ()
@@ -127,6 +130,8 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
     Where known effects explain a part only, many forms fit nearly: later studies go on in small steps.
     """
     current, studies, given = asked.model, list[Study](), asked.rule
+    made: tuple[Study, Model] | None = None
+    notes = tuple[str, ...]()
     for n in range(MOST_PASSES):
         left = current if studies else begun(current, asked.data, start)
         work = _keeping(asked.work, left, start, keep)
@@ -134,16 +139,17 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
         now = replace(asked, model=current, seed=asked.seed + 1000 * n, work=work, last=last)
         try:
             study = investigate(now, start.noted)
-            best = asked.level.finished(study, asked.seed)
         except STOPPED:
             asked.work.wind_up()
             if not studies:
                 if keep is not None and start.noted:
                     keep(left_by(left, start))
                 raise
-            return _Passes(studies, current, stopped=True)
+            return _Passes(studies, current, made, stopped=True, notes=notes)
+        study, vetoed = _vetoed(study, 0.0 if studies else BAND)
+        notes = (*notes, *vetoed)
         if studies and (why := _worse(study, given)):
-            return _Passes(studies, current, notes=(why,))
+            return _Passes(studies, current, made, notes=(*notes, why))
         studies.append(study)
         # of long data with the stretches where the model did worst
         asked = replace(asked, data=study.data)
@@ -152,13 +158,40 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
             found.verdict != "insufficient_data" or not found.coverage.blocking
         )
         if found.effects or refitted:
-            current = marked(with_history(best, current, study, asked.seed, name), start.digest)
+            made = (study, current)
+            current = _grown(_as_fitted(study), made, asked, start, name)
         if found.interrupted or not _goes_on(found):
-            return _Passes(studies, current, stopped=found.interrupted)
+            return _Passes(studies, current, made, stopped=found.interrupted, notes=notes)
         if found.verdict == "partial":
             small = replace(given, helps=min(given.helps, FURTHER), plateaus=True)
             asked = replace(asked, rule=small)
-    return _Passes(studies, current)
+    return _Passes(studies, current, made, notes=notes)
+
+
+def _as_fitted(study: Study) -> Study:
+    """The study as one that nobody waits for: its model gets its deviations, but no estimates, which take long."""
+    return replace(study, diagnosis=replace(study.diagnosis, interrupted=True))
+
+
+def _grown(
+    study: Study, made: tuple[Study, Model], asked: Question, start: Begun, name: str
+) -> Model:
+    """The model of a study with its history; made: the study to tell of, and the model before it."""
+    best = asked.level.finished(study, asked.seed)
+    return marked(with_history(best, made[1], made[0], asked.seed, name), start.digest)
+
+
+def _estimated(made: _Passes, asked: Question, start: Begun, name: str) -> _Passes:
+    """The passes with the estimates of their model, which no pass needs before the last."""
+    if made.last is None or made.stopped:
+        return made
+    asked.work.report("estimating values", 0, 1)
+    try:
+        model = _grown(made.last[0], made.last, asked, start, name)
+    except STOPPED:
+        asked.work.wind_up()
+        return replace(made, stopped=True)
+    return replace(made, model=model)
 
 
 def _goes_on(found: Diagnosis) -> bool:
@@ -194,14 +227,13 @@ def _pruned(made: _Passes, asked: Question, start: Begun, name: str) -> _Passes:
     own = tuple(e for e in found.effects if e not in dropped)
     left = replace(found, best=replace(kept, effects=own), effects=own)
     study = replace(last, diagnosis=left)
-    model = with_history(
-        asked.level.finished(study, asked.seed), made.model, study, asked.seed, name
-    )
+    grown = (study, made.model)
     note = f"{' and '.join(dropped)} taken out again: beside the other effects the error stays the same without"
     return replace(
         made,
         studies=[*made.studies[:-1], study],
-        model=marked(model, start.digest),
+        model=_grown(_as_fitted(study), grown, asked, start, name),
+        last=grown,
         dropped=dropped,
         notes=(*made.notes, note),
     )
@@ -243,7 +275,35 @@ def _with_term(made: _Passes, asked: Question, start: Begun, name: str) -> _Pass
         asked.level.finished(grown, asked.seed), made.model, grown, asked.seed, name
     )
     terms = (*made.terms, (found, grown, limit))
-    return replace(made, model=marked(model, start.digest), terms=terms)
+    return replace(made, model=marked(model, start.digest), last=None, terms=terms)
+
+
+def _vetoed(study: Study, band: float) -> tuple[Study, tuple[str, ...]]:
+    """The study without the effects that it found last where held-out data refuse them beside the others, and why.
+
+    band: share by which the error there may rise.
+    """
+    notes = list[str]()
+    found = study.diagnosis
+    while len(found.effects) > 1 and not found.interrupted:
+        taken = [step.taken for step in found.rounds if step.taken is not None]
+        before = next(
+            (
+                c
+                for c in taken
+                if set(c.effects) < set(found.effects) and len(c.effects) == len(found.effects) - 1
+            ),
+            None,
+        )
+        if before is None or not (said := _rise(study.problem, before, found.best, band)):
+            break
+        (last,) = set(found.effects) - set(before.effects)
+        notes.append(f"{last} not added: {said}")
+        ties = tuple(group for group in found.alternatives if last not in group)
+        found = replace(
+            found, best=before, effects=before.effects, alternatives=ties, further=None
+        )
+    return (replace(study, diagnosis=found) if notes else study), tuple(notes)
 
 
 def _worse(study: Study, rule: Rule) -> str:

@@ -1,11 +1,11 @@
 """Where the states of a record begin, as its measured force says.
 
 A state that relaxes stays between the equilibria that its motion asks for, so that is where it may have begun:
-somewhere on the way from where it would have settled to the farther end of them, or short of the nearer one. Its prior
-is normal about where it would have settled, with that way as its deviation. The force follows a beginning in a straight
-line. Its slope is how the force differs when the record is run again from the farther end, in steps of a whole sample,
-for as long as that shows: a few time constants of the state. The shares of all ways that meet the measured force best
-are those of least squares.
+somewhere on the way from where it would have settled to the farther end of them, or short of the nearer one. Its
+prior is normal about where it would have settled, with that way as its deviation. The force follows a beginning in a
+straight line. Its slope is how the force differs when the record is run again from the farther end, in steps of a
+whole sample, for as long as that shows: a few time constants of the state, or until a bound stops it in both runs.
+The shares of all ways that meet the measured force best are those of least squares.
 
 Source: separable least squares, Golub and Pereyra 1973.
 
@@ -50,12 +50,12 @@ def way(reach, j):
 
 @inner
 def slopes(
-    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, near, raw
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, near, raw, path
 ):  # fmt: skip
     """How the force follows the beginning of each state over its way: shown (S, n) [N]; how many rows show it.
 
-    States that begin at zero are counted from there. near (S,): the near ends, as shares; left (S, n), raw (n,):
-    scratch, and so is the last row of shown (S + 1, n).
+    States that begin at zero are counted from there. near (S,): the near ends, as shares; path (n_states, n): where
+    they were when reach was noted; left (S, n), raw (n,): scratch, and so is the last row of shown (S + 1, n).
     """
     many, n, rows = slots.shape[0], x.shape[0], 0
     for q in range(many):
@@ -64,7 +64,7 @@ def slopes(
         if not at_rest[own] and away != 0.0:
             seen = predict(
                 on, slots, links, at_rest, p, dt, x, v, a, u, theta, 1, clock, warm, s, shown[q], reach, own, away,
-                left[q],
+                left[q], path,
             )  # fmt: skip
         for k in range(seen, n):
             shown[q, k] = left[q, k] = 0.0
@@ -72,7 +72,7 @@ def slopes(
     if rows:
         predict(
             on, slots, links, at_rest, p, dt, x[:rows], v[:rows], a[:rows], u[:rows], theta[:rows], 1, clock, warm, s,
-            shown[many], reach, PLAIN, 0.0, raw,
+            shown[many], reach, PLAIN, 0.0, raw, path,
         )  # fmt: skip
     for q in range(many):
         for k in range(rows):
@@ -129,7 +129,7 @@ def begun_rows(
     shown, left, sums = np.empty((many + 1, n)), np.empty((many, n)), np.empty((many, many + 1))
     near, share, raw, error = np.empty(many), np.empty(many), np.empty(n), np.empty(n)
     records, warm = starts.shape[0] - 1, np.empty(at_rest.shape[0])
-    ends = np.empty((records, 2, at_rest.shape[0]))
+    ends, path = np.empty((records, 2, at_rest.shape[0])), np.empty((at_rest.shape[0], n))
     for k in range(ps.shape[0]):
         p, force = ps[k], forces[k]
         shift, spent[k] = output_delay(on, p) / dt, 0.0
@@ -141,13 +141,13 @@ def begun_rows(
             u_r, theta_r, f_r = u[i:j], theta[i:j], force[i:j]
             predict(
                 on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, n_sub, clock, warm, s, f_r, reach, NOTED,
-                0.0, raw,
+                0.0, raw, path,
             )  # fmt: skip
             ended(s, r, ends)
             late(f_r, shift, raw[i:j])
             rows = slopes(
                 on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, clock, warm, s, reach, shift, shown,
-                left, near, raw,
+                left, near, raw, path,
             )  # fmt: skip
             for row in range(rows):
                 error[row] = measured[i + row] - f_r[row]

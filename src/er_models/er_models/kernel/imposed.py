@@ -100,13 +100,14 @@ def start(on, slots, links, at_rest, p, s, reach, own, away, clock, warm, x, v, 
 
 @inner
 def predict(
-    on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, force, reach, own, away, left
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, force, reach, own, away, left, path
 ):  # fmt: skip
     """Measured force [N] over one record of imposed motion, arrays of length n; how many rows were computed.
 
     The duty is held from each sample on, later by the dead time: a step that it jumps in is cut in
     two. own: a state that begins `away` from where it settles, followed for as long as that shows (`left` (n,), from 1
-    to 0); `NOTED`: none, and the reach of each state (3, n_states) is noted; `PLAIN`: none.
+    to 0), or until it is where it was when `path` was noted: both came to the same bound, and where they began is
+    forgotten; `NOTED`: none, and the reach (3, n_states) and path (n_states, n) of each state are noted; `PLAIN`: none.
     """
     n, step = x.shape[0], dt / n_sub
     whole, cut = split(input_delay(on, p) / dt)
@@ -141,10 +142,12 @@ def predict(
             force[m] = f_m
             if own == NOTED:
                 reached(slots, s, 1.0 / (n * dt), reach)
+                for i in range(slots.shape[0]):
+                    path[slots[i], m] = s[W, slots[i]]
             if own < 0:
                 continue
             faded += dt * s[R, own]
-            if not faded < FADED:
+            if not faded < FADED or s[W, own] == path[own, m]:
                 return m
             left[m] = min(FADED - faded, 1.0)
     return n
@@ -196,7 +199,7 @@ def predict_rows(
             cooled(course, r, ends, warm)
             predict(
                 on, slots, links, at_rest, p, dt, x[i:j], v[i:j], a[i:j], u[i:j], theta[i:j], n_sub, course[r, CLOCK],
-                warm, s, force[i:j], s, PLAIN, 0.0, force[i:j],
+                warm, s, force[i:j], s, PLAIN, 0.0, force[i:j], s,
             )  # fmt: skip
             ended(s, r, ends)
             if shift != 0.0:
