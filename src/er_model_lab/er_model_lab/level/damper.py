@@ -16,7 +16,7 @@ from er_models.model import Model
 from er_records.dataset import Dataset
 from er_records.duty_known import driven
 
-from er_model_lab.diagnosis.candidates import Candidate, baseline, cross_judged
+from er_model_lab.diagnosis.candidates import Candidate, baseline
 from er_model_lab.diagnosis.evidence import shares
 from er_model_lab.diagnosis.floor_estimates import credible, floors
 from er_model_lab.diagnosis.investigation import Diagnosis, one_effect, search_effects
@@ -26,7 +26,7 @@ from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.verdict import decide
 from er_model_lab.fitting.data_reach import beyond
 from er_model_lab.fitting.envelope import with_unfelt
-from er_model_lab.fitting.fit import Fit, with_deviations
+from er_model_lab.fitting.fit import with_deviations
 from er_model_lab.fitting.velocity_channel import (
     KINEMATIC,
     as_searched,
@@ -102,15 +102,15 @@ class DamperLevel:
     def searched(self, asked: Question, noted: Notes | None) -> Study:
         """What the model lacks; a velocity channel that lags is undone first and named."""
         found, rule = self.given(asked), asked.rule
-        known = _known(found, asked)
-        found = replace(found, problem=replace(found.problem, noted=noted))
-        found = _looked_again(found, None if known is None else known.fit)
+        last = _before(found, asked)
+        if last is None:
+            found = _looked_again(replace(found, problem=replace(found.problem, noted=noted)))
+        else:  # samples are weighed as before, so that what was tried then counts
+            same = {n: getattr(last.problem, n) for n in ("fold", "held_out", "wild", "beside")}
+            found = replace(found, problem=replace(found.problem, noted=noted, **same))
         before = _as_measured(found) if found.lag else None
-        last, begun = asked.last, None
-        if last is not None and _alike(last.problem, found.problem):
-            begun = last.diagnosis.further
-        elif known is not None:
-            known = cross_judged((), known.fit, found.problem)
+        known = None if last is None else replace(last.diagnosis.best, effects=())
+        begun = None if last is None else last.diagnosis.further
         seen = search_effects(
             found.searched, found.problem, seed=asked.seed, rule=rule, known=known, begun=begun
         )
@@ -150,12 +150,6 @@ class DamperLevel:
     def particulars(self, study: Study) -> Mapping[str, Any]:
         """On what the fused motion rests."""
         return {"fusion": fusion_json(study.data.originals, study.problem)}
-
-
-def _alike(one: Problem, other: Problem) -> bool:
-    """Whether two problems hold the same samples along the same motion, and learn from the same of them."""
-    pairs = ((one.force, other.force), (one.fold, other.fold), (one.motion.v, other.motion.v))
-    return all(np.array_equal(a, b) for a, b in pairs)
 
 
 def opened(data: Dataset, model: Model, *, any_lag: bool = False, work: Work = HERE) -> Opened:
@@ -207,26 +201,22 @@ def _with_asked_lag(asked: Question) -> Study:
     return Study(found, _beside_lag(seen, before, found.lag), before)
 
 
-def _known(found: Opened, asked: Question) -> Candidate | None:
-    """The model as the study before left it, fitted to the same samples along the same motion, where one did."""
+def _before(found: Opened, asked: Question) -> Study | None:
+    """The study before, where it fitted the model to the same samples along the same motion."""
     last = asked.last
     if last is None or found.lag or last.opened.lag or set(KINEMATIC) & set(asked.model.effects):
         return None
-    pairs = (
-        (last.problem.force, found.problem.force),
-        (last.problem.motion.v, found.problem.motion.v),
-    )
-    if not all(np.array_equal(a, b) for a, b in pairs):
-        return None
-    return replace(last.diagnosis.best, effects=())
+    one, other = last.problem, found.problem
+    pairs = ((one.force, other.force), (one.motion.v, other.motion.v))
+    return last if all(np.array_equal(a, b) for a, b in pairs) else None
 
 
-def _looked_again(asked: Opened, fitted: Fit | None = None) -> Opened:
+def _looked_again(asked: Opened) -> Opened:
     """Where samples are wild, without those as well that only show beside the fitted model."""
     problem = asked.problem
     if problem.wild is None or not problem.wild.any():
         return asked
-    fitted = fitted or baseline(asked.searched, problem).fit
+    fitted = baseline(asked.searched, problem).fit
     return replace(asked, problem=without_wild(problem, fitted.residual))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, Literal
 
 from er_models.catalogue import CATALOGUE, Catalogue
@@ -77,8 +78,12 @@ class Preflight:
         }  # fmt: skip
 
 
-def findings(record: Record) -> list[Finding]:
-    """Everything that is checked of one record; a check that finds nothing says so once."""
+@lru_cache(maxsize=4)
+def findings(record: Record) -> tuple[Finding, ...]:
+    """Everything that is checked of one record; a check that finds nothing says so once.
+
+    Of the last records it is kept: every verb asks for it.
+    """
     record = marked(record)
     whole, record = record, bridged(record)
     known = kinematics.pairs(record)
@@ -102,7 +107,7 @@ def findings(record: Record) -> list[Finding]:
         for check, words in checks.items()
         if check not in said
     ]
-    return found if {"units", "clock"} & said else [*found, *kinematics.fine(record, known)]
+    return tuple(found if {"units", "clock"} & said else [*found, *kinematics.fine(record, known)])
 
 
 def preflight(

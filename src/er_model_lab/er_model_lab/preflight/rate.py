@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from er_models.model import Array
@@ -33,6 +34,7 @@ def highest(y: Array, rate: float) -> float:
     return float(f[np.argmax(tail <= ABOVE * tail[0])]) if tail[0] > 0.0 else 0.0
 
 
+@lru_cache(maxsize=4)
 def at_needed_rate(record: Record) -> Record:
     """The record at the fraction of its rate that its content needs, with a note; as it is where it needs all."""
     spoken = [record.bridged(c) for c in SPOKEN if record.has(c)]

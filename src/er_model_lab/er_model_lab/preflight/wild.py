@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ WORDS = {
 }
 
 
+@lru_cache(maxsize=4)
 def marked(record: Record) -> Record:
     """The record with its wild samples marked and noted; as it is where it was looked at before."""
     if record.wild is not None:

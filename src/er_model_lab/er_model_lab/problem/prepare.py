@@ -6,7 +6,8 @@ Held-out samples are never used for fitting or for choosing an effect; they only
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -54,12 +55,32 @@ def prepare(
 
     velocity_lag: known lag of the velocity channel [s]; None estimates it and keeps it as evidence only.
     learn: records that noise levels and the lag may be read off; None: those that are not held out whole.
-    work: how the jobs of this problem are done.
+    work: how the jobs of this problem are done. What was prepared last is kept: every verb asks for it.
 
     Raises:
         MissingChannel: Without force, or without both deflection and velocity.
         InputError: When there is not enough data to split.
     """
+    decides = (data.learn, data.score, data.originals, data.whole is None)
+    chosen = None if learn is None else tuple(learn)
+    return replace(_prepared(decides, velocity_lag, chosen, _Asked(data, work)), work=work)
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """Data and how jobs are done: what decides of them stands beside."""
+
+    data: Dataset = field(compare=False)
+    work: Work = field(compare=False)
+
+
+@lru_cache(maxsize=2)
+def _prepared(
+    decides: tuple[object, ...], velocity_lag: float | None, learn: tuple[int, ...] | None, asked: _Asked
+) -> Problem:  # fmt: skip
+    """As `prepare`; decides: all of the data that does."""
+    del decides
+    data, work = asked.data, asked.work
     records = data.records
     if not records:
         raise InputError("data", "", "at least one record", "none")
