@@ -1,6 +1,6 @@
 """Passes of `improve` are told as one, each effect as the pass saw it that took it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -188,7 +188,7 @@ def test_a_later_pass_that_makes_held_out_data_worse_is_not_taken(monkeypatch, l
 
 
 @pytest.mark.parametrize(
-    ("first", "second", "kept"), [(0.9, 0.8, 2), (0.8, 0.9, 1), (0.8, 0.801, 2)]
+    ("first", "second", "kept"), [(0.9, 0.8, 2), (1.2, 1.4, 1), (0.8, 0.801, 2)]
 )
 def test_what_a_search_found_last_goes_again_where_held_out_data_refuse_it(first, second, kept):
     names = ("preload", "end_stop")
@@ -196,15 +196,19 @@ def test_what_a_search_found_last_goes_again_where_held_out_data_refuse_it(first
         held_out=np.ones(8, bool), force=np.arange(8.0), forward=SimpleNamespace(outputs=1)
     )
     taken = [
-        Part(effects=names[: k + 1], fit=Part(residual=np.full(8, error)))
+        Part(effects=names[: k + 1], fit=Part(residual=np.full(8, error)), mse=error**2)
         for k, error in enumerate((first, second))
     ]
-    found = Search(names, taken[1], tuple(SimpleNamespace(taken=c) for c in taken))
+    rounds = tuple(SimpleNamespace(taken=c) for c in taken)
+    found = Search(names, taken[1], rounds, base=Part(mse=4.0), verdict="missing_effect")
     study, notes = improve._vetoed(Part(diagnosis=found, problem=problem), 0.05)
     assert study.diagnosis.effects == names[:kept]
     assert study.diagnosis.best is taken[kept - 1]
     assert len(notes) == 2 - kept
     assert all(note.startswith("end_stop not added: the error on held-out data") for note in notes)
+    if kept == 1:  # what remains explains less, and is judged by that
+        assert study.diagnosis.explained == pytest.approx((4.0 - 1.44) / (4.0 - 0.01))
+        assert study.diagnosis.verdict == "partial"
 
 
 @dataclass(frozen=True)
@@ -220,6 +224,7 @@ class Part:
     diagnosis: object = None
     problem: object = None
     data: object = None
+    mse: float = 0.0
     interrupted: bool = False
     rounds: tuple[SimpleNamespace, ...] = (SimpleNamespace(threshold=0.1),)
 
@@ -236,6 +241,7 @@ class Search:
     explained: float = 1.0
     alternatives: tuple[tuple[str, ...], ...] = ()
     further: object = None
+    floor: object = field(default_factory=lambda: SimpleNamespace(floor=0.1))
     interrupted: bool = False
 
 

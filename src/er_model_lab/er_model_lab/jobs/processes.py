@@ -86,6 +86,7 @@ class Processes(Executor):
         from joblib.externals.loky import ProcessPoolExecutor
 
         warnings.filterwarnings("ignore", "Failed to kill subprocesses")  # it means their own
+        warnings.filterwarnings("ignore", "A worker stopped")  # one that grew is made anew
         self._folder = tempfile.TemporaryDirectory(prefix="er_lab_")
         begin = (os.getpid(), self._folder.name, first)
         return ProcessPoolExecutor(

@@ -15,10 +15,12 @@ from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.diagnosis.candidates import Candidate
+from er_model_lab.diagnosis.evidence import shares
 from er_model_lab.diagnosis.floor_estimates import AGREE
 from er_model_lab.diagnosis.investigation import BEYOND_DOUBT, Diagnosis
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.search import prune
+from er_model_lab.diagnosis.verdict import ENOUGH
 from er_model_lab.fitting.velocity_channel import as_searched, put_back
 from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
@@ -283,26 +285,22 @@ def _vetoed(study: Study, band: float) -> tuple[Study, tuple[str, ...]]:
 
     band: share by which the error there may rise.
     """
-    notes = list[str]()
-    found = study.diagnosis
+    notes, found = list[str](), study.diagnosis
+    taken = [step.taken for step in found.rounds if step.taken is not None]
     while len(found.effects) > 1 and not found.interrupted:
-        taken = [step.taken for step in found.rounds if step.taken is not None]
-        before = next(
-            (
-                c
-                for c in taken
-                if set(c.effects) < set(found.effects) and len(c.effects) == len(found.effects) - 1
-            ),
-            None,
-        )
+        held, fewer = set(found.effects), len(found.effects) - 1
+        before = next((c for c in taken if {*c.effects} < held and len(c.effects) == fewer), None)
         if before is None or not (said := _rise(study.problem, before, found.best, band)):
             break
-        (last,) = set(found.effects) - set(before.effects)
+        (last,) = held - {*before.effects}
         notes.append(f"{last} not added: {said}")
         ties = tuple(group for group in found.alternatives if last not in group)
+        _, explained = shares(found.base.mse, before.mse, found.floor)
+        enough = found.verdict != "missing_effect" or explained >= ENOUGH
         found = replace(
-            found, best=before, effects=before.effects, alternatives=ties, further=None
-        )
+            found, best=before, effects=before.effects, alternatives=ties, further=None,
+            explained=explained, verdict=found.verdict if enough else "partial",
+        )  # fmt: skip
     return (replace(study, diagnosis=found) if notes else study), tuple(notes)
 
 
