@@ -27,6 +27,7 @@ from er_model_lab.diagnosis.search import (
     Round,
     beyond_motion,
     block_gains,
+    decided,
     nested,
     paired_t,
     partners,
@@ -90,7 +91,12 @@ def leaving(square):
     """A candidate that leaves this mean square (n,) in each sample."""
     mean = float(np.mean(square))
     return SimpleNamespace(
-        name="of", residual=np.sqrt(square), losses=np.full(12, mean), mse=mean, seen=mean
+        ranked=False,
+        name="of",
+        residual=np.sqrt(square),
+        losses=np.full(12, mean),
+        mse=mean,
+        seen=mean,
     )
 
 
@@ -451,6 +457,19 @@ def test_a_little_more_or_less_of_an_effect_decides_nothing_about_how_steady_it_
     assert [there(gains, size) for size in (2.0, 2.5, 2.9, 3.1)] == [False, False, True, True]
     seven = np.where(np.arange(12) == 7, -0.2, np.where(np.arange(12) == 8, -0.2, gains))
     assert [there(seven, size) for size in (2.6, 2.9, 3.1)] == [False, True, True]
+
+
+def test_what_was_only_ranked_is_fitted_to_its_end_before_it_is_taken(friction):
+    base, found, problem = friction
+    null = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0))
+    off = 1e-3 * np.ones(problem.motion.n)  # as longer steps of the integrator would be
+    rough = [
+        replace(c, fit=replace(c.fit, residual=c.fit.residual + off), ranked=True) for c in found
+    ]
+    taken = decided(base, rough, null, problem, RULE).taken
+    assert (taken.name, taken.ranked) == (found[0].name, False)
+    left = problem.force - problem.predict(taken.fit.model)
+    np.testing.assert_allclose(taken.fit.residual, left, atol=1e-9)
 
 
 def test_effects_that_are_both_needed_are_no_rivals(friction):

@@ -15,12 +15,14 @@ import numpy as np
 from er_models.effect import Effect, arguments
 from er_models.model import Array, Model
 from er_models.prediction import motion, predict
+from numpy.typing import NDArray
 
 from er_model_lab.diagnosis.size_scan import profiled, scanned
 from er_model_lab.diagnosis.starts import amplitudes, gaps, is_gap, is_limit, scaled, starts
 from er_model_lab.fitting.fit import (
     FIRST_ITERATIONS,
     Fit,
+    about,
     cross_validated,
     fit,
     part_of,
@@ -56,7 +58,8 @@ class Candidate:
     residual (n,): predicted without each sample's block; losses (folds,): mean square per block; mse: of
     all blocks; seen: mean square of the fit itself;
     kept: share of the effect's direction that the model cannot absorb; reach: size of the change
-    it makes at its start value over the white noise.
+    it makes at its start value over the white noise; ranked: whether it was fitted to stretches of many runs, in
+    longer steps of the integrator, to be ranked only.
     """
 
     effects: tuple[str, ...]
@@ -67,6 +70,7 @@ class Candidate:
     seen: float
     kept: float
     reach: float
+    ranked: bool = False
 
     @property
     def name(self) -> str:
@@ -129,8 +133,7 @@ def additions(
     vectors = np.tile(grown.compiled().p, (len(points), 1))
     for row, point in zip(vectors, points, strict=True):
         row[offset : offset + len(effect.names)] = [point[n] for n in effect.names]
-    predicted = problem.force - base.fit.residual
-    problem = problem.near(model, predicted)
+    predicted, problem = problem.force - base.fit.residual, about(base.fit, problem)
     most = BEYOND * float(np.abs(problem.force).max())
     added = np.nan_to_num(problem.predict_many(grown, vectors) - predicted)
     return np.asarray(np.clip(added, -most, most).T)
@@ -179,8 +182,13 @@ def screen(base: Candidate, effect: Effect, problem: Problem) -> Screen:
     return Screen(ranked, kept, reach, gain)
 
 
-Begun = tuple[str, tuple[Fit, Screen]]
-"""An effect that was begun to be fitted."""
+@dataclass(frozen=True)
+class Begun:
+    """An effect that was begun to be fitted to stretches, and what a straight line said of it."""
+
+    name: str
+    fit: Fit
+    seen: Screen
 
 
 def refit(
@@ -195,7 +203,7 @@ def refit(
         fitted, seen = _fitted_with(base, effect, problem, max_iter)
     else:
         part, rows = _on_part(base, few), few.problem.train
-        begun, seen = _fitted_with(part, effect, _about(few.problem, part), max_iter)
+        begun, seen = _fitted_with(part, effect, about(part.fit, few.problem, ROUGH), max_iter)
         hopeless = base.seen * begun.mse(rows) > HOPE * target * part.fit.mse(rows)
         fitted = _on_all(base, begun, problem, 0 if hopeless else max_iter)
     return cross_judged(effects, fitted, problem, seen.kept, seen.reach, straight=hopeless)
@@ -209,11 +217,6 @@ def _refitted(name: str, problem: Problem, base: Candidate) -> Candidate:
 def _on_part(whole: Candidate, few: Practice) -> Candidate:
     """A fitted model on the stretches to practise on."""
     return replace(whole, fit=part_of(whole.fit, few))
-
-
-def _about(problem: Problem, base: Candidate) -> Problem:
-    """The problem as one that is predicted for less about a fitted model: where candidates are only ranked."""
-    return problem.near(base.fit.model, problem.force - base.fit.residual, ROUGH)
 
 
 def _on_all(base: Candidate, begun: Fit, problem: Problem, max_iter: int) -> Fit:
@@ -249,15 +252,16 @@ def _fitted_with(
 def finished(candidate: Candidate, problem: Problem, max_iter: int = 30) -> Candidate:
     """A candidate fitted on where its iterations were used up, and with its gaps looked for more closely.
 
-    Of many runs each one is: it was fitted in longer steps of the integrator.
+    So is one that was only ranked.
     """
-    fitted, rough = candidate.fit, problem.practice is not None
-    if rough or fitted.iterations >= FIRST_ITERATIONS:
+    fitted = candidate.fit
+    if candidate.ranked or fitted.iterations >= FIRST_ITERATIONS:
         fitted = fit(fitted.model, problem, max_iter=max_iter)
     for name in candidate.effects:
         if is_gap(fitted.model.catalogue[name]):
             fitted = profiled(fitted, name, problem)
-    if not rough and not fitted.mse(problem.train) < candidate.fit.mse(problem.train):
+    better = fitted.mse(problem.train) < candidate.fit.mse(problem.train)
+    if not (better or candidate.ranked):
         return candidate
     return cross_judged(candidate.effects, fitted, problem, candidate.kept, candidate.reach)
 
@@ -296,23 +300,23 @@ def _refit_many(
 ) -> list[Candidate]:
     """Of many runs: every effect fitted to stretches, the best few to all; the others are judged as they are there."""
     part, rows = _on_part(base, few), few.problem.train
-    near = _about(few.problem, part)
-
-    def ordered(fits: list[tuple[Fit, Screen]]) -> tuple[list[Begun], list[bool]]:
-        begun = sorted(zip(effects, fits, strict=True), key=lambda b: b[1][0].mse(rows))
-        gains = [part.fit.mse(rows) - fitted.mse(rows) for _, (fitted, _) in begun]
-        return begun, [may_win(gain, gains[0]) for gain in gains]
-
-    begun, able = ordered(near.each(_begun, effects, part, stage=TRYING))
-    effects = [name for name, _ in begun]
-    longer = near.each(_gone_on, list(zip(begun, able, strict=True)), stage=TRYING)
-    begun, able = ordered(longer)
-    ahead = [*able[:FINALISTS], *[False] * len(begun)]
-    jobs = list(zip(begun, ahead, strict=False))
-    best = partial(leaders, base)
-    found = _about(problem, base).each(_judged, jobs, base, stage=FINISHING, best=best)
+    near = about(part.fit, few.problem, ROUGH)
+    looked = _by_gain(near.each(_begun, effects, part, stage=TRYING), part, rows)
+    begun = _by_gain(near.each(_gone_on, looked, stage=TRYING), part, rows)
+    jobs = [(b, able and place < FINALISTS) for place, (b, able) in enumerate(begun)]
+    near, best = about(base.fit, problem, ROUGH), partial(leaders, base)
+    found = near.each(_judged, jobs, base, stage=FINISHING, best=best)
     found.sort(key=lambda c: max(c.mse, c.seen))
     return _ended(base, found, problem)
+
+
+def _by_gain(
+    begun: list[Begun], base: Candidate, rows: NDArray[np.bool_]
+) -> list[tuple[Begun, bool]]:
+    """Effects begun beside a model, the one that gains most first, each with whether it may win."""
+    begun = sorted(begun, key=lambda b: b.fit.mse(rows))
+    gains = [base.fit.mse(rows) - b.fit.mse(rows) for b in begun]
+    return [(b, may_win(gain, gains[0])) for b, gain in zip(begun, gains, strict=True)]
 
 
 def may_win(gain: float, best: float) -> bool:
@@ -337,25 +341,27 @@ def _ended(base: Candidate, found: list[Candidate], problem: Problem) -> list[Ca
     )
 
 
-def _begun(name: str, problem: Problem, base: Candidate) -> tuple[Fit, Screen]:
+def _begun(name: str, problem: Problem, base: Candidate) -> Begun:
     """An effect fitted to stretches, for a look; problem and base: of them."""
-    return _fitted_with(base, base.fit.model.catalogue[name], problem, A_LOOK)
+    return Begun(name, *_fitted_with(base, base.fit.model.catalogue[name], problem, A_LOOK))
 
 
-def _gone_on(job: tuple[Begun, bool], problem: Problem) -> tuple[Fit, Screen]:
+def _gone_on(job: tuple[Begun, bool], problem: Problem) -> Begun:
     """An effect fitted on to stretches where a look had used its iterations up and it may win, which the job says."""
-    (_, (fitted, seen)), able = job
-    if able and fitted.iterations >= A_LOOK:
-        fitted = fit(fitted.model, problem, max_iter=FIRST_ITERATIONS - A_LOOK)
-    return fitted, seen
+    begun, able = job
+    if not able or begun.fit.iterations < A_LOOK:
+        return begun
+    longer = fit(begun.fit.model, problem, max_iter=FIRST_ITERATIONS - A_LOOK)
+    return replace(begun, fit=longer)
 
 
 def _judged(job: tuple[Begun, bool], problem: Problem, base: Candidate) -> Candidate:
     """A fit to stretches, fitted to all runs where it is one of the best, which the job says."""
-    (name, (fitted, seen)), ahead = job
-    on_all = _on_all(base, fitted, problem, FIRST_ITERATIONS if ahead else 0)
-    names = (*base.effects, name)
-    return cross_judged(names, on_all, problem, seen.kept, seen.reach, straight=not ahead)
+    begun, ahead = job
+    on_all = _on_all(base, begun.fit, problem, FIRST_ITERATIONS if ahead else 0)
+    names, seen = (*base.effects, begun.name), begun.seen
+    found = cross_judged(names, on_all, problem, seen.kept, seen.reach, straight=not ahead)
+    return replace(found, ranked=True)
 
 
 def _finished(which: int, problem: Problem, candidates: list[Candidate]) -> Candidate:

@@ -246,7 +246,7 @@ def one_round(base: Candidate, problem: Problem, seed: int, rule: Rule = RULE) -
 def decided(
     base: Candidate, candidates: list[Candidate], null: Null, problem: Problem, rule: Rule
 ) -> Round:
-    """The round with the best of its candidates taken, or nothing."""
+    """The round with the best of its candidates taken, or nothing; one that was only ranked is fitted to its end."""
     left = np.sqrt(min(candidates[0].mse, base.mse))
     limit = threshold(null, left, rule)
     able = [c for c in candidates if passes(base, c, limit)]
@@ -265,6 +265,9 @@ def decided(
         return Round(base, candidates, null, limit, None, [])
     group = tied(base, able, problem, limit)
     taken = group[0]
+    if taken.ranked:
+        ended = [finished(c, problem) if c is taken else c for c in candidates]
+        return decided(base, sorted(ended, key=lambda c: c.mse), null, problem, rule)
     ties = [c.name for c in group if c is taken or rivals(taken, c, problem)]
     return Round(base, candidates, null, limit, taken, ties)
 

@@ -8,7 +8,7 @@ import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
 
-from er_model_lab.fitting.fit import FIRST_ITERATIONS, Fit, fit
+from er_model_lab.fitting.fit import FIRST_ITERATIONS, Fit, about, fit
 from er_model_lab.problem.problem import Problem
 
 SCANNED, SCANS, WORTHWHILE = 25, 3, 0.01
@@ -24,7 +24,7 @@ def profiled(fitted: Fit, name: str, problem: Problem) -> Fit:
     """
     q, train, best = fitted.model.catalogue[name].parameters[0].name, problem.train, fitted
     place = fitted.free.index((name, q))
-    near = problem.near(fitted.model, problem.force - fitted.residual)
+    near = about(fitted, problem)
     for closer in range(SCANS):
         values = best.model.effects[name]
         sizes = values[q] * ABOUT ** (2.0**-closer)
@@ -47,11 +47,7 @@ def scanned(fitted: Fit, effect: Effect, problem: Problem) -> Fit:
     """
     (q,) = effect.parameters
     values = problem.scales.of(q.unit) * np.geomspace(min(q.starts), max(q.starts), SCANNED)
-    model, best, near = (
-        fitted.model,
-        fitted,
-        problem.near(fitted.model, problem.force - fitted.residual),
-    )
+    model, best, near = fitted.model, fitted, about(fitted, problem)
     for _ in range(SCANS):
         grown, left = _left_over(model, effect.name, [{q.name: float(v)} for v in values], near)
         cost = np.nan_to_num(np.mean(left**2, axis=1), nan=np.inf)

@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 from er_model_lab.fitting.fit import (
     Box,
     Fit,
+    about,
     covariance,
     fit,
     part_of,
@@ -121,7 +122,7 @@ def moved(fitted: Fit, problem: Problem, share: float) -> Fit:
     box, train = Box(fitted.model, fitted.free, problem.scales), problem.train
     least = 1.0 - LIKELIER / _independent(fitted, problem)
     for _ in range(LOOKS):
-        here, near = about(fitted, problem)
+        here, near = _for_less(fitted, problem)
         points, costs = _looked(here, near)
         begun = [
             replace(here, model=box.model_at(x), theta=x)
@@ -138,11 +139,11 @@ def moved(fitted: Fit, problem: Problem, share: float) -> Fit:
     return fitted
 
 
-def about(fitted: Fit, problem: Problem) -> tuple[Fit, Problem]:
+def _for_less(fitted: Fit, problem: Problem) -> tuple[Fit, Problem]:
     """A fit, of many runs on stretches, and the problem as one that is predicted for less about it."""
     few = problem.practice
     here, where = (fitted, problem) if few is None else (part_of(fitted, few), few.problem)
-    return here, where.near(here.model, where.force - here.residual)
+    return here, about(here, where)
 
 
 def breadth(fitted: Fit, problem: Problem) -> Array:
@@ -151,7 +152,7 @@ def breadth(fitted: Fit, problem: Problem) -> Array:
     Where valleys are many the curvature in one of them says too little: each point that was looked at is as many
     standard deviations away as the root of what it lacks in twice the logarithm of the likelihood.
     """
-    points, costs = _looked(fitted, problem.near(fitted.model, problem.force - fitted.residual))
+    points, costs = _looked(fitted, about(fitted, problem))
     lacks = _independent(fitted, problem) * (costs / max(fitted.mse(problem.train), 1e-300) - 1.0)
     near = lacks < NEAR**2
     away = np.abs(points - fitted.theta)[near] / np.sqrt(np.maximum(lacks[near], 1.0))[:, None]

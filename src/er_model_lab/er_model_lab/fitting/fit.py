@@ -17,7 +17,7 @@ from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
 
 from er_model_lab.problem.fit_store import Noted, key
-from er_model_lab.problem.forward import Free, Limits
+from er_model_lab.problem.forward import COARSE, Free, Limits
 from er_model_lab.problem.problem import Practice, Problem
 
 FIRST_ITERATIONS = 10
@@ -280,6 +280,11 @@ def part_of(whole: Fit, few: Practice) -> Fit:
     return replace(whole, residual=whole.residual[few.rows], jacobian=whole.jacobian[few.rows])
 
 
+def about(fitted: Fit, problem: Problem, longest: float = COARSE) -> Problem:
+    """The problem near a fit: predictions cost less, and are exact there; longest: step of the integrator [s]."""
+    return problem.near(fitted.model, problem.force - fitted.residual, longest)
+
+
 def _jacobian(box: Box, theta: Array, f: Array, problem: Problem, known: Array | None) -> Array:
     """Derivative of the force (n, p) by scaled parameters, one batch of predictions.
 
@@ -354,7 +359,7 @@ def _truly_left_out(fitted: Fit, problem: Problem, steps: Array) -> Array:
     """Residual (n,) predicted by the model itself without each block."""
     box = Box(fitted.model, fitted.free, problem.scales, problem.forward.limits)
     r, train = fitted.residual.copy(), problem.train
-    near = problem.near(fitted.model, problem.force - fitted.residual)
+    near = about(fitted, problem)
     for b in range(steps.shape[0]):
         rows = problem.fold == b
         points = fitted.theta + np.multiply.outer(SHARES, steps[b])

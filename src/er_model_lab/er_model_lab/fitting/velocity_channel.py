@@ -44,6 +44,11 @@ def put_back(found: Model, given: Model, only: set[str] | None = None) -> Model:
     return found
 
 
+def restored(fitted: Fit, given: Model) -> Fit:
+    """A fit whose model has lag and gain of the velocity channel as a given one has them."""
+    return replace(fitted, model=put_back(fitted.model, given))
+
+
 def in_scale(data: Dataset, model: Model) -> Dataset:
     """The data with the gain of a measured velocity channel undone, where the model holds one."""
     if "velocity_gain" not in model.effects:

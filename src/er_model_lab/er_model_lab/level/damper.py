@@ -34,6 +34,7 @@ from er_model_lab.fitting.velocity_channel import (
     known_lag,
     on_fused,
     put_back,
+    restored,
 )
 from er_model_lab.fitting.wild_beside import without_wild
 from er_model_lab.level.level import Judged, Question
@@ -274,5 +275,4 @@ def _restored(found: Diagnosis, model: Model) -> Diagnosis:
 
 def _kept(candidate: Candidate, model: Model) -> Candidate:
     """A candidate whose model still holds what `on_fused` left out."""
-    kept = put_back(candidate.fit.model, model)
-    return replace(candidate, fit=replace(candidate.fit, model=kept))
+    return replace(candidate, fit=restored(candidate.fit, model))

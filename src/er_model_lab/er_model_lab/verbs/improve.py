@@ -15,13 +15,11 @@ from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.diagnosis.candidates import Candidate
-from er_model_lab.diagnosis.evidence import shares
 from er_model_lab.diagnosis.floor_estimates import AGREE
-from er_model_lab.diagnosis.investigation import BEYOND_DOUBT, Diagnosis
+from er_model_lab.diagnosis.investigation import BEYOND_DOUBT, Diagnosis, judge
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.search import prune
-from er_model_lab.diagnosis.verdict import ENOUGH
-from er_model_lab.fitting.velocity_channel import as_searched, put_back
+from er_model_lab.fitting.velocity_channel import as_searched, restored
 from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study, checked
@@ -148,7 +146,7 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
                     keep(left_by(left, start))
                 raise
             return _Passes(studies, current, made, stopped=True, notes=notes)
-        study, vetoed = _vetoed(study, 0.0 if studies else BAND)
+        study, vetoed = _vetoed(study, asked.rule, 0.0 if studies else BAND)
         notes = (*notes, *vetoed)
         if studies and (why := _worse(study, given)):
             return _Passes(studies, current, made, notes=(*notes, why))
@@ -224,8 +222,7 @@ def _pruned(made: _Passes, asked: Question, start: Begun, name: str) -> _Passes:
     dropped = tuple(e for e in able if e not in kept.effects)
     if not dropped or _rise(problem, found.best, kept, BAND):
         return made
-    restored = put_back(kept.fit.model, found.best.fit.model)
-    kept = replace(kept, fit=replace(kept.fit, model=restored))
+    kept = replace(kept, fit=restored(kept.fit, found.best.fit.model))
     own = tuple(e for e in found.effects if e not in dropped)
     left = replace(found, best=replace(kept, effects=own), effects=own)
     study = replace(last, diagnosis=left)
@@ -270,8 +267,7 @@ def _with_term(made: _Passes, asked: Question, start: Begun, name: str) -> _Pass
         return replace(made, stopped=True)
     if isinstance(found, str):
         return made if made.terms else replace(made, notes=(*made.notes, found))
-    kept = put_back(found.model, best.fit.model)
-    candidate = replace(found.candidate, fit=replace(found.candidate.fit, model=kept))
+    candidate = replace(found.candidate, fit=restored(found.candidate.fit, best.fit.model))
     grown = checked(as_study(study, replace(found, candidate=candidate)))
     model = with_history(
         asked.level.finished(grown, asked.seed), made.model, grown, asked.seed, name
@@ -280,7 +276,7 @@ def _with_term(made: _Passes, asked: Question, start: Begun, name: str) -> _Pass
     return replace(made, model=marked(model, start.digest), last=None, terms=terms)
 
 
-def _vetoed(study: Study, band: float) -> tuple[Study, tuple[str, ...]]:
+def _vetoed(study: Study, rule: Rule, band: float) -> tuple[Study, tuple[str, ...]]:
     """The study without the effects that it found last where held-out data refuse them beside the others, and why.
 
     band: share by which the error there may rise.
@@ -295,12 +291,9 @@ def _vetoed(study: Study, band: float) -> tuple[Study, tuple[str, ...]]:
         (last,) = held - {*before.effects}
         notes.append(f"{last} not added: {said}")
         ties = tuple(group for group in found.alternatives if last not in group)
-        _, explained = shares(found.base.mse, before.mse, found.floor)
-        enough = found.verdict != "missing_effect" or explained >= ENOUGH
-        found = replace(
-            found, best=before, effects=before.effects, alternatives=ties, further=None,
-            explained=explained, verdict=found.verdict if enough else "partial",
-        )  # fmt: skip
+        before = replace(before, fit=restored(before.fit, found.best.fit.model))
+        rounds = list(found.rounds)
+        found = judge(found.base, before, rounds, found.floor, study.problem, ties, rule)
     return (replace(study, diagnosis=found) if notes else study), tuple(notes)
 
 
