@@ -284,8 +284,8 @@ def _fed_back(
     left, damper = _factors(state.left), p.loop.damper
     passive, gate = float(damper.passive(*then, left)), float(damper.gate(*then))
     feedback, goal = state_law.step(
-        p.feedback, state.feedback, sample[:2], accelerations, loop.force, dt
-    )
+        p.feedback, state.feedback, sample[:2], accelerations, loop.force, dt, left.leakage * left.deformation
+    )  # fmt: skip
     low, high = sorted(damper.ends(passive, gate, p.loop.duties, left))
     given = min(max(passive + goal, low), high)
     loop, _ = force_loop.duty_for(p.direct, loop, given - passive, gate, dt, left)

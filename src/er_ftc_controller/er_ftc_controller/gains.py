@@ -115,9 +115,9 @@ def _section(feedback: Feedback) -> dict[str, Any]:
 def _feedback(file: Document, model: Model, again: str) -> Feedback:
     """The state feedback of a file, proved again; `InputError` where it is not."""
     at = "state_feedback"
-    gains, corner = file.matrix(f"{at}.K", (3, 5)), file.number(f"{at}.corner")
+    gains, corner = file.matrix(f"{at}.K", (4, 5)), file.number(f"{at}.corner")
     P, sampled = (file.matrix(f"{at}.{key}", (6, 6)) for key in ("P", "P_sampled"))
-    gammas = file.numbers(f"{at}.gammas", 4)
+    gammas = file.numbers(f"{at}.gammas", 5)
     proof = StateProof(P, sampled, tuple(gammas.tolist()))
     if why := failed(loops_of(model, list(gains), corner), proof, SAMPLE_TIME):
         raise InputError(file.path, at, f"inequalities that hold ({again})", why)

@@ -10,10 +10,12 @@ force loop follows the yield force. Two measures of the last half period of the 
 - its frequency, the root of the mean square of its acceleration over that of its velocity: below the body's own the
   gain of a slow road, about it that of the resonance. Above it none, once it has been above for a while: a bump begins
   with a fast edge, too, and the resonance is what follows.
-- the share of the deflection's mean square about the body's frequency, times the square of the frequency: large where a
-  road moves the body and the wheel at once, small for any single tone. Then the gain of a rough road acts.
+- the irregularity of the deflection, the variance of its rate over the standard deviations of deflection and second
+  rate: 1 for any single tone, far below where a road moves the body and the wheel at once. Then the gain of a rough
+  road acts: that of the healthy car, or of one whose damper leaks, mixed by the viscous force that faults leave.
 
-Source: Gupta 1980 (weights by frequency); Savaresi and Spelta 2007 (acceleration over velocity); shares are ours.
+Source: Gupta 1980 (weights by frequency); Savaresi and Spelta 2007 (acceleration over velocity); Rice 1945
+(irregularity); shares are ours.
 """
 
 from __future__ import annotations
@@ -26,24 +28,26 @@ Gain: TypeAlias = tuple[float, float, float, float, float]
 SLOW, FAST = (0.51, 0.70), (1.165, 1.467)
 """Edges over the body's frequency: from slow to resonance, from resonance to none."""
 MEMORY, LONG = 0.52, 1.3
-"""Memory of the frequency; of the share, and of being fast: in periods of the body."""
+"""Memory of the frequency; of the irregularity, and of being fast: in periods of the body."""
 LASTING = (0.3, 0.6)
 """How lasting a fast motion is from which on the gains fall, and are gone."""
-ROUGH = (0.7, 1.1)
-"""Edges of the share times the square of the frequency."""
+TONE = (0.4, 0.6)
+"""Square of the irregularity: a rough road up to the first, a tone from the second on."""
+LEAKING = 0.6
+"""Share f_2 f_3 of the viscous force at which the gain of the leaking car acts alone; above, a mixture."""
 QUIET = 0.014
 """Acceleration over that of a swing by the stroke that counts as none."""
 
 
 @dataclass(frozen=True)
 class StateLaw:
-    """Gains of the regimes `slow`, `resonance` and `rough`; sprung, unsprung mass [kg], tyre [N/m].
+    """Gains of the regimes `slow`, `resonance`, `rough` and `leaking`; sprung, unsprung mass [kg], tyre [N/m].
 
     corner: of the leaky integral [rad/s]; frequency: of the body [Hz]; swing: its acceleration in a swing by the stroke
     [m/s2].
     """
 
-    gains: tuple[Gain, Gain, Gain]
+    gains: tuple[Gain, Gain, Gain, Gain]
     body: tuple[float, float, float]
     corner: float
     frequency: float
@@ -56,20 +60,22 @@ class Shares(NamedTuple):
     slow: float
     resonance: float
     rough: float
+    leaking: float = 0.0
 
 
 class Told(NamedTuple):
     """What tells the regime.
 
-    a2, v2, x2, band2: mean squares of acceleration, velocity, deflection and its part about the body's frequency;
-    filters: of that part; fast: how lasting a fast motion is.
+    a2, v2: mean squares of the body's acceleration and velocity; x, x2, w2, b2: mean of the deflection, mean squares of
+    deflection, its rate and second rate; fast: how lasting a fast motion is.
     """
 
     a2: float = 0.0
     v2: float = 0.0
+    x: float = 0.0
     x2: float = 0.0
-    band2: float = 0.0
-    filters: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    w2: float = 0.0
+    b2: float = 0.0
     fast: float = 0.0
 
 
@@ -89,19 +95,19 @@ START = State()
 
 def step(
     p: StateLaw, state: State, motion: tuple[float, float], accelerations: tuple[float, float],
-    force: float, dt: float,
+    force: float, dt: float, left: float = 1.0,
 ) -> tuple[State, float]:  # fmt: skip
     """Yield force to head for [N]; motion: deflection [m], rate [m/s]; accelerations: NaN for those of before.
 
-    force: yield force now [N]; dt: since the sample before [s].
+    force: yield force now [N]; dt: since the sample before [s]; left: share f_2 f_3 of the viscous force.
     """
     (x, v), (sprung, unsprung), missing = motion, accelerations, 0.0
     if not math.isfinite(sprung + unsprung):
         sprung, unsprung, missing = state.sprung, state.unsprung, state.missing + dt
     before = state.sprung if math.isfinite(state.sprung) else sprung
     velocity = state.velocity * math.exp(-p.corner * dt) + 0.5 * dt * (before + sprung)
-    told, ratio = _told(p, state.told, x, sprung, velocity, dt)
-    shares = _shares(told, ratio)
+    told, ratio = _told(p, state.told, motion, (velocity, sprung, sprung - unsprung), dt)
+    shares = _shares(told, ratio, left)
     m_s, m_us, k_t = p.body
     tyre, wheel, goal = -(m_s * sprung + m_us * unsprung) / k_t, velocity - v, 0.0
     for share, k in zip(shares, p.gains):
@@ -113,26 +119,38 @@ def step(
 
 
 def _told(
-    p: StateLaw, before: Told, x: float, sprung: float, velocity: float, dt: float
-) -> tuple[Told, float]:
-    """What tells the regime one sample on; the frequency of the body's motion over its own."""
-    band, filters = _about(p.frequency, before.filters, x, dt)
+    p: StateLaw, before: Told, deflection: tuple[float, float], body: tuple[float, float, float], dt: float
+) -> tuple[Told, float]:  # fmt: skip
+    """What tells the regime one sample on; the frequency of the body's motion over its own.
+
+    deflection: it and its rate; body: velocity, acceleration, and that of the deflection.
+    """
+    (x, w), (v, a, b) = deflection, body
     short, long = math.exp(-dt * p.frequency / MEMORY), math.exp(-dt * p.frequency / LONG)
-    a2 = short * before.a2 + (1.0 - short) * sprung * sprung
-    v2 = short * before.v2 + (1.0 - short) * velocity * velocity
-    x2 = long * before.x2 + (1.0 - long) * x * x
-    band2 = long * before.band2 + (1.0 - long) * band * band
+    new, late = 1.0 - short, 1.0 - long
+    a2, v2 = short * before.a2 + new * a * a, short * before.v2 + new * v * v
     quiet, ratio = (QUIET * p.swing) ** 2, _ratio(p, a2, v2)
-    fast = long * before.fast + (1.0 - long) * _ramp(ratio, FAST) * a2 / (a2 + quiet)
-    return Told(a2, v2, x2, band2, filters, fast), ratio
+    told = Told(
+        a2, v2, long * before.x + late * x, long * before.x2 + late * x * x, long * before.w2 + late * w * w,
+        long * before.b2 + late * b * b,
+        long * before.fast + late * _ramp(ratio, FAST) * a2 / (a2 + quiet),
+    )  # fmt: skip
+    return told, ratio
 
 
-def _shares(told: Told, ratio: float) -> Shares:
+def _shares(told: Told, ratio: float, left: float) -> Shares:
     """Shares of the gains."""
     calm = 1.0 - _ramp(told.fast, LASTING)
     slow = min(1.0 - _ramp(ratio, SLOW), calm)
-    many = told.band2 / told.x2 * ratio**2 if told.x2 > 0.0 else 0.0
-    return Shares(slow, calm - slow, _ramp(many, ROUGH) * (1.0 - calm))
+    rough = (1.0 - _ramp(_irregularity2(told), TONE)) * (1.0 - calm)
+    lost = _ramp(1.0 - left, (0.0, 1.0 - LEAKING))
+    return Shares(slow, calm - slow, rough * (1.0 - lost), rough * lost)
+
+
+def _irregularity2(told: Told) -> float:
+    """Square of the deflection's irregularity, where it rests about any mean; 1 at rest."""
+    spread = (told.x2 - told.x**2) * told.b2
+    return told.w2**2 / spread if spread > 0.0 else 1.0
 
 
 def _ratio(p: StateLaw, a2: float, v2: float) -> float:
@@ -145,21 +163,3 @@ def _ratio(p: StateLaw, a2: float, v2: float) -> float:
 def _ramp(value: float, edges: tuple[float, float]) -> float:
     """From 0 at the first edge to 1 at the second."""
     return min(max((value - edges[0]) / (edges[1] - edges[0]), 0.0), 1.0)
-
-
-def _about(
-    hertz: float, s: tuple[float, float, float, float], x: float, dt: float
-) -> tuple[float, tuple[float, float, float, float]]:
-    """The part of x about a frequency: two band passes of quality one, integrated by trapezia, and their states."""
-    g = math.tan(math.pi * min(hertz * dt, 0.25))
-    band, first = _pass(g, s[0], s[1], x)
-    band, second = _pass(g, s[2], s[3], band)
-    return band, (*first, *second)
-
-
-def _pass(g: float, s1: float, s2: float, x: float) -> tuple[float, tuple[float, float]]:
-    """One band pass, gain one at its frequency."""
-    high = (x - (1.0 + g) * s1 - s2) / (1.0 + g + g * g)
-    band = g * high + s1
-    low = g * band + s2
-    return band, (g * high + band, g * band + low)

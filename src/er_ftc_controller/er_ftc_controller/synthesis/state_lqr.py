@@ -23,12 +23,15 @@ from er_models.forms.lti import lti_form
 from er_models.model import Array, Model
 from scipy.linalg import LinAlgError, solve_continuous_are
 
+from er_ftc_controller.state_law import LEAKING
 from er_ftc_controller.synthesis.weights import body_frequency
 
-REGIMES = ("slow", "resonance", "rough")
-"""Below the body's frequency; about it, alone; on a road of many frequencies."""
+REGIMES = ("slow", "resonance", "rough", "leaking")
+"""Below the body's frequency; about it, alone; on a road of many frequencies; there with a damper that leaks."""
 CORNER = 0.03
 """Corner of the leaky integral of the acceleration, over the body's frequency."""
+WHOLE = Factors()
+"""No fault."""
 
 
 @dataclass(frozen=True)
@@ -50,12 +53,14 @@ class StateWeights:
 class StateDesign:
     """What the gains of the regimes are made of: of `slow` the damping of the body [1], of the others the weights.
 
-    The damping counts in sprung masses times the body's frequency [rad/s].
+    The damping counts in sprung masses times the body's frequency [rad/s]. `leaking` is weighed on the car that a leak
+    leaves, where less damping forgives less that samples come late: so its goal counts more.
     """
 
     slow: float = 0.33
     resonance: StateWeights = StateWeights(1.0, 1.29, 0.96, 3.9, 3.33)
-    rough: StateWeights = StateWeights(1.0, 1.7, 1000.0, 2.0, 6.4)
+    rough: StateWeights = StateWeights(1.0, 1.5, 1000.0, 1.3, 5.0)
+    leaking: StateWeights = StateWeights(1.0, 1.5, 1000.0, 1.3, 3.0)
 
 
 class Sizes(NamedTuple):
@@ -77,11 +82,12 @@ def sizes_of(model: Model) -> Sizes:
     return Sizes(frequency, (omega**2 * stroke, stroke, omega * stroke, force / car["k_t"], force))
 
 
-def state_gains(model: Model, design: StateDesign) -> tuple[Array, Array, Array]:
+def state_gains(model: Model, design: StateDesign) -> tuple[Array, Array, Array, Array]:
     """Gains (5,) of the regimes; raises as `state_gain`."""
     _, (_, _, velocity, _, force) = sizes_of(model)
     slow = np.array([0.0, -design.slow * force / velocity, 0.0, 0.0, 0.0])
-    return slow, state_gain(model, design.resonance), state_gain(model, design.rough)
+    leaking = state_gain(model, design.leaking, Factors(leakage=LEAKING))
+    return slow, state_gain(model, design.resonance), state_gain(model, design.rough), leaking
 
 
 def car_of(model: Model, left: Factors) -> tuple[Array, Array, Array]:
@@ -91,13 +97,13 @@ def car_of(model: Model, left: Factors) -> tuple[Array, Array, Array]:
     return form.A, np.array([0.0, 0.0, 0.0, 0.0, lag]), form.D1
 
 
-def state_gain(model: Model, weights: StateWeights) -> Array:
-    """Gain K (5,) of c = -K s for the healthy car, the body's velocity forgotten at `CORNER`.
+def state_gain(model: Model, weights: StateWeights, left: Factors = WHOLE) -> Array:
+    """Gain K (5,) of c = -K s for the car that faults leave, the body's velocity forgotten at `CORNER`.
 
     Raises `InputError` where the model has no lag, no linear form, or no gain solves the problem.
     """
     frequency, units = sizes_of(model)
-    A, B, _ = car_of(model, Factors())
+    A, B, _ = car_of(model, left)
     a, x, v, tyre, goal = (w * u for w, u in zip(astuple(weights), units, strict=True))
     forgets = A - 2.0 * np.pi * CORNER * frequency * np.diag([0.0, 1.0, 0.0, 0.0, 0.0])
     rows = np.vstack([A[1] / a, np.eye(5)[0] / x, np.eye(5)[1] / v, np.eye(5)[2] / tyre])

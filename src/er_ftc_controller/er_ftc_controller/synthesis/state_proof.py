@@ -52,13 +52,12 @@ class Feedback(NamedTuple):
 
 
 def law_of(model: Model, gains: Array, corner: float) -> StateLaw:
-    """The law of gains (3, 5) on a vehicle; corner: of its leaky integral [rad/s]."""
+    """The law of gains (4, 5) on a vehicle; corner: of its leaky integral [rad/s]."""
     frequency, units = sizes_of(model)
-    car, (slow, resonance, rough) = model.effects["quarter_car"], gains.tolist()
+    car, (slow, resonance, rough, leaking) = model.effects["quarter_car"], gains.tolist()
     body = (car["m_s"], car["m_us"], car["k_t"])
-    return StateLaw(
-        (tuple(slow), tuple(resonance), tuple(rough)), body, corner, frequency, units[0]
-    )
+    every = (tuple(slow), tuple(resonance), tuple(rough), tuple(leaking))
+    return StateLaw(every, body, corner, frequency, units[0])
 
 
 @dataclass(frozen=True, eq=False)
