@@ -47,6 +47,8 @@ HOPE = 1.2
 """Mean square, over a target, up to which a fit to stretches may still reach it on all runs."""
 NOTHING = 1e-6
 """Mean square that a straight line gains, over what is left, below which an effect changes nothing."""
+UNMOVED = 1e-4
+"""Change of a prediction, over what is left, up to which a parameter does not move it."""
 MAY_WIN = 0.25
 """Share of the best one's gain from which on a fit is brought to its end, as mean squares: a tie asks for far more."""
 
@@ -257,6 +259,7 @@ def finished(candidate: Candidate, problem: Problem, max_iter: int = 30) -> Cand
     fitted = candidate.fit
     if candidate.ranked or fitted.iterations >= FIRST_ITERATIONS:
         fitted = fit(fitted.model, problem, max_iter=max_iter)
+    fitted = _awakened(fitted, problem, max_iter)
     for name in candidate.effects:
         if is_gap(fitted.model.catalogue[name]):
             fitted = profiled(fitted, name, problem)
@@ -264,6 +267,36 @@ def finished(candidate: Candidate, problem: Problem, max_iter: int = 30) -> Cand
     if not (better or candidate.ranked):
         return candidate
     return cross_judged(candidate.effects, fitted, problem, candidate.kept, candidate.reach)
+
+
+def _awakened(fitted: Fit, problem: Problem, max_iter: int) -> Fit:
+    """The fit, or a better one where terms of the model itself were asleep, begun anew from their starting values.
+
+    A model that lacks an effect bends its own terms towards it. Once the effect is there these fall to nothing, and an
+    amplitude of zero says of no other parameter where it should go.
+    """
+    few = problem.practice
+    where, begun = few.problem if few else problem, []
+    for name in _asleep(fitted):
+        for values in starts(fitted.model.catalogue[name], problem):
+            effects = {**fitted.model.effects, name: {**fitted.model.effects[name], **values}}
+            begun.append(fit(replace(fitted.model, effects=effects), where, max_iter=A_LOOK))
+    if not begun:
+        return fitted
+    best = min(begun, key=lambda f: f.mse(where.train))
+    return min(
+        (fitted, fit(best.model, problem, max_iter=max_iter)), key=lambda f: f.mse(problem.train)
+    )
+
+
+def _asleep(fitted: Fit) -> list[str]:
+    """Terms of the model's core on whose parameters, all but one, the prediction next to does not depend."""
+    moving: dict[str, list[bool]] = {}
+    least = UNMOVED * np.linalg.norm(fitted.residual)
+    for (name, _), column in zip(fitted.free, fitted.jacobian.T, strict=True):
+        if fitted.model.catalogue[name].stage == "core":
+            moving.setdefault(name, []).append(bool(np.linalg.norm(column) > least))
+    return [name for name, some in moving.items() if len(some) > 1 and sum(some) <= 1]
 
 
 def cross_judged(
