@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from test.blind_score.tables import table
+from test.result_tables.measured import MTS, PISTON, SHAKING, improved
 from test.result_tables.stored import Run
 
 WORSE = 1.05
@@ -30,7 +32,7 @@ FAULTS = Run(
     OBSERVERS,
     _last_windows,
 )
-RUNS = {run.name: run for run in (CLASSES, FAULTS)}
+RUNS = {run.name: run for run in (CLASSES, FAULTS, MTS, SHAKING, PISTON)}
 _SHOWN = ("20 um, A", "20 um, C", "20 um, E", "100 um, C", "200 um, A", "200 um, E")
 _CASES = {
     "healthy": "healthy", "f1": "f1 = 0.5", "f2": "f2 = 0.6", "f2_appears": "f2 appears",
@@ -96,4 +98,5 @@ TABLES: dict[str, tuple[Run, Callable[[Any], str]]] = {
     "with faults": (FAULTS, with_faults),
     "with deflection": (CLASSES, with_deflection),
     "without deflection": (CLASSES, without_deflection),
+    **{run.name: (run, partial(improved, run)) for run in (MTS, SHAKING, PISTON)},
 }
