@@ -60,7 +60,7 @@ class StateDesign:
     slow: float = 0.33
     resonance: StateWeights = StateWeights(1.0, 1.29, 0.96, 3.9, 3.33)
     rough: StateWeights = StateWeights(1.0, 1.5, 1000.0, 1.3, 5.0)
-    leaking: StateWeights = StateWeights(1.0, 1.5, 1000.0, 1.3, 3.0)
+    leaking: StateWeights = StateWeights(1.0, 1.5, 1000.0, 1.3, 2.0)
 
 
 class Sizes(NamedTuple):
