@@ -17,14 +17,11 @@ from typing import NamedTuple
 
 import numpy as np
 from er_models.car.body import Car
-from er_models.forms.loss import Factors
 from er_models.model import Array
-from er_models.static_damper import static_damper
+from er_models.static_damper import HEALTHY, static_damper
 
 from er_ftc_controller.force_loop import ForceLoop, LoopState, Motion, ahead, duty_for, follow
 from er_ftc_controller.skyhook import LARGEST, leaky
-
-HEALTHY = Factors()
 
 
 @dataclass(frozen=True, eq=False)

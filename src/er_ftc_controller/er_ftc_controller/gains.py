@@ -18,6 +18,7 @@ from er_models.model import Model
 
 from er_ftc_controller.synthesis.certificate import proved
 from er_ftc_controller.synthesis.solution import Solution, Vertex
+from er_ftc_controller.synthesis.state_lqr import REGIMES
 from er_ftc_controller.synthesis.state_proof import Feedback, StateProof, failed, law_of, loops_of
 from er_ftc_controller.synthesis.weights import Plant, Weights, generalised_plant
 
@@ -114,10 +115,10 @@ def _section(feedback: Feedback) -> dict[str, Any]:
 
 def _feedback(file: Document, model: Model, again: str) -> Feedback:
     """The state feedback of a file, proved again; `InputError` where it is not."""
-    at = "state_feedback"
-    gains, corner = file.matrix(f"{at}.K", (4, 5)), file.number(f"{at}.corner")
+    at, many = "state_feedback", len(REGIMES)
+    gains, corner = file.matrix(f"{at}.K", (many, 5)), file.number(f"{at}.corner")
     P, sampled = (file.matrix(f"{at}.{key}", (6, 6)) for key in ("P", "P_sampled"))
-    gammas = file.numbers(f"{at}.gammas", 5)
+    gammas = file.numbers(f"{at}.gammas", 1 + many)
     proof = StateProof(P, sampled, tuple(gammas.tolist()))
     if why := failed(loops_of(model, list(gains), corner), proof, SAMPLE_TIME):
         raise InputError(file.path, at, f"inequalities that hold ({again})", why)

@@ -60,7 +60,7 @@ class Shares(NamedTuple):
     slow: float
     resonance: float
     rough: float
-    leaking: float = 0.0
+    leaking: float
 
 
 class Told(NamedTuple):
@@ -87,7 +87,7 @@ class State(NamedTuple):
     unsprung: float = math.nan
     missing: float = math.inf
     told: Told = Told()
-    shares: Shares = Shares(0.0, 0.0, 0.0)
+    shares: Shares = Shares(0.0, 0.0, 0.0, 0.0)
 
 
 START = State()

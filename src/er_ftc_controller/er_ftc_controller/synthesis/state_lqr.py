@@ -21,17 +21,16 @@ from er_models.forms.lipschitz import linearise
 from er_models.forms.loss import Factors, damaged
 from er_models.forms.lti import lti_form
 from er_models.model import Array, Model
+from er_models.static_damper import HEALTHY
 from scipy.linalg import LinAlgError, solve_continuous_are
 
-from er_ftc_controller.state_law import LEAKING
+from er_ftc_controller.state_law import LEAKING, Shares
 from er_ftc_controller.synthesis.weights import body_frequency
 
-REGIMES = ("slow", "resonance", "rough", "leaking")
+REGIMES = Shares._fields
 """Below the body's frequency; about it, alone; on a road of many frequencies; there with a damper that leaks."""
 CORNER = 0.03
 """Corner of the leaky integral of the acceleration, over the body's frequency."""
-WHOLE = Factors()
-"""No fault."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +96,7 @@ def car_of(model: Model, left: Factors) -> tuple[Array, Array, Array]:
     return form.A, np.array([0.0, 0.0, 0.0, 0.0, lag]), form.D1
 
 
-def state_gain(model: Model, weights: StateWeights, left: Factors = WHOLE) -> Array:
+def state_gain(model: Model, weights: StateWeights, left: Factors = HEALTHY) -> Array:
     """Gain K (5,) of c = -K s for the car that faults leave, the body's velocity forgotten at `CORNER`.
 
     Raises `InputError` where the model has no lag, no linear form, or no gain solves the problem.
