@@ -6,7 +6,6 @@ residual is often an impostor.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -17,6 +16,7 @@ from er_models.model import Array, Model
 from er_models.prediction import motion, predict
 from numpy.typing import NDArray
 
+from er_model_lab.diagnosis.restarts import awakened, restarts, terms
 from er_model_lab.diagnosis.size_scan import profiled, scanned
 from er_model_lab.diagnosis.starts import amplitudes, gaps, is_gap, is_limit, scaled, starts
 from er_model_lab.fitting.fit import (
@@ -28,13 +28,12 @@ from er_model_lab.fitting.fit import (
     part_of,
     practised,
 )
-from er_model_lab.problem.forward import ROUGH, free_parameters
+from er_model_lab.problem.forward import ROUGH
 from er_model_lab.problem.problem import Practice, Problem
 from er_model_lab.work import Leader
 
 FOREIGN = 0.25
 """Share of the force left unexplained above which a model's own values are taken to be another damper's."""
-MOST_RESTARTS = 16
 A_LOOK = 4
 """Iterations that every candidate gets on stretches of many runs; those that may win go on."""
 FINALISTS = 4
@@ -47,8 +46,6 @@ HOPE = 1.2
 """Mean square, over a target, up to which a fit to stretches may still reach it on all runs."""
 NOTHING = 1e-6
 """Mean square that a straight line gains, over what is left, below which an effect changes nothing."""
-UNMOVED = 1e-4
-"""Change of a prediction, over what is left, up to which a parameter does not move it."""
 MAY_WIN = 0.25
 """Share of the best one's gain from which on a fit is brought to its end, as mean squares: a tie asks for far more."""
 
@@ -87,22 +84,9 @@ def baseline(model: Model, problem: Problem) -> Candidate:
     fitted = fit(model, where)
     size = float(np.std(where.force[where.train]))
     if np.sqrt(fitted.mse(where.train)) > FOREIGN * size:
-        others = where.each(fit, restarts(model, problem), stage="other starts")
+        others = where.each(fit, restarts(model, problem, terms(model)), stage="other starts")
         fitted = min([fitted, *others], key=lambda f: f.mse(where.train))
     return cross_judged((), fit(fitted.model, problem) if few else fitted, problem)
-
-
-def restarts(model: Model, problem: Problem) -> list[Model]:
-    """The model with the starting values of its terms, scaled to the data: for a damper of another size."""
-    grids = {
-        name: starts(model.catalogue[name], problem)
-        for name in dict.fromkeys(effect for effect, _ in free_parameters(model))
-    }
-    combinations = itertools.islice(itertools.product(*grids.values()), MOST_RESTARTS)
-    return [
-        replace(model, effects={**model.effects, **dict(zip(grids, values, strict=True))})
-        for values in combinations
-    ]
 
 
 def missing(model: Model, problem: Problem) -> tuple[Effect, ...]:
@@ -259,7 +243,7 @@ def finished(candidate: Candidate, problem: Problem, max_iter: int = 30) -> Cand
     fitted = candidate.fit
     if candidate.ranked or fitted.iterations >= FIRST_ITERATIONS:
         fitted = fit(fitted.model, problem, max_iter=max_iter)
-    fitted = _awakened(fitted, problem, max_iter)
+    fitted = awakened(fitted, problem, A_LOOK, max_iter)
     for name in candidate.effects:
         if is_gap(fitted.model.catalogue[name]):
             fitted = profiled(fitted, name, problem)
@@ -267,36 +251,6 @@ def finished(candidate: Candidate, problem: Problem, max_iter: int = 30) -> Cand
     if not (better or candidate.ranked):
         return candidate
     return cross_judged(candidate.effects, fitted, problem, candidate.kept, candidate.reach)
-
-
-def _awakened(fitted: Fit, problem: Problem, max_iter: int) -> Fit:
-    """The fit, or a better one where terms of the model itself were asleep, begun anew from their starting values.
-
-    A model that lacks an effect bends its own terms towards it. Once the effect is there these fall to nothing, and an
-    amplitude of zero says of no other parameter where it should go.
-    """
-    few = problem.practice
-    where, begun = few.problem if few else problem, []
-    for name in _asleep(fitted):
-        for values in starts(fitted.model.catalogue[name], problem):
-            effects = {**fitted.model.effects, name: {**fitted.model.effects[name], **values}}
-            begun.append(fit(replace(fitted.model, effects=effects), where, max_iter=A_LOOK))
-    if not begun:
-        return fitted
-    best = min(begun, key=lambda f: f.mse(where.train))
-    return min(
-        (fitted, fit(best.model, problem, max_iter=max_iter)), key=lambda f: f.mse(problem.train)
-    )
-
-
-def _asleep(fitted: Fit) -> list[str]:
-    """Terms of the model's core on whose parameters, all but one, the prediction next to does not depend."""
-    moving: dict[str, list[bool]] = {}
-    least = UNMOVED * np.linalg.norm(fitted.residual)
-    for (name, _), column in zip(fitted.free, fitted.jacobian.T, strict=True):
-        if fitted.model.catalogue[name].stage == "core":
-            moving.setdefault(name, []).append(bool(np.linalg.norm(column) > least))
-    return [name for name, some in moving.items() if len(some) > 1 and sum(some) <= 1]
 
 
 def cross_judged(
