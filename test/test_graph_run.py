@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from time import time_ns
@@ -28,6 +27,8 @@ pytestmark = pytest.mark.alone
 SECONDS = 6.0
 RATE = 200.0
 WARM_UP = 1.0
+LATE = 0.015
+"""Age of the measurements [s], of 1 in 100, from which on the machine is too busy for 200 Hz."""
 
 
 @dataclass
@@ -54,13 +55,32 @@ def stamp(message: Any) -> int:
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Run]:
-    folder = tmp_path_factory.mktemp("graph")
-    bag = folder / "bag"
-    with own_domain() as env, Graph(env, folder) as graph:
-        up = graph.start("up", f"record:={bag}", f"duration:={SECONDS}", "seed:=5")
-        status = up.end(120.0)
-        yield read(bag, status, up.text)
+def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    """With every observer; with one alone where two cores are too slow for six processes at 200 Hz."""
+    for observers in (",".join(OBSERVERS), "nlpv_polytopic"):
+        folder = tmp_path_factory.mktemp("graph")
+        bag = folder / "bag"
+        with own_domain() as env, Graph(env, folder) as graph:
+            up = graph.start(
+                "up",
+                f"record:={bag}",
+                f"duration:={SECONDS}",
+                "seed:=5",
+                f"observers:={observers}",
+            )
+            status = up.end(120.0)
+            found = read(bag, status, up.text)
+        if late(found) < LATE:
+            break
+    return found
+
+
+def runs(run: Run, node: str) -> None:
+    """Skip where a node was left out for the sake of a slow machine."""
+    if f"/{node}/status" not in run.topics:
+        pytest.skip(
+            f"this machine is too slow for every observer at {RATE:g} Hz: {node} was left out"
+        )
 
 
 def read(bag: Path, status: int, text: str) -> Run:
@@ -116,13 +136,14 @@ def late(run: Run) -> float:
 def test_no_answer_is_lost_after_the_first_second(
     run: Run, topic: str, node: str, share: float
 ) -> None:
+    runs(run, node.removeprefix("/"))
     answered = {m.seq for m in run.after_warm_up(topic) if m.status != m.STATUS_LOST}
     samples = {m.seq for m in run.after_warm_up("/sensors/acceleration")}
     last = run.messages[f"{node}/status"][-1]
     missing = len(samples - answered)
     # on a machine too busy for 200 Hz samples are refused as too old, or overtaken in the queue of the newest few: the
     # node counts both as lost once it has used a later one
-    assert missing <= max(last.stale, last.lost) or late(run) > 0.015
+    assert missing <= max(last.stale, last.lost) or late(run) > LATE
     assert len(answered) > share * len(samples)
 
 
@@ -169,6 +190,7 @@ def test_the_controller_switches(run: Run) -> None:
 
 @pytest.mark.parametrize("name", OBSERVERS)
 def test_the_observer_follows_the_force(run: Run, name: str) -> None:
+    runs(run, OBSERVERS[name].name)
     measured = {stamp(m): m.force for m in run.messages["/sensors/force"]}
     estimates = [m for m in run.after_warm_up(f"/force/{name}") if m.valid]
     errors = np.array([m.force - measured[stamp(m)] for m in estimates])
@@ -183,11 +205,12 @@ def test_the_observer_follows_the_force(run: Run, name: str) -> None:
 )
 def test_replay_of_the_recording_is_the_node_bit_by_bit(run: Run, node: str) -> None:
     """But for samples that the node had too late, or never."""
+    runs(run, node)
     bag = opened(run.bag)
     found = play(bag, node, core_of(bag, node, "", {}), follow=True)
     assert found.recorded > 0.8 * SECONDS * RATE
     # a duty that came too late for its sample, or halves of a sample that did, show in what follows
-    late_ones = late(run) > 0.015
+    late_ones = late(run) > LATE
     assert found.different == 0 or late_ones, found.first
     assert found.same > 0.95 * found.recorded or late_ones
 

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_model_lab.cli.app import app
-from er_model_lab.diagnosis.candidates import baseline, missing, restarts
+from er_model_lab.diagnosis.candidates import baseline, missing
+from er_model_lab.diagnosis.restarts import restarts, terms
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.level.damper import opened
 from er_model_lab.problem.forward import free_parameters
@@ -90,7 +91,8 @@ def test_a_gain_is_kept_and_not_fitted(gain, data):
     model = load_model(DAMPER).with_effect(gain, GAINS[gain])
     assert gain not in {effect for effect, _ in free_parameters(model)}
     problem = opened(load(data), model).problem
-    assert all(m.effects.get(gain, GAINS[gain]) == GAINS[gain] for m in restarts(model, problem))
+    anew = restarts(model, problem, terms(model))
+    assert all(m.effects.get(gain, GAINS[gain]) == GAINS[gain] for m in anew)
     fitted = baseline(on_fused(model), problem).fit.model
     assert fitted.effects.get(gain, GAINS[gain]) == GAINS[gain]
     assert not {e.name for e in missing(model, problem)} & set(GAINS)

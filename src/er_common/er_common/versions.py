@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import platform
 import subprocess
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -32,6 +33,7 @@ def versions() -> dict[str, str]:
     return found | ({"commit": commit} if commit else {})
 
 
+@cache
 def _commit() -> str:
     """Commit of this checkout, with a + where files were changed; empty elsewhere."""
     here = Path(os.path.realpath(__file__)).parent

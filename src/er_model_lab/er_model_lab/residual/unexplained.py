@@ -223,18 +223,19 @@ def _period(x: Array, e: Array, teach: NDArray[np.bool_]) -> tuple[float, float,
     s = (x - x.mean()) / stroke
     smooth = np.stack([np.ones_like(s), s, s**2, s**3], axis=1)
     moved = moved - smooth @ np.linalg.lstsq(smooth[teach], moved[teach], rcond=None)[0]
-    power = np.mean(moved[~teach] ** 2, axis=0)
-    shares, sizes = [], []
+    learn, rest = moved[teach], moved[~teach]
+    power, shares, sizes = np.sum(rest**2, axis=0), [], []
     for length in lengths:
-        wave = np.stack(
-            [np.sin(2.0 * np.pi * x / length), np.cos(2.0 * np.pi * x / length)], axis=1
-        )
-        c = np.linalg.lstsq(wave[teach], moved[teach], rcond=None)[0]
-        shares.append(1.0 - np.mean((moved[~teach] - wave[~teach] @ c) ** 2, axis=0) / power)
+        angle = 2.0 * np.pi * x / length
+        wave = np.stack([np.sin(angle), np.cos(angle)], axis=1)
+        of, against = wave[teach], wave[~teach]
+        c = np.linalg.lstsq(of.T @ of, of.T @ learn, rcond=None)[0]
+        met = 2.0 * against.T @ rest - against.T @ against @ c
+        shares.append(np.sum(c * met, axis=0) / power)
         sizes.append(float(np.hypot(*c[:, 0])))
     table = np.array(shares)
     best = int(np.argmax(table[:, 0]))
-    share = float(table[best, 0] * power[0] / max(float(np.mean(e[~teach] ** 2)), 1e-300))
+    share = float(table[best, 0] * power[0] / max(float(np.sum(e[~teach] ** 2)), 1e-300))
     if share < WORTH or table[best, 0] <= 1.5 * float(table[:, 1:].max()):
         return None
     return float(lengths[best]), sizes[best], share

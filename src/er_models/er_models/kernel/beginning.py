@@ -58,12 +58,16 @@ def slopes(
     they were when reach was noted; left (S, n), raw (n,): scratch, and so is the last row of shown (S + 1, n).
     """
     many, n, rows = slots.shape[0], x.shape[0], 0
+    once, plain = (
+        1 + rows,
+        PLAIN + rows,
+    )  # bare numbers are types to Numba: `predict` would be compiled for each
     for q in range(many):
         own, seen = slots[q], 0
         away, near[q] = way(reach, own)
         if not at_rest[own] and away != 0.0:
             seen = predict(
-                on, slots, links, at_rest, p, dt, x, v, a, u, theta, 1, clock, warm, s, shown[q], reach, own, away,
+                on, slots, links, at_rest, p, dt, x, v, a, u, theta, once, clock, warm, s, shown[q], reach, own, away,
                 left[q], path,
             )  # fmt: skip
         for k in range(seen, n):
@@ -71,8 +75,8 @@ def slopes(
         rows = max(rows, seen)
     if rows:
         predict(
-            on, slots, links, at_rest, p, dt, x[:rows], v[:rows], a[:rows], u[:rows], theta[:rows], 1, clock, warm, s,
-            shown[many], reach, PLAIN, 0.0, raw, path,
+            on, slots, links, at_rest, p, dt, x[:rows], v[:rows], a[:rows], u[:rows], theta[:rows], once, clock, warm,
+            s, shown[many], reach, plain, 0.0, raw, path,
         )  # fmt: skip
     for q in range(many):
         for k in range(rows):
@@ -125,6 +129,7 @@ def begun_rows(
     from `unscored` on.
     """
     many, n = slots.shape[0], x.shape[0]
+    noted = NOTED + 0 * n
     s, reach = np.empty((ROWS, at_rest.shape[0])), np.empty((3, at_rest.shape[0]))
     shown, left, sums = np.empty((many + 1, n)), np.empty((many, n)), np.empty((many, many + 1))
     near, share, raw, error = np.empty(many), np.empty(many), np.empty(n), np.empty(n)
@@ -140,7 +145,7 @@ def begun_rows(
             x_r, v_r, a_r = x[i:j], v[i:j], a[i:j]
             u_r, theta_r, f_r = u[i:j], theta[i:j], force[i:j]
             predict(
-                on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, n_sub, clock, warm, s, f_r, reach, NOTED,
+                on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, n_sub, clock, warm, s, f_r, reach, noted,
                 0.0, raw, path,
             )  # fmt: skip
             ended(s, r, ends)

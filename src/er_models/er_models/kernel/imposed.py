@@ -190,6 +190,9 @@ def predict_rows(
     """
     s, many = np.empty((ROWS, at_rest.shape[0])), starts.shape[0] - 1
     ends, warm = np.empty((many, 2, at_rest.shape[0])), np.empty(at_rest.shape[0])
+    plain = (
+        PLAIN + 0 * many
+    )  # a bare number is a type to Numba: `predict` would be compiled once for each
     for k in range(ps.shape[0]):
         p, force = ps[k], forces[k]
         shift = output_delay(on, p) / dt
@@ -199,7 +202,7 @@ def predict_rows(
             cooled(course, r, ends, warm)
             predict(
                 on, slots, links, at_rest, p, dt, x[i:j], v[i:j], a[i:j], u[i:j], theta[i:j], n_sub, course[r, CLOCK],
-                warm, s, force[i:j], s, PLAIN, 0.0, force[i:j], s,
+                warm, s, force[i:j], s, plain, 0.0, force[i:j], s,
             )  # fmt: skip
             ended(s, r, ends)
             if shift != 0.0:
