@@ -25,21 +25,22 @@ from test.machine_time import Ledger, times
 
 def test_the_suite_is_run_beside_and_alone() -> None:
     """Tests that time themselves get the machine to themselves; choices hold in both runs."""
-    beside, alone = runs(["-q", "-m", "not slow"], cores=2)
-    assert beside == [
-        "-q",
-        "-n",
-        "3",
-        "--dist",
-        "loadfile",
-        "--no-loadscope-reorder",
-        "-m",
-        "(not slow) and not alone",
-    ]
-    assert alone == ["-q", "-m", "(not slow) and alone"]
-    assert runs(["-x"], cores=4)[1] == ["-x", "-m", "alone"]
-    assert runs(["-n", "3"], cores=2) == [["-n", "3"]]
-    assert runs(["-q"], cores=1) == [["-q"]]
+    beside, alone = runs(["-q", "-m", "hard"], cores=2)
+    workers = ["-n", "3", "--dist", "loadfile", "--no-loadscope-reorder"]
+    assert beside == ["-q", *workers, "-m", "(hard) and not alone"]
+    assert alone == ["-q", "-m", "(hard) and alone"]
+    assert runs(["-x", "--all"], cores=4)[1] == ["-x", "-m", "alone"]
+    assert runs(["--all", "-n", "3"], cores=2) == [["-n", "3"]]
+    assert runs(["--all"], cores=1) == [[]]
+
+
+def test_slow_tests_are_for_those_who_ask_for_all_or_name_them() -> None:
+    beside, alone = runs(["-q"], cores=2)
+    assert beside[-1] == "not slow and not alone"
+    assert alone == ["-q", "-m", "not slow and alone"]
+    assert runs(["-n", "3"], cores=2) == [["-n", "3", "-m", "not slow"]]
+    for named in (__file__, f"{__file__}::test_it"):
+        assert runs([named], cores=2)[1] == [named, "-m", "alone"]
 
 
 @pytest.mark.parametrize(
@@ -57,7 +58,9 @@ def test_the_suite_fails_where_any_test_fails(
     tmp_path: Path, bodies: tuple[str, str], args: list[str], status: int
 ) -> None:
     first, second = (body or "pass" for body in bodies)
-    (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers = alone: by itself\n")
+    (tmp_path / "pytest.ini").write_text(
+        "[pytest]\nmarkers =\n  alone: by itself\n  slow: for all\n"
+    )
     (tmp_path / "test_it.py").write_text(
         f"import pytest\n\n\ndef test_first():\n    {first}\n\n\n"
         f"@pytest.mark.alone\ndef test_second():\n    {second}\n"
@@ -137,7 +140,9 @@ def test_stolen_time_is_that_of_the_periods_since_a_moment() -> None:
 
 
 def test_what_has_others_beside_it_uses_one_thread(tmp_path: Path) -> None:
-    (tmp_path / "pytest.ini").write_text("[pytest]\nmarkers = alone: by itself\n")
+    (tmp_path / "pytest.ini").write_text(
+        "[pytest]\nmarkers =\n  alone: by itself\n  slow: for all\n"
+    )
     (tmp_path / "test_it.py").write_text(
         "import os\nimport pytest\n\nTHREADS = [os.environ.get(k) for k in "
         + repr(tuple(ONE_THREAD))

@@ -42,7 +42,7 @@ COMMANDS: dict[str, tuple[str, str, str | None]] = {
         "the main job: find a hidden effect in a running ROS 2 graph",
         "er_bringup.demo",
     ),
-    "test": ("[ARGS]", "the whole test suite; arguments go to pytest", None),
+    "test": ("[--all] [ARGS]", "the tests; --all: slow ones, too; arguments go to pytest", None),
     "run": ("PACKAGE EXECUTABLE [ARGS]", "start one node, as `ros2 run` does", None),
     "up": (
         "[KEY:=VALUE ...]",

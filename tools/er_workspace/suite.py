@@ -1,5 +1,6 @@
-"""The whole test suite: what computes on all cores first, then what times itself, with nothing beside it.
+"""The test suite: what computes on all cores first, then what times itself, with nothing beside it.
 
+Tests marked `slow` (whole documents, tutorials, statistics) are for `--all`, which the workflow of every night runs.
 Of the latter, tests that failed while others had the machine, as the kernel counted it, are run again
 (`test/machine_time.py`): their failure says nothing. What fails on a machine that is left to it fails the suite.
 """
@@ -16,8 +17,8 @@ from tempfile import TemporaryDirectory
 
 NOTHING_SELECTED = 5
 """Exit status of pytest where no test was left."""
-ALONE = "alone"
-"""Marker of tests that run with nothing beside them."""
+ALONE, SLOW = "alone", "slow"
+"""Markers of tests that run with nothing beside them, and of those that only `--all` runs."""
 MACHINE_TIME, SPOILT = "test.machine_time", 75
 """Plugin that tells whose time it was, and its exit status where nothing but spoilt tests failed."""
 AGAIN, WAIT = 2, 60
@@ -26,21 +27,32 @@ ONE_THREAD = dict.fromkeys(("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NU
 """Environment of tests that have others beside them: every core has its process, threads would only wait."""
 
 
-def runs(args: Sequence[str], cores: int) -> list[list[str]]:
-    """Arguments of the runs that make up the suite.
+def paths(args: Sequence[str]) -> list[str]:
+    """Arguments that name a file, a folder or a test in one."""
+    return [word for word in args if Path(word.partition("::")[0]).exists()]
 
-    Whoever says how many processes there shall be gets one run. Files go out in their order, not those with most
-    tests first: the few long ones, which start processes, are in `test` and must not be left for the end.
+
+def runs(args: Sequence[str], cores: int) -> list[list[str]]:
+    """Arguments of the runs that make up the suite; of two, the second has nothing beside it.
+
+    Whoever says how many processes there shall be gets one run; whoever names a path or a marker gets its slow tests,
+    too. Files go out in their order, not those with most tests first: the few long ones, which start processes, are in
+    `test` and must not be left for the end.
     """
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
     parser.add_argument("-m", dest="marked")
     parser.add_argument("-n", "--numprocesses")
+    parser.add_argument("--all", action="store_true")
     given, others = parser.parse_known_args(list(args))
+    chosen = f"({given.marked})" if given.marked else ""
+    if not (given.all or chosen or paths(others)):
+        chosen = f"not {SLOW}"
     if given.numprocesses is not None or cores < 2:
-        return [list(args)]
-    chosen = f"({given.marked}) and " if given.marked else ""
+        once = [] if given.numprocesses is None else ["-n", given.numprocesses]
+        return [[*others, *once, *(["-m", chosen] if chosen else [])]]
     workers = cores + 1  # what starts programs often waits for them
     beside = ["-n", str(workers), "--dist", "loadfile", "--no-loadscope-reorder"]
+    chosen = f"{chosen} and " if chosen else ""
     return [[*others, *beside, "-m", f"{chosen}not {ALONE}"], [*others, "-m", chosen + ALONE]]
 
 
@@ -53,7 +65,8 @@ def whole(
 ) -> int:
     """Run the suite; returns the first exit status that is not success.
 
-    wait: how long a calm machine is waited for where tests failed while others had it [s].
+    folders: where tests are, for arguments that name no path; wait: how long a calm machine is waited for where tests
+    failed while others had it [s].
 
     A stop on request (Ctrl-C, a failure under `-x`) ends it at once.
     """
@@ -64,11 +77,9 @@ def whole(
         command = [str(python), "-m", "pytest", *args]
         return subprocess.run(command, env={**env, **threads}, check=False).returncode
 
-    for run in runs(args, os.cpu_count() or 1):
-        if run[-1].endswith(f"not {ALONE}") or run == list(args):
-            status = tested(*run, *folders)
-        else:
-            status = timed(tested, [*run, *folders], wait)
+    folders = [] if paths(args) else folders
+    for place, run in enumerate(runs(args, os.cpu_count() or 1)):
+        status = timed(tested, [*run, *folders], wait) if place else tested(*run, *folders)
         if worst in (0, NOTHING_SELECTED) and status != NOTHING_SELECTED:
             worst = status
         if status < 0 or status == 2 or (status and "-x" in args):

@@ -169,7 +169,7 @@ def test_a_parameter_that_one_block_alone_shows_is_no_chance_of_a_huge_effect():
     limit = simulate_null(base, found, problem, seed=1).threshold(0.01)
     once = 1e-6 * np.random.default_rng(0).standard_normal((problem.motion.n, 1))
     once[np.flatnonzero(problem.train & (problem.fold == 4))[:3]] = 1.0
-    fitted = replace(base.fit, jacobian=np.hstack([base.fit.jacobian, once]))
+    fitted = replace(base.fit, columns=(base.fit.jacobian, once))
     spiked = simulate_null(replace(base, fit=fitted), found, problem, seed=1)
     assert spiked.threshold(0.01) == pytest.approx(limit, rel=0.2)
 

@@ -6,16 +6,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from er_model_lab.diagnosis.candidates import baseline, refit
-from er_model_lab.diagnosis.investigation import judge
+from er_model_lab.diagnosis.investigation import judge, search_effects
 from er_model_lab.diagnosis.noise_floor import Floor
 from er_model_lab.diagnosis.null import Null
 from er_model_lab.diagnosis.rule import RULE
 from er_model_lab.diagnosis.search import Round
 from er_model_lab.level.level import Question
+from er_model_lab.level.study import Study, summary
+from er_model_lab.results.candidate import candidates as entries
 from er_model_lab.results.passes import explained_by, taken_last, told_together
 from er_model_lab.verbs import improve
 from er_models.files import load_model
-from lab_help import EVIDENCE, GUO, problem_of
+from lab_help import EVIDENCE, GUO, asked, problem_of
 from report_views import card, record
 
 
@@ -258,6 +260,7 @@ class Search:
     verdict: str = "partial"
     explained: float = 1.0
     interrupted: bool = False
+    further: object = None
 
 
 def pruned(monkeypatch, after):
@@ -306,3 +309,17 @@ def test_ctrl_c_while_effects_are_taken_out_keeps_what_was_done(monkeypatch):
     made, added = pruned(monkeypatch, KeyboardInterrupt())
     assert made.stopped
     assert sorted(added) == ["force_delay", "force_lag", "velocity_lag"]
+
+
+def test_the_summary_of_a_pass_tells_the_same_and_holds_no_derivatives_but_of_what_was_taken():
+    model, problem = problem_of("preload", {"F_0": 4.0})
+    found = search_effects(model, problem, seed=1)
+    study = Study(asked(model, problem), found)
+    short = summary(study)
+    assert entries(short, found.model) == entries(study, found.model)
+    kept = {
+        c.name for step in short.diagnosis.rounds for c in step.candidates if c.fit.jacobian.size
+    }
+    assert kept == {"preload"} == set(found.effects)
+    assert short.diagnosis.best is found.best
+    assert short.diagnosis.further is None

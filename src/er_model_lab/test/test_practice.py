@@ -113,3 +113,7 @@ def test_the_best_effects_come_out_as_of_fits_to_all_runs_for_less_work(
         # the others are ranked in longer steps of the integrator
         assert np.std(c.fit.residual - left) < 0.05 * np.std(left)
     assert less_work < 0.8 * all_work
+    # what a candidate and its base both have is there once
+    known = same.fit.columns[0]
+    assert sum(c.fit.columns[0] is known for c in part) >= len(TRIED) - candidates.FINALISTS
+    assert all(c.fit.jacobian.shape == (many.motion.n, c.fit.theta.size) for c in part)

@@ -286,13 +286,15 @@ def _refit_many(
     base: Candidate, problem: Problem, few: Practice, effects: list[str]
 ) -> list[Candidate]:
     """Of many runs: every effect fitted to stretches, the best few to all; the others are judged as they are there."""
+    known = base.fit.jacobian
+    base = replace(base, fit=replace(base.fit, columns=(known,)))
     part, rows = _on_part(base, few), few.problem.train
     near = about(part.fit, few.problem, ROUGH)
     looked = _by_gain(near.each(_begun, effects, part, stage=TRYING), part, rows)
     begun = _by_gain(near.each(_gone_on, looked, stage=TRYING), part, rows)
     jobs = [(b, able and place < FINALISTS) for place, (b, able) in enumerate(begun)]
     near, best = about(base.fit, problem, ROUGH), partial(leaders, base)
-    found = near.each(_judged, jobs, base, stage=FINISHING, best=best)
+    found = [_beside(c, known) for c in near.each(_judged, jobs, base, stage=FINISHING, best=best)]
     found.sort(key=lambda c: max(c.mse, c.seen))
     return _ended(base, found, problem)
 
@@ -343,12 +345,25 @@ def _gone_on(job: tuple[Begun, bool], problem: Problem) -> Begun:
 
 
 def _judged(job: tuple[Begun, bool], problem: Problem, base: Candidate) -> Candidate:
-    """A fit to stretches, fitted to all runs where it is one of the best, which the job says."""
+    """A fit to stretches, fitted to all runs where it is one of the best, which the job says.
+
+    Derivatives that the base has stay there: those of all candidates would be most of the memory.
+    """
     begun, ahead = job
     on_all = _on_all(base, begun.fit, problem, FIRST_ITERATIONS if ahead else 0)
     names, seen = (*base.effects, begun.name), begun.seen
     found = cross_judged(names, on_all, problem, seen.kept, seen.reach, straight=not ahead)
-    return replace(found, ranked=True)
+    columns = on_all.columns
+    own = columns[1:] if columns[0] is base.fit.columns[0] else columns
+    return replace(found, ranked=True, fit=replace(on_all, columns=own))
+
+
+def _beside(candidate: Candidate, known: Array) -> Candidate:
+    """A candidate with the derivatives (n, k) that stayed at its base, where it has none of its own of them."""
+    columns = candidate.fit.columns
+    if sum(part.shape[1] for part in columns) == candidate.fit.theta.size:
+        return candidate
+    return replace(candidate, fit=replace(candidate.fit, columns=(known, *columns)))
 
 
 def _finished(which: int, problem: Problem, candidates: list[Candidate]) -> Candidate:

@@ -108,7 +108,7 @@ def polished(fitted: Fit, problem: Problem, share: float) -> Fit:
         f, j = secants(box, theta, problem, share)
     edge = (theta <= box.low) | (theta >= box.high)
     return replace(
-        fitted, model=box.model_at(theta), theta=theta, residual=problem.force - f, jacobian=j,
+        fitted, model=box.model_at(theta), theta=theta, residual=problem.force - f, columns=(j,),
         at_bound=fitted.at_bound | edge,
     )  # fmt: skip
 
@@ -256,7 +256,7 @@ def _widened(part: Fit, whole: Fit) -> Fit:
     jacobian, held = np.zeros_like(whole.jacobian), np.ones_like(whole.at_bound)
     jacobian[:, places], held[places] = part.jacobian, part.at_bound
     return replace(
-        part, free=whole.free, theta=theta, scale=whole.scale, jacobian=jacobian, at_bound=held
+        part, free=whole.free, theta=theta, scale=whole.scale, columns=(jacobian,), at_bound=held
     )
 
 

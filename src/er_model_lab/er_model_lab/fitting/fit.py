@@ -41,8 +41,8 @@ AS_TOLD = 0.9
 class Fit:
     """A fitted model.
 
-    residual (n,): measured minus predicted [N]; jacobian (n, p): force per scaled parameter; scale (p,);
-    covariance (p, p) of the scaled parameters from blocks; at_bound (p,) mask.
+    residual (n,): measured minus predicted [N]; columns: of the derivatives, in parts (n, p_i), of which fits to the
+    same data may share some; scale (p,); at_bound (p,) mask.
     """
 
     model: Model
@@ -50,9 +50,14 @@ class Fit:
     theta: Array
     scale: Array
     residual: Array
-    jacobian: Array
+    columns: tuple[Array, ...]
     at_bound: NDArray[np.bool_]
     iterations: int
+
+    @property
+    def jacobian(self) -> Array:
+        """Derivatives (n, p): force per scaled parameter; (0, p) where only deviations are left (`summed_up`)."""
+        return self.columns[0] if len(self.columns) == 1 else np.hstack(self.columns)
 
     def mse(self, mask: NDArray[np.bool_]) -> float:
         """Mean squared residual over a mask [N2]."""
@@ -159,7 +164,8 @@ def _fitted(
     if near.forward is not problem.forward:
         leg = _ended(leg, box, theta, f, problem, known, target, max_iter, tol)
     note = Noted(leg.theta.tolist(), leg.at.tolist(), leg.exact, leg.rounds, leg.about.tolist())
-    return _made(box, leg.theta, leg.f, leg.jacobian, leg.rounds, problem), note
+    columns = _columns(leg.jacobian, None if leg.exact else known)
+    return _made(box, leg.theta, leg.f, columns, leg.rounds, problem), note
 
 
 def _ended(
@@ -258,15 +264,25 @@ def _again(
     here = predicted(about) if about.size else f
     near = problem.near(box.model_at(about), here) if about.size else problem
     here = here if np.array_equal(at, about) else predicted(at, near)
-    jacobian = _jacobian(box, at, here, near, None if note.exact else known)
-    return _made(box, theta, predicted(theta), jacobian, note.iterations, problem)
+    known = None if note.exact else known
+    columns = _columns(_jacobian(box, at, here, near, known), known)
+    return _made(box, theta, predicted(theta), columns, note.iterations, problem)
 
 
-def _made(box: Box, theta: Array, f: Array, jacobian: Array, rounds: int, problem: Problem) -> Fit:
+def _columns(jacobian: Array, known: Array | None) -> tuple[Array, ...]:
+    """Derivatives in parts: those that were known, as the very array that others have, and the rest."""
+    if known is None or not known.shape[1]:
+        return (jacobian,)
+    return known, jacobian[:, known.shape[1] :].copy()
+
+
+def _made(
+    box: Box, theta: Array, f: Array, columns: tuple[Array, ...], rounds: int, problem: Problem
+) -> Fit:
     """The fit that ended at theta (p,) with the prediction f (n,)."""
     edge = (theta <= box.low + 1e-9 * box.size) | (theta >= box.high - 1e-9 * np.abs(box.high))
     residual = problem.force - f
-    return Fit(box.model_at(theta), box.free, theta, box.scale, residual, jacobian, edge, rounds)
+    return Fit(box.model_at(theta), box.free, theta, box.scale, residual, columns, edge, rounds)
 
 
 def practised(model: Model, problem: Problem) -> Model:
@@ -277,7 +293,7 @@ def practised(model: Model, problem: Problem) -> Model:
 
 def part_of(whole: Fit, few: Practice) -> Fit:
     """A fit on the stretches to practise on."""
-    return replace(whole, residual=whole.residual[few.rows], jacobian=whole.jacobian[few.rows])
+    return replace(whole, residual=whole.residual[few.rows], columns=(whole.jacobian[few.rows],))
 
 
 def about(fitted: Fit, problem: Problem, longest: float = COARSE) -> Problem:
@@ -416,7 +432,14 @@ def standard_deviations(fitted: Fit, problem: Problem) -> Array:
 
 def with_deviations(fitted: Fit, problem: Problem) -> Model:
     """The fitted model with standard deviations."""
+    if not fitted.columns[0].shape[0]:
+        return fitted.model
     deviations = {k: dict(v) for k, v in fitted.model.deviations.items()}
     for (effect, name), sd in zip(fitted.free, standard_deviations(fitted, problem), strict=True):
         deviations.setdefault(effect, {})[name] = float(sd)
     return replace(fitted.model, deviations=deviations)
+
+
+def summed_up(fitted: Fit, model: Model) -> Fit:
+    """A fit without its derivatives, which are most of its memory; model: with the deviations that they tell."""
+    return replace(fitted, model=model, columns=(np.empty((0, fitted.theta.size)),))

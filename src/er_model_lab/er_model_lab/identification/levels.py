@@ -130,7 +130,9 @@ class _LevelsFit:
         near = 1e-6 * self.spread(self.box.size)
         edge = (z <= self.spread(self.box.low) + near) | (z >= self.spread(self.box.high) - near)
         model = self.box.model_at(z[: n + 1])
-        fitted = Fit(model, (*self.box.free[:n], *names), z, scale, residual, jacobian, edge, MOST)
+        fitted = Fit(
+            model, (*self.box.free[:n], *names), z, scale, residual, (jacobian,), edge, MOST
+        )
         wide = np.maximum(np.abs(z), self.spread(self.box.size))
         spread = covariance(fitted, among(problem, *(level.rows for level in self.levels)), wide)
         sd = np.sqrt(np.maximum(np.diag(spread), 0.0))

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 from er_models.model import Array, Model
 from er_records.dataset import Dataset
 
+from er_model_lab.diagnosis import decisive_round
 from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.investigation import Diagnosis
+from er_model_lab.fitting.fit import summed_up, with_deviations
 from er_model_lab.fitting.velocity_channel import as_searched
 from er_model_lab.problem.problem import Problem
 from er_model_lab.span.check import Checked
@@ -75,6 +77,25 @@ def checked(study: Study) -> Study:
     problem, span = study.problem, study.opened.span
     whole = span.checked(problem, found.best.fit.residual, before=before, after=after)
     return replace(study, checked=whole)
+
+
+def summary(study: Study) -> Study:
+    """The study without the derivatives of what no round took, which are most of its memory.
+
+    Those whose numbers are told have their deviations instead.
+    """
+    problem, found = study.problem, study.diagnosis
+    shown = {id(c) for c, _ in decisive_round.told(found)}
+
+    def summed(c: Candidate) -> Candidate:
+        model = with_deviations(c.fit, problem) if id(c) in shown else c.fit.model
+        return replace(c, fit=summed_up(c.fit, model))
+
+    rounds = tuple(
+        replace(s, candidates=[c if c is s.taken else summed(c) for c in s.candidates])
+        for s in found.rounds
+    )
+    return replace(study, diagnosis=replace(found, rounds=rounds, further=None))
 
 
 def told(study: Study, *, again: bool) -> Study:

@@ -22,7 +22,7 @@ from er_model_lab.diagnosis.search import prune
 from er_model_lab.fitting.velocity_channel import as_searched, restored
 from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
-from er_model_lab.level.study import Study, checked
+from er_model_lab.level.study import Study, checked, summary
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors, regions_json, worst
 from er_model_lab.results.by_record import BAND, by_record, with_flags
@@ -150,7 +150,7 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
         notes = (*notes, *vetoed)
         if studies and (why := _worse(study, given)):
             return _Passes(studies, current, made, notes=(*notes, why))
-        studies.append(study)
+        studies[-1:] = [*map(summary, studies[-1:]), study]
         # of long data with the stretches where the model did worst
         asked = replace(asked, data=study.data)
         found = study.diagnosis
