@@ -34,13 +34,11 @@ def test_the_suite_is_run_beside_and_alone() -> None:
     assert runs(["--all"], cores=1) == [[]]
 
 
-def test_slow_tests_are_for_those_who_ask_for_all_or_name_them() -> None:
+def test_slow_tests_are_for_those_who_ask_for_all() -> None:
     beside, alone = runs(["-q"], cores=2)
     assert beside[-1] == "not slow and not alone"
     assert alone == ["-q", "-m", "not slow and alone"]
     assert runs(["-n", "3"], cores=2) == [["-n", "3", "-m", "not slow"]]
-    for named in (__file__, f"{__file__}::test_it"):
-        assert runs([named], cores=2)[1] == [named, "-m", "alone"]
 
 
 @pytest.mark.parametrize(

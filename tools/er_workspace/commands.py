@@ -186,7 +186,7 @@ def _hand_over(layout: Layout, name: str, args: list[str]) -> None:
     env = command_environment(layout, os.environ)
     module = COMMANDS[name][2]
     make: dict[str, Callable[[], list[str]]] = {
-        "test": lambda: [str(layout.python), "-m", "pytest", *args],
+        "test": lambda: [str(layout.python), "-m", "pytest", *(a for a in args if a != "--all")],
         "run": lambda: _run_command(layout, args),
         "exec": lambda: args,
     }

@@ -27,16 +27,11 @@ ONE_THREAD = dict.fromkeys(("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NU
 """Environment of tests that have others beside them: every core has its process, threads would only wait."""
 
 
-def paths(args: Sequence[str]) -> list[str]:
-    """Arguments that name a file, a folder or a test in one."""
-    return [word for word in args if Path(word.partition("::")[0]).exists()]
-
-
 def runs(args: Sequence[str], cores: int) -> list[list[str]]:
     """Arguments of the runs that make up the suite; of two, the second has nothing beside it.
 
-    Whoever says how many processes there shall be gets one run; whoever names a path or a marker gets its slow tests,
-    too. Files go out in their order, not those with most tests first: the few long ones, which start processes, are in
+    Whoever says how many processes there shall be gets one run; whoever names a marker gets its slow tests, too. Files
+    go out in their order, not those with most tests first: the few long ones, which start processes, are in
     `test` and must not be left for the end.
     """
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
@@ -45,7 +40,7 @@ def runs(args: Sequence[str], cores: int) -> list[list[str]]:
     parser.add_argument("--all", action="store_true")
     given, others = parser.parse_known_args(list(args))
     chosen = f"({given.marked})" if given.marked else ""
-    if not (given.all or chosen or paths(others)):
+    if not (given.all or chosen):
         chosen = f"not {SLOW}"
     if given.numprocesses is not None or cores < 2:
         once = [] if given.numprocesses is None else ["-n", given.numprocesses]
@@ -65,8 +60,7 @@ def whole(
 ) -> int:
     """Run the suite; returns the first exit status that is not success.
 
-    folders: where tests are, for arguments that name no path; wait: how long a calm machine is waited for where tests
-    failed while others had it [s].
+    wait: how long a calm machine is waited for where tests failed while others had it [s].
 
     A stop on request (Ctrl-C, a failure under `-x`) ends it at once.
     """
@@ -77,7 +71,6 @@ def whole(
         command = [str(python), "-m", "pytest", *args]
         return subprocess.run(command, env={**env, **threads}, check=False).returncode
 
-    folders = [] if paths(args) else folders
     for place, run in enumerate(runs(args, os.cpu_count() or 1)):
         status = timed(tested, [*run, *folders], wait) if place else tested(*run, *folders)
         if worst in (0, NOTHING_SELECTED) and status != NOTHING_SELECTED:
