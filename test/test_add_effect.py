@@ -12,6 +12,8 @@ import pytest
 
 from test.conftest import ROOT
 
+pytestmark = pytest.mark.slow
+
 NAME = "my_orifice"
 STEP = re.compile(r"^\d\. `([^`]+)`.*?^ +```(?:python|text)\n(.*?)^ +```$", re.M | re.S)
 """A numbered step: the file it begins with, and the first text that it shows."""

@@ -22,6 +22,8 @@ from er_observers.programs import OBSERVERS
 
 from test.conftest import ROOT
 
+pytestmark = pytest.mark.slow
+
 NAME = "one_gain"
 CHAPTER = re.search(
     r"## Add a theorem\n(.*?)\n## ", (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"), re.S

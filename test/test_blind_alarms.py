@@ -2,8 +2,12 @@
 
 import json
 
+import pytest
+
 from test.blind_score import alarms
 from test.blind_score.alarms import RATES, lines, page, plot
+
+pytestmark = pytest.mark.slow
 
 
 def rows_of(many, hits):

@@ -13,6 +13,8 @@ from test.blind_score.cover import NAMES, SHARED, Estimate, blind, coverage, lin
 from test.blind_score.lab_truth import base_model, draw_truth, inside, moved, shape, write_noisy
 from test.blind_score.program import seeds_of
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize(
     "name", ["dead_time", "cavitation", "rise_fall_asymmetry", "self_heating"]

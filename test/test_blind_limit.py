@@ -10,6 +10,8 @@ from test.blind.generator import make_case, more_records
 from test.blind_score import limit
 from test.blind_score.limit import BENT, FORMS, forces, rival, true_motion
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def case(tmp_path_factory):

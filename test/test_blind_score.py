@@ -204,6 +204,7 @@ def test_processes_share_the_work():
     assert sorted(r["key"] for r in spread(fake, asked, 2)) == sorted(a.key for a in asked)
 
 
+@pytest.mark.slow
 def test_a_second_run_makes_only_what_is_missing(tmp_path, monkeypatch, capsys):
     made = []
 

@@ -17,6 +17,8 @@ import pytest
 
 from test.wheelhouse import fill
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[1]
 BASE_PYTHON = os.path.realpath(getattr(sys, "_base_executable", sys.executable))
 MANIFEST = "<package format='3'><name>er_one</name></package>\n"

@@ -72,6 +72,6 @@ def test_the_program_knows_every_word(words, only_parsed, monkeypatch):
                                    ("study", "reach", "--sede", "1"), ("synth", "unfied"),
                                    ("control", "robust", "--sede", "3")])  # fmt: skip
 def test_a_word_that_it_does_not_know_is_found(words, only_parsed, monkeypatch):
-    with pytest.raises(BaseException) as found:  # noqa: B017
+    with pytest.raises(BaseException) as found:
         understood(words, monkeypatch)
     assert not isinstance(found.value, Parsed)

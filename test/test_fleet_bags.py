@@ -54,6 +54,7 @@ def drive(place: Path, day: int) -> Path:
     return place / f"drive_{day}"
 
 
+@pytest.mark.slow
 def test_each_namespace_of_a_bag_is_a_unit(tmp_path: Path) -> None:
     (tmp_path / "bags").mkdir()
     for day in (0, 1):

@@ -13,6 +13,8 @@ from er_model_lab.view import View
 from test.fleet_score import TARGETS, score
 from test.fleet_truth import fleet
 
+pytestmark = pytest.mark.slow
+
 
 def test_units_that_differ_are_found_and_hardly_any_other():
     """At effects of one standard deviation of the noise of the force; seeds nobody looked at."""

@@ -101,6 +101,7 @@ def test_a_program_runs_over_a_serial_port(tmp_path: Path) -> None:
     assert {lateness[seq] for seq in timely} == {0}
 
 
+@pytest.mark.slow
 def test_a_device_over_udp_may_die_and_come_back(tmp_path: Path) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))

@@ -272,6 +272,7 @@ def shows(recording: Run, problem: dict[str, str], since: int) -> bool:
     return bool(np.diff(received[inside]).max() > 0.05 * SECOND)
 
 
+@pytest.mark.slow
 def test_the_doctor_finds_the_graph_healthy(tmp_path: Path) -> None:
     """On a machine too slow for 200 Hz he finds nothing else, and nothing that the recording does not show."""
     looks: list[dict[str, Any]] = []

@@ -95,6 +95,7 @@ def test_an_effect_that_is_added_in_vain_is_said_to_be(data, root, tmp_path):
     assert "end_stop" in load_model(out).effects
 
 
+@pytest.mark.slow
 def test_improve_is_the_same_twice(data, root, tmp_path):
     results = []
     for name in ("a", "b"):
@@ -217,6 +218,7 @@ def test_a_seed_that_is_none_is_named(command, found):
     one_line(lab(*command.split(), "--seed", found), 2, "--seed", allowed + found)
 
 
+@pytest.mark.slow
 def test_the_largest_seed_lasts_to_the_last_pass_of_improve(data, root):
     seed = LARGEST + 1000 * MOST_PASSES
     found = diagnose(load(data), load_model(root / MODEL), seed=seed)

@@ -68,6 +68,7 @@ def improve(data, folder, stop_in_round, monkeypatch):
     return CliRunner().invoke(app.app, [str(w) for w in words])
 
 
+@pytest.mark.slow
 def test_what_was_done_is_kept_and_gone_on_from(data, tmp_path, monkeypatch):
     stopped = improve(data, tmp_path, 2, monkeypatch)
     assert stopped.exit_code == 130, stopped.output
@@ -102,6 +103,7 @@ def test_what_was_done_is_kept_and_gone_on_from(data, tmp_path, monkeypatch):
     assert model.history[-1]["interrupted"] is False
 
 
+@pytest.mark.slow
 def test_before_an_effect_is_found_the_fits_are_kept_beside(data, tmp_path, monkeypatch):
     result = improve(data, tmp_path, 1, monkeypatch)
     assert result.exit_code == 130
@@ -165,6 +167,7 @@ def stop_and_friction(tmp_path_factory):
     return write_sample(folder / "run.csv", seed=4, seconds=6.0, truth=truth)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("most", [3, 1])
 def test_an_interruption_changes_nothing_in_the_end(
     stop_and_friction, tmp_path, monkeypatch, most

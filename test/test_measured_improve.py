@@ -14,9 +14,12 @@ from er_studies.importers.data_sets import import_data
 from test.conftest import ROOT
 
 DATA = ROOT.parent / "shared" / "data"
-pytestmark = pytest.mark.skipif(
-    not DATA.is_dir(), reason="the measured data are not beside the repository"
-)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        not DATA.is_dir(), reason="the measured data are not beside the repository"
+    ),
+]
 SECONDS, MOST = 5.0, 10
 TRIED = (
     "deflection_zero",

@@ -98,6 +98,7 @@ DT, N = 0.005, 200
 ROAD = 0.003 * np.sin(2 * np.pi * 3.0 * np.arange(N) * DT)
 
 
+@pytest.mark.slow
 def test_the_car_is_simulated_with_it(both):
     duty = np.repeat([0.0, 0.2], N // 2)
     model = with_crosstalk(CAR, *both)
@@ -139,6 +140,7 @@ def test_a_broken_record_of_the_file_is_named(text, tmp_path):
         load_model(path)
 
 
+@pytest.mark.slow
 def test_a_changed_equation_is_compiled_anew(own, tmp_path, monkeypatch):
     monkeypatch.setattr("er_models.own.CATALOGUE", few())
     other, own = tmp_path / "crosstalk.py", shutil.copy(own, tmp_path / "own.py")
@@ -197,6 +199,7 @@ def plant(**given):
     return build(checked(table(given), {"model_file": str(CAR), "safe_duty": 0.2} | given, {}))
 
 
+@pytest.mark.slow
 def test_the_plant_runs_a_model_with_it(both, tmp_path):
     save_model(with_crosstalk(DAMPER, *both), tmp_path / "mine.yaml")
     program = str(ROOT / "config/experiments/chirp.yaml")

@@ -421,6 +421,7 @@ def test_commands_for_a_plant_that_was_here_before_block_nothing_r18() -> None:
     assert bus.log[topics.PWM_APPLIED.name][-1].message.source == PwmDuty.SOURCE_NOMINAL
 
 
+@pytest.mark.slow
 @pytest.mark.alone
 def test_a_killed_node_comes_back_by_itself_r18(tmp_path: Path) -> None:
     """Each once; twenty times each, and how soon, is `python -m test.reliability kill`.

@@ -5,8 +5,6 @@ import subprocess
 import sys
 from pathlib import Path, PurePath
 
-import pytest
-
 ROOT = Path(__file__).resolve().parents[1]
 TYPED = (
     "src/er_models/er_models",
@@ -38,7 +36,6 @@ def test_the_formatter_has_nothing_to_do():
     assert result.returncode == 0, result.stdout[-2000:]
 
 
-@pytest.mark.slow
 def test_mypy_finds_nothing():
     result = run("mypy", "--no-error-summary", "--cache-dir", str(ROOT / ".mypy_cache"), *TYPED)
     assert result.returncode == 0, result.stdout[-6000:]

@@ -41,6 +41,7 @@ def test_slow_tests_are_for_those_who_ask_for_all() -> None:
     assert runs(["-n", "3"], cores=2) == [["-n", "3", "-m", "not slow"]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bodies", "args", "status"),
     [
@@ -82,6 +83,7 @@ def run_pytest(*args: str) -> int:
     return subprocess.run([sys.executable, "-m", "pytest", *args], check=False).returncode
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("limit", "passes_at", "status", "needed"),
     [

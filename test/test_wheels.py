@@ -26,6 +26,8 @@ from er_ros_common import builders
 from test.conftest import ROOT
 from test.sample import write_sample
 
+pytestmark = pytest.mark.slow
+
 PURE = (
     "er_models", "er_common", "er_records", "er_model_lab", "er_observers", "er_ftc_controller",
     "er_plant_sim",

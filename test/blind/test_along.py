@@ -11,6 +11,8 @@ from test.blind.along import force_along
 from test.blind.case import Case
 from test.blind.generator import make_case
 
+pytestmark = pytest.mark.slow
+
 
 def made(effect: str | None, folder: Path) -> Case:
     return make_case(effect, 3, out=folder / "case", n_records=2, seconds=8.0)

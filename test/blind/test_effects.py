@@ -15,6 +15,8 @@ from test.blind.measure import COLUMNS
 from test.blind.short import complete, hidden_alone, short_motion
 from test.blind.slots import KS, KT, MS, MU, OF, OFER, OVS, OVU, OZS, OZU
 
+pytestmark = pytest.mark.slow
+
 NAMES = tuple(BY_NAME)
 SHOWN = tuple(name for name in NAMES if BY_NAME[name].shown_by_force)
 ACTS_ON_SIGNAL_ONLY = {

@@ -16,6 +16,8 @@ from test.blind.generator import Case, excess_after_refit, main, make_case, more
 from test.blind.measure import COLUMNS, Noise
 from test.blind.places import PLACES
 
+pytestmark = pytest.mark.slow
+
 CONTRACT = [
     "gas_spring",
     "preload",

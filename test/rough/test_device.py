@@ -7,6 +7,8 @@ from test.rough import device as d
 from test.rough.device import BASE, run
 from test.rough.truths import table
 
+pytestmark = pytest.mark.slow
+
 H = 1e-4
 
 

@@ -18,6 +18,8 @@ from test.rough.rig import DEVICES, RATES, draw_rig
 from test.rough.sensors import Wrong
 from test.rough.truths import TRUTHS, scale_of, stronger, table
 
+pytestmark = pytest.mark.slow
+
 HERE = Path(__file__).parent
 ALONE = {"__future__", "numpy", "scipy", "numba", "pyarrow", "test.rough"}
 STANDARD = {

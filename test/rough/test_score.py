@@ -10,6 +10,8 @@ from test.rough_score.judge import certain_wrong, false_names, judged
 from test.rough_score.run import options, score
 from test.rough_score.summary import page, ratio, targets
 
+pytestmark = pytest.mark.slow
+
 KNOWN = ["a", "b", "c", "d"]
 
 

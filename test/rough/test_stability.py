@@ -10,6 +10,8 @@ from test.rough import rig as rigs
 from test.rough.plan import Asked
 from test.rough_stability import CHANGES, asked_again, differences, page
 
+pytestmark = pytest.mark.slow
+
 
 def answer(names=("a",), verdict="missing_effect", value=1.0, sd=0.1, ties=()):
     values = {n: {"F": [value, sd]} for n in names}

@@ -72,6 +72,7 @@ def test_the_thesis_car_is_weighed_as_its_committed_gains_are(car: Model) -> Non
     assert radius_for(car) == Wish.radius
 
 
+@pytest.mark.slow
 def test_the_weights_of_the_thesis_leave_no_room(car: Model) -> None:
     """Its 0.1903 is worse than no control at all, and the best there is hardly better; only a smaller rho helps."""
     plant = generalised_plant(car, THESIS)
@@ -142,6 +143,7 @@ def test_a_wish_that_cannot_be_had_says_what_stands_in_its_way(
         solve(plant, wish)
 
 
+@pytest.mark.slow
 def test_a_faster_rho_costs_a_lyapunov_function_of_rho_more(plant: Plant) -> None:
     limit, rhos = 1.3 * passive_gamma(plant), plant.weights.rho
     slow, fast = (smallest(plant, rhos, Wish.radius, limit, rate) for rate in (1.0, 100.0))

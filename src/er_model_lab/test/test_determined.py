@@ -34,6 +34,7 @@ def test_a_delay_at_its_bound_is_not_determined(delayed):
     assert loose(found, problem) == ("force_delay",)
 
 
+@pytest.mark.slow
 def test_it_is_no_certain_name(delayed):
     found = search_effects(*delayed)
     assert found.verdict != "missing_effect"

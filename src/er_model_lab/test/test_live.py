@@ -153,6 +153,7 @@ def test_what_was_learnt_goes_to_the_monitor_and_the_live_error_falls(tmp_path: 
     assert "none.yaml" in desk.refused
 
 
+@pytest.mark.slow
 def test_an_alarm_is_learnt_from_where_it_began(tmp_path: Path) -> None:
     leak = {"f": 0.7, "t_0": 20.0, "t_r": 0.0, "q": 0.0, "d": 0.5}
     graph = PlayedGraph(load_model(VEHICLE).with_effect("oil_leakage", leak), 60.0)

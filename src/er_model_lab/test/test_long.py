@@ -86,6 +86,7 @@ def test_what_heats_remembers_the_whole_record(short):
     assert rest > 2.0 * here
 
 
+@pytest.mark.slow
 def test_a_stretch_that_was_not_searched_and_fails_is_searched_next(short):
     model, record = load_model(GUO), made(200.0)
     places = stretches.places_of([record])
@@ -112,6 +113,7 @@ def file(tmp_path):
     return tmp_path / "run.parquet"
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 def test_identify_says_what_it_used_and_names_all_data(short, file, tmp_path):
     out = tmp_path / "new.yaml"
@@ -136,6 +138,7 @@ def test_identify_says_what_it_used_and_names_all_data(short, file, tmp_path):
     assert told["explainable"] == pytest.approx(first["explainable"])
 
 
+@pytest.mark.slow
 def test_plan_says_what_it_used_and_names_all_data(short, file):
     model, data = load_model(GUO), load(file)
     problem, known = plan._measured(data, ask(model, (), "preload"), model, 0, anyway=False)
@@ -144,6 +147,7 @@ def test_plan_says_what_it_used_and_names_all_data(short, file):
     assert known["provenance"] == {"data": fingerprint(data.records), "records": ["run"]}
 
 
+@pytest.mark.slow
 def test_a_plan_undoes_the_gain_that_the_model_knows():
     record, model = made(12.0), load_model(GUO)
     odd = {**record.channels, "deflection_velocity": 1.1 * record.channels["deflection_velocity"]}
@@ -171,6 +175,7 @@ def test_standstill_at_the_beginning_does_not_spoil_the_motion():
     assert np.std((problem.force - problem.predict(model))[moving]) < 0.2
 
 
+@pytest.mark.slow
 def test_a_record_left_out_is_predicted_from_the_others():
     model = load_model(GUO)
     odd = model.with_effect("preload", {"F_0": 2.0})

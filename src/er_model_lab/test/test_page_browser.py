@@ -174,6 +174,7 @@ def test_drop_look_drag_cancel_add_undo_and_take(page: Any, tmp_path: Path) -> N
     assert "lab.add(data" in taken["Program"].read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_beside_a_running_graph_the_live_error_falls_once_the_effect_is_added(
     tmp_path: Path,
 ) -> None:
@@ -200,6 +201,7 @@ def test_beside_a_running_graph_the_live_error_falls_once_the_effect_is_added(
         expect(page.locator("header [role=status]")).to_contain_text("held out")
 
 
+@pytest.mark.slow
 def test_axe_finds_nothing_serious_on_any_panel_light_or_dark(tmp_path: Path) -> None:
     axe = pytest.importorskip(
         "axe_playwright_python.sync_playwright", reason="axe is not installed"

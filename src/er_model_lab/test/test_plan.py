@@ -79,6 +79,7 @@ def stops() -> Plan:
     return planned(car(), "gas_spring", "end_stop")
 
 
+@pytest.mark.slow
 def test_the_limits_hold_whichever_is_true(stops: Plan) -> None:
     """In the plant's own simulation of every program that is proposed."""
     limits = stops.bench.limits
@@ -95,6 +96,7 @@ def test_the_limits_hold_whichever_is_true(stops: Plan) -> None:
     assert stops.best.used["velocity"] > 0.9 * limits.velocity
 
 
+@pytest.mark.slow
 def test_a_program_that_asks_for_too_much_is_made_smaller(stops: Plan) -> None:
     limits = stops.bench.limits
     found = finalist("large", [s.scaled(3.0) for s in stops.best.segments], stops.bench)
@@ -170,6 +172,7 @@ def test_an_effect_stands_out_as_much_as_the_noise(stops: Plan) -> None:
         assert stops.bench.rivals.shown[name] == pytest.approx(1.0, rel=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("quick")
 def test_what_fades_with_the_time_is_told_from_what_fades_with_the_heat() -> None:
     """Within the limits, by a program in which power and springs change."""
@@ -184,6 +187,7 @@ def test_what_fades_with_the_time_is_told_from_what_fades_with_the_heat() -> Non
         assert apart > 3.0 * found.everyday.directions[truth].separation
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("quick")
 def test_without_stroke_the_end_stop_stays_hidden_and_the_plan_says_so() -> None:
     """A stroke of 4 mm never reaches a stop that begins at 6 mm; twice the stroke would."""

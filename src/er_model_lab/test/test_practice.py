@@ -80,6 +80,7 @@ def test_few_or_single_runs_are_fitted_as_they_are(prepared, monkeypatch):
     assert alone.practice is None
 
 
+@pytest.mark.slow
 def test_the_best_effects_come_out_as_of_fits_to_all_runs_for_less_work(
     prepared, many, monkeypatch
 ):

@@ -92,6 +92,7 @@ def slow(rate, seconds, frequencies, noise=1.0):
     return Record("run", t, channels, source="run.csv", timing=timing_of(t))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [100, 200, 1000, 2000])
 @pytest.mark.parametrize(
     ("seconds", "frequencies"), [(16, (0.3, 0.7, 1.1, 2.3, 4.1)), (8, (0.4, 0.9)), (16, (0.25,))]

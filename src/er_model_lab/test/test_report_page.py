@@ -109,6 +109,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_report(view(seconds=300.0), tmp_path_factory.mktemp("report") / "deep" / "er")
 
 
+@pytest.mark.slow
 def test_ten_minutes_of_data_stay_under_five_megabytes(written: Path) -> None:
     assert written.name == "index.html"
     assert 1_500_000 < written.stat().st_size < 5_000_000
@@ -153,6 +154,7 @@ def test_the_plots_in_the_page_are_complete(written: Path) -> None:
     assert 'plotlyServerURL: ""' in page.scripts["inline"], "no button may upload measurements"
 
 
+@pytest.mark.slow
 def test_every_figure_is_a_picture_on_disk(written: Path) -> None:
     names = {f.name for f in figures(view(seconds=300.0))}
     files = {p.name for p in (written.parent / "figures").iterdir()}

@@ -33,6 +33,8 @@ from er_records.record import Record
 from lab_help import FORCE_NOISE, GUO, problem_of
 from rich.console import Console
 
+pytestmark = pytest.mark.slow
+
 LIMIT = 0.05
 """Size that chance reaches here [N]."""
 HIDDEN = {

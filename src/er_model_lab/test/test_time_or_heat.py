@@ -57,6 +57,7 @@ def round_of(problem, model, names=FADES):
     return Round(base, found, Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0)), 0.02, found[0], [])  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_force_that_fades_as_a_whole_is_no_heat():
     model, problem = problem_of(None, {}, seconds=SECONDS, bent=whole)
     found = search_effects(model, problem)

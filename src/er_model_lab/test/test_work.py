@@ -181,6 +181,7 @@ def own(monkeypatch):
     made.shutdown()
 
 
+@pytest.mark.slow
 def test_a_diagnosis_is_the_same_whoever_does_it(threads, processes, own):
     expected, serial = searched(HERE)
     assert set(expected.effects) == {"preload", "coulomb_friction"}

@@ -82,6 +82,7 @@ def run(folder: Path, **env: str) -> str:
     return done.stderr
 
 
+@pytest.mark.slow
 def test_nothing_that_was_planted_is_unpickled_or_executed(tmp_path: Path) -> None:
     """In the place of every file of a cache: made anew, and told in one line."""
     cache, mark = tmp_path / "cache", tmp_path / "mark"

@@ -210,6 +210,7 @@ def test_index_links_every_card() -> None:
         assert f"]({effect.name}.md)" in index
 
 
+@pytest.mark.slow
 def test_writing_removes_cards_of_effects_that_are_gone(tmp_path: Path) -> None:
     few = Catalogue(CATALOGUE.effects[:4])
     write_cards(tmp_path, few)

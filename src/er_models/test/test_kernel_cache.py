@@ -265,6 +265,7 @@ print(repr(float(predict(damper(), imposed(SMALL, 0.5)).sum())))
 """
 
 
+@pytest.mark.slow
 def test_two_processes_compile_at_once(tmp_path: Path) -> None:
     """Both in an empty cache: the same number from both, and from a third that finds it filled."""
     environment = {**os.environ, "ER_CACHE_DIR": str(tmp_path)}
@@ -282,6 +283,7 @@ def test_two_processes_compile_at_once(tmp_path: Path) -> None:
     assert not list((tmp_path / "er_models").rglob("*.tmp"))
 
 
+@pytest.mark.slow
 def test_kernels_of_two_catalogues_live_side_by_side() -> None:
     other = changed("coulomb_friction", FEW, hooks={"force": scaled_friction})
     inputs = imposed(SMALL, 0.5)

@@ -156,6 +156,7 @@ def spare_force(k: float, x: float) -> float:
     return k * x
 
 
+@pytest.mark.slow
 def test_a_longer_catalogue_keeps_the_fingerprint(car: Model) -> None:
     """Gains stay valid when somebody adds an effect that the model does not have."""
     spare = Effect(

@@ -5,6 +5,8 @@ import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
+import pytest
+
 from er_ros_common import dds
 from test.graph_help import own_domain
 
@@ -104,6 +106,7 @@ def wakes(settings: Path) -> float:
     return float(done.stdout)
 
 
+@pytest.mark.slow
 def test_a_message_wakes_no_timer(tmp_path: Path) -> None:
     """Where lacks are not ignored for a while, the thread of the timers wakes for nearly every one of 800 messages."""
     text = dds.FILE.read_text(encoding="utf-8")

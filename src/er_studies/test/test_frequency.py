@@ -16,6 +16,8 @@ from er_studies.observers.frequency.figures import FIGURES, responses
 from er_studies.observers.frequency.responses import HERTZ, outputs, respond
 from typer.testing import CliRunner
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def every(car: Model, gain_file: Path) -> dict[str, Gains]:

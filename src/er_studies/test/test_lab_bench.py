@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pytest
 from er_models.files import load_model
 from er_studies.bench.lab.__main__ import main
 from er_studies.bench.lab.data import record
@@ -13,6 +14,7 @@ from er_studies.bench.lab.picture import picture
 GUO = Path(__file__).resolve().parents[3] / "config" / "dampers" / "inove_guo.yaml"
 
 
+@pytest.mark.slow
 def test_the_search_is_timed_over_the_number_of_effects(tmp_path, capsys):
     main(["number", "--tiny", "--model", str(GUO), "--json", str(tmp_path / "r.json")])
     lines = json.loads((tmp_path / "r.json").read_text())["number"]
