@@ -21,6 +21,11 @@ sys.path.insert(0, str(ROOT / "tools"))
 from er_workspace.commands import COMMANDS
 
 
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:.*found in sys.modules:RuntimeWarning"  # another test has imported a program
+)
+
+
 class Parsed(BaseException):
     """The words of a command were understood."""
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from er_models.kernel.fast import entry, inner
+from er_models.kernel.fast import entry, inner, once
 from er_models.kernel.imposed import (
     CLOCK,
     LEAST,
@@ -48,7 +48,7 @@ def way(reach, j):
     return -down, -up / down if down > 0.0 else 0.0
 
 
-@inner
+@once
 def slopes(
     on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, near, raw, path
 ):  # fmt: skip

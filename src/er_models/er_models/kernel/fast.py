@@ -25,5 +25,7 @@ inner = njit(**_INNER)
 counting the references to their arrays a call costs 16 ns instead of 124."""
 inline = njit(forceinline=True, **_INNER)
 """For small functions on the way of every step."""
+once = njit(inline="always", **_INNER)
+"""For functions with one caller each: written into it, they are no compilation of their own."""
 entry = on_disk(nogil=True, error_model="numpy")
 """For what Python calls; kept on disk."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from er_models.kernel.elementary import exp
-from er_models.kernel.fast import entry, inline, inner
+from er_models.kernel.fast import entry, inline, inner, once
 from er_models.kernel.inputs import at, cubic, delayed, split
 from er_models.kernel.states import HOLD, ROWS, W0, G, R, W, keep, settle, solve, visit
 
@@ -73,7 +73,7 @@ def reached(slots, s, slowest, reach):
         reach[MOST, j] = max(reach[MOST, j], s[W, j], goal)
 
 
-@inner
+@once
 def start(on, slots, links, at_rest, p, s, reach, own, away, clock, warm, x, v, a, u, theta):
     """Settle every state, then move one of them away from there, or note where they settled; measured force [N].
 

@@ -20,7 +20,7 @@ import math
 
 from er_models.effect import INSTANT
 from er_models.kernel.elementary import exp
-from er_models.kernel.fast import inline, inner
+from er_models.kernel.fast import inline, inner, once
 
 
 def damper(on, p, s, h, how, x, v, a, u, t, theta):  # type: ignore[no-untyped-def]
@@ -235,7 +235,7 @@ def keep(slots, s):
         s[G0, j] = s[G, j]
 
 
-@inner
+@once
 def settle(on, slots, links, at_rest, p, s, x, v, a, u, theta):
     """Start every state in equilibrium with the first sample, except those that start at rest; measured force."""
     for j in range(s.shape[1]):
