@@ -22,6 +22,8 @@ from test.blind_score.off import off_page, worth
 from test.blind_score.rows import read
 from test.blind_score.run import MODEL
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def case(tmp_path_factory):

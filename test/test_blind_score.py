@@ -16,6 +16,8 @@ from test.blind_score.pool import spread
 from test.blind_score.rows import ROOT, SAYS, append, deciding, digest, read
 from test.blind_score.summary import ordered, page, targets, wilson
 
+pytestmark = pytest.mark.slow
+
 
 def row(kind, hidden, names=(), alternatives=(), verdict="missing_effect", **more):
     return {

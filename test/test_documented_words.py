@@ -20,7 +20,6 @@ sys.path.insert(0, str(ROOT / "tools"))
 
 from er_workspace.commands import COMMANDS
 
-
 pytestmark = pytest.mark.filterwarnings(
     "ignore:.*found in sys.modules:RuntimeWarning"  # another test has imported a program
 )

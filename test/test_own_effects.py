@@ -325,6 +325,7 @@ def test_every_command_with_a_model_takes_the_file(own):
             assert "--effects-from" in options, name
 
 
+@pytest.mark.slow
 def test_an_effect_of_the_car_may_be_ones_own(both):
     """Damping beside the damper moves the car as the same damping inside it, but the load cell does not see it."""
     catalogue = effects(both)

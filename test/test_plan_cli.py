@@ -23,6 +23,8 @@ from typer.testing import CliRunner
 from er_plant_sim import rig
 from test.conftest import ROOT
 
+pytestmark = pytest.mark.slow
+
 CAR = "config/vehicles/inove_quarter_car.yaml"
 DAMPER = "config/dampers/inove_guo.yaml"
 

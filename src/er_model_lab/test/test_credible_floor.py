@@ -10,6 +10,8 @@ from er_records.record import Record
 from lab_help import DT, FORCE_NOISE, GUO, imposed
 from scipy.signal import lfilter
 
+pytestmark = pytest.mark.slow
+
 RAMP, REST = 200, 300
 
 

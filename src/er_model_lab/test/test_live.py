@@ -117,6 +117,7 @@ def test_a_drive_shows_more_and_more_and_a_drive_at_rest_nothing() -> None:
     assert not carries(coverage(rest, load_model(VEHICLE)))
 
 
+@pytest.mark.slow
 def test_what_was_learnt_goes_to_the_monitor_and_the_live_error_falls(tmp_path: Path) -> None:
     graph = PlayedGraph(with_friction(), 25.0)
     desk = beside(graph, tmp_path)

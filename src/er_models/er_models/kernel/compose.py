@@ -274,7 +274,7 @@ def source(catalogue: Catalogue) -> str:
         "import math",
         "import numpy as np",
         "from er_models.kernel.elementary import exp, tanh",
-        "from er_models.kernel.fast import entry, inline, inner, once",
+        "from er_models.kernel.fast import entry, inline, inner, linked, once",
         "from er_models.kernel.hooks import compiled as _compiled",
         "from er_models.kernel.terms import measured, signal",
         f"INSTANT = {INSTANT!r}",

@@ -20,7 +20,7 @@ import math
 
 from er_models.effect import INSTANT
 from er_models.kernel.elementary import exp
-from er_models.kernel.fast import inline, inner, once
+from er_models.kernel.fast import inline, inner, linked, once
 
 
 def damper(on, p, s, h, how, x, v, a, u, t, theta):  # type: ignore[no-untyped-def]
@@ -151,7 +151,7 @@ def pressed(s, j, h, how, bound, give):
     return edge + beyond
 
 
-@inline
+@once
 def solve(on, links, p, s, h, how, x, v, a, u, t, theta):
     """Forces and duty at the end of a step of length h, with all states; h = 0 only evaluates."""
     if links.shape[0]:
@@ -164,7 +164,7 @@ def solve(on, links, p, s, h, how, x, v, a, u, t, theta):
     return forces
 
 
-@inner
+@linked
 def visit(on, links, p, s, h, how, x, v, a, u, t, theta):
     """As `solve`, called instead of inlined: for places where compiling once more would cost more than the call."""
     return solve(on, links, p, s, h, how, x, v, a, u, t, theta)
