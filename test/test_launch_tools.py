@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from time import monotonic, sleep
 
@@ -50,8 +51,9 @@ class Launched:
         self.log = log
         with log.open("w") as out:
             self.process = subprocess.Popen(
-                command(paths, "launch", *words), env=env, stdout=out, stderr=subprocess.STDOUT
-            )
+                command(paths, "launch", *words), env=env, stdout=out, stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )  # fmt: skip
 
     @property
     def text(self) -> str:
@@ -73,6 +75,17 @@ class Launched:
     def end(self, seconds: float = 60.0) -> int:
         return self.process.wait(timeout=seconds)
 
+    def gone(self) -> None:
+        """End it, and with a kill every node that outlives it."""
+        try:
+            if self.process.poll() is None:
+                self.process.send_signal(signal.SIGINT)
+                self.end()
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(self.process.pid, signal.SIGKILL)
+            self.process.wait()
+
 
 @pytest.fixture
 def launch(tmp_path: Path) -> Iterator[object]:
@@ -90,9 +103,7 @@ def launch(tmp_path: Path) -> Iterator[object]:
 
         yield start
         for each in started:
-            if each.process.poll() is None:
-                each.process.send_signal(signal.SIGINT)
-                each.end()
+            each.gone()
 
 
 def test_a_vehicle_takes_the_graph_in_and_goes_on_when_a_node_is_killed(
