@@ -19,6 +19,8 @@ from er_common import topics
 from er_damper_msgs.srv import InjectFault
 from test.graph_help import own_domain, plant_arguments
 
+pytestmark = pytest.mark.alone
+
 Asked = Callable[..., tuple[bool, str]]
 
 

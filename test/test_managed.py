@@ -53,7 +53,7 @@ def ros() -> Iterator[SingleThreadedExecutor]:
 
 
 def until(
-    executor: SingleThreadedExecutor, there: Callable[[], object], seconds: float = 90.0
+    executor: SingleThreadedExecutor, there: Callable[[], object], seconds: float = 300.0
 ) -> None:
     """Run callbacks until something is true; the first configuration on a machine compiles."""
     end = monotonic() + seconds

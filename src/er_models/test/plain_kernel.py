@@ -15,7 +15,7 @@ from er_models.catalogue import Catalogue
 from er_models.kernel.compose import source
 
 _OURS = re.compile(r"^from (er_models|numba).*$", re.M)
-_DECORATORS = ("batch", "entry", "inline", "inner", "record", "visitor")
+_DECORATORS = ("entry", "inline", "inner", "linked", "once")
 
 
 def plain_kernel(catalogue: Catalogue) -> Any:
