@@ -107,7 +107,6 @@ def test_it_takes_four_files():
     assert [(ROOT / name).exists() for name in names] == [False, True, False, False]
 
 
-@pytest.mark.slow
 def test_an_effect_that_is_added_as_described_keeps_the_contract(copy):
     follow(copy)
     for style in (("check",), ("format", "--check")):

@@ -98,7 +98,6 @@ def test_bad_words(capsys):
     assert seeds_of(["2", "4-6"]) == [2, 4, 5, 6]
 
 
-@pytest.mark.slow
 def test_one_truth_through_the_whole_lab(tmp_path, capsys):
     out = tmp_path / "r.jsonl"
     words = ["--effects", "dead_time", "--seeds", "1", "--workers", "1", "--results", str(out)]

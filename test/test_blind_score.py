@@ -206,7 +206,6 @@ def test_processes_share_the_work():
     assert sorted(r["key"] for r in spread(fake, asked, 2)) == sorted(a.key for a in asked)
 
 
-@pytest.mark.slow
 def test_a_second_run_makes_only_what_is_missing(tmp_path, monkeypatch, capsys):
     made = []
 
@@ -252,7 +251,6 @@ def test_bad_words_are_answered_in_one_line(words, found, capsys):
     assert error.count("\n") == 1
 
 
-@pytest.mark.slow
 def test_one_case_through_the_whole_program(tmp_path, capsys):
     out = tmp_path / "r.jsonl"
     words = "--kinds singles --effects dead_time --seeds 3 --records 3 --seconds 15 --workers 1"

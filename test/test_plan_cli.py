@@ -108,13 +108,11 @@ def driven(root, program):
     return dict(zip(names, np.array(rows, float).T, strict=True))
 
 
-@pytest.mark.slow
 def test_the_same_seed_gives_the_same_program(made, tmp_path):
     plan(tmp_path / "next.yaml")
     assert (tmp_path / "next.yaml").read_text() == (made[0] / "next.yaml").read_text()
 
 
-@pytest.mark.slow
 def test_what_a_diagnosis_suggests_runs_as_printed(root, tmp_path, monkeypatch):
     """Without field no effect of the actuation shows: the diagnosis says how to reveal one."""
     data = tmp_path / "run.csv"
@@ -173,7 +171,6 @@ def test_bad_input_is_one_line(mistake, root, monkeypatch):
         assert str(word) in lines[0]
 
 
-@pytest.mark.slow
 def test_a_program_for_a_machine_is_marked_and_no_car_takes_it(root, tmp_path):
     out = tmp_path / "machine.yaml"
     result = lab(

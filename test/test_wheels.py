@@ -227,7 +227,6 @@ def test_the_code_of_the_readme_runs(package: str, empty: Path, measured: Path) 
     run(empty / "bin/python", "-W", "error", "example.py", cwd=measured)
 
 
-@pytest.mark.slow
 def test_the_command_diagnoses_without_the_repository(empty: Path, measured: Path) -> None:
     words = ("run1.mcap", "run2.csv", "--model", "inove_guo", "--json", "result.json")
     run(empty / "bin/er-lab", "diagnose", *words, cwd=measured)

@@ -104,6 +104,9 @@ def main(argv: Sequence[str]) -> int:
         if name == "setup":
             return _setup(layout, args)
         ensure(layout)
+        if name == "test" and signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+            # a shell has its background jobs ignore it, and so would every program that a test starts and ends
+            signal.signal(signal.SIGINT, signal.default_int_handler)
         if name == "test" and not _names_paths(layout, args):
             return _test(layout, args)
         _hand_over(layout, name, args)

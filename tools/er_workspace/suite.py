@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import signal
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -66,9 +65,6 @@ def whole(
     A stop on request (Ctrl-C, a failure under `-x`) ends it at once.
     """
     worst = NOTHING_SELECTED
-    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-        # a shell has its background jobs ignore it, and so would every program that a test starts and ends
-        signal.signal(signal.SIGINT, signal.default_int_handler)
 
     def tested(*args: str) -> int:
         threads = ONE_THREAD if "--dist" in args else {}

@@ -341,11 +341,11 @@ def cross_validated(
     record's states begin is told by its own samples: the error is raised by what each such number gains by chance.
     """
     steps = _leaving_out(fitted, problem)
-    r = fitted.residual.copy()
+    r, j = fitted.residual.copy(), fitted.jacobian
     blocks = range(int(problem.fold.max()) + 1)
     for b in blocks:
         rows = problem.fold == b
-        r[rows] = fitted.residual[rows] - fitted.jacobian[rows] @ steps[b]
+        r[rows] = fitted.residual[rows] - j[rows] @ steps[b]
     train = problem.train
     if not straight and np.mean(r[train] ** 2) > DOUBTFUL * fitted.mse(train):
         r = _truly_left_out(fitted, problem, steps)
@@ -431,7 +431,7 @@ def standard_deviations(fitted: Fit, problem: Problem) -> Array:
 
 
 def with_deviations(fitted: Fit, problem: Problem) -> Model:
-    """The fitted model with standard deviations."""
+    """The fitted model with standard deviations; one that was summed up has them."""
     if not fitted.columns[0].shape[0]:
         return fitted.model
     deviations = {k: dict(v) for k, v in fitted.model.deviations.items()}

@@ -150,7 +150,9 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
         notes = (*notes, *vetoed)
         if studies and (why := _worse(study, given)):
             return _Passes(studies, current, made, notes=(*notes, why))
-        studies[-1:] = [*map(summary, studies[-1:]), study]
+        if studies:
+            studies[-1] = summary(studies[-1])
+        studies.append(study)
         # of long data with the stretches where the model did worst
         asked = replace(asked, data=study.data)
         found = study.diagnosis

@@ -58,16 +58,14 @@ def slopes(
     they were when reach was noted; left (S, n), raw (n,): scratch, and so is the last row of shown (S + 1, n).
     """
     many, n, rows = slots.shape[0], x.shape[0], 0
-    once, plain = (
-        1 + rows,
-        PLAIN + rows,
-    )  # bare numbers are types to Numba: `predict` would be compiled for each
+    # a bare number is a type to Numba: `predict` would be compiled for each
+    n_sub, plain = 1 + rows, PLAIN + rows
     for q in range(many):
         own, seen = slots[q], 0
         away, near[q] = way(reach, own)
         if not at_rest[own] and away != 0.0:
             seen = predict(
-                on, slots, links, at_rest, p, dt, x, v, a, u, theta, once, clock, warm, s, shown[q], reach, own, away,
+                on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, shown[q], reach, own, away,
                 left[q], path,
             )  # fmt: skip
         for k in range(seen, n):
@@ -75,7 +73,7 @@ def slopes(
         rows = max(rows, seen)
     if rows:
         predict(
-            on, slots, links, at_rest, p, dt, x[:rows], v[:rows], a[:rows], u[:rows], theta[:rows], once, clock, warm,
+            on, slots, links, at_rest, p, dt, x[:rows], v[:rows], a[:rows], u[:rows], theta[:rows], n_sub, clock, warm,
             s, shown[many], reach, plain, 0.0, raw, path,
         )  # fmt: skip
     for q in range(many):

@@ -26,7 +26,7 @@ counting the references to their arrays a call costs 16 ns instead of 124."""
 inline = njit(forceinline=True, **_INNER)
 """For small functions on the way of every step."""
 once = njit(inline="always", **_INNER)
-"""For functions with one caller each: written into it, they are no compilation of their own."""
+"""For functions with few callers: written into these, they are no compilation of their own."""
 linked = on_disk(error_model="numpy", fastmath={"contract"}, _nrt=False)
 """For what several entries call: kept on disk, so that each process compiles only what is its own."""
 entry = on_disk(nogil=True, error_model="numpy")

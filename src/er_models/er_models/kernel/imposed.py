@@ -190,9 +190,7 @@ def predict_rows(
     """
     s, many = np.empty((ROWS, at_rest.shape[0])), starts.shape[0] - 1
     ends, warm = np.empty((many, 2, at_rest.shape[0])), np.empty(at_rest.shape[0])
-    plain = (
-        PLAIN + 0 * many
-    )  # a bare number is a type to Numba: `predict` would be compiled once for each
+    plain = PLAIN + 0 * many  # a bare number is a type to Numba, as in `slopes`
     for k in range(ps.shape[0]):
         p, force = ps[k], forces[k]
         shift = output_delay(on, p) / dt

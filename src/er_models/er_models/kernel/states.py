@@ -166,7 +166,7 @@ def solve(on, links, p, s, h, how, x, v, a, u, t, theta):
 
 @linked
 def visit(on, links, p, s, h, how, x, v, a, u, t, theta):
-    """As `solve`, called instead of inlined: for places where compiling once more would cost more than the call."""
+    """As `solve`, called instead of written into its place: where compiling once more would cost more than the call."""
     return solve(on, links, p, s, h, how, x, v, a, u, t, theta)
 
 
