@@ -15,7 +15,7 @@ from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study, summary
 from er_model_lab.results.candidate import candidates as entries
 from er_model_lab.results.passes import explained_by, taken_last, told_together
-from er_model_lab.verbs import improve
+from er_model_lab.verbs import improve, veto
 from er_models.files import load_model
 from lab_help import EVIDENCE, GUO, asked, problem_of
 from report_views import card, record
@@ -219,7 +219,7 @@ def test_what_a_search_found_last_goes_again_where_held_out_data_refuse_it(two_f
     left = np.where(problem.held_out, ratio * one.fit.residual, found.best.fit.residual)
     best = replace(found.best, fit=replace(found.best.fit, residual=left))
     study = Part(diagnosis=replace(found, best=best), problem=problem)
-    study, notes = improve._vetoed(study, RULE, 0.05)
+    study, notes = veto.vetoed(study, RULE, 0.05)
     seen = study.diagnosis
     assert seen.effects == names[:kept]
     assert seen.best.fit.model.effects == (best if kept == 2 else one).fit.model.effects
@@ -230,6 +230,50 @@ def test_what_a_search_found_last_goes_again_where_held_out_data_refuse_it(two_f
         assert seen.verdict == "partial"
         assert "Coulomb" in " ".join(seen.reasons)
         assert "reload" not in " ".join(seen.reasons)
+
+
+@pytest.fixture(scope="module")
+def two_tied():
+    """A search that took a friction, tied with another form of it."""
+    model, problem = problem_of("coulomb_friction", {"F_c": 1.5, "v_0": 0.003})
+    base = baseline(model, problem)
+    names = ("coulomb_friction", "stribeck_friction")
+    one, two = (refit(base, model.catalogue[name], problem) for name in names)
+    null, floor = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0)), np.sqrt(one.mse)
+    rounds = [Round(base, [one, two], null, 0.01, one, list(names))]
+    known = Floor(floor, 0.0, floor, 0.0, 0.5, {}, (0.0, 0.0, 0.0))
+    return judge(base, one, rounds, known, problem, (names,)), problem
+
+
+def erring(candidate, problem, ratio):
+    """The candidate with other errors on held-out data."""
+    left = np.where(problem.held_out, ratio, 1.0) * candidate.fit.residual
+    return replace(candidate, fit=replace(candidate.fit, residual=left))
+
+
+@pytest.mark.parametrize(("ratio", "taken"), [(1.0, ("stribeck_friction",)), (50.0, None)])
+def test_of_tied_effects_that_one_is_taken_which_held_out_data_do_not_refuse(
+    two_tied, ratio, taken
+):
+    found, problem = two_tied
+    step, bad = found.rounds[0], erring(found.best, problem, 50.0)
+    step = replace(step, candidates=[bad, erring(step.candidates[1], problem, ratio)], taken=bad)
+    study = Part(diagnosis=replace(found, best=bad, rounds=(step,)), problem=problem)
+    assert veto.worse(study, RULE).startswith("coulomb_friction not added: the error on held-out")
+    other = veto.instead(study, RULE)
+    assert (other and other.diagnosis.effects) == taken
+
+
+@pytest.mark.parametrize(("one", "two", "ends"), [(50, 50, True), (50, 1, False), (1, 1, False)])
+def test_no_pass_begins_with_what_held_out_data_refuse(two_tied, one, two, ends):
+    found, problem = two_tied
+    step = found.rounds[0]
+    tried = [erring(c, problem, r) for c, r in zip(step.candidates, (one, two), strict=True)]
+    further = replace(step, candidates=tried, taken=tried[0])
+    study = Part(diagnosis=replace(found, further=further), problem=problem)
+    assert veto.refused(study, RULE).startswith("coulomb_friction not added") == ends
+    assert bool(veto.refused(study, RULE)) == ends
+    assert not veto.refused(Part(diagnosis=found, problem=problem), RULE)
 
 
 @dataclass(frozen=True)
@@ -261,6 +305,7 @@ class Search:
     explained: float = 1.0
     interrupted: bool = False
     further: object = None
+    alternatives: tuple[tuple[str, ...], ...] = ()
 
 
 def pruned(monkeypatch, after):

@@ -36,6 +36,9 @@ FOREIGN = 0.25
 """Share of the force left unexplained above which a model's own values are taken to be another damper's."""
 A_LOOK = 4
 """Iterations that every candidate gets on stretches of many runs; those that may win go on."""
+STARTS = 3
+"""From how many starts an effect is fitted for a look: the one that promises most in a straight line may lead astray.
+"""
 FINALISTS = 4
 """Candidates that are fitted to the end; of many runs these are fitted to all."""
 TRYING, FINISHING = "trying effects", "fitting the best to the end"
@@ -81,7 +84,7 @@ def baseline(model: Model, problem: Problem) -> Candidate:
     """The model as it is, refitted; from several starts when its own values are far from the data."""
     few = problem.practice
     where = few.problem if few else problem
-    fitted = fit(model, where)
+    fitted = fit(model, where, sketch=bool(few))
     size = float(np.std(where.force[where.train]))
     if np.sqrt(fitted.mse(where.train)) > FOREIGN * size:
         others = where.each(fit, restarts(model, problem, terms(model)), stage="other starts")
@@ -189,7 +192,8 @@ def refit(
         fitted, seen = _fitted_with(base, effect, problem, max_iter)
     else:
         part, rows = _on_part(base, few), few.problem.train
-        begun, seen = _fitted_with(part, effect, about(part.fit, few.problem, ROUGH), max_iter)
+        near = about(part.fit, few.problem, ROUGH)
+        begun, seen = _fitted_with(part, effect, near, max_iter, sketch=True)
         hopeless = base.seen * begun.mse(rows) > HOPE * target * part.fit.mse(rows)
         fitted = _on_all(base, begun, problem, 0 if hopeless else max_iter)
     return cross_judged(effects, fitted, problem, seen.kept, seen.reach, straight=hopeless)
@@ -211,7 +215,7 @@ def _on_all(base: Candidate, begun: Fit, problem: Problem, max_iter: int) -> Fit
 
 
 def _fitted_with(
-    base: Candidate, effect: Effect, problem: Problem, max_iter: int
+    base: Candidate, effect: Effect, problem: Problem, max_iter: int, *, sketch: bool = False
 ) -> tuple[Fit, Screen]:
     """A fitted model with one effect more, everything refitted, and what a straight line said of it.
 
@@ -226,9 +230,11 @@ def _fitted_with(
 
     def begun(values: dict[str, float]) -> Fit:
         grown = base.fit.model.with_effect(effect.name, values)
-        return fit(grown, problem, known=base.fit.jacobian, target=target, max_iter=max_iter)
+        known = base.fit.jacobian
+        return fit(grown, problem, known=known, target=target, max_iter=max_iter, sketch=sketch)
 
-    fits = [begun(values) for values in seen.points[: 1 if amplitudes(effect) else 2]]
+    many = STARTS if sketch else 1 if amplitudes(effect) else 2
+    fits = [begun(values) for values in seen.points[:many]]
     fits = [f for f in fits if np.isfinite(f.mse(problem.train))]
     fits = fits or [begun(starts(effect, problem)[0])]
     fitted = min(fits, key=lambda f: f.mse(problem.train))
@@ -332,7 +338,8 @@ def _ended(base: Candidate, found: list[Candidate], problem: Problem) -> list[Ca
 
 def _begun(name: str, problem: Problem, base: Candidate) -> Begun:
     """An effect fitted to stretches, for a look; problem and base: of them."""
-    return Begun(name, *_fitted_with(base, base.fit.model.catalogue[name], problem, A_LOOK))
+    effect = base.fit.model.catalogue[name]
+    return Begun(name, *_fitted_with(base, effect, problem, A_LOOK, sketch=True))
 
 
 def _gone_on(job: tuple[Begun, bool], problem: Problem) -> Begun:
@@ -340,7 +347,7 @@ def _gone_on(job: tuple[Begun, bool], problem: Problem) -> Begun:
     begun, able = job
     if not able or begun.fit.iterations < A_LOOK:
         return begun
-    longer = fit(begun.fit.model, problem, max_iter=FIRST_ITERATIONS - A_LOOK)
+    longer = fit(begun.fit.model, problem, max_iter=FIRST_ITERATIONS - A_LOOK, sketch=True)
     return replace(begun, fit=longer)
 
 
@@ -397,3 +404,9 @@ def without(name: str, problem: Problem, candidate: Candidate) -> Candidate:
     fitted = fit(practised(candidate.fit.model.without_effect(name), problem), problem)
     kept = tuple(e for e in candidate.effects if e != name)
     return cross_judged(kept, fitted, problem)
+
+
+def left_without(name: str, problem: Problem, candidate: Candidate) -> float:
+    """Mean square [N2] that a fitted model leaves with one of its added effects taken out again and refitted."""
+    less = candidate.fit.model.without_effect(name)
+    return fit(less, problem, sketch=True).mse(problem.train)

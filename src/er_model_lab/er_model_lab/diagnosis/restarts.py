@@ -44,7 +44,7 @@ def awakened(fitted: Fit, problem: Problem, look: int, max_iter: int) -> Fit:
     few = problem.practice
     where = few.problem if few else problem
     begun = [
-        fit(model, where, max_iter=look)
+        fit(model, where, max_iter=look, sketch=bool(few))
         for name in _asleep(fitted)
         for model in restarts(fitted.model, problem, [name])
     ]

@@ -12,6 +12,7 @@ from er_model_lab.diagnosis.candidates import (
     Candidate,
     effect_size,
     finished,
+    left_without,
     refit,
     refit_all,
     screen,
@@ -24,6 +25,9 @@ from er_model_lab.problem.problem import Problem
 
 PAIRS_OF = 6
 """Pairs are tried among this many best singles."""
+WEAKEST = 2
+"""Effects that are left out on all of many runs, those that stretches need least."""
+LEAVING_OUT = "leaving effects out"
 MOST_EFFECTS = 3
 BEYOND, FAR_BEYOND = 2.5, 3.0
 """Size, over what chance gives, from which on less steadiness is asked of an effect, and of one that is there however
@@ -389,10 +393,17 @@ def exchanged(name: str, problem: Problem, rest: Candidate, place: int) -> Candi
 
 
 def prune(candidate: Candidate, problem: Problem, limit: float) -> Candidate:
-    """Take out every added effect that is no longer needed, weakest first."""
-    current = candidate
+    """Take out every added effect that is no longer needed, weakest first.
+
+    Of many runs stretches say which ones are worth a look on all.
+    """
+    current, few = candidate, problem.practice
     while len(current.effects) > 1:
-        trials = problem.each(without, current.effects, current, stage="leaving effects out")
+        names = list(current.effects)
+        if few:
+            left = few.problem.each(left_without, names, current, stage=LEAVING_OUT)
+            names = [names[k] for k in np.argsort(left, kind="stable")[:WEAKEST]]
+        trials = problem.each(without, names, current, stage=LEAVING_OUT)
         easiest = min(trials, key=lambda c: c.mse)
         if effect_size(easiest, current) > limit:
             return current

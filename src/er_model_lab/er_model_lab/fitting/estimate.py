@@ -283,8 +283,11 @@ def estimated(fitted: Fit, problem: Problem, seed: int, given: Model | None = No
     """The model with its estimates; a deviation is infinite where the data say nothing.
 
     given: the model before the fit, whose values stay where the data hardly tell them; deviations are as without that.
+    Of many runs, where nothing switches, predictions are those of longer steps of the integrator, exact at the fit.
     """
     whole, fitted = fitted, fitted if given is None else settled(fitted, given, problem)
+    if problem.practice and not _switching(fitted, problem).any():
+        problem = about(fitted, problem)
     tried = sorted(
         (moved(polished(fitted, problem, share), problem, share) for share in SECANTS),
         key=lambda f: f.mse(problem.train),

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from er_model_lab.problem.fit_store import Noted, key
 from er_model_lab.problem.forward import COARSE, Free, Limits
 from er_model_lab.problem.problem import Practice, Problem
+from er_model_lab.problem.subset import MANY
 
 FIRST_ITERATIONS = 10
 """Iterations every candidate gets before the best are fitted to the end."""
@@ -35,6 +36,9 @@ SHARES = np.array([0.1, 0.3, 1.0])
 AS_TOLD = 0.9
 """Share of the fall that a straight line promises from which on the least damping is right where equations are smooth.
 """
+NEAR, RESTS = 0.5, 4
+"""Share of the fall that a straight line promises from which on derivatives are only turned after a step, and how often
+one after the other."""
 
 
 @dataclass(frozen=True)
@@ -112,12 +116,14 @@ def fit(
     target: float = np.inf,
     max_iter: int = 20,
     tol: float = 1e-4,
+    sketch: bool = False,
 ) -> Fit:
     """Fit the free parameters (all by default) to the training samples, from the model's values.
 
     known (n, k): derivatives by the first k free parameters near the start, from the model before it
     grew; they serve the first step, and the last too where an effect turns out to change nothing. target: mean
     square [N2] that this first step must reach, or no more is done. What the problem has noted is not fitted again.
+    sketch: nobody asks for the derivatives at the end, which cost as much as the way there.
     """
     forward = problem.forward
     box = Box(
@@ -126,14 +132,16 @@ def fit(
     start = box.start()
     f = problem.predict(box.model_at(start))
     if problem.noted is None:
-        return _fitted(box, start, f, problem, known, target, max_iter, tol)[0]
+        return _fitted(box, start, f, problem, known, target, max_iter, tol, sketch)[0]
     begun = key(
         (start, box.scale, box.low, box.high, f, problem.force, problem.fold, known),
-        (box.free, target, max_iter, tol),
+        (box.free, target, max_iter, tol, sketch),
     )
     if begun in problem.noted:
-        return _again(problem.noted[begun], box, start, f, problem, known)
-    found, problem.noted[begun] = _fitted(box, start, f, problem, known, target, max_iter, tol)
+        return _again(problem.noted[begun], box, start, f, problem, known, sketch)
+    found, problem.noted[begun] = _fitted(
+        box, start, f, problem, known, target, max_iter, tol, sketch
+    )
     return found
 
 
@@ -156,21 +164,22 @@ class _Leg:
 
 
 def _fitted(
-    box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, target: float, max_iter: int, tol: float
+    box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, target: float, max_iter: int, tol: float,
+    sketch: bool,
 ) -> tuple[Fit, Noted]:  # fmt: skip
     """A fit from scaled values theta (p,), where the prediction is f (n,), and what makes it again."""
     near = problem.near(box.model_at(theta), f)
-    leg = _leg(box, theta, f, near, known, target, max_iter, tol)
+    leg = _leg(box, theta, f, near, known, target, max_iter, tol, sketch)
     if near.forward is not problem.forward:
-        leg = _ended(leg, box, theta, f, problem, known, target, max_iter, tol)
+        leg = _ended(leg, box, theta, f, problem, known, target, max_iter, tol, sketch)
     note = Noted(leg.theta.tolist(), leg.at.tolist(), leg.exact, leg.rounds, leg.about.tolist())
-    columns = _columns(leg.jacobian, None if leg.exact else known)
+    columns = _none(leg.theta) if sketch else _columns(leg.jacobian, None if leg.exact else known)
     return _made(box, leg.theta, leg.f, columns, leg.rounds, problem), note
 
 
 def _ended(
     coarse: _Leg, box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, target: float,
-    max_iter: int, tol: float,
+    max_iter: int, tol: float, sketch: bool,
 ) -> _Leg:  # fmt: skip
     """A way from theta (p,) in longer steps, on to its end in the usual ones where these see another mean square."""
     begun, found = theta, problem.predict(box.model_at(coarse.theta))
@@ -181,7 +190,7 @@ def _ended(
     early = (better and coarse.rounds >= max_iter) or (coarse.cost > target and not coarse.exact)
     if early or abs(true - coarse.cost) <= AWAY * coarse.cost:
         return taken
-    last = _leg(box, theta, f, problem, known, target, max_iter, tol)
+    last = _leg(box, theta, f, problem, known, target, max_iter, tol, sketch)
     if last.exact:
         return last
     return replace(taken, theta=last.theta, f=last.f, rounds=last.rounds)
@@ -199,43 +208,63 @@ def _mean_square(left: Array) -> float:
 
 
 def _leg(
-    box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, target: float, max_iter: int, tol: float
+    box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, target: float, max_iter: int, tol: float,
+    sketch: bool,
 ) -> _Leg:  # fmt: skip
     """The way from scaled values theta (p,), where the prediction is f (n,), to the least mean square.
 
-    Where known derivatives make no step, or one that is worth little, it ends.
+    Where known derivatives make no step, or one that is worth little, it ends. Of long data, where equations are
+    smooth, or the way is but sketched, derivatives are turned after a step that did what they promised, and taken anew
+    at the end.
     """
     train, y = problem.train, problem.force
     cost = _cost(f, problem)
     damping, exact, at = 1e-3, known is None, theta
     jacobian = _jacobian(box, theta, f, problem, known)
-    rounds = 0
+    rounds, rests = 0, 0
+    turns = sketch or (box.smooth and problem.motion.n * problem.motion.dt > MANY)
     while rounds < max_iter and np.isfinite(cost):
         problem.work.check()
-        rounds += 1
+        rounds += sketch or not rests
         j, r = jacobian[train], (y - f)[train]
         h, g = j.T @ j / r.size, j.T @ r / r.size
         trials = _trials(h, g, theta, box, damping)
-        step = trials[0] - theta
-        fall = float(step @ (2.0 * g - h @ step)) if box.smooth else np.inf
-        best, found, tried = _best_of(trials, cost - AS_TOLD * fall, box, problem)
+        falls = [float(s @ (2.0 * g - h @ s)) for s in trials - theta]
+        enough = cost - AS_TOLD * falls[0] if box.smooth else -np.inf
+        best, found, tried = _best_of(trials, enough, box, problem)
         if not tried < cost * (1.0 - 1e-9):
-            if exact and damping > 1e3:
+            if exact and not rests and damping > 1e3:
                 break
-            if exact:
+            if exact and not rests:
                 damping *= 30.0
-            elif cost > target:
+            elif not rests and cost > target:
                 break
             else:
                 jacobian, exact, at = _jacobian(box, theta, f, problem, None), True, theta
+                rests = 0
             continue
-        gain = 1.0 - tried / cost
+        gain, near = 1.0 - tried / cost, cost - tried > NEAR * falls[best]
+        step, moved = trials[best] - theta, found - f
         theta, f, cost = trials[best], found, tried
         damping = max(damping * DAMPINGS[best], 1e-7)
-        if gain < tol or (cost > target and not exact):
+        if not rests and (gain < tol or (cost > target and not exact)):
             break
+        if near and gain > tol and rests < RESTS and turns:
+            jacobian, rests = _turned(jacobian, step, moved, np.diag(h)), rests + 1
+        else:
+            jacobian, exact, at, rests = _jacobian(box, theta, f, problem, None), True, theta, 0
+    if rests and not sketch:
         jacobian, exact, at = _jacobian(box, theta, f, problem, None), True, theta
     return _Leg(theta, f, jacobian, cost, at, exact, rounds)
+
+
+def _turned(jacobian: Array, step: Array, moved: Array, weight: Array) -> Array:
+    """Derivatives (n, p) that tell what a step (p,) has moved (n,), else as they were (Broyden 1965).
+
+    weight (p,): how much each parameter counts in what a step is.
+    """
+    along = weight * step
+    return np.asarray(jacobian + np.outer(moved - jacobian @ step, along / (along @ step)))
 
 
 def _best_of(trials: Array, enough: float, box: Box, problem: Problem) -> tuple[int, Array, float]:
@@ -251,8 +280,8 @@ def _best_of(trials: Array, enough: float, box: Box, problem: Problem) -> tuple[
 
 
 def _again(
-    note: Noted, box: Box, start: Array, f: Array, problem: Problem, known: Array | None
-) -> Fit:
+    note: Noted, box: Box, start: Array, f: Array, problem: Problem, known: Array | None, sketch: bool
+) -> Fit:  # fmt: skip
     """A fit that was made before from scaled values start (p,), where the prediction is f (n,)."""
 
     def predicted(theta: Array, near: Problem = problem) -> Array:
@@ -261,12 +290,19 @@ def _again(
         return np.asarray(near.predict_many(box.model, box.vectors(theta[None]))[0])
 
     theta, at, about = np.array(note.theta), np.array(note.at), np.array(note.about)
+    if sketch:
+        return _made(box, theta, predicted(theta), _none(theta), note.iterations, problem)
     here = predicted(about) if about.size else f
     near = problem.near(box.model_at(about), here) if about.size else problem
     here = here if np.array_equal(at, about) else predicted(at, near)
     known = None if note.exact else known
     columns = _columns(_jacobian(box, at, here, near, known), known)
     return _made(box, theta, predicted(theta), columns, note.iterations, problem)
+
+
+def _none(theta: Array) -> tuple[Array, ...]:
+    """No derivatives by values (p,)."""
+    return (np.empty((0, theta.size)),)
 
 
 def _columns(jacobian: Array, known: Array | None) -> tuple[Array, ...]:
@@ -288,7 +324,7 @@ def _made(
 def practised(model: Model, problem: Problem) -> Model:
     """The model with values from a few runs, where there are many: a start near the end for a fit to all."""
     few = problem.practice
-    return model if few is None else fit(model, few.problem).model
+    return model if few is None else fit(model, few.problem, sketch=True).model
 
 
 def part_of(whole: Fit, few: Practice) -> Fit:
@@ -442,4 +478,4 @@ def with_deviations(fitted: Fit, problem: Problem) -> Model:
 
 def summed_up(fitted: Fit, model: Model) -> Fit:
     """A fit without its derivatives, which are most of its memory; model: with the deviations that they tell."""
-    return replace(fitted, model=model, columns=(np.empty((0, fitted.theta.size)),))
+    return replace(fitted, model=model, columns=_none(fitted.theta))

@@ -16,15 +16,14 @@ from er_records.dataset import Dataset
 from er_model_lab.blas import on_one_thread
 from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.floor_estimates import AGREE
-from er_model_lab.diagnosis.investigation import BEYOND_DOUBT, Diagnosis, judge
+from er_model_lab.diagnosis.investigation import BEYOND_DOUBT, Diagnosis
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.search import prune
 from er_model_lab.fitting.velocity_channel import as_searched, restored
 from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study, checked, summary
-from er_model_lab.problem.problem import Problem
-from er_model_lab.residual.errors import errors, regions_json, worst
+from er_model_lab.residual.errors import regions_json, worst
 from er_model_lab.results.by_record import BAND, by_record, with_flags
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import candidate_views, study_regions, views
@@ -38,6 +37,7 @@ from er_model_lab.verbs.asking import question
 from er_model_lab.verbs.diagnose import offer, result_of
 from er_model_lab.verbs.history import with_history
 from er_model_lab.verbs.resume import Begun, begun, finished, left_by, marked, resume, with_fits
+from er_model_lab.verbs.veto import instead, refused, rise, vetoed, worse
 from er_model_lab.view import View
 from er_model_lab.work import STOPPED, Event, Leader, Progress, Work
 
@@ -136,6 +136,8 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
         left = current if studies else begun(current, asked.data, start)
         work = _keeping(asked.work, left, start, keep)
         last = studies[-1] if studies else None
+        if last is not None and (why := refused(last, given)):
+            return _Passes(studies, current, made, notes=(*notes, why))
         now = replace(asked, model=current, seed=asked.seed + 1000 * n, work=work, last=last)
         try:
             study = investigate(now, start.noted)
@@ -146,10 +148,13 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
                     keep(left_by(left, start))
                 raise
             return _Passes(studies, current, made, stopped=True, notes=notes)
-        study, vetoed = _vetoed(study, asked.rule, 0.0 if studies else BAND)
-        notes = (*notes, *vetoed)
-        if studies and (why := _worse(study, given)):
-            return _Passes(studies, current, made, notes=(*notes, why))
+        study, without = vetoed(study, asked.rule, 0.0 if studies else BAND)
+        notes = (*notes, *without)
+        if studies and (why := worse(study, given)):
+            other = instead(study, given)
+            if other is None:
+                return _Passes(studies, current, made, notes=(*notes, why))
+            study, notes = other, (*notes, f"{why}; {other.diagnosis.effects[0]}, tied, does not")
         if studies:
             studies[-1] = summary(studies[-1])
         studies.append(study)
@@ -222,7 +227,7 @@ def _pruned(made: _Passes, asked: Question, start: Begun, name: str) -> _Passes:
         asked.work.wind_up()
         return replace(made, stopped=True)
     dropped = tuple(e for e in able if e not in kept.effects)
-    if not dropped or _rise(problem, found.best, kept, BAND):
+    if not dropped or rise(problem, found.best, kept, BAND):
         return made
     kept = replace(kept, fit=restored(kept.fit, found.best.fit.model))
     own = tuple(e for e in found.effects if e not in dropped)
@@ -276,46 +281,6 @@ def _with_term(made: _Passes, asked: Question, start: Begun, name: str) -> _Pass
     )
     terms = (*made.terms, (found, grown, limit))
     return replace(made, model=marked(model, start.digest), last=None, terms=terms)
-
-
-def _vetoed(study: Study, rule: Rule, band: float) -> tuple[Study, tuple[str, ...]]:
-    """The study without the effects that it found last where held-out data refuse them beside the others, and why.
-
-    band: share by which the error there may rise.
-    """
-    notes, found = list[str](), study.diagnosis
-    taken = [step.taken for step in found.rounds if step.taken is not None]
-    while len(found.effects) > 1 and not found.interrupted:
-        held, fewer = set(found.effects), len(found.effects) - 1
-        before = next((c for c in taken if {*c.effects} < held and len(c.effects) == fewer), None)
-        if before is None or not (said := _rise(study.problem, before, found.best, band)):
-            break
-        (last,) = held - {*before.effects}
-        notes.append(f"{last} not added: {said}")
-        ties = tuple(group for group in found.alternatives if last not in group)
-        before = replace(before, fit=restored(before.fit, found.best.fit.model))
-        rounds = list(found.rounds)
-        found = judge(found.base, before, rounds, found.floor, study.problem, ties, rule)
-    return (replace(study, diagnosis=found) if notes else study), tuple(notes)
-
-
-def _worse(study: Study, rule: Rule) -> str:
-    """Why a further pass is not taken: what it adds errs more on held-out data than the model without it.
-
-    A small step must not err more at all.
-    """
-    found = study.diagnosis
-    band = BAND if found.explained >= rule.helps else 0.0
-    said = _rise(study.problem, found.base, found.best, band) if found.effects else ""
-    return f"{' and '.join(found.effects)} not added: {said}" if said else ""
-
-
-def _rise(problem: Problem, before: Candidate, after: Candidate, band: float) -> str:
-    """By how much the error on held-out data would rise, in a clause; empty where it rises by no more than a share."""
-    old, new = (errors(problem, c.fit.residual, problem.held_out).rmse for c in (before, after))
-    if new <= (1.0 + band) * old:
-        return ""
-    return f"the error on held-out data would rise from {old:.3g} N to {new:.3g} N"
 
 
 def _keeping(work: Work, left: Model, start: Begun, keep: Keep | None) -> Work:
