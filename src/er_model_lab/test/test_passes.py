@@ -14,7 +14,7 @@ from er_model_lab.diagnosis.search import Round
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study, summary
 from er_model_lab.results.candidate import candidates as entries
-from er_model_lab.results.passes import explained_by, taken_last, told_together
+from er_model_lab.results.passes import explained_by, of_the_last, taken_last, told_together
 from er_model_lab.verbs import improve, veto
 from er_models.files import load_model
 from lab_help import EVIDENCE, GUO, asked, problem_of
@@ -230,6 +230,14 @@ def test_what_a_search_found_last_goes_again_where_held_out_data_refuse_it(two_f
         assert seen.verdict == "partial"
         assert "Coulomb" in " ".join(seen.reasons)
         assert "reload" not in " ".join(seen.reasons)
+
+
+def test_what_is_said_of_held_out_data_beyond_those_learnt_from_is_of_the_last_model():
+    first, last = (
+        f"the held-out data go beyond those learnt from: {e} N there" for e in (101, 83)
+    )
+    assert of_the_last(["a", first, "b"], ["c", last]) == ["a", last, "b"]
+    assert of_the_last(["a", first], ["c"]) == ["a"]
 
 
 @pytest.fixture(scope="module")

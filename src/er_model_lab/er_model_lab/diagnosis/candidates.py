@@ -6,7 +6,7 @@ residual is often an impostor.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -32,6 +32,8 @@ from er_model_lab.problem.forward import ROUGH
 from er_model_lab.problem.problem import Practice, Problem
 from er_model_lab.work import Leader
 
+Values = Mapping[str, float]
+"""Values of an effect by name [SI]."""
 FOREIGN = 0.25
 """Share of the force left unexplained above which a model's own values are taken to be another damper's."""
 A_LOOK = 4
@@ -215,12 +217,13 @@ def _on_all(base: Candidate, begun: Fit, problem: Problem, max_iter: int) -> Fit
 
 
 def _fitted_with(
-    base: Candidate, effect: Effect, problem: Problem, max_iter: int, *, sketch: bool = False
-) -> tuple[Fit, Screen]:
+    base: Candidate, effect: Effect, problem: Problem, max_iter: int, *, sketch: bool = False,
+    also: Values | None = None,
+) -> tuple[Fit, Screen]:  # fmt: skip
     """A fitted model with one effect more, everything refitted, and what a straight line said of it.
 
     Where no amplitude switches the effect on, a straight line promises little: the two best starts are tried. What
-    changes nothing (a law of the duty where there is none) is not fitted.
+    changes nothing (a law of the duty where there is none) is not fitted. also: one start more.
     """
     seen = screen(base, effect, problem)
     left = base.fit.mse(problem.train)
@@ -228,13 +231,13 @@ def _fitted_with(
     if seen.gain**2 < NOTHING * left and amplitudes(effect) and not is_gap(effect):
         max_iter = 0
 
-    def begun(values: dict[str, float]) -> Fit:
+    def begun(values: Values) -> Fit:
         grown = base.fit.model.with_effect(effect.name, values)
         known = base.fit.jacobian
         return fit(grown, problem, known=known, target=target, max_iter=max_iter, sketch=sketch)
 
     many = STARTS if sketch else 1 if amplitudes(effect) else 2
-    fits = [begun(values) for values in seen.points[:many]]
+    fits = [begun(values) for values in (*([also] if also else []), *seen.points[:many])]
     fits = [f for f in fits if np.isfinite(f.mse(problem.train))]
     fits = fits or [begun(starts(effect, problem)[0])]
     fitted = min(fits, key=lambda f: f.mse(problem.train))
@@ -276,20 +279,24 @@ def cross_judged(
 
 
 def refit_all(
-    base: Candidate, problem: Problem, effects: Iterable[Effect] | None = None
-) -> list[Candidate]:
-    """Every missing effect refitted, best held-out error first; the best few are fitted to the end."""
+    base: Candidate, problem: Problem, effects: Iterable[Effect] | None = None, before: Iterable[Candidate] = ()
+) -> list[Candidate]:  # fmt: skip
+    """Every missing effect refitted, best held-out error first; the best few are fitted to the end.
+
+    before: what was tried beside the model before it grew; of many runs, effects are begun from these values, too.
+    """
     tried = [e.name for e in (missing(base.fit.model, problem) if effects is None else effects)]
     few = problem.practice
     if few:
-        return _refit_many(base, problem, few, tried)
+        known = {c.name: c.fit.model.effects[c.name] for c in before}
+        return _refit_many(base, problem, few, [(name, known.get(name)) for name in tried])
     found = problem.each(_refitted, tried, base, stage=TRYING, best=partial(leaders, base))
     found.sort(key=lambda c: c.mse)
     return _ended(base, found, problem)
 
 
 def _refit_many(
-    base: Candidate, problem: Problem, few: Practice, effects: list[str]
+    base: Candidate, problem: Problem, few: Practice, effects: list[tuple[str, Values | None]]
 ) -> list[Candidate]:
     """Of many runs: every effect fitted to stretches, the best few to all; the others are judged as they are there."""
     known = base.fit.jacobian
@@ -336,10 +343,11 @@ def _ended(base: Candidate, found: list[Candidate], problem: Problem) -> list[Ca
     )
 
 
-def _begun(name: str, problem: Problem, base: Candidate) -> Begun:
-    """An effect fitted to stretches, for a look; problem and base: of them."""
+def _begun(job: tuple[str, Values | None], problem: Problem, base: Candidate) -> Begun:
+    """An effect, with values that it had before, fitted to stretches, for a look; problem and base: of them."""
+    name, also = job
     effect = base.fit.model.catalogue[name]
-    return Begun(name, *_fitted_with(base, effect, problem, A_LOOK, sketch=True))
+    return Begun(name, *_fitted_with(base, effect, problem, A_LOOK, sketch=True, also=also))
 
 
 def _gone_on(job: tuple[Begun, bool], problem: Problem) -> Begun:

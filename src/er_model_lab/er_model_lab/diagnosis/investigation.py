@@ -207,7 +207,7 @@ def _grow(
         nothing = left < VISIBLE * best.mse and floor.explained <= VISIBLE
         if nothing and not promising(best, rounds[-1], problem):
             break
-        step = one_round(best, problem, seed + len(rounds), rule)
+        step = one_round(best, problem, seed + len(rounds), rule, rounds[-1])
         leader = _leader(step)
         deeper = _floor(problem, leader, step.null, seed)
         floor = deeper if deeper.floor < floor.floor else floor

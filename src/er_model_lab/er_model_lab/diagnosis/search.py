@@ -240,9 +240,11 @@ def rivals(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
     )
 
 
-def one_round(base: Candidate, problem: Problem, seed: int, rule: Rule = RULE) -> Round:
-    """Refit every missing effect, calibrate, and choose the best or nothing."""
-    candidates = refit_all(base, problem)
+def one_round(
+    base: Candidate, problem: Problem, seed: int, rule: Rule = RULE, last: Round | None = None
+) -> Round:
+    """Refit every missing effect, calibrate, and choose the best or nothing; last: the round before."""
+    candidates = refit_all(base, problem, before=last.candidates if last else ())
     null = simulate_null(base, candidates, problem, seed)
     return decided(base, candidates, null, problem, rule)
 

@@ -22,8 +22,11 @@ OF_THE_LAST = (
     "floors",
     "unexplained",
     "confounded",
+    "held_out_beyond",
 )
 """What holds of the model that the last pass made."""
+BEYOND = "the held-out data go beyond"
+"""How the note on the reach of held-out data begins."""
 OF_RECORDS, OF_CHANNELS = ("rmse_after", "rmse_left_out"), ("rmse_after", "noise_floor")
 """The same of each record, and of each output of a car."""
 
@@ -58,6 +61,13 @@ def told_together(
             whole["verdict"] = more["verdict"]
             whole["reasons"] = _with(whole["reasons"], more["reasons"])
     return whole
+
+
+def of_the_last(notes: Sequence[str], last: Sequence[str]) -> list[str]:
+    """Notes of the first pass, of which the one on held-out data beyond those learnt from is that of the last."""
+    now = next((note for note in last if note.startswith(BEYOND)), None)
+    told = [now if note.startswith(BEYOND) else note for note in notes]
+    return [note for note in told if note is not None]
 
 
 def _final(last: Result) -> str:

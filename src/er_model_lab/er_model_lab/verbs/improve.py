@@ -27,7 +27,7 @@ from er_model_lab.residual.errors import regions_json, worst
 from er_model_lab.results.by_record import BAND, by_record, with_flags
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import candidate_views, study_regions, views
-from er_model_lab.results.passes import explained_by, taken_last, told_together
+from er_model_lab.results.passes import explained_by, of_the_last, taken_last, told_together
 from er_model_lab.results.result import DiagnosisResult, with_notes
 from er_model_lab.results.steps import errors_of, left_of, steps
 from er_model_lab.results.terms import as_study, with_term
@@ -315,7 +315,9 @@ def _improved(made: _Passes, model: Model, asked: Question) -> DiagnosisResult:
     cards = [result.view.candidates]
     cards += [candidate_views(s, r) for s, r in zip(studies[1:], results[1:], strict=True)]
     whole = told_together(results, last.diagnosis.evidence, asked.rule, made.dropped)
-    view = replace(result.view, candidates=taken_last(cards, results))
+    whole["notes"] = of_the_last(whole["notes"], results[-1]["notes"])
+    notes = tuple(of_the_last(result.view.notes, results[-1]["notes"]))
+    view = replace(result.view, candidates=taken_last(cards, results), notes=notes)
     if len(studies) > 1:
         whole |= explained_by(first.diagnosis, last.diagnosis)
     if first.checked is not None and last.checked is not None:
