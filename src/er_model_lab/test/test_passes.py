@@ -16,6 +16,7 @@ from er_model_lab.level.study import Study, summary
 from er_model_lab.results.candidate import candidates as entries
 from er_model_lab.results.passes import explained_by, of_the_last, taken_last, told_together
 from er_model_lab.verbs import improve, veto
+from er_model_lab.work import Cancelled
 from er_models.files import load_model
 from lab_help import EVIDENCE, GUO, asked, problem_of
 from report_views import card, record
@@ -193,6 +194,26 @@ def test_a_later_pass_that_makes_held_out_data_worse_is_not_taken(monkeypatch, l
     assert len(made.studies) == taken
     assert made.model == (("preload",) if taken == 1 else ("end_stop",))
     assert ("end_stop not added" in " ".join(made.notes)) == (taken == 1)
+
+
+def test_ctrl_c_while_held_out_data_are_asked_keeps_what_was_found(monkeypatch):
+    def asked_of(study, *_, later):
+        if later:
+            raise Cancelled
+        return study, ()
+
+    fit = SimpleNamespace(fit=SimpleNamespace(residual=np.ones(8)))
+    study = Part(diagnosis=Search(("preload",), fit, (), base=fit))
+    monkeypatch.setattr(improve, "investigate", lambda *_: study)
+    monkeypatch.setattr(improve, "weighed", asked_of)
+    monkeypatch.setattr(improve, "with_history", lambda best, *_: best)
+    monkeypatch.setattr(improve, "marked", lambda model, _: model)
+    monkeypatch.setattr(improve, "begun", lambda model, *_: model)
+    level = SimpleNamespace(finished=lambda study, _: study.diagnosis.effects)
+    asked = Question(data=None, model=(), level=level, preflight=None)
+    made = improve._passes(asked, SimpleNamespace(noted={}, digest=""), "m", None)
+    assert made.stopped
+    assert made.model == ("preload",)
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ residual is often an impostor.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -34,6 +34,8 @@ from er_model_lab.work import Leader
 
 Values = Mapping[str, float]
 """Values of an effect by name [SI]."""
+Look = tuple[str, Sequence[Values]]
+"""An effect to be looked at, and values that it had beside a smaller model."""
 FOREIGN = 0.25
 """Share of the force left unexplained above which a model's own values are taken to be another damper's."""
 A_LOOK = 4
@@ -218,12 +220,12 @@ def _on_all(base: Candidate, begun: Fit, problem: Problem, max_iter: int) -> Fit
 
 def _fitted_with(
     base: Candidate, effect: Effect, problem: Problem, max_iter: int, *, sketch: bool = False,
-    also: Values | None = None,
+    also: Iterable[Values] = (),
 ) -> tuple[Fit, Screen]:  # fmt: skip
     """A fitted model with one effect more, everything refitted, and what a straight line said of it.
 
     Where no amplitude switches the effect on, a straight line promises little: the two best starts are tried. What
-    changes nothing (a law of the duty where there is none) is not fitted. also: one start more.
+    changes nothing (a law of the duty where there is none) is not fitted. also: starts beside those that the line says.
     """
     seen = screen(base, effect, problem)
     left = base.fit.mse(problem.train)
@@ -231,13 +233,14 @@ def _fitted_with(
     if seen.gain**2 < NOTHING * left and amplitudes(effect) and not is_gap(effect):
         max_iter = 0
 
+    known = base.fit.jacobian
+
     def begun(values: Values) -> Fit:
         grown = base.fit.model.with_effect(effect.name, values)
-        known = base.fit.jacobian
         return fit(grown, problem, known=known, target=target, max_iter=max_iter, sketch=sketch)
 
     many = STARTS if sketch else 1 if amplitudes(effect) else 2
-    fits = [begun(values) for values in (*([also] if also else []), *seen.points[:many])]
+    fits = [begun(values) for values in (*also, *seen.points[:many])]
     fits = [f for f in fits if np.isfinite(f.mse(problem.train))]
     fits = fits or [begun(starts(effect, problem)[0])]
     fitted = min(fits, key=lambda f: f.mse(problem.train))
@@ -288,15 +291,15 @@ def refit_all(
     tried = [e.name for e in (missing(base.fit.model, problem) if effects is None else effects)]
     few = problem.practice
     if few:
-        known = {c.name: c.fit.model.effects[c.name] for c in before}
-        return _refit_many(base, problem, few, [(name, known.get(name)) for name in tried])
+        known = {c.name: [c.fit.model.effects[c.name]] for c in before}
+        return _refit_many(base, problem, few, [(name, known.get(name, [])) for name in tried])
     found = problem.each(_refitted, tried, base, stage=TRYING, best=partial(leaders, base))
     found.sort(key=lambda c: c.mse)
     return _ended(base, found, problem)
 
 
 def _refit_many(
-    base: Candidate, problem: Problem, few: Practice, effects: list[tuple[str, Values | None]]
+    base: Candidate, problem: Problem, few: Practice, effects: list[Look]
 ) -> list[Candidate]:
     """Of many runs: every effect fitted to stretches, the best few to all; the others are judged as they are there."""
     known = base.fit.jacobian
@@ -343,7 +346,7 @@ def _ended(base: Candidate, found: list[Candidate], problem: Problem) -> list[Ca
     )
 
 
-def _begun(job: tuple[str, Values | None], problem: Problem, base: Candidate) -> Begun:
+def _begun(job: Look, problem: Problem, base: Candidate) -> Begun:
     """An effect, with values that it had before, fitted to stretches, for a look; problem and base: of them."""
     name, also = job
     effect = base.fit.model.catalogue[name]

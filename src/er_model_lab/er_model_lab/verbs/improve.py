@@ -37,7 +37,7 @@ from er_model_lab.verbs.asking import question
 from er_model_lab.verbs.diagnose import offer, result_of
 from er_model_lab.verbs.history import with_history
 from er_model_lab.verbs.resume import Begun, begun, finished, left_by, marked, resume, with_fits
-from er_model_lab.verbs.veto import instead, refused, rise, vetoed, worse
+from er_model_lab.verbs.veto import refused, rise, weighed
 from er_model_lab.view import View
 from er_model_lab.work import STOPPED, Event, Leader, Progress, Work
 
@@ -140,7 +140,8 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
             return _Passes(studies, current, made, notes=(*notes, why))
         now = replace(asked, model=current, seed=asked.seed + 1000 * n, work=work, last=last)
         try:
-            study = investigate(now, start.noted)
+            seen = investigate(now, start.noted)
+            study, said = weighed(seen, asked.rule, given, later=bool(studies))
         except STOPPED:
             asked.work.wind_up()
             if not studies:
@@ -148,13 +149,9 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
                     keep(left_by(left, start))
                 raise
             return _Passes(studies, current, made, stopped=True, notes=notes)
-        study, without = vetoed(study, asked.rule, 0.0 if studies else BAND)
-        notes = (*notes, *without)
-        if studies and (why := worse(study, given)):
-            other = instead(study, given)
-            if other is None:
-                return _Passes(studies, current, made, notes=(*notes, why))
-            study, notes = other, (*notes, f"{why}; {other.diagnosis.effects[0]}, tied, does not")
+        notes = (*notes, *said)
+        if study is None:
+            return _Passes(studies, current, made, notes=notes)
         if studies:
             studies[-1] = summary(studies[-1])
         studies.append(study)

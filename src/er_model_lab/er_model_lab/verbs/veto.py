@@ -15,6 +15,22 @@ from er_model_lab.residual.errors import errors
 from er_model_lab.results.by_record import BAND
 
 
+def weighed(
+    study: Study, rule: Rule, given: Rule, *, later: bool
+) -> tuple[Study | None, tuple[str, ...]]:
+    """What held-out data leave of a study, None where nothing is left of one after the first, and what to say of it.
+
+    rule: by which it was made; given: by which the first one was.
+    """
+    study, notes = vetoed(study, rule, 0.0 if later else BAND)
+    if not later or not (why := worse(study, given)):
+        return study, notes
+    other = instead(study, given)
+    if other is None:
+        return None, (*notes, why)
+    return other, (*notes, f"{why}; {other.diagnosis.effects[0]}, tied, does not")
+
+
 def vetoed(study: Study, rule: Rule, band: float) -> tuple[Study, tuple[str, ...]]:
     """The study without the effects that it found last where held-out data refuse them beside the others, and why.
 
@@ -39,11 +55,9 @@ def vetoed(study: Study, rule: Rule, band: float) -> tuple[Study, tuple[str, ...
 def worse(study: Study, rule: Rule) -> str:
     """Why a further pass is not taken: what it adds errs more on held-out data than the model without it."""
     found = study.diagnosis
-    said = (
-        rise(study.problem, found.base, found.best, _band(found.explained, rule))
-        if found.effects
-        else ""
-    )
+    if not found.effects:
+        return ""
+    said = rise(study.problem, found.base, found.best, _band(found.explained, rule))
     return f"{' and '.join(found.effects)} not added: {said}" if said else ""
 
 
