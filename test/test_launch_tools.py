@@ -126,8 +126,8 @@ def test_a_vehicle_takes_the_graph_in_and_goes_on_when_a_node_is_killed(
     assert "/chassis/imu" in running.text  # what is said of an input has its new name
     assert running.text.count("process has died") == 1
     running.process.send_signal(signal.SIGINT)
-    assert running.end() == 0
-    assert running.text.count("process has finished cleanly") == 2
+    assert running.end() == 0, running.text
+    assert running.text.count("process has finished cleanly") == 2, running.text
 
 
 def test_four_corners_of_a_car_come_to_a_good_end(launch) -> None:
@@ -137,7 +137,7 @@ def test_four_corners_of_a_car_come_to_a_good_end(launch) -> None:
     for corner in ("front_left", "front_right", "rear_left", "rear_right"):
         assert f"[vehicle.suspension.{corner}.plant]: finished after 200 ticks" in running.text
     assert not re.search(r"^\[ERROR\]", running.text, re.M), running.text  # launch's own
-    assert running.text.count("process has finished cleanly") == 4
+    assert running.text.count("process has finished cleanly") == 4, running.text
 
 
 def test_an_argument_that_there_is_not_is_refused(launch) -> None:

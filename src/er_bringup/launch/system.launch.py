@@ -91,9 +91,11 @@ class _Graph:
         )
 
     def ended(
-        self, label: str, again: bool, event: ProcessExited, _: LaunchContext
+        self, label: str, again: bool, event: ProcessExited, context: LaunchContext
     ) -> list[EmitEvent] | None:
         """Whom to end after a node has ended; one that a signal ended is no end of the graph."""
+        if context.is_shutdown:
+            return None  # launch ends them all; a second signal could meet one that is nearly gone
         done = label in self.working and not (event.returncode if again else event.returncode < 0)
         if again and not (done or self.over):
             return None  # launch starts it again

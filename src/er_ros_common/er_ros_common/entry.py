@@ -45,6 +45,10 @@ def start(package: str, name: str) -> None:
             raise
         sys.stderr.write(f"{line}\n")
         sys.exit(2)
+    finally:
+        # the interpreter gives signals their default back while it is taken down, but not to those that are ignored
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)
 
 
 def run(program: Program) -> None:
