@@ -6,6 +6,7 @@ Every seed draws noise, phases and starting values up to a factor of three off. 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
 import time
@@ -21,6 +22,7 @@ from er_models.files import load_model
 from er_models.model import Model
 from er_records.dataset import Dataset
 
+from test.blind_score.tables import table
 from test.identify_data import TRUTHS, Truth, program
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -114,8 +116,10 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=6.0, help="length of each record")
     parser.add_argument("--width", type=float, default=0.0, help="of the smooth switches [m/s]")
     parser.add_argument("--dampers", nargs="+", default=list(TRUTHS), choices=list(TRUTHS))
+    parser.add_argument("--json", type=Path, help="write the tables here")
     given = parser.parse_args()
     seeds = range(1, given.seeds + 1)
+    tables = {}
     context = get_context("spawn")
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ[name] = "1"
@@ -133,10 +137,11 @@ def main() -> None:
                 f"\n{truth.model}: seeds 1 to {many}, {each:.0f} s a seed and core, "
                 f"version {versions().get('commit', 'unknown')}\n\n"
             )
-            sys.stdout.write("| " + " | ".join(HEAD) + " |\n|" + "---|" * len(HEAD) + "\n")
-            for row in rows(runs):
-                sys.stdout.write("| " + " | ".join(row) + " |\n")
+            tables[truth.model] = list(rows(runs))
+            sys.stdout.write(table(HEAD, tables[truth.model]))
             sys.stdout.flush()
+    if given.json:
+        given.json.write_text(json.dumps(tables, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

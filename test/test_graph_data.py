@@ -470,11 +470,11 @@ def test_launch_declares_every_argument_with_its_default(monkeypatch: pytest.Mon
     assert all(a.kwargs["description"] for a in declared)
 
 
-def ends_with(found: dict[str, Any], label: str, status: int) -> list[str]:
-    """Whom the launch file ends after a node has ended with this status."""
+def ends_with(found: dict[str, Any], label: str, status: int, *, shut: bool = False) -> list[str]:
+    """Whom the launch file ends after a node has ended with this status; shut: while launch ends them all."""
     name = {id(node): label for label, node in found.items()}
     event = types.SimpleNamespace(returncode=status)
-    events = found[label].kwargs["on_exit"](event, None)
+    events = found[label].kwargs["on_exit"](event, types.SimpleNamespace(is_shutdown=shut))
     matchers = [each.kwargs["event"].kwargs["process_matcher"] for each in events or ()]
     return [name[id(matcher.args[0])] for matcher in matchers]
 
@@ -491,6 +491,7 @@ def test_only_the_good_end_of_what_measures_ends_the_launch(
     for each in others[:1]:
         assert [ends_with(found, each, status) for status in (1, 0)] == [[], []]
     assert ends_with(found, source, -9) == []
+    assert ends_with(found, source, 0, shut=True) == []
     assert ends_with(found, source, 0) == (others[1:] or ["recorder"])
     for each in others[1:]:
         assert "recorder" not in ends_with(found, each, 0)[:-1]

@@ -45,8 +45,21 @@ def test_what_a_command_wrote_is_stored_with_its_code(tmp_path, monkeypatch):
     run.store(tmp_path / "written.json")
     assert run.stored() == {"command": "study some", "code": run.code, "values": {"a": 1}}
     (tmp_path / "written.json").write_text("none")
-    with pytest.raises(InputError, match="the JSON of study some"):
+    with pytest.raises(InputError, match="what study some wrote"):
         run.store(tmp_path / "written.json")
+
+
+def test_tables_of_a_page_are_stored_where_a_command_writes_no_json(tmp_path, monkeypatch):
+    monkeypatch.setattr("test.result_tables.stored.DATA", tmp_path)
+    run = Run("some", "some", "some.md", (), lambda tables: {"first": tables[0]}, "--table FILE")
+    (tmp_path / "written.md").write_text(
+        "# Title\n\n| a | b |\n|---|--:|\n| 1 | - |\n\n| c |\n|---|\n"
+    )
+    run.store(tmp_path / "written.md")
+    assert run.stored()["values"] == {"first": {"head": ["a", "b"], "rows": [["1", "-"]]}}
+    (tmp_path / "written.md").write_text("no table")
+    with pytest.raises(InputError, match="what some wrote"):
+        run.store(tmp_path / "written.md")
 
 
 def test_a_page_changed_by_hand_is_put_right(tmp_path):

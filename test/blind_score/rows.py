@@ -27,7 +27,7 @@ SAYS = frozenset((
 
 
 def _bare(source: str) -> str:
-    """Source as its syntax tree without docstrings."""
+    """Source without comments and docstrings, written as one Python version writes it like another."""
     tree = ast.parse(source)
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
@@ -37,7 +37,7 @@ def _bare(source: str) -> str:
                 n for n in body if not (isinstance(n, texts[0]) and isinstance(n.value, texts[1]))
             ]
             node.body = kept  # type: ignore[attr-defined]
-    return ast.dump(tree)
+    return ast.unparse(tree)
 
 
 def deciding(root: Path = ROOT, folders: Sequence[str] = DECIDES) -> list[Path]:

@@ -1,7 +1,7 @@
 """Tables of the result pages: ``./er exec python -m test.result_tables [RUN FILE]``.
 
 Without arguments it writes every table anew from what is stored, and says which were made by other code. With RUN and
-the FILE that its command wrote (`--json FILE`) it stores that first.
+the FILE that its command wrote (`--json FILE`, `--table FILE`) it stores that first.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def main(argv: list[str] | None = None) -> int:
     """Command line."""
     parser = argparse.ArgumentParser("result_tables", description=__doc__)
     parser.add_argument("run", nargs="?", choices=list(RUNS), help="run whose figures are stored")
-    parser.add_argument("file", nargs="?", type=Path, help="JSON that its command wrote")
+    parser.add_argument("file", nargs="?", type=Path, help="what its command wrote")
     given = parser.parse_args(argv)
     try:
         if given.run is not None:
@@ -46,7 +46,7 @@ def main(argv: list[str] | None = None) -> int:
     for run in RUNS.values():
         stored = run.stored()["code"]
         same = "as it is" if stored == run.code else f"older, {stored}: run it again"
-        print(f"{run.name:10} ./er {run.command} --json FILE    (code: {same})")
+        print(f"{run.name:16} ./er {run.command} {run.writes}    (code: {same})")
     return 0
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from er_models.catalogue import CATALOGUE
@@ -51,3 +53,8 @@ def improved(run: Run, values: dict[str, Any]) -> str:
     rows.append([end, *error(values["held_out"]), "", "", "", ""])
     head = ["model", "held out", "over std", "size", "least", "blocks better", "runs better"]
     return table(head, rows)
+
+
+TABLES: dict[str, tuple[Run, Callable[[Any], str]]] = {
+    run.name: (run, partial(improved, run)) for run in (MTS, SHAKING, PISTON)
+}

@@ -20,8 +20,9 @@ DATA = ROOT / "docs/results/data"
 class Run:
     """A documented run.
 
-    name: of its file in `DATA`; command: as one types it, with `--json FILE` added; page: in `docs/results`; decides:
-    folders whose code makes other figures when it changes; keeps: what of the JSON is stored, all by default.
+    name: of its file in `DATA`; command: as one types it, with `writes` added; page: in `docs/results`; decides:
+    folders whose code makes other figures when it changes; keeps: what of the JSON is stored, all by default; writes:
+    the option that makes the command write a file, `--table FILE` for Markdown, of which the tables are kept in order.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Run:
     page: str
     decides: tuple[str, ...]
     keeps: Callable[[Any], Any] = lambda written: written
+    writes: str = "--json FILE"
 
     @property
     def file(self) -> Path:
@@ -47,9 +49,10 @@ class Run:
             InputError: no JSON.
         """
         try:
-            values = json.loads(written.read_text(encoding="utf-8"))
+            text = written.read_text(encoding="utf-8")
+            values = json.loads(text) if "json" in self.writes else read_tables(text)
         except (OSError, ValueError) as error:
-            raise InputError(written, "", f"the JSON of {self.command}", str(error)) from error
+            raise InputError(written, "", f"what {self.command} wrote", str(error)) from error
         content = {"command": self.command, "code": self.code, "values": self.keeps(values)}
         write_whole(self.file, json.dumps(content, indent=1, sort_keys=True) + "\n")
 
@@ -63,6 +66,27 @@ class Run:
             raise InputError(self.file, "", f"the figures of ./er {self.command}", "no file")
         content: dict[str, Any] = json.loads(self.file.read_text(encoding="utf-8"))
         return content
+
+
+def read_tables(text: str) -> list[dict[str, Any]]:
+    """The tables of a Markdown text, each as its head and rows of cells.
+
+    Raises:
+        ValueError: there is none.
+    """
+    found: list[dict[str, Any]] = []
+    lines = [*text.splitlines(), ""]
+    for before, line in zip(["", *lines], lines, strict=False):
+        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+        if not line.startswith("|"):
+            continue
+        if not before.startswith("|"):
+            found.append({"head": cells, "rows": []})
+        elif not set("".join(cells)) <= set("-:"):
+            found[-1]["rows"].append(cells)
+    if not found:
+        raise ValueError("no table")
+    return found
 
 
 def marked(name: str) -> tuple[str, str]:

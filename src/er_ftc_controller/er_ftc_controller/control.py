@@ -21,11 +21,13 @@ from enum import Enum
 from functools import cached_property, lru_cache
 from typing import NamedTuple, TypeAlias
 
+from er_models.constants import SAMPLE_TIME
 from er_models.errors import InputError
 from er_models.forms.loss import Factors
 
-from er_ftc_controller import force_loop, lpv, state_law
+from er_ftc_controller import force_loop, lateness, lpv, state_law
 from er_ftc_controller.force_loop import ForceLoop, LoopState, Motion
+from er_ftc_controller.lateness import Lateness
 from er_ftc_controller.state_law import StateLaw
 
 SLACK = 1e-9
@@ -48,8 +50,8 @@ class Rules:
     of time that starts the controller afresh [s]; believed: largest deflection [m] and velocity [m/s]; fade: fastest
     change of a factor [1/s]; fault_age: after which an estimate is old [s]; least_left: share of the field's force
     below which nothing is left to control; restore: share of the lost passive force that the field gives back;
-    ahead: from a sample to the middle of the time its duty acts [s], so far the motion is led on; adapt: whether the
-    domain follows the faults (False: the nominal LPV controller).
+    ahead: from the moment a duty begins to act to the middle of the time it acts [s]: so far beyond its lateness the
+    motion is led on; adapt: whether the domain follows the faults (False: the nominal LPV controller).
     """
 
     safe_duty: float
@@ -151,7 +153,7 @@ class State(NamedTuple):
 
     t: of the last call [s], None before; heard: of the last usable sample; share: of the controlled duty, 0 safe;
     left: factors in use; aim: where they go; faults: last usable estimate; control, loop, feedback: of their own;
-    command.
+    command; lateness: of the duties.
     """
 
     t: float | None
@@ -165,6 +167,7 @@ class State(NamedTuple):
     loop: LoopState
     command: Command
     feedback: state_law.State = state_law.START
+    lateness: Lateness = Lateness()
 
 
 Moved: TypeAlias = tuple[
@@ -205,14 +208,33 @@ def step(p: Ftc, state: State, t: float, sample: Sample | None) -> tuple[State, 
     moved: Moved = (
         state.control, state.loop, state.feedback, last.wanted, last.given, last.rho, (last.x, last.v),
     )  # fmt: skip
+    late = state.lateness
     if usable and sample is not None:
-        moved = _controlled(p, state, sample, dt)
+        late = lateness.hear(late, t, sample.duty, dt)
+        moved = _controlled(p, state._replace(lateness=late), sample, dt)
     control, loop, feedback, wanted, given, rho, motion = moved
     mode, reason = _mode(p, state, t, heard=heard, running=running, lost=lost)
     duty = p.rules.safe_duty + share * (loop.duty - p.rules.safe_duty)
     command = Command(duty, mode, reason, wanted, given, rho, state.left, *motion)
-    rest = (state.left, state.aim, state.faults, state.refused, control, loop, command, feedback)
+    late = lateness.say(late, t, duty)
+    rest = (
+        state.left,
+        state.aim,
+        state.faults,
+        state.refused,
+        control,
+        loop,
+        command,
+        feedback,
+        late,
+    )
     return State(t, heard, share, *rest), command
+
+
+def latency(p: Ftc, state: State) -> float:
+    """Time from a sample until the duty that answers it acts [s]: as learnt, else as told."""
+    late = state.lateness.late
+    return p.loop.latency if late is None else late * SAMPLE_TIME
 
 
 def _share_gained(p: Ftc, dt: float, *, running: bool) -> float:
@@ -234,6 +256,7 @@ def _aged(p: Ftc, state: State, t: float) -> tuple[State, float]:
     if not 0.0 <= dt <= p.rules.gap + SLACK:  # whoever applies duties has gone to the safe one
         state = state._replace(
             heard=None, faults=None, share=0.0, control=p.rest, loop=LoopState(), feedback=state_law.START,
+            lateness=Lateness(late=state.lateness.late),
         )  # fmt: skip
         dt = 0.0
     if state.left == state.aim:
@@ -261,20 +284,26 @@ def _controlled(p: Ftc, state: State, sample: Sample, dt: float) -> Moved:
     loop = LoopState(state.loop.force, state.loop.gate, state.command.duty)
     motion = Motion(x, v, _force(p, sample), sample.duty)
     loop = force_loop.follow(p.loop, loop, motion, dt, left)
-    rate = sample.sprung_acceleration - sample.unsprung_acceleration
-    then = force_loop.ahead(x, v, rate, p.rules.ahead)
+    rate, late = sample.sprung_acceleration - sample.unsprung_acceleration, latency(p, state)
+    then = force_loop.ahead(x, v, rate, late + p.rules.ahead)
     if not _believed(p, *then):
         then = (x, v)
-    if (moved := _fed_back(p, state, loop, sample, then, dt)) is not None:
+    if (moved := _fed_back(p, state, loop, sample, then, dt, late)) is not None:
         return moved
     control, asked = lpv.step(p.law, state.control, x, then, left, p.rules.restore)
     wanted, given, passive, gate, rho = asked
-    loop, _ = force_loop.duty_for(p.loop, loop, given - passive, gate, dt, left)
+    loop, _ = force_loop.duty_for(p.loop, loop, given - passive, gate, dt, left, late)
     return control, loop, state_law.START, wanted, given, rho, then
 
 
 def _fed_back(
-    p: Ftc, state: State, loop: LoopState, sample: Sample, then: tuple[float, float], dt: float
+    p: Ftc,
+    state: State,
+    loop: LoopState,
+    sample: Sample,
+    then: tuple[float, float],
+    dt: float,
+    late: float,
 ) -> Moved | None:
     """The state feedback one sample on; None where it is not in charge."""
     accelerations = (sample.sprung_acceleration, sample.unsprung_acceleration)
@@ -284,11 +313,11 @@ def _fed_back(
     left, damper = _factors(state.left), p.loop.damper
     passive, gate = float(damper.passive(*then, left)), float(damper.gate(*then))
     feedback, goal = state_law.step(
-        p.feedback, state.feedback, sample[:2], accelerations, loop.force, dt, left.leakage * left.deformation
+        p.feedback, state.feedback, sample[:2], accelerations, loop.force, dt, left.leakage * left.deformation, late
     )  # fmt: skip
     low, high = sorted(damper.ends(passive, gate, p.loop.duties, left))
     given = min(max(passive + goal, low), high)
-    loop, _ = force_loop.duty_for(p.direct, loop, given - passive, gate, dt, left)
+    loop, _ = force_loop.duty_for(p.direct, loop, given - passive, gate, dt, left, late)
     return p.rest, loop, feedback, passive + goal, given, sum(feedback.shares), then
 
 

@@ -104,12 +104,19 @@ def ahead(x: float, v: float, rate: float, time: float) -> tuple[float, float]:
 
 
 def duty_for(
-    p: ForceLoop, state: LoopState, wanted: float, gate: float, dt: float, left: Factors
+    p: ForceLoop,
+    state: LoopState,
+    wanted: float,
+    gate: float,
+    dt: float,
+    left: Factors,
+    latency: float | None = None,
 ) -> tuple[LoopState, float]:
     """Duty for a yield force [N] after `follow`, within all limits.
 
-    gate: s of the motion while the duty will act. dt [s]: since the duty before.
+    gate: s of the motion while the duty will act. dt [s]: since the duty before. latency [s]: in place of the loop's.
     """
+    late = p.latency if latency is None else latency
     low, high = p.duties
     strength = p.damper.height(1.0, left)
     if gate == 0.0 or strength == 0.0:
@@ -118,7 +125,7 @@ def duty_for(
         full = strength * math.copysign(max(abs(gate), p.least_gate), gate)
         goal = p.damper.height(state.duty, left) * gate
         kept = kept_after(p.tau, p.horizon)
-        missing = wanted - kept * respond(p.tau, state.force, goal, p.latency)
+        missing = wanted - kept * respond(p.tau, state.force, goal, late)
         share = max(missing / (1.0 - kept) / full, 0.0)
         duty = min(max(min(share, 1.0) ** (1.0 / p.damper.beta), low), high)
     if left.electrical * duty**p.damper.beta < p.dead_zone**p.damper.beta:

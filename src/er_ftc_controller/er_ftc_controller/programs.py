@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from er_common.program import CONTROLLER, Program
-from er_common.topics import ACCELERATION, DEFLECTION, FAULT, PWM_COMMAND
+from er_common.topics import ACCELERATION, DEFLECTION, FAULT, PWM_APPLIED, PWM_COMMAND
 
 PACKAGE = "er_ftc_controller"
 SKYHOOK: Final = Program(
@@ -24,7 +24,7 @@ FTC: Final = Program(
     core="ros_ftc",
     kind=CONTROLLER,
     listens=(ACCELERATION, DEFLECTION),
-    uses=(FAULT,),
+    uses=(FAULT, PWM_APPLIED),
     says=PWM_COMMAND,
     model=True,
     rate=True,

@@ -38,6 +38,8 @@ REMEMBERED = SECOND
 """How long an acceleration that was not used is still said [ns]."""
 WAITING = 64
 """Fault estimates kept until they act."""
+HELD = 4
+"""Applied duties kept until a sample asks which one acted before it."""
 Waiting: TypeAlias = tuple[tuple[int, Faults], ...]
 _SOURCE = {
     Mode.NOMINAL: PwmDuty.SOURCE_NOMINAL,
@@ -53,7 +55,8 @@ class State(NamedTuple):
     checks: of each input's stamps; body, strut: whether a sensor is stuck; last: the last sample; heard: when the last
     usable one came [ns, steady]; base: stamp of the first one; counts; silent: how `mind` goes on while samples stay
     away. The next sample finds `mind` as the last one left it, so that answers to samples do not depend on when
-    somebody looked. unused: why an acceleration was not used, and the stamp of the last such.
+    somebody looked. unused: why an acceleration was not used, and the stamp of the last such. applied: duties by the
+    stamp from which on they are in force, newest first.
     """
 
     mind: control.State
@@ -61,7 +64,7 @@ class State(NamedTuple):
     body: Watched = Watched()
     strut: Watched = Watched()
     waiting: Waiting = ()
-    checks: Checks = (StampState(),) * 3
+    checks: Checks = (StampState(),) * 4
     last: Tick = Tick(0, 0)
     heard: int = 0
     base: int = 0
@@ -69,6 +72,7 @@ class State(NamedTuple):
     told: int = 0
     silent: control.State | None = None
     unused: tuple[str, int] = ("", 0)
+    applied: tuple[tuple[int, float], ...] = ()
 
     @property
     def stamps(self) -> StampState:
@@ -87,11 +91,14 @@ class State(NamedTuple):
 
 
 class FtcCore(Core):
-    """Files are read here, and never again; without a fault estimator the damper is taken for healthy."""
+    """Files are read here, and never again.
+
+    Without a fault estimator the damper is taken for healthy; without applied duties a duty is as late as `latency`.
+    """
 
     p: FtcParameters
-    inputs = (topics.ACCELERATION, topics.DEFLECTION, topics.FAULT)
-    optional = (topics.FAULT,)
+    inputs = (topics.ACCELERATION, topics.DEFLECTION, topics.FAULT, topics.PWM_APPLIED)
+    optional = (topics.FAULT, topics.PWM_APPLIED)
     outputs = (topics.PWM_COMMAND,)
 
     def __init__(self, p: FtcParameters) -> None:
@@ -105,9 +112,9 @@ class FtcCore(Core):
         self.p, self.controller = p, controller_of(p, self.model, self.loaded)
         sample = StampLimits(stale=p.max_age, gap=self.controller.rules.gap)
         # an estimate comes later than its tick where a part of that is waited for, and acts until it is old
-        self.limits = (sample, sample, StampLimits(stale=p.fault_age))
-        rules = self.controller.rules
-        self.believed = rules.believed[1] / rules.ahead if rules.ahead else math.inf
+        self.limits = (sample, sample, StampLimits(stale=p.fault_age), sample)
+        rules, ahead = self.controller.rules, p.latency + p.ahead
+        self.believed = rules.believed[1] / ahead if ahead else math.inf
         warm = control.start(self.controller)
         control.step(self.controller, warm, 0.0, Sample(0.0, 0.0, 0.0, 0.0))
 
@@ -132,6 +139,10 @@ class FtcCore(Core):
         if not verdict.use:
             return state._replace(checks=checks), []
         back = verdict is Verdict.JUMPED_BACK
+        if topic is topics.PWM_APPLIED:
+            held = () if back or not message.valid else state.applied[: HELD - 1]
+            new = ((stamp, message.duty),) if message.valid else ()
+            return state._replace(checks=checks, applied=(*new, *held)), []
         if topic is topics.ACCELERATION:
             value = (message.sprung, message.unsprung) if message.valid else (math.nan, math.nan)
             body, stuck = check(state.body, value, ACCELERATION, stamp)
@@ -152,7 +163,9 @@ class FtcCore(Core):
             state = state._replace(checks=checks, pairs=pairs, strut=strut)
         if pair is None:
             return state, []
-        return self._sample(state, Tick(stamp, seq), Sample(*pair[1], *pair[0]), when)
+        acted = next((duty for since, duty in state.applied if since < stamp), math.nan)
+        sample = Sample(*pair[1], *pair[0], duty=acted)
+        return self._sample(state, Tick(stamp, seq), sample, when)
 
     def _doubt(self, message: Any) -> str:
         """Why accelerations are not used; empty where they are.
@@ -204,6 +217,7 @@ class FtcCore(Core):
         values = {
             "rho": f"{command.rho:.3f}",
             "force asked for [N]": f"{command.wanted:.2f}",
+            "latency [ms]": f"{1e3 * control.latency(self.controller, state.mind):g}",
             "factors in use f1 f2 f3": " ".join(f"{f:.3f}" for f in command.left),
             "fault estimates": state.told,
             "halves without partner": state.pairs.unmatched,
@@ -224,7 +238,7 @@ class FtcCore(Core):
         told = state.told + (waiting is not state.waiting)
         silent = None  # what was said while samples stayed away ends with the sample
         come = (state.pairs, state.body, state.strut, waiting, state.checks)
-        rest = (tick, heard, base, unusable, told, silent, state.unused)
+        rest = (tick, heard, base, unusable, told, silent, state.unused, state.applied)
         return by_place(State, (mind, *come, *rest)), [_command(tick, command)]
 
     def _heard(self, state: State, base: int, stamp: int) -> tuple[control.State, Waiting]:

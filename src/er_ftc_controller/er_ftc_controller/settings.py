@@ -161,7 +161,7 @@ def controller_of(p: FtcParameters, model: Model, loaded: Loaded) -> Ftc:
     rules = Rules(
         p.safe_duty, (p.largest_deflection, p.largest_velocity), p.timeout, p.ramp, p.recovery,
         gap=max(Rules.gap, 2.0 * p.timeout), fade=p.fade, fault_age=p.fault_age, least_left=p.least_left,
-        restore=p.restore, ahead=p.latency + p.ahead, adapt=p.law == "fault_tolerant",
+        restore=p.restore, ahead=p.ahead, adapt=p.law == "fault_tolerant",
     )  # fmt: skip
     car = model.effects["quarter_car"]
     body = (car["m_s"], car["k_s"])

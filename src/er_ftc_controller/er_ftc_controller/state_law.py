@@ -24,6 +24,8 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
+from er_ftc_controller.force_loop import ahead
+
 Gain: TypeAlias = tuple[float, float, float, float, float]
 SLOW, FAST = (0.51, 0.70), (1.165, 1.467)
 """Edges over the body's frequency: from slow to resonance, from resonance to none."""
@@ -95,11 +97,12 @@ START = State()
 
 def step(
     p: StateLaw, state: State, motion: tuple[float, float], accelerations: tuple[float, float],
-    force: float, dt: float, left: float = 1.0,
+    force: float, dt: float, left: float = 1.0, late: float = 0.0,
 ) -> tuple[State, float]:  # fmt: skip
     """Yield force to head for [N]; motion: deflection [m], rate [m/s]; accelerations: NaN for those of before.
 
-    force: yield force now [N]; dt: since the sample before [s]; left: share f_2 f_3 of the viscous force.
+    force: yield force now [N]; dt: since the sample before [s]; left: share f_2 f_3 of the viscous force; late: time
+    until the duty acts [s], over which the accelerations lead the motion on.
     """
     (x, v), (sprung, unsprung), missing = motion, accelerations, 0.0
     if not math.isfinite(sprung + unsprung):
@@ -109,12 +112,13 @@ def step(
     told, ratio = _told(p, state.told, motion, (velocity, sprung, sprung - unsprung), dt)
     shares = _shares(told, ratio, left)
     m_s, m_us, k_t = p.body
-    tyre, wheel, goal = -(m_s * sprung + m_us * unsprung) / k_t, velocity - v, 0.0
+    tyre, goal = -(m_s * sprung + m_us * unsprung) / k_t, 0.0
+    x, v = ahead(x, v, sprung - unsprung, late)
+    led = velocity + late * sprung
+    wheel = led - v
     for share, k in zip(shares, p.gains):
         if share:
-            goal -= share * (
-                k[0] * x + k[1] * velocity + k[2] * tyre + k[3] * wheel + k[4] * force
-            )
+            goal -= share * (k[0] * x + k[1] * led + k[2] * tyre + k[3] * wheel + k[4] * force)
     return State(velocity, sprung, unsprung, missing, told, shares), goal
 
 

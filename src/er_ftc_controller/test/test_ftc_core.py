@@ -14,6 +14,7 @@ from er_ftc_controller.settings import FtcParameters
 from er_ros_common.builders import (
     Tick,
     fault_estimate,
+    pwm_duty,
     suspension_acceleration,
     suspension_deflection,
 )
@@ -21,6 +22,7 @@ from er_ros_common.core import When
 
 from er_common import topics
 from er_damper_msgs.msg import FaultEstimate, NodeStatus, PwmDuty
+from er_ftc_controller import control
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 BASE, PERIOD = 1_700_000_000_000_000_000, 5_000_000
@@ -92,6 +94,24 @@ def test_order_within_a_tick_and_lateness_of_estimates_change_nothing(core: FtcC
     assert first[-1].header.stamp == halves(199)[0][1].header.stamp
     (_, healthy) = play(core, [m for k in range(1, 200) for m in halves(k)])
     assert [m.duty for m in healthy] != [m.duty for m in first]
+
+
+def test_how_late_its_duties_act_is_learnt_from_those_that_acted(core: FtcCore) -> None:
+    """The duty of tick k is told when it is in force, two samples after the sample it answers, and from then on."""
+    state, duties = core.start(), {}
+    for k in range(1, 200):
+        told = pwm_duty(Tick(stamp(k), k), duties.get(k - 2, 0.0), command_seq=max(k - 2, 0))
+        state, (said,) = play(core, [*halves(k), (topics.PWM_APPLIED, told)], state)
+        duties[k] = said.duty
+    assert max(duties.values()) > min(duties.values()) + 0.05
+    assert control.latency(core.controller, state.mind) == pytest.approx(0.01)
+    assert core.report(state).values["latency [ms]"] == "10"
+    (_, untold) = play(core, [m for k in range(1, 200) for m in halves(k)])
+    assert [m.duty for m in untold] != list(duties.values())
+    gone = pwm_duty(Tick(stamp(200), 200), 0.0, valid=False)
+    lost, _ = play(core, [(topics.PWM_APPLIED, gone)], state)
+    assert lost.applied == ()
+    assert control.latency(core.controller, lost.mind) == pytest.approx(0.01)
 
 
 @pytest.mark.parametrize(

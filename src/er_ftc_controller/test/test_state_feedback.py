@@ -183,3 +183,21 @@ def test_without_accelerations_the_law_of_the_deflection_takes_over(ftc: Ftc) ->
     assert state.feedback == START
     assert not np.array_equal(state.control.x, ftc.rest.x)
     assert math.isfinite(command.duty)
+
+
+def test_a_late_duty_is_meant_for_the_motion_that_it_meets(law: StateLaw) -> None:
+    """On a tone, the goal of a late duty is near that of the sample that it will meet."""
+    w, late = 2.0 * math.pi * 4.0, 0.01
+    goals = {}
+    for time in (0.0, late):
+        state, goals[time] = START, []
+        for k in range(800):
+            s, c = math.sin(w * k * DT), math.cos(w * k * DT)
+            motion, body = (0.003 * s, 0.003 * w * c), -0.002 * w * w * s
+            accelerations = (body, body + 0.003 * w * w * s)
+            state, goal = step(law, state, motion, accelerations, 0.0, DT, late=time)
+            goals[time].append(goal)
+    ahead = round(late / DT)
+    exact, led, held = goals[0.0][400 + ahead :], goals[late][400:-ahead], goals[0.0][400:-ahead]
+    error, without = (np.std(np.subtract(exact, each)) for each in (led, held))
+    assert error < 0.5 * without  # the wheel is led on by its velocity, the tyre is not

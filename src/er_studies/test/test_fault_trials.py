@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from er_models.errors import InputError
 from er_models.model import Model
 from er_observers.faults import regression
 from er_observers.faults.rules import estimator
 from er_observers.faults.sample import Kind
-from er_studies.faults import bound
+from er_studies.faults import bound, statistics_command
 from er_studies.faults.acceptance import faultless, faulty
-from er_studies.faults.statistics import CLOSE, GROUPS, IN_TIME, found_in, trial_of
+from er_studies.faults.statistics import (
+    CLOSE,
+    GROUPS,
+    IN_TIME,
+    Found,
+    found_in,
+    plain,
+    read,
+    trial_of,
+)
 from er_studies.faults.trials import COURSES, Trial, drive
 
 
@@ -81,3 +92,27 @@ def test_a_fault_is_named_and_measured_on_roads_of_every_class(car: Model, name:
         assert found.named <= IN_TIME
         assert found.error <= CLOSE
         assert (found.wrong, found.doubted) == ((), False)
+
+
+def test_statistics_go_on_with_the_drives_that_a_file_holds(tmp_path, monkeypatch, capsys) -> None:
+    """A drive that never got its name has no time in JSON, and what is known is not driven again."""
+    asked, file = [], tmp_path / "drives.json"
+    group = next(g for g in GROUPS if g.left)
+    found = Found("chirp", (), 0.0, math.inf, 0.5, 0.01, 12.0, "NONE", False, False)
+
+    def driven(groups, model, seed, number, known):
+        asked.append(known)
+        return [(g, found) for g in groups for _ in range(known.get(g.name, 0), number)]
+
+    monkeypatch.setattr(statistics_command, "statistics", driven)
+    for number in (2, 3):
+        statistics_command.fault_statistics_command([group.name], number=number, json_file=file)
+    assert asked == [{group.name: 0}, {group.name: 2}]
+    drives = read(json.loads(file.read_text())["drives"])
+    assert drives == {group.name: [found._replace(wrong=[])] * 3}
+    assert "Infinity" not in json.dumps(plain(drives))
+    ((head, rows),) = statistics_command.tables(drives)
+    assert [row[head.index("number")] for row in rows] == ["3", "3"]
+    assert rows[0][head.index("median s to name")] == "never"
+    with pytest.raises(InputError, match="drives of seed 2"):
+        statistics_command.fault_statistics_command([group.name], seed=2, json_file=file)

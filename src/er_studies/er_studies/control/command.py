@@ -11,9 +11,7 @@ import typer
 from er_bringup.up import configuration
 from er_common.usage import OneLineGroup
 from er_models.errors import ErError, UnknownName
-from er_models.files import write_whole
 from er_models.places import writable
-from rich.console import Console
 
 from er_studies.control import contest_command, inner, tradeoff, whole_car
 from er_studies.control.closed_loop import known
@@ -21,6 +19,7 @@ from er_studies.control.estimated import estimated
 from er_studies.control.run import WatchOf, compare, run, setup
 from er_studies.control.scenarios import Scenario, load_scenarios
 from er_studies.control.table import markdown
+from er_studies.given_out import Json, Out, say, write_json
 from er_studies.progress import progress_of
 
 app = typer.Typer(
@@ -56,7 +55,7 @@ def compare_command(
     faults: From = "estimated",
     fault: Annotated[str | None, typer.Option(help="One fault; all by default.")] = None,
     seeds: Seeds = None,
-    out: Annotated[Path | None, typer.Option(help="Write the tables here as well.")] = None,
+    out: Out = None,
 ) -> None:
     """All controllers on all faults and roads of the scenarios: tables of means and paired differences."""
     writable({"--out": out})
@@ -64,10 +63,7 @@ def compare_command(
     scenarios = tuple(_with(s, fault) for s in _scenarios(only))
     with progress_of("roads") as tick:
         outcomes = compare(setup(config), scenarios, _watch(faults), seeds, tick=tick)
-    text = markdown(scenarios, outcomes, faults)
-    _print(text)
-    if out is not None:
-        write_whole(out, text + "\n")
+    say(markdown(scenarios, outcomes, faults), out)
 
 
 @app.command("car")
@@ -75,19 +71,19 @@ def car_command(
     seeds: Annotated[int, typer.Option(min=1, help="Number of random roads.")] = 5,
     seconds: Annotated[float, typer.Option(min=1.0, help="Length of a random road [s].")] = 20.0,
     first: Annotated[int, typer.Option(min=0, help="Seed of the first road.")] = 0,
-    out: Annotated[Path | None, typer.Option(help="Write the tables here as well.")] = None,
+    out: Out = None,
+    json_file: Json = None,
 ) -> None:
     """Controllers of the whole car: on random roads, in turns and while braking."""
-    writable({"--out": out})
+    writable({"--out": out, "--json": json_file})
     with progress_of("rides") as tick:
         found = []
         for row in whole_car.rows(configuration(), seeds, seconds, first):
             found.append(row)
             if tick:
                 tick(len(found), 10)
-    _print(whole_car.markdown(found))
-    if out is not None:
-        write_whole(out, whole_car.markdown(found) + "\n")
+    say(whole_car.markdown(found), out)
+    write_json(json_file, found)
 
 
 @app.command("inner")
@@ -99,7 +95,7 @@ def inner_command(
     """From force to duty: inverse static model and inner loop, on the car as believed and on others."""
     (chosen,) = _scenarios([scenario])
     _with(chosen, fault)
-    _print(inner.markdown(inner.rows(setup(configuration()), chosen, fault, seeds)))
+    say(inner.markdown(inner.rows(setup(configuration()), chosen, fault, seeds)))
 
 
 @app.command("tradeoff")
@@ -117,7 +113,7 @@ def tradeoff_command(
     faults = ("healthy", "electrical", "leakage")
     with progress_of("roads") as tick:
         found = tradeoff.points(setup(configuration()), chosen, faults, seeds, tick=tick)
-    _print(tradeoff.markdown(found))
+    say(tradeoff.markdown(found))
 
 
 @app.command("endurance")
@@ -138,13 +134,13 @@ def endurance_command(
     r = Ride(60.0 * minutes, seed=seed, latency=latency)
     with progress_of("seconds driven") as tick:
         found = ride(setup(configuration()), _watch(faults), r, tick)
-    _print(f"{minutes:g} min, seed {seed}: {'stable' if found.stable else 'NOT STABLE'}")
-    _print(f"peak deflection over the passive car's: {found.peak:.3f}, rms: {found.rms:.3f}")
-    _print(
+    say(f"{minutes:g} min, seed {seed}: {'stable' if found.stable else 'NOT STABLE'}")
+    say(f"peak deflection over the passive car's: {found.peak:.3f}, rms: {found.rms:.3f}")
+    say(
         f"changes of mode: {found.changes}; fault-tolerant {100 * found.adapted:.1f} % of the time"
     )
-    _print(f"safe {100 * found.safe:.2f} % of the time")
-    _print(
+    say(f"safe {100 * found.safe:.2f} % of the time")
+    say(
         "rms error of the factors in use f1, f2, f3: " + ", ".join(f"{e:.3f}" for e in found.error)
     )
     if not found.stable:
@@ -173,7 +169,7 @@ def figures_command(
             begin - 1.0,
             min(end, begin + 3.0),
         )
-        _print(f"wrote {path}")
+        say(f"wrote {path}")
 
 
 def _scenarios(only: list[str] | None) -> tuple[Scenario, ...]:
@@ -195,11 +191,6 @@ def _watch(name: str) -> WatchOf:
     if name not in WATCHES:
         raise UnknownName("source of faults", name, tuple(WATCHES))
     return WATCHES[name]
-
-
-def _print(text: str) -> None:
-    """For people and for files: no wrapping, no colours."""
-    Console(soft_wrap=True, markup=False, highlight=False).print(text)
 
 
 def main() -> None:

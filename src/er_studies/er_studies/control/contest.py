@@ -182,6 +182,14 @@ def markdown(lines: Sequence[Line]) -> str:
     return "\n".join(rows)
 
 
+def tones_markdown(rows: Mapping[float, Array]) -> str:
+    """Changes (4,) at each frequency [Hz] as a table, in per cent."""
+    lines = ["| tone [Hz] | " + " | ".join(HEADS) + " |", "|---" * 5 + "|"]
+    for hertz, row in rows.items():
+        lines.append(f"| {hertz:g} | " + " | ".join(f"{100.0 * v:+.1f}" for v in row) + " |")
+    return "\n".join(lines)
+
+
 def limited(cars: Sequence[Ridden], u_max: float, latency: int) -> list[Ridden]:
     """The cars within the limits of a rig."""
     return [replace(of, u_max=u_max, latency=latency) for of in cars]

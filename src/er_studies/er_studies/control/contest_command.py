@@ -16,20 +16,20 @@ from er_ftc_controller.gains import load_gains
 from er_ftc_controller.settings import controller_of
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.files import write_whole
+from er_models.model import Array
 from er_models.places import writable
 from er_models.yaml_file import read_yaml
-from rich.console import Console
 
 from er_studies.control import contest, robust
 from er_studies.control.contest import FAULTS, SCORED, TONES, Line, Rider
 from er_studies.control.form_ride import Ridden
 from er_studies.control.peers import PEERS
 from er_studies.control.run import Setup, setup
+from er_studies.given_out import Json, Out, say, write_json
 from er_studies.progress import progress_of
 
 ONLY = ("both", "iso", "bumps")
 OURS = "fault_tolerant"
-Out = Annotated[Path | None, typer.Option(help="Write the table here as well.")]
 Seeds = Annotated[int, typer.Option(min=1, help="Number of random roads of a kind.")]
 
 
@@ -55,27 +55,25 @@ def peers_command(
     knobs: Annotated[Path | None, typer.Option(help="Knobs, as `tune` writes them; else the shipped ones.")] = None,
     told: Annotated[bool, typer.Option(help="Tell ours the faults; no peer is told.")] = True,
     out: Out = None,
+    json_file: Json = None,
 ) -> None:  # fmt: skip
     """Ours and its peers on ISO roads with every fault, on bumps, within the rig's limits, and on tones."""
-    writable({"--out": out})
+    writable({"--out": out, "--json": json_file})
     lines = _contest(seeds, knobs, told=told)
     tones = _tones(setup(configuration()))
-    text = contest.markdown(lines) + "\n\n" + tones
-    Console(soft_wrap=True, markup=False, highlight=False).print(text)
-    if out is not None:
-        write_whole(out, text + "\n")
+    say(contest.markdown(lines) + "\n\n" + contest.tones_markdown(tones), out)
+    write_json(json_file, {"lines": lines, "tones": list(tones.items())})
 
 
-def robust_command(seeds: Seeds = 5, out: Out = None) -> None:
+def robust_command(seeds: Seeds = 5, out: Out = None, json_file: Json = None) -> None:
     """The loop with the fault estimator, on a leak that appears: other loads, late and lost samples."""
-    writable({"--out": out})
+    writable({"--out": out, "--json": json_file})
     of, knobs = setup(configuration()), _knobs(None)
+    constant = knobs["constant"]["duty"]
     with progress_of("cases") as tick:
-        found = robust.rows(of, seeds, knobs["constant"]["duty"], tick)
-    text = robust.markdown(found, knobs["constant"]["duty"])
-    Console(soft_wrap=True, markup=False, highlight=False).print(text)
-    if out is not None:
-        write_whole(out, text + "\n")
+        found = robust.rows(of, seeds, constant, tick)
+    say(robust.markdown(found, constant), out)
+    write_json(json_file, {"constant": constant, "cases": found})
 
 
 def front_command(
@@ -122,16 +120,12 @@ def _contest(seeds: int, knobs: Path | None, *, told: bool) -> list[Line]:
         return contest.contest(riders, kinds, names, tick)
 
 
-def _tones(of: Setup) -> str:
-    """Ours on tones, a table."""
+def _tones(of: Setup) -> dict[float, Array]:
+    """Changes of ours at each frequency [Hz]."""
     rider, car = contest.ours(_built(of)), Ridden(of.model)
     roads = [contest.tone(of.model, hertz) for hertz in TONES]
     bare = contest.scores(car, roads, contest.passive)
-    rows = contest.scores(car, roads, rider) / bare - 1.0
-    lines = ["| tone [Hz] | " + " | ".join(contest.HEADS) + " |", "|---" * 5 + "|"]
-    for hertz, row in zip(TONES, rows, strict=True):
-        lines.append(f"| {hertz:g} | " + " | ".join(f"{100.0 * v:+.1f}" for v in row) + " |")
-    return "\n".join(lines)
+    return dict(zip(TONES, contest.scores(car, roads, rider) / bare - 1.0, strict=True))
 
 
 def _built(of: Setup) -> Callable[[Ridden], Ftc]:

@@ -141,10 +141,36 @@ def _work(job: tuple[Group, int, int]) -> Found:
 
 
 def statistics(
-    groups: Sequence[Group], model: Model, seed: int, number: int
+    groups: Sequence[Group],
+    model: Model,
+    seed: int,
+    number: int,
+    known: Mapping[str, int] | None = None,
 ) -> Iterator[tuple[Group, Found]]:
-    """Every drive of every group, in order, spread over the cores."""
-    jobs = [(group, seed, i) for group in groups for i in range(number)]
+    """Every drive of every group, in order, spread over the cores; known: so many of a group are left out."""
+    jobs = [
+        (group, seed, i)
+        for group in groups
+        for i in range((known or {}).get(group.name, 0), number)
+    ]
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(cores(), context, _begin_worker, (model,)) as pool:
         yield from zip((job[0] for job in jobs), pool.map(_work, jobs), strict=True)
+
+
+def plain(found: Mapping[str, Sequence[Found]]) -> dict[str, list[list[Any]]]:
+    """Drives as JSON knows them: what was never named has no time."""
+    return {
+        name: [[None if value == math.inf else value for value in each] for each in drives]
+        for name, drives in found.items()
+    }
+
+
+def read(found: Mapping[str, Sequence[Sequence[Any]]]) -> dict[str, list[Found]]:
+    """Drives of what `plain` made."""
+    return {
+        name: [
+            Found._make(math.inf if value is None else value for value in each) for each in drives
+        ]
+        for name, drives in found.items()
+    }

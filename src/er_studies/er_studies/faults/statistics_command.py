@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import typer
@@ -14,10 +15,28 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from er_studies.faults.statistics import CLOSE, GROUPS, IN_TIME, Found, Group, statistics
+from er_studies.faults.statistics import (
+    CLOSE,
+    GROUPS,
+    IN_TIME,
+    Found,
+    plain,
+    read,
+    statistics,
+)
+from er_studies.given_out import write_json
 from er_studies.programs import program_of, run
 
 _ROADS = ("iso8608", "round bumps", "sharp bumps", "tone", "chirp")
+_QUIET_HEAD = [
+    "drives without a fault", "road", "number", "a fault named", "one that is open", "unexplained", "of the time",
+]  # fmt: skip
+_FAULTY_HEAD = [
+    "drives with a fault", "road", "number", f"named within {IN_TIME:g} s", f"all factors within {CLOSE:g} then",
+    "at the end", "median s to name", "another fault named", "unexplained at the end",
+]  # fmt: skip
+KEPT = 20
+"""After so many drives the file is written anew."""
 
 
 def fault_statistics_command(
@@ -29,6 +48,13 @@ def fault_statistics_command(
     ),
     number: Annotated[int, typer.Option(min=1, help="Drives of each kind.")] = 200,
     seed: Annotated[int, typer.Option(min=0, help="Seed of all drives.")] = 1,
+    json_file: Annotated[
+        Path | None,
+        typer.Option(
+            "--json",
+            help="Write every drive here; goes on after those that the same code has written.",
+        ),
+    ] = None,
 ) -> None:
     """Drive on roads of every kind, with parameters off by up to 5 %: faults, none, friction, load."""
     names = {group.name: group for group in GROUPS}
@@ -36,38 +62,55 @@ def fault_statistics_command(
         if name not in names:
             raise InputError("fault_statistics", "GROUPS", "of " + "; ".join(names), name)
     asked = [names[name] for name in groups or names]
+    found = _known(json_file, seed, [group.name for group in asked])
     console = Console(stderr=True)
-    jobs = statistics(asked, load_model(model), seed, number)
-    found: dict[str, list[Found]] = {group.name: [] for group in asked}
-    shown = track(
-        jobs, total=len(asked) * number, console=console, disable=not console.is_terminal
+    jobs = statistics(
+        asked, load_model(model), seed, number, {n: len(d) for n, d in found.items()}
     )
-    for group, each in shown:
+    left = sum(max(number - len(drives), 0) for drives in found.values())
+    shown = track(jobs, total=left, console=console, disable=not console.is_terminal)
+    for done, (group, each) in enumerate(shown, 1):
         found[group.name].append(each)
-    _print(Console(width=160), asked, found, seed)
+        if done % KEPT == 0:
+            write_json(json_file, {"seed": seed, "drives": plain(found)})
+    write_json(json_file, {"seed": seed, "drives": plain(found)})
+    terminal = Console(width=160)
+    for head, rows in tables(found):
+        table = Table(*head, title=f"seed {seed}")
+        for row in rows:
+            table.add_row(*row)
+        terminal.print(table)
 
 
-def _print(
-    console: Console, asked: Sequence[Group], found: dict[str, list[Found]], seed: int
-) -> None:
-    """The tables of drives without faults and with."""
-    quiet = Table(
-        "drives", "road", "number", "a fault named", "one that is open", "unexplained", "of the time",
-        title=f"No fault, seed {seed}",
-    )  # fmt: skip
-    faulty = Table(
-        "drives", "road", "number", f"named within {IN_TIME:g} s", f"all factors within {CLOSE:g} then", "at the end",
-        "median s to name", "another fault named", "unexplained at the end", title=f"Faults, seed {seed}",
-    )  # fmt: skip
-    for group in asked:
-        for road in ("all", *_ROADS):
-            some = [f for f in found[group.name] if road == "all" or f.road.startswith(road)]
-            if some:
-                table, cells = (faulty, _faulty(some)) if group.left else (quiet, _quiet(some))
-                table.add_row(group.name if road == "all" else "", road, str(len(some)), *cells)
-    for table in (quiet, faulty):
-        if table.row_count:
-            console.print(table)
+def _known(file: Path | None, seed: int, asked: Sequence[str]) -> dict[str, list[Found]]:
+    """Drives of these kinds that a file holds."""
+    stored: dict[str, Any] = {"seed": seed, "drives": {}}
+    if file is not None and file.exists():
+        stored = json.loads(file.read_text(encoding="utf-8"))
+        if stored["seed"] != seed:
+            raise InputError(file, "", f"drives of seed {seed}", f"of seed {stored['seed']}")
+    none: dict[str, list[Found]] = {name: [] for name in asked}
+    return none | read(stored["drives"])
+
+
+def tables(found: Mapping[str, Sequence[Found]]) -> list[tuple[list[str], list[list[str]]]]:
+    """Heads and rows: of the drives without faults, and of those with; none where there is no drive."""
+    made = []
+    for faulty, head, cells in ((False, _QUIET_HEAD, _quiet), (True, _FAULTY_HEAD, _faulty)):
+        rows = []
+        for group in (g for g in GROUPS if bool(g.left) is faulty):
+            for road in ("all", *_ROADS):
+                some = [
+                    f
+                    for f in found.get(group.name, ())
+                    if road == "all" or f.road.startswith(road)
+                ]
+                if some:
+                    name = group.name if road == "all" else ""
+                    rows.append([name, road, str(len(some)), *cells(some)])
+        if rows:
+            made.append((head, rows))
+    return made
 
 
 def _quiet(some: Sequence[Found]) -> list[str]:
@@ -78,9 +121,10 @@ def _quiet(some: Sequence[Found]) -> list[str]:
 
 
 def _faulty(some: Sequence[Found]) -> list[str]:
+    middle = float(np.median([f.named for f in some]))
     return [
         _count(some, [f.named <= IN_TIME for f in some]), _count(some, [f.error <= CLOSE for f in some]),
-        _count(some, [f.last_error <= CLOSE for f in some]), f"{np.median([f.named for f in some]):.1f}",
+        _count(some, [f.last_error <= CLOSE for f in some]), f"{middle:.1f}" if np.isfinite(middle) else "never",
         _count(some, [bool(f.wrong) for f in some]), _count(some, [f.doubted for f in some]),
     ]  # fmt: skip
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -10,11 +9,12 @@ from typing import Annotated
 
 import numpy as np
 import typer
-from er_models.files import load_model, write_whole
+from er_models.files import load_model
 from er_models.model import Array, Model
 from er_models.places import writable
 from numpy.typing import NDArray
 
+from er_studies.given_out import Json, write_json
 from er_studies.observers.classes import CASES, CLASSES, MICROMETRES, scenario, with_noise
 from er_studies.observers.estimators import Estimator, estimators_of
 from er_studies.observers.nrmse import nrmse
@@ -90,9 +90,7 @@ def main(
         list[str] | None, typer.Option(help="Case, again for more; all by default.")
     ] = None,
     noise: Annotated[list[int] | None, typer.Option(help="Noise of the deflection [um].")] = None,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the errors here.")
-    ] = None,
+    json_file: Json = None,
 ) -> None:
     """Compare on roads that are scored and not tuned on; a table in Markdown."""
     writable({"--json": json_file}, None, {})
@@ -105,8 +103,7 @@ def main(
             if tick is not None:
                 tick(done, len(jobs))
     typer.echo(table(found, [e.name for e in made]), nl=False)
-    if json_file is not None:
-        write_whole(json_file, json.dumps(found, indent=1) + "\n")
+    write_json(json_file, found)
 
 
 app = program_of(main)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,6 +13,7 @@ from er_models.model import Model
 from er_models.places import writable
 from rich.console import Console
 
+from er_studies.given_out import Json, write_json
 from er_studies.observers.estimators import Estimator, estimators_of
 from er_studies.observers.run import compare, follow
 from er_studies.observers.scenarios.drive import drive
@@ -47,9 +47,7 @@ def observers_command(
             min=1, help="Number of random roads per scenario; all of its own by default."
         ),
     ] = None,
-    json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write medians per window here.")
-    ] = None,
+    json_file: Json = None,
     csv_file: Annotated[
         Path | None, typer.Option("--csv", help="Write every road and window here.")
     ] = None,
@@ -71,9 +69,7 @@ def observers_command(
     console = Console(width=None if sys.stdout.isatty() else _WIDTH)
     for table in tables(scenarios, outcomes, titles, ours):
         console.print(table)
-    if json_file is not None:
-        text = json.dumps(document(scenarios, outcomes, titles, ours), indent=1, allow_nan=False)
-        write_whole(json_file, text + "\n")
+    write_json(json_file, document(scenarios, outcomes, titles, ours))
     if csv_file is not None:
         write_whole(csv_file, "\n".join(csv_lines(scenarios, outcomes)) + "\n")
     if pictures is not None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Annotated
@@ -10,7 +9,7 @@ from typing import Annotated
 import numpy as np
 import typer
 from er_models.constants import SAMPLE_TIME as DT
-from er_models.files import load_model, write_whole
+from er_models.files import load_model
 from er_models.model import Array
 from er_models.places import writable
 from er_models.program import Program, times
@@ -19,6 +18,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
+from er_studies.given_out import Json, write_json
 from er_studies.observers.variants import Reached, rate_bounds, reach, variants
 from er_studies.programs import program_of, run
 
@@ -33,9 +33,7 @@ DUTIES: dict[str, dict[str, object]] = {
 
 def variants_command(
     model: Annotated[Path, typer.Option(help="Vehicle model file.")],
-    json_file: Annotated[
-        Path | None, typer.Option("--json", help="Write the figures to this file.")
-    ] = None,
+    json_file: Json = None,
 ) -> None:
     """Every theorem in every form: its gamma, or why it has none; bounds of the duty's rate."""
     writable({"--json": json_file}, read={"--model": (model,)})
@@ -57,7 +55,7 @@ def variants_command(
             "variants": [{k: _plain(v) for k, v in row._asdict().items()} for row in reached],
             "rates": [dict(zip(_RATE_KEYS, row, strict=True)) for row in rates],
         }
-        write_whole(json_file, json.dumps(content, indent=1) + "\n")
+        write_json(json_file, content)
 
 
 _RATE_KEYS = ("duty", "rate", "gamma", "share")
