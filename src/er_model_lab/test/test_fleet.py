@@ -14,13 +14,14 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from er_model_lab.fleets import engine as engines
+from er_model_lab.fleets import unit as units
 from er_model_lab.fleets.asked import Asked, code
 from er_model_lab.fleets.engine import Engine, Failure, Lost, OtherCode, spread
 from er_model_lab.fleets.recording import RecordingJob, recording
 from er_model_lab.fleets.run import Run, _overlaps
 from er_model_lab.fleets.source import Source, sources
 from er_model_lab.fleets.store import Store
-from er_model_lab.fleets.unit import MOST_SAMPLES, chosen
+from er_model_lab.fleets.unit import MOST_SAMPLES, UnitJob, chosen
 from er_model_lab.output.report.sections.fleet import parameters
 from er_model_lab.work import HERE
 from er_models.files import load_model
@@ -119,6 +120,52 @@ def test_a_url_is_found_and_fetched(tmp_path: Path) -> None:
     assert token("memory://er_fleet/u1/a.csv") != before
     with pytest.raises(lab.InputError, match="a protocol that fsspec reads"):
         list(sources(["nowhere://a"]))
+
+
+def test_what_cannot_be_fetched_now_has_failed_and_is_tried_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A network that times out is no answer: neither the recording nor its unit is bad for ever."""
+    import fsspec
+
+    files = fsspec.filesystem("memory")
+    files.pipe("/er_away/u/a.parquet", record(tmp_path / "a.parquet", 1, seconds=3.0).read_bytes())
+    url = "memory:///er_away/u/a.parquet"
+    asked: dict[str, Any] = {"out": tmp_path / "f.parquet", "search": False}
+
+    def rows(*, resume: bool) -> tuple[dict[str, Any], int]:
+        """The row of the recording, and how many were reused."""
+        with ThreadPoolExecutor(1) as pool:
+            found = lab.fleet(
+                "memory://er_away",
+                lab.load_model("inove_guo"),
+                executor=pool,
+                resume=resume,
+                **asked,
+            )
+        (row,) = pq.read_table(found.recordings_table).to_pylist()
+        return row, found.to_dict()["reused"]
+
+    def away(*_: object, **__: object) -> None:
+        raise TimeoutError(110, "Connection timed out")
+
+    with monkeypatch.context() as network:
+        network.setattr(type(files), "get", away)
+        row, _ = rows(resume=False)
+        assert (row["status"], row["error"]) == ("failed", f"{url}: Connection timed out")
+    row, reused = rows(resume=True)
+    assert (row["status"], reused) == ("used", 0)
+    job = UnitJob("u", (url,), frozenset([row["digest"]]))
+    with monkeypatch.context() as network:
+        network.setattr(type(files), "get", away)
+        assert engines._done(units.unit, job, ASKED) == Failure(f"{url}: Connection timed out")
+    files.pipe("/er_away/u/a.parquet", record(tmp_path / "b.parquet", 2, seconds=3.0).read_bytes())
+    said = "records of u changed since they were first read (1 of 1)"
+    assert engines._done(units.unit, job, ASKED) == Failure(said)
+    files.rm("/er_away/u/a.parquet")
+    files.pipe("/er_away/u/b.csv", b"")
+    row, _ = rows(resume=False)
+    assert row["status"] == "unreadable"
 
 
 def test_few_recordings_stand_for_many() -> None:

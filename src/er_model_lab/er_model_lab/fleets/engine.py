@@ -20,6 +20,7 @@ from er_models.errors import ErError
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.fleets.asked import Asked, code
+from er_model_lab.fleets.places import Unreachable
 from er_model_lab.jobs.call import Call
 
 SECONDS, EACH = 2.0, 0.01
@@ -203,6 +204,7 @@ def _done(function: Callable[[Any, Asked], Any], job: Any, asked: Asked) -> Any:
     try:
         return on_one_thread(Call(function, (asked,)))(job)
     except ErError as error:
-        return Failure(" ".join(str(error).split()), kept=True)
+        lasting = not isinstance(error, Unreachable)
+        return Failure(" ".join(str(error).split()), kept=lasting)
     except Exception as error:  # one recording ends no fleet
         return Failure(f"{type(error).__name__}: {error}".splitlines()[0][:300])

@@ -9,9 +9,16 @@ from pathlib import Path
 from typing import Any
 
 from er_common.extras import extra
-from er_models.errors import InputError
+from er_models.errors import ErError, InputError
 from er_records.load import files_of
 from er_records.provenance import digest_files
+
+LASTING = (FileNotFoundError, IsADirectoryError, NotADirectoryError, PermissionError)
+"""What an operating system says that will be the same another time."""
+
+
+class Unreachable(ErError):
+    """A recording that cannot be had now, but perhaps another time: a network, a full disk, a file that changes."""
 
 
 def is_url(path: str) -> bool:
@@ -42,7 +49,8 @@ def local(path: str) -> Iterator[Path]:
     """The recording as a file or folder of this machine; what is fetched for it vanishes again.
 
     Raises:
-        InputError: It cannot be read.
+        InputError: It is not there, or may not be read.
+        Unreachable: It cannot be fetched now.
     """
     if not is_url(path):
         yield Path(path)
@@ -53,7 +61,7 @@ def local(path: str) -> Iterator[Path]:
         try:
             files.get(inner, str(target), recursive=files.isdir(inner))
         except OSError as error:
-            raise InputError(path, "", "a recording that can be read", _said(error)) from None
+            raise _unread(path, error) from None
         yield target
 
 
@@ -73,7 +81,8 @@ def content(place: Path) -> str:
     """SHA-256 of every file that reading a recording opens.
 
     Raises:
-        InputError: It is not there, or cannot be read.
+        InputError: It is not there, or may not be read.
+        Unreachable: It cannot be read now.
     """
     try:
         files = files_of(place)
@@ -81,9 +90,12 @@ def content(place: Path) -> str:
             raise InputError(place, "", "a recording", "nothing there")
         return digest_files(sorted(files))
     except OSError as error:
-        raise InputError(place, "", "a recording that can be read", _said(error)) from None
+        raise _unread(place, error) from None
 
 
-def _said(error: OSError) -> str:
-    """What an operating system says of a failure."""
-    return error.strerror or " ".join(str(error).split()) or type(error).__name__
+def _unread(path: str | Path, error: OSError) -> ErError:
+    """What an operating system says of a recording: for good, or for now."""
+    said = error.strerror or " ".join(str(error).split()) or type(error).__name__
+    if isinstance(error, LASTING):
+        return InputError(path, "", "a recording that can be read", said)
+    return Unreachable(f"{path}: {said}")
