@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sqlite3
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -13,6 +14,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from er_model_lab.cli import running
+from er_model_lab.cli.app import app
+from er_model_lab.fleets import cluster as clusters
 from er_model_lab.fleets import engine as engines
 from er_model_lab.fleets import unit as units
 from er_model_lab.fleets.asked import Asked, code
@@ -27,6 +31,7 @@ from er_model_lab.work import HERE
 from er_models.files import load_model
 from er_models.prediction import motion, predict
 from lab_help import DT, FORCE_NOISE, GUO, imposed
+from typer.testing import CliRunner
 
 import er_model_lab as lab
 
@@ -256,6 +261,18 @@ def test_a_full_disk_ends_no_run_and_half_a_row_is_none(tmp_path: Path) -> None:
     run._keep("b", "x" * 100_000)
     assert "full" in run.lost
     assert (store.kept("a"), store.known("p"), store.kept("b")) == ([1], ("t", "c"), None)
+    store._db.execute("PRAGMA run.max_page_count = 20")
+    store.add([Source(f"{k}", "u") for k in range(40)])
+    for number, source in store.sources():
+        store.place(
+            number,
+            source,
+            [{"record": "r", "digest": f"{number}", "status": "used", "more": "x" * 3000}],
+        )
+        store.enter("u", {"last": number})
+    assert "full" in store.full
+    assert [p["digest"] for p in store.parts("u")] == [f"{k}" for k in range(1, 41)]
+    assert [*store.rows()] == [{"unit": "u", "last": 40}]
     with pytest.raises(lab.InputError, match="no other run has open"):
         Store(tmp_path / "f.results")
     store.close()
@@ -265,16 +282,28 @@ def test_a_full_disk_ends_no_run_and_half_a_row_is_none(tmp_path: Path) -> None:
         Store(other)
 
 
-def test_the_same_samples_count_once_wherever_they_lie(tmp_path: Path) -> None:
+@pytest.mark.parametrize("arrival", [(0, 1, 2, 3), (3, 2, 1, 0), (2, 0, 3, 1)], ids=str)
+def test_the_same_samples_count_once_whichever_comes_first(
+    tmp_path: Path, arrival: tuple[int, ...]
+) -> None:
     store = Store(tmp_path / "f.results")
-    store.add([Source("a", "1"), Source("b", "2"), Source("b", "3")])
-    row = {"record": "r", "digest": "d", "status": "used"}
-    for number, source in store.sources():
-        store.place(number, source, [row])
-        store.place(number, source, [row])
-    assert [(p["unit"], p["status"], p.get("error")) for p in store.parts()] == [
-        ("1", "used", None), ("2", "copy", "the samples of a: used once")
-    ]  # fmt: skip
+    store.add([Source(name, unit) for name, unit in zip("abccd", "12349", strict=True)])
+    status = {"a": "not_usable", "b": "used", "c": "used", "d": "used"}
+    named = [*store.sources()]
+    for number, source in (*(named[k] for k in arrival), named[0]):
+        store.place(
+            number, source, [{"record": "r", "digest": "same", "status": status[source.path]}]
+        )
+    told = [(p["path"], p["status"], p.get("error")) for p in store.parts()]
+    said = "the samples of b: used once"
+    assert told == [
+        ("a", "not_usable", None),
+        ("b", "used", None),
+        ("c", "copy", said),
+        ("d", "copy", said),
+    ]
+    assert [p["path"] for p in store.parts(status="copy")] == ["c", "d"]
+    assert [p["path"] for p in store.parts(status="used")] == ["b"]
 
 
 def test_a_unit_that_got_another_damper_changes_where_it_did(tmp_path: Path) -> None:
@@ -410,6 +439,28 @@ def test_what_is_wrong_is_one_line_and_nothing_is_written(tmp_path: Path) -> Non
         lab.fleet(tmp_path, model, out=tmp_path / "f.parquet", executor=ThreadPoolExecutor(1))
     assert not (tmp_path / "f.parquet").exists()
     assert sqlite3.sqlite_version_info >= (3, 24)
+
+
+def test_a_table_that_cannot_be_written_takes_no_other_file_along(
+    yard: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The other table, JSON and the screen are there; the end says which file is not."""
+    table, pool = tmp_path / "fleet.parquet", ThreadPoolExecutor(1)
+    monkeypatch.setattr(clusters, "cluster", lambda *_, **__: nullcontext(Engine(pool, 1)))
+    asked = ["fleet", str(yard / "u0"), "--model", str(GUO), "--no-search", "--out", str(table)]
+
+    def full(*args: Any) -> None:
+        (table / "is a folder").mkdir(parents=True, exist_ok=True)
+
+    monkeypatch.setattr(running, "writable", full)
+    ended = CliRunner().invoke(app, [*asked, "--json", str(tmp_path / "fleet.json")])
+    assert ended.exit_code == 2, ended.output
+    assert f"{table}: --out: expected a place that can be written" in ended.output.splitlines()[-1]
+    told = json.loads((tmp_path / "fleet.json").read_text())
+    assert told["tables"] == {"recordings": str(tmp_path / "fleet.recordings.parquet")}
+    assert not told["complete"]
+    assert pq.read_table(tmp_path / "fleet.recordings.parquet").num_rows == 3
+    assert not [*tmp_path.glob(".*")]
 
 
 def test_a_parameter_is_drawn_and_tabled_in_the_unit_it_is_labelled_with() -> None:
