@@ -214,26 +214,28 @@ def test_every_job_is_done_once_and_a_failure_ends_no_fleet(
     assert found == {k: 2 * k for k in range(10)} | wrong
     with ThreadPoolExecutor(1) as pool:
         monkeypatch.setitem(code(), "numpy", "0.1")
-        sealed = engines.pickle.dumps((twice, ASKED, {**code(), "numpy": "9"}))
+        sealed = engines.pickle.dumps(({**code(), "numpy": "9"}, b"of a class that is not here"))
         with pytest.raises(OtherCode, match=r"numpy 0\.1 instead of 9"):
             engines.work([(0, 0)], sealed)
+    with pytest.raises(OtherCode, match=r"cannot begin \(No module named er_model_lab\)"):
+        done_by(Engine(Dies(1, ModuleNotFoundError("No module named er_model_lab")), 1))
 
 
 class Dies(Executor):
-    """Loses what it has to do the first times; a batch with the poison kills whoever takes it."""
+    """Loses what it has done the first times; a batch with the poison for a result kills whoever takes it."""
 
     def __init__(self, times: int, how: Exception, poison: int | None = None) -> None:
         self.times, self.how, self.poison, self.most = times, how, poison, 0
 
     def submit(self, fn, /, *args, **more):  # type: ignore[no-untyped-def]
         future: Future[object] = Future()
-        batch = args[0]
-        self.most = max(self.most, len(batch))
-        if any(number == self.poison for number, _ in batch) or self.times > 0:
+        found, _ = ended = fn(*args, **more)
+        self.most = max(self.most, len(found))
+        if any(result == self.poison for result in found) or self.times > 0:
             self.times -= 1
             future.set_exception(self.how)
         else:
-            future.set_result(fn(*args, **more))
+            future.set_result(ended)
         return future
 
 
@@ -242,7 +244,7 @@ class Killed(Exception):
 
 
 def test_what_is_lost_is_handed_out_again_and_a_poisoned_job_stands_alone() -> None:
-    poisoned = Dies(0, Killed("worker"), poison=3)
+    poisoned = Dies(0, Killed("worker"), poison=6)
     found = done_by(Engine(poisoned, 1, died=lambda e: isinstance(e, Killed)), 50)
     assert found.pop(3) == Failure("Killed: worker")
     assert found.keys() == {*range(50)} - {3}
@@ -251,6 +253,47 @@ def test_what_is_lost_is_handed_out_again_and_a_poisoned_job_stands_alone() -> N
     assert done_by(Engine(gone, 2, again=lambda: gone), 6) == {k: 2 * k for k in range(6)}
     with pytest.raises(Lost):
         done_by(Engine(Dies(1, Lost()), 1))
+
+
+class Leaves(Executor):
+    """Does some batches, then it is gone."""
+
+    def __init__(self, batches: int) -> None:
+        self.left = batches
+
+    def submit(self, fn, /, *args, **more):  # type: ignore[no-untyped-def]
+        future: Future[object] = Future()
+        self.left -= 1
+        if self.left < 0:
+            future.cancel()
+            future.set_running_or_notify_cancel()
+        else:
+            future.set_result(fn(*args, **more))
+        return future
+
+
+def test_when_the_workers_are_gone_there_are_tables_of_what_they_did(
+    yard: Path, tmp_path: Path
+) -> None:
+    asked: dict[str, Any] = {"out": tmp_path / "fleet.parquet", "search": False}
+    model = lab.load_model("inove_guo")
+    with pytest.raises(Lost):
+        lab.fleet(yard / "u1", model, executor=Leaves(0), **asked)
+    found = lab.fleet(yard / "u1", model, executor=Leaves(1), **asked)
+    assert [*map(str, found.errors)] == ["the workers are gone"]
+    assert (found.complete, found.interrupted) == (False, False)
+    assert any("resume=True goes on" in note for note in found.notes)
+    done = pq.read_table(found.recordings_table).num_rows
+    assert done == 1
+    with ThreadPoolExecutor(1) as pool:
+        again = lab.fleet(yard / "u1", model, executor=pool, resume=True, **asked)
+    assert (again.to_dict()["reused"], again.to_dict()["recordings"]) == (1, 3)
+
+
+def test_a_cluster_that_grows_gets_more_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(engines, "COUNT", 0.0)
+    engine = Engine(Dies(0, Killed()), 1, count=lambda: 7)
+    assert spread(engine, twice, iter([(1, 1)]), ASKED, print, lambda: None).workers == 7
 
 
 def test_a_full_disk_ends_no_run_and_half_a_row_is_none(tmp_path: Path) -> None:

@@ -92,8 +92,8 @@ def run(
     except KeyboardInterrupt:
         typer.echo(f"interrupted: {_left_of(written, beside)}", err=True)
         raise typer.Exit(INTERRUPTED) from None
-    for error in errors:
-        typer.echo(in_options(error), err=True)
+    for each in errors:
+        typer.echo(in_options(each), err=True)
     if result.interrupted:
         again = "the same command with --resume" if table else "the same command"
         typer.echo(f"interrupted: what was done is written; {again} goes on from there", err=True)

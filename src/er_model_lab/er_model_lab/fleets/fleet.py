@@ -16,7 +16,7 @@ from er_models.model import Model
 
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.fleets.asked import Asked, code
-from er_model_lab.fleets.engine import Engine
+from er_model_lab.fleets.engine import Engine, Lost, OtherCode
 from er_model_lab.fleets.overview import Overview, overview
 from er_model_lab.fleets.run import Run
 from er_model_lab.fleets.source import sources
@@ -27,6 +27,8 @@ from er_model_lab.results.values import clean
 from er_model_lab.view import View
 from er_model_lab.work import STOPPED, Event, Progress, Work
 
+ENDED = (Lost, OtherCode)
+"""What ends a run early: whoever did the work is gone, or is another by now."""
 MOST_FAILED = 20
 """Recordings without a result that the JSON names; the table has all."""
 
@@ -66,7 +68,8 @@ def fleet(
     Raises:
         InputError: No recordings, a place that cannot be written, a scheduler that does not answer. A table that
             cannot be written at the end is in `errors` of the result.
-        OtherCode: A worker has other versions.
+        OtherCode, Lost: Workers have other versions, or are gone, before any recording was read; later that is in
+            `errors`, too.
         Cancelled: It was stopped before any recording was read.
     """
     table = _parquet(Path(out))
@@ -79,9 +82,9 @@ def fleet(
     ):
         store.add(sources(given, by))
         run = Run(store, asked, engine, work, resume)
-        interrupted = _worked(run)
+        interrupted, error = _worked(run)
         work.wind_up()
-        return _result(run, table, reports, interrupted=interrupted)
+        return _result(run, table, reports, error, interrupted=interrupted)
 
 
 def _parquet(out: Path) -> Path:
@@ -105,25 +108,35 @@ def _engine(
         yield engine
 
 
-def _worked(run: Run) -> bool:
-    """Do the work; whether it was stopped."""
+def _worked(run: Run) -> tuple[bool, ErError | None]:
+    """Do the work; whether it was stopped, and what ended it early when something was done."""
     try:
         run.recordings()
         run.units()
     except STOPPED:
-        return True
-    return False
+        return True, None
+    except ENDED as error:
+        if not run.store.count("part"):
+            raise
+        return False, error
+    return False, None
 
 
-def _result(run: Run, table: Path, reports: int, *, interrupted: bool) -> FleetResult:
-    """Write the tables, and say what they show."""
+def _result(
+    run: Run, table: Path, reports: int, error: ErError | None, *, interrupted: bool
+) -> FleetResult:
+    """Write the tables, and say what they show; error: what ended the run early."""
     store, model = run.store, run.asked.model
     found = overview(store.rows(), store.parts())
     written, errors = _written(run, found, table)
+    errors = [*([] if error is None else [error]), *errors]
     failed = [
         _failed(p) for s in ("unreadable", "not_usable", "failed") for p in store.parts(status=s)
     ]
-    notes = (*map(str, errors), *_notes(run, found, len(failed), interrupted=interrupted))
+    notes = (
+        *map(str, errors),
+        *_notes(run, found, len(failed), early=interrupted or error is not None),
+    )
     origin = {"model": model.digest(), "model_file": model.file, "seed": run.asked.seed, "versions": versions(),
               "command_line": command_line(), "code": code()}  # fmt: skip
     content = {
@@ -132,7 +145,7 @@ def _result(run: Run, table: Path, reports: int, *, interrupted: bool) -> FleetR
         "complete": not (failed or interrupted or errors), "provenance": origin,
     }  # fmt: skip
     strange = [d["unit"] for d in found.content["differ"][:reports]]
-    pages = run.pages(strange) if strange and not interrupted else {}
+    pages = run.pages(strange) if strange and not (interrupted or error is not None) else {}
     places = {unit: f"units/{k:02d}.html" for k, unit in enumerate(strange) if unit in pages}
     seen = fleet_view(
         store.rows(),
@@ -207,11 +220,11 @@ def _failed(part: dict[str, Any]) -> dict[str, Any]:
     return {key: part.get(key) for key in ("unit", "path", "record", "status", "error")}
 
 
-def _notes(run: Run, found: Overview, failed: int, *, interrupted: bool) -> tuple[str, ...]:
+def _notes(run: Run, found: Overview, failed: int, *, early: bool) -> tuple[str, ...]:
     """What to know of the run."""
     content, notes = found.content, list[str]()
-    if interrupted:
-        notes.append("interrupted: the tables hold what was done; resume=True goes on from there")
+    if early:
+        notes.append("ended early: the tables hold what was done; resume=True goes on from there")
     if failed:
         notes.append(
             f"{failed} of {content['recordings']} records gave nothing: see status and error in the table"
