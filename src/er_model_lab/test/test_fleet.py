@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sqlite3
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
-from contextlib import nullcontext
+from contextlib import closing, nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -18,6 +18,7 @@ from er_model_lab.cli import running
 from er_model_lab.cli.app import app
 from er_model_lab.fleets import cluster as clusters
 from er_model_lab.fleets import engine as engines
+from er_model_lab.fleets import run as runs
 from er_model_lab.fleets import unit as units
 from er_model_lab.fleets.asked import Asked, code
 from er_model_lab.fleets.engine import Engine, Failure, Lost, OtherCode, spread
@@ -377,6 +378,11 @@ def test_clocks_that_overlap_are_told() -> None:
         "the times of a and b overlap: a clock is wrong, or these are two units"
     ]
     assert _overlaps([{**each, "seconds": 20.0} for each in used]) == []
+    used[0] = {**used[0], "seconds": 101.0}
+    used[1] = {**used[1], "seconds": 20.0}
+    assert _overlaps(used) == [
+        "the times of a and b overlap, and 1 more: a clock is wrong, or these are two units"
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -442,6 +448,31 @@ def test_what_was_done_before_an_interruption_is_not_repeated(yard: Path, tmp_pa
     with ThreadPoolExecutor(1) as pool:
         second = lab.fleet(yard, lab.load_model("inove_guo"), executor=pool, resume=True, **asked)
     assert (second.to_dict()["reused"], second.to_dict()["recordings"]) == (3, 11)
+
+
+DRAWN: list[str] = []
+
+
+def drawn(job: UnitJob, asked: Asked) -> bytes:
+    """A page of tests: the unit's name; that of unit b fails."""
+    DRAWN.append(job.unit)
+    return {"a": b"page of a", "c": b"\xff of c"}[job.unit]
+
+
+def test_a_page_of_a_unit_is_drawn_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(runs, "page", drawn)
+    place = tmp_path / "f.results"
+    for resume, made in ((False, ["a", "b", "c"]), (True, ["b"]), (False, ["a", "b", "c"])):
+        with closing(Store(place)) as store, ThreadPoolExecutor(1) as pool:
+            run = Run(store, ASKED, Engine(pool, 1), HERE, resume)
+            store.add([Source(name, name) for name in "abcd"])
+            for number, source in store.sources():
+                status = "not_usable" if source.unit == "d" else "used"
+                row = {"record": "r", "digest": source.path, "status": status, "samples": 1}
+                store.place(number, source, [{**row, "seconds": 1.0}])
+            DRAWN.clear()
+            assert run.pages(["a", "b", "c", "d"]) == {"a": b"page of a", "c": b"\xff of c"}
+            assert made == DRAWN
 
 
 def test_what_a_recording_does_not_show_has_no_small_deviation(tmp_path: Path) -> None:

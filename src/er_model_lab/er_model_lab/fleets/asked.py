@@ -44,7 +44,7 @@ class Asked:
         """Name of an answer: by the content of the data, the model, the code and all that is asked."""
         asked = (
             what, *digests, self.model.digest(), self.seed, astuple(self.rule), self.anyway, self.by_namespace,
-            *((self.search, self.most) if what == "unit" else ()),
+            *((self.search, self.most) if what in ("unit", "page") else ()),
             sorted((name, state) for name, state in code().items() if name not in CARRIERS),
         )  # fmt: skip
         return hashlib.sha256(repr(asked).encode()).hexdigest()

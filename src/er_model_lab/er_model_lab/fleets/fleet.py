@@ -129,6 +129,14 @@ def _result(
     store, model = run.store, run.asked.model
     found = overview(store.rows(), store.parts())
     written, errors = _written(run, found, table)
+    strange = [d["unit"] for d in found.content["differ"][:reports]]
+    pages: dict[str, bytes] = {}
+    try:
+        pages = run.pages(strange) if strange and not (interrupted or error is not None) else {}
+    except STOPPED:
+        interrupted = True
+    except ENDED as late:
+        error = late
     errors = [*([] if error is None else [error]), *errors]
     failed = [
         _failed(p) for s in ("unreadable", "not_usable", "failed") for p in store.parts(status=s)
@@ -144,8 +152,6 @@ def _result(
         "tables": written, "failed": failed[:MOST_FAILED], "notes": list(notes),
         "complete": not (failed or interrupted or errors), "provenance": origin,
     }  # fmt: skip
-    strange = [d["unit"] for d in found.content["differ"][:reports]]
-    pages = run.pages(strange) if strange and not (interrupted or error is not None) else {}
     places = {unit: f"units/{k:02d}.html" for k, unit in enumerate(strange) if unit in pages}
     seen = fleet_view(
         store.rows(),
