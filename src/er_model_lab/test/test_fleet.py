@@ -6,9 +6,12 @@ import json
 import sqlite3
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import closing, nullcontext
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from threading import Thread
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any, ClassVar, cast
 
 import numpy as np
 import pyarrow as pa
@@ -128,6 +131,69 @@ def test_a_url_is_found_and_fetched(tmp_path: Path) -> None:
         list(sources(["nowhere://a"]))
 
 
+class Quiet(SimpleHTTPRequestHandler):
+    """Serves a folder without a word, and counts what is sent."""
+
+    sent: ClassVar[list[str]] = []
+
+    def log_message(self, *_: object) -> None:
+        """Nothing."""
+
+    def do_GET(self) -> None:
+        self.sent.append(self.path)
+        super().do_GET()
+
+
+def test_a_fleet_behind_http_is_read_where_it_lies(tmp_path: Path) -> None:
+    """A folder, and a list as Parquet; what changed on the server is read again, what did not is not sent."""
+    pytest.importorskip("aiohttp")
+    yard = tmp_path / "yard"
+    for name in ("a/1", "b/2"):
+        record(yard / f"{name}.parquet", len(name), seconds=3.0, c0=1.0 + 0.1 * (name == "b/2"))
+    pq.write_table(
+        pa.table({
+            "path": ["a/1.parquet", "b/2.parquet", "b/gone.parquet"], "unit": ["x", "y", "y"],
+            "mileage": [1.0, 2.0, None],
+        }),
+        yard / "list.parquet",
+    )  # fmt: skip
+    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(yard)))
+    Thread(target=server.serve_forever, daemon=True).start()
+    url = f"http://127.0.0.1:{server.server_port}"
+    asked: dict[str, Any] = {"out": tmp_path / "fleet.parquet", "search": False}
+
+    def told(
+        *, resume: bool = False
+    ) -> tuple[list[tuple[str, str, float | None]], int, list[str]]:
+        """Unit, status and mileage of each recording; how many were reused; what was sent."""
+        Quiet.sent.clear()
+        with ThreadPoolExecutor(1) as pool:
+            found = lab.fleet(
+                f"{url}/list.parquet", load_model(GUO), executor=pool, resume=resume, **asked
+            )
+        rows = pq.read_table(found.recordings_table).to_pylist()
+        sent = sorted(each for each in Quiet.sent if "list" not in each and "gone" not in each)
+        return (
+            [(r["unit"], r["status"], r["mileage"]) for r in rows],
+            found.to_dict()["reused"],
+            sent,
+        )
+
+    try:
+        assert inside(f"{url}/a/") == [("1.parquet", "a")]
+        rows, _, sent = told()
+        assert rows == [("x", "used", 1.0), ("y", "unreadable", None), ("y", "used", 2.0)]
+        assert sent == ["/a/1.parquet", "/b/2.parquet"]
+        assert told(resume=True) == (rows, 2, [])
+        record(yard / "a/1.parquet", 9, seconds=3.5)
+        assert told(resume=True) == (rows, 1, ["/a/1.parquet"])
+    finally:
+        server.shutdown()
+        server.server_close()
+    with pytest.raises(lab.ErError, match=f"^{url}/list.parquet: .*[Cc]onnect"):
+        told()
+
+
 def test_what_cannot_be_fetched_now_has_failed_and_is_tried_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -156,14 +222,14 @@ def test_what_cannot_be_fetched_now_has_failed_and_is_tried_again(
         raise TimeoutError(110, "Connection timed out")
 
     with monkeypatch.context() as network:
-        network.setattr(type(files), "get", away)
+        network.setattr(type(files), "get_file", away)
         row, _ = rows(resume=False)
         assert (row["status"], row["error"]) == ("failed", f"{url}: Connection timed out")
     row, reused = rows(resume=True)
     assert (row["status"], reused) == ("used", 0)
     job = UnitJob("u", (url,), frozenset([row["digest"]]))
     with monkeypatch.context() as network:
-        network.setattr(type(files), "get", away)
+        network.setattr(type(files), "get_file", away)
         assert engines._done(units.unit, job, ASKED) == Failure(f"{url}: Connection timed out")
     files.pipe("/er_away/u/a.parquet", record(tmp_path / "b.parquet", 2, seconds=3.0).read_bytes())
     said = "records of u changed since they were first read (1 of 1)"

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,11 @@ import pyarrow.parquet as pq
 import pytest
 from er_model_lab.fleets.asked import Asked
 from er_model_lab.fleets.cluster import cluster
-from er_model_lab.fleets.engine import Failure, spread
+from er_model_lab.fleets.engine import Engine, Failure, spread
+from er_model_lab.fleets.run import Run
+from er_model_lab.fleets.source import Source
+from er_model_lab.fleets.store import Store
+from er_model_lab.work import HERE
 from test_fleet import ASKED, Leaves, record
 
 import er_model_lab as lab
@@ -228,3 +233,15 @@ def test_ctrl_c_to_the_whole_command_keeps_all(
         found = lab.fleet(bad, lab.load_model("inove_guo"), executor=pool, **asked)
     assert found.to_dict()["reused"] >= done
     assert tables(found) == tables(undisturbed)
+
+
+@pytest.mark.slow
+def test_a_page_of_a_unit_shows_its_diagnosis(tmp_path: Path) -> None:
+    path = record(tmp_path / "u.parquet", 5, seconds=5.0, friction=1.0)
+    with closing(Store(tmp_path / "f.results")) as store, ThreadPoolExecutor(1) as pool:
+        run = Run(store, ASKED, Engine(pool, 1), HERE)
+        store.add([Source(str(path), "u")])
+        run.recordings()
+        (page,) = run.pages(["u"]).values()
+    assert page.startswith(b"<!DOCTYPE html>")
+    assert b"Coulomb friction" in page
