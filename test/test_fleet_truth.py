@@ -78,7 +78,7 @@ def test_time_is_an_axis_like_mileage():
     later = [{**r, "time": 3.0 * r["mileage"], "mileage": None} for r in made.recordings]
     far, long = (overview(made.units, rows) for rows in (made.recordings, later))
     told = {each["unit"]: each["changes"] for each in far.content["differ"]}
-    assert sum(map(len, told.values())) >= 2
+    assert any(told.values())
     for each in long.content["differ"]:
         assert each["in"]
         for change, other in zip(each["changes"], told.pop(each["unit"]), strict=True):
