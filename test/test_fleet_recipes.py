@@ -1,6 +1,7 @@
 """The files of config/fleet, as far as they can be checked without a cluster."""
 
 import ast
+import importlib
 import re
 
 import pytest
@@ -41,6 +42,34 @@ def test_parts_find_each_other():
     assert COMPOSE["worker"]["command"][2] == "tcp://scheduler:8786"
     names = {p["name"] for p in PODS["scheduler"]["spec"]["containers"][0]["ports"]}
     assert {p["targetPort"] for p in PODS["scheduler"]["service"]["ports"]} <= names
+
+
+def test_folders_are_those_of_the_user_whatever_the_folder_of_the_file():
+    """Docker counts a relative path from the file, and makes a missing folder as root."""
+    told = (FOLDER / "compose.yaml").read_text()
+    mounted = [v for service in COMPOSE.values() for v in service.get("volumes", ())]
+    assert [v["target"] for v in mounted] == ["/data", "/data", "/out"]
+    for volume in mounted:
+        name = re.match(r"\$\{(\w+):\?", volume["source"]).group(1)
+        assert f"{name}=$PWD/" in told
+        assert volume["bind"] == {"create_host_path": False}
+        assert volume.get("read_only", False) is (volume["target"] == "/data")
+    assert COMPOSE["client"]["user"].startswith("${ME:?")
+    assert "ME=$(id -u):$(id -g)" in told
+
+
+def test_the_slurm_job_starts_a_worker_that_dask_knows(monkeypatch):
+    jobqueue = pytest.importorskip("dask_jobqueue")
+    monkeypatch.syspath_prepend(FOLDER)
+    with importlib.import_module("slurm").cluster() as jobs:
+        script = jobs.job_script().splitlines()
+    assert jobqueue.SLURMCluster is type(jobs)
+    assert {"#SBATCH -n 1", "#SBATCH -t 04:00:00", "export NUMBA_NUM_THREADS=1"} <= {*script}
+    words = script[-1].partition(" -m distributed.cli.dask_worker ")[2].split()
+    asked = worker.make_context("worker", words)
+    assert asked.args == []
+    known = {name: asked.params[name] for name in ("nthreads", "lifetime", "lifetime_stagger")}
+    assert known == {"nthreads": 1, "lifetime": "225m", "lifetime_stagger": "10m"}
 
 
 def test_the_image_asks_for_extras_that_there_are():

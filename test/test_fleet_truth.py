@@ -17,8 +17,8 @@ pytestmark = pytest.mark.slow
 
 
 def test_units_that_differ_are_found_and_hardly_any_other():
-    """At effects of one standard deviation of the noise of the force; seeds nobody looked at."""
-    found = score(range(1, 4)).shown()
+    """At effects of one standard deviation of the noise of the force; the twenty fleets of docs/results/fleet.md."""
+    found = score(range(1001, 1021)).shown()
     assert {k: v for k, v in found.items() if not TARGETS[k][0] <= v <= TARGETS[k][1]} == {}
 
 
@@ -71,6 +71,22 @@ def test_a_change_has_its_form_its_place_and_its_size(form, shape):
     assert flat.p > 0.01
     assert trend(x[:3], x[:3], x[:3] + 1.0, 9) is None
     assert trend(np.zeros(9), x[:9], x[:9] + 1.0, 9) is None
+
+
+def test_time_is_an_axis_like_mileage():
+    made = fleet(7, units=20, recordings=12)
+    later = [{**r, "time": 3.0 * r["mileage"], "mileage": None} for r in made.recordings]
+    far, long = (overview(made.units, rows) for rows in (made.recordings, later))
+    told = {each["unit"]: each["changes"] for each in far.content["differ"]}
+    assert any(told.values())
+    for each in long.content["differ"]:
+        assert each["in"]
+        for change, other in zip(each["changes"], told.pop(each["unit"]), strict=True):
+            assert (change["axis"], other["axis"]) == ("time", "mileage")
+            assert (change["quantity"], change["form"]) == (other["quantity"], other["form"])
+            assert change["at"] == pytest.approx(3.0 * other["at"])
+            assert change["change"] == pytest.approx(other["change"])
+    assert told == {}
 
 
 def test_a_fleet_too_small_to_compare_is_still_told():

@@ -3,6 +3,7 @@
 import sys
 
 from dask_jobqueue import SLURMCluster
+from distributed import Client
 
 import er_model_lab as lab
 
@@ -23,8 +24,9 @@ def cluster() -> SLURMCluster:
 def main() -> None:
     """Start the jobs, work, and end them."""
     data, out = sys.argv[1:]
-    with cluster() as jobs:
+    with cluster() as jobs, Client(jobs) as client:
         jobs.adapt(minimum_jobs=1, maximum_jobs=JOBS)
+        client.wait_for_workers(1)  # however long the queue is
         model = lab.load_model("inove_guo")
         lab.fleet(data, model, out=out, cluster=jobs.scheduler_address, resume=True)
 

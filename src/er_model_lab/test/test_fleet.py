@@ -5,27 +5,37 @@ from __future__ import annotations
 import json
 import sqlite3
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from contextlib import closing, nullcontext
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from threading import Thread
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any, ClassVar, cast
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from er_model_lab.cli import running
+from er_model_lab.cli.app import app
+from er_model_lab.fleets import cluster as clusters
 from er_model_lab.fleets import engine as engines
+from er_model_lab.fleets import run as runs
+from er_model_lab.fleets import unit as units
 from er_model_lab.fleets.asked import Asked, code
 from er_model_lab.fleets.engine import Engine, Failure, Lost, OtherCode, spread
 from er_model_lab.fleets.recording import RecordingJob, recording
 from er_model_lab.fleets.run import Run, _overlaps
 from er_model_lab.fleets.source import Source, sources
 from er_model_lab.fleets.store import Store
-from er_model_lab.fleets.unit import MOST_SAMPLES, chosen
+from er_model_lab.fleets.unit import MOST_SAMPLES, UnitJob, chosen
 from er_model_lab.output.report.sections.fleet import parameters
 from er_model_lab.work import HERE
 from er_models.files import load_model
 from er_models.prediction import motion, predict
 from lab_help import DT, FORCE_NOISE, GUO, imposed
+from typer.testing import CliRunner
 
 import er_model_lab as lab
 
@@ -121,6 +131,115 @@ def test_a_url_is_found_and_fetched(tmp_path: Path) -> None:
         list(sources(["nowhere://a"]))
 
 
+class Quiet(SimpleHTTPRequestHandler):
+    """Serves a folder without a word, and counts what is sent."""
+
+    sent: ClassVar[list[str]] = []
+
+    def log_message(self, *_: object) -> None:
+        """Nothing."""
+
+    def do_GET(self) -> None:
+        self.sent.append(self.path)
+        super().do_GET()
+
+
+def test_a_fleet_behind_http_is_read_where_it_lies(tmp_path: Path) -> None:
+    """A folder, and a list as Parquet; what changed on the server is read again, what did not is not sent."""
+    pytest.importorskip("aiohttp")
+    yard = tmp_path / "yard"
+    for name in ("a/1", "b/2"):
+        record(yard / f"{name}.parquet", len(name), seconds=3.0, c0=1.0 + 0.1 * (name == "b/2"))
+    pq.write_table(
+        pa.table({
+            "path": ["a/1.parquet", "b/2.parquet", "b/gone.parquet"], "unit": ["x", "y", "y"],
+            "mileage": [1.0, 2.0, None],
+        }),
+        yard / "list.parquet",
+    )  # fmt: skip
+    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(yard)))
+    Thread(target=server.serve_forever, daemon=True).start()
+    url = f"http://127.0.0.1:{server.server_port}"
+    asked: dict[str, Any] = {"out": tmp_path / "fleet.parquet", "search": False}
+
+    def told(
+        *, resume: bool = False
+    ) -> tuple[list[tuple[str, str, float | None]], int, list[str]]:
+        """Unit, status and mileage of each recording; how many were reused; what was sent."""
+        Quiet.sent.clear()
+        with ThreadPoolExecutor(1) as pool:
+            found = lab.fleet(
+                f"{url}/list.parquet", load_model(GUO), executor=pool, resume=resume, **asked
+            )
+        rows = pq.read_table(found.recordings_table).to_pylist()
+        sent = sorted(each for each in Quiet.sent if "list" not in each and "gone" not in each)
+        return (
+            [(r["unit"], r["status"], r["mileage"]) for r in rows],
+            found.to_dict()["reused"],
+            sent,
+        )
+
+    try:
+        assert inside(f"{url}/a/") == [("1.parquet", "a")]
+        rows, _, sent = told()
+        assert rows == [("x", "used", 1.0), ("y", "unreadable", None), ("y", "used", 2.0)]
+        assert sent == ["/a/1.parquet", "/b/2.parquet"]
+        assert told(resume=True) == (rows, 2, [])
+        record(yard / "a/1.parquet", 9, seconds=3.5)
+        assert told(resume=True) == (rows, 1, ["/a/1.parquet"])
+    finally:
+        server.shutdown()
+        server.server_close()
+    with pytest.raises(lab.ErError, match=f"^{url}/list.parquet: .*[Cc]onnect"):
+        told()
+
+
+def test_what_cannot_be_fetched_now_has_failed_and_is_tried_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A network that times out is no answer: neither the recording nor its unit is bad for ever."""
+    import fsspec
+
+    files = fsspec.filesystem("memory")
+    files.pipe("/er_away/u/a.parquet", record(tmp_path / "a.parquet", 1, seconds=3.0).read_bytes())
+    url = "memory:///er_away/u/a.parquet"
+    asked: dict[str, Any] = {"out": tmp_path / "f.parquet", "search": False}
+
+    def rows(*, resume: bool) -> tuple[dict[str, Any], int]:
+        """The row of the recording, and how many were reused."""
+        with ThreadPoolExecutor(1) as pool:
+            found = lab.fleet(
+                "memory://er_away",
+                lab.load_model("inove_guo"),
+                executor=pool,
+                resume=resume,
+                **asked,
+            )
+        (row,) = pq.read_table(found.recordings_table).to_pylist()
+        return row, found.to_dict()["reused"]
+
+    def away(*_: object, **__: object) -> None:
+        raise TimeoutError(110, "Connection timed out")
+
+    with monkeypatch.context() as network:
+        network.setattr(type(files), "get_file", away)
+        row, _ = rows(resume=False)
+        assert (row["status"], row["error"]) == ("failed", f"{url}: Connection timed out")
+    row, reused = rows(resume=True)
+    assert (row["status"], reused) == ("used", 0)
+    job = UnitJob("u", (url,), frozenset([row["digest"]]))
+    with monkeypatch.context() as network:
+        network.setattr(type(files), "get_file", away)
+        assert engines._done(units.unit, job, ASKED) == Failure(f"{url}: Connection timed out")
+    files.pipe("/er_away/u/a.parquet", record(tmp_path / "b.parquet", 2, seconds=3.0).read_bytes())
+    said = "records of u changed since they were first read (1 of 1)"
+    assert engines._done(units.unit, job, ASKED) == Failure(said)
+    files.rm("/er_away/u/a.parquet")
+    files.pipe("/er_away/u/b.csv", b"")
+    row, _ = rows(resume=False)
+    assert row["status"] == "unreadable"
+
+
 def test_few_recordings_stand_for_many() -> None:
     assert chosen([10] * 5, 20) == [0, 1, 2, 3, 4]
     assert chosen([10] * 100, 5) == [0, 25, 50, 74, 99]
@@ -162,26 +281,28 @@ def test_every_job_is_done_once_and_a_failure_ends_no_fleet(
     assert found == {k: 2 * k for k in range(10)} | wrong
     with ThreadPoolExecutor(1) as pool:
         monkeypatch.setitem(code(), "numpy", "0.1")
-        sealed = engines.pickle.dumps((twice, ASKED, {**code(), "numpy": "9"}))
+        sealed = engines.pickle.dumps(({**code(), "numpy": "9"}, b"of a class that is not here"))
         with pytest.raises(OtherCode, match=r"numpy 0\.1 instead of 9"):
             engines.work([(0, 0)], sealed)
+    with pytest.raises(OtherCode, match=r"cannot begin \(No module named er_model_lab\)"):
+        done_by(Engine(Dies(1, ModuleNotFoundError("No module named er_model_lab")), 1))
 
 
 class Dies(Executor):
-    """Loses what it has to do the first times; a batch with the poison kills whoever takes it."""
+    """Loses what it has done the first times; a batch with the poison for a result kills whoever takes it."""
 
     def __init__(self, times: int, how: Exception, poison: int | None = None) -> None:
         self.times, self.how, self.poison, self.most = times, how, poison, 0
 
     def submit(self, fn, /, *args, **more):  # type: ignore[no-untyped-def]
         future: Future[object] = Future()
-        batch = args[0]
-        self.most = max(self.most, len(batch))
-        if any(number == self.poison for number, _ in batch) or self.times > 0:
+        found, _ = ended = fn(*args, **more)
+        self.most = max(self.most, len(found))
+        if any(result == self.poison for result in found) or self.times > 0:
             self.times -= 1
             future.set_exception(self.how)
         else:
-            future.set_result(fn(*args, **more))
+            future.set_result(ended)
         return future
 
 
@@ -190,7 +311,7 @@ class Killed(Exception):
 
 
 def test_what_is_lost_is_handed_out_again_and_a_poisoned_job_stands_alone() -> None:
-    poisoned = Dies(0, Killed("worker"), poison=3)
+    poisoned = Dies(0, Killed("worker"), poison=6)
     found = done_by(Engine(poisoned, 1, died=lambda e: isinstance(e, Killed)), 50)
     assert found.pop(3) == Failure("Killed: worker")
     assert found.keys() == {*range(50)} - {3}
@@ -201,6 +322,47 @@ def test_what_is_lost_is_handed_out_again_and_a_poisoned_job_stands_alone() -> N
         done_by(Engine(Dies(1, Lost()), 1))
 
 
+class Leaves(Executor):
+    """Does some batches, then it is gone."""
+
+    def __init__(self, batches: int) -> None:
+        self.left = batches
+
+    def submit(self, fn, /, *args, **more):  # type: ignore[no-untyped-def]
+        future: Future[object] = Future()
+        self.left -= 1
+        if self.left < 0:
+            future.cancel()
+            future.set_running_or_notify_cancel()
+        else:
+            future.set_result(fn(*args, **more))
+        return future
+
+
+def test_when_the_workers_are_gone_there_are_tables_of_what_they_did(
+    yard: Path, tmp_path: Path
+) -> None:
+    asked: dict[str, Any] = {"out": tmp_path / "fleet.parquet", "search": False}
+    model = lab.load_model("inove_guo")
+    with pytest.raises(Lost):
+        lab.fleet(yard / "u1", model, executor=Leaves(0), **asked)
+    found = lab.fleet(yard / "u1", model, executor=Leaves(1), **asked)
+    assert [*map(str, found.errors)] == ["the workers are gone"]
+    assert (found.complete, found.interrupted) == (False, False)
+    assert any("resume=True goes on" in note for note in found.notes)
+    done = pq.read_table(found.recordings_table).num_rows
+    assert done == 1
+    with ThreadPoolExecutor(1) as pool:
+        again = lab.fleet(yard / "u1", model, executor=pool, resume=True, **asked)
+    assert (again.to_dict()["reused"], again.to_dict()["recordings"]) == (1, 3)
+
+
+def test_a_cluster_that_grows_gets_more_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(engines, "COUNT", 0.0)
+    engine = Engine(Dies(0, Killed()), 1, count=lambda: 7)
+    assert spread(engine, twice, iter([(1, 1)]), ASKED, print, lambda: None).workers == 7
+
+
 def test_a_full_disk_ends_no_run_and_half_a_row_is_none(tmp_path: Path) -> None:
     store = Store(tmp_path / "f.results")
     store.keep("a", [1], ("p", "t", "c"))
@@ -209,6 +371,18 @@ def test_a_full_disk_ends_no_run_and_half_a_row_is_none(tmp_path: Path) -> None:
     run._keep("b", "x" * 100_000)
     assert "full" in run.lost
     assert (store.kept("a"), store.known("p"), store.kept("b")) == ([1], ("t", "c"), None)
+    store._db.execute("PRAGMA run.max_page_count = 20")
+    store.add([Source(f"{k}", "u") for k in range(40)])
+    for number, source in store.sources():
+        store.place(
+            number,
+            source,
+            [{"record": "r", "digest": f"{number}", "status": "used", "more": "x" * 3000}],
+        )
+        store.enter("u", {"last": number})
+    assert "full" in store.full
+    assert [p["digest"] for p in store.parts("u")] == [f"{k}" for k in range(1, 41)]
+    assert [*store.rows()] == [{"unit": "u", "last": 40}]
     with pytest.raises(lab.InputError, match="no other run has open"):
         Store(tmp_path / "f.results")
     store.close()
@@ -218,16 +392,28 @@ def test_a_full_disk_ends_no_run_and_half_a_row_is_none(tmp_path: Path) -> None:
         Store(other)
 
 
-def test_the_same_samples_count_once_wherever_they_lie(tmp_path: Path) -> None:
+@pytest.mark.parametrize("arrival", [(0, 1, 2, 3), (3, 2, 1, 0), (2, 0, 3, 1)], ids=str)
+def test_the_same_samples_count_once_whichever_comes_first(
+    tmp_path: Path, arrival: tuple[int, ...]
+) -> None:
     store = Store(tmp_path / "f.results")
-    store.add([Source("a", "1"), Source("b", "2"), Source("b", "3")])
-    row = {"record": "r", "digest": "d", "status": "used"}
-    for number, source in store.sources():
-        store.place(number, source, [row])
-        store.place(number, source, [row])
-    assert [(p["unit"], p["status"], p.get("error")) for p in store.parts()] == [
-        ("1", "used", None), ("2", "copy", "the samples of a: used once")
-    ]  # fmt: skip
+    store.add([Source(name, unit) for name, unit in zip("abccd", "12349", strict=True)])
+    status = {"a": "not_usable", "b": "used", "c": "used", "d": "used"}
+    named = [*store.sources()]
+    for number, source in (*(named[k] for k in arrival), named[0]):
+        store.place(
+            number, source, [{"record": "r", "digest": "same", "status": status[source.path]}]
+        )
+    told = [(p["path"], p["status"], p.get("error")) for p in store.parts()]
+    said = "the samples of b: used once"
+    assert told == [
+        ("a", "not_usable", None),
+        ("b", "used", None),
+        ("c", "copy", said),
+        ("d", "copy", said),
+    ]
+    assert [p["path"] for p in store.parts(status="copy")] == ["c", "d"]
+    assert [p["path"] for p in store.parts(status="used")] == ["b"]
 
 
 def test_a_unit_that_got_another_damper_changes_where_it_did(tmp_path: Path) -> None:
@@ -258,6 +444,11 @@ def test_clocks_that_overlap_are_told() -> None:
         "the times of a and b overlap: a clock is wrong, or these are two units"
     ]
     assert _overlaps([{**each, "seconds": 20.0} for each in used]) == []
+    used[0] = {**used[0], "seconds": 101.0}
+    used[1] = {**used[1], "seconds": 20.0}
+    assert _overlaps(used) == [
+        "the times of a and b overlap, and 1 more: a clock is wrong, or these are two units"
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -325,6 +516,31 @@ def test_what_was_done_before_an_interruption_is_not_repeated(yard: Path, tmp_pa
     assert (second.to_dict()["reused"], second.to_dict()["recordings"]) == (3, 11)
 
 
+DRAWN: list[str] = []
+
+
+def drawn(job: UnitJob, asked: Asked) -> bytes:
+    """A page of tests: the unit's name; that of unit b fails."""
+    DRAWN.append(job.unit)
+    return {"a": b"page of a", "c": b"\xff of c"}[job.unit]
+
+
+def test_a_page_of_a_unit_is_drawn_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(runs, "page", drawn)
+    place = tmp_path / "f.results"
+    for resume, made in ((False, ["a", "b", "c"]), (True, ["b"]), (False, ["a", "b", "c"])):
+        with closing(Store(place)) as store, ThreadPoolExecutor(1) as pool:
+            run = Run(store, ASKED, Engine(pool, 1), HERE, resume)
+            store.add([Source(name, name) for name in "abcd"])
+            for number, source in store.sources():
+                status = "not_usable" if source.unit == "d" else "used"
+                row = {"record": "r", "digest": source.path, "status": status, "samples": 1}
+                store.place(number, source, [{**row, "seconds": 1.0}])
+            DRAWN.clear()
+            assert run.pages(["a", "b", "c", "d"]) == {"a": b"page of a", "c": b"\xff of c"}
+            assert made == DRAWN
+
+
 def test_what_a_recording_does_not_show_has_no_small_deviation(tmp_path: Path) -> None:
     """Without a duty neither the yield force nor its response time is there."""
     found = recording(
@@ -363,6 +579,28 @@ def test_what_is_wrong_is_one_line_and_nothing_is_written(tmp_path: Path) -> Non
         lab.fleet(tmp_path, model, out=tmp_path / "f.parquet", executor=ThreadPoolExecutor(1))
     assert not (tmp_path / "f.parquet").exists()
     assert sqlite3.sqlite_version_info >= (3, 24)
+
+
+def test_a_table_that_cannot_be_written_takes_no_other_file_along(
+    yard: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The other table, JSON and the screen are there; the end says which file is not."""
+    table, pool = tmp_path / "fleet.parquet", ThreadPoolExecutor(1)
+    monkeypatch.setattr(clusters, "cluster", lambda *_, **__: nullcontext(Engine(pool, 1)))
+    asked = ["fleet", str(yard / "u0"), "--model", str(GUO), "--no-search", "--out", str(table)]
+
+    def full(*args: Any) -> None:
+        (table / "is a folder").mkdir(parents=True, exist_ok=True)
+
+    monkeypatch.setattr(running, "writable", full)
+    ended = CliRunner().invoke(app, [*asked, "--json", str(tmp_path / "fleet.json")])
+    assert ended.exit_code == 2, ended.output
+    assert f"{table}: --out: expected a place that can be written" in ended.output.splitlines()[-1]
+    told = json.loads((tmp_path / "fleet.json").read_text())
+    assert told["tables"] == {"recordings": str(tmp_path / "fleet.recordings.parquet")}
+    assert not told["complete"]
+    assert pq.read_table(tmp_path / "fleet.recordings.parquet").num_rows == 3
+    assert not [*tmp_path.glob(".*")]
 
 
 def test_a_parameter_is_drawn_and_tabled_in_the_unit_it_is_labelled_with() -> None:

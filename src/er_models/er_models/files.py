@@ -144,10 +144,10 @@ def write_whole(path: Path, content: str | bytes) -> None:
         raise InputError(
             path, "", "a folder that can be written to", error.strerror or error
         ) from error
-    with os.fdopen(handle, "wb") as file:
-        file.write(content.encode() if isinstance(content, str) else content)
-    os.chmod(temporary, 0o644)
     try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
+        os.chmod(temporary, 0o644)
         os.replace(temporary, path)
     except OSError as error:
         os.unlink(temporary)

@@ -85,19 +85,21 @@ def run(
         result = _worded(_with_next(_kept(work(), out, written), read))
         if beside is not None:
             beside.unlink(missing_ok=True)
-        write_json(json_file, result.view.result)
-        written += [json_file] if json_file is not None else []
-        page = _write_report(report, result)
+        page, errors = _write_rest(result, json_file, report, written)
         _print(result, page, out if result.model else None)
     except ErError as error:
         fail(error)
     except KeyboardInterrupt:
         typer.echo(f"interrupted: {_left_of(written, beside)}", err=True)
         raise typer.Exit(INTERRUPTED) from None
+    for each in errors:
+        typer.echo(in_options(each), err=True)
     if result.interrupted:
         again = "the same command with --resume" if table else "the same command"
         typer.echo(f"interrupted: what was done is written; {again} goes on from there", err=True)
         raise typer.Exit(INTERRUPTED)
+    if errors:
+        raise typer.Exit(errors[0].exit_status)
     if strict and not result.complete:
         typer.echo("the data were incomplete: see the notes", err=True)
         raise typer.Exit(3)
@@ -178,6 +180,23 @@ def console() -> Console:
 def _write_report(folder: Path | None, result: Result) -> Path | None:
     """The HTML report, when asked for."""
     return None if folder is None else result.report(folder)
+
+
+def _write_rest(
+    result: Result, json_file: Path | None, report: Path | None, written: list[Path]
+) -> tuple[Path | None, list[ErError]]:
+    """JSON and page, where asked for: the page, and what could not be written; a full disk may have room for one."""
+    page, errors = None, list(getattr(result, "errors", ()))
+    try:
+        write_json(json_file, result.view.result)
+        written += [json_file] if json_file is not None else []
+    except ErError as error:
+        errors.append(error)
+    try:
+        page = _write_report(report, result)
+    except ErError as error:
+        errors.append(error)
+    return page, errors
 
 
 def write_json(path: Path | None, result: Any) -> None:

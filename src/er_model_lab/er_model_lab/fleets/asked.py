@@ -16,8 +16,12 @@ from er_models.model import Model
 from er_model_lab.diagnosis.rule import RULE, Rule
 
 OURS = ("er_models", "er_common", "er_records", "er_model_lab")
-LIBRARIES = ("numpy", "scipy", "numba", "scikit-learn", "pyarrow")
+LIBRARIES = (
+    "numpy", "scipy", "numba", "scikit-learn", "pyarrow", "pandas", "rosbags", "asammdf", "h5py", "nptdms",
+)  # fmt: skip
 """Packages whose versions decide a result."""
+CARRIERS = ("dask", "distributed", "cloudpickle")
+"""Packages that carry jobs: client and workers need the same, but no result depends on them."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +44,8 @@ class Asked:
         """Name of an answer: by the content of the data, the model, the code and all that is asked."""
         asked = (
             what, *digests, self.model.digest(), self.seed, astuple(self.rule), self.anyway, self.by_namespace,
-            *((self.search, self.most) if what == "unit" else ()), sorted(code().items()),
+            *((self.search, self.most) if what in ("unit", "page") else ()),
+            sorted((name, state) for name, state in code().items() if name not in CARRIERS),
         )  # fmt: skip
         return hashlib.sha256(repr(asked).encode()).hexdigest()
 
@@ -52,7 +57,7 @@ def code() -> dict[str, str]:
     for name in OURS:
         import_module(name)
         found[name] = state(name)[0].rpartition("-")[2]
-    for name in LIBRARIES:
+    for name in (*LIBRARIES, *CARRIERS):
         try:
             found[name] = version(name)
         except PackageNotFoundError:

@@ -7,6 +7,7 @@ network use `tls://` with the certificates of Dask's configuration (distributed.
 from __future__ import annotations
 
 import logging
+import pickle
 import time
 from collections.abc import Iterator
 from concurrent.futures import Executor
@@ -20,7 +21,7 @@ from er_models.errors import InputError
 from er_models.parallel import cores
 
 from er_model_lab.fleets.asked import code
-from er_model_lab.fleets.engine import Engine, OtherCode, unlike
+from er_model_lab.fleets.engine import Engine, Lost, OtherCode, later, other_sources, unlike
 from er_model_lab.jobs.processes import THREADS
 
 PATIENCE = 60.0
@@ -54,21 +55,18 @@ def cluster(
     if address is None:
         with (
             TemporaryDirectory(prefix="er_fleet_") as folder,
-            _here(distributed, workers, folder) as client,
+            _here(distributed, workers, folder) as here,
+            _served(distributed, here, None) as engine,
         ):
-            yield _engine(client, None, security)
+            yield engine
         return
-    client = _client(distributed, address, security)
-    try:
-        refuse_others(client)
-        yield _engine(client, address, security)
-    finally:
-        _closed(client)
+    with _served(distributed, address, security) as engine:
+        yield engine
 
 
 @contextmanager
 def _here(distributed: Any, workers: int | None, folder: str) -> Iterator[Any]:
-    """A client of processes of this machine."""
+    """The address of processes of this machine."""
     import dask
 
     with (
@@ -78,9 +76,8 @@ def _here(distributed: Any, workers: int | None, folder: str) -> Iterator[Any]:
             host=HOST, local_directory=folder, silence_logs=logging.CRITICAL, env=ONE,
             preload=[WORKER],
         ) as made,
-        distributed.Client(made, set_as_default=False) as client,
     ):  # fmt: skip
-        yield client
+        yield made.scheduler_address
 
 
 def _client(distributed: Any, address: str, security: Any, patience: float = 30.0) -> Any:
@@ -102,16 +99,19 @@ def _client(distributed: Any, address: str, security: Any, patience: float = 30.
 
 def refuse_others(client: Any) -> None:
     """Refuse workers whose code or packages differ, by name."""
-    for worker, found in client.run(code).items():
+    try:
+        every = client.run(pickle.loads, later(code))
+    except ImportError as error:
+        raise OtherCode(other_sources(error)) from None
+    for worker, found in every.items():
         if differ := unlike(code(), found, f"worker {worker}"):
             raise OtherCode(differ)
 
 
-def _engine(client: Any, address: str | None, security: Any) -> Engine:
-    """The engine of a client; one with an address finds its scheduler again."""
-    import distributed
-
-    kept = [client]
+@contextmanager
+def _served(distributed: Any, address: str, security: Any) -> Iterator[Engine]:
+    """The engine of the workers at an address, which finds its scheduler again."""
+    kept = [_client(distributed, address, security)]
 
     def again() -> Executor:
         """Another client, once the scheduler is there again."""
@@ -119,14 +119,21 @@ def _engine(client: Any, address: str | None, security: Any) -> Engine:
         _closed(kept[0])
         while True:
             try:
-                kept[0] = _client(distributed, str(address), security)
+                kept[0] = _client(distributed, address, security)
                 return _executor(kept[0])
-            except InputError:
+            except InputError as error:
                 if time.monotonic() > end:
-                    raise
+                    raise Lost(f"the scheduler is gone: {error}") from None
 
-    workers = sum(client.nthreads().values()) or 1
-    return Engine(_executor(client), workers, again if address else None, _died)
+    def count() -> int:
+        """Workers that there are now."""
+        return sum(kept[0].nthreads().values())
+
+    try:
+        refuse_others(kept[0])
+        yield Engine(_executor(kept[0]), count() or 1, again, _died, count)
+    finally:
+        _closed(kept[0])
 
 
 def _executor(client: Any) -> Executor:

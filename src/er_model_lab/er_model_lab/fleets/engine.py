@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError, Executor, Future
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from queue import Empty, SimpleQueue
 from typing import Any
@@ -20,6 +20,7 @@ from er_models.errors import ErError
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.fleets.asked import Asked, code
+from er_model_lab.fleets.places import Unreachable
 from er_model_lab.jobs.call import Call
 
 SECONDS, EACH = 2.0, 0.01
@@ -30,6 +31,8 @@ LARGEST = 200
 """Jobs of a batch, at most."""
 AHEAD = 3
 """Batches that are handed out for each worker."""
+COUNT = 5.0
+"""How often workers are counted [s]: a cluster grows and shrinks."""
 LOOK = 0.1
 """How often whoever waits looks whether to stop [s]."""
 
@@ -47,8 +50,8 @@ class Failure:
     kept: bool = False
 
 
-class Lost(Exception):
-    """The executor is gone with what it had to do."""
+class Lost(ErError):
+    """The executor is gone with what it had to do; nobody goes on."""
 
 
 class OtherCode(ErError):
@@ -59,14 +62,15 @@ class OtherCode(ErError):
 class Engine:
     """Who does the jobs.
 
-    workers: how many do them at once; again: gives another executor after one was lost, or raises; died: whether an
-    error says that a worker died with its job, which is then tried alone.
+    workers: how many do them at once; again: gives another executor after one was lost, or raises `Lost`; died: whether
+    an error says that a worker died with its job, which is then tried alone; count: how many workers there are by now.
     """
 
     executor: Executor
     workers: int
     again: Callable[[], Executor] | None = None
     died: Callable[[BaseException], bool] = lambda _: False
+    count: Callable[[], int] | None = None
 
 
 @dataclass
@@ -78,6 +82,15 @@ class _Run:
     back: list[Sequence[Job]] = field(default_factory=list)
     done: SimpleQueue[Future[Any]] = field(default_factory=SimpleQueue)
     each: float = 0.0
+    counted: float = 0.0
+
+    def recount(self) -> None:
+        """Count the workers, where that was not done lately."""
+        engine, now = self.engine, time.monotonic()
+        if engine.count is not None and now - self.counted > COUNT:
+            self.counted = now
+            with suppress(Exception):  # whatever a library says when its other end is gone
+                self.engine = replace(engine, workers=max(1, engine.count()))
 
 
 def spread(
@@ -90,11 +103,13 @@ def spread(
 
     Raises:
         OtherCode: A worker has other versions.
+        Lost: Whoever did the work is gone.
     """
-    run, sealed, left = _Run(engine), pickle.dumps((function, asked, code())), True
+    run, sealed, left = _Run(engine), seal(function, asked), True
     try:
         while left or run.running or run.back:
             check()
+            run.recount()
             left = _fill(run, jobs, sealed, left=left)
             for future in _ended(run.done):
                 _take(run, future, told)
@@ -115,7 +130,7 @@ def _fill(run: _Run, jobs: Iterator[Job], sealed: bytes, *, left: bool) -> bool:
         if not batch:
             return False
         try:
-            future = run.engine.executor.submit(work, batch, sealed)
+            future = run.engine.executor.submit(pickle.loads, later(work, batch, sealed))
         except Exception:  # whatever a library says when its other end is gone
             run.back.append(batch)
             _another(run)
@@ -154,6 +169,8 @@ def _take(run: _Run, future: Future[Any], told: Told) -> None:
             told(number, result)
     elif isinstance(error, OtherCode):
         raise error
+    elif isinstance(error, ImportError):  # no job: the worker cannot even begin
+        raise OtherCode(other_sources(error))
     elif isinstance(error, CancelledError | Lost):
         run.back.append(batch)
         _another(run)
@@ -167,12 +184,33 @@ def _take(run: _Run, future: Future[Any], told: Told) -> None:
 def _another(run: _Run) -> None:
     """Go on with another executor, and all that the old one had."""
     if run.engine.again is None:
-        raise Lost("who does the work is gone")
+        raise Lost("the workers are gone")
     lost, run.running = run.running, {}
     run.back += lost.values()
     for future in lost:
         future.cancel()
-    run.engine = Engine(run.engine.again(), run.engine.workers, run.engine.again, run.engine.died)
+    run.engine = replace(run.engine, executor=run.engine.again())
+
+
+class _Later:
+    """A call that is made where it is unpickled."""
+
+    def __init__(self, function: Callable[..., Any], *args: Any) -> None:
+        """The function, to be called with these arguments."""
+        self._call = function, args
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return self._call
+
+
+def later(function: Callable[..., Any], *args: Any) -> bytes:
+    """A call for `pickle.loads` of a worker: one that has no sources of ours says so, where Dask's worker would die."""
+    return pickle.dumps(_Later(function, *args))
+
+
+def seal(function: Callable[[Any, Asked], Any], asked: Asked) -> bytes:
+    """What is done and asked, for workers: the versions outside, so that they are compared before the rest is read."""
+    return pickle.dumps((code(), pickle.dumps((function, asked))))
 
 
 def work(batch: Sequence[Job], sealed: bytes) -> tuple[list[Any], float]:
@@ -182,11 +220,17 @@ def work(batch: Sequence[Job], sealed: bytes) -> tuple[list[Any], float]:
         OtherCode: The code here is another than that of who asks.
     """
     begun = time.perf_counter()
-    function, asked, wanted = pickle.loads(sealed)
+    wanted, inner = pickle.loads(sealed)
     differ = unlike(wanted, code())
     if differ:
         raise OtherCode(differ)
+    function, asked = pickle.loads(inner)
     return [_done(function, job, asked) for _, job in batch], time.perf_counter() - begun
+
+
+def other_sources(error: ImportError) -> str:
+    """A worker that cannot import what it shall do, in one line."""
+    return f"a worker cannot begin ({' '.join(str(error).split())}): install there what is here"
 
 
 def unlike(wanted: dict[str, str], found: dict[str, str], where: str = "a worker") -> str:
@@ -203,6 +247,7 @@ def _done(function: Callable[[Any, Asked], Any], job: Any, asked: Asked) -> Any:
     try:
         return on_one_thread(Call(function, (asked,)))(job)
     except ErError as error:
-        return Failure(" ".join(str(error).split()), kept=True)
+        lasting = not isinstance(error, Unreachable)
+        return Failure(" ".join(str(error).split()), kept=lasting)
     except Exception as error:  # one recording ends no fleet
         return Failure(f"{type(error).__name__}: {error}".splitlines()[0][:300])

@@ -11,12 +11,12 @@ from typing import Any
 from er_common.command_line import command_line
 from er_common.extras import extra
 from er_common.versions import versions
-from er_models.errors import InputError
+from er_models.errors import ErError, InputError
 from er_models.model import Model
 
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.fleets.asked import Asked, code
-from er_model_lab.fleets.engine import Engine
+from er_model_lab.fleets.engine import Engine, Lost, OtherCode
 from er_model_lab.fleets.overview import Overview, overview
 from er_model_lab.fleets.run import Run
 from er_model_lab.fleets.source import sources
@@ -27,6 +27,8 @@ from er_model_lab.results.values import clean
 from er_model_lab.view import View
 from er_model_lab.work import STOPPED, Event, Progress, Work
 
+ENDED = (Lost, OtherCode)
+"""What ends a run early: whoever did the work is gone, or is another by now."""
 MOST_FAILED = 20
 """Recordings without a result that the JSON names; the table has all."""
 
@@ -64,8 +66,10 @@ def fleet(
     it again.
 
     Raises:
-        InputError: No recordings, a place that cannot be written, a scheduler that does not answer.
-        OtherCode: A worker has other versions.
+        InputError: No recordings, a place that cannot be written, a scheduler that does not answer. A table that
+            cannot be written at the end is in `errors` of the result.
+        OtherCode, Lost: Workers have other versions, or are gone, before any recording was read; later that is in
+            `errors`, too.
         Cancelled: It was stopped before any recording was read.
     """
     table = _parquet(Path(out))
@@ -78,9 +82,9 @@ def fleet(
     ):
         store.add(sources(given, by))
         run = Run(store, asked, engine, work, resume)
-        interrupted = _worked(run)
+        interrupted, error = _worked(run)
         work.wind_up()
-        return _result(run, table, reports, interrupted=interrupted)
+        return _result(run, table, reports, error, interrupted=interrupted)
 
 
 def _parquet(out: Path) -> Path:
@@ -104,40 +108,50 @@ def _engine(
         yield engine
 
 
-def _worked(run: Run) -> bool:
-    """Do the work; whether it was stopped."""
+def _worked(run: Run) -> tuple[bool, ErError | None]:
+    """Do the work; whether it was stopped, and what ended it early when something was done."""
     try:
         run.recordings()
         run.units()
     except STOPPED:
-        return True
-    return False
+        return True, None
+    except ENDED as error:
+        if not run.store.count("part"):
+            raise
+        return False, error
+    return False, None
 
 
-def _result(run: Run, table: Path, reports: int, *, interrupted: bool) -> FleetResult:
-    """Write the tables, and say what they show."""
-    with extra("er_model_lab[fleet]", "a table of a fleet"):
-        from er_model_lab.fleets import tables
+def _result(
+    run: Run, table: Path, reports: int, error: ErError | None, *, interrupted: bool
+) -> FleetResult:
+    """Write the tables, and say what they show; error: what ended the run early."""
     store, model = run.store, run.asked.model
     found = overview(store.rows(), store.parts())
-    beside = table.with_suffix(".recordings.parquet")
-    about = {"model": model.digest(), "command_line": command_line(), "seed": str(run.asked.seed)}
-    more = dict.fromkeys(name for part in store.parts() for name in part["more"])
-    tables.write(tables.unit_columns(model), _unit_rows(store, found), table, about)
-    tables.write(tables.recording_columns(model, more), _recording_rows(store), beside, about)
+    written, errors = _written(run, found, table)
+    strange = [d["unit"] for d in found.content["differ"][:reports]]
+    pages: dict[str, bytes] = {}
+    try:
+        pages = run.pages(strange) if strange and not (interrupted or error is not None) else {}
+    except STOPPED:
+        interrupted = True
+    except ENDED as late:
+        error = late
+    errors = [*([] if error is None else [error]), *errors]
     failed = [
         _failed(p) for s in ("unreadable", "not_usable", "failed") for p in store.parts(status=s)
     ]
-    notes = _notes(run, found, len(failed), interrupted=interrupted)
+    notes = (
+        *map(str, errors),
+        *_notes(run, found, len(failed), early=interrupted or error is not None),
+    )
     origin = {"model": model.digest(), "model_file": model.file, "seed": run.asked.seed, "versions": versions(),
               "command_line": command_line(), "code": code()}  # fmt: skip
     content = {
         "command": "fleet", "model": model.name, **found.content, "reused": run.reused,
-        "tables": {"units": str(table), "recordings": str(beside)}, "failed": failed[:MOST_FAILED],
-        "notes": list(notes), "complete": not failed and not interrupted, "provenance": origin,
+        "tables": written, "failed": failed[:MOST_FAILED], "notes": list(notes),
+        "complete": not (failed or interrupted or errors), "provenance": origin,
     }  # fmt: skip
-    strange = [d["unit"] for d in found.content["differ"][:reports]]
-    pages = run.pages(strange) if strange and not interrupted else {}
     places = {unit: f"units/{k:02d}.html" for k, unit in enumerate(strange) if unit in pages}
     seen = fleet_view(
         store.rows(),
@@ -150,7 +164,28 @@ def _result(run: Run, table: Path, reports: int, *, interrupted: bool) -> FleetR
         "fleet", model.name, _headline(found), clean(content), (), notes=notes, provenance=origin, fleet=seen
     )  # fmt: skip
     drawn = {place: pages[unit] for unit, place in places.items()}
-    return FleetResult(view, interrupted=interrupted, pages=drawn)
+    return FleetResult(view, interrupted=interrupted, pages=drawn, errors=tuple(errors))
+
+
+def _written(run: Run, found: Overview, table: Path) -> tuple[dict[str, str], list[ErError]]:
+    """The tables that could be written, and what was said of those that could not."""
+    with extra("er_model_lab[fleet]", "a table of a fleet"):
+        from er_model_lab.fleets import tables
+    store, model = run.store, run.asked.model
+    about = {"model": model.digest(), "command_line": command_line(), "seed": str(run.asked.seed)}
+    more = dict.fromkeys(name for part in store.parts() for name in part["more"])
+    beside = table.with_suffix(".recordings.parquet")
+    written, errors = dict[str, str](), list[ErError]()
+    for what, columns, rows, place in (
+        ("units", tables.unit_columns(model), _unit_rows(store, found), table),
+        ("recordings", tables.recording_columns(model, more), _recording_rows(store), beside),
+    ):
+        try:
+            tables.write(columns, rows, place, about)
+            written[what] = str(place)
+        except InputError as error:
+            errors.append(error)
+    return written, errors
 
 
 def _unit_rows(store: Store, found: Overview) -> Iterator[dict[str, Any]]:
@@ -191,11 +226,11 @@ def _failed(part: dict[str, Any]) -> dict[str, Any]:
     return {key: part.get(key) for key in ("unit", "path", "record", "status", "error")}
 
 
-def _notes(run: Run, found: Overview, failed: int, *, interrupted: bool) -> tuple[str, ...]:
+def _notes(run: Run, found: Overview, failed: int, *, early: bool) -> tuple[str, ...]:
     """What to know of the run."""
     content, notes = found.content, list[str]()
-    if interrupted:
-        notes.append("interrupted: the tables hold what was done; resume=True goes on from there")
+    if early:
+        notes.append("ended early: the tables hold what was done; resume=True goes on from there")
     if failed:
         notes.append(
             f"{failed} of {content['recordings']} records gave nothing: see status and error in the table"
@@ -203,7 +238,13 @@ def _notes(run: Run, found: Overview, failed: int, *, interrupted: bool) -> tupl
     if copies := content["statuses"].get("copy"):
         notes.append(f"{copies} recordings hold the same samples as another one: used once")
     if run.lost:
-        notes.append(f"results could not be kept ({run.lost}): resume=True would repeat some")
+        notes.append(
+            f"{run.store.file} could not be written ({run.lost}): resume=True would repeat some"
+        )
+    if run.store.full:
+        notes.append(
+            f"the folder of temporary files ({run.store.full}) had no room: rows stayed in memory"
+        )
     if common := content["common_effects"]:
         notes.append(
             f"most units show {' and '.join(common)}: add what is common to the model, then ask again"

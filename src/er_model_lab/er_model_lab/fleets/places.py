@@ -9,9 +9,16 @@ from pathlib import Path
 from typing import Any
 
 from er_common.extras import extra
-from er_models.errors import InputError
-from er_records.load import files_of
+from er_models.errors import ErError, InputError
+from er_records.load import READERS, files_of
 from er_records.provenance import digest_files
+
+LASTING = (FileNotFoundError, IsADirectoryError, NotADirectoryError, PermissionError)
+"""What an operating system says that will be the same another time."""
+
+
+class Unreachable(ErError):
+    """A recording that cannot be had now, but perhaps another time: a network, a full disk, a file that changes."""
 
 
 def is_url(path: str) -> bool:
@@ -37,12 +44,34 @@ def filesystem(url: str) -> tuple[Any, str]:
     return found
 
 
+def is_folder(files: Any, inner: str) -> bool:
+    """Whether a path of a file system is a folder; a name like a file's is one, since HTTP would send all of it."""
+    return Path(inner).suffix.lower() not in READERS and bool(files.isdir(inner))
+
+
+@contextmanager
+def reached(path: str) -> Iterator[None]:
+    """What a file system says within it becomes an error of the recording.
+
+    Raises:
+        InputError: It is not there, or may not be read.
+        Unreachable: It cannot be had now.
+    """
+    try:
+        yield
+    except ErError:
+        raise
+    except Exception as error:  # each protocol has its own
+        raise _unread(path, error) from None
+
+
 @contextmanager
 def local(path: str) -> Iterator[Path]:
     """The recording as a file or folder of this machine; what is fetched for it vanishes again.
 
     Raises:
-        InputError: It cannot be read.
+        InputError: It is not there, or may not be read.
+        Unreachable: It cannot be fetched now.
     """
     if not is_url(path):
         yield Path(path)
@@ -50,10 +79,11 @@ def local(path: str) -> Iterator[Path]:
     files, inner = filesystem(path)
     with tempfile.TemporaryDirectory(prefix="er_fleet_") as folder:
         target = Path(folder, Path(inner).name)
-        try:
-            files.get(inner, str(target), recursive=files.isdir(inner))
-        except OSError as error:
-            raise InputError(path, "", "a recording that can be read", _said(error)) from None
+        with reached(path):
+            if is_folder(files, inner):
+                files.get(inner, str(target), recursive=True)
+            else:
+                files.get_file(inner, str(target))
         yield target
 
 
@@ -62,18 +92,31 @@ def token(path: str) -> str:
     try:
         if is_url(path):
             files, inner = filesystem(path)
-            return str(files.ukey(inner))
+            return (
+                _http_token(files.info(inner))
+                if "http" in files.protocol
+                else str(files.ukey(inner))
+            )
         found = [each.stat() for each in files_of(Path(path))]
-    except (OSError, NotImplementedError):
+    except Exception:  # each protocol has its own; whoever reads the recording says what is wrong
         return ""
     return " ".join(f"{s.st_ino}:{s.st_size}:{s.st_mtime_ns}" for s in found)
+
+
+def _http_token(info: dict[str, Any]) -> str:
+    """What a server says of the state of a file; fsspec's own key of a URL never changes."""
+    told = [
+        str(info[key]) for key in ("ETag", "Content-MD5", "Digest", "Last-Modified") if key in info
+    ]
+    return " ".join([*told, str(info.get("size"))]) if told else ""
 
 
 def content(place: Path) -> str:
     """SHA-256 of every file that reading a recording opens.
 
     Raises:
-        InputError: It is not there, or cannot be read.
+        InputError: It is not there, or may not be read.
+        Unreachable: It cannot be read now.
     """
     try:
         files = files_of(place)
@@ -81,9 +124,13 @@ def content(place: Path) -> str:
             raise InputError(place, "", "a recording", "nothing there")
         return digest_files(sorted(files))
     except OSError as error:
-        raise InputError(place, "", "a recording that can be read", _said(error)) from None
+        raise _unread(place, error) from None
 
 
-def _said(error: OSError) -> str:
-    """What an operating system says of a failure."""
-    return error.strerror or " ".join(str(error).split()) or type(error).__name__
+def _unread(path: str | Path, error: Exception) -> ErError:
+    """What a file system says of a recording: for good, or for now."""
+    own = error.strerror if isinstance(error, OSError) else None
+    said = own or " ".join(str(error).split()) or type(error).__name__
+    if isinstance(error, LASTING):
+        return InputError(path, "", "a recording that can be read", said)
+    return Unreachable(f"{path}: {said}")

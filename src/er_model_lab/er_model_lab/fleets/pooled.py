@@ -55,11 +55,6 @@ class Pooled:
     p: Array
     core: Mask
 
-    def interval(self, confidence: float = 0.9) -> tuple[Array, Array]:
-        """Ends (m,) of the interval that holds each unit's value with this probability."""
-        half = student.ppf(0.5 + confidence / 2.0, max(self.core.sum() - 1, 1)) * self.value_sd
-        return self.value - half, self.value + half
-
 
 def pooled(unit: Places, y: Array, s: Array, within: float | None = None) -> Pooled | None:
     """A parameter pooled over units 0 to m-1; None for fewer than `FEWEST` units.

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from er_models.errors import ErError
+from er_models.errors import ErError, InputError, MissingChannel
 from er_models.model import Model
 from er_records.dataset import Dataset
 from er_records.load import load
@@ -41,7 +41,7 @@ def recording(job: RecordingJob, asked: Asked) -> dict[str, Any]:
     """The content of a recording, and one row for each record in it; no rows where the answer is kept already.
 
     Raises:
-        ErError: It cannot be read.
+        ErError: It cannot be read here: a package is missing, or it is `Unreachable` now.
     """
     with local(job.path) as place:
         digest = content(place)
@@ -49,7 +49,7 @@ def recording(job: RecordingJob, asked: Asked) -> dict[str, Any]:
             return {"content": digest, "rows": None}
         try:
             records = load([place])
-        except ErError as error:
+        except (InputError, MissingChannel) as error:  # of its content
             said = _one_line(error).replace(str(place), job.path)
             return {
                 "content": digest,

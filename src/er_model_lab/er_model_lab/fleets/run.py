@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import sqlite3
+import zlib
+from base64 import b64decode, b64encode
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import accumulate
 from typing import Any
 
 from er_model_lab.fleets.asked import Asked
@@ -19,6 +21,8 @@ from er_model_lab.fleets.unit import UnitJob, chosen, page, unit
 from er_model_lab.work import Work
 
 Row = dict[str, Any]
+Span = tuple[float, float, str]
+"""Begin and end of a recording [s], and its path."""
 
 
 @dataclass
@@ -45,7 +49,7 @@ class Run:
         def jobs() -> Iterator[tuple[int, RecordingJob]]:
             for number, source in self.store.sources():
                 before, content = self.store.known(source.path) if self.resume else ("", "")
-                rows = self.store.kept(self.asked.key("recording", [content])) if content else None
+                rows = self.store.kept(self._key(source, content)) if content else None
                 now = token(source.path)
                 if rows is not None and now and now == before:
                     self.reused += 1
@@ -98,19 +102,30 @@ class Run:
         self._spread(unit, jobs(), told)
 
     def pages(self, names: Sequence[str]) -> dict[str, bytes]:
-        """Reports of these units, of those that can be diagnosed."""
-        jobs = [
-            (k, job)
-            for k, name in enumerate(names)
-            if (job := self._unit_job(name)[0]) is not None
-        ]
+        """Reports of these units, of those that can be diagnosed; each is kept like a result."""
         found: dict[str, bytes] = {}
+        keys: dict[int, tuple[str, str]] = {}
+
+        def jobs() -> Iterator[tuple[int, UnitJob]]:
+            for number, name in enumerate(names):
+                job, _ = self._unit_job(name)
+                if job is None:
+                    continue
+                key = self.asked.key("page", sorted(job.digests))
+                kept = self.store.kept(key) if self.resume else None
+                if kept is not None:
+                    found[name] = zlib.decompress(b64decode(kept))
+                    continue
+                keys[number] = name, key
+                yield number, job
 
         def told(number: int, page: Any) -> None:
+            name, key = keys.pop(number)
             if not isinstance(page, Failure):
-                found[names[number]] = page
+                found[name] = page
+                self._keep(key, b64encode(zlib.compress(page)).decode())
 
-        self._spread(page, iter(jobs), told)
+        self._spread(page, jobs(), told)
         return found
 
     def _spread(
@@ -120,6 +135,10 @@ class Run:
         told: Callable[[int, Any], None],
     ) -> None:
         self.engine = spread(self.engine, function, jobs, self.asked, told, self.work.check)
+
+    def _key(self, source: Source, content: str) -> str:
+        """Name of what a recording gives: by its content, and by what its file is called, which names its records."""
+        return self.asked.key("recording", [content, *source.path.rsplit("/", 2)[-2:]])
 
     def _rows_of(self, source: Source, now: str, found: Any) -> Sequence[Row]:
         """Rows of a recording that was looked at, kept where they would be the same again."""
@@ -132,7 +151,7 @@ class Run:
                 }
             ]
         content, rows = found["content"], found["rows"]
-        key = self.asked.key("recording", [content])
+        key = self._key(source, content)
         if rows is None:
             rows, self.reused = self.store.kept(key), self.reused + 1
         self._keep(key, rows, (source.path, now, content))
@@ -189,10 +208,11 @@ class Run:
 
 def _overlaps(used: Sequence[Row]) -> list[str]:
     """A note where recordings of one unit were made at the same time: a clock is wrong, or they are of two units."""
-    found = sorted(
+    found: list[Span] = sorted(
         (p["time"], p["time"] + p["seconds"], p["path"]) for p in used if p["time"] is not None
     )
-    both = [(a, b) for a, b in pairwise(found) if b[0] < a[1] - 1e-6]
+    longest = accumulate(found, _ends_later)
+    both = [(a, b) for a, b in zip(longest, found[1:], strict=False) if b[0] < a[1] - 1e-6]
     if not both:
         return []
     (a, b), more = both[0], len(both) - 1
@@ -200,6 +220,11 @@ def _overlaps(used: Sequence[Row]) -> list[str]:
     return [
         f"the times of {a[2]} and {b[2]} overlap{others}: a clock is wrong, or these are two units"
     ]
+
+
+def _ends_later(a: Span, b: Span) -> Span:
+    """That of two recordings which ends later."""
+    return a if a[1] >= b[1] else b
 
 
 def _refitted(parts: Sequence[Mapping[str, Any]]) -> Row:

@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from er_models.errors import InputError
-from er_records.load import recordings
+from er_records.load import READERS, recordings
 from er_records.readers.columns import split_header
 from er_records.readers.units import UNITS, known_unit
 
-from er_model_lab.fleets.places import filesystem, is_url, local
+from er_model_lab.fleets.places import filesystem, is_folder, is_url, local, reached
 
 BY = ("folder", "file", "namespace")
 """What may name a unit, beside a column of a table."""
@@ -67,7 +67,10 @@ def _spread(given: str) -> Iterator[str]:
     if not glob.has_magic(given) or (not is_url(given) and Path(given).exists()):
         yield given
     elif is_url(given):
-        yield from map(str, filesystem(given)[0].glob(given, detail=False))
+        files = filesystem(given)[0]
+        with reached(given):
+            found = [str(each) for each in files.glob(given, detail=False)]
+        yield from map(files.unstrip_protocol, found)
     else:
         yield from sorted(glob.glob(given, recursive=True))
 
@@ -90,15 +93,15 @@ def _inside(path: str) -> Iterator[str]:
             raise InputError(path, "DATA", "a file or folder", "nothing there")
         yield from (str(each.absolute()) for each in recordings(Path(path)))
         return
-    from er_records.load import READERS
-
     files, inner = filesystem(path)
-    if files.isdir(inner):
-        for each in sorted(files.find(inner)):
-            if Path(each).suffix.lower() in READERS:
-                yield files.unstrip_protocol(each)
-    else:
+    with reached(path):
+        found = sorted(files.find(inner)) if is_folder(files, inner) else None
+    if found is None:
         yield path
+        return
+    for each in found:
+        if Path(each).suffix.lower() in READERS:
+            yield files.unstrip_protocol(each)
 
 
 def _listed(path: str) -> Any:

@@ -1,16 +1,19 @@
 """What was found so far, in one SQLite file: written as it comes, by one process, and found again by its content.
 
 Each result is a transaction, so that whatever kills the process leaves whole rows. `done` holds rows by the key of
-`Asked.key`, `seen` the content of a path; both outlive a run. The tables of the present run are temporary: they need no
-room on the disk of the results.
+`Asked.key`, `seen` the content of a path; both outlive a run. The tables of the present run lie in a file of their own
+among the temporary ones: they need no room on the disk of the results. Where that disk is full, they go on in memory.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -19,22 +22,39 @@ from er_models.errors import InputError
 from er_model_lab.fleets.source import Source
 
 SCHEMA = """
-PRAGMA locking_mode=EXCLUSIVE; PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL;
+PRAGMA locking_mode=EXCLUSIVE; PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL; PRAGMA temp_store=MEMORY;
 CREATE TABLE IF NOT EXISTS done (key TEXT PRIMARY KEY, row TEXT) WITHOUT ROWID;
 CREATE TABLE IF NOT EXISTS seen (path TEXT PRIMARY KEY, token TEXT, content TEXT) WITHOUT ROWID;
-CREATE TEMP TABLE source (id INTEGER PRIMARY KEY, path TEXT UNIQUE, unit TEXT, time REAL, mileage REAL, more TEXT);
-CREATE TEMP TABLE part (
-  source INTEGER, record TEXT, unit TEXT, time REAL, mileage REAL, digest TEXT, status TEXT, samples INTEGER, row TEXT);
-CREATE INDEX temp.part_source ON part (source); CREATE INDEX temp.part_digest ON part (digest);
-CREATE INDEX temp.part_unit ON part (unit, mileage, time, source);
-CREATE TEMP TABLE unit (unit TEXT PRIMARY KEY, row TEXT) WITHOUT ROWID;
 """
+RUN = """
+PRAGMA {0}.journal_mode=MEMORY; PRAGMA {0}.synchronous=OFF;
+CREATE TABLE {0}.source (id INTEGER PRIMARY KEY, path TEXT UNIQUE, unit TEXT, time REAL, mileage REAL, more TEXT);
+CREATE TABLE {0}.part (
+  id INTEGER PRIMARY KEY, source INTEGER, record TEXT, unit TEXT, time REAL, mileage REAL, digest TEXT, status TEXT,
+  samples INTEGER, row TEXT);
+CREATE INDEX {0}.part_source ON part (source); CREATE INDEX {0}.part_digest ON part (digest, source);
+CREATE INDEX {0}.part_unit ON part (unit, mileage, time, source);
+CREATE TABLE {0}.unit (unit TEXT PRIMARY KEY, row TEXT) WITHOUT ROWID;
+"""
+"""Tables of a run in a database of this name."""
+FIRST = """
+SELECT path FROM part AS other JOIN source AS its ON its.id = other.source
+WHERE part.status = 'used' AND part.digest != '' AND other.digest = part.digest AND other.status = 'used'
+  AND (other.source, other.id) < (part.source, part.id)
+ORDER BY other.source, other.id LIMIT 1
+"""
+"""Whose samples a record repeats: of those that can be used the one that was named first, whichever was read first."""
 TOGETHER = 1000
 """Sources that are written in one transaction."""
 
 
 class Store:
-    """The results of a fleet; one process writes them."""
+    """The results of a fleet; one process writes them.
+
+    full: what the disk of temporary files said, once the run goes on in memory.
+    """
+
+    full = ""
 
     def __init__(self, file: Path) -> None:
         """Open the file, or make it; `InputError` where that cannot be."""
@@ -44,20 +64,32 @@ class Store:
                 file, isolation_level=None, timeout=1.0, check_same_thread=False
             )
             self._db.executescript(SCHEMA)
+            self.file = file
         except (OSError, sqlite3.Error) as error:
             expected = "a file of results that no other run has open"
             raise InputError(file, "--resume", expected, str(error)) from None
+        try:
+            handle, name = tempfile.mkstemp(prefix="er_fleet_")
+            os.close(handle)
+            try:
+                self._db.execute("ATTACH ? AS run", (name,))
+                self._db.executescript(RUN.format("run"))
+            finally:
+                os.unlink(name)  # it is open: whatever ends this process, nothing is left
+        except (OSError, sqlite3.Error) as error:
+            self._into_memory(str(error))
 
     def close(self) -> None:
         """Close the file."""
-        self._db.close()
+        with suppress(sqlite3.Error):
+            self._db.close()
 
     def add(self, found: Iterable[Source]) -> int:
         """Write down the recordings of this run; how many there are. A path that is named twice is one."""
         enter = "INSERT OR IGNORE INTO source (path, unit, time, mileage, more) VALUES (?,?,?,?,?)"
         rows = ((s.path, s.unit, s.time, s.mileage, json.dumps(dict(s.more))) for s in found)
-        with self._whole():
-            self._db.executemany(enter, rows)
+        while together := list(islice(rows, TOGETHER)):
+            self._write((enter, together))
         return self.count("source")
 
     @contextmanager
@@ -66,11 +98,36 @@ class Store:
         self._db.execute("BEGIN")
         try:
             yield
+            self._db.execute("COMMIT")
         except BaseException:
             if self._db.in_transaction:
                 self._db.execute("ROLLBACK")
             raise
-        self._db.execute("COMMIT")
+
+    def _write(self, *commands: tuple[str, Sequence[Sequence[Any]]]) -> None:
+        """Write into the tables of this run, all or nothing; in memory once their disk is full."""
+        while True:
+            try:
+                with self._whole():
+                    for command, rows in commands:
+                        self._db.executemany(command, rows)
+                return
+            except sqlite3.Error as error:
+                if self.full:
+                    raise
+                self._into_memory(str(error))
+
+    def _into_memory(self, why: str) -> None:
+        """Go on in memory with what the tables of this run hold."""
+        self.full = why
+        self._db.execute("ATTACH ':memory:' AS spare")
+        self._db.executescript(RUN.format("spare"))
+        if "run" not in [row[1] for row in self._db.execute("PRAGMA database_list")]:
+            return
+        with suppress(sqlite3.OperationalError):  # at the very beginning there is no table
+            for table in ("source", "part", "unit"):
+                self._db.execute(f"INSERT INTO spare.{table} SELECT * FROM run.{table}")
+        self._db.execute("DETACH run")
 
     def count(self, table: str, where: str = "1") -> int:
         """Rows of a table."""
@@ -114,19 +171,17 @@ class Store:
 
     def place(self, number: int, source: Source, rows: Iterable[Mapping[str, Any]]) -> None:
         """Enter the records of a recording into this run, each once, however often it is told."""
-        with self._whole():
-            self._db.execute("DELETE FROM part WHERE source = ?", (number,))
-            for row in rows:
-                digest, time = row.get("digest", ""), source.time
-                copy = digest and self._db.execute(
-                    "SELECT path FROM part JOIN source ON source = id WHERE digest = ? AND status != 'copy'", (digest,)
-                ).fetchone()  # fmt: skip
-                told = {**row, "error": f"the samples of {copy[0]}: used once"} if copy else row
-                entry = (
-                    number, row["record"], row.get("unit") or source.unit, row.get("start") if time is None else time,
-                    source.mileage, digest, "copy" if copy else row["status"], row.get("samples", 0), json.dumps(told),
-                )  # fmt: skip
-                self._db.execute("INSERT INTO part VALUES (?,?,?,?,?,?,?,?,?)", entry)
+        columns = "source, record, unit, time, mileage, digest, status, samples, row"
+        enter = f"INSERT INTO part ({columns}) VALUES (?,?,?,?,?,?,?,?,?)"
+        entries = [
+            (
+                number, row["record"], row.get("unit") or source.unit,
+                row.get("start") if source.time is None else source.time, source.mileage, row.get("digest", ""),
+                row["status"], row.get("samples", 0), json.dumps(row),
+            )
+            for row in rows
+        ]  # fmt: skip
+        self._write(("DELETE FROM part WHERE source = ?", [(number,)]), (enter, entries))
 
     def units(self) -> list[str]:
         """Names of all units, also of those of which nothing can be used."""
@@ -135,25 +190,31 @@ class Store:
     def parts(
         self, unit: str | None = None, status: str | None = None
     ) -> Iterator[dict[str, Any]]:
-        """The records of one unit, or of all, in the order of mileage, time and naming."""
-        wanted = {"part.unit": unit, "status": status}
+        """The records of one unit, or of all, in the order of mileage, time and naming.
+
+        A record whose samples another one holds too, which was named before it, is a `copy`.
+        """
+        wanted = {"part.unit": unit, "part.status": "used" if status == "copy" else status}
         asked = {column: value for column, value in wanted.items() if value is not None}
         where = " AND ".join(f"{column} = ?" for column in asked) or "1"
         for row in self._db.execute(
-            "SELECT path, record, part.unit, part.time, part.mileage, digest, status, more, row FROM part "
-            f"JOIN source ON source = id WHERE {where} ORDER BY part.unit, part.mileage, part.time, source",
+            "SELECT path, record, part.unit, part.time, part.mileage, digest, status, more, row, "
+            f"({FIRST}) FROM part JOIN source ON source = source.id WHERE {where} "
+            "ORDER BY part.unit, part.mileage, part.time, source",
             tuple(asked.values()),
         ):
-            path, record, own, time, mileage, digest, state, more, content = row
+            path, record, own, time, mileage, digest, state, more, content, first = row
+            state = state if first is None else "copy"
+            if status not in (None, state):
+                continue
             yield json.loads(content) | {
                 "path": path, "record": record, "unit": own, "time": time, "mileage": mileage, "digest": digest,
                 "status": state, "more": json.loads(more),
-            }  # fmt: skip
+            } | ({} if first is None else {"error": f"the samples of {first}: used once"})  # fmt: skip
 
     def enter(self, unit: str, row: Mapping[str, Any]) -> None:
         """Enter the row of a unit into this run."""
-        with self._whole():
-            self._db.execute("INSERT OR REPLACE INTO unit VALUES (?, ?)", (unit, json.dumps(row)))
+        self._write(("INSERT OR REPLACE INTO unit VALUES (?, ?)", [(unit, json.dumps(row))]))
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """The rows of all units, by name."""

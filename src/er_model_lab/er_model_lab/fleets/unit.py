@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from er_models.errors import ErError
 from er_records.dataset import Dataset
 from er_records.load import load
 from er_records.provenance import content_digest
 from er_records.record import Record
 
 from er_model_lab.fleets.asked import Asked
-from er_model_lab.fleets.places import local
+from er_model_lab.fleets.places import Unreachable, local
 from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.results.values import clean, parameters
 from er_model_lab.verbs.diagnose import diagnose
@@ -67,7 +67,8 @@ def diagnosed(job: UnitJob, asked: Asked) -> DiagnosisResult:
     """The diagnosis of a unit's recordings.
 
     Raises:
-        ErError: They are not fit for it, or gone.
+        ErError: They are not fit for it.
+        Unreachable: They cannot be had now, or are others by now.
     """
     return diagnose(_data(job), asked.model, seed=asked.seed, rule=asked.rule, anyway=asked.anyway)
 
@@ -89,9 +90,18 @@ def page(job: UnitJob, asked: Asked) -> bytes:
 
 
 def _data(job: UnitJob) -> Dataset:
-    """The records of a unit."""
-    found: list[Record] = []
-    for path in job.paths:
-        with local(path) as place:
-            found += [r for r in load([Path(place)]) if content_digest(r) in job.digests]
-    return Dataset.of(found)
+    """The records of a unit, each once; they were read before, so that what fails now is no answer."""
+    found: dict[str, Record] = {}
+    try:
+        for path in job.paths:
+            with local(path) as place:
+                for record in load([place]):
+                    if (digest := content_digest(record)) in job.digests:
+                        found.setdefault(digest, record)
+    except ErError as error:
+        raise Unreachable(str(error)) from None
+    if missing := len(job.digests - found.keys()):
+        raise Unreachable(
+            f"records of {job.unit} changed since they were first read ({missing} of {len(job.digests)})"
+        )
+    return Dataset.of(list(found.values()))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from er_models.errors import ErError, InputError
 from er_records.write import finished_only
 
 from er_model_lab.results.result import Result
@@ -16,10 +17,12 @@ from er_model_lab.results.result import Result
 class FleetResult(Result):
     """What a fleet shows. `table` and `recordings_table` are the files with one row a unit, and one a recording.
 
-    pages: reports of the strangest units by their place in a report.
+    pages: reports of the strangest units by their place in a report; errors: what ended the run early, and tables that
+    could not be written.
     """
 
     pages: Mapping[str, bytes] = field(default_factory=dict)
+    errors: tuple[ErError, ...] = ()
 
     def report(self, folder: str | Path) -> Path:
         """Write the page, and beside it a page for each unit that was drawn; returns the page.
@@ -30,18 +33,22 @@ class FleetResult(Result):
         """
         page = super().report(folder)
         for name, content in self.pages.items():
-            with finished_only(page.parent / name) as part:
-                part.write_bytes(content)
+            try:
+                with finished_only(page.parent / name) as part:
+                    part.write_bytes(content)
+            except OSError as error:
+                place, said = page.parent / name, error.strerror or str(error)
+                raise InputError(place, "report", "a place that can be written", said) from None
         return page
 
     @property
     def table(self) -> Path:
-        """One row a unit (Parquet)."""
+        """One row a unit (Parquet); KeyError where it could not be written."""
         return Path(self.view.result["tables"]["units"])
 
     @property
     def recordings_table(self) -> Path:
-        """One row a recording (Parquet)."""
+        """One row a recording (Parquet); KeyError where it could not be written."""
         return Path(self.view.result["tables"]["recordings"])
 
     @property

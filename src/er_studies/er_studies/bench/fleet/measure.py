@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import io
 import pickle
 import subprocess
 import sys
@@ -19,9 +20,9 @@ from typing import Any
 import numpy as np
 import psutil
 from er_common.port import HOST, free_port
-from er_model_lab.fleets.asked import Asked, code
+from er_model_lab.fleets.asked import Asked
 from er_model_lab.fleets.cluster import ONE, cluster
-from er_model_lab.fleets.engine import Engine, work
+from er_model_lab.fleets.engine import Engine, later, seal, work
 from er_model_lab.fleets.fleet import fleet
 from er_model_lab.fleets.recording import RecordingJob, recording
 from er_model_lab.fleets.run import Run
@@ -67,6 +68,16 @@ class Loop(Executor):
         return done
 
 
+class _Jobs(pickle.Unpickler):
+    """Reads which jobs a call is for, and does none."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        """The batch itself in place of what does it."""
+        return (
+            (lambda batch, _: batch) if name == work.__name__ else super().find_class(module, name)
+        )
+
+
 class Answers(Executor):
     """Knows every result beforehand: what is left is what the client does."""
 
@@ -77,7 +88,7 @@ class Answers(Executor):
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """The answers to a batch."""
         del fn, kwargs
-        batch, done = args[0], Future[Any]()
+        batch, done = _Jobs(io.BytesIO(args[0])).load(), Future[Any]()
         found = [
             {"content": job.path, "rows": [{**r, "digest": job.path} for r in self._row["rows"]]}
             for _, job in batch
@@ -234,8 +245,10 @@ def costs(model: Model, times: Array, each: float) -> Costs:
 
 def _empty(engine: Engine, model: Model, number: int) -> None:
     """So many batches with one job that is nothing."""
-    sealed = pickle.dumps((nothing, Asked(model), code()))
-    for future in [engine.executor.submit(work, [(k, k)], sealed) for k in range(number)]:
+    sealed = seal(nothing, Asked(model))
+    for future in [
+        engine.executor.submit(pickle.loads, later(work, [(k, k)], sealed)) for k in range(number)
+    ]:
         future.result()
 
 
