@@ -71,14 +71,15 @@ def seen(*words: str, cwd: Path, program: Sequence[str] = OPEN) -> Iterator[Any]
             executable_path=BROWSER, args=["--no-sandbox", "--disable-gpu"]
         ) as browser,
     ):
-        made = browser.new_page(viewport={"width": 1280, "height": 900}, accept_downloads=True)
-        made.set_default_timeout(PATIENCE)
-        made.on("console", lambda m: errors.append(m.text) if m.type == "error" else None)
-        made.on("pageerror", lambda e: errors.append(str(e)))
-        made.on(
+        tabs = browser.new_context(viewport={"width": 1280, "height": 900}, accept_downloads=True)
+        tabs.set_default_timeout(PATIENCE)
+        tabs.on("console", lambda m: errors.append(m.text) if m.type == "error" else None)
+        tabs.on("weberror", lambda e: errors.append(str(e.error)))
+        tabs.on(
             "request",
             lambda r: hosts.add(r.url.split("/")[2]) if r.url.startswith(("http", "ws")) else None,
         )
+        made = tabs.new_page()
         made.goto(address)
         yield made
         assert errors == []

@@ -23,7 +23,7 @@ def test_only_the_address_that_is_printed_opens_the_page(tmp_path: Path) -> None
         port = int(place)
         cookie = f"er_lab_{port}={token}"
         assert status(port, f"/?token={token}") == 303
-        assert status(port, "/", Cookie=cookie) == 200
+        assert {status(port, "/", Cookie=cookie) for _ in range(10)} == {200}, "ten tabs"
         assert status(port, "/") == status(port, f"/?token={token[:-1]}") == 403
         assert status(port, "/_nicegui_ws/socket.io/?EIO=4&transport=polling") == 403
         assert status(port, "/", Cookie=cookie, Origin="http://evil.example") == 403

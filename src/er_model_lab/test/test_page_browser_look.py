@@ -18,6 +18,14 @@ import er_model_lab as lab
 from test.sample import write_sample
 
 PLOT = ".js-plotly-plot"
+WORST_TILE = """e => {
+  const {x, y, z} = e.data[0], {xaxis, yaxis} = e._fullLayout;
+  const box = e.querySelector('.nsewdrag').getBoundingClientRect();
+  const each = [...y].flatMap((_, i) => [...x].map((_, j) => [z[i][j] ?? -1, i, j]));
+  const [, i, j] = each.reduce((a, b) => (b[0] > a[0] ? b : a));
+  return [box.x + xaxis.d2p(x[j]), box.y + yaxis.d2p(y[i])];
+}"""
+"""Where on the screen the middle of the worst tile of a map is."""
 
 
 def spoilt(folder: Path) -> Path:
@@ -116,8 +124,9 @@ def test_a_person_goes_the_whole_way(tmp_path: Path) -> None:
 
 def look(page: Any) -> None:
     """Click a tile of the map, then a worst place."""
-    tiles = page.locator(PLOT).nth(1).locator(".nsewdrag").bounding_box()
-    page.mouse.click(tiles["x"] + 0.5 * tiles["width"], tiles["y"] + 0.5 * tiles["height"])
+    page.wait_for_function(f"document.querySelectorAll('{PLOT}')[1].data.length > 0")
+    page.wait_for_timeout(500)
+    page.mouse.click(*page.locator(PLOT).nth(1).evaluate(WORST_TILE))
     page.wait_for_function(
         f"document.querySelector('{PLOT}').data.some(d => d.name == 'in the tile')"
     )
@@ -141,7 +150,7 @@ def drag_a_slider(page: Any, said: Any) -> None:
     page.mouse.move(box["x"] + 0.9 * box["width"], y, steps=8)
     page.mouse.up()
     expect_other(page, said, first)
-    page.get_by_label("Lay another model beside").click()
+    page.get_by_role("combobox", name="Lay another model beside").click()
     page.get_by_role("option", name="model inove guo").click()
     page.get_by_text(f"beside: {first.removeprefix('error ')}").wait_for()
     page.get_by_label("Undo").click()

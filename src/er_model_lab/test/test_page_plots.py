@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from er_model_lab.page import plots
@@ -112,3 +113,16 @@ def test_needless_effects_end_the_fall(desk: Desk) -> None:
     step = Step("improve", "", {"fall": [[None, 0.9, 1.0], ["coulomb_friction", 0.3, 0.4]]})
     desk.session = desk.session.then(desk.now.learnt(model, step))
     assert [s.says for s in desk.fall()][-1] == "needless effects out"
+
+
+def test_rivals_are_those_that_a_run_can_tell_from_an_effect() -> None:
+    pytest.importorskip("nicegui", reason="the package nicegui is not installed")
+    from er_model_lab.page.panels.plan import rivals
+
+    tied = SimpleNamespace(effect="coulomb_friction", confounded_with=("preload",))
+    result, model = SimpleNamespace(candidates=(tied,)), lab.load_model("inove_guo")
+    found = rivals(result, model, "coulomb_friction")
+    assert found == ["preload", "stribeck_friction", "shear_thinning", "bouc_wen_hysteresis"]
+    assert rivals(result, model, "mount_compliance") != []
+    assert "velocity_lag" not in rivals(result, model, "mount_compliance")
+    assert rivals(result, model, "coulomb_friction + preload") == []
