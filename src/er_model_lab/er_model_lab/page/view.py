@@ -233,7 +233,7 @@ class View:
             self.second = ui.label("").classes("numbers text-sm").props("role=status")
             self.beside = ui.select([], label="Lay another model beside", on_change=self.safely(
                 lambda e: self.desk.lay(e.value)
-            )).props('dense options-dense clearable aria-label="Lay another model beside"').classes("w-52")  # fmt: skip
+            )).props('dense options-dense clearable aria-label="Lay another model beside"').classes("w-40")  # fmt: skip
             for icon, words, by in (
                 ("chevron_left", "Earlier", -0.5),
                 ("chevron_right", "Later", 0.5),
