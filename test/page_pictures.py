@@ -103,7 +103,7 @@ def drive(page):
             frames.append(shot.resize(FRAME, Image.LANCZOS))
 
     page.set_viewport_size(LIVE)
-    page.get_by_text("explains").wait_for()
+    page.get_by_text(": explains").wait_for()
     look(4)
     with tempfile.TemporaryDirectory() as folder:
         better = Path(folder) / "with_friction.yaml"

@@ -37,6 +37,8 @@ STARTERS = {"executables.py", "record_command.py", "ros_composed.py"}
 LOADERS = {"import_module"}
 """Functions that import what a text names."""
 PLOTS = {"matplotlib", "plotly"}
+FRAMEWORK = "nicegui"
+"""What the page is made with, which nothing but the page knows."""
 
 
 def modules():
@@ -93,6 +95,8 @@ def breaches(package, path, names):
             yield f"{path} must not import the shell {name}"
         if head == "cvxpy" and "synthesis" not in path.parts:
             yield f"{path} must not import cvxpy"
+        if head == FRAMEWORK and "page" not in path.relative_to(ROOT).parts:
+            yield f"{path} knows the page's framework ({name})"
         if head in PLOTS and "report" not in path.parts:
             yield f"{path} must not plot"
 
@@ -122,6 +126,7 @@ def test_imports_follow_the_arrows(package, path):
         ("import rcl_interfaces", "control.py"),
         ("import cvxpy as cp", "control.py"),
         ("from matplotlib import pyplot", "control.py"),
+        ("from nicegui import ui", "control.py"),
         ("from ament_index_python import get_package_share_directory", "control.py"),
     ],
 )

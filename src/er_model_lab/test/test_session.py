@@ -6,6 +6,7 @@ import json
 import runpy
 import threading
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +15,19 @@ from er_model_lab.session import dropped
 from er_model_lab.session.desk import Desk
 from er_model_lab.session.job import Jobs
 from er_model_lab.session.kept import packed, unpacked
-from er_model_lab.session.script import script
-from er_model_lab.session.sight import Selection, curve, loops, spectrum, tile_at, tile_map, worst
+from er_model_lab.session.script import alone, script
+from er_model_lab.session.sight import (
+    Selection,
+    curve,
+    look,
+    loops,
+    spectrum,
+    tile_at,
+    tile_map,
+    worst,
+)
 from er_model_lab.session.slider import POSITIONS, Slider
-from er_model_lab.session.steps import Session, Source, Stretch, pieces
+from er_model_lab.session.steps import Session, Source, State, Step, Stretch, pieces
 
 import er_model_lab as lab
 from test.sample import write_sample
@@ -96,7 +106,7 @@ def test_the_program_of_a_session_makes_the_same_model(
     desk.jobs.wait()
     desk.take(desk.now.switched("response", on=False))
     desk.take(desk.now.switched("response", on=True))
-    fall = [e.held_out or 0.0 for _, e in desk.fall()]
+    fall = [stage.errors.held_out or 0.0 for stage in desk.fall()]
     assert fall[1] < 0.3 * fall[0], "from the model as given to the friction that was hidden"
     program = tmp_path / "session.py"
     program.write_text(script(desk.session), encoding="utf-8")
@@ -207,6 +217,47 @@ def test_programs_and_other_kinds_are_refused(tmp_path: Path) -> None:
     (tmp_path / "big.yaml").write_bytes(b"#" * (dropped.LARGEST_MODEL + 1))
     with pytest.raises(lab.InputError, match="at most 1 MB"):
         dropped.model_of(tmp_path / "big.yaml")
+
+
+def test_what_lies_beside_a_bag_is_no_model_and_a_zip_of_measurements_is_unpacked(
+    run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(lab.InputError, match="the bag itself"):
+        dropped.kind_of("metadata.yaml", code=False)
+    packed_bag, bare, laid = tmp_path / "bag.zip", tmp_path / "bare.zip", tmp_path / "in"
+    laid.mkdir()
+    with zipfile.ZipFile(packed_bag, "w") as whole:
+        whole.writestr("bag/metadata.yaml", "rosbag2_bagfile_information: {}")
+        whole.write(run, "../../bag/bag_0.csv")
+    assert dropped.kind_of("bag.zip", code=False) == "zip"
+    assert not dropped.is_session(packed_bag)
+    assert dropped.measurements_of(packed_bag, laid) == [laid / "bag_0.csv"]
+    assert (laid / "bag_0.csv").read_bytes() == run.read_bytes()
+    with zipfile.ZipFile(bare, "w") as whole:
+        whole.writestr("notes.md", "")
+    with pytest.raises(lab.InputError, match="0 measurements"):
+        dropped.measurements_of(bare, laid)
+    monkeypatch.setattr(dropped, "LARGEST", 1000)
+    with pytest.raises(lab.InputError, match="unpacked"):
+        dropped.measurements_of(packed_bag, laid)
+
+
+def test_what_is_dropped_has_bounds_alone_and_together(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    desk = Desk(tmp_path)
+    monkeypatch.setattr("er_model_lab.session.desk.BIGGEST", 5_000_000)
+    monkeypatch.setattr(dropped, "LARGEST", 3_000_000)
+    assert desk.admitted("run.csv", 3_000_000) == "data"
+    with pytest.raises(lab.InputError, match=r"at most 3 MB more, found 3\.1 MB"):
+        desk.admitted("run.csv", 3_100_000)
+    (tmp_path / "inner").mkdir()
+    for name in ("first.csv", "inner/second.csv"):
+        (tmp_path / name).write_bytes(b"x" * 2_000_000)
+    assert desk.room() == 1_000_000
+    assert desk.admitted("run.csv", 1_000_000) == "data"
+    with pytest.raises(lab.InputError, match="at most 1 MB more"):
+        desk.admitted("run.csv", 1_100_000)
 
 
 def test_what_is_seen_agrees_with_the_residual(desk: Desk) -> None:
@@ -333,7 +384,7 @@ def test_undo_has_an_end() -> None:
     assert session.redone() is session
 
 
-def test_a_planned_run_and_the_model_as_given_beside(
+def test_a_planned_run_and_another_model_beside(
     desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = {}
@@ -344,11 +395,112 @@ def test_a_planned_run_and_the_model_as_given_beside(
     desk.jobs.wait()
     assert desk.planned == "planned"
     assert asked["between"] == ("coulomb_friction", "stribeck_friction")
-    desk.beside = True
-    assert desk.as_given is None, "it is the model that is shown"
-    first = desk.predicted
+    assert desk.laid is None
+    first, given = desk.predicted, desk.errors()
     desk.take(desk.now.set("passive", "c0", 70.0))
-    assert desk.as_given is not None
-    assert np.array_equal(desk.as_given, first)
-    desk.beside = False
-    assert desk.as_given is None
+    desk.lay(next(name for name in desk.choice if name.endswith("model inove guo")))
+    assert desk.laid is not None
+    assert np.array_equal(desk.laid, first)
+    assert desk.errors(desk.choice[desk.beside]) == given
+    with pytest.raises(lab.InputError, match="shipped"):
+        desk.lay("nobody")
+    desk.lay("inove_bingham")
+    assert not np.array_equal(desk.laid, first)
+    desk.lay(None)
+    assert desk.laid is None
+
+
+def test_a_stretch_is_held_out_where_it_lies_and_another_one_after_it(desk: Desk) -> None:
+    desk.hold_between(3.0, 4.5)
+    desk.jobs.wait()
+    assert desk.sight is not None
+    sight = desk.sight
+    assert sight.ends == pytest.approx((0.0, 8.995))
+    held = np.sort(sight.t[sight.problem.held_out])
+    assert 3.0 <= held[0] < 3.5, "what runs in does not score"
+    assert held[-1] == pytest.approx(4.5, abs=0.02)
+    t, y = curve(sight, sight.force, (2.9, 3.1))
+    assert np.isfinite(y).sum() == pytest.approx(41, abs=3)
+    assert np.nanmax(np.diff(t)) < 0.01, "the pieces lie side by side"
+    desk.hold_between(4.0, 6.0)
+    with pytest.raises(lab.InputError, match="while a job runs"):
+        desk.hold_between(7.5, 99.0)
+    desk.jobs.wait()
+    desk.hold_between(7.5, 99.0)
+    desk.jobs.wait()
+    assert desk.now.held == (
+        Stretch(0, 3.0, pytest.approx(6.0)),
+        Stretch(0, pytest.approx(7.5), pytest.approx(8.995)),
+    )
+    with pytest.raises(lab.InputError, match="at least 1 s of a record"):
+        desk.hold_between(1.0, 1.5)
+
+
+def test_what_is_wrong_is_shown_where_it_is(run: Path, tmp_path: Path) -> None:
+    first = lab.load(run).records[0]
+    y = first.channels["damper_force"].copy()
+    y[1000:1080] = 0.66 * y.max()
+    spoilt = replace(first, name="spoilt", channels={**first.channels, "damper_force": y})
+    sight = look(
+        lab.Dataset.of([first, spoilt]), lab.load_model("inove_guo"), whole=[first, spoilt]
+    )
+    (found,) = [f for f in sight.preflight.findings if f.check == "held" and f.spans]
+    begin = sight.parts[1].begin
+    assert sight.places(found) == [pytest.approx((begin + 5.0, begin + 5.395))]
+    cut = lab.Dataset.of([first, spoilt.slice(0, 1040)], [spoilt.slice(1040, 1800)])
+    again = look(cut, lab.load_model("inove_guo"), whole=[first, spoilt])
+    places = [s for f in again.preflight.findings if f.check == "held" for s in again.places(f)]
+    assert places
+    assert all(begin + 4.99 <= a <= b <= begin + 5.4 for a, b in places)
+
+
+OWN = '''"""A pull that follows the duty."""
+from er_models.effect import Effect, Param, Signature
+
+
+def sense(K: float, f_m: float, u: float) -> float:
+    """Reported force [N]: K per duty more."""
+    return f_m + K * u
+
+
+EFFECT = Effect(
+    "duty_pull", "sensing", "Pull of the duty", "The wires couple into the load cell, which shows the duty.",
+    (Param("K", "N/duty", -2.0, 2.0, 0.0, (0.05, -0.05), "force shown per duty"),), {"sense": sense},
+    Signature("a force that follows the duty", "force-duty", "steps of the duty at standstill", ("preload",)),
+    "own measurement",
+)
+'''
+
+
+def test_own_effects_and_dropped_files_go_with_the_program_and_the_session(
+    run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder, away, second = (tmp_path / name for name in ("page", "away", "second"))
+    for each in (folder, away, second):
+        each.mkdir()
+    data, own = folder / "run.csv", folder / "own.py"
+    data.write_bytes(run.read_bytes())
+    own.write_text(OWN, encoding="utf-8")
+    begun = State().started(lab.load_model("inove_guo", [own]), "inove_guo", [own])
+    model = begun.known.with_effect("duty_pull", {"K": 0.5})
+    last = replace(begun, model=model, step=Step("on", "duty_pull", {"K": 0.5}))
+    session = Session((State(), begun, last))
+
+    program = alone(session.then(last.with_data([Source(data)])), folder)
+    assert str(folder) not in program
+    said = program.split('"""')[1]
+    assert [line.strip() for line in said.splitlines()[3:5]] == ["run.csv", "own.py"]
+    own.rename(away / "own.py")
+    (away / "session.py").write_text(alone(session, folder), encoding="utf-8")
+    monkeypatch.chdir(away)
+    made = runpy.run_path("session.py", run_name="__main__")
+    assert made["model"].digest() == model.digest()
+
+    (away / "own.py").rename(own)
+    kept = tmp_path / "kept.zip"
+    kept.write_bytes(packed(session, folder))
+    again = unpacked(kept, second, code=True)
+    assert again.code == (second / "own.py",)
+    assert again.now.known.digest() == model.digest()
+    with pytest.raises(lab.InputError, match="--allow-code"):
+        unpacked(kept, tmp_path / "third")

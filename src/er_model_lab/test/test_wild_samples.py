@@ -1,5 +1,6 @@
 """Wild samples are found, told, and change neither a verdict nor a value; what is sharp but real is left alone."""
 
+from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
 
@@ -7,6 +8,9 @@ import numpy as np
 import pytest
 from er_model_lab.diagnosis.noise_floor import spectral_line
 from er_model_lab.preflight.bent_ends import bent_ends
+from er_model_lab.preflight.check import findings
+from er_model_lab.preflight.finding import MOST, spans_of
+from er_model_lab.preflight.samples import time_findings
 from er_model_lab.preflight.spikes import spikes
 from er_model_lab.preflight.wild import marked, places
 from er_model_lab.problem.problem import Problem
@@ -17,6 +21,7 @@ from er_models.files import load_model
 from er_models.prediction import motion, predict
 from er_records.dataset import Dataset
 from er_records.record import Record
+from er_records.timing import timing_of
 from lab_help import DT, FORCE_NOISE, GUO, imposed
 
 HIDDEN = ("coulomb_friction", {"F_c": 1.0, "v_0": 0.003})
@@ -202,3 +207,35 @@ def test_a_load_cell_at_the_end_of_its_range_is_no_steady_tone():
     assert spectral_line(seen, left) == (0.0, 0.0, 0.0)
     tone = left + 2.0 * np.sin(2.0 * np.pi * 3.0 * 0.002 * np.arange(n))
     assert spectral_line(seen, tone)[0] == pytest.approx(3.0, abs=0.2)
+
+
+@pytest.mark.parametrize(("kind", "check", "rows"), [
+    ("struck", "spikes", (1234, 1234)), ("cut_below", "held", (1000, 1079)), ("hangs", "held", (1500, 1559)),
+])  # fmt: skip
+def test_a_finding_says_from_when_to_when(clean, kind, check, rows):
+    spoilt = KINDS[kind](clean[None])
+    late = replace(spoilt, t=spoilt.t + 100.0)
+    for given in (spoilt, late):
+        found = [f for f in findings(given) if f.check == check and f.spans]
+        assert [f.spans for f in found] == [(tuple(float(given.t[k]) for k in rows),)]
+        assert found[0].as_json()["spans"] == found[0].spans
+
+
+def test_lost_samples_are_found_where_they_are_missing(clean):
+    given = clean[None]
+    t = np.delete(given.t, slice(800, 810))
+    (found,) = [
+        f for f in time_findings(replace(given, timing=timing_of(t))) if f.check == "dropouts"
+    ]
+    assert found.spans == ((float(given.t[799]), float(given.t[810])),)
+
+
+def test_many_spans_become_few_that_hold_all_of_them():
+    t = np.arange(3000.0)
+    mask = np.arange(3000) % 3 == 0
+    mask[1200:1500] = False
+    spans = spans_of(t, mask)
+    assert len(spans) == MOST
+    covered = np.logical_or.reduce([(t >= a) & (t <= b) for a, b in spans])
+    assert covered[mask].all()
+    assert not covered[1200:1500].any(), "the widest pause stays one"

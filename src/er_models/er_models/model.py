@@ -93,6 +93,10 @@ class Model:
         """This model with one effect less."""
         return replace(self, effects={k: v for k, v in self.effects.items() if k != name})
 
+    def without_term(self, name: str) -> Model:
+        """This model with one measured term less."""
+        return replace(self, terms=tuple(t for t in self.terms if t.name != name))
+
     def start(self, effect: str, parameter: str, which: int = 0) -> float:
         """Starting value of a parameter [SI], from the scales of this model."""
         q = self.catalogue[effect].parameter(parameter)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,8 +13,8 @@ from numpy.typing import NDArray
 from er_model_lab.output.report.live import live
 from er_model_lab.output.report.palette import ERROR, HELD_OUT
 from er_model_lab.output.report.thin import every, stretches
-from er_model_lab.results.records import Errors
 from er_model_lab.session.desk import Desk
+from er_model_lab.session.fall import Stage
 from er_model_lab.session.sight import (
     ON_SCREEN,
     Selection,
@@ -23,7 +24,6 @@ from er_model_lab.session.sight import (
     spectrum,
     tile_map,
 )
-from er_model_lab.session.steps import Step
 
 Json = dict[str, Any]
 
@@ -40,22 +40,48 @@ class Theme:
     marked: str
     held: str
     floor: str
+    warning: str
+    fail: str
 
 
 LIGHT = Theme(
-    "#1f2933", "#d9dee5", "#2b2b2b", "#c24f00", "#0072b2", "#9c4a7c", HELD_OUT, "#007a58"
+    "#1f2933",
+    "#d9dee5",
+    "#2b2b2b",
+    "#c24f00",
+    "#0072b2",
+    "#9c4a7c",
+    HELD_OUT,
+    "#007a58",
+    "#b98a00",
+    "#a33f00",
 )
 DARK = Theme(
-    "#e6e9ee", "#3a424d", "#dfe3e8", "#ff9a4d", "#63b9ea", "#e79cc6", "#6a5c1c", "#3fcf9f"
+    "#e6e9ee",
+    "#3a424d",
+    "#dfe3e8",
+    "#ff9a4d",
+    "#63b9ea",
+    "#e79cc6",
+    "#6a5c1c",
+    "#3fcf9f",
+    "#e9b44c",
+    "#ff5e3a",
 )
 DOTS = 400
 """Samples of a force over velocity that are drawn where they are too many to be joined."""
 MARKED = 400
 """Samples of a tile that are marked in time."""
+MOST_SHADED = 200
+"""Stretches of one kind that are shaded."""
 CONFIG: Json = {
     "displaylogo": False, "showTips": False, "responsive": True, "scrollZoom": False, "displayModeBar": "hover",
     "modeBarButtonsToRemove": ["sendDataToCloud", "lasso2d", "select2d", "autoScale2d", "toImage"],
 }  # fmt: skip
+
+
+HOLDING: Json = {"dragmode": "select", "selectdirection": "h", "selections": []}
+"""Layout of the curves while dragging over them holds out."""
 
 
 def force(desk: Desk, theme: Theme) -> Json:
@@ -65,8 +91,8 @@ def force(desk: Desk, theme: Theme) -> Json:
         return nothing_yet(theme, "force over time", 400)
     seconds = desk.selection.seconds
     rows = force_curves(theme, sight.force, predicted, sight.force - predicted)
-    if (given := desk.as_given) is not None:
-        rows.insert(1, ("as given", given, theme.marked, "y", 1.0))
+    if (laid := desk.laid) is not None:
+        rows.insert(1, (desk.beside, laid, theme.marked, "y", 1.0))
     data = [
         line_of(*curve(sight, y, seconds), name, colour, width, yaxis=axis)
         for name, y, colour, axis, width in rows
@@ -74,8 +100,11 @@ def force(desk: Desk, theme: Theme) -> Json:
     if desk.selection.velocity is not None:
         at = _marked(desk, sight)
         data.append(dots_of(sight.t[at], sight.force[at], "in the tile", theme.marked))
-    layout = force_layout(theme, *(seconds or (sight.t[0], sight.t[-1])))
-    return figure_of(data, layout | {"shapes": _held(sight, theme), "dragmode": "zoom"})
+    layout = force_layout(theme, *(seconds or sight.ends))
+    return figure_of(
+        data,
+        layout | {"shapes": [*_held(sight, theme), *_found(sight, theme)], "dragmode": "zoom"},
+    )
 
 
 def force_curves(
@@ -106,16 +135,37 @@ def _marked(desk: Desk, sight: Sight) -> NDArray[np.int64]:
 def _held(sight: Sight, theme: Theme) -> list[Json]:
     """Shaded where data only score."""
     spans = [
-        s for _, a, b in sight.spans
-        for i, j in [np.searchsorted(sight.t, (a, b + 1e-9))]
-        for s in stretches(sight.t[i:j], sight.problem.held_out[i:j])
+        s for p in sight.parts for s in stretches(sight.t[p.i : p.j], sight.problem.held_out[p.i : p.j])
     ]  # fmt: skip
+    return _shaded(spans, "held out", theme.held, 0.0, "73")
+
+
+def _found(sight: Sight, theme: Theme) -> list[Json]:
+    """Coloured where the data were found to be wrong, the worst in front."""
+    colours = {"note": theme.ink, "warning": theme.warning, "fail": theme.fail}
+    return [
+        shape for level, colour in colours.items()
+        for shape in _shaded(
+            [s for f in sight.preflight.findings if f.level == level for s in sight.places(f)],
+            level, colour, 2.0, "4d",
+        )
+    ]  # fmt: skip
+
+
+def _shaded(
+    spans: Sequence[tuple[float, float]], name: str, colour: str, edge: float, strength: str
+) -> list[Json]:
+    """Rectangles from top to bottom, told once.
+
+    edge: width of their lines [px], so that a short one is seen, too; strength: of the colour within, 00 to ff.
+    """
     return [
         {
             "type": "rect", "x0": a, "x1": b, "y0": 0, "y1": 1, "xref": "x", "yref": "paper", "layer": "below",
-            "line": {"width": 0}, "fillcolor": theme.held, "opacity": 0.45,
+            "line": {"width": edge, "color": colour}, "fillcolor": colour + strength,
+            "name": name, "showlegend": k == 0,
         }
-        for a, b in spans[:200]
+        for k, (a, b) in enumerate(spans[:MOST_SHADED])
     ]  # fmt: skip
 
 
@@ -208,17 +258,22 @@ def spectrum_of(theme: Theme, f: Array, density: Array) -> Json:
     return figure_of([line_of(f, density, "left", theme.left, 1.4)], layout)
 
 
-def waterfall(fall: list[tuple[Step, Errors]], floor: float | None, theme: Theme) -> Json:
-    """The error of the model as given and after each step, learnt from and held out."""
-    places, names = list(range(len(fall))), [step.says for step, _ in fall]
-    bars = [
-        ("learnt from", [e.train for _, e in fall], theme.left),
-        ("held out", [e.held_out for _, e in fall], theme.model),
-    ]  # fmt: skip
-    data: list[Json] = [
-        {"type": "bar", "x": places, "y": y, "name": name, "marker": {"color": colour}}
-        for name, y, colour in bars
+def waterfall(fall: list[Stage], floor: float | None, theme: Theme) -> Json:
+    """The error of the model as given and after each step, of measured terms in a colour of their own."""
+    places, names = list(range(len(fall))), [stage.says for stage in fall]
+    sides = [
+        ("learnt from", [s.errors.train for s in fall], theme.left, 0.6),
+        ("held out", [s.errors.held_out for s in fall], theme.model, 1.0),
     ]
+    data: list[Json] = []
+    for measured in dict.fromkeys([False, *(s.measured for s in fall)]):
+        at = [k for k in places if fall[k].measured == measured]
+        for name, y, colour, opacity in sides:
+            look = {"color": theme.marked, "opacity": opacity} if measured else {"color": colour}
+            data.append({
+                "type": "bar", "x": at, "y": [y[k] for k in at], "offsetgroup": name, "marker": look,
+                "name": f"measured term, {name}" if measured else name,
+            })  # fmt: skip
     layout = layout_of(theme, 280) | {
         "barmode": "group", "xaxis": axis_of(theme, "", tickvals=places, ticktext=names),
         "yaxis": axis_of(theme, "rms error [N]", rangemode="tozero"),

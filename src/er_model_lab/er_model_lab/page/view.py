@@ -7,13 +7,16 @@ from functools import wraps
 from typing import Any
 
 from er_models.errors import ErError
+from er_models.shipped import names
 from nicegui import ui
-from nicegui.events import GenericEventArguments, ValueChangeEventArguments
+from nicegui.events import GenericEventArguments
 
 from er_model_lab.live.heard import Heard
 from er_model_lab.output.text.units import newtons
 from er_model_lab.page import live_plots, plots
 from er_model_lab.page.panels.data import DataPanel
+from er_model_lab.page.panels.help import STYLE as HELP
+from er_model_lab.page.panels.help import described, helped, show_all
 from er_model_lab.page.panels.learn import LearnPanel
 from er_model_lab.page.panels.live import LivePanel
 from er_model_lab.page.panels.panel import Host, Panel
@@ -55,6 +58,7 @@ STYLE = """
 .warning { color: #7d5600; } .body--dark .warning { color: #e9b44c; }
 :focus-visible { outline: 3px solid #1976d2 !important; outline-offset: 1px; }
 .lab .q-tab { padding: 0 9px; }
+.lab :is(.q-btn, .q-item, .q-checkbox__label, .q-toggle__label, .q-tab) { user-select: text; }
 .q-uploader { width: 100%; max-height: 150px; }
 @media (max-width: 1000px) {
   .lab { grid-template-columns: minmax(0, 1fr); } .lab .views { grid-template-columns: minmax(0, 1fr); }
@@ -70,9 +74,10 @@ class View:
         self.seen, self.told = -1, (-1, -1)
         self.plots: dict[str, ui.plotly] = {}
         self.live = desk if isinstance(desk, LiveDesk) else None
-        self.turn = 0
+        self.turn, self.holding = 0, False
         self.dark = ui.dark_mode(None)
-        ui.add_css(STYLE)
+        ui.add_css(STYLE + HELP)
+        described()
         ui.colors(primary="#1f5f99", accent="#9c4a7c")
         self._header()
         with ui.element("main").classes("lab p-2"):
@@ -118,6 +123,7 @@ class View:
         now = self.desk.revision, self.desk.progress
         if self.told != now:
             self.told = now
+            self._offer()
             for panel in self.panels:
                 panel.refresh()
 
@@ -128,6 +134,7 @@ class View:
             ("" if self.live else "no prediction yet") if errors is None
             else f"error {newtons(errors.train)} learnt from, {newtons(errors.held_out)} held out"
         )  # fmt: skip
+        self.second.text = self._laid()
         self.model.text = desk.now.model.name if desk.now.model else "no model"
         self.undo.set_enabled(len(desk.session.past) > 1)
         self.redo.set_enabled(bool(desk.session.future))
@@ -137,7 +144,10 @@ class View:
         if self.following is not None:
             return
         for name, (make, _) in PLOTS.items():
-            self.plots[name].update_figure(make(desk, self.theme))
+            figure = make(desk, self.theme)
+            if name == "force" and self.holding:
+                figure["layout"] |= plots.HOLDING
+            self.plots[name].update_figure(figure)
 
     @property
     def following(self) -> LiveDesk | None:
@@ -167,12 +177,14 @@ class View:
             ui.label("Model lab").classes("text-lg font-bold").props("role=heading aria-level=1")
             self.model = ui.label("no model")
             self.error = ui.label("").classes("numbers").props("role=status aria-live=polite")
+            helped(self.error, "learnt from", "held out")
             ui.space()
             self.undo = _button("undo", "Undo (Ctrl Z)", self.safely(desk.undo))
             self.redo = _button("redo", "Redo (Ctrl Y)", self.safely(desk.redo))
             self.fitted = _button("settings_backup_restore", "Back to fitted", self.safely(
                 lambda: desk.take(desk.now.as_fitted())
             ))  # fmt: skip
+            _button("help_outline", "Words of the lab", show_all)
             _button("contrast", "Light or dark", self._shade)
 
     def _panels(self) -> None:
@@ -210,9 +222,18 @@ class View:
                     "follow the drive", value=self.live.follow, on_change=lambda e: self.follow(on=bool(e.value))
                 )  # fmt: skip
             else:
-                ui.label("Drag over the curves, click a tile of the map.").classes("muted")
+                said = ui.label("Drag over the curves, click a tile of the map.").classes("muted")
+                helped(said, "residual", "residual map", "spectrum")
+            ui.switch("dragging holds out", on_change=lambda e: self.hold(on=bool(e.value))).props(
+                "dense"
+            ).tooltip(
+                "Drag over the curves: that stretch only scores, and nothing is learnt from it"
+            )
             ui.space()
-            ui.checkbox("beside the model as given", on_change=self._beside).props("dense")
+            self.second = ui.label("").classes("numbers text-sm").props("role=status")
+            self.beside = ui.select([], label="Lay another model beside", on_change=self.safely(
+                lambda e: self.desk.lay(e.value)
+            )).props('dense options-dense clearable aria-label="Lay another model beside"').classes("w-40")  # fmt: skip
             for icon, words, by in (
                 ("chevron_left", "Earlier", -0.5),
                 ("chevron_right", "Later", 0.5),
@@ -230,6 +251,7 @@ class View:
         self.plots["force"].on(
             "plotly_relayout", self._moved, ["xaxis.range[0]", "xaxis.range[1]", "xaxis.autorange"]
         )
+        self.plots["force"].on("plotly_selected", self.safely(self._dragged), ["range"])
         self.plots["map"].on("plotly_click", self._clicked, ["points"])
 
     def select(self, selection: Selection) -> None:
@@ -237,6 +259,18 @@ class View:
         self.desk.selection = selection
         self.desk.changed()
         self.look()
+
+    def hold(self, *, on: bool) -> None:
+        """Whether what is dragged over is held out, else looked at."""
+        self.holding, self.seen = on, -1
+        self.look()
+
+    def _dragged(self, event: GenericEventArguments) -> None:
+        """A stretch was dragged over to be held out."""
+        span = ((event.args or {}).get("range") or {}).get("x")
+        if self.holding and self.following is None and span:
+            self.seen = -1
+            self.desk.hold_between(*sorted(float(t) for t in span))
 
     def show_all(self) -> None:
         """Take the selection away."""
@@ -269,7 +303,7 @@ class View:
 
     def _window(self) -> tuple[float, float]:
         sight = self.desk.sight
-        whole = (0.0, 1.0) if sight is None else (float(sight.t[0]), float(sight.t[-1]))
+        whole = (0.0, 1.0) if sight is None else sight.ends
         return self.desk.selection.seconds or whole
 
     def _move(self, by: float) -> None:
@@ -283,14 +317,24 @@ class View:
     def _seconds(self, a: float, b: float) -> None:
         sight, at = self.desk.sight, self.desk.selection
         if sight is not None and b - a >= 4 * sight.problem.motion.dt:
-            low, high = float(sight.t[0]), float(sight.t[-1])
+            low, high = sight.ends
             a, b = max(a, low), min(b, high)
             whole = (a, b) == (low, high) or a >= b
             self.select(Selection(None if whole else (a, b), at.velocity, at.deflection))
 
-    def _beside(self, event: ValueChangeEventArguments[bool | None]) -> None:
-        self.desk.beside = bool(event.value)
-        self.desk.changed()
+    def _laid(self) -> str:
+        """The error of the model that is laid beside."""
+        model = self.desk.choice.get(self.desk.beside)
+        errors = None if model is None else self.desk.errors(model)
+        return "" if model is None else f"beside: {errors or 'no prediction along this motion'}"
+
+    def _offer(self) -> None:
+        """Which models may be laid beside."""
+        every = list(dict.fromkeys([*self.desk.choice, *names("dampers")]))
+        if every != self.beside.options:
+            self.beside.set_options(
+                every, value=self.desk.beside if self.desk.beside in every else None
+            )
 
     async def _as_system(self) -> None:
         """Light or dark as the system of the browser is."""

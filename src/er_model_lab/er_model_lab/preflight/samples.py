@@ -9,7 +9,7 @@ import numpy as np
 from er_records.record import HELD, Array, Record, is_core
 from numpy.typing import NDArray
 
-from er_model_lab.preflight.finding import Finding, Level
+from er_model_lab.preflight.finding import Finding, Level, spans_of
 
 JITTERY = 0.1
 """Jitter over the sample time that is worth a word."""
@@ -60,7 +60,7 @@ def time_findings(record: Record) -> Iterator[Finding]:
         words += f", {timing.repeated} rows repeat the time before"
     yield Finding(
         "dropouts", level, record.name, "", "no sample lost", words,
-        "" if level == "ok" else "record with less load or larger queues (./er doctor)", record.source,
+        "" if level == "ok" else "record with less load or larger queues (./er doctor)", record.source, timing.holes,
     )  # fmt: skip
 
 
@@ -144,18 +144,19 @@ def _stuck(record: Record, name: str, found: Runs) -> Iterator[Finding]:
     moving, sure = others(replace(record, channels=still), name), True
     if not moving:
         moving, sure = others(record, name), False
-    rows, least = 0, max(round(STUCK / record.dt), 10)
+    stuck, least = np.zeros(len(record), bool), max(round(STUCK / record.dt), 10)
     long = found.length >= least
     for i, n in zip(found.first[long], found.length[long], strict=True):
         if moving and _moved(moving, int(i), int(n)) > MOVED:
-            rows += int(n)
-    if rows:
+            stuck[i : i + n] = True
+    if rows := int(stuck.sum()):
         share, what = rows / len(record), "other channels move" if sure else "the force changes"
         yield Finding(
             "held", "fail" if sure and share > STUCK_FAIL else "warning", record.name, name,
             "samples that follow the motion",
             f"{rows * record.dt:.3g} s ({share:.1%}) stuck while {what}",
             "check the cable and the amplifier; cut these stretches out, unless the damper sticks", record.source,
+            spans_of(record.t, stuck),
         )  # fmt: skip
 
 
@@ -219,7 +220,8 @@ def clipping_findings(record: Record) -> Iterator[Finding]:
     for name, y in record.channels.items():
         if not is_core(name) or name in EXEMPT or name in record.derived:
             continue
-        n = int(clipped(y, others(record, name)).sum())
+        flat = clipped(y, others(record, name))
+        n = int(flat.sum())
         share = n / len(record)
         if share < FEW / 10.0:
             continue
@@ -228,5 +230,5 @@ def clipping_findings(record: Record) -> Iterator[Finding]:
         yield Finding(
             "clipping", level, record.name, name, "no flat tops",
             f"{n} samples ({share:.2%}) at the end of the range, {float(np.abs(y).max()):.4g}",
-            "use a larger range of the amplifier, or drive less", record.source,
+            "use a larger range of the amplifier, or drive less", record.source, spans_of(record.t, flat),
         )  # fmt: skip

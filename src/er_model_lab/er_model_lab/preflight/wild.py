@@ -12,7 +12,7 @@ from er_records.missing_channels import ACCELEROMETERS
 from er_records.record import Record
 
 from er_model_lab.preflight.bent_ends import bent_ends
-from er_model_lab.preflight.finding import Finding, Level
+from er_model_lab.preflight.finding import Finding, Level, joined
 from er_model_lab.preflight.samples import FEW, clipped, hung, others
 from er_model_lab.preflight.spikes import LEAST, Mask, spikes
 
@@ -99,6 +99,7 @@ def wild_findings(record: Record) -> Iterator[Finding]:
             kind, level, record.name, name, expected,
             f"{n} samples ({n / len(record):.2%}) {words}, the first at {here[0]['from']:.4g} s: they get no weight",
             "check the cable, the converter, and what filters the data", record.source,
+            joined([(record.t[0] + p["from"], record.t[0] + p["to"]) for p in here]),
         )  # fmt: skip
 
 

@@ -48,10 +48,16 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Step:
-    """One step of the fall: what was added (None: the refitted model) and the error held out [N]."""
+    """One step of the fall: what was added (None: the refitted model), and the errors then [N]."""
 
     added: str | None
     rmse_held_out: float
+    rmse_train: float | None = None
+
+    @property
+    def errors(self) -> Errors:
+        """Both as one."""
+        return Errors(self.rmse_train, self.rmse_held_out)
 
 
 @dataclass(frozen=True)

@@ -50,39 +50,33 @@ def errors_of(study: Study, on: Problem | None = None) -> dict[str, Any]:
 
 
 def steps(study: Study, on: Problem | None = None) -> list[dict[str, Any]]:
-    """The falling error on held-out data, one entry per effect taken, with the evidence for it.
+    """The falling error, one entry per effect taken, with the evidence for it.
 
-    on: where a later pass had other data, its problem; the errors are of its held-out data then.
+    on: where a later pass had other data, its problem; the errors are of its data then.
     """
     problem, found = study.problem, study.diagnosis
 
-    def held(candidate: Candidate) -> float:
+    def entry(added: str | None, candidate: Candidate) -> dict[str, Any]:
         judge, left = on or problem, left_of(study, candidate.fit, on)
-        return errors(judge, left, judge.held_out).rmse
+        train, held = (errors(judge, left, mask).rmse for mask in (judge.train, judge.held_out))
+        return {"added": added, "rmse_train": train, "rmse_held_out": held}
 
     base = study.before or found.rounds[0].base
-    out: list[dict[str, Any]] = [{"added": None, "rmse_held_out": held(base)}]
+    out: list[dict[str, Any]] = [entry(None, base)]
     if study.opened.lag:
-        rmse = held(found.rounds[0].base)
-        out.append({"added": "velocity_lag", "rmse_held_out": rmse})
+        out.append(entry("velocity_lag", found.rounds[0].base))
     for step in found.rounds:
         taken = step.taken
         if taken is not None and set(taken.effects) <= set(found.effects):
-            out.append(
-                {
-                    "added": taken.name,
-                    "rmse_held_out": held(taken),
-                    **_evidence(step, taken, problem),
-                }
-            )
+            out.append(entry(taken.name, taken) | _evidence(step, taken, problem))
     named = {s["added"] for s in out}
     left = [e for e in found.effects if e not in named]
     if left:
-        out.append({"added": " + ".join(left), "rmse_held_out": held(found.best)})
+        out.append(entry(" + ".join(left), found.best))
     tried = found.rounds[0].candidates
     if len(out) == 1 and len(tried) == 1:
         # one effect was asked for: it is in the model, whether it helps or not
-        out.append({"added": tried[0].name, "rmse_held_out": held(tried[0])})
+        out.append(entry(tried[0].name, tried[0]))
     return out
 
 

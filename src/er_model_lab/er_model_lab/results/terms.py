@@ -101,20 +101,21 @@ def note(entry: Json) -> str:
 def with_term(whole: Json, found: Learnt, study: Study, first: Study, limit: float) -> Json:
     """The content of a result with a term learnt last; study: of the model with it; limit: its least size [N]."""
     problem, after = study.problem, found.candidate
-    held = errors(problem, after.fit.residual, problem.held_out).rmse
+    left = after.fit.residual
+    train, held = (errors(problem, left, mask).rmse for mask in (problem.train, problem.held_out))
     step = {
-        "added": found.term.name, "rmse_held_out": held, "evidence": effect_size(found.before, after),
-        "threshold": limit, "blocks": float(np.mean(found.before.losses > after.losses)),
+        "added": found.term.name, "rmse_train": train, "rmse_held_out": held,
+        "evidence": effect_size(found.before, after), "threshold": limit,
+        "blocks": float(np.mean(found.before.losses > after.losses)),
     }  # fmt: skip
     out = dict(whole) | explained_by(first.diagnosis, study.diagnosis)
     out["steps"] = [*whole["steps"], step]
     out["effects"] = [*whole["effects"], found.term.name]
-    train = errors(problem, after.fit.residual, problem.train).rmse
     out["rmse_after"] = {"train": train, "held_out": held}
     # what it leaves is known to be within reach
     out["noise_floor"] = min(whole["noise_floor"], held)
     out["noise_floor_train"] = min(whole["noise_floor_train"], train)
-    rest = describe(problem, after.fit.residual).as_json()
+    rest = describe(problem, left).as_json()
     out["unexplained"] = whole["unexplained"] | {"rest": rest}
     more: Json = {"by_record": by_record(study.diagnosis, problem, study.data)}
     if study.checked is not None:

@@ -16,9 +16,19 @@ from er_records.record import Record
 from er_model_lab.results.records import Errors
 from er_model_lab.results.result import DiagnosisResult, PlanResult
 from er_model_lab.session import dropped
+from er_model_lab.session.fall import Stage, fall, fallen
 from er_model_lab.session.job import Jobs
 from er_model_lab.session.sight import Selection, Sight, look
-from er_model_lab.session.steps import Session, Source, State, Step, Stretch, divided
+from er_model_lab.session.steps import (
+    SHORTEST,
+    Session,
+    Source,
+    State,
+    Step,
+    Stretch,
+    divided,
+    joined,
+)
 from er_model_lab.work import Progress
 
 BIGGEST = 4 * dropped.LARGEST
@@ -28,6 +38,7 @@ BIGGEST = 4 * dropped.LARGEST
 class Desk:
     """One session and what belongs to it.
 
+    beside: which of `choice` is laid beside the model that is shown; brought: models by the names of their files.
     folder: where dropped files are kept; given: paths that were named on the command line; code: whether dropped
     Python files may run. Work of more than a few milliseconds is a job; all else is done where it is called.
     """
@@ -42,7 +53,8 @@ class Desk:
         self.predicted: Array | None = None
         self.result: DiagnosisResult | None = None
         self.planned: PlanResult | None = None
-        self.beside = False
+        self.beside = ""
+        self.brought: dict[str, Model] = {}
         self.code_files: tuple[Path, ...] = ()
         self.revision = self.progress = 0
         self.jobs = Jobs(self._went_on)
@@ -73,12 +85,30 @@ class Desk:
         )
 
     @property
-    def as_given(self) -> Array | None:
-        """What the model predicted as it was given (n,) [N], where it is laid beside; None where it is not."""
-        given = next((s.model for s in self.session.past if s.step.kind == "start"), None)
-        wanted = self.beside and given is not None and given is not self.now.model
-        sight = self.sight
-        return sight.predicted(given) if wanted and sight and given and sight.fits(given) else None
+    def choice(self) -> dict[str, Model]:
+        """What may be laid beside the model that is shown: models of the steps, and those that were brought."""
+        steps = (*self.session.past, *self.session.future)
+        told = {f"{k}. {s.step.says}": s.model for k, s in enumerate(steps) if s.model is not None}
+        return told | self.brought
+
+    def lay(self, name: str | None) -> None:
+        """Lay a model beside the one that is shown: one of `choice`, a shipped one, or none.
+
+        Raises:
+            InputError: No such model.
+        """
+        from er_model_lab.verbs.load import load_model
+
+        if name and name not in self.choice:
+            self.brought |= {name: load_model(name, self.code_files)}
+        self.beside = name or ""
+        self.changed()
+
+    @property
+    def laid(self) -> Array | None:
+        """What the model beside predicts (n,) [N]; None where there is none, or none along this motion."""
+        sight, model = self.sight, self.choice.get(self.beside)
+        return sight.predicted(model) if sight and model and sight.fits(model) else None
 
     @property
     def data(self) -> Dataset:
@@ -149,7 +179,7 @@ class Desk:
         if fresh:
             self.records, self.selection = loaded(self.now.sources), Selection()
         if self.records and self.now.model is not None:
-            self._predict(look(self.data, self.now.model))
+            self._predict(look(self.data, self.now.model, whole=self.records))
         self.changed()
 
     def bring(
@@ -168,7 +198,10 @@ class Desk:
                     Selection(),
                 )
             if model is not None:
-                self.session = self.session.then(state.started(model, origin or model.name))
+                self.brought |= {Path(origin).name or model.name: model}
+                self.session = self.session.then(
+                    state.started(model, origin or model.name, self.code_files)
+                )
             self.result = None
             self._open()
 
@@ -182,6 +215,24 @@ class Desk:
         """
         self.take(self.now.with_held(held, self.records))
 
+    def hold_between(self, begin: float, end: float) -> None:
+        """Hold out what lies between two common times [s], too.
+
+        Raises:
+            InputError: Less than what is held out at least, none of a record, or nothing left to learn from.
+        """
+        self._may_change("hold out")
+        parts = {p.name: p for p in self.sight.parts} if self.sight is not None else {}
+        new = [
+            cut for k, record in enumerate(self.records) if record.name in parts
+            for cut in [parts[record.name].stretch(k, record, begin, end)] if cut.end - cut.start >= SHORTEST
+        ]  # fmt: skip
+        if not new:
+            raise InputError(
+                "held_out", "", f"at least {SHORTEST:g} s of a record", f"{end - begin:.3g} s"
+            )
+        self.hold(joined((*self.now.held, *new)))
+
     def errors(self, model: Model | None = None) -> Errors | None:
         """Errors of a model, by default of the one that is shown; None where nothing is predicted."""
         sight = self.sight
@@ -191,12 +242,9 @@ class Desk:
             return sight.errors(sight.force - self.predicted)
         return sight.errors(sight.force - sight.predicted(model)) if sight.fits(model) else None
 
-    def fall(self) -> list[tuple[Step, Errors]]:
-        """The error of the model as given and after every fit, and of what was set since."""
-        states = [s for s in self.session.past if s.step.kind == "start" or s.step.fits]
-        states += [self.now] if self.now.model is not None and self.now not in states else []
-        found = [(s.step, self.errors(s.model)) for s in states]
-        return [(step, e) for step, e in found if e is not None]
+    def fall(self) -> list[Stage]:
+        """The errors of the model as given and with everything that was added, and of what was set since."""
+        return fall(self.session, self.errors)
 
     def learn(self) -> None:
         """Diagnose, as a job."""
@@ -263,14 +311,31 @@ class Desk:
             if result.interrupted or result.model is None:
                 raise ErError("cancelled: the model stays as it was")
             self.result = result
-            self.session = self.session.then(self.now.learnt(result.model, step))
+            way = {"fall": fallen(result)} if step.kind == "improve" else {}
+            told = replace(step, values={**step.values, **way})
+            self.session = self.session.then(self.now.learnt(result.model, told))
             sight = self.sight
             self._predict(
-                sight if sight and sight.fits(result.model) else look(self.data, result.model)
+                sight
+                if sight and sight.fits(result.model)
+                else look(self.data, result.model, whole=self.records)
             )
             self.learnt(result.model)
 
         self.jobs.start(step.says, work)
+
+    def admitted(self, name: str, size: int) -> str:
+        """The kind of a file of this name and size [bytes] that may be dropped.
+
+        Raises:
+            InputError: It is too large, alone or with all that was dropped, or of no kind that may.
+        """
+        kind, most = dropped.kind_of(name, code=self.code), min(dropped.LARGEST, self.room())
+        if size > most:
+            raise InputError(
+                name, "", f"at most {max(most, 0) / 1e6:.4g} MB more", f"{size / 1e6:.4g} MB"
+            )
+        return kind
 
     def room(self) -> int:
         """How many more bytes may be dropped."""

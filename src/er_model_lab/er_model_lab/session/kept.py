@@ -18,16 +18,16 @@ from er_models.model import Model
 from er_model_lab.session.dropped import (
     LARGEST,
     LARGEST_MODEL,
+    STEPS,
     kind_of,
     model_of,
     place_for,
     safe_name,
 )
 from er_model_lab.session.script import script
-from er_model_lab.session.steps import Session, Source, State, Step, Stretch
+from er_model_lab.session.steps import Session, Source, State, Step, Stretch, files_of
 
 SCHEMA = "er_lab_session/1"
-STEPS = "session.json"
 MOST = 10_000
 """Most entries of a session's file."""
 
@@ -42,11 +42,10 @@ def model_text(model: Model) -> str:
 
 def packed(session: Session, folder: Path) -> bytes:
     """The session as a zip file: what lies in `folder`, where dropped files are kept, is in it, all else is named."""
-    paths = {s.path for state in session.past for s in state.sources}
-    starts = {Path(str(s.step.values["from"])) for s in session.past if s.step.kind == "start"}
     inside = {
-        p: f"data/{p.name}" for p in paths | starts if p.is_relative_to(folder) and p.is_file()
-    }
+        p: f"data/{p.name}"
+        for p in files_of(session) if p.is_relative_to(folder) and p.is_file()
+    }  # fmt: skip
     models, out = dict[str, str](), io.BytesIO()
 
     def named(model: Model | None) -> str | None:
@@ -80,23 +79,27 @@ def packed(session: Session, folder: Path) -> bytes:
 
 
 def _placed(values: dict[str, Any], place: Any) -> dict[str, Any]:
-    """The values of a step with the file that it names where the session has it."""
+    """The values of a step with the files that it names where the session has them."""
     if "from" in values and Path(str(values["from"])).suffix:
         values["from"] = place(Path(str(values["from"])))
+    if "effects_from" in values:
+        values["effects_from"] = [place(Path(str(path))) for path in values["effects_from"]]
     return values
 
 
-def unpacked(path: Path, folder: Path, given: Sequence[Path] = ()) -> Session:
+def unpacked(
+    path: Path, folder: Path, given: Sequence[Path] = (), *, code: bool = False
+) -> Session:
     """The session of a file; its data go to `folder`, under names of our own.
 
-    given: paths beside those in the file that it may name.
+    given: paths beside those in the file that it may name; code: whether its Python files may run.
 
     Raises:
         InputError: No session, one that is too large, or that names a file that is neither in it nor given.
     """
     try:
         with zipfile.ZipFile(path) as whole:
-            return _unpacked(whole, path, folder, [p.resolve() for p in given])
+            return _unpacked(whole, path, folder, [p.resolve() for p in given], code=code)
     except (
         zipfile.BadZipFile,
         KeyError,
@@ -115,7 +118,9 @@ def unpacked(path: Path, folder: Path, given: Sequence[Path] = ()) -> Session:
         ) from None
 
 
-def _unpacked(whole: zipfile.ZipFile, path: Path, folder: Path, given: Sequence[Path]) -> Session:
+def _unpacked(
+    whole: zipfile.ZipFile, path: Path, folder: Path, given: Sequence[Path], *, code: bool
+) -> Session:
     entries = {i.filename: i for i in whole.infolist()}
     if len(entries) > MOST or sum(i.file_size for i in entries.values()) > LARGEST:
         raise InputError(
@@ -124,7 +129,7 @@ def _unpacked(whole: zipfile.ZipFile, path: Path, folder: Path, given: Sequence[
     content = json.loads(whole.read(STEPS))
     if content["schema"] != SCHEMA:
         raise InputError(path.name, "schema", SCHEMA, content["schema"])
-    kept, models = dict[str, Path](), dict[str, Model]()
+    kept, models, own = dict[str, Path](), dict[str, Model](), list[Path]()
 
     def file(name: str) -> Path:
         """A file of the session, laid into the folder, or one that was given."""
@@ -135,7 +140,7 @@ def _unpacked(whole: zipfile.ZipFile, path: Path, folder: Path, given: Sequence[
                 path.name, "", "files that are in it, or were named on the command line", name
             )
         if name not in kept:
-            kind_of(name, code=False)
+            kind_of(name, code=code)
             kept[name] = place_for(folder, safe_name(name))
             kept[name].write_bytes(whole.read(name))
         return kept[name]
@@ -147,13 +152,14 @@ def _unpacked(whole: zipfile.ZipFile, path: Path, folder: Path, given: Sequence[
             with TemporaryDirectory(prefix="er_lab_") as place:
                 text = Path(place) / "model.yaml"
                 text.write_bytes(whole.read(name)[: LARGEST_MODEL + 1])
-                models[name] = model_of(text)
+                models[name] = model_of(text, own)
         return models[name]
 
     def state(s: dict[str, Any]) -> State:
         kind, what, values = s["step"]
-        if "from" in values and Path(values["from"]).suffix:
-            values["from"] = str(file(values["from"]))
+        if kind == "start":
+            values |= _placed(values, lambda path: str(file(str(path))))
+            own[:] = map(Path, values.get("effects_from", ()))
         sources = tuple(Source(file(p), names) for p, names in s["sources"])
         held = tuple(Stretch(k, a, math.inf if b is None else b) for k, a, b in s["held"])
         step = Step(kind, what, values)

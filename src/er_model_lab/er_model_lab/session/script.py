@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from er_model_lab.session.steps import Piece, Session, Source, State, Step
+from er_model_lab.session.steps import Piece, Session, Source, State, Step, files_of
 
 Place = Callable[[Path], str]
 """Where the program finds a file."""
-HEAD = '''"""A session of the model lab as a program: {name}."""
+HEAD = '''"""A session of the model lab as a program: {name}.{beside}"""
 
 import er_model_lab as lab
 
@@ -18,13 +18,28 @@ SEED = {seed}
 
 if __name__ == "__main__":
 '''
+BESIDE = """
+
+Run it in a folder that holds what was dropped:
+{}
+Session, taken from the page, is all of this in one file.
+"""
 FITTED = "data, model, {}seed=SEED, anyway=True).model"
 
 
-def script(session: Session, place: Place = str) -> str:
+def alone(session: Session, folder: Path) -> str:
+    """The program for whoever has it alone: it says which files belong beside it, and names all others in full.
+
+    folder: where dropped files are kept, which nobody else finds.
+    """
+    dropped = {p: p.name for p in files_of(session) if p.is_relative_to(folder)}
+    return script(session, lambda p: dropped.get(p, str(p.resolve())), [*dropped.values()])
+
+
+def script(session: Session, place: Place = str, beside: Sequence[str] = ()) -> str:
     """The Python program of every step that still counts; it prints the error and writes model.yaml.
 
-    place: where the program finds a file.
+    place: where the program finds a file; beside: files that its head asks for.
     """
     lines, before, now = list[str](), State(), session.now
     for state in session.past:
@@ -40,8 +55,13 @@ def script(session: Session, place: Place = str) -> str:
         ]
     if now.model is not None:
         lines.append('lab.save_model(model, "model.yaml")')
-    head = HEAD.format(name=now.model.name if now.model else "no model yet", seed=session.seed)
+    name = now.model.name if now.model else "no model yet"
+    head = HEAD.format(name=name, seed=session.seed, beside=_beside(beside))
     return head + "".join(f"    {line}\n" for line in lines or ["pass"])
+
+
+def _beside(files: Sequence[str]) -> str:
+    return BESIDE.format("\n".join(f"    {name}" for name in files)) if files else ""
 
 
 def _load(source: Source, place: Place) -> str:
@@ -53,15 +73,17 @@ def _load(source: Source, place: Place) -> str:
 def _line(step: Step, place: Place) -> list[str]:
     """What a step makes of data and model."""
     what, values = step.what, dict(step.values)
-    values.pop("parameter", None)
+    for told in ("parameter", "fall"):
+        values.pop(told, None)
     makers: Mapping[str, Callable[[], str]] = {
         "hold": lambda: (
             f"data = lab.Dataset.of({_cuts(values['learn'])}, {_cuts(values['score'])})"
         ),
-        "start": lambda: f"model = fitted = lab.load_model({_origin(values['from'], place)!r})",
+        "start": lambda: f"model = fitted = lab.load_model({_start(values, place)})",
         "set": lambda: f"model = model.with_effect({what!r}, {values!r})",
         "on": lambda: f"model = model.with_effect({what!r}, {values!r})",
         "off": lambda: f"model = model.without_effect({what!r})",
+        "unlearnt": lambda: f"model = model.without_term({what!r})",
         "fitted": lambda: "model = fitted",
         "add": lambda: f"model = fitted = lab.add({FITTED.format(f'{what!r}, ')}",
         "improve": lambda: f"model = fitted = lab.improve({FITTED.format(_options(values))}",
@@ -74,10 +96,12 @@ def _cuts(cut: Sequence[Piece]) -> str:
     return f"[{', '.join(f'records[{k}]' + (f'.slice({rows[0]}, {rows[1]})' if rows else '') for k, *rows in cut)}]"
 
 
-def _origin(origin: Any, place: Place) -> str:
-    """The file of a model, or its shipped name."""
-    path = Path(str(origin))
-    return place(path) if path.suffix else str(origin)
+def _start(values: Mapping[str, Any], place: Place) -> str:
+    """The file of a model, or its shipped name, and the files with effects that it may have."""
+    path = Path(str(values["from"]))
+    code = [place(Path(file)) for file in values.get("effects_from", ())]
+    own = f", effects_from={code!r}" if code else ""
+    return f"{place(path) if path.suffix else str(values['from'])!r}{own}"
 
 
 def _options(values: Mapping[str, Any]) -> str:

@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 from er_models.model import Array, Model
 from er_records.dataset import Dataset
+from er_records.record import Record
 from numpy.typing import NDArray
 from scipy.signal import welch
 
@@ -20,9 +21,11 @@ from er_model_lab.level.damper import DamperLevel, opened
 from er_model_lab.output.report.samples import rms_map
 from er_model_lab.output.report.thin import every, min_max
 from er_model_lab.preflight.check import Preflight, admitted
+from er_model_lab.preflight.finding import Finding
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors
 from er_model_lab.results.records import Errors
+from er_model_lab.session.steps import Stretch
 from er_model_lab.work import HERE, Work
 
 Mask = NDArray[np.bool_]
@@ -47,18 +50,41 @@ class Tiles:
     at: NDArray[np.intp]
 
 
+@dataclass(frozen=True)
+class Part:
+    """A record, or a piece of one, in the common time: its name, its rows from i to j, and when it begins and ends.
+
+    shift: common time less the time of its record [s].
+    """
+
+    name: str
+    i: int
+    j: int
+    begin: float
+    end: float
+    shift: float
+
+    def stretch(self, number: int, record: Record, begin: float, end: float) -> Stretch:
+        """What lies between two common times [s], of the record with this number that this is a part of."""
+        first, last = float(record.t[0]), float(record.t[-1])
+        a, b = (min(max(t - self.shift, first), last) - first for t in (begin, end))
+        return Stretch(number, a, b)
+
+
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """Data opened for a model; all arrays (n,), records end to end with a gap.
+    """Data opened for a model; all arrays (n,), what is learnt from before what only scores.
 
-    t: common time [s]; spans: name, and first and last time of each record; undone: values of the effects that were
-    undone in the motion, another one of which needs another sight; tiles: edges of the map and each sample's tile.
+    t: common time [s], records end to end with a gap, pieces of one where they lie in it; order: rows by this time;
+    undone: values of the effects that were undone in the motion, another one of which needs another sight; tiles: edges
+    of the map and each sample's tile.
     """
 
     problem: Problem
     preflight: Preflight
     t: Array
-    spans: tuple[tuple[str, float, float], ...]
+    order: NDArray[np.intp]
+    parts: tuple[Part, ...]
     undone: tuple[tuple[str, float], ...]
     tiles: Tiles
 
@@ -66,6 +92,19 @@ class Sight:
     def force(self) -> Array:
         """Measured force (n,) [N]."""
         return self.problem.force
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """First and last common time [s]."""
+        return float(self.t[self.order[0]]), float(self.t[self.order[-1]])
+
+    def places(self, finding: Finding) -> list[tuple[float, float]]:
+        """Where a finding is, in the common time [s]; nothing where it is of a whole record."""
+        return [
+            (max(a + p.shift, p.begin), min(b + p.shift, p.end))
+            for p in self.parts for a, b in finding.spans
+            if p.name == finding.record and a + p.shift <= p.end and b + p.shift >= p.begin
+        ]  # fmt: skip
 
     def fits(self, model: Model) -> bool:
         """Whether this model may be predicted along it."""
@@ -82,22 +121,38 @@ class Sight:
         return Errors(*(e if np.isfinite(e) else None for e in both))
 
 
-def look(data: Dataset, model: Model, *, work: Work = HERE) -> Sight:
+def look(
+    data: Dataset, model: Model, *, whole: Sequence[Record] | None = None, work: Work = HERE
+) -> Sight:
     """Open data for a model; nothing is searched, so long data are taken whole.
+
+    whole: the records in their order that those of the data are pieces of; None: they are whole.
 
     Raises:
         InputError: Data that are too short.
         MissingChannel: No force, or no motion.
     """
     found, records = admitted(data.records, model, model.catalogue, anyway=True)
-    problem = opened(DamperLevel().usable(data.with_records(records)), model, work=work).problem
-    m, t, spans = problem.motion, np.empty(problem.motion.n), []
-    gap, start = max(0.5, 0.01 * m.n * m.dt), 0.0
-    for name, (i, j) in zip(problem.names, pairwise(m.starts.tolist()), strict=True):
-        t[i:j] = start + np.arange(j - i) * m.dt
-        spans.append((name, start, float(t[j - 1])))
-        start = float(t[j - 1]) + gap
-    return Sight(problem, found, t, tuple(spans), _undone(model), _tiles(problem))
+    usable = DamperLevel().usable(data.with_records(records))
+    problem = opened(usable, model, work=work).problem
+    m, t = problem.motion, np.empty(problem.motion.n)
+    shift = _shifts(data.records if whole is None else whole, max(0.5, 0.01 * m.n * m.dt))
+    parts = []
+    for record, (i, j) in zip(usable.records, pairwise(m.starts.tolist()), strict=True):
+        move = shift[record.name]
+        t[i:j] = record.t[0] + move + np.arange(j - i) * m.dt
+        parts.append(Part(record.name, i, j, float(t[i]), float(t[j - 1]), move))
+    order = np.argsort(t, kind="stable")
+    return Sight(problem, found, t, order, tuple(parts), _undone(model), _tiles(problem))
+
+
+def _shifts(records: Sequence[Record], gap: float) -> dict[str, float]:
+    """What brings the time of each record into the common time [s]: end to end, with a gap [s]."""
+    shift, start = dict[str, float](), 0.0
+    for record in records:
+        shift[record.name] = start - float(record.t[0])
+        start += float(record.t[-1] - record.t[0]) + gap
+    return shift
 
 
 def _undone(model: Model) -> tuple[tuple[str, float], ...]:
@@ -142,16 +197,21 @@ def curve(
     sight: Sight, y: Array, span: tuple[float, float] | None = None, most: int = ON_SCREEN
 ) -> Curve:
     """Time [s] and values of y (n,) as a screen needs them in a span of time: peaks stay, records are apart."""
-    i, j = (0, y.size) if span is None else _rows(sight.t, span)
-    rows = i + min_max(y[i:j], most)
-    t, values = sight.t[rows], y[rows]
-    breaks = np.searchsorted(rows, sight.problem.motion.starts[1:-1])
-    breaks = breaks[(breaks > 0) & (breaks < rows.size)]
+    i, j = (0, y.size) if span is None else _rows(sight.t[sight.order], span)
+    chosen = sight.order[i:j]
+    drawn = min_max(y[chosen], most)
+    t, values = sight.t[chosen[drawn]], y[chosen[drawn]]
+    breaks = np.searchsorted(drawn, np.flatnonzero(_apart(sight, chosen)) + 1)
     return np.insert(t, breaks, t[breaks]), np.insert(values, breaks, np.nan)
 
 
+def _apart(sight: Sight, rows: NDArray[np.intp]) -> Mask:
+    """Whether the row behind is more than a step away in time, for all of the rows (m,) but the last."""
+    return np.asarray(np.diff(sight.t[rows]) > 1.5 * sight.problem.motion.dt)
+
+
 def _rows(t: Array, span: tuple[float, float]) -> tuple[int, int]:
-    """Rows of a span, with one sample beyond either end."""
+    """Places of a span in sorted times, with one sample beyond either end."""
     i, j = np.searchsorted(t, span)
     return max(int(i) - 1, 0), min(int(j) + 1, t.size)
 
@@ -200,12 +260,13 @@ class Worst:
 def worst(sight: Sight, residual: Array, most: int = 6) -> list[Worst]:
     """The windows of time and the tiles that carry most of the squared error, heaviest first."""
     square = np.where(sight.problem.used & np.isfinite(residual), residual, 0.0) ** 2
+    t, by_time = sight.t[sight.order], square[sight.order]
     whole = float(square.sum()) or 1.0
     edges = np.unique(np.linspace(0, square.size, WINDOWS + 1).astype(int))
-    power = np.add.reduceat(square, edges[:-1])
+    power = np.add.reduceat(by_time, edges[:-1])
     found = []
     for k in np.argsort(power)[::-1][: most // 2]:
-        a, b = float(sight.t[edges[k]]), float(sight.t[edges[k + 1] - 1])
+        a, b = float(t[edges[k]]), float(t[edges[k + 1] - 1])
         found.append(Worst(f"{a:.1f} to {b:.1f} s", power[k] / whole, Selection(seconds=(a, b))))
     inside = sight.tiles.at >= 0
     power = np.bincount(sight.tiles.at[inside], square[inside], minlength=TILES[0] * TILES[1])

@@ -40,7 +40,7 @@ class Stretch:
 class Step:
     """What was done: its kind, the effect, model or file concerned, and the values that belong to it.
 
-    kind: open, data, hold, start, set, off, on, fitted, add, improve.
+    kind: open, data, hold, start, set, off, on, unlearnt, fitted, add, improve.
     """
 
     kind: str
@@ -62,7 +62,7 @@ class Step:
         """What was done, in a few words."""
         words = {
             "open": "session opened", "data": "data", "hold": "held out", "start": "model", "set": "set",
-            "off": "without",
+            "off": "without", "unlearnt": "without",
             "on": "again with", "fitted": "back to the fitted values of", "add": "added", "improve": "improved",
         }[self.kind]  # fmt: skip
         return f"{words} {self.what.replace('_', ' ')}".rstrip()
@@ -109,14 +109,15 @@ class State:
             self, held=tuple(held), step=Step("hold", what, {"learn": learn, "score": score})
         )
 
-    def started(self, model: Model, origin: str) -> State:
-        """Another model to begin with; origin: its name, or the file that it was read from."""
+    def started(self, model: Model, origin: str, code: Sequence[Path] = ()) -> State:
+        """Another model to begin with; origin: its name, or its file; code: files with the effects that it may have."""
+        own = {"effects_from": [str(path) for path in code]} if code else {}
         return replace(
             self,
             model=model,
             fitted=model,
             off={},
-            step=Step("start", model.name, {"from": origin}),
+            step=Step("start", model.name, {"from": origin, **own}),
         )
 
     def set(self, effect: str, parameter: str, value: float) -> State:
@@ -156,6 +157,12 @@ class State:
             self, model=model.with_effect(effect, values), off=off, step=Step("on", effect, values)
         )
 
+    def without(self, name: str) -> State:
+        """What was added taken back: an effect is switched off, a measured term is gone; all else keeps its values."""
+        if name not in (term.name for term in self.known.terms):
+            return self.switched(name, on=False)
+        return replace(self, model=self.known.without_term(name), step=Step("unlearnt", name))
+
     def as_fitted(self) -> State:
         """Every effect and value as it was given or fitted."""
         return replace(self, model=self.fitted, off={}, step=Step("fitted", self.known.name))
@@ -163,6 +170,15 @@ class State:
     def learnt(self, model: Model, step: Step) -> State:
         """What a fit made."""
         return replace(self, model=model, fitted=model, off={}, step=step)
+
+
+def files_of(session: Session) -> tuple[Path, ...]:
+    """Every file that a session names: measurements, models, and Python files with effects."""
+    data = [s.path for state in session.past for s in state.sources]
+    starts = [dict(s.step.values) for s in session.past if s.step.kind == "start"]
+    models = [Path(str(values["from"])) for values in starts]
+    code = [Path(path) for values in starts for path in values.get("effects_from", ())]
+    return tuple(dict.fromkeys([*data, *(m for m in models if m.suffix), *code]))
 
 
 @dataclass(frozen=True)
@@ -177,6 +193,12 @@ class Session:
     def now(self) -> State:
         """Where the session is."""
         return self.past[-1]
+
+    @property
+    def code(self) -> tuple[Path, ...]:
+        """Python files with the effects that its model may have."""
+        starts = [s.step.values for s in self.past if s.step.kind == "start"]
+        return tuple(Path(path) for path in starts[-1].get("effects_from", ())) if starts else ()
 
     def then(self, state: State) -> Session:
         """One step further; a parameter that is dragged is one step."""
@@ -199,6 +221,17 @@ class Session:
         every = (*self.past, *self.future)
         number = min(max(number, 0), len(every) - 1)
         return replace(self, past=every[: number + 1], future=every[number + 1 :])
+
+
+def joined(held: Sequence[Stretch]) -> tuple[Stretch, ...]:
+    """Stretches by record and time, those that touch as one."""
+    out = list[Stretch]()
+    for s in sorted(held, key=lambda s: (s.record, s.start)):
+        if out and out[-1].record == s.record and s.start <= out[-1].end:
+            out[-1] = replace(s, start=out[-1].start, end=max(s.end, out[-1].end))
+        else:
+            out.append(s)
+    return tuple(out)
 
 
 Piece = tuple[int, int, int] | tuple[int]

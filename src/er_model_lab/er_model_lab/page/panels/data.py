@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
 from er_models.errors import ErError, InputError
+from er_models.own import effects
 from er_models.shipped import MODELS, names
 from nicegui import ui
 from nicegui.events import UploadEventArguments
 
 from er_model_lab.output.text.units import percent
+from er_model_lab.page.panels.help import heading
 from er_model_lab.page.panels.mapping import MappingDialog
 from er_model_lab.page.panels.panel import Host
+from er_model_lab.preflight.finding import Finding
 from er_model_lab.session import dropped
 from er_model_lab.session.desk import with_source
 from er_model_lab.session.kept import unpacked
@@ -25,6 +29,8 @@ HEADER = f"""<div class="row items-center no-wrap q-pa-sm">
 <label class="col relative-position q-pa-sm text-weight-bold">{DROP}<q-uploader-add-trigger /></label>
 <q-btn flat round dense icon="add" aria-label="Choose files" @click="props.pickFiles" /></div>"""
 """The framework's own head has a button within which lies an input that no screen reader can name."""
+BESIDE = 0.5
+"""Least time that is shown beside a place [s]."""
 FINDINGS = {"fail": "fail", "warning": "warning", "note": "muted"}
 """Levels of findings that are shown, and their look."""
 
@@ -49,9 +55,9 @@ class DataPanel:
         ui.button("Hold out what is in view", on_click=host.safely(self._hold_view)).props(
             "flat dense no-caps"
         )
-        ui.label("Worst places").classes("font-bold").props("role=heading aria-level=2")
+        heading("Worst places", "worst places")
         self.worst = ui.column().classes("w-full gap-0")
-        ui.label("Findings").classes("font-bold").props("role=heading aria-level=2")
+        heading("Findings", "findings", "held out")
         self.findings = ui.column().classes("w-full gap-1")
         self.shown: object = None
         self.desk = desk
@@ -84,26 +90,51 @@ class DataPanel:
                     ui.checkbox("only scores", value=k in held, on_change=act).props("dense")
             for stretch in self.desk.now.held:
                 if stretch.end < 1e9:
-                    ui.label(
-                        f"held out: record {stretch.record + 1}, {stretch.start:.4g} to {stretch.end:.4g} s"
-                    )
+                    self._stretch(stretch)
             if self.desk.now.held:
                 ui.button(
                     "Hold nothing out by hand",
                     on_click=self.host.safely(lambda: self.desk.hold(())),
                 ).props("flat dense no-caps")
 
+    def _stretch(self, held: Stretch) -> None:
+        """A part of a record that is held out, and its end."""
+        name = self.desk.records[held.record].name
+        words = f"held out: {name}, {held.start:.3g} to {held.end:.3g} s"
+        others = tuple(s for s in self.desk.now.held if s != held)
+        with ui.row().classes("w-full items-center justify-between no-wrap"):
+            ui.label(words).classes("ellipsis")
+            act = self.host.safely(lambda: self.desk.hold(others))
+            ui.button(icon="close", on_click=act).props(
+                f'flat round dense size=sm aria-label="Not any more {words}"'
+            ).tooltip("learn from it again")
+
     def _findings(self) -> None:
         self.findings.clear()
         found = [] if self.desk.sight is None else list(self.desk.sight.preflight.findings)
         with self.findings:
             for f in (f for f in found if f.level in FINDINGS):
-                text = f"{f.level}: {f.channel or f.check} of {f.record}: {f.found}"
-                ui.label(text.replace("_", " ")).classes(f"text-sm {FINDINGS[f.level]}")
+                text = f"{f.level}: {f.channel or f.check} of {f.record}: {f.found}".replace(
+                    "_", " "
+                )
+                self._finding(f, text)
                 if f.remedy:
                     ui.label(f.remedy).classes("text-xs muted pl-4")
             if not any(f.level in FINDINGS for f in found):
                 ui.label("nothing is wrong" if found else "no data yet").classes("muted")
+
+    def _finding(self, finding: Finding, text: str) -> None:
+        """Its words; where it has places, a button that goes from one to the next."""
+        sight, look = self.desk.sight, f"text-sm {FINDINGS[finding.level]}"
+        places = [] if sight is None else sight.places(finding)
+        if not places:
+            ui.label(text).classes(look)
+            return
+        turn = cycle(places)
+        go = self.host.safely(lambda: self._show(Selection(seconds=next(turn))))
+        ui.button(text, on_click=go).props("flat dense no-caps align=left color=none").classes(
+            f"{look} w-full text-left"
+        ).tooltip(f"show it, and the next of {len(places)}" if len(places) > 1 else "show it")
 
     def _worst(self) -> None:
         sight, residual = self.desk.sight, self.desk.residual
@@ -118,10 +149,11 @@ class DataPanel:
                 )
 
     def _show(self, at: Selection) -> None:
-        """Go to a worst place, with some seconds around it."""
+        """Go to a place, with some seconds around it."""
         if at.seconds is not None:
             a, b = at.seconds
-            at = Selection((max(a - 0.5 * (b - a), 0.0), b + 0.5 * (b - a)))
+            more = max(0.5 * (b - a), BESIDE)
+            at = Selection((max(a - more, 0.0), b + more))
         self.host.select(at)
 
     def _hold(self, record: int, *, on: bool) -> None:
@@ -129,21 +161,12 @@ class DataPanel:
         self.desk.hold((*others, Stretch(record)) if on else others)
 
     def _hold_view(self) -> None:
-        sight, seconds = self.desk.sight, self.desk.selection.seconds
-        if sight is None or seconds is None:
+        seconds = self.desk.selection.seconds
+        if seconds is None:
             raise InputError(
                 "held_out", "", "a stretch in view: drag over the curves first", "all of the data"
             )
-        names_of = [r.name for r in self.desk.records]
-        new = [
-            Stretch(names_of.index(name), max(seconds[0] - a, 0.0), seconds[1] - a)
-            for name, a, b in sight.spans if name in names_of and seconds[0] < b and seconds[1] > a
-        ]  # fmt: skip
-        if not new:
-            raise InputError(
-                "held_out", "", "a stretch of a whole record", "a part that is held out already"
-            )
-        self.desk.hold((*self.desk.now.held, *new))
+        self.desk.hold_between(*seconds)
 
     def _start(self, name: str) -> None:
         from er_model_lab.verbs.load import load_model
@@ -153,14 +176,7 @@ class DataPanel:
     async def _dropped(self, event: UploadEventArguments) -> None:
         """Keep a file that was dropped, and do with it what belongs to its kind."""
         desk, name = self.desk, event.file.name
-        kind = dropped.kind_of(name, code=desk.code)
-        if event.file.size() > min(dropped.LARGEST, desk.room()):
-            raise InputError(
-                name,
-                "",
-                f"at most {dropped.LARGEST >> 30} GB, all files {desk.room() >> 20} MB",
-                "more",
-            )
+        kind = desk.admitted(name, event.file.size())
         path = dropped.place_for(desk.folder, name)
         await event.file.save(path)
         try:
@@ -172,10 +188,20 @@ class DataPanel:
     async def _take(self, kind: str, path: Path) -> None:
         desk = self.desk
         if kind == "code":
+            await asyncio.to_thread(effects, [*desk.code_files, path])
             desk.code_files = (*desk.code_files, path)
-        elif kind == "session":
-            session = await asyncio.to_thread(unpacked, path, desk.folder, desk.given)
+            ui.notify(f"{path.name}: models that you begin with from now on may have its effects")
+        elif kind == "zip" and not dropped.is_session(path):
+            for each in await asyncio.to_thread(dropped.measurements_of, path, desk.folder):
+                await self._measured(each)
+                await asyncio.to_thread(desk.jobs.wait)
             path.unlink()
+        elif kind == "zip":
+            given = (*desk.given, *desk.code_files)
+            session = await asyncio.to_thread(unpacked, path, desk.folder, given, code=desk.code)
+            path.unlink()
+            own = session.code
+            desk.code_files = (*desk.code_files, *(p for p in own if p not in desk.code_files))
             desk.go(session)
         elif kind == "model":
             model = dropped.model_of(path, desk.code_files)

@@ -12,8 +12,16 @@ from nicegui import ui
 from er_model_lab.output.text.units import newtons
 from er_model_lab.output.text.verdict_text import verdict_sentence, verdict_title
 from er_model_lab.page import plots
+from er_model_lab.page.panels import plan
+from er_model_lab.page.panels.help import helped
 from er_model_lab.page.panels.panel import Host
-from er_model_lab.results.result import DiagnosisResult, PlanResult
+from er_model_lab.results.result import DiagnosisResult
+
+NUMBERS = {
+    "p value": "p value", "effect size, training data": "effect size",
+    "error on held-out data, without and with it": "held out",
+}  # fmt: skip
+"""Numbers of a card whose words are explained."""
 
 
 class LearnPanel:
@@ -79,7 +87,7 @@ class LearnPanel:
                     self._result(desk.result)
             if desk.planned is not None:
                 with self.found:
-                    self._plan(desk.planned)
+                    plan.show(desk.planned, self.host.theme)
 
     def _add(self) -> None:
         if not self.effect.value:
@@ -99,7 +107,7 @@ class LearnPanel:
             self._offer(asked)
         made = section(result.view)
         for card in made.facts["cards"] if made else []:
-            self._card(card)
+            self._card(card, plan.rivals(result, self.host.desk.now.known, card["effect"]))
 
     def _offer(self, asked: dict[str, Any]) -> None:
         """The run that would decide, to be planned."""
@@ -109,24 +117,9 @@ class LearnPanel:
         act = self.host.safely(
             lambda: self.host.desk.plan(between=between, reveal=asked.get("reveal"))
         )
-        ui.button(f"Plan the run that shows: {which}", on_click=act).props("outline dense no-caps")
+        plan.offer(f"Plan the run that shows: {which}", act)
 
-    def _plan(self, result: PlanResult) -> None:
-        from er_model_lab.output.report.sections.programs import section
-
-        ui.label(verdict_title(result.view)).classes("text-lg font-bold").props(
-            "role=heading aria-level=2"
-        )
-        ui.label(verdict_sentence(result.view))
-        ui.label(
-            "Take holds the run as a file for the rig, or for ./er up program:=run.yaml"
-        ).classes("muted")
-        made = section(result.view)
-        for figure in made.figures[:1] if made else ():
-            plot = ui.plotly(plots.of_report(figure, self.host.theme)).classes("w-full")
-            plot.props(f'role="figure" aria-label="{figure.alt}"')
-
-    def _card(self, card: dict[str, Any]) -> None:
+    def _card(self, card: dict[str, Any], rivals: list[str]) -> None:
         desk = self.host.desk
         with (
             ui.expansion(f"{card['title']} ({card['status']})")
@@ -157,16 +150,22 @@ class LearnPanel:
                     ui.html(each.mathml, sanitize=False).classes("text-sm")
                 else:
                     ui.label(each.plain).classes("text-sm font-mono")
-            ui.label(f"shows as: {card['mark']}; tell it by: {card['experiment']}").classes(
-                "text-sm muted"
-            )
+            shows = f"shows as: {card['mark']}; tell it by: {card['experiment']}"
+            helped(ui.label(shows).classes("text-sm muted"), "signature")
             for name, value in [*card["numbers"], *card["parameters"]]:
-                ui.label(f"{name}: {value}").classes("text-sm numbers")
+                said = ui.label(f"{name}: {value}").classes("text-sm numbers w-fit")
+                if name in NUMBERS:
+                    helped(said, NUMBERS[name])
             if card["confounded"]:
-                ui.label(f"cannot be told apart from {card['confounded']}").classes(
-                    "text-sm warning"
-                )
+                said = ui.label(f"cannot be told apart from {card['confounded']}")
+                helped(said.classes("text-sm warning"), "status")
             ui.label(card["reason"]).classes("text-sm")
+            if rivals:
+                helped(ui.label("Rivals").classes("w-fit"), "rivals")
+            for other in rivals:
+                act = self.host.safely(lambda other=other: desk.plan(between=(effect, other)))
+                title = _title(desk.now.known, other)
+                plan.offer(f"Plan the run that tells it from {title}", act)
             picture = ui.column().classes("w-full")
             box.on_value_change(draw)
 

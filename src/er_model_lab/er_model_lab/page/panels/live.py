@@ -8,6 +8,7 @@ from nicegui import ui
 
 from er_model_lab.output.text.units import newtons
 from er_model_lab.output.text.verdict_text import verdict_sentence, verdict_title
+from er_model_lab.page.panels.help import heading, helped
 from er_model_lab.page.panels.panel import Host
 from er_model_lab.results.result import DiagnosisResult
 from er_model_lab.session.live_desk import LiveDesk
@@ -24,13 +25,13 @@ class LivePanel:
         self.host, self.desk = host, host.desk
         self.heard = ui.label().classes("numbers").props("role=status")
         self.monitor = ui.label().props("role=status aria-live=polite")
-        self.error = ui.label().classes("numbers text-lg")
-        _heading("To drive next")
+        self.error = helped(ui.label().classes("numbers text-lg"), "usual", "test of its limit")
+        heading("To drive next", "coverage")
         self.bar = ui.linear_progress(0.0, show_value=False).props(
             'aria-label="Share of what a verdict needs"'
         )
         self.gaps = [ui.label().classes("text-sm numbers") for _ in range(LISTED)]
-        _heading("Verdict")
+        heading("Verdict", "status")
         self.verdict, self.says = ui.label().classes("font-bold"), ui.label().classes("text-sm")
         self.added = ui.row().classes("w-full gap-1")
         self.job = ui.label().classes("text-sm numbers").props("role=status aria-live=polite")
@@ -122,7 +123,3 @@ class LivePanel:
                     ui.button(f"Add {model.catalogue[effect].title}", on_click=add).props(
                         "no-caps"
                     )
-
-
-def _heading(words: str) -> None:
-    ui.label(words).classes("font-bold").props("role=heading aria-level=2")

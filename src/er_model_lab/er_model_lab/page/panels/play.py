@@ -9,6 +9,7 @@ from er_models.model import Model
 from nicegui import ui
 
 from er_model_lab.output.text.units import short
+from er_model_lab.page.panels.help import heading
 from er_model_lab.page.panels.panel import Host
 from er_model_lab.session.slider import POSITIONS, Slider
 
@@ -19,6 +20,7 @@ class PlayPanel:
     def __init__(self, host: Host) -> None:
         self.host, self.shown = host, object()
         self.rows: dict[tuple[str, str], Callable[[float], None]] = {}
+        heading("Effects and their parameters", "deviation")
         self.box = ui.column().classes("w-full gap-1")
 
     def refresh(self) -> None:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from nicegui import ui
 
 from er_model_lab.page import plots
+from er_model_lab.page.panels.help import heading
 from er_model_lab.page.panels.panel import Host
+from er_model_lab.session.fall import Stage
 
 
 class StepsPanel:
@@ -13,17 +15,21 @@ class StepsPanel:
 
     def __init__(self, host: Host) -> None:
         self.host = host
+        heading("The error step by step", "waterfall", "noise floor", "measured term")
         self.plot = ui.plotly(plots.waterfall([], None, host.theme)).classes("w-full")
         self.plot.props(
             'role="figure" aria-label="The error of the model as given and after each step"'
         )
+        self.added = ui.column().classes("w-full gap-0")
         self.list = ui.column().classes("w-full gap-0")
 
     def refresh(self) -> None:
         """Show all steps, those that were taken back in grey."""
         desk = self.host.desk
         floor = desk.result.noise_floor if desk.result else None
-        self.plot.update_figure(plots.waterfall(desk.fall(), floor, self.host.theme))
+        fall = desk.fall()
+        self.plot.update_figure(plots.waterfall(fall, floor, self.host.theme))
+        self._added(fall)
         self.list.clear()
         here = len(desk.session.past) - 1
         with self.list:
@@ -42,3 +48,18 @@ class StepsPanel:
                     button.props('color=accent icon=arrow_right aria-current="step"')
                 elif k > here:
                     button.classes("opacity-70 italic")
+
+    def _added(self, fall: list[Stage]) -> None:
+        """What was added and is in the model still, each to be taken back."""
+        desk, model = self.host.desk, self.host.desk.now.model
+        there = set() if model is None else {*model.effects, *(t.name for t in model.terms)}
+        self.added.clear()
+        with self.added:
+            for name in dict.fromkeys(n for stage in fall for n in stage.added if n in there):
+                words = name.replace("_", " ")
+                with ui.row().classes("w-full items-center justify-between no-wrap"):
+                    ui.label(f"+ {words}")
+                    back = self.host.safely(lambda name=name: desk.take(desk.now.without(name)))
+                    ui.button("Take back", on_click=back).props(
+                        f'flat dense no-caps aria-label="Take back {words}"'
+                    )

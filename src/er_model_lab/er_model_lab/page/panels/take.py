@@ -14,7 +14,7 @@ from nicegui import ui
 from er_model_lab.page.panels.panel import Host
 from er_model_lab.session.desk import Desk
 from er_model_lab.session.kept import model_text, packed
-from er_model_lab.session.script import script
+from er_model_lab.session.script import alone
 
 
 def _model(desk: Desk, _: Path) -> bytes:
@@ -22,7 +22,7 @@ def _model(desk: Desk, _: Path) -> bytes:
 
 
 def _script(desk: Desk, _: Path) -> bytes:
-    return script(desk.session).encode()
+    return alone(desk.session, desk.folder).encode()
 
 
 def _session(desk: Desk, _: Path) -> bytes:
