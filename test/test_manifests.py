@@ -28,8 +28,8 @@ OURS = sorted(path.parent.name for path in (ROOT / "src").glob("*/package.xml"))
 PURE = sorted(path.parent.name for path in (ROOT / "src").glob("*/pyproject.toml"))
 """Packages that are wheels, too."""
 JAZZY = {
-    "action_msgs", "ament_cmake", "ament_index_python", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs",
-    "launch", "launch_ros", "lifecycle_msgs",
+    "action_msgs", "ament_cmake", "ament_index_python", "builtin_interfaces", "control_msgs", "diagnostic_msgs",
+    "geometry_msgs", "launch", "launch_ros", "lifecycle_msgs",
     "rcl_interfaces", "rclpy", "ros2launch", "rosbag2_storage_mcap", "rosgraph_msgs",
     "rosidl_default_generators", "rosidl_default_runtime", "sensor_msgs", "std_msgs",
 }  # fmt: skip

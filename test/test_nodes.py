@@ -15,12 +15,10 @@ pytest.importorskip("rclpy")
 
 from er_bringup.arguments import ARGUMENTS
 from er_bringup.programs import (
-    ACCEL_ADAPTER,
+    ADAPTERS,
     ANSWERING,
-    AUTOWARE_ADAPTER,
     CONTROLLERS,
     EVERY,
-    IMU_ADAPTER,
     JOINT,
 )
 from er_bringup.ros_checks import CONTRACT
@@ -38,7 +36,7 @@ from test.conftest import ROOT
 from test.graph_help import NODES, PROGRAMS
 
 BY_HAND = dict.fromkeys(
-    (JOINT.name, IMU_ADAPTER.name, ACCEL_ADAPTER.name, AUTOWARE_ADAPTER.name),
+    (JOINT.name, *(each.name for each in ADAPTERS)),
     "started beside a vehicle stack (docs/vehicle.md)",
 )
 """Nodes that the graph of `er up` does not hold."""

@@ -7,6 +7,7 @@ from typing import Final
 KEYS: Final = {
     "PIL": "python3-pil",
     "autoware_vehicle_msgs": "autoware_vehicle_msgs",
+    "control_msgs": "control_msgs",
     "cvxpy": "python3-cvxpy-pip",
     "h5py": "python3-h5py",
     "jinja2": "python3-jinja2",
