@@ -22,6 +22,7 @@ from er_bringup.programs import (
     JOINT,
 )
 from er_bringup.ros_checks import CONTRACT
+from er_common.common_parameters import FramedParameters
 from er_common.parameter_table import specs
 from er_common.program import CONTROLLER, OBSERVER
 from er_common.topics import ESTIMATED
@@ -106,6 +107,7 @@ def test_the_card_tells_of_this_node(name: str) -> None:
     assert card.program is NODES[name]
     assert len(card.program.text) > 10
     assert card.parameters is not None
+    assert issubclass(card.parameters, FramedParameters) or not card.program.core
 
 
 @EACH
