@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shutil
 import subprocess
 import sys
 import tarfile
@@ -93,7 +94,8 @@ def prefix(folder: Path) -> Path:
         script.chmod(0o755)
     share = made / "share/er_bringup"
     (share / "launch").mkdir(parents=True)
-    (share / "config").symlink_to(ROOT / "config")
+    # a package's launch files are looked for below its folder, and links to folders are not followed
+    shutil.copytree(ROOT / "config", share / "config", copy_function=os.symlink)
     for file in (ROOT / "src/er_bringup/launch").iterdir():
         (share / "launch" / file.name).symlink_to(file)
     return made
