@@ -396,6 +396,8 @@ def test_containers_and_workflows_call_what_there_is() -> None:
     jobs = yaml.safe_load((ROOT / ".github/workflows/test.yml").read_text(encoding="utf-8"))[
         "jobs"
     ]
+    docs = [str(step.get("run")) for step in jobs.pop("docs")["steps"]]
+    assert "./er exec python tools/docs_site.py site" in docs
     assert len(jobs) == 2
     for job in jobs.values():
         assert job["steps"][-1]["run"].endswith("./er test $WHICH")  # every night: --all
