@@ -13,6 +13,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+
+pytest.importorskip("fsspec")
+pytest.importorskip("pyarrow")
 from er_model_lab.fleets import engine as engines
 from er_model_lab.fleets.asked import Asked, code
 from er_model_lab.fleets.engine import Engine, Failure, Lost, OtherCode, spread

@@ -17,16 +17,16 @@ from typing import Any
 import pytest
 
 import er_model_lab as lab
+from test.conftest import ROOT
 from test.sample import write_sample
 
 pytest.importorskip("nicegui", reason="the package nicegui is not installed")
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 BROWSER = next((path for name in BROWSERS if (path := shutil.which(name))), None)
-ROOT = str(Path(__file__).parents[3])
 OPEN = ("-m", "er_model_lab.cli.app", "open", "--no-browser")
 PLAYED = (
     "-c",
-    f"import sys; sys.path.insert(0, {ROOT!r}); from test.played_graph import main; main()",
+    f"import sys; sys.path.insert(0, {str(ROOT)!r}); from test.played_graph import main; main()",
 )
 """A page beside a graph that is played, of how many seconds before and at which pace."""
 PATIENCE = 60_000.0
