@@ -29,10 +29,11 @@ MESSAGES = "er_damper_msgs"
 
 
 def asked() -> set[str]:
-    """Keys of all packages, without those of their tests."""
+    """Keys of all packages, without those of their tests and ours."""
     manifests = (ROOT / "src").glob("*/package.xml")
     found = (e for path in manifests for e in ET.parse(path).getroot())
-    return {str(e.text) for e in found if e.tag in ("depend", "exec_depend")}
+    keys = {str(e.text) for e in found if e.tag in ("depend", "exec_depend")}
+    return {key for key in keys if not key.startswith("er_")}
 
 
 def brought(keys: Iterable[str]) -> set[str]:
@@ -54,7 +55,7 @@ def brought(keys: Iterable[str]) -> set[str]:
         for each in needed:
             if not each.marker or each.marker.evaluate({"extra": extra}):
                 left += named(each)
-    return {canonicalize_name(name) for name, _ in found if not name.startswith("er_")}
+    return {canonicalize_name(name) for name, _ in found}
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +100,7 @@ def test_every_executable_starts(place: Path) -> None:
         script = place / "install" / program.package / "lib" / program.package / program.name
         done = run(place, script, "--help")
         assert (done.returncode, done.stderr) == (0, ""), f"{program.name}: {done.stderr}"
-        assert program.text in " ".join(done.stdout.split()), program.name
+        assert program.name in done.stdout
 
 
 @pytest.mark.parametrize(
