@@ -164,6 +164,9 @@ def run(times: int) -> int:
         for k in range(times):
             good = once(Path(folder) / f"{k}.xml")
             held_in.update(row for row, each in good.items() if each)
+            missed = ", ".join(row for row, each in good.items() if not each) or "none"
+            sys.stdout.write(f"round {k + 1}: rows that were not held: {missed}\n")
+            sys.stdout.flush()
     sys.stdout.write("| row | tests and runs | held |\n|---|---|---|\n")
     for row in rows():
         number = len(tests_of(row)) + (row in RUNS)

@@ -13,7 +13,7 @@ pytest.importorskip("rclpy")
 from er_bringup.graph import ends_all
 from er_studies.bench.graph import Load
 from er_studies.bench.ros import Result, failed, markdown, parser, specs
-from er_studies.bench.transport import TRANSPORTS, settings
+from er_studies.bench.ros_transport import TRANSPORTS, settings
 
 GOOD = Result(
     "composed", "events", (0.3, 0.8, 2.0, 4.0), (0.1, 0.3, 0.5, 1.0), 0, 12000,

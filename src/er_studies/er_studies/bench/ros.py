@@ -36,10 +36,9 @@ from er_models.constants import SAMPLE_RATE
 from er_models.errors import ErError
 from er_models.one_line import OneLine
 from er_plant_sim.programs import PLANT
-from er_ros_common.dds import VARIABLE
 
 from er_studies.bench.graph import Load, Usage, usage
-from er_studies.bench.transport import TRANSPORTS, UDP, settings
+from er_studies.bench.ros_transport import TRANSPORTS, UDP, take
 
 LAYOUTS = ("processes", "composed")
 EXECUTORS = ("events", "single")
@@ -321,7 +320,7 @@ def main() -> None:
         results = []
         try:
             for layout, transport, executor in product(layouts, o.transport, executors):
-                os.environ[VARIABLE] = str(settings(transport, Path(folder)))
+                take(transport, Path(folder))
                 given = (o.seconds, o.rate, o.controller, o.corners)
                 results.append(run(layout, executor, transport, *given))
         except ErError as error:

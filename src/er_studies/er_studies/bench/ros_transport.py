@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
-from er_ros_common.dds import FILE
+from er_ros_common.dds import FILE, VARIABLE
 
 UDP, SHARED = "udp", "shm"
 TRANSPORTS = (UDP, SHARED)
@@ -22,3 +23,8 @@ def settings(transport: str, folder: Path) -> Path:
     path = folder / "shared.xml"
     path.write_text(LOCATORS.sub("", FILE.read_text(encoding="utf-8")), encoding="utf-8")
     return path
+
+
+def take(transport: str, folder: Path) -> None:
+    """Have the processes that are started from now on use a transport."""
+    os.environ[VARIABLE] = str(settings(transport, folder))
