@@ -1,4 +1,4 @@
-"""The real `ros2 launch` in tests: that of an apt ROS, of $ER_ROS2_TOOLS, or of sources beside the checkout.
+"""The real `ros2` tools in tests: that of an apt ROS, of $ER_ROS2_TOOLS, or of sources beside the checkout.
 
 The tools are pure Python and have no wheels. $ER_ROS2_TOOLS is the environment that holds them; else they are built
 once, from the archive where there is one, into the cache.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shutil
 import subprocess
 import sys
 import tarfile
@@ -30,13 +31,38 @@ WANTED = (
     "ros2cli",
     "ros2pkg",
     "ros2launch",
+    "ros2node",
+    "ros2service",
+    "ros2topic",
+    "ros2param",
+    "ros2lifecycle",
 )
 MISSING = "neither an apt ROS, nor $ER_ROS2_TOOLS, nor sources of ros2launch: no real launch can be tested"
 COMMAND = "import sys; sys.path += {paths!r}; from ros2cli.cli import main; sys.exit(main())"
-STAND_IN = (
-    "class LoadNode:\n    Request = Response = None\n\n\nListNodes = UnloadNode = LoadNode\n"
-)
-"""Of composition_interfaces, which launch_ros imports and no wheel holds: nothing of it is used."""
+STAND_INS = {
+    "composition_interfaces/__init__.py": "",
+    "composition_interfaces/srv.py": """class LoadNode:
+    Request = Response = None
+
+
+ListNodes = UnloadNode = LoadNode
+""",
+    "rosidl_runtime_py/__init__.py": """
+message_to_yaml = message_to_csv = message_to_ordereddict = set_message_fields = None
+get_message_interfaces = get_service_interfaces = None
+""",
+    "rosidl_runtime_py/utilities.py": """from importlib import import_module
+
+
+def get_message(name):
+    package, kind, made = name.split("/")
+    return getattr(import_module(f"{package}.{kind}"), made)
+
+
+get_service = get_message
+""",
+}
+"""What the tools import and no wheel holds; all that is used of it is the class of a name."""
 
 
 def tools() -> list[str] | None:
@@ -51,7 +77,8 @@ def tools() -> list[str] | None:
 
 def _built() -> Path:
     """The tools of the archive, built when they are first asked for."""
-    digest = hashlib.sha256(SOURCES.read_bytes()).hexdigest()[:12]
+    recipe = repr((WANTED, STAND_INS)).encode()
+    digest = hashlib.sha256(SOURCES.read_bytes() + recipe).hexdigest()[:12]
     place = cache_folder() / f"ros2_tools-{digest}-{sys.version_info[1]}"
     if not place.is_dir():
         with TemporaryDirectory(dir=cache_folder()) as folder:
@@ -71,9 +98,9 @@ def _built() -> Path:
             subprocess.run(
                 [*command, "--target", made, *(Path(folder) / name for name in WANTED)], check=True
             )
-            (made / "composition_interfaces").mkdir()
-            (made / "composition_interfaces/__init__.py").write_text("")
-            (made / "composition_interfaces/srv.py").write_text(STAND_IN)
+            for name, text in STAND_INS.items():
+                (made / name).parent.mkdir(exist_ok=True)
+                (made / name).write_text(text)
             made.rename(place)
     return place
 
@@ -93,7 +120,8 @@ def prefix(folder: Path) -> Path:
         script.chmod(0o755)
     share = made / "share/er_bringup"
     (share / "launch").mkdir(parents=True)
-    (share / "config").symlink_to(ROOT / "config")
+    # a package's launch files are looked for below its folder, and links to folders are not followed
+    shutil.copytree(ROOT / "config", share / "config", copy_function=os.symlink)
     for file in (ROOT / "src/er_bringup/launch").iterdir():
         (share / "launch" / file.name).symlink_to(file)
     return made

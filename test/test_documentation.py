@@ -45,7 +45,7 @@ ELSEWHERE = {
     ),
 }
 """Beginnings of commands that another test runs: which, and how."""
-NEEDS = {"autoware_adapter": "autoware_vehicle_msgs"}
+NEEDS = {"autoware_adapter": "autoware_vehicle_msgs", "dynamic_joint_adapter": "control_msgs"}
 """Programs that need messages that no registry of Python packages has."""
 DOWNLOADED = ROOT.parent / "shared" / "data"
 """Measured data of others; those who have none of them skip what needs them."""

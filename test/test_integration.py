@@ -195,6 +195,7 @@ def test_a_joint_command_becomes_the_duty_that_answers_the_last_sample() -> None
     assert joint.header.stamp.nanosec == 5_000_000
     state, ((topic, duty),) = core.on_message(state, DUTY_COMMANDS, command, now)
     assert (topic, duty.duty, duty.seq, duty.command_seq) == (topics.PWM_COMMAND, 0.25, 1, 1)
+    assert duty.header.frame_id == "damper"
     for bad in (
         JointState(name=["damper_duty"], position=[math.nan]),
         JointState(name=["damper_duty"]),

@@ -6,8 +6,8 @@ import os
 import re
 import signal
 import subprocess
-from collections.abc import Iterator
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from time import monotonic, sleep
 
@@ -15,7 +15,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from test.graph_help import CONFIG, own_domain
+from test.graph_help import own_domain
 from test.ros2_tools import MISSING, command, environment, prefix, tools
 
 pytestmark = pytest.mark.alone
@@ -87,23 +87,40 @@ class Launched:
             self.process.wait()
 
 
-@pytest.fixture
-def launch(tmp_path: Path) -> Iterator[object]:
+@contextmanager
+def launching(folder: Path) -> Iterator[Callable[..., Launched]]:
     """Starts `ros2 launch` with these words; all of it is gone afterwards."""
     paths = tools()
     if paths is None:
         pytest.skip(MISSING)
     started: list[Launched] = []
     with own_domain() as env:
-        env = environment(env, prefix(tmp_path))
+        env = environment(env, prefix(folder))
 
         def start(*words: str) -> Launched:
-            started.append(Launched(paths, env, tmp_path / f"{len(started)}.log", *words))
+            started.append(Launched(paths, env, folder / f"{len(started)}.log", *words))
             return started[-1]
 
+        try:
+            yield start
+        finally:
+            for each in started:
+                each.gone()
+
+
+@pytest.fixture
+def launch(tmp_path: Path) -> Iterator[Callable[..., Launched]]:
+    with launching(tmp_path) as start:
         yield start
-        for each in started:
-            each.gone()
+
+
+def four_corners(running: Launched) -> None:
+    """The example of a car, driven for a second, comes to a good end."""
+    assert running.end(120.0) == 0, running.text
+    for corner in ("front_left", "front_right", "rear_left", "rear_right"):
+        assert f"[vehicle.suspension.{corner}.plant]: finished after 200 ticks" in running.text
+    assert not re.search(r"^\[ERROR\]", running.text, re.M), running.text  # launch's own
+    assert running.text.count("process has finished cleanly") == 4, running.text
 
 
 def test_a_vehicle_takes_the_graph_in_and_goes_on_when_a_node_is_killed(
@@ -131,13 +148,7 @@ def test_a_vehicle_takes_the_graph_in_and_goes_on_when_a_node_is_killed(
 
 
 def test_four_corners_of_a_car_come_to_a_good_end(launch) -> None:
-    file = str(CONFIG / "examples/vehicle.launch.py")
-    running = launch(file, "duration:=1", "observers:=none")
-    assert running.end(90.0) == 0, running.text
-    for corner in ("front_left", "front_right", "rear_left", "rear_right"):
-        assert f"[vehicle.suspension.{corner}.plant]: finished after 200 ticks" in running.text
-    assert not re.search(r"^\[ERROR\]", running.text, re.M), running.text  # launch's own
-    assert running.text.count("process has finished cleanly") == 4, running.text
+    four_corners(launch("er_bringup", "vehicle.launch.py", "duration:=1", "observers:=none"))
 
 
 def test_an_argument_that_there_is_not_is_refused(launch) -> None:

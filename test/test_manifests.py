@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import ast
+import re
+import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from graphlib import TopologicalSorter
 from importlib.metadata import packages_distributions
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import pytest
+import typer
+from er_common.keys import KEYS, PIP, lacking
+from er_common.usage import OneLineGroup
 from er_models.version import __version__
-from er_ros_common.keys import KEYS, lacking
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
@@ -28,22 +33,15 @@ OURS = sorted(path.parent.name for path in (ROOT / "src").glob("*/package.xml"))
 PURE = sorted(path.parent.name for path in (ROOT / "src").glob("*/pyproject.toml"))
 """Packages that are wheels, too."""
 JAZZY = {
-    "action_msgs", "ament_cmake", "ament_index_python", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs",
-    "launch", "launch_ros", "lifecycle_msgs",
+    "action_msgs", "ament_cmake", "ament_index_python", "builtin_interfaces", "control_msgs", "diagnostic_msgs",
+    "geometry_msgs", "launch", "launch_ros", "lifecycle_msgs",
     "rcl_interfaces", "rclpy", "ros2launch", "rosbag2_storage_mcap", "rosgraph_msgs",
     "rosidl_default_generators", "rosidl_default_runtime", "sensor_msgs", "std_msgs",
 }  # fmt: skip
 """ROS packages of Jazzy that may be needed."""
-WITHOUT_KEY = {
-    "asammdf",
-    "compression",
-    "dask",
-    "distributed",
-    "fsspec",
-    "nicegui",
-    "nptdms",
-    "pyarrow",
-}
+TIMEOUT = "python3-pytest-timeout"
+"""What the settings of pytest ask for, and nothing imports."""
+WITHOUT_KEY = {*PIP, "compression"}
 """Modules without a key, and one that Python 3.14 has: `./er setup` or pip installs them."""
 PART_OF = {
     **dict.fromkeys(("rosidl_runtime_py", "rpyutils"), "rclpy"),
@@ -98,7 +96,7 @@ def imported(package: str, *, pure: bool = False) -> dict[str, Path]:
 
 @pytest.mark.parametrize("package", OURS)
 def test_every_key_is_known_to_rosdep(package: str) -> None:
-    assert keys(package) <= JAZZY | set(KEYS.values()) | set(OURS)
+    assert keys(package) <= JAZZY | {*KEYS.values(), *OURS, TIMEOUT}
     root = manifest(package)
     assert root.get("format") == "3"
     for name in ("name", "version", "description", "maintainer", "license"):
@@ -141,6 +139,11 @@ def test_nobody_is_sent_to_an_address_that_cannot_be(package: str) -> None:
     assert manifest(package).findtext("url") == project("er_models")["urls"]["Repository"]
 
 
+@pytest.mark.parametrize("package", OURS)
+def test_every_package_has_its_licence(package: str) -> None:
+    assert (ROOT / "src" / package / "LICENSE").resolve() == ROOT / "LICENSE"
+
+
 @pytest.mark.parametrize("package", PURE)
 def test_the_project_is_the_package(package: str) -> None:
     found = project(package)
@@ -166,7 +169,7 @@ def test_what_pure_code_imports_is_a_dependency_or_in_an_extra(package: str) -> 
 
 @pytest.mark.parametrize("package", PURE)
 def test_nothing_is_asked_for_that_no_code_uses(package: str) -> None:
-    """clarabel is cvxpy's solver, of plotly the script is taken, pyarrow is imported by a text, pytest tests."""
+    """clarabel is cvxpy's solver, of plotly the script is taken, pyarrow is imported by a text, and some test."""
     brings = packages_distributions()
     used = {
         canonicalize_name(name)
@@ -177,7 +180,9 @@ def test_nothing_is_asked_for_that_no_code_uses(package: str) -> None:
         "clarabel",
         "plotly",
         "pyarrow",
+        "hypothesis",
         "pytest",
+        "pytest-timeout",
         canonicalize_name(package),
     }
 
@@ -187,15 +192,70 @@ def test_colcon_finds_the_tests_of_a_package(package: str) -> None:
     """By an extra `test` with pytest; without it `colcon test` runs nothing and calls that a success."""
     folder = ROOT / "src" / package
     assert list(folder.glob("test/test_*.py"))
-    assert "python3-pytest" in keys(package, "test_depend")
+    assert keys(package, "test_depend") >= {"python3-pytest", TIMEOUT}
     if package in PURE:
         assert any(
             each.startswith("pytest") for each in project(package)["optional-dependencies"]["test"]
         )
     else:
-        assert 'extras_require={"test": ["pytest"]}' in (folder / "setup.py").read_text(
-            encoding="utf-8"
-        )
+        assert 'extras_require={"test": ["pytest", "pytest-timeout"]}' in (
+            folder / "setup.py"
+        ).read_text(encoding="utf-8")
+
+
+def loaded(file: Path) -> set[str]:
+    """Modules that a file of tests imports, without those that it skips for where they are missing."""
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    nodes = [*ast.walk(tree)]
+    found = {name.name for node in nodes if isinstance(node, ast.Import) for name in node.names}
+    found |= {str(node.module) for node in nodes if isinstance(node, ast.ImportFrom)}
+    asked = [node for node in nodes if isinstance(node, ast.Call) and node.args]
+    skipped = {
+        node.args[0].value.partition(".")[0]
+        for node in asked
+        if ast.unparse(node.func) == "pytest.importorskip"
+        and isinstance(node.args[0], ast.Constant)
+    }
+    return {name.partition(".")[0] for name in found} - skipped - sys.stdlib_module_names
+
+
+@pytest.mark.parametrize("package", OURS)
+def test_the_tests_of_a_package_import_what_it_declares(package: str) -> None:
+    """Its own folder is all of the repository that they have under `colcon test`."""
+    folder = ROOT / "src" / package / "test"
+    declared = keys(package) | {package}
+    for file in sorted(folder.rglob("*.py")):
+        beside = {path.stem for path in (*folder.iterdir(), *file.parent.iterdir())}
+        text = file.read_text(encoding="utf-8")
+        assert not re.search(r"^\s*(from|import) test\b", text, re.M), f"{file} is for test/"
+        for module in loaded(file) - beside:
+            key = KEYS.get(module, PART_OF.get(module, module))
+            assert key in declared, f"{file} imports {module}: <test_depend>{key}</test_depend>"
+
+
+def test_no_package_needs_one_that_needs_it() -> None:
+    TopologicalSorter({package: keys(package) & {*OURS} for package in OURS}).prepare()
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("package", ["er_common", "er_ros_common"])
+def test_colcon_runs_the_tests_of_a_package(package: str, tmp_path: Path) -> None:
+    """In its own folder, without the rest of the repository."""
+    words = ["--build-base", tmp_path / "build", "--install-base", ROOT / "install"]
+    (tmp_path / "build" / package).mkdir(parents=True)
+    tested = subprocess.run(
+        [
+            Path(sys.executable).parent / "colcon", "--log-base", tmp_path / "log", "test", *words,
+            "--base-paths", ROOT / "src", "--packages-select", package, "--return-code-on-test-failure",
+            "--pytest-args", "-m", "not slow and not alone", "-p", "no:cacheprovider", "-p", "no:xdist",
+        ], cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert tested.returncode == 0, tested.stdout[-4000:] + tested.stderr[-2000:]
+    (report,) = (tmp_path / "build" / package).glob("pytest.xml")
+    (suite,) = ET.parse(report).iter("testsuite")
+    assert int(str(suite.get("tests"))) > 20
+    assert suite.get("errors") == suite.get("failures") == "0"
 
 
 @pytest.mark.parametrize("package", OURS)
@@ -214,3 +274,26 @@ def test_a_module_that_is_missing_is_one_line_with_the_key_of_rosdep() -> None:
         "(rosdep install --from-paths src --ignore-src)"
     )
     assert lacking("plant", ModuleNotFoundError("no", name="er_plnat")) == ""
+    assert lacking("er-lab", ModuleNotFoundError("no", name="pyarrow.csv")) == (
+        "er-lab: needs the Python package pyarrow, for which rosdep has no key: pip install pyarrow"
+    )
+
+
+def test_a_command_without_a_module_ends_with_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    app = typer.Typer(cls=OneLineGroup, add_completion=False)
+
+    @app.callback()
+    def either() -> None:
+        """Of several commands."""
+
+    @app.command()
+    def read(module: str) -> None:
+        raise ModuleNotFoundError(f"No module named {module}", name=module)
+
+    with pytest.raises(SystemExit, match="2"):
+        app(["read", "pyarrow.parquet"], prog_name="lab")
+    assert capsys.readouterr().err.splitlines() == [
+        "lab read: needs the Python package pyarrow, for which rosdep has no key: pip install pyarrow"
+    ]
+    with pytest.raises(ModuleNotFoundError):
+        app(["read", "er_modles"], prog_name="lab")

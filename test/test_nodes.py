@@ -15,15 +15,14 @@ pytest.importorskip("rclpy")
 
 from er_bringup.arguments import ARGUMENTS
 from er_bringup.programs import (
-    ACCEL_ADAPTER,
+    ADAPTERS,
     ANSWERING,
-    AUTOWARE_ADAPTER,
     CONTROLLERS,
     EVERY,
-    IMU_ADAPTER,
     JOINT,
 )
 from er_bringup.ros_checks import CONTRACT
+from er_common.common_parameters import FramedParameters
 from er_common.parameter_table import specs
 from er_common.program import CONTROLLER, OBSERVER
 from er_common.topics import ESTIMATED
@@ -38,7 +37,7 @@ from test.conftest import ROOT
 from test.graph_help import NODES, PROGRAMS
 
 BY_HAND = dict.fromkeys(
-    (JOINT.name, IMU_ADAPTER.name, ACCEL_ADAPTER.name, AUTOWARE_ADAPTER.name),
+    (JOINT.name, *(each.name for each in ADAPTERS)),
     "started beside a vehicle stack (docs/vehicle.md)",
 )
 """Nodes that the graph of `er up` does not hold."""
@@ -108,6 +107,7 @@ def test_the_card_tells_of_this_node(name: str) -> None:
     assert card.program is NODES[name]
     assert len(card.program.text) > 10
     assert card.parameters is not None
+    assert issubclass(card.parameters, FramedParameters) or not card.program.core
 
 
 @EACH

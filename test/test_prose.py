@@ -88,6 +88,23 @@ def test_words_that_readers_stumble_over_are_gone(path) -> None:
     assert found == []
 
 
+def test_the_readme_is_read_to_its_end() -> None:
+    """90 lines, and no paragraph that promises more than follows."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 90
+    for path in PAGES:
+        parts = re.split(r"\n\s*\n", path.read_text(encoding="utf-8"))
+        said = zip(parts, [*parts[1:], "# End"], strict=True)
+        left = [a for a, b in said if a.endswith(":") and re.match(r"[A-Z#]", b)]
+        assert left == [], path.name
+
+
+def test_an_entry_of_the_changelog_is_one_line() -> None:
+    lines = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").splitlines()
+    assert [line for line in lines if len(line) > LONGEST_LINE] == []
+    assert [line for line in lines if line.startswith(" ")] == []
+
+
 def test_the_check_finds_what_it_looks_for() -> None:
     """It must be able to fail."""
     assert sentences("A b. C d e: f g.\n\n| not | this |\n") == ["A b.", "C d e:", "f g."]

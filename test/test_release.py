@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import shutil
+from types import SimpleNamespace
 
 import yaml
 
@@ -32,6 +33,32 @@ def test_what_stands_in_the_way_is_named(tmp_path):
 def test_a_version_that_nobody_states_is_refused(capsys):
     assert release.main(["9.9.9", "wheels"]) == 2
     assert "expected 9.9.9" in capsys.readouterr().err
+
+
+def test_a_release_is_every_test_the_wheels_and_the_site(tmp_path, monkeypatch):
+    steps = []
+    monkeypatch.setattr(
+        release, "run", lambda *words, cwd: steps.append(" ".join(map(str, words)))
+    )
+    monkeypatch.setattr(release, "not_ready", lambda *_: [])
+    monkeypatch.setattr(release.subprocess, "run", lambda *_, **__: SimpleNamespace(stdout=""))
+    monkeypatch.setattr(release.venv, "create", lambda *_, **__: None)
+    assert release.main(["1.0.0", str(tmp_path), "--tag"]) == 1, "no site was made"
+    assert not steps[-1].startswith("git tag")
+    (tmp_path / "site").mkdir()
+    (tmp_path / "site/index.html").touch()
+    steps.clear()
+    assert release.main(["1.0.0", str(tmp_path), "--tag"]) == 0
+    wanted = (
+        "git clone",
+        "er test --all",
+        "pip wheel",
+        "pip install",
+        "-c import",
+        "docs_site.py",
+        "git tag",
+    )
+    assert [word in step for word, step in zip(wanted, steps, strict=True)] == [True] * 7
 
 
 def test_citation_and_codemeta_are_read():

@@ -16,6 +16,8 @@ from er_ros_common.injection import Kind
 
 from er_common import topics
 from er_damper_msgs.msg import DamperForce, PwmDuty
+from test.reliability import table
+from test.reliability.__main__ import DEFAULTS
 from test.reliability.bus import NAMES, SECOND, Bus, Heard
 from test.reliability.fuzz import fuzz, fuzz_plant
 from test.reliability.kill import killed
@@ -430,3 +432,37 @@ def test_a_killed_node_comes_back_by_itself_r18(tmp_path: Path) -> None:
     """
     found = killed(1, tmp_path, within=60.0)
     assert all(math.isfinite(t) for each in found.values() for t in each), found
+
+
+def test_every_row_of_the_documented_table_is_held_by_something_that_exists() -> None:
+    rows = table.rows()
+    assert rows == tuple(f"R{k}" for k in range(1, 29))
+    assert {*table.ELSEWHERE, *table.RUNS} <= {*rows}
+    for row in rows:
+        ids = table.tests_of(row)
+        assert ids or row in table.RUNS, row
+        for each in ids:
+            file, _, name = each.partition("::")
+            assert table.tests_in(file) >= ({name} if name else set()), each
+    assert {words[0] for words in table.RUNS.values()} <= {*DEFAULTS}
+
+
+def test_a_row_is_held_where_each_of_its_tests_ran_and_none_failed(tmp_path: Path) -> None:
+    cases = {
+        "good": ["", ""],
+        "half": ["", "<failure/>"],
+        "left": ["<skipped/>"],
+        "bad": ["<error/>"],
+    }
+    lines = [
+        f'<testcase file="a.py" name="test_{name}[{k}]">{each}</testcase>'
+        for name, found in cases.items()
+        for k, each in enumerate(found)
+    ]
+    report = tmp_path / "report.xml"
+    report.write_text(f"<testsuite>{''.join(lines)}</testsuite>")
+    found = table.outcomes(report)
+    good = {name for name in cases if table.held([f"a.py::test_{name}"], found)}
+    assert good == {"good"}
+    assert not table.held(["a.py"], found)
+    assert not table.held(["a.py::test_good", "a.py::test_gone"], found)

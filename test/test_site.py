@@ -14,14 +14,18 @@ LOADED = re.compile(
 )
 
 
-@pytest.fixture(scope="module")
-def site(tmp_path_factory):
-    out = tmp_path_factory.mktemp("site")
+def made(out):
+    """The site, built without a warning."""
     built = subprocess.run(
         [sys.executable, ROOT / "tools/docs_site.py", out], cwd=ROOT, capture_output=True, text=True, check=False
     )  # fmt: skip
     assert built.returncode == 0, built.stderr[-4000:]
     return out
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    return made(tmp_path_factory.mktemp("site"))
 
 
 def test_every_page_is_there_and_needs_no_network(site):

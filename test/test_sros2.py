@@ -16,7 +16,7 @@ import rclpy
 from er_bringup.given import CAR as CORNERS
 from er_bringup.integration.names import BASE
 from er_bringup.integration.ros_sros2 import OPERATOR, cards, policy
-from er_bringup.programs import CONTROLLERS, EVERY
+from er_bringup.programs import ADAPTERS, CONTROLLERS, EVERY
 from er_bringup.ros_composed import part
 from er_common.topics import PWM_COMMAND, SENSORS
 from er_models.errors import ErError
@@ -36,6 +36,7 @@ GRAMMAR = {
     **{leaf: (set(), set()) for leaf in ("topic", "service", "action")},
 }
 """Elements of the format 0.2.0, in our own words: their attributes, and what they hold, at least one of it."""
+MEASURING = ("plant", "hardware_bridge", *(each.name for each in ADAPTERS))
 ABOVE = ("/diagnostics", "/parameter_events", "/rosout", "/clock")
 """Topics that are no namespace's."""
 POLICIES = {"root": [""], "car": [f"{BASE}/{corner}" for corner in CORNERS]}
@@ -146,7 +147,7 @@ def test_only_who_should_command_or_measure_may(made: ET.Element) -> None:
             node in commanding
         )
         for topic in SENSORS:
-            measuring = node in ("plant", "hardware_bridge", "imu_adapter", "accel_adapter")
+            measuring = node in MEASURING
             assert allowed(own, "topic", "publish", full(own, topic.name)) <= measuring
         sets = allowed(own, "service", "request", "/plant/set_parameters")
         assert sets == (node == OPERATOR)

@@ -23,21 +23,24 @@ COMMANDS = [
 ]
 
 
-@pytest.fixture(scope="module")
-def place(tmp_path_factory):
-    """A folder in which all commands were run in order."""
-    folder = tmp_path_factory.mktemp("stranger")
+def typed(folder, commands=COMMANDS, seconds=200):
+    """Run the commands in order, in a folder beside the configuration."""
     for name in ("config", "docs"):
         (folder / name).symlink_to(ROOT / name)
     with own_domain() as own:
         env = {**os.environ, "ROS_DOMAIN_ID": own["ROS_DOMAIN_ID"]}
-        for command in COMMANDS:
+        for command in commands:
             done = subprocess.run(
                 [str(ROOT / "er"), *shlex.split(command)[1:]], cwd=folder, capture_output=True, text=True,
-                timeout=200, env=env,
+                timeout=seconds, env=env,
             )  # fmt: skip
             assert done.returncode == 0, f"{command}\n{done.stdout[-2000:]}{done.stderr[-2000:]}"
     return folder
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    return typed(tmp_path_factory.mktemp("stranger"))
 
 
 def result(place, name):

@@ -138,7 +138,8 @@ def linked(name: str, site: Path) -> None:
         if ".." not in file.parts and "__pycache__" not in file.parts:
             place = site / file
             place.parent.mkdir(parents=True, exist_ok=True)
-            place.symlink_to(file.locate())
+            if not place.is_symlink():  # two list the same setup.py
+                place.symlink_to(file.locate())
 
 
 @pytest.fixture(scope="module")

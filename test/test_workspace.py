@@ -369,15 +369,59 @@ def test_nodes_are_compiled_unheard_and_a_failure_is_one_line(
             commands._compile(layout)
     else:
         commands._compile(layout)
-    ((command, reach),) = heard
+    assert {reach for _, reach in heard} == {"OFF"}
+    command, *car = (words for words, _ in heard)
     assert command[0] == "er_bringup.up"
-    assert reach == "OFF"
+    if not said:
+        assert [words[0] for words in car] == ["er_bringup.ros_composed"]
     from er_bringup.given import parse
     from er_bringup.graph import every_node, nodes
     from er_bringup.programs import CORES
 
     names = {spec.executable for spec in every_node(nodes(parse(command[1:]), ROOT / "config"))}
     assert names >= {*CORES} - {"skyhook_controller"} | {"plant"}
+
+
+@pytest.mark.slow
+@pytest.mark.alone
+@pytest.mark.timeout(1800)
+def test_after_compiling_no_node_compiles_at_its_start(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Of every node that runs without a device or a vehicle."""
+    from test.graph_help import own_domain
+
+    monkeypatch.setenv("ER_CACHE_DIR", str(tmp_path))
+    layout = commands.find_layout(ROOT, os.environ)
+    commands._compile(layout)
+
+    def kept() -> set[str]:
+        """Files of compiled code."""
+        return {str(path) for path in tmp_path.rglob("*") if path.suffix == ".compiled"}
+
+    before = kept()
+    assert len(before) > 50
+    beside = {
+        "er_ftc_controller/skyhook_controller": "--params-file config/nodes/skyhook_controller.yaml",
+        "er_bringup/ros2_control_joint": "-p model_file:=config/vehicles/inove_quarter_car.yaml",
+        "er_bringup/imu_adapter": "",
+        "er_bringup/joint_adapter": "",
+    }
+    texts = (f"{name} --ros-args -r __ns:=/front_left {more}" for name, more in beside.items())
+    more = " -- ".join(texts).split()
+    env = commands.command_environment(layout, os.environ)
+    again = (
+        ["er_bringup.up", "fault_estimator:=true", "model_monitor:=true", "duration:=2"],
+        ["er_bringup.ros_composed", *commands.WARM_UP_CAR, "--", *more],
+    )
+    with own_domain() as own:
+        for words in again:
+            done = subprocess.run(
+                [sys.executable, commands.PROGRAM, *words], env={**env, **own}, cwd=ROOT,
+                capture_output=True, text=True, check=False,
+            )  # fmt: skip
+            assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    assert kept() - before == set()
 
 
 def test_containers_and_workflows_call_what_there_is() -> None:
@@ -396,6 +440,8 @@ def test_containers_and_workflows_call_what_there_is() -> None:
     jobs = yaml.safe_load((ROOT / ".github/workflows/test.yml").read_text(encoding="utf-8"))[
         "jobs"
     ]
+    docs = [str(step.get("run")) for step in jobs.pop("docs")["steps"]]
+    assert "./er exec python tools/docs_site.py site" in docs
     assert len(jobs) == 2
     for job in jobs.values():
         assert job["steps"][-1]["run"].endswith("./er test $WHICH")  # every night: --all

@@ -1,8 +1,9 @@
 """Make a release from a clean clone: check, build, check what was built, tag.
 
 ``python3 tools/release.py VERSION OUT [--skip-tests] [--tag]``: every file must name VERSION and CHANGELOG.md must hold
-its section; then the whole suite runs in a fresh clone, the wheels are built from it into OUT, installed into an empty
-environment, and imported there. ``--tag`` puts ``vVERSION`` on the commit last, so that no tag is on what failed.
+its section; then every test runs in a fresh clone, the wheels are built from it into OUT, installed into an empty
+environment, and imported there, and the site is built into OUT/site, without a warning. ``--tag`` puts ``vVERSION`` on
+the commit last, so that no tag is on what failed.
 Exit status: 0 done, 1 a step failed, 2 the release is not ready (one line says where).
 """
 
@@ -67,11 +68,18 @@ def build(clone: Path, out: Path) -> None:
     run(python, "-c", "import " + ", ".join(names), cwd=out)
 
 
+def site(clone: Path, out: Path) -> None:
+    """The documents as a web site; any warning, a dead link among them, is a failure."""
+    run(clone / "er", "exec", "python", "tools/docs_site.py", out, cwd=clone)
+    if not (out / "index.html").is_file():
+        raise subprocess.CalledProcessError(1, "docs_site.py")
+
+
 def main(argv: list[str]) -> int:
     """Run the steps in order; returns the exit status."""
     parser = argparse.ArgumentParser(prog="release.py", description=__doc__)
     parser.add_argument("version")
-    parser.add_argument("out", type=Path, help="folder for the wheels")
+    parser.add_argument("out", type=Path, help="folder for wheels and site")
     parser.add_argument("--skip-tests", action="store_true", help="where they have just run")
     parser.add_argument("--tag", action="store_true", help="tag the commit when all is well")
     chosen = parser.parse_args(argv)
@@ -89,8 +97,9 @@ def main(argv: list[str]) -> int:
             clone = Path(folder) / "clone"
             run("git", "clone", "-q", ROOT, clone, cwd=ROOT)
             if not chosen.skip_tests:
-                run(clone / ".ci/run", cwd=clone)
+                run(clone / "er", "test", "--all", cwd=clone)
             build(clone, chosen.out.resolve())
+            site(clone, chosen.out.resolve() / "site")
         if chosen.tag:
             run("git", "tag", "-a", f"v{chosen.version}", "-m", chosen.version, cwd=ROOT)
     except subprocess.CalledProcessError as error:

@@ -40,7 +40,7 @@ setup(
         *tree("config"),
     ],
     install_requires=["setuptools"],
-    extras_require={"test": ["pytest"]},
+    extras_require={"test": ["pytest", "pytest-timeout"]},
     zip_safe=False,
     entry_points={"console_scripts": programs()},
 )

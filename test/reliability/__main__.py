@@ -7,6 +7,7 @@ python -m test.reliability silence [DRIVES]       how soon observers are sure ag
 python -m test.reliability hog [SECONDS [PRIORITY]]   two busy loops beside the running graph
 python -m test.reliability hold [TIMES]           a recorder that is held up: what its recording lacks
 python -m test.reliability soak [SECONDS [PRIORITY]]  a running graph with a fault injected each minute
+python -m test.reliability table [--times TIMES]  every test that holds a row of the table of faults
 
 PRIORITY: real-time priority of the nodes.
 
@@ -27,6 +28,7 @@ DEFAULTS = {
     "hog": 10,
     "hold": 2,
     "soak": 1800,
+    "table": 3,
 }
 
 
@@ -36,7 +38,7 @@ def main() -> int:
     if name not in DEFAULTS:
         sys.stdout.write(__doc__ or "")
         return 0 if name in ("", "-h", "--help") else 2
-    amounts = [int(word) for word in sys.argv[2:]] or [DEFAULTS[name]]
+    amounts = [int(word) for word in sys.argv[2:] if word != "--times"] or [DEFAULTS[name]]
     run: Callable[..., int] = import_module(f"test.reliability.{name}").run
     return run(*amounts)
 

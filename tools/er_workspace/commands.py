@@ -29,6 +29,20 @@ WARM_UP = (
     "rate_factor:=0",
     "duration:=1",
 )
+#: and a whole car with its controller, which `er up` does not start
+WARM_UP_CAR = (
+    *("er_plant_sim/car_plant", "--ros-args", "--params-file", "config/nodes/car_plant.yaml"),
+    *("-p", "car_file:=config/cars/inove_car.yaml", "-p", "duration:=1.0"),
+    *("-p", "program_file:=config/experiments/iso_steps.yaml", "--"),
+    *("er_ftc_controller/body_controller", "--ros-args"),
+    *("--params-file", "config/nodes/body_controller.yaml"),
+    *(
+        "-p",
+        "car_file:=config/cars/inove_car.yaml",
+        "-p",
+        "gains_file:=config/gains/body_lqr.yaml",
+    ),
+)
 
 #: command: (arguments, help, module it hands over to; None where there is a function below)
 COMMANDS: dict[str, tuple[str, str, str | None]] = {
@@ -177,11 +191,14 @@ def _setup(layout: Layout, args: Sequence[str]) -> int:
 def _compile(layout: Layout) -> None:
     """Have every node run for a second of simulated time, unheard by others: what it compiles is kept in the cache."""
     env = command_environment(layout, os.environ) | {"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}
-    command = [str(layout.python), PROGRAM, "er_bringup.up", *WARM_UP]
-    done = subprocess.run(command, env=env, capture_output=True, text=True, check=False)
-    if done.returncode:
-        lines = done.stderr.strip().splitlines() or ["no message"]
-        raise Stop(f"setup: nodes cannot be compiled: {lines[-1]}", done.returncode)
+    for words in (("er_bringup.up", *WARM_UP), ("er_bringup.ros_composed", *WARM_UP_CAR)):
+        command = [str(layout.python), PROGRAM, *words]
+        done = subprocess.run(
+            command, env=env, cwd=layout.root, capture_output=True, text=True, check=False
+        )
+        if done.returncode:
+            lines = done.stderr.strip().splitlines() or ["no message"]
+            raise Stop(f"setup: nodes cannot be compiled: {lines[-1]}", done.returncode)
 
 
 def _hand_over(layout: Layout, name: str, args: list[str]) -> None:

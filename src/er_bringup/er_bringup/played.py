@@ -14,7 +14,7 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
-from er_common.common_parameters import STANDSTILL, NodeParameters, deaf_after
+from er_common.common_parameters import STANDSTILL, FramedParameters, deaf_after
 from er_common.parameter_table import REQUIRED, build, specs
 from er_common.topics import Topic
 from er_models.errors import ErError, InputError, MissingChannel
@@ -255,7 +255,7 @@ def assumed(bag: Bag, executable: str, namespace: str, given: Mapping[str, Any])
     """Parameters that are taken at their defaults, as those of the node are neither recorded nor given."""
     if f"{namespace}/{executable}" in bag.parameters:
         return []
-    common = {spec.name for spec in specs(NodeParameters)}
+    common = {spec.name for spec in specs(FramedParameters)}
     names = (spec.name for spec in specs(entry(executable).parameters))
     return [name for name in names if name not in common and name not in given]
 

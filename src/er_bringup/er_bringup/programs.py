@@ -40,7 +40,21 @@ AUTOWARE_ADAPTER: Final = Program(
     PACKAGE,
     "Autoware's velocity report of a vehicle as the load of braking and cornering on its body.",
 )
-PROGRAMS: Final = (COMPOSED, JOINT, IMU_ADAPTER, ACCEL_ADAPTER, AUTOWARE_ADAPTER)
+JOINT_ADAPTER: Final = Program(
+    "joint_adapter",
+    PACKAGE,
+    "The joint of a strut in sensor_msgs/JointState as the deflection of a corner.",
+)
+DYNAMIC_JOINT_ADAPTER: Final = Program(
+    "dynamic_joint_adapter",
+    PACKAGE,
+    "The joint of a strut in control_msgs/DynamicJointState as the deflection of a corner.",
+)
+ADAPTERS: Final = (
+    IMU_ADAPTER, ACCEL_ADAPTER, JOINT_ADAPTER, DYNAMIC_JOINT_ADAPTER, AUTOWARE_ADAPTER,
+)  # fmt: skip
+"""What makes messages of a vehicle into ours."""
+PROGRAMS: Final = (COMPOSED, JOINT, *ADAPTERS)
 
 EVERY: Final = (
     *observer_programs.PROGRAMS,

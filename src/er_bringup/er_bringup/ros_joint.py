@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from er_common.common_parameters import NodeParameters, oldest_sample, silence
+from er_common.common_parameters import FramedParameters, oldest_sample, silence
 from er_common.parameter_table import param, tuning
 from er_common.stamps import SECOND, StampLimits, StampState, check_stamp
 from er_common.topics import Topic
@@ -64,7 +64,7 @@ LAST_STAMP: Final = LAST_SECOND * SECOND
 
 
 @dataclass(frozen=True, kw_only=True)
-class JointParameters(NodeParameters):
+class JointParameters(FramedParameters):
     """Parameters of the node."""
 
     joint: str = param(
@@ -222,4 +222,5 @@ class JointCore:
         if useless or not state.last.stamp or self.silent(state, when.steady):
             return state._replace(refused=state.refused + 1), []
         command = builders.pwm_duty(state.last, duty, source=PwmDuty.SOURCE_NOMINAL)
+        command.header.frame_id = self.p.frame_id
         return state, [(topics.PWM_COMMAND, command)]

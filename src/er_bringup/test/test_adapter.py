@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 from dataclasses import replace
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -156,3 +159,21 @@ def test_accelerations_without_gravity_are_taken_as_they_are() -> None:
         AdapterCore(AdapterParameters(max_age=0.0), ACCEL), (1, message), (0, message)
     )
     assert (said.sprung, said.unsprung) == (-3.0, -3.0)
+
+
+@pytest.mark.parametrize(
+    ("program", "package"),
+    [("autoware_adapter", "autoware_vehicle_msgs"), ("dynamic_joint_adapter", "control_msgs")],
+)
+def test_a_program_names_the_message_package_that_it_lacks(program: str, package: str) -> None:
+    if find_spec(package):
+        pytest.skip(f"{package} is there")
+    code = f"from er_bringup.executables import {program} as main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert done.returncode == 2
+    assert done.stderr.splitlines() == [
+        f"{program}: needs the Python module {package}: install rosdep's key {package} "
+        "(rosdep install --from-paths src --ignore-src)"
+    ]

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import subprocess
-import sys
 from types import SimpleNamespace
 from typing import Any
 
@@ -75,18 +73,3 @@ def test_a_gap_begins_anew_and_nonsense_is_left_out() -> None:
     core = AutowareCore(AutowareParameters())
     assert core.silent(state, state.heard + 300_000_000)
     assert not core.silent(state, state.heard + 100_000_000)
-
-
-def test_without_the_message_package_the_program_names_it_in_one_line() -> None:
-    try:
-        _ = REPORT.type
-    except ModuleNotFoundError:
-        code = "from er_bringup.executables import autoware_adapter as main; main()"
-        done = subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, check=False
-        )
-        assert done.returncode == 2
-        assert done.stderr.splitlines() == [
-            "autoware_adapter: needs the Python module autoware_vehicle_msgs: install rosdep's key "
-            "autoware_vehicle_msgs (rosdep install --from-paths src --ignore-src)"
-        ]

@@ -89,3 +89,10 @@ class NodeParameters:
         high=1.0,
         text="pace of simulated time that silence is measured in; 0: none, as in lockstep",
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class FramedParameters(NodeParameters):
+    """What a node has whose messages are of a corner, whatever it computes them from."""
+
+    frame_id: str = param("damper", text="header.frame_id of what it says of the corner")

@@ -8,7 +8,10 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import typer
+from er_models.one_line import BAD_USAGE
 from typer.core import TyperCommand, TyperGroup
+
+from er_common.keys import lacking
 
 
 class OneLineGroup(TyperGroup):
@@ -54,6 +57,12 @@ def _ended(
         if said:
             typer.echo(said, err=True)
         sys.exit(error.exit_code)
+    except ModuleNotFoundError as error:
+        line = lacking(" ".join((program, *command)), error)
+        if not line:
+            raise
+        typer.echo(line, err=True)
+        sys.exit(BAD_USAGE)
     sys.exit(status if isinstance(status, int) else 0)
 
 

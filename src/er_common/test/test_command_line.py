@@ -5,14 +5,15 @@ from pathlib import Path
 
 import pytest
 from er_common.command_line import by_er, command_line
-from er_model_lab.cli import app
+
+APP = "/repository/src/er_model_lab/er_model_lab/cli/app.py"
 
 
-@pytest.mark.parametrize("program", [app.__file__, "/usr/bin/er-lab"])
+@pytest.mark.parametrize("program", [APP, "/usr/bin/er-lab"])
 def test_the_command_can_be_typed_again(program, monkeypatch):
     monkeypatch.setattr(sys, "argv", [program, "compare", "my run.csv", "--seed", "3"])
     assert command_line() == "./er lab compare 'my run.csv' --seed 3"
-    assert by_er() == (program == app.__file__)
+    assert by_er() == (program == APP)
 
 
 def test_nothing_was_typed_where_another_program_asks(monkeypatch):

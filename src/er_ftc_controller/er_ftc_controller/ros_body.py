@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from er_common.common_parameters import (
-    NodeParameters,
+    FramedParameters,
     awaited_listeners,
     oldest_sample,
 )
@@ -38,7 +38,7 @@ GAP = StampLimits().gap
 
 
 @dataclass(frozen=True, kw_only=True)
-class BodyParameters(NodeParameters):
+class BodyParameters(FramedParameters):
     """Parameters of the node."""
 
     car_file: str = param(REQUIRED, text="the car: body and four corners")

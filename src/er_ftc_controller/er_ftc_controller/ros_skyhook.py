@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from er_common.common_parameters import (
-    NodeParameters,
+    FramedParameters,
     awaited_listeners,
     oldest_sample,
 )
@@ -32,7 +32,7 @@ GAP = StampLimits().gap
 
 
 @dataclass(frozen=True, kw_only=True)
-class SkyhookParameters(NodeParameters):
+class SkyhookParameters(FramedParameters):
     """Parameters of the node."""
 
     u_min: float = tuning(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from er_common.common_parameters import (
-    NodeParameters,
+    FramedParameters,
     awaited_listeners,
     oldest_sample,
     sample_rate,
@@ -31,7 +31,7 @@ FEEDBACKS = ("state", "deflection")
 
 
 @dataclass(frozen=True, kw_only=True)
-class FtcParameters(NodeParameters):
+class FtcParameters(FramedParameters):
     """Parameters of the node."""
 
     model_file: str = param(REQUIRED, text="model of the vehicle the gains were made for")

@@ -8,6 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+
+pytest.importorskip("pyarrow")
+pytest.importorskip("asammdf")
 from asammdf import MDF
 from er_model_lab.cli.app import app
 from er_models.export.force_table import force_table

@@ -17,6 +17,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+
+pytest.importorskip("fsspec")
+pytest.importorskip("pyarrow")
 from er_model_lab.cli import running
 from er_model_lab.cli.app import app
 from er_model_lab.fleets import cluster as clusters

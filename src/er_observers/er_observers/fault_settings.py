@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from er_common.common_parameters import (
-    NodeParameters,
+    FramedParameters,
     awaited_listeners,
     oldest_sample,
     sample_rate,
@@ -20,7 +20,7 @@ SOURCES = (NONE, MEASURED, *(estimated_force(name).name for name in OBSERVERS))
 
 
 @dataclass(frozen=True, kw_only=True)
-class FaultParameters(NodeParameters):
+class FaultParameters(FramedParameters):
     """Parameters of the node."""
 
     model_file: str = param(REQUIRED, text="model of the healthy vehicle")

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from er_common.common_parameters import NodeParameters, awaited_listeners, oldest_sample
+from er_common.common_parameters import FramedParameters, awaited_listeners, oldest_sample
 from er_common.parameter_table import REQUIRED, param, tuning
 
 
 @dataclass(frozen=True, kw_only=True)
-class ObserverParameters(NodeParameters):
+class ObserverParameters(FramedParameters):
     """Parameters of the node."""
 
     model_file: str = param(REQUIRED, text="model of the vehicle the gains were made for")

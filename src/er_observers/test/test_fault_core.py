@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+
+pytest.importorskip("er_studies", reason="the whole workspace drives them")
 from er_models.errors import InputError
 from er_models.model import Model
 from er_observers.fault_settings import FaultParameters

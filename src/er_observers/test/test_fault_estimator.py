@@ -8,6 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
+pytest.importorskip("er_studies", reason="the whole workspace drives them")
 from er_models.constants import SAMPLE_TIME as DT
 from er_models.errors import InputError
 from er_models.model import Array, Model

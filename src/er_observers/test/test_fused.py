@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+pytest.importorskip("er_studies", reason="the whole workspace drives them")
 from er_observers.observers import fusion
 from er_observers.observers.status import ALONE, VERDICTS, WRONG, Status
 from er_observers.running import runtime

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+pytest.importorskip("er_studies", reason="the whole workspace drives them")
 from er_models.model import Array, Model
 from er_observers.forms import form_of
 from er_observers.gains import Gains

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+pytest.importorskip("er_studies", reason="the whole workspace drives them")
 from er_models.errors import InputError
 from er_models.program import Program, resolve
 from er_models.simulation import history, initial_state, prepare

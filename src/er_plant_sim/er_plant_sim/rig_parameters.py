@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from er_common.common_parameters import NodeParameters, injection_allowed
+from er_common.common_parameters import FramedParameters, injection_allowed
 from er_common.parameter_table import REQUIRED, param, tuning
 from er_models.constants import SAMPLE_RATE
 from er_models.errors import InputError
@@ -20,7 +20,7 @@ LONGEST = 120.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunParameters(NodeParameters):
+class RunParameters(FramedParameters):
     """Parameters of a run, of whatever publishes measurements and takes duties."""
 
     effects_from: tuple[str, ...] = param(
@@ -37,7 +37,6 @@ class RunParameters(NodeParameters):
     seed: int = param(
         -1, low=-1, high=OF_A_PLANT, text="seed of everything random; -1: the program's"
     )
-    frame_id: str = param("damper", text="header.frame_id of what is measured")
     rate: float = param(SAMPLE_RATE, unit="Hz", low=10.0, high=2000.0, text="samples per second")
     duty_source: str = param(
         "topic", choices=("program", "topic"), text="where the duty comes from"

@@ -10,6 +10,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+
+pytest.importorskip("nptdms")
+pytest.importorskip("pyarrow")
 import yaml
 from er_models.errors import ErError, InputError
 from er_records.load import load

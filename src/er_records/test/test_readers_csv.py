@@ -9,6 +9,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+
+pytest.importorskip("pyarrow")
 from er_models.errors import ErError, InputError, MissingChannel
 from er_records.load import fingerprint, load, read
 from er_records.provenance import digest_bytes

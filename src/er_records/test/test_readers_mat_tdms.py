@@ -7,6 +7,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+
+pytest.importorskip("nptdms")
 from er_models.errors import ErError, InputError
 from er_records.load import load
 from nptdms import ChannelObject, TdmsWriter

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+pytest.importorskip("asammdf")
 from asammdf import MDF, Signal
 from er_models.errors import InputError
 from er_records.load import load

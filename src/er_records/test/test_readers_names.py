@@ -10,6 +10,8 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+
+pytest.importorskip("pyarrow")
 import yaml
 from er_models.errors import ErError, InputError
 from er_records.in_memory import from_frame

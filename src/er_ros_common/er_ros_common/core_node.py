@@ -28,7 +28,7 @@ from er_ros_common.spin import Executable, run
 class CoreNode(ManagedNode):
     """A program that is a core.
 
-    p holds ``listeners``: how many of each output there must be before the node is ready.
+    p is a `FramedParameters` and holds ``listeners``: how many of each output there must be before the node is ready.
     """
 
     core: Core
@@ -100,6 +100,7 @@ class CoreNode(ManagedNode):
     def publish(self, said: Sequence[Said]) -> None:
         """Publish messages of the core."""
         for topic, message in said:
+            message.header.frame_id = self.p.frame_id
             self.ends[topic.name].publish(message)
 
     def report(self) -> Report:

@@ -38,7 +38,7 @@ def start(package: str, name: str) -> None:
         programs = import_module(f"{package}.programs").PROGRAMS
         run({program.name: program for program in programs}[name])
     except ModuleNotFoundError as error:
-        from er_ros_common.keys import lacking
+        from er_common.keys import lacking
 
         line = lacking(name, error)
         if not line:

@@ -17,6 +17,11 @@ from er_ros_common.health import Report
 WORDS = Topic("~/words", "std_msgs/msg/String", "what it was made with", 0.0)
 
 
+def saying(content: Any) -> Any:
+    """A message of the core."""
+    return SimpleNamespace(content=content, header=SimpleNamespace(frame_id=""))
+
+
 class Counting(Core):
     """Says the number of its messages; an even one is urgent."""
 
@@ -27,7 +32,7 @@ class Counting(Core):
         return 0
 
     def on_message(self, state: int, _topic: Any, message: int, _: When) -> tuple[int, list[Said]]:
-        return state + 1, [(PWM_COMMAND, state + 1)] if message else []
+        return state + 1, [(PWM_COMMAND, saying(state + 1))] if message else []
 
     def urgent(self, before: int, after: int) -> bool:
         assert after == before + 1
@@ -40,7 +45,7 @@ class Counting(Core):
         return [(WORDS, self.p.words)]
 
     def last_words(self, state: int, when: When) -> list[Said]:
-        return [(PWM_COMMAND, (state, when))]
+        return [(PWM_COMMAND, saying((state, when)))]
 
 
 @pytest.fixture
@@ -57,7 +62,9 @@ def node() -> Any:
         meter=SimpleNamespace(step=lambda _: said.append("step"), deadline=0.0),
         publish_status=lambda: said.append("status"), model_id="", gains_id="",
     )  # fmt: skip
-    p = SimpleNamespace(words="made", timeout=0.05, max_age=0.02, pace=0.0, listeners=0)
+    p = SimpleNamespace(
+        words="made", timeout=0.05, max_age=0.02, pace=0.0, listeners=0, frame_id="strut"
+    )
     watches: list[tuple[Any, ...]] = []
     more = {
         "p": p, "shell": Shell(object, Counting, (), (), period=0.02, patience=0.03), "health": health,
@@ -74,7 +81,9 @@ def node() -> Any:
 def test_what_a_core_says_is_published_and_what_is_urgent_is_said_at_once(node: Any) -> None:
     for message in (1, 1, 0, 0):
         node.on_message(FAULT, message)
-    assert node.published[PWM_COMMAND.name] == [1, 2]
+    said = node.published[PWM_COMMAND.name]
+    assert [each.content for each in said] == [1, 2]
+    assert [each.header.frame_id for each in said] == ["strut", "strut"]
     assert node.said == ["step", "status", "step"]
     assert node.state == 4
 
@@ -97,7 +106,8 @@ def test_a_core_that_has_heard_nothing_leaves_the_word_to_the_node(
 def test_the_last_words_are_published(node: Any) -> None:
     node.on_message(FAULT, 0)
     node.end()
-    assert node.published[PWM_COMMAND.name] == [(1, When(9, None))]
+    (last,) = node.published[PWM_COMMAND.name]
+    assert (last.content, last.header.frame_id) == ((1, When(9, None)), "strut")
 
 
 def test_silence_is_looked_at_as_the_shell_says(node: Any) -> None:

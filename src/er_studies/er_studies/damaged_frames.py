@@ -1,10 +1,12 @@
 """Whether damaged bytes can do harm: frames by the million, damaged in every way, through parser and bridge.
 
     ./er study damaged_frames --frames 10000000
+    ./er study damaged_frames --frames 10000000 --sealed
 
 Of every frame that comes out it is asked whether it was sent like that; of every undamaged frame, whether
 it came out; of every reading, whether it is finite, in range and in order. The contents are random over
-all that the fields can hold, so most of what is undamaged is nonsense too. Exit status 1 if an answer is no.
+all that the fields can hold, so most of what is undamaged is nonsense too. Sealed, every frame is one of a session of
+host and device, and some come from a forger, who knows all but the key. Exit status 1 if an answer is no.
 """
 
 from __future__ import annotations
@@ -14,14 +16,16 @@ import json
 import math
 import sys
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from time import perf_counter
+from typing import NamedTuple
+from zlib import crc32
 
 import numpy as np
 from er_models.one_line import OneLine
 from er_models.seed import seed_reader
 from er_plant_sim.duty_gate import Gate
-from er_plant_sim.hardware import bridge, frame, parser
+from er_plant_sim.hardware import bridge, frame, parser, seal
 from er_plant_sim.hardware.bridge import Bridge, BridgeState, Reading, Sources
 from er_plant_sim.hardware.calibration import Calibration, Channel
 from er_plant_sim.hardware.frame import Command, Hello, Message, Sample, Sync, SyncReply
@@ -29,12 +33,36 @@ from er_plant_sim.hardware.parser import ParserState
 
 BATCH = 100
 PERIOD = 5_000_000
-DAMAGES = ("none", "bits", "missing", "added", "spliced", "noise", "repeated", "swapped")
+DAMAGES = ("none", "bits", "missing", "added", "spliced", "noise", "repeated", "swapped", "forged")
 CHANCES = (0.40, 0.30, 0.08, 0.08, 0.05, 0.04, 0.03, 0.02)
+FORGED_CHANCES = (0.40, 0.20, *CHANCES[2:], 0.10)
+"""Those of a sealed wire."""
 BRIDGE = Bridge(
     Calibration("fuzz", (Channel(1e-3), Channel(1e-3, 10.0, -1.0, 50.0), Channel(1e-6), None, *[Channel(1e-2)] * 2)),
     Gate(0.0, 0.3, 0.1, 0.05, 20.0), PERIOD, 0.05, Sources(1, 4),
 )  # fmt: skip
+KEY, NONCES = bytes(range(seal.KEY)), (bytes(seal.NONCE), bytes(range(seal.NONCE)))
+
+
+class Wire(NamedTuple):
+    """The host's bridge at its start, the key that frames are sealed with, and all that may be; empty: none is."""
+
+    own: Bridge = BRIDGE
+    host: BridgeState = bridge.begin(bridge.start(BRIDGE, 0))
+    key: bytes = b""
+    keys: tuple[bytes, ...] = ()
+
+
+PLAIN = Wire()
+
+
+def sealed_wire() -> Wire:
+    """A wire whose session is open."""
+    own, keys = replace(BRIDGE, key=KEY), seal.session_keys(KEY, *NONCES)
+    host = bridge.begin(bridge.start(own, 0, seed=bytes(seal.SEED)))
+    return Wire(
+        own, host._replace(caller=host.caller._replace(keys=keys)), keys.device, (KEY, keys.device)
+    )
 
 
 @dataclass
@@ -57,15 +85,15 @@ class Tally:
         return not (self.wrong or self.missing or self.bad_readings)
 
 
-def run(frames: int, seed: int, progress: bool = False) -> Tally:
+def run(frames: int, seed: int, progress: bool = False, wire: Wire = PLAIN) -> Tally:
     """Send this many frames; progress: a line on the terminal now and then."""
     draw, tally = np.random.default_rng(seed), Tally()
-    state, host, seq = ParserState(), bridge.begin(bridge.start(BRIDGE, 0)), 0
+    state, host, seq = ParserState(), wire.host, 0
     while tally.frames < frames:
-        sent = [frame.encode(_message(draw, host, i), seq + i) for i in range(BATCH)]
+        sent = [frame.encode(_message(draw, host, i), seq + i, wire.key) for i in range(BATCH)]
         seq = (seq + BATCH) % frame.WRAP
-        stream = _damaged(draw, sent, tally)
-        state, host, found = _received(draw, state, host, stream, tally)
+        stream = _damaged(draw, sent, tally, CHANCES if not wire.key else FORGED_CHANCES)
+        state, host, found = _received(draw, wire, state, host, stream, tally)
         _judge(tally, _whole(sent, stream), found)
         if progress and tally.frames % 100_000 == 0:
             sys.stderr.write(f"\r{tally.frames:,} frames")
@@ -100,9 +128,11 @@ def _message(draw: np.random.Generator, host: BridgeState, place: int) -> Messag
     )
 
 
-def _damaged(draw: np.random.Generator, sent: list[bytes], tally: Tally) -> bytes:
+def _damaged(
+    draw: np.random.Generator, sent: list[bytes], tally: Tally, chances: tuple[float, ...]
+) -> bytes:
     """What goes over the wire."""
-    choice = draw.choice(len(DAMAGES), size=len(sent), p=CHANCES).tolist()
+    choice = draw.choice(len(chances), size=len(sent), p=chances).tolist()
     pieces: list[bytes] = []
     for i, (data, kind) in enumerate(zip(sent, choice, strict=True)):
         name = DAMAGES[kind]
@@ -160,7 +190,7 @@ def _spliced(draw: np.random.Generator, data: bytes, before: bytes) -> bytes:
 
 def _noise(draw: np.random.Generator, data: bytes, _: bytes) -> bytes:
     """Noise with headers that look right, then the frame."""
-    head = frame.HEADER.pack(frame.MARK, frame.VERSION, 2, frame.SIZES[2], 7)
+    head = frame.HEADER.pack(frame.MARK, data[len(frame.MARK)], 2, frame.SIZES[2], 7)
     return (
         draw.bytes(int(draw.integers(1, 80))) + head + draw.bytes(int(draw.integers(0, 40))) + data
     )
@@ -172,6 +202,17 @@ def _swapped(draw: np.random.Generator, data: bytes, _: bytes) -> bytes:
     return data[:at] + data[at + 1 : at + 2] + data[at : at + 1] + data[at + 2 :]
 
 
+def _forged(draw: np.random.Generator, data: bytes, _: bytes) -> bytes:
+    """The frame with another content, sealed as well as can be without the key: by one of the forger's, or the CRC."""
+    body = bytearray(data[: -seal.TAG])
+    body[-1] ^= 1
+    inner = bytes(body[len(frame.MARK) :])
+    sealed = seal.tag(draw.bytes(seal.KEY), inner)
+    return bytes(body) + (
+        sealed if draw.random() < 0.5 else frame.CRC.pack(crc32(inner)) + sealed[4:]
+    )
+
+
 _DAMAGE = {
     "none": lambda _, data, __: data,
     "bits": _bits,
@@ -181,11 +222,13 @@ _DAMAGE = {
     "noise": _noise,
     "repeated": lambda _, data, __: data + data,
     "swapped": _swapped,
+    "forged": _forged,
 }
 
 
 def _received(
     draw: np.random.Generator,
+    wire: Wire,
     state: ParserState,
     host: BridgeState,
     stream: bytes,
@@ -197,14 +240,14 @@ def _received(
     before = 0
     for cut in [*cuts.tolist(), len(stream)]:
         chunk, before = stream[before:cut], cut
-        state, frames = parser.step(state, chunk)
-        found.update(frame.encode(each.message, each.seq) for each in frames)
+        state, frames = parser.step(state, chunk, wire.keys)
+        found.update(frame.encode(each.message, each.seq, wire.key) for each in frames)
         now = host.sample_at + PERIOD
         last = host.stamp
-        host, said = bridge.on_bytes(BRIDGE, host, chunk, now)
+        host, said = bridge.on_bytes(wire.own, host, chunk, now)
         tally.readings += len(said.readings)
         tally.bad_readings += sum(not _good(reading, last, now) for reading in said.readings)
-        host, _ = bridge.on_time(BRIDGE, host, now)
+        host, _ = bridge.on_time(wire.own, host, now)
     return state, host, found
 
 
@@ -231,9 +274,11 @@ def main() -> None:
     )
     p.add_argument("--frames", type=int, default=100_000, help="number of frames (100000)")
     p.add_argument("--seed", type=seed_reader(), default=1, help="seed of contents and damage (1)")
+    p.add_argument("--sealed", action="store_true", help="a wire whose frames are authenticated")
     options = p.parse_args()
     began = perf_counter()
-    tally = run(options.frames, options.seed, progress=sys.stderr.isatty())
+    wire = sealed_wire() if options.sealed else PLAIN
+    tally = run(options.frames, options.seed, sys.stderr.isatty(), wire)
     took = perf_counter() - began
     result = {
         **vars(tally),

@@ -1,4 +1,7 @@
-"""The node of the adapters; what each does with messages is its core: `ros_adapter` and `ros_autoware`."""
+"""The node of the adapters; what each does with messages is its core.
+
+The cores: `ros_adapter`, `ros_joint_states` and `ros_autoware`.
+"""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from er_common.common_parameters import (
-    NodeParameters,
+    FramedParameters,
     awaited_listeners,
     oldest_sample,
     sample_rate,
@@ -17,7 +17,7 @@ from er_model_lab.monitor.sequential import HOUR, RULES
 
 
 @dataclass(frozen=True, kw_only=True)
-class MonitorParameters(NodeParameters):
+class MonitorParameters(FramedParameters):
     """Parameters of the node."""
 
     model_file: str = param(REQUIRED, text="model of the damper, or of the car with it")

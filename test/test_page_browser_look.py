@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 from er_records.write import write_csv
-from page_help import PATIENCE, seen
+from test.page_help import PATIENCE, seen
 
 import er_model_lab as lab
 from test.sample import write_sample

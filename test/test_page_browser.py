@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from page_help import PATIENCE, PLAYED, opened, seen, status
+from test.page_help import PATIENCE, PLAYED, opened, seen, status
 
 import er_model_lab as lab
 from test.sample import write_sample

@@ -18,7 +18,7 @@ import pytest
 pytest.importorskip("nicegui", reason="the package nicegui is not installed")
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 BROWSER = next((path for name in BROWSERS if (path := shutil.which(name))), None)
-ROOT = str(Path(__file__).parents[3])
+ROOT = str(Path(__file__).parents[1])
 OPEN = ("-m", "er_model_lab.cli.app", "open", "--no-browser")
 PLAYED = (
     "-c",
