@@ -32,7 +32,8 @@ FAULTS = Run(
     OBSERVERS,
     _last_windows,
 )
-RUNS = {run.name: run for run in (CLASSES, FAULTS, MTS, SHAKING, PISTON)}
+ALARMS = Run("alarms", "study alarms", "page.md", ("src/er_model_lab/er_model_lab/monitor",))
+RUNS = {run.name: run for run in (CLASSES, FAULTS, MTS, SHAKING, PISTON, ALARMS)}
 _SHOWN = ("20 um, A", "20 um, C", "20 um, E", "100 um, C", "200 um, A", "200 um, E")
 _CASES = {
     "healthy": "healthy", "f1": "f1 = 0.5", "f2": "f2 = 0.6", "f2_appears": "f2 appears",
@@ -94,7 +95,23 @@ def with_faults(values: dict[str, dict[str, float]]) -> str:
     return table(["", *_ESTIMATORS.values()], rows)
 
 
+def false_alarms(values: dict[str, Any]) -> str:
+    """How often the monitor's test calls in vain, and how soon it finds a change."""
+    head = [
+        "error",
+        f"false alarms in {values['hours']:g} h",
+        "growth by 30 % is found after: median",
+        "95 %",
+    ]
+    rows = [
+        [name, f"{kind['alarms']:g}", f"{kind['median']:.1f} s", f"{kind['late']:.1f} s"]
+        for name, kind in values["kinds"].items()
+    ]
+    return table(head, rows)
+
+
 TABLES: dict[str, tuple[Run, Callable[[Any], str]]] = {
+    "alarms": (ALARMS, false_alarms),
     "with faults": (FAULTS, with_faults),
     "with deflection": (CLASSES, with_deflection),
     "without deflection": (CLASSES, without_deflection),
