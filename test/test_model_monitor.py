@@ -23,7 +23,7 @@ from er_damper_msgs.action import Diagnose
 from er_damper_msgs.msg import NodeStatus
 from er_damper_msgs.srv import UseModel
 from er_ros_common import qos
-from test.graph_help import VEHICLE, Graph, own_domain, plant_arguments
+from test.graph_help import VEHICLE, Graph, observer_arguments, own_domain, plant_arguments
 
 PLANT = ("-p", "duration:=0.0", "-p", "duty_source:=program")
 
@@ -93,17 +93,31 @@ def test_it_goes_on_beside_whatever_is_asked_of_it(
         "-p", f"models:={tmp_path / 'models'}", "-p", "max_age:=0.5", "-p", "along:=[plant, nobody]",
     )  # fmt: skip
     graph.start("plant", *plant_arguments(*PLANT, "-p", f"damper_file:={worn}"))
+    observer = graph.start("nlpv_polytopic_observer", *observer_arguments("-p", "max_age:=0.5"))
     seen.until(lambda: len(seen.residuals) > 1100, 240.0)
     assert all(m.valid for m in seen.residuals[300:])
     # another model, and one that there is not
     answer = seen.result_of(seen.use.call_async(UseModel.Request(model="none.yaml")))
     assert not answer.accepted
     assert "none.yaml" in answer.reason
-    answer = seen.result_of(seen.use.call_async(UseModel.Request(model=str(worn))))
+    request = UseModel.Request(model=str(worn), along=["nlpv_polytopic_observer"])
+    answer = seen.result_of(seen.use.call_async(request))
     assert answer.accepted, answer.reason
-    assert f"model: {answer.reason}" in monitor.text
-    monitor.wait_for("plant goes over to it, too")
-    assert "nobody does not answer: it keeps its model" in monitor.text
+    names = "plant, nobody, nlpv_polytopic_observer"
+    assert answer.reason.endswith(f"; asked to go over, too: {names}")
+    assert f"model: {answer.reason.split(';')[0]}" in monitor.text
+    made = (
+        "gains for inove_quarter_car without preload, which its form cannot hold, are being made"
+    )
+    for words in (
+        "plant goes over to it, too", "nobody does not answer: it keeps its model",
+        f"nlpv_polytopic_observer keeps its model: {made}: it goes over when they are proved",
+    ):  # fmt: skip
+        monitor.wait_for(words)
+    # the observer goes on meanwhile, and over to what it can take
+    gains = tmp_path / "worn_nlpv_polytopic.yaml"
+    observer.wait_for(f"model: inove_quarter_car without preload ({worn}), gains {gains}", 120.0)
+    assert "INVALID" not in observer.text
     before = len(seen.residuals)
     seen.until(lambda: len(seen.residuals) > before + 500)
     wrong, right = (
@@ -117,8 +131,11 @@ def test_it_goes_on_beside_whatever_is_asked_of_it(
         seen.diagnose.send_goal_async(Diagnose.Goal(model=VEHICLE), feedback_callback=told.append)
     )
     assert goal.accepted
-    assert not seen.result_of(seen.diagnose.send_goal_async(Diagnose.Goal())).accepted
-    assert "another one is under way" in monitor.text
+    second = seen.result_of(seen.diagnose.send_goal_async(Diagnose.Goal()))
+    end = seen.result_of(second.get_result_async())
+    refused = "refused: another one is under way"
+    assert (end.status, end.result.reason) == (GoalStatus.STATUS_ABORTED, refused)
+    assert f"~/diagnose: {refused}" in monitor.text
     seen.until(lambda: told)
     seen.result_of(goal.cancel_goal_async())
     end = seen.result_of(goal.get_result_async())
@@ -129,3 +146,44 @@ def test_it_goes_on_beside_whatever_is_asked_of_it(
     assert numbers == sorted(numbers)
     assert len(numbers) > 0.97 * (numbers[-1] - numbers[0])
     assert monitor.stop() == 0, monitor.text
+
+
+@pytest.mark.slow
+@pytest.mark.alone
+def test_what_it_lacks_is_learnt_from_the_last_seconds_and_from_a_recording(
+    graph: Graph, seen: Seen, tmp_path: Path
+) -> None:
+    worn, models = tmp_path / "worn.yaml", tmp_path / "models"
+    save_model(load_model(VEHICLE).with_effect("preload", {"F_0": 3.0}), worn)
+    graph.start(
+        "model_monitor", "--ros-args", "-p", f"model_file:={VEHICLE}", "-p", f"models:={models}",
+        "-p", "max_age:=0.5",
+    )  # fmt: skip
+    graph.start("plant", *plant_arguments(*PLANT, "-p", f"damper_file:={worn}"))
+    bag = tmp_path / "bag"
+    recorder = graph.start("record", str(bag))
+
+    def outcome(**asked: Any) -> tuple[int, Diagnose.Result]:
+        goal = seen.result_of(seen.diagnose.send_goal_async(Diagnose.Goal(**asked)))
+        found = goal.get_result_async()
+        seen.until(found.done, 400.0)
+        return found.result().status, found.result().result
+
+    seen.until(lambda: len(seen.residuals) > 200, 240.0)
+    status, result = outcome(seconds=0.5)
+    assert (status, result.reason) == (
+        GoalStatus.STATUS_ABORTED, "less than 5 s were heard with a force",
+    )  # fmt: skip
+    seen.until(lambda: len(seen.residuals) > 3000, 240.0)
+    assert recorder.stop() == 0, recorder.text
+    for asked in ({"seconds": 12.0}, {"bag": str(bag)}):
+        status, result = outcome(**asked)
+        assert status == GoalStatus.STATUS_SUCCEEDED, result.reason
+        assert (result.verdict, list(result.effects)) == ("missing_effect", ["preload"])
+        assert 0.0 < result.rmse_after < 0.5 * result.rmse_before
+        learnt = load_model(result.model)
+        assert learnt.value("preload", "F_0") == pytest.approx(3.0, abs=0.5)
+    assert len(list(models.iterdir())) == 2
+    status, result = outcome(bag=str(tmp_path / "none"))
+    assert status == GoalStatus.STATUS_ABORTED
+    assert "none" in result.reason

@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from er_models.constants import SAMPLE_RATE
 
-from er_common.parameter_table import param
+from er_common.parameter_table import param, tuning
 from er_common.stamps import SECOND
 
 
@@ -52,6 +52,12 @@ def silence(p: Listening, nanoseconds: int) -> float:
 def deaf_after(p: Listening) -> float:
     """Silence on the steady clock after which inputs count as dead [s]."""
     return p.timeout / silence(p, SECOND)
+
+
+def leaving_out() -> Any:
+    """Field `leave_out`: whether a model with more effects than a law can hold is taken without them."""
+    text = "whether effects of the model that its law cannot hold are left out; false: such a model is refused"
+    return tuning(False, text=text)
 
 
 def awaited_listeners() -> Any:

@@ -90,9 +90,13 @@ class MonitorCore(Core):
         """The same with another model; raises `ErError` where that cannot be used."""
         return MonitorCore(replace(self.p, model_file=file))
 
-    def taken_over(self, state: State) -> State:
+    def taken_over(self, state: State, _before: Core) -> State:
         """The state of a core before as the beginning of this one: the ticks go on, what was learnt is void."""
         return state._replace(mind=compare.State(), rows=())
+
+    def goes_by(self, state: State) -> str:
+        """The model."""
+        return f"{self.model.name} ({self.p.model_file}) from sample {state.last.seq + 1} on"
 
     def on_message(
         self, state: State, topic: topics.Topic, message: Any, when: When

@@ -187,7 +187,7 @@ def test_another_model_takes_over_at_a_sample(ride: Heard, tmp_path: Path) -> No
     first = core_of()
     state, before = played(first, ride, range(300))
     second = first.with_model(str(file))
-    after = played(second, ride, range(300, 320), second.taken_over(state))[1]
+    after = played(second, ride, range(300, 320), second.taken_over(state, first))[1]
     errors = of(before, topics.MODEL_RESIDUAL)[-1], of(after, topics.MODEL_RESIDUAL)[0]
     assert [m.seq for m in errors] == [300, 301]
     assert errors[1].force - errors[0].force == pytest.approx(-2.0, abs=1.0)

@@ -22,7 +22,8 @@ from er_models.model import Array, Model
 HEALTHY = Factors()
 N = TypeVar("N", float, Array)
 """Numbers, or arrays (n,) of them."""
-_KNOWN = ("passive", "guo_yield", "bingham_yield", "response", "quarter_car")
+CORE = ("passive", "guo_yield", "bingham_yield", "response", "quarter_car")
+"""Terms of the static law, with its response time, and the car around it."""
 
 
 class Mimic(NamedTuple):
@@ -128,7 +129,7 @@ def static_damper(model: Model) -> StaticDamper:
 
     Raises `InputError` where the damper has other terms, which no such law holds.
     """
-    extra = [n for n in model.effects if n not in _KNOWN and model.catalogue[n].stage != "vehicle"]
+    extra = [n for n in model.effects if n not in CORE and model.catalogue[n].stage != "vehicle"]
     terms = [term.name for term in model.terms]
     laws = [n for n in ("guo_yield", "bingham_yield") if n in model.effects]
     if extra or terms or len(laws) != 1 or "passive" not in model.effects:

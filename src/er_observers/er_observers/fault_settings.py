@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from er_common.common_parameters import (
     FramedParameters,
     awaited_listeners,
+    leaving_out,
     oldest_sample,
     sample_rate,
 )
@@ -23,7 +24,8 @@ SOURCES = (NONE, MEASURED, *(estimated_force(name).name for name in OBSERVERS))
 class FaultParameters(FramedParameters):
     """Parameters of the node."""
 
-    model_file: str = param(REQUIRED, text="model of the healthy vehicle")
+    model_file: str = tuning(REQUIRED, text="model of the healthy vehicle")
+    leave_out: bool = leaving_out()
     rate: float = sample_rate()
     force_source: str = param(
         NONE,

@@ -15,6 +15,8 @@ from er_common.stamps import Checks, StampLimits, StampState, counted
 from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Model
+from er_models.nearest import nearest
+from er_models.static_damper import static_damper
 from er_ros_common.builders import Tick
 from er_ros_common.core import Core, Said, Shell, When, by_place, judged
 from er_ros_common.health import Report
@@ -68,7 +70,7 @@ class State(NamedTuple):
 
 
 class FaultCore(Core):
-    """The model file is read here, and never again.
+    """The model file is read when it is made, or tuned to another one.
 
     Raises:
         InputError: The model cannot be used.
@@ -78,15 +80,22 @@ class FaultCore(Core):
     outputs = (topics.FAULT,)
 
     def __init__(self, p: FaultParameters) -> None:
-        model = load_model(p.model_file)
-        rules = replace(RULES, tolerance=p.tolerance, smallest=p.smallest_loss, hold=p.timeout)
-        self.estimator = ready(model, rules, force_noise(p, model), 1.0 / p.rate)
+        self._load(p)
         self.force = _topic(p.force_source)
         given = () if self.force is None else (self.force,)
         self.inputs = (*USUAL, *given)
         self.needed = tuple(range(len(self.inputs)))
-        self.model_id = model.digest()
         self._take(p)
+
+    def _load(self, p: FaultParameters) -> None:
+        """The estimator of the model file."""
+        model, left_out = load_model(p.model_file), tuple[str, ...]()
+        if p.leave_out:
+            model, left_out = nearest(model, static_damper)
+        self.left_out = left_out
+        rules = replace(RULES, tolerance=p.tolerance, smallest=p.smallest_loss, hold=p.timeout)
+        self.estimator = ready(model, rules, force_noise(p, model), 1.0 / p.rate)
+        self.model, self.model_id = model.name, model.digest()
 
     def _take(self, p: FaultParameters) -> None:
         """What silence and age mean."""
@@ -96,10 +105,21 @@ class FaultCore(Core):
         self.estimator = replace(self.estimator, rules=rules)
 
     def tuned(self, p: FaultParameters) -> FaultCore:
-        """With another patience."""
+        """With another patience, or another model."""
         made = copy(self)
+        if (p.model_file, p.leave_out) != (self.p.model_file, self.p.leave_out):
+            made._load(p)
         made._take(p)
         return made
+
+    def taken_over(self, state: State, before: FaultCore) -> State:
+        """What was learnt is of the model before: with another one the estimate begins anew."""
+        return state if self.model_id == before.model_id else state._replace(mind=None)
+
+    def goes_by(self, state: State) -> str:
+        """The model."""
+        without = f" without {', '.join(self.left_out)}" if self.left_out else ""
+        return f"{self.model}{without} ({self.p.model_file}), from sample {state.last.seq + 1} on"
 
     def start(self) -> State:
         """Before any message."""

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from er_common.common_parameters import silence
 from er_common.stamps import Checks, StampLimits, StampState, Verdict, counted
-from er_models.files import load_model
+from er_models.errors import InputError
 from er_ros_common.builders import Tick
 from er_ros_common.core import Core, Said, Shell, When, by_place, judged
 from er_ros_common.health import Report
@@ -24,6 +24,7 @@ from std_msgs.msg import String
 from er_common import quality, topics
 from er_damper_msgs.msg import DamperForce, NodeStatus
 from er_observers.feed import Feed, Joined, Motion, feed_of, on_deflection, on_duty, on_motion
+from er_observers.held import held
 from er_observers.observers.status import LIMITS, Status
 from er_observers.programs import OBSERVERS
 from er_observers.running import runtime as observer
@@ -78,7 +79,7 @@ class State(NamedTuple):
 
 
 class ObserverCore(Core):
-    """An observer by the name of its theorem. Files are read here, and never again.
+    """An observer by the name of its theorem. Files are read when it is made, or tuned to others.
 
     Raises:
         InputError: Model and gains cannot be used, or not together.
@@ -88,9 +89,14 @@ class ObserverCore(Core):
 
     def __init__(self, name: str, p: ObserverParameters) -> None:
         self.topic = topics.estimated_force(name)
-        self.outputs = (self.topic,)
-        model = load_model(p.model_file)
-        gains = ready(p.gains_file, model, name)
+        self.name, self.outputs = name, (self.topic,)
+        self._load(p)
+        self._take(p)
+
+    def _load(self, p: ObserverParameters) -> None:
+        """Model and gains, and what is heard with them."""
+        model, self.left_out = held(p.model_file, leave_out=p.leave_out)
+        gains = ready(p.gains_file, model, self.name)
         self.gains = gains if p.payload else replace(gains, payload=False)
         self.hears_deflection = self.gains.sees_deflection or (
             p.deflection and bool(self.gains.fused.any())
@@ -98,7 +104,6 @@ class ObserverCore(Core):
         self.inputs = INPUTS if self.hears_deflection else (INPUTS[0], INPUTS[-1])
         self.optional = () if self.gains.sees_deflection else (topics.DEFLECTION,)
         self.model_id, self.gains_id = model.digest(), self.gains.digest
-        self._take(p)
 
     def _take(self, p: ObserverParameters) -> None:
         """What silence and age mean."""
@@ -106,10 +111,28 @@ class ObserverCore(Core):
         self.limits = (StampLimits(stale=p.max_age, gap=p.timeout),) * len(self.inputs)
 
     def tuned(self, p: ObserverParameters) -> ObserverCore:
-        """With another patience."""
+        """With another patience, or other files for the same sensors."""
         made = copy(self)
+        if files(p) != files(self.p):
+            made._load(p)
+            if made.gains.sees_deflection != self.gains.sees_deflection:
+                expected = "gains for the same sensors while the node is configured"
+                raise InputError(p.gains_file, "model.outputs", expected, "others")
+            made.hears_deflection, made.inputs = self.hears_deflection, self.inputs
         made._take(p)
         return made
+
+    def taken_over(self, state: State, before: ObserverCore) -> State:
+        """The motion and the load that were found before go on with these gains."""
+        if state.mind is None or self.gains is before.gains:
+            return state
+        return state._replace(mind=observer.gone_over(self.gains, state.mind))
+
+    def goes_by(self, state: State) -> str:
+        """Model and gains."""
+        without = f" without {', '.join(self.left_out)}" if self.left_out else ""
+        files = f"{self.gains.model}{without} ({self.p.model_file}), gains {self.p.gains_file}"
+        return f"{files}, from sample {state.last.seq + 1} on"
 
     def start(self) -> State:
         """Before any message."""
@@ -236,6 +259,11 @@ class ObserverCore(Core):
         return not 0 <= stamp - driven <= self.longest
 
 
+def files(p: ObserverParameters) -> tuple[str, str, bool]:
+    """What an observer is read from."""
+    return p.model_file, p.gains_file, p.leave_out
+
+
 def _message(tick: Tick, e: observer.Estimate) -> DamperForce:
     """One estimate with the stamp of its sample."""
     return builders.damper_force(
@@ -255,6 +283,7 @@ CORES = {
         says=(topics.estimated_force(name), GAIN_INFO),
         patience=LIMITS.bridge,
         asked=quality.FOLLOWER,
+        around="er_observers.nodes.observer",
     )
     for name, program in OBSERVERS.items()
 }

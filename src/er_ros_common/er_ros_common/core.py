@@ -51,8 +51,16 @@ class Core:
     gains_id: str = ""
 
     def tuned(self, _: Any) -> Core:
-        """The same core with other dynamic parameters; a state stays good. Raises `ErError` as its maker."""
+        """The same core with other dynamic parameters; see `taken_over`. Raises `ErError` as its maker."""
         raise NotImplementedError
+
+    def taken_over(self, state: Any, _before: Any) -> Any:
+        """A state of the core before as the beginning of this one."""
+        return state
+
+    def goes_by(self, _state: Any) -> str:
+        """Its model, and from which sample on, for the log; for cores whose model may change."""
+        return ""
 
     def start(self) -> Any:
         """State before any message."""

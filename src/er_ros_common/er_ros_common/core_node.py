@@ -16,6 +16,7 @@ from er_common.topics import Topic
 from er_models.constants import SAMPLE_TIME
 
 from er_common import topics
+from er_ros_common import log
 from er_ros_common.core import Core, Said, shell_of
 from er_ros_common.graph_check import connected
 from er_ros_common.health import Report
@@ -59,15 +60,30 @@ class CoreNode(ManagedNode):
             for topic, limits in zip(self.core.inputs, self.core.limits, strict=True)
         }
         _watch(self)
-        for topic, message in self.core.notes():
-            self.advertise(topic).publish(message)
+        self.note()
 
     def tune(self, p: Any) -> None:
-        """Go on with another core from the next sample."""
-        self.core = self.core.tuned(p)
+        """Go on with other parameters from the next sample."""
+        self.go_over(self.core.tuned(p))
+
+    def go_over(self, core: Core) -> None:
+        """Go on with another core of the same inputs from the next sample; another model is said in the log."""
+        before, self.core = self.core, core
+        if self.active:
+            self.state = core.taken_over(self.state, before)
         _watch(self)
-        for topic, limits in zip(self.core.inputs, self.core.limits, strict=True):
+        for topic, limits in zip(core.inputs, core.limits, strict=True):
             self.incoming[topic.name].limits = limits
+        self.health.model_id, self.health.gains_id = core.model_id, core.gains_id
+        if (core.model_id, core.gains_id) != (before.model_id, before.gains_id):
+            self.note()
+            if self.active:
+                log.info(self, f"model: {core.goes_by(self.state)}")
+
+    def note(self) -> None:
+        """Say what is said once of a core."""
+        for topic, message in self.core.notes():
+            self.advertise(topic).publish(message)
 
     def begin(self) -> None:
         """Know nothing yet."""

@@ -113,7 +113,10 @@ def main() -> None:
             os._exit(0)
 
     def listen() -> None:
-        sys.stdin.buffer.read()  # until the owner closes it, or is gone
+        while os.read(
+            0, 1024
+        ):  # until the owner closes it, or is gone; a buffer's lock would be held at the end
+            pass
         cancel.set()
 
     Thread(target=listen, daemon=True).start()

@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -16,9 +18,8 @@ from er_models.errors import ErError
 from er_models.model import Array
 from er_ros_common.core_node import CoreNode
 from er_ros_common.health import Report
-from rcl_interfaces.msg import SetParametersResult
-from rcl_interfaces.srv import SetParameters
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rcl_interfaces.srv import SetParametersAtomically
+from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.client import Client
 from rclpy.parameter import Parameter
@@ -30,8 +31,12 @@ from er_model_lab.monitor.learning import Learning, Task
 from er_model_lab.ros_monitor import MonitorCore, State
 from er_ros_common import log
 
-MODEL_FILE, FILE = "model_file", {"plant": "damper_file"}
-"""Parameter that names a node's model; of those where it has another name. A plant keeps its car."""
+FALLS_BACK = {"leave_out": True}
+"""Of a model with more than a node's law holds it takes what it can."""
+OBSERVER = "_observer"
+"""Ends the name of a node whose gains have to be made for a model."""
+PATIENCE = 3.0
+"""How long other nodes are waited for [s]."""
 LOOK = 0.1
 """How often the process that learns is looked at [s]."""
 LEAST = 5.0
@@ -67,6 +72,45 @@ class Memory:
         return {name: each for name, each in found.items() if np.isfinite(each).any()}
 
 
+class Asked:
+    """Another node that is asked to go over to a model through its parameters.
+
+    word: what came of it, in a sentence, empty while that is not known; went: whether it has gone over.
+    """
+
+    def __init__(self, name: str, client: Client, model: str) -> None:
+        self.name, self.word, self.went = name, "", False
+        self._client, self._until = client, monotonic() + PATIENCE
+        self._values, self._answer = wanted(name, str(Path(model).absolute())), None
+
+    def look(self) -> bool:
+        """Ask it once it is found; whether it is known what came of it."""
+        if self._answer is None and self._client.service_is_ready():
+            each = [Parameter(k, value=v).to_parameter_msg() for k, v in self._values.items()]
+            self._answer = self._client.call_async(
+                SetParametersAtomically.Request(parameters=each)
+            )
+        if self._answer is not None and self._answer.done():
+            result = self._answer.result().result
+            self.went = bool(result.successful)
+            how = "goes over to it, too" if self.went else f"keeps its model: {result.reason}"
+        elif monotonic() > self._until:
+            how = "does not answer: it keeps its model"
+        else:
+            return False
+        self.word = f"{self.name} {how}"
+        return True
+
+
+def wanted(name: str, model: str) -> dict[str, Any]:
+    """What the parameters of a node are to be for a model file: a plant keeps its car, an observer has gains made."""
+    name = name.rpartition("/")[2]
+    if name == "plant":
+        return {"damper_file": model}
+    gains = {"gains_file": ""} if name.endswith(OBSERVER) else {}
+    return {"model_file": model, **FALLS_BACK, **gains}
+
+
 class MonitorNode(CoreNode):
     """A monitor, what it has heard, and the diagnosis that is under way, if any, with the goal that asked for it."""
 
@@ -77,7 +121,7 @@ class MonitorNode(CoreNode):
         super().__init__(program, argv)
         self.learning: Learning | None = None
         self.goal: ServerGoalHandle | None = None
-        self.outcome: dict[str, Any] = {}
+        self.outcomes: dict[bytes, dict[str, Any]] = {}
 
     def configure(self) -> None:
         """The core, and what can be asked of it."""
@@ -86,12 +130,15 @@ class MonitorNode(CoreNode):
         self.offer(UseModel, "~/use_model", self.on_use_model)
         self.server: ActionServer = self._once("action ~/diagnose", self._served)
         self.every(LOOK, self.on_look)
-        self.others = {name: self._client(name) for name in self.core.p.along}
+        self.every(LOOK, self.on_others)
+        self.asked: list[Asked] = []
+        for name in self.core.p.along:
+            self._client(name)
 
     def _client(self, name: str) -> Client:
-        service = f"{name}/set_parameters"
+        service = f"{name}/set_parameters_atomically"
         made: Client = self._once(
-            f"client {name}", lambda: self.create_client(SetParameters, service)
+            f"client {name}", lambda: self.create_client(SetParametersAtomically, service)
         )
         return made
 
@@ -101,7 +148,6 @@ class MonitorNode(CoreNode):
             Diagnose,
             "~/diagnose",
             execute_callback=self.finished,
-            goal_callback=self.on_goal,
             handle_accepted_callback=self.on_accepted,
             cancel_callback=self.on_cancel,
         )
@@ -120,16 +166,17 @@ class MonitorNode(CoreNode):
         return super().take(state, said)
 
     def report(self) -> Report:
-        """Health of the model, and how far a diagnosis is."""
-        said = super().report()
-        if self.learning is None:
-            return said
-        told = self.learning.told
-        words = f"{told['stage']} {told['done']:.0%} {told['best']}".strip()
-        return replace(said, values={**said.values, "diagnosis": words})
+        """Health of the model, what other nodes said that were to go over with it, and how far a diagnosis is."""
+        said, more = super().report(), dict[str, object]()
+        if self.asked:
+            more["along"] = "; ".join(each.word or f"{each.name} is asked" for each in self.asked)
+        if self.learning is not None:
+            told = self.learning.told
+            more["diagnosis"] = f"{told['stage']} {told['done']:.0%} {told['best']}".strip()
+        return replace(said, values={**said.values, **more})
 
     def on_use_model(self, request: UseModel.Request, answer: UseModel.Response) -> Any:
-        """Go on with another model from the next sample on, or say why not."""
+        """Go on with another model from the next sample on, or say why not; other nodes are asked beside the loop."""
         if not self.active:
             answer.reason = "the node is not active"
             return answer
@@ -138,55 +185,40 @@ class MonitorNode(CoreNode):
         except ErError as error:
             answer.reason = " ".join(str(error).split())
             return answer
-        self.state, self.core = core.taken_over(self.state), core
-        self.health.model_id = core.model_id
-        answer.accepted = True
-        answer.reason = (
-            f"{core.model.name} ({request.model}) from sample {self.state.last.seq + 1} on"
-        )
-        log.info(self, f"model: {answer.reason}")
-        for name, asked in self.others.items():
-            self._tell(name, asked, request.model)
+        self.go_over(core)
+        answer.accepted, answer.reason = True, core.goes_by(self.state)
+        names = dict.fromkeys((*self.core.p.along, *request.along))
+        self.asked = [Asked(name, self._client(name), request.model) for name in names]
+        if names:
+            answer.reason += f"; asked to go over, too: {', '.join(names)}"
         return answer
 
-    def _tell(self, name: str, asked: Client, model: str) -> None:
-        """Ask another node to go over to a model, through its parameters, and say what came of it."""
-        if not asked.service_is_ready():
-            log.warning(self, f"{name} does not answer: it keeps its model")
-            return
-        value = Parameter(FILE.get(name.rpartition("/")[2], MODEL_FILE), value=model)
-        future = asked.call_async(SetParameters.Request(parameters=[value.to_parameter_msg()]))
-        future.add_done_callback(lambda done: self._went(name, done.result().results[0]))
-
-    def _went(self, name: str, result: SetParametersResult) -> None:
-        if result.successful:
-            log.info(self, f"{name} goes over to it, too")
-        else:
-            log.warning(self, f"{name} keeps its model: {result.reason}")
-
-    def on_goal(self, _: Diagnose.Goal) -> GoalResponse:
-        """Take a goal where none is under way."""
-        if self.active and self.goal is None:
-            return GoalResponse.ACCEPT
-        why = "another one is under way" if self.active else "the node is not active"
-        log.warning(self, f"~/diagnose is refused: {why}")
-        return GoalResponse.REJECT
+    def on_others(self) -> None:
+        """Go on with what other nodes are asked, and say what came of it."""
+        for each in self.asked:
+            if not each.word and each.look():
+                (log.info if each.went else log.warning)(self, each.word)
 
     def on_accepted(self, goal: ServerGoalHandle) -> None:
-        """Begin to learn."""
+        """Begin to learn, or end it with the reason: a goal that ROS rejects could not say one."""
+        if not self.active or self.goal is not None:
+            why = "another one is under way" if self.active else "the node is not active"
+            self._answer(goal, {"reason": f"refused: {why}"})
+            return
         asked, p = goal.request, self.core.p
         heard = {} if asked.bag else self.memory.last(asked.seconds)
-        self.goal = goal
         t = heard.get("t", np.zeros(0))
         if not asked.bag and (t.size < 2 or t[-1] - t[0] < LEAST or "damper_force" not in heard):
-            self._answer({"reason": f"less than {LEAST:g} s were heard with a force"})
+            self._answer(goal, {"reason": f"less than {LEAST:g} s were heard with a force"})
             return
+        self.goal = goal
         self.learning = Learning(Task(asked.model or p.model_file, asked.bag, p.models), heard)
 
-    def on_cancel(self, _: ServerGoalHandle) -> CancelResponse:
+    def on_cancel(self, goal: ServerGoalHandle) -> CancelResponse:
         """Stop it."""
-        if self.learning is not None:
-            self.learning.cancel()
+        if self.goal is None or _id(goal) != _id(self.goal) or self.learning is None:
+            return CancelResponse.REJECT
+        self.learning.cancel()
         return CancelResponse.ACCEPT
 
     def on_look(self) -> None:
@@ -196,29 +228,33 @@ class MonitorNode(CoreNode):
             return
         new = learning.look()
         if learning.result is not None:
-            self.learning = None
-            self._answer(learning.result)
+            self.learning, goal, self.goal = None, self.goal, None
+            if goal is not None:
+                self._answer(goal, learning.result)
         elif new and self.goal is not None:
             self.goal.publish_feedback(Diagnose.Feedback(**learning.told))
 
-    def _answer(self, result: dict[str, Any]) -> None:
-        self.outcome = result
-        goal, self.goal = self.goal, None
-        if goal is not None:
-            goal.execute()
+    def _answer(self, goal: ServerGoalHandle, result: dict[str, Any]) -> None:
+        self.outcomes[_id(goal)] = result
+        goal.execute()
 
     def finished(self, goal: ServerGoalHandle) -> Diagnose.Result:
         """End a goal with what came of it."""
-        result = Diagnose.Result(**{k: v for k, v in self.outcome.items() if _number(v)})
+        outcome = self.outcomes.pop(_id(goal))
+        result = Diagnose.Result(**{k: v for k, v in outcome.items() if _number(v)})
         if goal.is_cancel_requested:
             goal.canceled()
-        elif self.outcome.get("verdict"):
+        elif outcome.get("verdict"):
             log.info(self, f"~/diagnose: {result.reason}; {result.model}")
             goal.succeed()
         else:
             log.warning(self, f"~/diagnose: {result.reason}")
             goal.abort()
         return result
+
+
+def _id(goal: ServerGoalHandle) -> bytes:
+    return bytes(goal.goal_id.uuid)
 
 
 def _number(value: Any) -> bool:

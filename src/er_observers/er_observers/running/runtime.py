@@ -188,6 +188,21 @@ def lose(gains: Gains, state: State, t: float) -> State:
     return _restart(gains, state, Sample(t, math.nan, math.nan, math.nan))
 
 
+def gone_over(gains: Gains, state: State) -> State:
+    """The state at the same instant with other gains, perhaps of another model, for the same sensors.
+
+    The estimate x of the motion stays, and what was learnt of the sprung mass; a filter with a deflection sensor, whose
+    lacking force is that of the model before, begins anew.
+    """
+    old, kept = state.layout, state.memory
+    known = payload.interrupted(kept[old.payload])
+    law = gains.claim.solution.law
+    z = law.state(state.x, payload.seen(known, state.y), np.zeros(law.order))
+    fused = fusion.interrupted(kept[old.fusion])
+    memory = np.concatenate([kept[: old.z_at], z, known, fused])
+    return state._replace(memory=memory, layout=gains.layout)
+
+
 def payload_of(gains: Gains, state: State) -> Payload:
     """What is known of the sprung mass."""
     return payload.said(gains.mass, state.memory[state.layout.payload])

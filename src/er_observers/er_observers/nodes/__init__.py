@@ -1,0 +1,1 @@
+"""The node around an observer."""
