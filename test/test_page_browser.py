@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from test.page_help import PATIENCE, PLAYED, opened, seen, status
 
 import er_model_lab as lab
+from test.page_help import PATIENCE, PLAYED, opened, seen, status
 from test.sample import write_sample
 
 

@@ -12,9 +12,9 @@ from typing import Any
 
 import pytest
 from er_records.write import write_csv
-from test.page_help import PATIENCE, seen
 
 import er_model_lab as lab
+from test.page_help import PATIENCE, seen
 from test.sample import write_sample
 
 PLOT = ".js-plotly-plot"

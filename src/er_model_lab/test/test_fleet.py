@@ -14,12 +14,13 @@ from types import SimpleNamespace
 from typing import Any, ClassVar, cast
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 import pytest
 
 pytest.importorskip("fsspec")
 pytest.importorskip("pyarrow")
+
+import pyarrow as pa
+import pyarrow.parquet as pq
 from er_model_lab.cli import running
 from er_model_lab.cli.app import app
 from er_model_lab.fleets import cluster as clusters

@@ -15,8 +15,11 @@ from pathlib import Path
 from typing import Any
 
 import psutil
-import pyarrow.parquet as pq
 import pytest
+
+pytest.importorskip("pyarrow")
+
+import pyarrow.parquet as pq
 from er_model_lab.fleets.asked import Asked
 from er_model_lab.fleets.cluster import cluster
 from er_model_lab.fleets.engine import Engine, Failure, spread

@@ -68,6 +68,7 @@ def test_a_step_is_late_at_the_rate_the_node_is_made_for(
         health=SimpleNamespace(meter=meter),
         watch_every=lambda *_: None,
         on_watch=None,
+        note=lambda: None,
     )
     CoreNode.configure(node)
     for seconds in (0.0005, 0.002, 0.007):
