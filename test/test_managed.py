@@ -145,7 +145,9 @@ def test_inputs_of_every_tick_are_watched_for_the_rate_the_node_is_made_for(
         node.configure()
     found = {name: each.rate for name, each in paced.incoming.items()}
     assert found.pop("fault/estimate") == 0.0
-    assert found == {"sensors/acceleration": 100.0, "sensors/deflection": 100.0}
+    assert found == dict.fromkeys(
+        ("sensors/acceleration", "sensors/deflection", "pwm/applied"), 100.0
+    )
     assert {each.rate for each in free.incoming.values()} == {0.0}
 
 

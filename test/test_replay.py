@@ -406,7 +406,9 @@ def test_a_recording_that_was_cut_is_played_as_far_as_it_goes(
         assert {line.split(": ")[0] for line in text.splitlines()} == {"er replay"}
     status, text, result = replay(cut, "--node", node, *args)
     assert status == 3, text
-    assert ("at their defaults: timeout, payload, deflection, max_age" in text) == killed
+    assert (
+        "at their defaults: leave_out, timeout, payload, deflection, max_age" in text
+    ) == killed
     assert not result["complete"]
     assert ("metadata.yaml is missing" in result["damage"]) == killed
     (each,) = result["nodes"]

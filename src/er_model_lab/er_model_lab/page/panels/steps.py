@@ -62,4 +62,4 @@ class StepsPanel:
                     back = self.host.safely(lambda name=name: desk.take(desk.now.without(name)))
                     ui.button("Take back", on_click=back).props(
                         f'flat dense no-caps aria-label="Take back {words}"'
-                    )
+                    ).classes("shrink-0 pr-2")
