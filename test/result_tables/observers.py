@@ -31,13 +31,7 @@ def _windows(written: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 CLASSES = Run("classes", "study classes", "observer_comparison.md", OBSERVERS)
-FAULTS = Run(
-    "faults",
-    "study observers faults payload --seeds 1",
-    "observer_comparison.md",
-    OBSERVERS,
-    _windows,
-)
+DRIVES = Run("drives", "study observers", "observer_comparison.md", OBSERVERS, _windows)
 _SHOWN = ("20 um, A", "20 um, C", "20 um, E", "100 um, C", "200 um, A", "200 um, E")
 _CASES = {
     "healthy": "healthy", "f1": "f1 = 0.5", "f2": "f2 = 0.6", "f2_appears": "f2 appears",
@@ -220,7 +214,12 @@ def _bold(text: str, wanted: bool) -> str:
 
 
 TABLES: dict[str, tuple[Run, Callable[[Any], str]]] = {
-    "with faults": (FAULTS, with_faults),
+    "with faults": (DRIVES, with_faults),
+    "beside the thesis": (DRIVES, beside_the_thesis),
+    "without start phase": (DRIVES, without_start_phase),
+    "from the start": (DRIVES, from_the_start),
+    "once running": (DRIVES, once_running),
+    "where filters win": (DRIVES, where_filters_win),
     "with deflection": (CLASSES, with_deflection),
     "without deflection": (CLASSES, without_deflection),
 }
