@@ -131,3 +131,20 @@ def test_what_begins_later_is_within_its_bounds(later: str, tmp_path: Path) -> N
         truth = hide(load_model(DAMPER), effect, 3).with_effect(*LATER[later])
         save_model(truth, tmp_path / "damper.yaml")
         assert load_model(tmp_path / "damper.yaml").effects.keys() >= {effect, LATER[later][0]}
+
+
+@pytest.mark.slow
+@pytest.mark.alone
+@pytest.mark.timeout(1500)
+@pytest.mark.parametrize("later", LATER)
+def test_the_live_demonstration_finds_what_is_hidden_and_that_something_began(later: str) -> None:
+    """Its own judgement counts: the name of what is hidden, an alarm in time, and twice a fall of the live error."""
+    words = ["--live", "--no-browser", "--effect", "coulomb_friction", "--seed", "1"]
+    with own_domain() as env:
+        done = subprocess.run(
+            [str(ROOT / "er"), "demo", *words, "--later", later],
+            cwd=ROOT, env=env, capture_output=True, text=True, timeout=1400, check=False,
+        )  # fmt: skip
+    said = done.stdout + done.stderr
+    assert done.returncode == 0, said
+    assert "alarm after" in said
