@@ -10,21 +10,21 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
-from er_common.common_parameters import NodeParameters, oldest_sample, silence
+from er_common.common_parameters import NodeParameters, oldest_sample
 from er_common.parameter_table import param, tuning
-from er_common.stamps import SECOND, StampLimits, StampState, check_stamp
+from er_common.stamps import StampLimits, StampState
 from er_common.topics import Topic
 from er_models.constants import SAMPLE_RATE
 from er_ros_common.builders import Tick
-from er_ros_common.clock import LAST_SECOND, from_stamp
+from er_ros_common.clock import LAST_STAMP, from_stamp
 from er_ros_common.core import Said, When
 
 from er_bringup.mounting import GRAVITY, Vector, upward, upward_of, vertical
+from er_bringup.ros_foreign import Foreign
 from er_common import topics
 from er_damper_msgs.msg import SuspensionAcceleration
 from er_ros_common import builders
 
-LAST_STAMP: Final = LAST_SECOND * SECOND
 SIDES: Final = ("sprung", "unsprung")
 
 
@@ -116,7 +116,7 @@ class State(NamedTuple):
     alone: int = 0
 
 
-class AdapterCore:
+class AdapterCore(Foreign):
     """Two accelerometers in, the accelerations of a corner out, with the stamp of the body's."""
 
     output = topics.ACCELERATION
@@ -133,10 +133,6 @@ class AdapterCore:
         """Before any message."""
         return State()
 
-    def silent(self, state: State, steady: int) -> bool:
-        """Whether samples stay away, at a time on the steady clock [ns]."""
-        return silence(self.p, steady - state.heard) > self.p.timeout
-
     def values(self, state: State) -> dict[str, object]:
         """What else it tells of itself."""
         return {"samples without their other half": state.alone}
@@ -149,9 +145,7 @@ class AdapterCore:
         if stamp >= LAST_STAMP:
             return state._replace(invalid=state.invalid + 1), []
         if side == 0:
-            number, arrival = state.number + 1, when.system if self.p.max_age else None
-            stamps, verdict = check_stamp(self.limits, state.stamps, stamp, number, arrival)
-            state = state._replace(stamps=stamps, number=number)
+            state, verdict = self.counted(state, stamp, when)
             if not verdict.use:
                 return state, []
         own = Sample(stamp, message.header.frame_id, self._vertical(side, message))

@@ -14,15 +14,16 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
-from er_common.common_parameters import NodeParameters, oldest_sample, silence
+from er_common.common_parameters import NodeParameters, oldest_sample
 from er_common.parameter_table import tuning
-from er_common.stamps import SECOND, StampLimits, StampState, check_stamp
+from er_common.stamps import StampLimits, StampState
 from er_common.topics import Topic
 from er_ros_common.builders import Tick
-from er_ros_common.clock import LAST_SECOND, from_stamp
+from er_ros_common.clock import LAST_STAMP, from_stamp
 from er_ros_common.core import Said, When
 from geometry_msgs.msg import AccelStamped
 
+from er_bringup.ros_foreign import Foreign
 from er_common import topics
 
 REPORT: Final = Topic(
@@ -32,7 +33,6 @@ REPORT: Final = Topic(
     50.0,
     every_tick=False,
 )
-LAST_STAMP: Final = LAST_SECOND * SECOND
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +72,7 @@ class State(NamedTuple):
     invalid: int = 0
 
 
-class AutowareCore:
+class AutowareCore(Foreign):
     """Velocity reports in, accelerations of the car out, with the stamp and frame of the report."""
 
     inputs: tuple[Topic, ...] = (REPORT,)
@@ -87,10 +87,6 @@ class AutowareCore:
         """Before any message."""
         return State()
 
-    def silent(self, state: State, steady: int) -> bool:
-        """Whether reports stay away, at a time on the steady clock [ns]."""
-        return silence(self.p, steady - state.heard) > self.p.timeout
-
     def values(self, state: State) -> dict[str, object]:
         """What else it tells of itself."""
         return {"acceleration forward, left [m/s2]": f"{state.a_x:.2f}, {state.a_y:.2f}"}
@@ -104,15 +100,13 @@ class AutowareCore:
         turning = float(message.heading_rate)
         if stamp >= LAST_STAMP or not math.isfinite(v_x + v_y + turning):
             return state._replace(invalid=state.invalid + 1), []
-        number, arrival = state.number + 1, when.system if self.p.max_age else None
-        stamps, verdict = check_stamp(self.limits, state.stamps, stamp, number, arrival)
-        state = state._replace(stamps=stamps, number=number)
+        state, verdict = self.counted(state, stamp, when)
         if not verdict.use:
             return state, []
         if verdict.restart:
             return state._replace(v_x=v_x, v_y=v_y, a_x=0.0, a_y=0.0, stamp=stamp), []
         state = self._moved(state, v_x, v_y, stamp)._replace(
-            last=Tick(stamp, number), heard=when.steady
+            last=Tick(stamp, state.number), heard=when.steady
         )
         load = AccelStamped(header=message.header)
         load.accel.linear.x = state.a_x - turning * v_y

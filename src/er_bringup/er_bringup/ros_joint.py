@@ -17,14 +17,14 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from er_common.common_parameters import FramedParameters, oldest_sample, silence
 from er_common.parameter_table import param, tuning
-from er_common.stamps import SECOND, StampLimits, StampState, check_stamp
+from er_common.stamps import StampLimits, StampState, check_stamp
 from er_common.topics import Topic
 from er_models.constants import SAMPLE_RATE
 from er_models.files import load_model
 from er_models.static_damper import static_damper
 from er_observers.programs import OBSERVERS
 from er_ros_common.builders import Tick
-from er_ros_common.clock import LAST_SECOND, from_stamp
+from er_ros_common.clock import LAST_STAMP, from_stamp
 from er_ros_common.core import Said, When
 from sensor_msgs.msg import JointState
 
@@ -59,8 +59,6 @@ DUTY_COMMANDS: Final = Topic(
     SAMPLE_RATE,
     every_tick=False,
 )
-LAST_STAMP: Final = LAST_SECOND * SECOND
-"""What an answer can be stamped with [ns]."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,16 +9,17 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
-from er_common.common_parameters import NodeParameters, oldest_sample, silence
+from er_common.common_parameters import NodeParameters, oldest_sample
 from er_common.parameter_table import param, tuning
-from er_common.stamps import SECOND, StampLimits, StampState, check_stamp
+from er_common.stamps import StampLimits, StampState
 from er_common.topics import Topic
 from er_models.constants import SAMPLE_RATE
 from er_models.errors import InputError
 from er_ros_common.builders import Tick
-from er_ros_common.clock import LAST_SECOND, from_stamp
+from er_ros_common.clock import LAST_STAMP, from_stamp
 from er_ros_common.core import Said, When
 
+from er_bringup.ros_foreign import Foreign
 from er_common import topics
 from er_damper_msgs.msg import SuspensionDeflection
 from er_ros_common import builders
@@ -32,7 +33,6 @@ DYNAMIC_STATES: Final = Topic(
     "interfaces of joints, position and velocity among them",
     SAMPLE_RATE,
 )
-LAST_STAMP: Final = LAST_SECOND * SECOND
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +66,7 @@ class State(NamedTuple):
     others: int = 0
 
 
-class JointStateCore:
+class JointStateCore(Foreign):
     """States of joints in, the deflection of one of them out, with the stamp and frame of the message."""
 
     output = topics.DEFLECTION
@@ -83,10 +83,6 @@ class JointStateCore:
         """Before any message."""
         return State()
 
-    def silent(self, state: State, steady: int) -> bool:
-        """Whether the joint stays away, at a time on the steady clock [ns]."""
-        return silence(self.p, steady - state.heard) > self.p.timeout
-
     def values(self, state: State) -> dict[str, object]:
         """What else it tells of itself."""
         return {"messages without the joint": state.others}
@@ -101,15 +97,13 @@ class JointStateCore:
         stamp = from_stamp(message.header.stamp)
         if stamp >= LAST_STAMP:
             return state._replace(invalid=state.invalid + 1), []
-        number, arrival = state.number + 1, when.system if self.p.max_age else None
-        stamps, verdict = check_stamp(self.limits, state.stamps, stamp, number, arrival)
-        state = state._replace(stamps=stamps, number=number)
+        state, verdict = self.counted(state, stamp, when)
         if not verdict.use:
             return state, []
-        said = self._deflection(Tick(stamp, number), found)
+        said = self._deflection(Tick(stamp, state.number), found)
         said.header.frame_id = message.header.frame_id
         invalid = state.invalid + (not said.valid)
-        state = state._replace(last=Tick(stamp, number), heard=when.steady, invalid=invalid)
+        state = state._replace(last=Tick(stamp, state.number), heard=when.steady, invalid=invalid)
         return state, [(topics.DEFLECTION, said)]
 
     def _deflection(self, tick: Tick, found: dict[str, float]) -> SuspensionDeflection:

@@ -50,8 +50,9 @@ class Rules:
     of time that starts the controller afresh [s]; believed: largest deflection [m] and velocity [m/s]; fade: fastest
     change of a factor [1/s]; fault_age: after which an estimate is old [s]; least_left: share of the field's force
     below which nothing is left to control; restore: share of the lost passive force that the field gives back;
-    ahead: from the moment a duty begins to act to the middle of the time it acts [s]: so far beyond its lateness the
-    motion is led on; adapt: whether the domain follows the faults (False: the nominal LPV controller).
+    latency: from a sample to its duty [s], until it is learnt; ahead: from the moment a duty begins to act to the
+    middle of the time it acts [s], so far beyond its lateness the motion is led on; adapt: whether the domain follows
+    the faults (False: the nominal LPV controller).
     """
 
     safe_duty: float
@@ -64,6 +65,7 @@ class Rules:
     fault_age: float = 0.5
     least_left: float = 0.05
     restore: float = 0.0
+    latency: float = 0.0
     ahead: float = 0.0
     adapt: bool = True
 
@@ -72,8 +74,11 @@ class Rules:
             value = getattr(self, name)
             if not all(v > 0.0 for v in (value if isinstance(value, tuple) else (value,))):
                 raise InputError("ftc_controller", name, "above 0", value)
-        if not 0.0 <= self.ahead < math.inf:
-            raise InputError("ftc_controller", "ahead", "a time of 0 s or more", self.ahead)
+        for name in ("latency", "ahead"):
+            if not 0.0 <= getattr(self, name) < math.inf:
+                raise InputError(
+                    "ftc_controller", name, "a time of 0 s or more", getattr(self, name)
+                )
         for name in ("safe_duty", "least_left", "restore"):
             if not 0.0 <= getattr(self, name) <= 1.0:
                 raise InputError("ftc_controller", name, "0 to 1", getattr(self, name))
@@ -210,8 +215,8 @@ def step(p: Ftc, state: State, t: float, sample: Sample | None) -> tuple[State, 
     )  # fmt: skip
     late = state.lateness
     if usable and sample is not None:
-        late = lateness.hear(late, t, sample.duty, dt)
-        moved = _controlled(p, state._replace(lateness=late), sample, dt)
+        late = lateness.hear(late, t, sample.duty)
+        moved = _controlled(p, state, sample, dt, latency(p, late))
     control, loop, feedback, wanted, given, rho, motion = moved
     mode, reason = _mode(p, state, t, heard=heard, running=running, lost=lost)
     duty = p.rules.safe_duty + share * (loop.duty - p.rules.safe_duty)
@@ -231,10 +236,9 @@ def step(p: Ftc, state: State, t: float, sample: Sample | None) -> tuple[State, 
     return State(t, heard, share, *rest), command
 
 
-def latency(p: Ftc, state: State) -> float:
+def latency(p: Ftc, learnt: Lateness) -> float:
     """Time from a sample until the duty that answers it acts [s]: as learnt, else as told."""
-    late = state.lateness.late
-    return p.loop.latency if late is None else late * SAMPLE_TIME
+    return p.rules.latency if learnt.late is None else learnt.late * SAMPLE_TIME
 
 
 def _share_gained(p: Ftc, dt: float, *, running: bool) -> float:
@@ -278,13 +282,13 @@ def _believed(p: Ftc, x: float, v: float) -> bool:
     return abs(x) <= far and abs(v) <= fast
 
 
-def _controlled(p: Ftc, state: State, sample: Sample, dt: float) -> Moved:
-    """Controller and force loop one sample on."""
+def _controlled(p: Ftc, state: State, sample: Sample, dt: float, late: float) -> Moved:
+    """Controller and force loop one sample on; late: until the duty acts [s]."""
     left, (x, v) = _factors(state.left), sample[:2]
     loop = LoopState(state.loop.force, state.loop.gate, state.command.duty)
     motion = Motion(x, v, _force(p, sample), sample.duty)
     loop = force_loop.follow(p.loop, loop, motion, dt, left)
-    rate, late = sample.sprung_acceleration - sample.unsprung_acceleration, latency(p, state)
+    rate = sample.sprung_acceleration - sample.unsprung_acceleration
     then = force_loop.ahead(x, v, rate, late + p.rules.ahead)
     if not _believed(p, *then):
         then = (x, v)

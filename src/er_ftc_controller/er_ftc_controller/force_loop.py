@@ -29,7 +29,7 @@ class ForceLoop:
     """Static damper and its response time tau [s]; limits of the duty, its fastest change [1/s], its dead zone.
 
     horizon: within which the force is to be reached [s], infinite for the inverse static model. correction: share of
-    the difference to an estimated force that is taken over at each sample. latency: from a sample to its duty [s].
+    the difference to an estimated force that is taken over at each sample.
     dead_zone: duties below it are the least one, counted by what an electrical fault leaves of their field: a weak
     field is no reason to act more often. least_gate: a smaller |s| is taken for it, since what no duty can make must
     not ask for all of it.
@@ -40,7 +40,6 @@ class ForceLoop:
     duties: tuple[float, float]
     horizon: float = 0.01
     correction: float = 0.0
-    latency: float = 0.0
     slew: float = math.inf
     dead_zone: float = 0.0
     least_gate: float = 0.4
@@ -51,7 +50,6 @@ class ForceLoop:
             ("tau", self.tau, 0.0 <= self.tau < math.inf, "a time of 0 s or more"),
             ("horizon", self.horizon, self.horizon > 0.0, "a time above 0 s"),
             ("correction", self.correction, 0.0 <= self.correction <= 1.0, "a share, 0 to 1"),
-            ("latency", self.latency, 0.0 <= self.latency < math.inf, "a time of 0 s or more"),
             ("slew", self.slew, self.slew > 0.0, "a rate above 0 1/s"),
             ("dead_zone", self.dead_zone, 0.0 <= self.dead_zone < 1.0, "a duty below 1"),
             ("least_gate", self.least_gate, 0.0 <= self.least_gate < 1.0, "0 to less than 1"),
@@ -110,13 +108,12 @@ def duty_for(
     gate: float,
     dt: float,
     left: Factors,
-    latency: float | None = None,
+    latency: float = 0.0,
 ) -> tuple[LoopState, float]:
     """Duty for a yield force [N] after `follow`, within all limits.
 
-    gate: s of the motion while the duty will act. dt [s]: since the duty before. latency [s]: in place of the loop's.
+    gate: s of the motion while the duty will act. dt [s]: since the duty before. latency [s]: until it acts.
     """
-    late = p.latency if latency is None else latency
     low, high = p.duties
     strength = p.damper.height(1.0, left)
     if gate == 0.0 or strength == 0.0:
@@ -125,7 +122,7 @@ def duty_for(
         full = strength * math.copysign(max(abs(gate), p.least_gate), gate)
         goal = p.damper.height(state.duty, left) * gate
         kept = kept_after(p.tau, p.horizon)
-        missing = wanted - kept * respond(p.tau, state.force, goal, late)
+        missing = wanted - kept * respond(p.tau, state.force, goal, latency)
         share = max(missing / (1.0 - kept) / full, 0.0)
         duty = min(max(min(share, 1.0) ** (1.0 / p.damper.beta), low), high)
     if left.electrical * duty**p.damper.beta < p.dead_zone**p.damper.beta:

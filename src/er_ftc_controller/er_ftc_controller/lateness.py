@@ -18,8 +18,12 @@ from er_models.constants import SAMPLE_TIME
 
 MOST = 5
 """Largest lateness that is looked for [samples]."""
+EVERY = 4
+"""Of so many samples one is learnt from: the loop pays for it, and lateness does not change by the sample."""
 MEMORY = 0.5
 """Memory of the means [s]."""
+SHARE = 1.0 - math.exp(-EVERY * SAMPLE_TIME / MEMORY)
+"""Share of a new difference in the means."""
 LEAST = 1e-5
 """Mean square of the difference beside which the next best must be larger: a duty that moved by 0.003."""
 FAR = 4.0
@@ -29,40 +33,34 @@ FAR = 4.0
 class Lateness(NamedTuple):
     """Duties said last and their times [s], newest first; mean squares of the differences by lateness.
 
-    late: what is believed, in samples; None until something is.
+    late: what is believed, in samples; None until something is. turn: samples until the next one that is learnt from.
     """
 
     said: tuple[tuple[float, float], ...] = ()
     misses: tuple[float, ...] = (0.0,) * (MOST + 1)
     late: int | None = None
+    turn: int = 0
 
 
 def say(state: Lateness, t: float, duty: float) -> Lateness:
     """Remember the duty that was said at time t [s]."""
-    return state._replace(said=((t, duty), *state.said[: MOST + 1]))
+    said, misses, late, turn = state
+    return Lateness(((t, duty), *said[: MOST + 1]), misses, late, turn - 1 if turn else EVERY - 1)
 
 
-def hear(state: Lateness, t: float, acted: float, dt: float) -> Lateness:
-    """Learn from the duty that acted in the sample that ends at t [s]; NaN for none. dt [s]: since the last sample."""
-    if not (math.isfinite(acted) and len(state.said) > MOST):
+def hear(state: Lateness, t: float, acted: float) -> Lateness:
+    """Learn from the duty that acted in the sample that ends at t [s]; NaN for none."""
+    said, misses, late, turn = state
+    if turn or not math.isfinite(acted) or len(said) <= MOST:
         return state
-    kept = math.exp(-dt / MEMORY)
-    misses = tuple(
-        kept * miss + (1.0 - kept) * (acted - duty) ** 2
-        for miss, duty in zip(state.misses, _then(state, t), strict=True)
-    )
-    best = min(range(MOST + 1), key=misses.__getitem__)
-    second = min(miss for d, miss in enumerate(misses) if d != best)
-    sure = second > LEAST and second > FAR * misses[best]
-    return state._replace(misses=misses, late=best if sure else state.late)
-
-
-def _then(state: Lateness, t: float) -> list[float]:
-    """The duty that stood at each lateness before the sample that ends at t [s]."""
-    found, k = [], 0
-    for d in range(MOST + 1):
-        latest = t - (d + 0.5) * SAMPLE_TIME
-        while k + 1 < len(state.said) and state.said[k][0] > latest:
+    k, last, means = 0, len(said) - 1, []
+    latest = t - 0.5 * SAMPLE_TIME
+    for miss in misses:  # in the order of lateness: what stood then is further and further back
+        while said[k][0] > latest and k < last:
             k += 1
-        found.append(state.said[k][1])
-    return found
+        off = acted - said[k][1]
+        means.append(miss + SHARE * (off * off - miss))
+        latest -= SAMPLE_TIME
+    best, second, *_ = sorted(means)
+    sure = second > LEAST and second > FAR * best
+    return Lateness(said, tuple(means), means.index(best) if sure else late, turn)

@@ -217,7 +217,7 @@ class FtcCore(Core):
         values = {
             "rho": f"{command.rho:.3f}",
             "force asked for [N]": f"{command.wanted:.2f}",
-            "latency [ms]": f"{1e3 * control.latency(self.controller, state.mind):g}",
+            "latency [ms]": f"{1e3 * control.latency(self.controller, state.mind.lateness):g}",
             "factors in use f1 f2 f3": " ".join(f"{f:.3f}" for f in command.left),
             "fault estimates": state.told,
             "halves without partner": state.pairs.unmatched,

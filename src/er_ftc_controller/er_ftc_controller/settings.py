@@ -155,13 +155,13 @@ def controller_of(p: FtcParameters, model: Model, loaded: Loaded) -> Ftc:
         raise InputError("ftc_controller", "u_min, u_max", "u_min <= u_max", duties)
     tau = model.value("response", "tau") if "response" in model.effects else 0.0
     loop = ForceLoop(
-        damper, tau, duties, p.horizon or math.inf, p.correction, p.latency,
+        damper, tau, duties, p.horizon or math.inf, p.correction,
         p.slew or math.inf, p.dead_zone, p.least_gate,
     )  # fmt: skip
     rules = Rules(
         p.safe_duty, (p.largest_deflection, p.largest_velocity), p.timeout, p.ramp, p.recovery,
         gap=max(Rules.gap, 2.0 * p.timeout), fade=p.fade, fault_age=p.fault_age, least_left=p.least_left,
-        restore=p.restore, ahead=p.ahead, adapt=p.law == "fault_tolerant",
+        restore=p.restore, latency=p.latency, ahead=p.ahead, adapt=p.law == "fault_tolerant",
     )  # fmt: skip
     car = model.effects["quarter_car"]
     body = (car["m_s"], car["k_s"])

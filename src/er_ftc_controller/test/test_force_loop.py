@@ -64,10 +64,10 @@ def test_the_wanted_force_is_there_after_the_horizon(
 
 
 def test_a_latency_is_looked_over_with_the_duty_in_force() -> None:
-    p = loop(latency=0.005)
+    p, latency = loop(), 0.005
     gate = float(p.damper.gate(X, V))  # type: ignore[arg-type]
-    _, duty = duty_for(p, LoopState(0.5, gate, 0.2), 2.0, gate, 0.005, LEFT)
-    assert made(duty, made(0.2, 0.5, p.latency), p.horizon) == pytest.approx(2.0, abs=1e-6)
+    _, duty = duty_for(p, LoopState(0.5, gate, 0.2), 2.0, gate, 0.005, LEFT, latency)
+    assert made(duty, made(0.2, 0.5, latency), p.horizon) == pytest.approx(2.0, abs=1e-6)
 
 
 def test_the_force_is_followed_as_the_car_has_it() -> None:

@@ -104,14 +104,14 @@ def test_how_late_its_duties_act_is_learnt_from_those_that_acted(core: FtcCore) 
         state, (said,) = play(core, [*halves(k), (topics.PWM_APPLIED, told)], state)
         duties[k] = said.duty
     assert max(duties.values()) > min(duties.values()) + 0.05
-    assert control.latency(core.controller, state.mind) == pytest.approx(0.01)
+    assert control.latency(core.controller, state.mind.lateness) == pytest.approx(0.01)
     assert core.report(state).values["latency [ms]"] == "10"
     (_, untold) = play(core, [m for k in range(1, 200) for m in halves(k)])
     assert [m.duty for m in untold] != list(duties.values())
     gone = pwm_duty(Tick(stamp(200), 200), 0.0, valid=False)
     lost, _ = play(core, [(topics.PWM_APPLIED, gone)], state)
     assert lost.applied == ()
-    assert control.latency(core.controller, lost.mind) == pytest.approx(0.01)
+    assert control.latency(core.controller, lost.mind.lateness) == pytest.approx(0.01)
 
 
 @pytest.mark.parametrize(

@@ -14,14 +14,13 @@ def followed(
     duties: np.ndarray, late: int, lost: frozenset[int] = frozenset(), steps: float = 0.0
 ) -> list[int | None]:
     """What is believed after each sample; steps: of an actuator that takes no finer duty."""
-    state, believed, since = Lateness(), [], 0
+    state, believed = Lateness(), []
     for k, duty in enumerate(duties):
         asked = k - 1 - late
         acted = float(duties[asked]) if asked >= 0 else 0.0
         acted = steps * round(acted / steps) if steps else acted
         if k not in lost:
-            state = hear(state, k * DT, acted, (k - since) * DT)
-            since = k
+            state = hear(state, k * DT, acted)
         state = say(state, k * DT, float(duty))
         believed.append(state.late)
     return believed
@@ -51,7 +50,7 @@ def test_a_duty_that_stands_still_or_is_somebody_elses_teaches_nothing() -> None
     assert set(followed(np.full(400, 0.3) + 0.0005 * moving(), 2)) == {None}
     state = Lateness()
     for k, (own, other) in enumerate(zip(moving(1), moving(2), strict=True)):
-        state = say(hear(state, k * DT, float(other), DT), k * DT, float(own))
+        state = say(hear(state, k * DT, float(other)), k * DT, float(own))
     assert state.late is None
 
 
@@ -63,14 +62,14 @@ def test_what_was_learnt_stays_while_the_duty_stands_still_and_follows_a_change(
     for k, duty in enumerate(duties):
         late = 1 if k < 400 else 3
         acted = float(duties[max(k - 1 - late, 0)])
-        state = say(hear(state, k * DT, acted, DT), k * DT, float(duty))
+        state = say(hear(state, k * DT, acted), k * DT, float(duty))
         believed.append(state.late)
     assert believed[399] == 1
     assert believed[-1] == 3
 
 
 def test_no_duty_and_no_memory_change_nothing() -> None:
-    assert hear(Lateness(), 0.0, 0.2, DT) == Lateness()
+    assert hear(Lateness(), 0.0, 0.2) == Lateness()
     state = Lateness(said=((0.0, 0.1),) * (MOST + 2))
-    assert hear(state, DT, math.nan, DT) is state
+    assert hear(state, DT, math.nan) is state
     assert len(say(state, DT, 0.2).said) == MOST + 2

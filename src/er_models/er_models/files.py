@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import os
 import tempfile
@@ -9,6 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
 
 from er_models.catalogue import CATALOGUE, Catalogue, Origin
@@ -133,6 +135,17 @@ def _check_origins(path: Path, found: Any, catalogue: Catalogue) -> None:
             if given.digest != digest:
                 expected = f"{file} with the content {str(digest)[:12]} (SHA-256)"
                 raise InputError(path, where, expected, f"{given.file} with {given.digest[:12]}")
+
+
+def write_json(path: Path | None, content: Any) -> None:
+    """Write figures where a file is asked for, whole or not at all; arrays become lists.
+
+    Raises:
+        ValueError: A figure that JSON does not know.
+    """
+    if path is not None:
+        text = json.dumps(content, indent=1, allow_nan=False, default=np.ndarray.tolist)
+        write_whole(path, text + "\n")
 
 
 def write_whole(path: Path, content: str | bytes) -> None:

@@ -8,14 +8,11 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from contextlib import suppress
 from pathlib import Path
 from threading import Thread
 
 from er_models.errors import ErError
-
-NICE = 19
-"""It has what the loop leaves."""
+from er_models.orphan import step_aside, wait_for_owner
 
 
 class Making:
@@ -63,10 +60,7 @@ def beside(model: str, observer: str) -> str:
 
 
 def _end_with_owner() -> None:
-    while os.read(
-        0, 1024
-    ):  # until the owner is gone; a buffer's lock would be held when this process ends
-        pass
+    wait_for_owner()
     os._exit(1)
 
 
@@ -76,9 +70,7 @@ def main() -> None:
     from er_observers.held import held
     from er_observers.synthesis.make import synthesise
 
-    with suppress(OSError):  # the loop's priority is not for this
-        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-    os.nice(NICE)
+    step_aside()
     Thread(target=_end_with_owner, daemon=True).start()
     observer, file, out, *more = sys.argv[1:]
     try:

@@ -14,6 +14,8 @@ from rclpy.timer import Timer
 
 #: seconds of a stamp are a signed 32-bit integer
 LAST_SECOND: Final = 2**31 - 1
+LAST_STAMP: Final = LAST_SECOND * SECOND
+"""From here on a time [ns] is no stamp."""
 
 
 def wall_timer(node: Node, period: float, callback: Callable[[], None]) -> Timer:

@@ -1,12 +1,10 @@
-"""What a study gives out: tables for people, figures for programs."""
+"""What a study gives out: tables for people; figures for programs are `er_models.files.write_json`."""
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-import numpy as np
 import typer
 from er_models.files import write_whole
 from rich.console import Console
@@ -20,14 +18,3 @@ def say(text: str, out: Path | None = None) -> None:
     Console(soft_wrap=True, markup=False, highlight=False).print(text)
     if out is not None:
         write_whole(out, text + "\n")
-
-
-def write_json(file: Path | None, content: Any) -> None:
-    """Write figures where a file is asked for; arrays become lists.
-
-    Raises:
-        ValueError: a figure that JSON does not know.
-    """
-    if file is not None:
-        text = json.dumps(content, indent=1, allow_nan=False, default=np.ndarray.tolist)
-        write_whole(file, text + "\n")

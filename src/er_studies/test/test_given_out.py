@@ -4,7 +4,8 @@ import json
 
 import numpy as np
 import pytest
-from er_studies.given_out import say, write_json
+from er_models.files import write_json
+from er_studies.given_out import say
 
 
 def test_figures_and_tables_are_written(tmp_path, capsys):

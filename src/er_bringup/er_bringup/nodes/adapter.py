@@ -5,6 +5,7 @@ The cores: `ros_adapter`, `ros_joint_states` and `ros_autoware`.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from time import perf_counter
@@ -17,7 +18,7 @@ from er_ros_common.health import Report
 from er_ros_common.help import Card
 from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import declare
-from er_ros_common.spin import Executable
+from er_ros_common.spin import Executable, run
 
 from er_common import topics
 from er_damper_msgs.msg import NodeStatus
@@ -116,3 +117,15 @@ def executable(
     says = (output, topics.STATUS, topics.DIAGNOSTICS)
     card = Card(program, table, subscribes=inputs, publishes=says)
     return Executable(partial(AdapterNode, program, table, make), card)
+
+
+def entry(node: Executable) -> Callable[[], None]:
+    """The entry point of an adapter; it raises `ModuleNotFoundError` where a message package is not there."""
+
+    def main() -> None:
+        if not {"-h", "--help"} & {*sys.argv}:
+            for topic in node.card.subscribes:
+                _ = topic.type
+        sys.exit(run(node.make, node.card))
+
+    return main

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from functools import partial
 
 from er_common.topics import DEFLECTION
-from er_ros_common.spin import run
 
-from er_bringup.nodes.adapter import executable
+from er_bringup.nodes.adapter import entry, executable
 from er_bringup.programs import DYNAMIC_JOINT_ADAPTER
 from er_bringup.ros_joint_states import DYNAMIC_STATES, JointStateCore, JointStateParameters
 
@@ -19,14 +17,7 @@ NODE = executable(
     (DYNAMIC_STATES,),
     DEFLECTION,
 )
-
-
-def main() -> None:
-    """Entry point of the executable; `ModuleNotFoundError` where the message package is not there."""
-    if not {"-h", "--help"} & {*sys.argv}:
-        _ = DYNAMIC_STATES.type
-    sys.exit(run(NODE.make, NODE.card))
-
+main = entry(NODE)
 
 if __name__ == "__main__":
     main()

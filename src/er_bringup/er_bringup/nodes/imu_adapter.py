@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from functools import partial
 
 from er_common.topics import ACCELERATION
-from er_ros_common.spin import run
 
-from er_bringup.nodes.adapter import executable
+from er_bringup.nodes.adapter import entry, executable
 from er_bringup.programs import IMU_ADAPTER
 from er_bringup.ros_adapter import IMU, AdapterCore, ImuParameters
 
 NODE = executable(IMU_ADAPTER, ImuParameters, partial(AdapterCore, sensors=IMU), IMU, ACCELERATION)
-
-
-def main() -> None:
-    """Entry point of the executable."""
-    sys.exit(run(NODE.make, NODE.card))
-
+main = entry(NODE)
 
 if __name__ == "__main__":
     main()

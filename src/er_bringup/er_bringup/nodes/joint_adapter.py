@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from functools import partial
 
 from er_common.topics import DEFLECTION
-from er_ros_common.spin import run
 
-from er_bringup.nodes.adapter import executable
+from er_bringup.nodes.adapter import entry, executable
 from er_bringup.programs import JOINT_ADAPTER
 from er_bringup.ros_joint_states import STATES, JointStateCore, JointStateParameters
 
@@ -19,12 +17,7 @@ NODE = executable(
     (STATES,),
     DEFLECTION,
 )
-
-
-def main() -> None:
-    """Entry point of the executable."""
-    sys.exit(run(NODE.make, NODE.card))
-
+main = entry(NODE)
 
 if __name__ == "__main__":
     main()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -202,9 +201,9 @@ def _write_rest(
 def write_json(path: Path | None, result: Any) -> None:
     """The result as JSON, whole or not at all."""
     if path is not None:
-        from er_models.files import write_whole
+        from er_models import files
 
-        write_whole(path, json.dumps(result, indent=1, allow_nan=False) + "\n")
+        files.write_json(path, result)
 
 
 def fail(error: ErError) -> None:

@@ -6,7 +6,6 @@ import json
 import os
 import sys
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from threading import Event, Thread
 from time import monotonic
@@ -16,6 +15,7 @@ import numpy as np
 from er_models.errors import ErError
 from er_models.files import load_model, save_model
 from er_models.model import Array, Model
+from er_models.orphan import step_aside, wait_for_owner
 from er_records.dataset import Dataset
 from er_records.in_memory import from_arrays
 
@@ -25,8 +25,6 @@ from er_model_lab.verbs.improve import improve
 from er_model_lab.verbs.load import load
 from er_model_lab.work import STOPPED, Leader
 
-NICE = 19
-"""It has what the loop leaves."""
 OFTEN = 0.2
 """Time between two words on how far it is [s]."""
 
@@ -95,11 +93,7 @@ def _told(result: DiagnosisResult, path: str) -> dict[str, Any]:
 
 def main() -> None:
     """Read the task, say how far it is, and at last the result."""
-    with suppress(OSError):
-        os.sched_setscheduler(
-            0, os.SCHED_OTHER, os.sched_param(0)
-        )  # the loop's priority is not for this
-    os.nice(NICE)
+    step_aside()
     folder, cancel = Path(sys.argv[1]), Event()
     task = Task(**json.loads((folder / TASK).read_text(encoding="utf-8")))
     with np.load(folder / HEARD) as file:
@@ -113,10 +107,7 @@ def main() -> None:
             os._exit(0)
 
     def listen() -> None:
-        while os.read(
-            0, 1024
-        ):  # until the owner closes it, or is gone; a buffer's lock would be held at the end
-            pass
+        wait_for_owner()
         cancel.set()
 
     Thread(target=listen, daemon=True).start()

@@ -11,6 +11,7 @@ import typer
 from er_bringup.up import configuration
 from er_common.usage import OneLineGroup
 from er_models.errors import ErError, UnknownName
+from er_models.files import write_json
 from er_models.places import writable
 
 from er_studies.control import contest_command, inner, tradeoff, whole_car
@@ -19,7 +20,7 @@ from er_studies.control.estimated import estimated
 from er_studies.control.run import WatchOf, compare, run, setup
 from er_studies.control.scenarios import Scenario, load_scenarios
 from er_studies.control.table import markdown
-from er_studies.given_out import Json, Out, say, write_json
+from er_studies.given_out import Json, Out, say
 from er_studies.progress import progress_of
 
 app = typer.Typer(

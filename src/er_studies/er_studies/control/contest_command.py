@@ -15,7 +15,7 @@ from er_ftc_controller.control import Ftc
 from er_ftc_controller.gains import load_gains
 from er_ftc_controller.settings import controller_of
 from er_models.constants import SAMPLE_TIME as DT
-from er_models.files import write_whole
+from er_models.files import write_json, write_whole
 from er_models.model import Array
 from er_models.places import writable
 from er_models.yaml_file import read_yaml
@@ -25,7 +25,7 @@ from er_studies.control.contest import FAULTS, SCORED, TONES, Line, Rider
 from er_studies.control.form_ride import Ridden
 from er_studies.control.peers import PEERS
 from er_studies.control.run import Setup, setup
-from er_studies.given_out import Json, Out, say, write_json
+from er_studies.given_out import Json, Out, say
 from er_studies.progress import progress_of
 
 ONLY = ("both", "iso", "bumps")

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 from er_models.errors import InputError
-from er_models.files import load_model
+from er_models.files import load_model, write_json
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
@@ -24,7 +24,6 @@ from er_studies.faults.statistics import (
     read,
     statistics,
 )
-from er_studies.given_out import write_json
 from er_studies.programs import program_of, run
 
 _ROADS = ("iso8608", "round bumps", "sharp bumps", "tone", "chirp")

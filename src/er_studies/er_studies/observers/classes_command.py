@@ -9,12 +9,12 @@ from typing import Annotated
 
 import numpy as np
 import typer
-from er_models.files import load_model
+from er_models.files import load_model, write_json
 from er_models.model import Array, Model
 from er_models.places import writable
 from numpy.typing import NDArray
 
-from er_studies.given_out import Json, write_json
+from er_studies.given_out import Json
 from er_studies.observers.classes import CASES, CLASSES, MICROMETRES, scenario, with_noise
 from er_studies.observers.estimators import Estimator, estimators_of
 from er_studies.observers.nrmse import nrmse

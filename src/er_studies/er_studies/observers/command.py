@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from er_models.files import load_model, write_whole
+from er_models.files import load_model, write_json, write_whole
 from er_models.model import Model
 from er_models.places import writable
 from rich.console import Console
 
-from er_studies.given_out import Json, write_json
+from er_studies.given_out import Json
 from er_studies.observers.estimators import Estimator, estimators_of
 from er_studies.observers.run import compare, follow
 from er_studies.observers.scenarios.drive import drive

@@ -9,7 +9,7 @@ from typing import Annotated
 import numpy as np
 import typer
 from er_models.constants import SAMPLE_TIME as DT
-from er_models.files import load_model
+from er_models.files import load_model, write_json
 from er_models.model import Array
 from er_models.places import writable
 from er_models.program import Program, times
@@ -18,7 +18,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from er_studies.given_out import Json, write_json
+from er_studies.given_out import Json
 from er_studies.observers.variants import Reached, rate_bounds, reach, variants
 from er_studies.programs import program_of, run
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -48,9 +47,9 @@ def thesis_command(
         with _progress(chapter) as tick:
             made = _CHAPTERS[chapter](config, seed, tick)
         if json_file is not None:
-            from er_models.files import write_whole
+            from er_models.files import write_json
 
-            write_whole(json_file, json.dumps(made.data, indent=1, allow_nan=False) + "\n")
+            write_json(json_file, made.data)
         typer.echo("\n".join(made.lines))
         if report is not None:
             from er_model_lab.output.report.page import write_report
