@@ -12,6 +12,9 @@ from er_records.write import finished_only
 
 from er_model_lab.results.result import Result
 
+TOGETHER = 5000
+"""Recordings that are held at once while they are listed."""
+
 
 @dataclass(frozen=True, repr=False)
 class FleetResult(Result):
@@ -25,21 +28,38 @@ class FleetResult(Result):
     errors: tuple[ErError, ...] = ()
 
     def report(self, folder: str | Path) -> Path:
-        """Write the page, and beside it a page for each unit that was drawn; returns the page.
+        """Write the page, and beside it a page for each unit that was drawn and all recordings; returns the page.
 
         Raises:
             InputError: The folder cannot be written.
             ErError: A package that draws is not installed.
         """
         page = super().report(folder)
-        for name, content in self.pages.items():
-            try:
+        try:
+            for name, content in self.pages.items():
                 with finished_only(page.parent / name) as part:
                     part.write_bytes(content)
-            except OSError as error:
-                place, said = page.parent / name, error.strerror or str(error)
-                raise InputError(place, "report", "a place that can be written", said) from None
+            if "recordings" in self.view.result["tables"]:
+                self._list_recordings(page.parent)
+        except OSError as error:
+            place, said = error.filename or page.parent, error.strerror or str(error)
+            raise InputError(place, "report", "a place that can be written", said) from None
         return page
+
+    def _list_recordings(self, folder: Path) -> None:
+        """Write what the page lists of the recordings."""
+        import pyarrow.parquet as pq
+
+        from er_model_lab.output.report.rows import write_rows
+        from er_model_lab.output.report.sections.fleet import RECORDINGS, SHOWN, recording_row
+
+        with pq.ParquetFile(self.recordings_table) as file:
+            rows = (
+                row
+                for some in file.iter_batches(TOGETHER, columns=SHOWN)
+                for row in some.to_pylist()
+            )
+            write_rows(folder, RECORDINGS, map(recording_row, rows))
 
     @property
     def table(self) -> Path:

@@ -32,7 +32,8 @@ from er_model_lab.output.report.sections import (
 from er_model_lab.view import View
 
 FLEET: tuple[Callable[[View], Section | None], ...] = (
-    fleet.section, fleet.units, fleet.effects, fleet.parameters, fleet.changes, fleet.planned, provenance.section,
+    fleet.section, fleet.units, fleet.effects, fleet.parameters, fleet.changes, fleet.planned, fleet.recordings,
+    provenance.section,
 )  # fmt: skip
 """The sections of a fleet's page."""
 SECTIONS: tuple[Callable[[View], Section | None], ...] = (

@@ -81,6 +81,7 @@ def render(view: View, sections: Sequence[Section], stills: Stills) -> str:
         view=view, sections=sections, names=" ".join(f.name for f in figures),
         picture={name: picture(*both) for name, both in stills.items()},
         style=_asset("page.css"), script=_asset("page.js"),
+        tables=_asset("table.js") if any(s.template == "paged" for s in sections) else "",
         library=plotting_library() if moving else "",
         plots=inflatable(compact(moving)) if moving else "",
     )  # fmt: skip

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
 
+from er_model_lab.output.report.embed import compact
 from er_model_lab.output.report.figure import (
     Axis,
     Figure,
@@ -20,6 +21,7 @@ from er_model_lab.output.report.figure import (
     Tiles,
 )
 from er_model_lab.output.report.palette import AFTER, BEFORE, ERROR, FLOOR, MUTED
+from er_model_lab.output.report.rows import CHUNK, names
 from er_model_lab.output.report.section import Section
 from er_model_lab.output.text.fleet import change, suggested
 from er_model_lab.output.text.units import engineering, parameter, percent, quantity, short
@@ -28,7 +30,25 @@ from er_model_lab.view import FleetView, SeriesView, View
 STRANGEST, MOST_UNITS, MOST_EFFECTS, MOST_PARAMETERS, MOST_NEXT = 10, 40, 14, 8, 30
 PAGE = 50
 """Rows of the table that are seen at once."""
-KM, DAY = 1e3, 86400.0
+KM, DAY, LAST = 1e3, 86400.0, 253402300799.0
+"""Metres, seconds, and the last second that a date can say."""
+RECORDINGS = "recordings"
+RECORDING_HEAD = (
+    "unit", "path", "record", "status", "mileage [km]", "time", "length [s]", "rmse [N]", "refitted [N]", "error",
+)  # fmt: skip
+SHOWN = (
+    "unit",
+    "path",
+    "record",
+    "status",
+    "mileage",
+    "time",
+    "seconds",
+    "rmse",
+    "rmse_refitted",
+    "error",
+)
+"""Columns of the Parquet table that a row of recordings shows."""
 
 
 def _of(view: View) -> FleetView:
@@ -79,13 +99,47 @@ def units(view: View) -> Section:
         ]
         for r in fleet.rows
     ]  # fmt: skip
-    table = json.dumps({"head": head, "rows": rows, "size": PAGE}).replace("<", "\\u003c")
-    return Section(
-        "units",
-        "Table",
-        template="fleet_units",
-        facts={"table": table, "left": fleet.total - len(rows)},
+    left = fleet.total - len(rows)
+    more = f"{left} more units stand in the Parquet table." if left else ""
+    return _paged("units", "Table", head, len(rows), more, rows=rows)
+
+
+def recordings(view: View) -> Section | None:
+    """All recordings in pages, by unit; their rows lie in files beside the page."""
+    if "recordings" not in view.result["tables"]:
+        return None
+    count = view.result["recordings"]
+    return _paged(
+        RECORDINGS, "Recordings", RECORDING_HEAD, count, "", files=names(RECORDINGS, count)
     )
+
+
+def recording_row(row: Mapping[str, Any]) -> list[str]:
+    """Cells of a recording below `RECORDING_HEAD`; row: `SHOWN` of the Parquet table."""
+    far, time, seconds = row["mileage"], row["time"], row["seconds"]
+    return [
+        row["unit"], row["path"], row["record"], row["status"], "" if far is None else short(far / KM), _date(time),
+        short(seconds), short(row["rmse"]), short(row["rmse_refitted"]), row["error"] or "",
+    ]  # fmt: skip
+
+
+def _date(time: float | None) -> str:
+    """A time [s] as a date where its clock counts from 1970, as seconds else."""
+    if time is None:
+        return ""
+    if not DAY < time < LAST:
+        return f"{time:g} s"
+    return datetime.fromtimestamp(time, UTC).strftime("%Y-%m-%d %H:%M:%S")
+
+
+def _paged(
+    key: str, title: str, head: Sequence[str], count: int, note: str, **rows: Sequence[Any]
+) -> Section:
+    """A table that is turned in pages; rows: its `rows`, or the `files` that hold `CHUNK` of them each."""
+    told = {"head": head, "size": PAGE, "chunk": CHUNK if "files" in rows else max(count, 1),
+            "count": count, **rows}  # fmt: skip
+    table = compact(told).replace("<", "\\u003c")
+    return Section(key, title, facts={"table": table, "note": note}, template="paged")
 
 
 def effects(view: View) -> Section | None:
