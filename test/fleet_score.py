@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 from er_model_lab.fleets.overview import overview
+from er_models.files import write_json
 from scipy.stats import t as student
 
 from test.fleet_truth import SPAN, TERMS, Fleet, fleet
@@ -78,11 +80,15 @@ def main() -> None:
     parser.add_argument(
         "--size", type=float, default=1.0, help="of the effects [sd of the noise of the force]"
     )
+    parser.add_argument("--json", type=Path, help="file for the figures")
     asked = parser.parse_args()
     found = score(range(asked.seed, asked.seed + asked.fleets), asked.size)
     print(
         f"{asked.fleets} fleets: {found.right} units rightly named, {found.wrong} wrongly, {found.missed} missed"
     )
+    if asked.json is not None:
+        counts = {"right": found.right, "wrong": found.wrong, "missed": found.missed}
+        write_json(asked.json, {"fleets": asked.fleets, **counts, **found.shown()})
     for name, value in found.shown().items():
         low, high = TARGETS[name]
         print(f"{name:18} {value:.3f}  ({low} to {high})")
