@@ -57,7 +57,7 @@ def test_files_beside_the_page_hold_every_recording(tmp_path):
         rows += json.loads(gzip.decompress(base64.b64decode(packed[1])))
     assert (len(rows), table["count"], table["chunk"]) == (LAST, LAST, CHUNK)
     assert rows[0][:6] == [EVIL, "r/0.csv", "0", "used", "0", "2001-09-09 01:46:40"]
-    assert rows[-1][3:] == ["unreadable", "", "", "-", "-", "-", "Torn file"]
+    assert rows[-1][3:] == ["unreadable", "", "", "-", "-", "-", "", "Torn file"]
     assert {len(row) for row in rows} == {len(table["head"])}
 
 

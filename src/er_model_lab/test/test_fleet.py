@@ -33,6 +33,8 @@ from er_model_lab.fleets.recording import RecordingJob, recording
 from er_model_lab.fleets.run import Run, _overlaps
 from er_model_lab.fleets.source import Source, sources
 from er_model_lab.fleets.store import Store
+from er_model_lab.fleets.trends import trend
+from er_model_lab.fleets.two_groups import two_groups
 from er_model_lab.fleets.unit import MOST_SAMPLES, UnitJob, chosen
 from er_model_lab.output.report.sections.fleet import parameters
 from er_model_lab.work import HERE
@@ -422,9 +424,10 @@ def test_the_same_samples_count_once_whichever_comes_first(
 
 def test_a_unit_that_got_another_damper_changes_where_it_did(tmp_path: Path) -> None:
     rows = []
-    for unit in ("a", "b", "c"):
+    for unit in ("a", "b", "c", "d"):
         for k in range(6):
-            c0 = 1.8 if (unit, k >= 3) == ("b", True) else 1.0
+            other = {"b": k >= 3, "d": k in (1, 2, 4)}.get(unit, False)
+            c0 = 1.8 if other else 1.0
             path = record(tmp_path / f"{unit}{k}.parquet", seed=10 * ord(unit) + k, c0=c0)
             rows.append(f"{path.name},{unit},{10.0 * k}")
     table = tmp_path / "drives.csv"
@@ -432,12 +435,40 @@ def test_a_unit_that_got_another_damper_changes_where_it_did(tmp_path: Path) -> 
     out = tmp_path / "fleet.parquet"
     with ThreadPoolExecutor(1) as pool:
         found = lab.fleet(table, load_model(GUO), out=out, search=False, executor=pool).to_dict()
-    assert [each["unit"] for each in found["differ"]] == ["b"]
+    assert {each["unit"] for each in found["differ"]} == {"b", "d"}
     units = {row["unit"]: row for row in pq.read_table(out).to_pylist()}
     assert [row["changes"] for row in (units["a"], units["c"])] == [[], []]
     change = next(c for c in units["b"]["changes"] if c["quantity"] == "passive.c0")
     assert change["form"] == "step"
     assert 20e3 <= change["at"] <= 30e3
+    recordings = pq.read_table(found["tables"]["recordings"]).to_pylist()
+    assert [r["damper"] for r in recordings if r["unit"] == "d"] == [1, 2, 2, 1, 2, 1]
+    assert {r["damper"] for r in recordings if r["unit"] != "d"} == {None}
+    told = next(each for each in found["differ"] if each["unit"] == "d")
+    assert "passive.c0 in two groups" in told["in"]
+    group = next(c for c in told["changes"] if c["quantity"] == "passive.c0")
+    assert (group["form"], group["axis"]) == ("groups", "recordings")
+    assert group["low"] < group["at"] < group["high"]
+
+
+def test_two_dampers_are_told_where_values_fall_into_two_groups_only() -> None:
+    rng, turns, one = np.random.default_rng(1), np.arange(20) % 2, np.ones(20)
+    chance = [two_groups(y, one, 500) for y in rng.standard_normal((400, 20))]
+    assert sum(f is not None and f.p < 0.05 for f in chance) <= 4
+    wide = [two_groups(4.0 * y, one, 500) for y in rng.standard_normal((100, 20))]
+    assert sum(f is not None and f.p < 0.05 for f in wide) <= 15
+    apart = [two_groups(y + 6.0 * turns, one, 500) for y in rng.standard_normal((50, 20))]
+    assert sum(f is not None and f.p < 1e-6 and f.low < f.at < f.high for f in apart) >= 47
+    once = 6.0 * (turns.cumsum() > 5) + rng.standard_normal(20)
+    step = trend(np.arange(20.0), once, one, 500)
+    assert step is not None
+    exchanged = two_groups(once, one, 500, step.criterion)
+    assert exchanged is not None
+    assert exchanged.p == 1.0
+    outlier = two_groups(np.r_[rng.standard_normal(19), 50.0], one, 500)
+    assert outlier is not None
+    assert outlier.p == 1.0
+    assert two_groups(one[:5], one[:5], 500) is None
 
 
 def test_clocks_that_overlap_are_told() -> None:

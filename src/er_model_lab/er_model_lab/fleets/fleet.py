@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -22,7 +22,7 @@ from er_model_lab.fleets.run import Run
 from er_model_lab.fleets.source import sources
 from er_model_lab.fleets.store import Store
 from er_model_lab.results.fleet import FleetResult
-from er_model_lab.results.fleet_view import fleet_view
+from er_model_lab.results.fleet_view import fleet_view, value_in
 from er_model_lab.results.values import clean
 from er_model_lab.view import View
 from er_model_lab.work import STOPPED, Event, Progress, Work
@@ -178,7 +178,12 @@ def _written(run: Run, found: Overview, table: Path) -> tuple[dict[str, str], li
     written, errors = dict[str, str](), list[ErError]()
     for what, columns, rows, place in (
         ("units", tables.unit_columns(model), _unit_rows(store, found), table),
-        ("recordings", tables.recording_columns(model, more), _recording_rows(store), beside),
+        (
+            "recordings",
+            tables.recording_columns(model, more),
+            _recording_rows(store, found),
+            beside,
+        ),
     ):
         try:
             tables.write(columns, rows, place, about)
@@ -204,12 +209,22 @@ def _unit_rows(store: Store, found: Overview) -> Iterator[dict[str, Any]]:
         }  # fmt: skip
 
 
-def _recording_rows(store: Store) -> Iterator[dict[str, Any]]:
-    """Rows of the recordings as the table holds them."""
+def _recording_rows(store: Store, found: Overview) -> Iterator[dict[str, Any]]:
+    """Rows of the recordings as the table holds them, each with its damper where its unit seems to hold two."""
+    halves = {
+        unit: next((c for c in told["changes"] if c["form"] == "groups"), None)
+        for unit, told in found.units.items()
+    }
     for part in store.parts():
         known = {n: v for n, v in (part.get("values") or {}).items() if v[0] is not None}
         values = {n: v[0] for n, v in known.items()} | {f"{n}_sd": v[1] for n, v in known.items()}
-        yield {**part["more"], **part, **values}
+        yield {**part["more"], **part, **values, "damper": _damper(part, halves.get(part["unit"]))}
+
+
+def _damper(part: Mapping[str, Any], groups: Mapping[str, Any] | None) -> int | None:
+    """Which of two dampers a recording is of, by the groups of its unit."""
+    value = value_in(groups["quantity"], part)[0] if groups else None
+    return None if value is None or groups is None else 1 + (value > groups["at"])
 
 
 def _asked_for(each: dict[str, Any]) -> str:

@@ -27,9 +27,12 @@ from er_model_lab.fleets.pooled import (
     pooled,
 )
 from er_model_lab.fleets.trends import Trend, scatter, spread_within, trend
+from er_model_lab.fleets.two_groups import two_groups
 
 Row = Mapping[str, Any]
 AXES = ("mileage", "time")
+GROUPS = "recordings"
+"""In place of an axis where the values of a unit fall into two groups, whatever their order."""
 COMMON = 0.5
 """Share of the units from which an effect is one of the kind, not of a unit [1]."""
 ERROR = "ln rmse"
@@ -85,9 +88,7 @@ class _Tested:
         """What the unit may differ in here, with its probability by chance."""
         k = self.place.get(unit, self.p.size)
         found = [(self.name, float(self.p[k]))] if k < self.p.size else []
-        return found + [
-            (f"{self.name} over {a}", t.p) for a, t in self.trends.get(unit, {}).items()
-        ]
+        return found + [(_told(self.name, a), t.p) for a, t in self.trends.get(unit, {}).items()]
 
 
 def overview(units: Iterable[Row], recordings: Iterable[Row]) -> Overview:
@@ -117,6 +118,11 @@ def overview(units: Iterable[Row], recordings: Iterable[Row]) -> Overview:
         for k, name in enumerate(names)
     }
     return Overview(_content(rows, count, effects, tested, told, units_of), told)
+
+
+def _told(name: str, axis: str) -> str:
+    """What a unit differs in where a quantity changes, or falls into two groups."""
+    return f"{name} in two groups" if axis == GROUPS else f"{name} over {axis}"
 
 
 def _limit(named: Mask) -> float:
@@ -204,9 +210,9 @@ def _changes(
         variance = np.maximum(s**2 + within**2, 1e-300)
         each = [
             (k, axis, seen)
-            for k, own in _by_unit(unit) for axis, along in axes.items()
-            if (seen := trend(along[own], y[own], variance[own], freedom)) is not None
-        ]  # fmt: skip
+            for k, own in _by_unit(unit)
+            for axis, seen in _forms(own, y, variance, axes, freedom)
+        ]
         found = {names[k]: {} for k, _, _ in each}
         for k, axis, seen in each:
             found[names[k]][axis] = seen
@@ -216,6 +222,19 @@ def _changes(
             _, place = np.unique(unit[steady], return_inverse=True)
             within = spread_within(place, y[steady], s[steady])
     return within, found
+
+
+def _forms(
+    own: Places, y: Array, variance: Array, axes: Mapping[str, Array], freedom: int
+) -> Iterator[tuple[str, Trend]]:
+    """What the values of a unit at these places show along each axis, and whether they fall into two groups."""
+    least = math.inf
+    for axis, along in axes.items():
+        if (seen := trend(along[own], y[own], variance[own], freedom)) is not None:
+            least = min(least, seen.criterion)
+            yield axis, seen
+    if (seen := two_groups(y[own], variance[own], freedom, least)) is not None:
+        yield GROUPS, seen
 
 
 def _by_unit(unit: Places) -> Iterator[tuple[int, Places]]:
@@ -283,7 +302,7 @@ def _unit(
     changes = [
         {"quantity": t.name, "axis": axis, **_change(seen)}
         for t in tested for axis, seen in t.trends.get(name, {}).items()
-        if named and f"{t.name} over {axis}" in certain
+        if named and _told(t.name, axis) in certain
     ]  # fmt: skip
     values = {
         t.name: [float(t.pooled.value[k]), float(t.pooled.value_sd[k]), float(t.pooled.weight[k])]

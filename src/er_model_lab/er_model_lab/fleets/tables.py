@@ -60,7 +60,7 @@ UNITS: tuple[Column, ...] = (
     ("p", pa.float64(), "1", "probability that a unit differs as much by chance"),
     ("differs", pa.bool_(), "", "whether it differs, at a false discovery rate of 5 %"),
     ("differs_in", NAMES, "", "in what, the least probable first"),
-    ("changes", CHANGES, "", "what changes along mileage [m] or time [s]; quantity in its own unit"),
+    ("changes", CHANGES, "", "what changes along mileage [m] or time [s], or falls into two groups"),
     ("next", NAMES, "", "what to record next"),
     ("values", VALUE, "", "every parameter of the best model"),
     ("notes", NAMES, "", "what to know of the data"), ("error", pa.string(), "", "why there is no diagnosis"),
@@ -79,6 +79,7 @@ RECORDINGS: tuple[Column, ...] = (
     ("rmse_refitted", pa.float64(), "N", "error of the model refitted to this recording alone"),
     ("deflection", pa.float64(), "m", "reach"), ("velocity", pa.float64(), "m/s", "reach"),
     ("duty", pa.float64(), "1", "reach"),
+    ("damper", pa.int64(), "1", "1 or 2 where the unit's recordings show two dampers"),
     ("digest", pa.string(), "", "SHA-256 of the samples"), ("notes", NAMES, "", "what was repaired or derived"),
 )  # fmt: skip
 

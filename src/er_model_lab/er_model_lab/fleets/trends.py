@@ -9,7 +9,7 @@ the mean of its places, weighted by their likelihood.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -19,7 +19,7 @@ from scipy.stats import t as student
 
 from er_model_lab.fleets.pooled import MAD, Array, Places, means
 
-Form = Literal["line", "step", "bend"]
+Form = Literal["line", "step", "bend", "groups"]
 FEWEST = 4
 """Values from which on a series can show a change."""
 PLACES = 40
@@ -31,7 +31,8 @@ class Trend:
     """The best change of a series.
 
     form: a straight line, a step, or a bend (nothing, then a line); at: where it begins, low and high: where it may;
-    change: from the first to the last value; sd: its deviation; p: of a series that changes nothing.
+    change: from the first to the last value; sd: its deviation; p: of a series that changes nothing; criterion:
+    Bayesian, beside that of a series of which only the mean is unknown. The form `groups` is that of `two_groups`.
     """
 
     form: Form
@@ -41,6 +42,7 @@ class Trend:
     change: float
     sd: float
     p: float
+    criterion: float
 
 
 def trend(x: Array, y: Array, variance: Array, freedom: int) -> Trend | None:
@@ -61,9 +63,8 @@ def trend(x: Array, y: Array, variance: Array, freedom: int) -> Trend | None:
         ("bend", bends[1:], np.maximum(x - bends[1:, None], 0.0), steps.size),
     ]
     found = [_best(form, at, shapes, n, (x, y, w), left, freedom) for form, at, shapes, n in forms]
-    p = min(1.0, len(forms) * min(f.p for f, _ in found))
-    best = min(found, key=lambda pair: pair[1])[0]
-    return Trend(best.form, best.at, best.low, best.high, best.change, best.sd, p)
+    p = min(1.0, len(forms) * min(f.p for f in found))
+    return replace(min(found, key=lambda f: f.criterion), p=p)
 
 
 def _best(
@@ -74,8 +75,8 @@ def _best(
     series: tuple[Array, Array, Array],
     left: float,
     freedom: int,
-) -> tuple[Trend, float]:
-    """The best place of a form, and its information criterion."""
+) -> Trend:
+    """The best place of a form."""
     x, y, w = series
     centred = shapes - (shapes @ w / w.sum())[:, None]
     square = centred**2 @ w
@@ -91,7 +92,8 @@ def _best(
     sd = float(reach[k]) / math.sqrt(square[k]) if square[k] > 0.0 else math.inf
     p = min(1.0, n * 2.0 * float(student.sf(math.sqrt(gains[k]), freedom)))
     price = math.log(y.size) * (1 if form == "line" else 2)
-    return Trend(form, at, low, high, float(slopes[k] * reach[k]), sd, p), left - gains[k] + price
+    criterion = float(left - gains[k] + price)
+    return Trend(form, at, low, high, float(slopes[k] * reach[k]), sd, p, criterion)
 
 
 def scatter(unit: Places, x: Array, y: Array, s: Array) -> float | None:

@@ -32,12 +32,13 @@ def _series(
 ) -> SeriesView:
     """The values of a unit's recordings that change."""
     quantity, axis = change["quantity"], change["axis"]
-    found = [(p[axis], *_value(quantity, p)) for p in parts if p.get(axis) is not None]
+    numbered = ({"recordings": n, **part} for n, part in enumerate(parts, 1))
+    found = [(p[axis], *value_in(quantity, p)) for p in numbered if p.get(axis) is not None]
     x, y, s = np.array([f for f in found if f[2] is not None], float).reshape(-1, 3).T
     return SeriesView(unit, quantity, axis, x, y, s, change)
 
 
-def _value(quantity: str, part: Mapping[str, Any]) -> tuple[float | None, float | None]:
+def value_in(quantity: str, part: Mapping[str, Any]) -> tuple[float | None, float | None]:
     """Value and deviation of a quantity in one recording."""
     if quantity in (part.get("values") or {}):
         value, sd, _ = part["values"][quantity]

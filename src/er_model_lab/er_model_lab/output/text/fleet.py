@@ -19,7 +19,10 @@ def suggested(each: Mapping[str, Any]) -> str:
 
 def change(each: Mapping[str, Any]) -> str:
     """A change in words."""
+    size = parameter([each["change"], each["sd"], ""]).strip()
+    if each["form"] == "groups":
+        low, high = short(each["low"]), short(each["high"])
+        return f"{each['quantity']} in two groups, {size} apart: about {low} and about {high}"
     scale, unit = (1e-3, "km") if each["axis"] == "mileage" else (1.0 / 86400.0, "days")
     forms = {"line": "in a line from", "step": "at once at", "bend": "from"}
-    size = parameter([each["change"], each["sd"], ""]).strip()
     return f"{each['quantity']} by {size} {forms[each['form']]} {each['axis']} {short(each['at'] * scale)} {unit}"

@@ -34,7 +34,8 @@ KM, DAY, LAST = 1e3, 86400.0, 253402300799.0
 """Metres, seconds, and the last second that a date can say."""
 RECORDINGS = "recordings"
 RECORDING_HEAD = (
-    "unit", "path", "record", "status", "mileage [km]", "time", "length [s]", "rmse [N]", "refitted [N]", "error",
+    "unit", "path", "record", "status", "mileage [km]", "time", "length [s]", "rmse [N]", "refitted [N]",
+    "damper", "error",
 )  # fmt: skip
 SHOWN = (
     "unit",
@@ -46,6 +47,7 @@ SHOWN = (
     "seconds",
     "rmse",
     "rmse_refitted",
+    "damper",
     "error",
 )
 """Columns of the Parquet table that a row of recordings shows."""
@@ -101,7 +103,7 @@ def units(view: View) -> Section:
     ]  # fmt: skip
     left = fleet.total - len(rows)
     more = f"{left} more units stand in the Parquet table." if left else ""
-    return _paged("units", "Table", head, len(rows), more, rows=rows)
+    return _paged("units", "Units", head, len(rows), more, rows=rows)
 
 
 def recordings(view: View) -> Section | None:
@@ -119,7 +121,8 @@ def recording_row(row: Mapping[str, Any]) -> list[str]:
     far, time, seconds = row["mileage"], row["time"], row["seconds"]
     return [
         row["unit"], row["path"], row["record"], row["status"], "" if far is None else short(far / KM), _date(time),
-        short(seconds), short(row["rmse"]), short(row["rmse_refitted"]), row["error"] or "",
+        short(seconds), short(row["rmse"]), short(row["rmse_refitted"]),
+        str(row["damper"] or ""), row["error"] or "",
     ]  # fmt: skip
 
 
@@ -220,7 +223,8 @@ def changes(view: View) -> Section | None:
 
 def _panel(seen: SeriesView) -> Panel:
     """One series with its deviations, and where the change begins."""
-    scale, unit = (KM, "km") if seen.axis == "mileage" else (DAY, "days")
+    along = {"mileage": (KM, "mileage [km]"), "recordings": (1.0, "recordings in order")}
+    scale, label = along.get(seen.axis, (DAY, "time [days]"))
     x, y, s = seen.x / scale, seen.y, seen.s
     bars = [
         Line(np.array([a, a]), np.array([b - e, b + e]), "", AFTER, 1.0)
@@ -229,9 +233,10 @@ def _panel(seen: SeriesView) -> Panel:
     drawn: tuple[Mark, ...] = (
         *bars,
         Points(x, y, "", AFTER, 5.0, 1.0),
-        Level(seen.change["at"] / scale, "", FLOOR, vertical=True),
-    )
-    return Panel(drawn, Axis(f"{seen.axis} [{unit}]"), Axis(), f"{seen.unit}: {seen.quantity}")
+        Level(seen.change["at"], "", FLOOR) if seen.change["form"] == "groups"
+        else Level(seen.change["at"] / scale, "", FLOOR, vertical=True),
+    )  # fmt: skip
+    return Panel(drawn, Axis(label), Axis(), f"{seen.unit}: {seen.quantity}")
 
 
 def planned(view: View) -> Section | None:
