@@ -17,7 +17,6 @@ import numpy as np
 from er_models.effect import Effect, arguments
 from er_models.model import Array, Model
 from er_models.prediction import predict
-from scipy.signal import lfilter
 
 from er_model_lab.diagnosis.candidates import Candidate, effect_size
 from er_model_lab.diagnosis.search import DOUBT, NEARLY, Round, passes
@@ -102,6 +101,8 @@ def _undecided(best: Candidate, effect: Effect, past: Past, problem: Problem) ->
 
 def _clocks(model: Model, effect: Effect, past: Past) -> tuple[Array, Array]:
     """Time and heat (n,) [W]: what a wall has taken up since each record began, of the mean power and of the power."""
+    from scipy.signal import lfilter
+
     motion, rows = past
     constant = model.value(effect.name, slow(effect))
     power, keeps = np.abs(predict(model, motion) * motion.v), np.exp(-motion.dt / constant)

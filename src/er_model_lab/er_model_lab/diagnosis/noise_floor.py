@@ -14,7 +14,6 @@ import numpy as np
 from er_models.model import Array
 from er_models.seed import LARGEST
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 from threadpoolctl import threadpool_limits
 
 from er_model_lab.diagnosis.candidates import Candidate
@@ -90,6 +89,8 @@ def features(problem: Problem, force: Array) -> Array:
         return np.concatenate([np.full(k, y[0]), y[:-k]])
 
     def slow(y: Array, seconds: float) -> Array:
+        from scipy.signal import lfilter
+
         c = np.exp(-dt / seconds)
         return np.asarray(lfilter([1.0 - c], [1.0, -c], y))
 

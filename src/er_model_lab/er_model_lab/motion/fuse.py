@@ -23,7 +23,6 @@ from functools import cached_property
 import numpy as np
 from er_models.model import Array
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from er_model_lab.motion.chain import LAGGING, STATES, filtered, ramps, smoothed
 
@@ -185,6 +184,8 @@ def fuse(ch: Channels, noise: Noise, spread: Array | None = None) -> Fused:
 
 def as_measured(fused: Fused, dt: float) -> Array:
     """What the channels would show of a fused motion without noise: x, lagging v, a, (n, 3)."""
+    from scipy.signal import lfilter
+
     lag = fused.noise.lag
     if lag <= SHORTEST_LAG * dt:
         return np.stack([fused.x, fused.v - lag * fused.a, fused.a], axis=1)

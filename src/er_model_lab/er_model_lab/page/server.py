@@ -58,10 +58,11 @@ def serve(
     logging.getLogger("nicegui").setLevel(logging.ERROR)
     app.on_startup(lambda: asyncio.create_task(ready()))
     app.on_shutdown(desk.shut)
+    # nothing is packed: within one machine that takes longer than it saves
     ui.run(
         host=host, port=port, title="Model lab", show=False, reload=False, dark=None, show_welcome_message=False,
         language="en-US", favicon=FAVICON, uvicorn_logging_level="error", access_log=False, reconnect_timeout=30.0,
-        forwarded_allow_ips="",
+        forwarded_allow_ips="", gzip_middleware_factory=None,
     )  # fmt: skip
 
 

@@ -46,6 +46,8 @@ LIVE: dict[str, tuple[Callable[[Heard, plots.Theme], plots.Json], int]] = {
 """The same of a running graph, and every how many turns each is drawn anew."""
 TURN = 0.5
 """Time of a turn [s]."""
+AHEAD = '<script type="module">import("nicegui-plotly")</script>'
+"""Has the browser fetch what draws the plots while it makes the rest of the page."""
 STYLE = """
 .lab { display: grid; grid-template-columns: minmax(330px, 400px) 1fr; gap: 12px; width: 100%; align-items: start; }
 .lab > * { min-width: 0; }
@@ -77,6 +79,7 @@ class View:
         self.turn, self.holding = 0, False
         self.dark = ui.dark_mode(None)
         ui.add_css(STYLE + HELP)
+        ui.add_head_html(AHEAD)
         described()
         ui.colors(primary="#1f5f99", accent="#9c4a7c")
         self._header()

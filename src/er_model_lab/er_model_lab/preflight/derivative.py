@@ -17,10 +17,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import csd, firwin, welch
 
 Array = NDArray[np.float64]
 
@@ -38,8 +38,6 @@ UNMISTAKABLE = 0.5
 """Phase of a delay [rad] up to which it cannot be a turned sign, in a record of few periods."""
 CARRIED = 0.5
 """Share of the power that must lie in lines that count."""
-HALF_BAND = np.asarray(firwin(19, 0.5, window=("kaiser", 6.0)))
-"""Taps of the filter before each halving of the rate: what would fold onto frequencies that count loses 60 dB."""
 
 
 @dataclass(frozen=True)
@@ -74,9 +72,17 @@ def _rates(y: Array, z: Array, dt: float) -> Iterator[tuple[Array, Array, float]
         y, z, dt = _halved(y), _halved(z), 2.0 * dt
 
 
+@cache
+def _half_band() -> Array:
+    """Taps of the filter before each halving of the rate: what would fold onto frequencies that count loses 60 dB."""
+    from scipy.signal import firwin
+
+    return np.asarray(firwin(19, 0.5, window=("kaiser", 6.0)))
+
+
 def _halved(y: Array) -> Array:
     """A channel at half its rate, without the ends that the filter does not fill."""
-    return np.asarray(np.convolve(y, HALF_BAND, "valid")[::2])
+    return np.asarray(np.convolve(y, _half_band(), "valid")[::2])
 
 
 def _length(n: int) -> int:
@@ -96,6 +102,8 @@ def _at_rate(
     y: Array, z: Array, dt: float, order: int, highest: float, lowest: int, least: float
 ) -> Relation | None:
     """Relation at the rate the channels have, of lines from `lowest` on with a squared coherence above `least`."""
+    from scipy.signal import csd, welch
+
     length = _length(y.size)
     slope, z = _difference(y, order, dt), z[1:-1]
     f, cross = csd(slope, z, 1.0 / dt, nperseg=length)

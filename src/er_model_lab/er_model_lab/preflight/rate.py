@@ -9,7 +9,6 @@ import numpy as np
 from er_models.model import Array
 from er_records.missing_channels import ACCELEROMETERS
 from er_records.record import HELD, Record
-from scipy.signal import firwin, kaiserord, welch
 
 SPOKEN = ("damper_force", *ACCELEROMETERS)
 """Channels that a model must describe: their content decides."""
@@ -27,6 +26,8 @@ WINDOW = 2.0
 
 def highest(y: Array, rate: float) -> float:
     """Frequency [Hz] above which `ABOVE` of the variance of a channel (n,) lies, white noise aside."""
+    from scipy.signal import welch
+
     f, power = welch(y, rate, nperseg=min(y.size, round(WINDOW * rate)), detrend="linear")
     noise = float(np.median(power[f > 0.8 * f[-1]]))
     signal = np.maximum(power - 2.0 * noise, 0.0)
@@ -57,6 +58,8 @@ def _slower(record: Record, name: str, every: int) -> Array:
 
     Beyond its ends a channel goes on point-symmetrically, so that the filter bends neither a rest nor a steady motion.
     """
+    from scipy.signal import firwin, kaiserord
+
     y = record.bridged(name)
     if name in HELD:
         begins = np.arange(0, y.size, every)

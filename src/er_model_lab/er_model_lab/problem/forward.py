@@ -13,7 +13,6 @@ from er_models.model import Array, Model
 from er_models.prediction import SUBSTEP, Motion, beginnings, predict, predict_many, substeps
 from er_models.scales import Scales
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from er_model_lab.problem.motion_error import Sensed, drawn
 
@@ -168,6 +167,8 @@ class DamperForward:
         self, residual: Array, size: float, colour: float, rng: np.random.Generator, m: int
     ) -> Array:
         """First-order autoregressive noise of the force."""
+        from scipy.signal import lfilter
+
         white = rng.standard_normal((m, residual.size)) * np.sqrt(1.0 - colour**2)
         return np.asarray(size * lfilter([1.0], [1.0, -colour], white))
 

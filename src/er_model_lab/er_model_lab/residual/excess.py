@@ -13,7 +13,6 @@ import itertools
 import numpy as np
 from er_models.model import Array
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.region import Region, RegionTable
@@ -63,6 +62,8 @@ def region_tables(
 
 def quantities(problem: Problem, force: Array) -> list[tuple[str, str, Array]]:
     """Name, unit and values (n,) of what the error may depend on; force (n,): what the model predicts [N]."""
+    from scipy.signal import lfilter
+
     m = problem.motion
     rate = np.concatenate([[0.0], np.diff(m.u)]) / m.dt
     recent = np.asarray(lfilter([1.0], [1.0, -np.exp(-m.dt / 0.05)], np.abs(rate) * m.dt))

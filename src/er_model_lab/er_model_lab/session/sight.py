@@ -14,7 +14,6 @@ from er_models.model import Array, Model
 from er_records.dataset import Dataset
 from er_records.record import Record
 from numpy.typing import NDArray
-from scipy.signal import welch
 
 from er_model_lab.fitting.velocity_channel import KINEMATIC, on_fused
 from er_model_lab.level.damper import DamperLevel, opened
@@ -241,6 +240,8 @@ def loops(
 
 def spectrum(sight: Sight, residual: Array, mask: Mask) -> Curve:
     """Frequency [Hz] and amplitude density [N/sqrt(Hz)] of what is left where it is selected."""
+    from scipy.signal import welch
+
     y = np.where(mask & np.isfinite(residual), residual, 0.0)
     share = float(np.mean(mask))
     n = min(SEGMENT, y.size)

@@ -17,7 +17,6 @@ import numpy as np
 from er_models.model import Array
 from er_models.scales import Scales
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from er_model_lab.problem.problem import Problem
 from er_model_lab.terms.learn import Learnt
@@ -150,6 +149,8 @@ def _signals(problem: Problem, lag: float) -> dict[str, Array]:
     m = problem.motion
     out = {"v": m.v, "x": m.x, "a": m.a, "u": m.u}
     if lag:
+        from scipy.signal import lfilter
+
         c, w = np.exp(-m.dt / lag), np.empty(m.n)
         for i, j in itertools.pairwise(m.starts.tolist()):
             w[i:j] = lfilter([1.0 - c], [1.0, -c], m.v[i:j], zi=[c * m.v[i]])[0]

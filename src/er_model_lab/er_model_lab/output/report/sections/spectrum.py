@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.signal import welch
 
 from er_model_lab.output.report.figure import Axis, Figure, Level, Line, Mark, Panel
 from er_model_lab.output.report.palette import AFTER, BEFORE, FLOOR
@@ -45,6 +44,8 @@ def section(view: View) -> Section | None:
 
 def density(residuals: Sequence[Array], records: Sequence[RecordView]) -> tuple[Array, Array]:
     """Frequencies [Hz] and amplitude density [N/sqrt(Hz)], averaged over the records."""
+    from scipy.signal import welch
+
     rate = 1.0 / float(np.median(np.diff(records[0].t)))
     length = min(LENGTH, *(r.size for r in residuals))
     total, weight, f = np.zeros(length // 2 + 1), 0.0, np.zeros(0)
