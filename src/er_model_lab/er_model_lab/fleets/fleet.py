@@ -223,8 +223,10 @@ def _recording_rows(store: Store, found: Overview) -> Iterator[dict[str, Any]]:
 
 def _damper(part: Mapping[str, Any], groups: Mapping[str, Any] | None) -> int | None:
     """Which of two dampers a recording is of, by the groups of its unit."""
-    value = value_in(groups["quantity"], part)[0] if groups else None
-    return None if value is None or groups is None else 1 + (value > groups["at"])
+    if groups is None:
+        return None
+    value, _ = value_in(groups["quantity"], part)
+    return None if value is None else 1 + (value > groups["at"])
 
 
 def _asked_for(each: dict[str, Any]) -> str:

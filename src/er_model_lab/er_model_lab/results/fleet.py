@@ -12,9 +12,6 @@ from er_records.write import finished_only
 
 from er_model_lab.results.result import Result
 
-TOGETHER = 5000
-"""Recordings that are held at once while they are listed."""
-
 
 @dataclass(frozen=True, repr=False)
 class FleetResult(Result):
@@ -50,13 +47,13 @@ class FleetResult(Result):
         """Write what the page lists of the recordings."""
         import pyarrow.parquet as pq
 
-        from er_model_lab.output.report.rows import write_rows
+        from er_model_lab.output.report.rows import CHUNK, write_rows
         from er_model_lab.output.report.sections.fleet import RECORDINGS, SHOWN, recording_row
 
         with pq.ParquetFile(self.recordings_table) as file:
             rows = (
                 row
-                for some in file.iter_batches(TOGETHER, columns=SHOWN)
+                for some in file.iter_batches(CHUNK, columns=[*SHOWN])
                 for row in some.to_pylist()
             )
             write_rows(folder, RECORDINGS, map(recording_row, rows))

@@ -33,24 +33,11 @@ PAGE = 50
 KM, DAY, LAST = 1e3, 86400.0, 253402300799.0
 """Metres, seconds, and the last second that a date can say."""
 RECORDINGS = "recordings"
-RECORDING_HEAD = (
-    "unit", "path", "record", "status", "mileage [km]", "time", "length [s]", "rmse [N]", "refitted [N]",
-    "damper", "error",
-)  # fmt: skip
-SHOWN = (
-    "unit",
-    "path",
-    "record",
-    "status",
-    "mileage",
-    "time",
-    "seconds",
-    "rmse",
-    "rmse_refitted",
-    "damper",
-    "error",
-)
-"""Columns of the Parquet table that a row of recordings shows."""
+SHOWN = {
+    "unit": "unit", "path": "path", "record": "record", "status": "status", "mileage": "mileage [km]", "time": "time",
+    "seconds": "length [s]", "rmse": "rmse [N]", "rmse_refitted": "refitted [N]", "damper": "damper", "error": "error",
+}  # fmt: skip
+"""Columns of the Parquet table that a row of recordings shows, each with its heading."""
 
 
 def _of(view: View) -> FleetView:
@@ -111,13 +98,12 @@ def recordings(view: View) -> Section | None:
     if "recordings" not in view.result["tables"]:
         return None
     count = view.result["recordings"]
-    return _paged(
-        RECORDINGS, "Recordings", RECORDING_HEAD, count, "", files=names(RECORDINGS, count)
-    )
+    head = tuple(SHOWN.values())
+    return _paged(RECORDINGS, "Recordings", head, count, "", files=names(RECORDINGS, count))
 
 
 def recording_row(row: Mapping[str, Any]) -> list[str]:
-    """Cells of a recording below `RECORDING_HEAD`; row: `SHOWN` of the Parquet table."""
+    """Cells of a recording below the headings of `SHOWN`; row: these columns of the Parquet table."""
     far, time, seconds = row["mileage"], row["time"], row["seconds"]
     return [
         row["unit"], row["path"], row["record"], row["status"], "" if far is None else short(far / KM), _date(time),
