@@ -37,6 +37,8 @@ TONE = (0.4, 0.6)
 """Square of the irregularity: a rough road up to the first, a tone from the second on."""
 LEAKING = 0.6
 """Share f_2 f_3 of the viscous force at which the gain of the leaking car acts alone; above, a mixture."""
+COMFORT = (0.06, 0.23)
+"""Share of the resonance's gain that goes to that of a rough road, which weighs comfort: healthy, and at that loss."""
 QUIET = 0.014
 """Acceleration over that of a swing by the stroke that counts as none."""
 
@@ -148,7 +150,11 @@ def _shares(told: Told, ratio: float, left: float) -> Shares:
     slow = min(1.0 - _ramp(ratio, SLOW), calm)
     rough = (1.0 - _ramp(_irregularity2(told), TONE)) * (1.0 - calm)
     lost = _ramp(1.0 - left, (0.0, 1.0 - LEAKING))
-    return Shares(slow, calm - slow, rough * (1.0 - lost), rough * lost)
+    comfort = COMFORT[0] + (COMFORT[1] - COMFORT[0]) * lost
+    resonance = calm - slow
+    return Shares(
+        slow, (1.0 - comfort) * resonance, comfort * resonance + rough * (1.0 - lost), rough * lost
+    )
 
 
 def _irregularity2(told: Told) -> float:

@@ -12,7 +12,7 @@ import yaml
 from er_ftc_controller.control import Ftc, Sample
 from er_ftc_controller.gains import Loaded, load_gains
 from er_ftc_controller.settings import FtcParameters, controller_of
-from er_ftc_controller.state_law import START, Shares, StateLaw, step
+from er_ftc_controller.state_law import COMFORT, START, Shares, StateLaw, step
 from er_ftc_controller.synthesis.state_lqr import (
     StateDesign,
     StateWeights,
@@ -128,12 +128,14 @@ def test_what_is_not_proved_is_refused(car: Model, loaded: Loaded, tmp_path: Pat
 
 
 @pytest.mark.parametrize(
-    ("hertz", "shares"), [(1.5, (1.0, 0.0)), (4.3, (0.0, 1.0)), (9.0, (0.0, 0.0))]
+    ("hertz", "shares"),
+    [(1.5, (1.0, 0.0, 0.0)), (4.3, (0.0, 1.0 - COMFORT[0], COMFORT[0])), (9.0, (0.0, 0.0, 0.0))],
 )
 def test_the_frequency_of_the_motion_chooses_the_gain(
-    law: StateLaw, hertz: float, shares: tuple[float, float]
+    law: StateLaw, hertz: float, shares: tuple[float, float, float]
 ) -> None:
-    assert tone(law, hertz) == pytest.approx((*shares, 0.0, 0.0), abs=0.02)
+    """A part of the resonance's share goes to the gain that weighs comfort."""
+    assert tone(law, hertz) == pytest.approx((*shares, 0.0), abs=0.02)
 
 
 def test_a_leak_hands_a_rough_road_over_to_the_gain_of_the_leaking_car(law: StateLaw) -> None:
@@ -158,7 +160,8 @@ def test_a_leak_hands_a_rough_road_over_to_the_gain_of_the_leaking_car(law: Stat
     assert lost.leaking == pytest.approx(healthy.rough)
     assert shares(0.5, *rough) == lost
     for hertz in (1.5, 4.3, 7.0, 8.0, 10.0, 15.0):
-        assert shares(0.6, hertz)[2:] == (0.0, pytest.approx(0.0, abs=0.02))
+        _, resonance, part, leaking = shares(0.6, hertz)
+        assert (part, leaking) == pytest.approx((COMFORT[1] * (resonance + part), 0.0), abs=0.02)
 
 
 def test_a_fast_edge_does_not_take_the_gain_from_what_follows(law: StateLaw) -> None:

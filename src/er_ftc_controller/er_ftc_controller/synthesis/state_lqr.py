@@ -57,7 +57,7 @@ class StateDesign:
     """
 
     slow: float = 0.33
-    resonance: StateWeights = StateWeights(1.0, 1.29, 0.96, 3.9, 3.33)
+    resonance: StateWeights = StateWeights(1.0, 1.03, 0.63, 5.6, 2.55)
     rough: StateWeights = StateWeights(1.0, 1.5, 1000.0, 1.3, 5.0)
     leaking: StateWeights = StateWeights(1.0, 1.5, 1000.0, 1.3, 2.0)
 
