@@ -48,7 +48,7 @@ class PlayedGraph:
     ) -> None:
         self.rows, self.at = _driven(truth, seconds, seed), 0
         self.rules = Rules(blocks=round(learn / 0.25))
-        self.used: list[str] = []
+        self.used, self.observers = list[str](), False
         self.told: Callable[[dict[str, Any]], None] = lambda _: None
         self._take(str(model))
         self.model = str(model)
@@ -62,8 +62,9 @@ class PlayedGraph:
         self.monitor = monitor(load_model(path), DT, 0.05, self.rules)
         self.mind = compare.State()
 
-    def use(self, model: str) -> None:
-        """The monitor goes on with another model."""
+    def use(self, model: str, *, observers: bool = False) -> None:
+        """The monitor goes on with another model; observers: whether those are asked, too."""
+        self.observers = observers
         try:
             self._take(model)
         except ErError as error:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -152,6 +153,33 @@ def test_what_was_learnt_goes_to_the_monitor_and_the_live_error_falls(tmp_path: 
         assert make(desk.heard, plots.DARK)["data"]
     graph.use(str(tmp_path / "none.yaml"))
     assert "none.yaml" in desk.refused
+
+
+@pytest.mark.parametrize("wanted", [False, True])
+def test_observers_go_over_where_that_is_asked(tmp_path: Path, wanted: bool) -> None:
+    graph = PlayedGraph(load_model(VEHICLE), 1.0)
+    desk = beside(graph, tmp_path)
+    desk.observers = wanted
+    desk.learnt(load_model(VEHICLE))
+    assert graph.observers is wanted
+
+
+def test_observers_of_the_namespace_are_those_that_say_a_force() -> None:
+    pytest.importorskip("rclpy")
+    from er_model_lab.ros_live import Listener
+
+    publishers = {
+        "/left/force/unified": ["unified_observer"], "/left/force/nlpv_gridding": [],
+        "/right/force/nlpv_polytopic": ["nlpv_polytopic_observer"], "/left/sensors/force": ["plant"],
+    }  # fmt: skip
+    node = SimpleNamespace(
+        resolve_topic_name=lambda name: f"/left/{name}",
+        get_topic_names_and_types=lambda: [(name, []) for name in publishers],
+        get_publishers_info_by_topic=lambda name: [
+            SimpleNamespace(node_name=n) for n in publishers[name]
+        ],
+    )
+    assert Listener.observers(SimpleNamespace(node=node)) == ["unified_observer"]
 
 
 @pytest.mark.slow

@@ -183,7 +183,7 @@ def diagnose(page: Any) -> None:
 
 
 def add_and_take_back(page: Any, said: Any) -> None:
-    """The effect is added, undone, done again, and switched off and on by its step."""
+    """The effect is added, undone, done again, and taken back with the rest refitted."""
     before = said.inner_text()
     page.get_by_label("Effect to add").fill("coulomb")
     page.get_by_role("option", name="Coulomb friction").click()
@@ -197,6 +197,7 @@ def add_and_take_back(page: Any, said: Any) -> None:
     page.get_by_label("Redo").click()
     page.get_by_role("tab", name="Steps").click()
     page.get_by_label("Take back coulomb friction").click()
+    page.locator("header").get_by_text("inove_guo_coulomb_friction_refitted").wait_for()
     expect_other(page, said, after)
     page.get_by_label("Undo").click()
     page.wait_for_function(

@@ -108,6 +108,14 @@ def test_the_program_of_a_session_makes_the_same_model(
     desk.take(desk.now.switched("response", on=True))
     fall = [stage.errors.held_out or 0.0 for stage in desk.fall()]
     assert fall[1] < 0.3 * fall[0], "from the model as given to the friction that was hidden"
+    off = desk.errors(desk.now.known.without_effect("coulomb_friction"))
+    desk.take_back("coulomb_friction")
+    desk.jobs.wait()
+    back = desk.fall()[-1].errors
+    assert off is not None
+    assert "coulomb_friction" not in desk.now.known.effects
+    assert back == desk.errors()
+    assert back.train < 0.95 * off.train, "what stays is refitted"
     program = tmp_path / "session.py"
     program.write_text(script(desk.session), encoding="utf-8")
     monkeypatch.chdir(tmp_path)

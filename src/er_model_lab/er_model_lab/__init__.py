@@ -36,7 +36,7 @@ if TYPE_CHECKING:
         IdentificationResult,
         PlanResult,
     )
-    from er_model_lab.verbs.add import add
+    from er_model_lab.verbs.add import add, refit
     from er_model_lab.verbs.check import check
     from er_model_lab.verbs.compare import compare
     from er_model_lab.verbs.diagnose import diagnose
@@ -63,6 +63,7 @@ _HOME = {
         "er_model_lab.results.result",
     ),
     **dict.fromkeys(("load", "load_model"), "er_model_lab.verbs.load"), "ExportResult": "er_model_lab.verbs.export",
+    "refit": "er_model_lab.verbs.add",
     "fleet": "er_model_lab.fleets.fleet", "FleetResult": "er_model_lab.results.fleet",
     **dict.fromkeys(("Cancelled", "Leader"), "er_model_lab.work"),
     **dict.fromkeys(("models", "new"), "er_model_lab.verbs.new"),
@@ -78,7 +79,7 @@ __all__ = [
     "Errors", "ExportResult", "FleetResult", "IdentificationResult", "InputError", "Leader", "MissingChannel",
     "Parameter", "PlanResult", "Record", "Rule", "Step", "UnknownName", "__version__", "add", "check", "compare",
     "diagnose", "export", "fleet", "from_arrays", "from_frame", "identify", "improve", "load", "load_model", "map",
-    "models", "new", "plan", "save_model",
+    "models", "new", "plan", "refit", "save_model",
 ]  # fmt: skip
 
 

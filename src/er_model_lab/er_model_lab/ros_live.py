@@ -94,7 +94,7 @@ class Listener:
         self.use = asking.create_client(UseModel, f"{MONITOR.name}/use_model")
         self.get = asking.create_client(GetParameters, f"{MONITOR.name}/get_parameters")
         self.executor, self.asked = SingleThreadedExecutor(), False
-        self.wishes: list[tuple[str, float]] = []
+        self.wishes: list[tuple[Word, float]] = []
         self.executor.add_node(asking)
 
     def _hear(self, topic: Topic) -> Subscription:
@@ -120,8 +120,8 @@ class Listener:
         for data in _taken(self.status):
             self._status(deserialize_message(data, NodeStatus))
         wishes, self.wishes = self.wishes, []
-        for path, until in wishes:
-            self._serve(path, until)
+        for wish, until in wishes:
+            self._serve(wish, until)
         self.executor.spin_once(timeout_sec=0.0)
 
     def _status(self, m: NodeStatus) -> None:
@@ -133,21 +133,32 @@ class Listener:
 
     def do(self, wish: Word) -> None:
         """Do what is asked."""
-        self.wishes.append((str(wish["use"]), monotonic() + PATIENCE))
+        self.wishes.append((wish, monotonic() + PATIENCE))
 
-    def _serve(self, path: str, until: float) -> None:
+    def _serve(self, wish: Word, until: float) -> None:
         """Ask the monitor to go by a model; one that has just been started may take a while to be found."""
+        path = str(wish["use"])
         if not self.use.service_is_ready():
             if monotonic() < until:
-                self.wishes.append((path, until))
+                self.wishes.append((wish, until))
                 return
             reason = f"no {MONITOR.name} in the namespace: ./er up model_monitor:=true"
             self.say({"used": {"accepted": False, "reason": reason, "model": path}})
             return
+        along = self.observers() if wish["observers"] else []
         self._ask(
-            self.use, UseModel.Request(model=path),
+            self.use, UseModel.Request(model=path, along=along),
             lambda a: {"used": {"accepted": a.accepted, "reason": a.reason, "model": path}},
         )  # fmt: skip
+
+    def observers(self) -> list[str]:
+        """The nodes of the namespace that say an estimated force."""
+        begin = self.node.resolve_topic_name(topics.estimated_force("x").name).removesuffix("x")
+        said = (
+            name for name, _ in self.node.get_topic_names_and_types() if name.startswith(begin)
+        )
+        ends = (end for name in said for end in self.node.get_publishers_info_by_topic(name))
+        return sorted({end.node_name for end in ends})
 
     def _ask(self, client: Any, request: Any, word: Callable[[Any], Word]) -> None:
         client.call_async(request).add_done_callback(lambda done: self.say(word(done.result())))

@@ -120,8 +120,8 @@ class DamperLevel:
             seen = _with_lag(seen, before, found.lag, rule)
         return Study(found, seen, before)
 
-    def added(self, asked: Question, effect: str) -> Study:
-        """One effect judged alone; a lag of the velocity channel is undone whatever it is asked for."""
+    def added(self, asked: Question, effect: str | None) -> Study:
+        """One effect, or none, judged alone; a lag of the velocity channel is undone whatever it is asked for."""
         if effect == "velocity_lag":
             return _with_asked_lag(asked)
         found = _looked_again(self.given(asked))

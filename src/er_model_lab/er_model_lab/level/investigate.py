@@ -48,7 +48,7 @@ def investigate(asked: Question, noted: Notes | None = None) -> Study:
     return told(study, again=bool(more))
 
 
-def added(asked: Question, effect: str) -> Study:
-    """The model with one named effect, all refitted; of long data, checked on all of them."""
+def added(asked: Question, effect: str | None) -> Study:
+    """The model with one named effect, or none, all refitted; of long data, checked on all of them."""
     study = asked.level.added(asked, effect)
     return told(checked(study), again=False)

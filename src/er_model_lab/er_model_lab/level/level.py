@@ -70,8 +70,8 @@ class Level(Protocol):
     def searched(self, asked: Question, noted: Notes | None) -> Study:
         """What the model lacks of the data; noted: fits made before, to which new ones are added."""
 
-    def added(self, asked: Question, effect: str) -> Study:
-        """One named effect, judged alone."""
+    def added(self, asked: Question, effect: str | None) -> Study:
+        """One named effect, or none, judged alone."""
 
     def finished(self, study: Study, seed: int) -> Model:
         """The best model with estimates of everything that was fitted: values without bias, and deviations."""

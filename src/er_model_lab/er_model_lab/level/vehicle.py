@@ -56,8 +56,8 @@ class VehicleLevel:
         seen = search_effects(fitted.model, problem, seed=asked.seed, rule=asked.rule)
         return Study(_opened(asked, problem), seen)
 
-    def added(self, asked: Question, effect: str) -> Study:
-        """One effect judged alone."""
+    def added(self, asked: Question, effect: str | None) -> Study:
+        """One effect, or none, judged alone."""
         problem, fitted = open_ride(asked.data, asked.model, asked.work)
         return Study(
             _opened(asked, problem), one_effect(fitted.model, problem, effect, asked.seed)

@@ -30,9 +30,9 @@ class Link:
         self._reader = Thread(target=self._read, args=(heard,), name="heard", daemon=True)
         self._reader.start()
 
-    def use(self, model: str) -> None:
-        """Ask the monitor to go by a model's file; `used` is the answer."""
-        self._say({"use": model})
+    def use(self, model: str, *, observers: bool = False) -> None:
+        """Ask the monitor, and the observers there are, to go by a model's file; `used` is the monitor's answer."""
+        self._say({"use": model, "observers": observers})
 
     def stop(self) -> None:
         """End it."""

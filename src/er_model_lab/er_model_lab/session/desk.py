@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from er_models.errors import ErError, InputError
+from er_models.measured import PREFIX
 from er_models.model import Array, Model
 from er_records.dataset import Dataset
 from er_records.record import Record
@@ -279,6 +280,21 @@ class Desk:
         gather = self.gathering(anew=False)
         self._fit(Step("add", effect), lambda **how: add(gather(), self.now.known, effect, **how))
 
+    def take_back(self, name: str) -> None:
+        """Take an effect or a measured term out again and refit everything else, as a job."""
+        from er_model_lab.verbs.add import refit
+
+        gather, model = self.gathering(anew=False), self.now.known
+        term = name.startswith(PREFIX)
+        less = model.without_term(name) if term else model.without_effect(name)
+        step, seed = Step("back", name), self.session.seed
+
+        def work(progress: Progress, cancel: threading.Event) -> None:
+            made = refit(gather(), less, seed=seed, anyway=True, progress=progress, cancel=cancel)
+            self._made(made, step)
+
+        self.jobs.start(step.says, work)
+
     def improve(self, *, measured_terms: bool = False) -> None:
         """Add until nothing more is found, as a job."""
         from er_model_lab.verbs.improve import improve
@@ -312,17 +328,18 @@ class Desk:
                 raise ErError("cancelled: the model stays as it was")
             self.result = result
             way = {"fall": fallen(result)} if step.kind == "improve" else {}
-            told = replace(step, values={**step.values, **way})
-            self.session = self.session.then(self.now.learnt(result.model, told))
-            sight = self.sight
-            self._predict(
-                sight
-                if sight and sight.fits(result.model)
-                else look(self.data, result.model, whole=self.records)
-            )
-            self.learnt(result.model)
+            self._made(result.model, replace(step, values={**step.values, **way}))
 
         self.jobs.start(step.says, work)
+
+    def _made(self, model: Model, step: Step) -> None:
+        """What a fit made is the model of the session."""
+        self.session = self.session.then(self.now.learnt(model, step))
+        sight = self.sight
+        if sight is None or not sight.fits(model):
+            sight = look(self.data, model, whole=self.records)
+        self._predict(sight)
+        self.learnt(model)
 
     def admitted(self, name: str, size: int) -> str:
         """The kind of a file of this name and size [bytes] that may be dropped.

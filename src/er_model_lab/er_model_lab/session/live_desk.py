@@ -46,7 +46,8 @@ class LiveDesk(Desk):
 
     heard: of the graph; shown: what the drive shows; status: of the monitor; running: its model; refused: why the last
     thing asked for was not done; gone: why nobody listens any more; alone: whether the graph is silent; follow: whether
-    the plots show the graph, else what was learnt from; by_itself: whether it diagnoses when the data carry a verdict.
+    the plots show the graph, else what was learnt from; by_itself: whether it diagnoses when the data carry a verdict;
+    observers: whether those of the graph go over with the monitor.
     """
 
     def __init__(
@@ -60,6 +61,7 @@ class LiveDesk(Desk):
         self.status: dict[str, str] = {}
         self.running, self.refused, self.gone = "", "", ""
         self.follow = self.by_itself = True
+        self.observers = False
         self.alone = True
         self._looked, self._next, self._number, self._given = 0.0, 0.0, 0, ""
         self.link = connect(namespace, self.word)
@@ -169,7 +171,7 @@ class LiveDesk(Desk):
     def learnt(self, model: Model) -> None:
         """The monitor goes by what was learnt, from a file that was not there."""
         self._given = self.now.step.says
-        self.link.use(kept(model, model.name, self.models))
+        self.link.use(kept(model, model.name, self.models), observers=self.observers)
 
     def give(self) -> None:
         """Have the monitor go by the model that is shown."""

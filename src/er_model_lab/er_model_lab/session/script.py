@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from er_models.measured import PREFIX
+
 from er_model_lab.session.steps import Piece, Session, Source, State, Step, files_of
 
 Place = Callable[[Path], str]
@@ -83,12 +85,18 @@ def _line(step: Step, place: Place) -> list[str]:
         "set": lambda: f"model = model.with_effect({what!r}, {values!r})",
         "on": lambda: f"model = model.with_effect({what!r}, {values!r})",
         "off": lambda: f"model = model.without_effect({what!r})",
-        "unlearnt": lambda: f"model = model.without_term({what!r})",
         "fitted": lambda: "model = fitted",
         "add": lambda: f"model = fitted = lab.add({FITTED.format(f'{what!r}, ')}",
+        "back": lambda: f"model = fitted = lab.refit({_less(what)}, seed=SEED, anyway=True)",
         "improve": lambda: f"model = fitted = lab.improve({FITTED.format(_options(values))}",
     }
     return [makers[step.kind]()] if step.kind in makers else []
+
+
+def _less(name: str) -> str:
+    """What is refitted once an effect or a measured term was taken back."""
+    kind = "term" if name.startswith(PREFIX) else "effect"
+    return f"data, model.without_{kind}({name!r})"
 
 
 def _cuts(cut: Sequence[Piece]) -> str:

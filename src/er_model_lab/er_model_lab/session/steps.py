@@ -40,7 +40,7 @@ class Stretch:
 class Step:
     """What was done: its kind, the effect, model or file concerned, and the values that belong to it.
 
-    kind: open, data, hold, start, set, off, on, unlearnt, fitted, add, improve.
+    kind: open, data, hold, start, set, off, on, fitted, add, back, improve.
     """
 
     kind: str
@@ -50,7 +50,7 @@ class Step:
     @property
     def fits(self) -> bool:
         """Whether it refitted the model."""
-        return self.kind in ("add", "improve")
+        return self.kind in ("add", "back", "improve")
 
     @property
     def moved(self) -> tuple[str, str]:
@@ -62,7 +62,7 @@ class Step:
         """What was done, in a few words."""
         words = {
             "open": "session opened", "data": "data", "hold": "held out", "start": "model", "set": "set",
-            "off": "without", "unlearnt": "without",
+            "off": "without", "back": "taken back:",
             "on": "again with", "fitted": "back to the fitted values of", "add": "added", "improve": "improved",
         }[self.kind]  # fmt: skip
         return f"{words} {self.what.replace('_', ' ')}".rstrip()
@@ -156,12 +156,6 @@ class State:
         return replace(
             self, model=model.with_effect(effect, values), off=off, step=Step("on", effect, values)
         )
-
-    def without(self, name: str) -> State:
-        """What was added taken back: an effect is switched off, a measured term is gone; all else keeps its values."""
-        if name not in (term.name for term in self.known.terms):
-            return self.switched(name, on=False)
-        return replace(self, model=self.known.without_term(name), step=Step("unlearnt", name))
 
     def as_fitted(self) -> State:
         """Every effect and value as it was given or fitted."""

@@ -44,6 +44,11 @@ class LivePanel:
             self.give.props("no-caps outline").tooltip(
                 "The graph's monitor goes by the model that is shown here"
             )
+        ui.checkbox("observers go over, too").props("dense").bind_value(
+            self.desk, "observers"
+        ).tooltip(
+            "They have gains made for the model first; what they say is in the monitor's log"
+        )
         ui.checkbox("diagnose by itself when the data carry it", value=self.desk.by_itself).props(
             "dense"
         ).bind_value(self.desk, "by_itself")

@@ -59,7 +59,7 @@ class StepsPanel:
                 words = name.replace("_", " ")
                 with ui.row().classes("w-full items-center justify-between no-wrap"):
                     ui.label(f"+ {words}")
-                    back = self.host.safely(lambda name=name: desk.take(desk.now.without(name)))
+                    back = self.host.safely(lambda name=name: desk.take_back(name))
                     ui.button("Take back", on_click=back).props(
                         f'flat dense no-caps aria-label="Take back {words}"'
                     ).classes("shrink-0 pr-2")
