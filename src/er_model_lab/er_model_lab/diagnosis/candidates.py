@@ -417,6 +417,32 @@ def without(name: str, problem: Problem, candidate: Candidate) -> Candidate:
     return cross_judged(kept, fitted, problem)
 
 
+def specialised(best: Candidate, name: str, special: str, problem: Problem) -> Candidate:
+    """A fitted model with a special case in the place of a generalised form, refitted.
+
+    It begins with the values that both share: from a start of its own it may have ended elsewhere.
+    """
+    model = best.fit.model
+    shared = {q.name for q in model.catalogue[special].parameters}
+    values = {q: value for q, value in model.effects[name].items() if q in shared}
+    simple = model.without_effect(name).with_effect(special, values)
+    effects = tuple(special if e == name else e for e in best.effects)
+    return cross_judged(effects, fit(practised(simple, problem), problem), problem)
+
+
+def left_as(best: Candidate, name: str, special: str, problem: Problem) -> float:
+    """Mean square [N2] that a fitted model leaves with a form as its special case is: what else it has does nothing."""
+    model, effect = best.fit.model, best.fit.model.catalogue[name]
+    shared = {q.name for q in model.catalogue[special].parameters}
+    idle = {
+        q.name: q.neutral
+        for q in effect.parameters
+        if q.name not in shared and q.neutral is not None
+    }
+    less = model.with_effect(name, {**model.effects[name], **idle})
+    return fit(less, problem, max_iter=0).mse(problem.train)
+
+
 def left_without(name: str, problem: Problem, candidate: Candidate) -> float:
     """Mean square [N2] that a fitted model leaves with one of its added effects taken out again and refitted."""
     less = candidate.fit.model.without_effect(name)

@@ -24,6 +24,7 @@ from er_model_lab.diagnosis.search import (
     decided,
     one_round,
     passes,
+    plain,
     promising,
     prune,
     swapped,
@@ -133,6 +134,8 @@ def _searched(
     if len(best.effects) > 1:
         best, ties = swapped(best, rounds, problem)
         ties = (*ties, *halves(best, rounds, ties))
+    best, special = plain(best, problem, rounds[-1].threshold)
+    ties = (*ties, *special)
     return best, floor, (*ties, *clock_ties(best, rounds, ties, problem)), further
 
 

@@ -12,10 +12,12 @@ from er_model_lab.diagnosis.candidates import (
     Candidate,
     effect_size,
     finished,
+    left_as,
     left_without,
     refit,
     refit_all,
     screen,
+    specialised,
     without,
 )
 from er_model_lab.diagnosis.determined import far, loose, unseen
@@ -37,6 +39,8 @@ STEADY = 3.0
 """Paired t of gains over blocks [1] above which chance does not make them: three standard errors."""
 NEARLY_ALL, HALF = 0.8, 0.5
 """Shares of blocks that gain: from the first on an effect is steady, below the second it is none, however large."""
+FEW = 3
+"""Samples on end that may be wild, or bent by a filter, without being known as such."""
 HARMLESS = 0.05
 """Share of its gains that an effect which acts seldom may lose elsewhere."""
 PROMISE = 1.5
@@ -111,6 +115,14 @@ def seldom(gains: Array, limit: float) -> bool:
 def harmless(gains: Array) -> bool:
     """Whether what blocks lose is next to nothing beside what the others gain; gains: falls of mean squares."""
     return -float(gains[gains < 0.0].sum()) < HARMLESS * float(gains[gains > 0.0].sum())
+
+
+def momentary(base: Candidate, candidate: Candidate, problem: Problem, limit: float) -> bool:
+    """Whether what an effect gains lies in a few samples, which may be wild, and elsewhere is within the limit."""
+    rows = problem.train
+    gains = np.where(rows, base.residual**2 - candidate.residual**2, 0.0)
+    best = float(np.convolve(gains, np.ones(FEW), "valid").max(initial=0.0))
+    return float(gains.sum()) - best <= limit**2 * int(rows.sum())
 
 
 def beyond_motion(base: Candidate, candidate: Candidate, null: Null, problem: Problem) -> float:
@@ -255,7 +267,9 @@ def decided(
     """The round with the best of its candidates taken, or nothing; one that was only ranked is fitted to its end."""
     left = np.sqrt(min(candidates[0].mse, base.mse))
     limit = threshold(null, left, rule)
-    able = [c for c in candidates if passes(base, c, limit)]
+    able = [
+        c for c in candidates if passes(base, c, limit) and not momentary(base, c, problem, limit)
+    ]
     if rule.plateaus and not able and null.least and not problem.cycles:
         bare = replace(null, least=0.0)
         of_noise = threshold(bare, left, rule)
@@ -305,6 +319,27 @@ def _without_refinements(base: Candidate, able: list[Candidate], limit: float) -
         if all(effect_size(s, c) > FAR_BEYOND * limit for s in special):
             kept.append(c)
     return kept
+
+
+def plain(
+    best: Candidate, problem: Problem, limit: float
+) -> tuple[Candidate, tuple[tuple[str, ...], ...]]:
+    """A fitted model with special cases in place of generalised forms that do not gain far more, and ties with them.
+
+    A form that needs nothing beyond what its special case has, though that by itself fits worse, is tied with it.
+    """
+    catalogue, ties = best.fit.model.catalogue, []
+    for name in best.effects:
+        for special in catalogue[name].generalises:
+            model = best.fit.model
+            if special in model.effects or name not in model.effects:
+                continue
+            trial = specialised(best, name, special, problem)
+            if effect_size(trial, best) <= FAR_BEYOND * limit:
+                best = trial
+            elif left_as(best, name, special, problem) - best.seen <= limit**2:
+                ties.append((name, special))
+    return best, tuple(ties)
 
 
 def try_pairs(step: Round, problem: Problem, target: float) -> Candidate | None:

@@ -54,6 +54,7 @@ EFFECT = Effect(
             optional=True,
         ),
     ),
+    generalises=("mount_compliance",),
     hooks={
         "relax": relax,
         "bound": bound,

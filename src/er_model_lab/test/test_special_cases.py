@@ -1,0 +1,71 @@
+"""Names that rest on too little: a form that needs no more than its special case has, and a gain of a few samples."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from er_model_lab.diagnosis import search
+from er_model_lab.diagnosis.candidates import baseline, refit
+from er_model_lab.diagnosis.null import Null
+from er_model_lab.diagnosis.rule import RULE
+from er_model_lab.diagnosis.search import decided, effect_size, momentary, plain
+from lab_help import problem_of
+
+COMPLIANT = {"b": 0.0, "q": 3e-4}
+OPEN = {"b": 8e-4, "q": 0.0}
+
+
+def found(values):
+    """A joint hidden in data, and the model with the freeplay fitted to it."""
+    model, problem = problem_of("freeplay", values, seconds=12.0)
+    base = baseline(model, problem)
+    return base, refit(base, model.catalogue["freeplay"], problem), problem
+
+
+@pytest.fixture(scope="module")
+def compliant():
+    return found(COMPLIANT)
+
+
+def test_a_joint_without_gap_is_a_mount_that_gives_way(compliant):
+    _, best, problem = compliant
+    named, ties = plain(best, problem, 0.05)
+    assert named.effects == ("mount_compliance",)
+    assert named.fit.model.effects["mount_compliance"]["q"] == pytest.approx(3e-4, rel=0.2)
+    assert ties == ()
+
+
+@pytest.mark.parametrize(("gap", "tied"), [(False, True), (True, False)])
+def test_a_form_that_needs_no_more_than_its_special_case_is_tied_with_it(
+    monkeypatch, compliant, gap, tied
+):
+    """A mount without what else rubs may fit worse than the joint does with its gap closed."""
+    base, best, problem = found(OPEN) if gap else compliant
+    monkeypatch.setattr(search, "specialised", lambda *_: base)
+    named, ties = plain(best, problem, 0.05)
+    assert named is best
+    assert ties == ((("freeplay", "mount_compliance"),) if tied else ())
+
+
+@pytest.mark.parametrize(("samples", "there"), [(3, False), (200, True)])
+def test_an_effect_that_gains_in_three_samples_alone_is_none(compliant, samples, there):
+    base, better, problem = compliant
+    rows, where = problem.train, np.flatnonzero(problem.train)[400 : 400 + samples]
+    left = base.residual.copy()
+    left[where] += 40.0 / np.sqrt(samples)
+    worse = replace(
+        base, residual=left, mse=float(np.mean(left[rows] ** 2)), losses=base.losses + 20.0
+    )
+    only = replace(better, residual=base.residual, mse=base.mse, losses=base.losses)
+    assert effect_size(worse, only) > 0.5
+    assert momentary(worse, only, problem, 0.05) is not there
+    null = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0))
+    step = decided(worse, [only], null, problem, RULE)
+    assert (step.taken is not None) is there
+
+
+def test_a_gain_spread_over_all_samples_is_not_momentary():
+    n = 1000
+    one, other = (SimpleNamespace(residual=np.full(n, e)) for e in (1.0, 0.5))
+    assert not momentary(one, other, SimpleNamespace(train=np.ones(n, bool)), 0.1)
