@@ -215,6 +215,11 @@ class Effect:
                     )
 
     @property
+    def unsaid(self) -> dict[str, float]:
+        """Neutral values of the optional parameters: what a model means that does not name them."""
+        return {q.name: q.neutral for q in self.parameters if q.optional and q.neutral is not None}
+
+    @property
     def has_state(self) -> bool:
         """Whether the effect carries a state of its own."""
         return "relax" in self.hooks

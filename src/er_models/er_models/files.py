@@ -236,8 +236,7 @@ def _effects(
                 raise InputError(path, f"effects.{name}.{key}", expected, "an unknown key")
         for q in effect.parameters:
             where = f"effects.{name}.{q.name}"
-            if q.name not in entries and q.optional and q.neutral is not None:
-                values[name][q.name] = q.neutral
+            if q.name not in entries and q.name in effect.unsaid:
                 continue
             if q.name not in entries:
                 raise InputError(path, where, f"a value in {q.unit}", "nothing")

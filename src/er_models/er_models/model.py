@@ -58,13 +58,20 @@ class Model:
     file: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
+        unsaid = dict[str, dict[str, float]]()
         for name, values in self.effects.items():
             for parameter in values:
                 self.catalogue.column(name, parameter)
-            for q in self.catalogue[name].parameters:
-                if q.name not in values:
+            effect = self.catalogue[name]
+            missing = [q for q in effect.parameters if q.name not in values]
+            for q in missing:
+                if q.name not in effect.unsaid:
                     key = f"{name}.{q.name}"
                     raise InputError(self.name, key, f"a value in {q.unit}", "nothing")
+            if missing:
+                unsaid[name] = {**values, **{q.name: effect.unsaid[q.name] for q in missing}}
+        if unsaid:
+            object.__setattr__(self, "effects", {**self.effects, **unsaid})
 
     @property
     def has_response(self) -> bool:
@@ -81,11 +88,15 @@ class Model:
         return float(self.effects[effect][parameter])
 
     def with_effect(self, name: str, values: Mapping[str, float] | None = None) -> Model:
-        """This model with one effect more (or other values for it); neutral or first start by default."""
+        """This model with one effect more (or other values for it).
+
+        What `values` leave out begins at its first start; where it is optional, it is neutral. Without `values` all
+        begins at its first start.
+        """
         effect = self.catalogue[name]
+        given = {**effect.unsaid, **values} if values else {}
         full = {
-            q.name: float((values or {}).get(q.name, self.start(name, q.name)))
-            for q in effect.parameters
+            q.name: float(given.get(q.name, self.start(name, q.name))) for q in effect.parameters
         }
         return replace(self, effects={**self.effects, name: full})
 

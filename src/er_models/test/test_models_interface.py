@@ -10,7 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from models_help import CONFIG, DT
+from er_models.errors import InputError
+from er_models.model import Model
+from models_help import CONFIG, DT, SMALL
 
 import er_models
 
@@ -100,3 +102,14 @@ def test_a_duty_of_another_length_than_the_road_is_refused() -> None:
     car = er_models.load_model(CONFIG / "vehicles" / "inove_quarter_car.yaml")
     with pytest.raises(er_models.InputError, match="samples as the road"):
         er_models.simulate(car, DT, np.zeros(5), np.zeros(4))
+
+
+def test_what_a_model_does_not_say_of_an_optional_value_is_neutral() -> None:
+    """Models written before an effect was given the value go on meaning what they meant."""
+    stop = {"k_b": 1000.0, "x_b": 0.008}
+    made = Model("m", {"end_stop": stop}, SMALL)
+    assert made.effects["end_stop"] == {**stop, "k_c": 0.0}
+    assert made.with_effect("end_stop", stop) == made
+    assert made.with_effect("end_stop").value("end_stop", "k_c") > 0.0
+    with pytest.raises(InputError, match=r"end_stop\.x_b: expected a value in m, found nothing"):
+        Model("m", {"end_stop": {"k_b": 1000.0}}, SMALL)

@@ -15,7 +15,7 @@ WORKED = (
             "shear_thinning": {"n": 0.5, "v_r": 0.1},
             "quadratic_damping": {"c_2": 100.0},
             "asymmetric_damping": {"c_a": 20.0},
-            "position_dependent_damping": {"c_x": 1e5},
+            "position_dependent_damping": {"c_x": 1e5, "b_x": 0.0},
             "field_viscosity": {"c_u": 100.0},
             "field_stiffness": {"k_u": 1000.0},
             "preload": {"F_0": 2.0},
