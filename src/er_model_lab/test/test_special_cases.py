@@ -63,6 +63,9 @@ def test_an_effect_that_gains_in_three_samples_alone_is_none(compliant, samples,
     null = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0))
     step = decided(worse, [only], null, problem, RULE)
     assert (step.taken is not None) is there
+    moved = replace(null, least=100.0, input_square=np.zeros(rows.size))
+    step = decided(worse, [only], moved, problem, replace(RULE, plateaus=True))
+    assert (step.taken is not None) is there, "a small step believes no more"
 
 
 def test_a_gain_spread_over_all_samples_is_not_momentary():

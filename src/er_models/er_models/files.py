@@ -236,9 +236,9 @@ def _effects(
                 raise InputError(path, f"effects.{name}.{key}", expected, "an unknown key")
         for q in effect.parameters:
             where = f"effects.{name}.{q.name}"
-            if q.name not in entries and q.name in effect.unsaid:
-                continue
             if q.name not in entries:
+                if q.name in effect.unsaid:
+                    continue
                 raise InputError(path, where, f"a value in {q.unit}", "nothing")
             value, sd = _value(path, where, entries[q.name], q.unit)
             low, high = q.low * scales.of(q.unit), q.high * scales.of(q.unit)

@@ -35,6 +35,11 @@ ORDER = 4
 _KEYS = ("label", "quantities", "times", "lag", "range", "shape", "knots", "coefficients", "deviations")  # fmt: skip
 
 
+def is_term(name: str | None) -> bool:
+    """Whether a name is that of a measured term, which explains nothing."""
+    return str(name).startswith(PREFIX)
+
+
 @dataclass(frozen=True)
 class MeasuredTerm:
     """One term.

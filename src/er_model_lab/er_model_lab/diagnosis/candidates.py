@@ -423,7 +423,7 @@ def specialised(best: Candidate, name: str, special: str, problem: Problem) -> C
     It begins with the values that both share: from a start of its own it may have ended elsewhere.
     """
     model = best.fit.model
-    shared = {q.name for q in model.catalogue[special].parameters}
+    shared = model.catalogue[special].names
     values = {q: value for q, value in model.effects[name].items() if q in shared}
     simple = model.without_effect(name).with_effect(special, values)
     effects = tuple(special if e == name else e for e in best.effects)
@@ -431,9 +431,14 @@ def specialised(best: Candidate, name: str, special: str, problem: Problem) -> C
 
 
 def left_as(best: Candidate, name: str, special: str, problem: Problem) -> float:
-    """Mean square [N2] that a fitted model leaves with a form as its special case is: what else it has does nothing."""
+    """Mean square [N2] that a fitted model leaves with a form as its special case is: what else it has does nothing.
+
+    Infinite where the form does not hold all values of the special case: without the others it is nothing.
+    """
     model, effect = best.fit.model, best.fit.model.catalogue[name]
-    shared = {q.name for q in model.catalogue[special].parameters}
+    shared = model.catalogue[special].names
+    if not {*shared} <= {*effect.names}:
+        return np.inf
     idle = {
         q.name: q.neutral
         for q in effect.parameters

@@ -29,6 +29,7 @@ from er_model_lab.diagnosis.search import (
     prune,
     swapped,
     taken_in,
+    there,
     threshold,
     try_pairs,
 )
@@ -117,7 +118,7 @@ def one_effect(model: Model, problem: Problem, effect: str | None, seed: int) ->
     null = simulate_null(base, tried, problem, seed)
     floor = _floor(problem, min([base, *tried], key=lambda c: c.mse), null, seed)
     limit = threshold(null, floor.floor)
-    able = [c for c in tried if passes(base, c, limit)]
+    able = [c for c in tried if there(base, c, problem, limit)]
     step = Round(base, tried, null, limit, able[0] if able else None, [])
     found = judge(base, able[0] if able else base, [step], floor, problem)
     return replace(found, best=tried[0]) if tried else found

@@ -117,6 +117,11 @@ def harmless(gains: Array) -> bool:
     return -float(gains[gains < 0.0].sum()) < HARMLESS * float(gains[gains > 0.0].sum())
 
 
+def there(base: Candidate, candidate: Candidate, problem: Problem, limit: float) -> bool:
+    """Whether an effect passes, and not by a few samples alone."""
+    return passes(base, candidate, limit) and not momentary(base, candidate, problem, limit)
+
+
 def momentary(base: Candidate, candidate: Candidate, problem: Problem, limit: float) -> bool:
     """Whether what an effect gains lies in a few samples, which may be wild, and elsewhere is within the limit."""
     rows = problem.train
@@ -267,16 +272,15 @@ def decided(
     """The round with the best of its candidates taken, or nothing; one that was only ranked is fitted to its end."""
     left = np.sqrt(min(candidates[0].mse, base.mse))
     limit = threshold(null, left, rule)
-    able = [
-        c for c in candidates if passes(base, c, limit) and not momentary(base, c, problem, limit)
-    ]
+    able = [c for c in candidates if there(base, c, problem, limit)]
     if rule.plateaus and not able and null.least and not problem.cycles:
         bare = replace(null, least=0.0)
         of_noise = threshold(bare, left, rule)
         able = [
             c
             for c in candidates
-            if passes(base, c, of_noise) and beyond_motion(base, c, null, problem) > of_noise
+            if there(base, c, problem, of_noise)
+            and beyond_motion(base, c, null, problem) > of_noise
         ]
         if able:
             null, limit = bare, of_noise

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from er_models.errors import ErError, InputError
-from er_models.measured import PREFIX
+from er_models.measured import is_term
 from er_models.model import Array, Model
 from er_records.dataset import Dataset
 from er_records.record import Record
@@ -285,8 +285,7 @@ class Desk:
         from er_model_lab.verbs.add import refit
 
         gather, model = self.gathering(anew=False), self.now.known
-        term = name.startswith(PREFIX)
-        less = model.without_term(name) if term else model.without_effect(name)
+        less = model.without_term(name) if is_term(name) else model.without_effect(name)
         step, seed = Step("back", name), self.session.seed
 
         def work(progress: Progress, cancel: threading.Event) -> None:

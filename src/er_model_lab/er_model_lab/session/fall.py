@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from er_models.measured import PREFIX
+from er_models.measured import is_term
 from er_models.model import Model
 
 from er_model_lab.results.records import Errors
@@ -27,7 +27,7 @@ class Stage:
     @property
     def measured(self) -> bool:
         """Whether what was added is learnt, and not explained."""
-        return any(name.startswith(PREFIX) for name in self.added)
+        return any(map(is_term, self.added))
 
 
 def fallen(result: DiagnosisResult) -> list[list[Any]]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from er_models.measured import PREFIX
+from er_models.measured import is_term
 
 from er_model_lab.session.steps import Piece, Session, Source, State, Step, files_of
 
@@ -95,7 +95,7 @@ def _line(step: Step, place: Place) -> list[str]:
 
 def _less(name: str) -> str:
     """What is refitted once an effect or a measured term was taken back."""
-    kind = "term" if name.startswith(PREFIX) else "effect"
+    kind = "term" if is_term(name) else "effect"
     return f"data, model.without_{kind}({name!r})"
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from er_models.catalogue import CATALOGUE
-from er_models.measured import LABEL, PREFIX
+from er_models.measured import LABEL, is_term
 
 from er_model_lab.output.text.units import moves, newtons, percent
 from er_model_lab.view import View
@@ -59,7 +59,7 @@ def title_of(view: View, effect: str) -> str:
     titles |= {e.name: e.title for e in CATALOGUE.effects if e.name not in titles}
     parts = [part.strip() for part in effect.split("+")]
     words = (titles.get(part, part.replace("_", " ")) for part in parts)
-    learnt = (f" ({LABEL})" if _is_term(part) else "" for part in parts)
+    learnt = (f" ({LABEL})" if is_term(part) else "" for part in parts)
     return " + ".join(map("".join, zip(words, learnt, strict=True)))
 
 
@@ -181,20 +181,15 @@ ALIKE, MUCH = 1.05, 2.0
 def left_after(view: View) -> float | None:
     """Error on held-out data with the effects that were added [N]; None when none was."""
     steps = view.result.get("steps") or []
-    known = [s for s in steps if not _is_term(s["added"])]
+    known = [s for s in steps if not is_term(s["added"])]
     final = view.command == "improve" and len(known) == len(steps)
     if len(known) > 1 and not final:
         return float(known[-1]["rmse_held_out"])
     return rmse(view.result, "rmse_after") if _names(view) else None
 
 
-def _is_term(name: str | None) -> bool:
-    """Whether a name is that of a measured term, which explains nothing."""
-    return str(name).startswith(PREFIX)
-
-
 def _names(view: View) -> list[str]:
-    return [title_of(view, e) for e in view.result.get("effects", ()) if not _is_term(e)]
+    return [title_of(view, e) for e in view.result.get("effects", ()) if not is_term(e)]
 
 
 def beyond_noise(view: View) -> float | None:

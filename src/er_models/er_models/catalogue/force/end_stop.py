@@ -28,5 +28,5 @@ EFFECT = Effect(
         rivals=("gas_spring",),
         needs=("far_extension", "far_compression"),
     ),
-    source="Dixon 2007, ch. 4; bump rubber, bilinear form; Genta and Morello 2009, ch. 6: progressive",
+    source="Dixon 2007, ch. 4; bump rubber, whose stiffness grows in proportion to how far it is pressed",
 )
