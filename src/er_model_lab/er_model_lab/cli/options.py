@@ -60,7 +60,7 @@ HoldOut = Annotated[
     typer.Option(
         "--hold-out",
         metavar="PATH",
-        help="Data that only score: never used to fit or to choose. Repeatable.",
+        help="Data that score and are never used to fit; improve refuses what makes them worse. Repeatable.",
     ),
 ]
 Out = Annotated[Path, typer.Option("--out", help="New model file.")]
