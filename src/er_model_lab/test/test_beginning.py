@@ -146,3 +146,19 @@ def test_beginnings_cost_few_steps():
     shown = [np.flatnonzero(moved[i:j])[-1] + 1 for i, j in itertools.pairwise(inputs.starts)]
     assert min(shown) > 1.0 / DT
     assert 2 * sum(shown) < 0.3 * inputs.n * substeps(DT)
+
+
+@pytest.mark.parametrize("before", [0.1, 0.45, 0.3])
+def test_a_field_that_stayed_from_before_the_record_is_found(before):
+    """The play of the field stands where an earlier duty left it; small steps do not move it for seconds."""
+    x, v, a, _ = imposed(np.random.default_rng(0), 2400)
+    level = np.random.default_rng(1).uniform(0.22, 0.34, 24)
+    level[:2], level[14:] = (before, 0.28), 1.6 * level[14:]
+    u = np.repeat(level, 100)
+    model = load_model(GUO).with_effect("remanence", {"r": 0.1, "s": 0.7})
+    whole = predict(model, motion(DT, x, v, u, a))[150:]
+    part = motion(DT, x[150:], v[150:], u[150:], a[150:])
+    found = predict(model, part, Told(whole, np.full(part.n, 1e4), 60)) - whole
+    assumed = predict(model, part) - whole
+    assert np.abs(assumed).max() > 1.0
+    assert np.std(found) < 0.2 * np.std(assumed)

@@ -48,6 +48,20 @@ def test_a_form_that_needs_no_more_than_its_special_case_is_tied_with_it(
     assert ties == ((("freeplay", "mount_compliance"),) if tied else ())
 
 
+def test_a_form_is_fitted_to_its_end_before_its_special_case_is_named(monkeypatch):
+    """The special case has fewer parameters and is there sooner: a gap that its fit had not found yet was left out."""
+    base, whole, problem = found({**OPEN, "q": COMPLIANT["q"]})
+    mount = refit(base, base.fit.model.catalogue["mount_compliance"], problem)
+    short = replace(mount, effects=whole.effects)
+    null = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0))
+    monkeypatch.setattr(
+        search, "finished", lambda c, _: whole if c.effects == whole.effects else c
+    )
+    step = decided(base, [mount, short], null, problem, RULE)
+    assert step.taken is whole
+    assert step.candidates[0] is whole
+
+
 @pytest.mark.parametrize(("samples", "there"), [(3, False), (200, True)])
 def test_an_effect_that_gains_in_three_samples_alone_is_none(compliant, samples, there):
     base, better, problem = compliant

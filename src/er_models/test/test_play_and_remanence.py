@@ -69,3 +69,29 @@ def test_the_field_is_dragged_along_in_the_car_too() -> None:
     dragged = late.with_effect("remanence", {"r": r, "s": s})
     found = simulate(dragged, DT, road, duty)["damper_force"]
     assert np.abs(found - wanted).max() < 1e-6 * span(wanted)
+
+
+def test_a_joint_with_play_presses_before_friction_slides() -> None:
+    """Against the balance of joint and damper, solved at small steps: friction holds until the contact pushes more."""
+    F_c, v_0, c_0, k_0, b, q, h = 20.0, 2e-3, 2.0, 100.0, 8e-4, 4e-5, 2e-5
+    sine = Sine(SMALL).derivative
+    fine = np.arange(round(1.0 / h) + 1) * h
+    x, inner, force = sine(fine, 0), sine(fine, 0)[0], np.zeros(fine.size)
+    for i in range(1, fine.size):
+        low, high = -5.0, 5.0  # the velocity of the damper, for which the balance grows
+        for _ in range(50):
+            v = 0.5 * (low + high)
+            s = x[i] - inner - h * v
+            push = (max(s - b, 0.0) - max(-s - b, 0.0)) / q
+            own = k_0 * (inner + h * v) + c_0 * v + F_c * np.tanh(v / v_0)
+            low, high = (low, v) if own > push else (v, high)
+        inner += h * v
+        force[i] = push
+    every = slice(None, None, round(DT / h))
+    t = np.arange(fine[every].size) * DT
+    inputs = motion(DT, sine(t, 0), sine(t, 1), 0.0 * t, sine(t, 2))
+    brake = {"passive": {"k0": k_0, "c0": c_0}, "coulomb_friction": {"F_c": F_c, "v_0": v_0}}
+    model = Model("brake", brake, SMALL).with_effect("freeplay", {"b": b, "q": q})
+    error = (predict(model, inputs) - force[every])[60:]
+    assert np.mean(np.abs(force[every]) < 1e-9) > 0.03
+    assert error.std() < 0.01 * span(force)

@@ -269,7 +269,11 @@ def one_round(
 def decided(
     base: Candidate, candidates: list[Candidate], null: Null, problem: Problem, rule: Rule
 ) -> Round:
-    """The round with the best of its candidates taken, or nothing; one that was only ranked is fitted to its end."""
+    """The round with the best of its candidates taken, or nothing.
+
+    One that was only ranked is fitted to its end before it is taken, and a generalised form before it is left out: its
+    special case ends sooner.
+    """
     left = np.sqrt(min(candidates[0].mse, base.mse))
     limit = threshold(null, left, rule)
     able = [c for c in candidates if there(base, c, problem, limit)]
@@ -284,14 +288,20 @@ def decided(
         ]
         if able:
             null, limit = bare, of_noise
+    refined = [c for c in able if not far_better(base, c, able, limit)]
+    ended = {c.name: finished(c, problem) for c in refined}
+    candidates, able = (
+        sorted((ended.get(c.name, c) for c in some), key=lambda c: c.mse)
+        for some in (candidates, able)
+    )
     able = _without_refinements(base, able, limit)
     if not able:
         return Round(base, candidates, null, limit, None, [])
     group = tied(base, able, problem, limit)
     taken = group[0]
     if taken.ranked:
-        ended = [finished(c, problem) if c is taken else c for c in candidates]
-        return decided(base, sorted(ended, key=lambda c: c.mse), null, problem, rule)
+        candidates = [finished(c, problem) if c is taken else c for c in candidates]
+        return decided(base, sorted(candidates, key=lambda c: c.mse), null, problem, rule)
     ties = [c.name for c in group if c is taken or rivals(taken, c, problem)]
     return Round(base, candidates, null, limit, taken, ties)
 
@@ -315,14 +325,14 @@ def _gain_beside(name: str, problem: Problem, best: Candidate) -> float:
 
 
 def _without_refinements(base: Candidate, able: list[Candidate], limit: float) -> list[Candidate]:
-    """Leave out a generalised form unless it is better than its special case far beyond the limit."""
-    sizes = {c.name: c for c in able}
-    kept = []
-    for c in able:
-        special = [sizes[n] for n in base.fit.model.catalogue[c.name].generalises if n in sizes]
-        if all(effect_size(s, c) > FAR_BEYOND * limit for s in special):
-            kept.append(c)
-    return kept
+    """Leave out a generalised form unless it is better than its special cases far beyond the limit."""
+    return [c for c in able if far_better(base, c, able, limit)]
+
+
+def far_better(base: Candidate, form: Candidate, able: list[Candidate], limit: float) -> bool:
+    """Whether a form is better, far beyond the limit, than all of some candidates that it generalises."""
+    names = base.fit.model.catalogue[form.name].generalises
+    return all(effect_size(c, form) > FAR_BEYOND * limit for c in able if c.name in names)
 
 
 def plain(

@@ -5,7 +5,9 @@ somewhere on the way from where it would have settled to the farther end of them
 prior is normal about where it would have settled, with that way as its deviation. The force follows a beginning in a
 straight line. Its slope is how the force differs when the record is run again from the farther end, in steps of a
 whole sample, for as long as that shows: a few time constants of the state, or until a bound stops it in both runs.
-The shares of all ways that meet the measured force best are those of least squares.
+The shares of all ways that meet the measured force best are those of least squares. A state that is dragged along
+(`remanence`), or that meets a rigid contact (`freeplay`), follows no straight line: it is run again from where it was
+found to begin, and the slope is that of the chord to there, until both agree.
 
 Source: separable least squares, Golub and Pereyra 1973.
 
@@ -20,6 +22,7 @@ import numpy as np
 from er_models.kernel.fast import entry, inner, once
 from er_models.kernel.imposed import (
     CLOCK,
+    FASTEST,
     LEAST,
     MOST,
     NOTED,
@@ -32,11 +35,15 @@ from er_models.kernel.imposed import (
     output_delay,
     predict,
 )
-from er_models.kernel.states import ROWS
+from er_models.kernel.states import AT_ONCE, ROWS
 
 # --- below this line: compiled with the composed equations ---
 TURNS = 40
 """Turns through the states in which the shares of their ways are found, one after the other."""
+CHORDS = 4
+"""How often the chord of a state that is no straight line is drawn again, at most."""
+MOVED = 0.02
+"""Share of its way by which the beginning of a state must have moved for that."""
 
 
 @inner
@@ -54,8 +61,9 @@ def slopes(
 ):  # fmt: skip
     """How the force follows the beginning of each state over its way: shown (S, n) [N]; how many rows show it.
 
-    States that begin at zero are counted from there. near (S,): the near ends, as shares; path (n_states, n): where
-    they were when reach was noted; left (S, n), raw (n,): scratch, and so is the last row of shown (S + 1, n).
+    States that begin at zero are counted from there. near (S,): the near ends, as shares; path (2 n_states, n): where
+    they were when reach was noted, and their rates; left (S, n), raw (n,): scratch, and so is the last row of
+    shown (S + 1, n).
     """
     many, n, rows = slots.shape[0], x.shape[0], 0
     # a bare number is a type to Numba: `predict` would be compiled for each
@@ -81,6 +89,34 @@ def slopes(
             shown[q, k] = (shown[q, k] - shown[many, k]) * left[q, k]
         late(shown[q, :rows], shift, raw[:rows])
     return rows
+
+
+@once
+def chords(
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, share, drawn, raw,
+    path,
+):  # fmt: skip
+    """Draw into `shown` the chord of each state that ever moves at once; whether any was drawn anew.
+
+    share (S,): the shares of the ways that the chords go to; drawn (S,): those that they went to before. Motion: of the
+    rows that show; the last row of `shown` is the run from where all settle.
+    """
+    many, n, anew = slots.shape[0], x.shape[0], False
+    n_sub = 1 + 0 * many
+    for q in range(many):
+        own, to = slots[q], share[q]
+        if reach[FASTEST, own] < AT_ONCE or abs(to) < MOVED or abs(to - drawn[q]) < MOVED:
+            continue
+        away, _ = way(reach, own)
+        seen = predict(
+            on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, shown[q], reach, own, to * away,
+            left[q], path,
+        )  # fmt: skip
+        for k in range(n):
+            shown[q, k] = (shown[q, k] - shown[many, k]) * left[q, k] / to if k < seen else 0.0
+        late(shown[q], shift, raw)
+        drawn[q], anew = to, True
+    return anew
 
 
 @inner
@@ -128,11 +164,12 @@ def begun_rows(
     """
     many, n = slots.shape[0], x.shape[0]
     noted = NOTED + 0 * n
-    s, reach = np.empty((ROWS, at_rest.shape[0])), np.empty((3, at_rest.shape[0]))
+    s, reach = np.empty((ROWS, at_rest.shape[0])), np.empty((4, at_rest.shape[0]))
     shown, left, sums = np.empty((many + 1, n)), np.empty((many, n)), np.empty((many, many + 1))
-    near, share, raw, error = np.empty(many), np.empty(many), np.empty(n), np.empty(n)
+    near, share, drawn = np.empty(many), np.empty(many), np.empty(many)
+    raw, error = np.empty(n), np.empty(n)
     records, warm = starts.shape[0] - 1, np.empty(at_rest.shape[0])
-    ends, path = np.empty((records, 2, at_rest.shape[0])), np.empty((at_rest.shape[0], n))
+    ends, path = np.empty((records, 2, at_rest.shape[0])), np.empty((2 * at_rest.shape[0], n))
     for k in range(ps.shape[0]):
         p, force = ps[k], forces[k]
         shift, spent[k] = output_delay(on, p) / dt, 0.0
@@ -154,8 +191,18 @@ def begun_rows(
             )  # fmt: skip
             for row in range(rows):
                 error[row] = measured[i + row] - f_r[row]
-            spent[k] += products(error[:rows], weight[i:j], shown, unscored, sums)
+            told = products(error[:rows], weight[i:j], shown, unscored, sums)
             shares(sums, near, share)
+            drawn[:] = 1.0
+            for _ in range(CHORDS):
+                if not chords(
+                    on, slots, links, at_rest, p, dt, x_r[:rows], v_r[:rows], a_r[:rows], u_r[:rows], theta_r[:rows],
+                    clock, warm, s, reach, shift, shown[:, :rows], left, share, drawn, raw[:rows], path,
+                ):  # fmt: skip
+                    break
+                told = products(error[:rows], weight[i:j], shown, unscored, sums)
+                shares(sums, near, share)
+            spent[k] += told
             for q in range(many):
                 for row in range(rows):
                     f_r[row] += share[q] * shown[q, row]

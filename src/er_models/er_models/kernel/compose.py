@@ -98,13 +98,18 @@ def _relax(
 
 
 def _bound(catalogue: Catalogue, effect: Effect, slot: int) -> list[str]:
-    """Lines that keep an effect's state within its bound, where it has one."""
+    """Lines that keep an effect's state within its bound, where it has one.
+
+    What springs back against a force that follows from it takes one implicit stage. Under friction a first-order hold
+    has two answers, one of which lets the joint slip before it presses.
+    """
     if "bound" not in effect.hooks:
         return []
     if "give" not in effect.hooks:
         clipped = f"s[W, {slot}] = min(max(s[W, {slot}], -({{call}})), {{call}})"
         return _call(catalogue, effect, "bound", clipped)
-    pressed = f"s[W, {slot}] = pressed(s, first + {slot}, h, how, limit, {{call}})"
+    how = "max(how, STAGE)" if "f_r" in arguments(effect.hooks["relax"]) else "how"
+    pressed = f"s[W, {slot}] = pressed(s, first + {slot}, h, {how}, limit, {{call}})"
     return [
         *_call(catalogue, effect, "bound", "limit = {call}"),
         *_call(catalogue, effect, "give", pressed),

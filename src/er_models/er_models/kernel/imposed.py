@@ -11,7 +11,7 @@ import numpy as np
 from er_models.kernel.elementary import exp
 from er_models.kernel.fast import entry, inline, inner, once
 from er_models.kernel.inputs import at, cubic, delayed, split
-from er_models.kernel.states import HOLD, ROWS, W0, G, R, W, keep, settle, solve, visit
+from er_models.kernel.states import AT_ONCE, HOLD, ROWS, W0, G, R, W, keep, settle, solve, visit
 
 
 def input_delay(on, p):  # type: ignore[no-untyped-def]
@@ -30,8 +30,9 @@ FADED = 7.0
 TURN, BEFORE, PAUSE, CLOCK = range(4)
 """Columns of a course (m, 4): which record comes when; of each record the one before it, -1: none, the pause since
 that one's end and the time since the first of them began [s]."""
-LEAST, MOST, SETTLED = range(3)
-"""Rows of the reach of each state (3, n_states): ends of where it and its equilibria are, and where it settled."""
+LEAST, MOST, SETTLED, FASTEST = range(4)
+"""Rows of the reach of each state (4, n_states): ends of where it and its equilibria are, where it settled, and its
+largest rate [1/s]."""
 HEAT = 2
 """Mark in `at_rest` of a state that goes on from one record to the next."""
 NOTED, PLAIN = -1, -2
@@ -65,12 +66,17 @@ def stop(j, n_sub, turn, cut, u_now, u_next):
 
 @inner
 def reached(slots, s, slowest, reach):
-    """Widen the reach of each state by where it is and by its equilibrium, as far as that draws it within a record."""
+    """Widen the reach of each state by where it is and by its equilibrium, as far as that draws it within a record.
+
+    Where nothing draws it, it is where it may stay.
+    """
     for i in range(slots.shape[0]):
         j = slots[i]
-        goal = s[G, j] / max(s[R, j], slowest)
+        free = s[G, j] == 0.0 and s[R, j] == 0.0
+        goal = s[W, j] if free else s[G, j] / max(s[R, j], slowest)
         reach[LEAST, j] = min(reach[LEAST, j], s[W, j], goal)
         reach[MOST, j] = max(reach[MOST, j], s[W, j], goal)
+        reach[FASTEST, j] = max(reach[FASTEST, j], s[R, j])
 
 
 @once
@@ -93,8 +99,9 @@ def start(on, slots, links, at_rest, p, s, reach, own, away, clock, warm, x, v, 
         keep(slots, s)
     if own == NOTED:
         for j in range(reach.shape[1]):
-            for i in range(reach.shape[0]):
+            for i in range(FASTEST):
                 reach[i, j] = s[W, j]
+            reach[FASTEST, j] = 0.0
     return f_m
 
 
@@ -107,7 +114,9 @@ def predict(
     The duty is held from each sample on, later by the dead time: a step that it jumps in is cut in
     two. own: a state that begins `away` from where it settles, followed for as long as that shows (`left` (n,), from 1
     to 0), or until it is where it was when `path` was noted: both came to the same bound, and where they began is
-    forgotten; `NOTED`: none, and the reach (3, n_states) and path (n_states, n) of each state are noted; `PLAIN`: none.
+    forgotten. It fades as fast as the slower of both runs: a contact forgets, a gap that is open does not, nor does
+    what both drag along, each at an end of its band. `NOTED`: none, and the reach (4, n_states) and path
+    (2 n_states, n: states, then rates) of each state are noted; `PLAIN`: none.
     """
     n, step = x.shape[0], dt / n_sub
     whole, cut = split(input_delay(on, p) / dt)
@@ -144,9 +153,11 @@ def predict(
                 reached(slots, s, 1.0 / (n * dt), reach)
                 for i in range(slots.shape[0]):
                     path[slots[i], m] = s[W, slots[i]]
+                    path[slots[i] + s.shape[1], m] = s[R, slots[i]]
             if own < 0:
                 continue
-            faded += dt * s[R, own]
+            slower = min(s[R, own], path[own + s.shape[1], m])
+            faded += dt * slower if slower < AT_ONCE else 0.0
             if not faded < FADED or s[W, own] == path[own, m]:
                 return m
             left[m] = min(FADED - faded, 1.0)

@@ -24,8 +24,19 @@ WORKED = (
         x=0.01,
         v=0.1,
         u=0.3,
-        rate=(11.204482076268573 - 4.0) / 50.0,
+        rate=0.1,  # beside 4 N the other losses, 6.2 N, let nothing follow: all of the stroke is void
         force=6.0 + 11.204482076268573 - 0.75 * (11.204482076268573 - 4.0),
+    ),
+    # half of the field's 3 N in the way: (4 - 1.5) / 50 m/s follow; 5 + 3 N of the fluid, 3 / 4 of 4 N are missing
+    Rate(
+        {"F_v": 4.0, "r": 0.0, "w_s": 1e-3, "s_y": 0.5},
+        {**PASSIVE, "field_viscosity": {"c_u": 100.0}},
+        w=3e-3,
+        x=0.01,
+        v=0.1,
+        u=0.3,
+        rate=0.05,
+        force=6.0,
     ),
     # closing in compression: 1 N where -4 N would be held: -5 / 50 m/s
     Rate(

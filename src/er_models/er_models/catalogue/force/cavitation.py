@@ -1,16 +1,23 @@
 """Cavitation: beyond F_v a void of the stroke w opens, and holds the force there until it is closed again.
 
 The stroke back closes it, or it fills by itself: with r = 0 all of it is lost motion, with r far above the
-frequencies of the motion nothing is, and the force is only cut off.
+frequencies of the motion nothing is, and the force is only cut off. What follows the piston meets the losses of the
+fluid beyond c_0 by a share s_y: all of them where it comes through the field, none through a foot valve.
 """
 
 from er_models.effect import CONTACT, INSTANT, LEAST_DAMPING, Effect, Param, Signature
 
 
-def relax(F_v: float, r: float, c_0: float, f_h: float, w: float) -> tuple[float, float]:
+def relax(
+    F_v: float, r: float, s_y: float, c_0: float, v: float, f_h: float, w: float
+) -> tuple[float, float]:
     """Rate [1/s] at which the void fills by itself; drive [m/s]: the stroke less what follows at vapour pressure."""
-    excess = f_h - F_v if F_v > 0.0 else F_v - f_h
-    return (r, excess / (c_0 + LEAST_DAMPING)) if w > 0.0 or excess > 0.0 else (INSTANT, 0.0)
+    side = 1.0 if F_v > 0.0 else -1.0
+    rest = side * (F_v - s_y * (f_h - c_0 * v))
+    growth = side * v - max(rest, 0.0) / (c_0 + LEAST_DAMPING)
+    return (
+        (r, growth) if w > 0.0 or (side * (f_h - F_v) > 0.0 and growth > 0.0) else (INSTANT, 0.0)
+    )
 
 
 def limit(F_v: float, w_s: float, f_h: float, f_d: float, w: float) -> float:
@@ -31,7 +38,7 @@ EFFECT = Effect(
             -1e6,
             1e6,
             float("inf"),
-            (0.5, 0.7, 0.9, 0.35, -0.5, -0.7, -0.9, -0.35),
+            (0.5, 0.8, -0.5, -0.8, 0.3, 0.15, -0.3, -0.15),
             "force at vapour pressure; negative in compression",
             step=CONTACT,
         ),
@@ -54,6 +61,17 @@ EFFECT = Effect(
             (2e-3,),
             "void at which half of the limit acts",
             step=CONTACT,
+        ),
+        Param(
+            "s_y",
+            "1",
+            0.0,
+            1.0,
+            1.0,
+            (1.0, 1.0, 1.0, 1.0, 0.2),
+            "share of the losses in the way of what follows",
+            step=CONTACT,
+            optional=True,
         ),
     ),
     hooks={"relax": relax, "limit": limit},
