@@ -117,7 +117,7 @@ def test_a_gain_counts_beyond_the_errors_of_the_motion_where_they_act():
     [(ON_PLATEAUS, False, False), (ON_PLATEAUS, True, True), (AT_THE_GATE, True, False)],
 )
 def test_small_steps_believe_what_acts_on_the_plateaus(found, small, taken, monkeypatch):
-    monkeypatch.setattr(search, "_without_refinements", lambda base, able, limit: able)
+    monkeypatch.setattr(search, "far_better", lambda base, form, able, limit: True)
     monkeypatch.setattr(search, "tied", lambda base, able, problem, limit: able)
     problem = SimpleNamespace(train=np.ones(GATE.size, bool), cycles=())
     step = search.decided(BEFORE, [found], ERRORS, problem, replace(RULE, plateaus=small))

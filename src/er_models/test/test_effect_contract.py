@@ -310,6 +310,8 @@ def test_derivatives_by_its_parameters_are_central_differences(effect: Effect) -
                 continue  # instants of jumps, given and never fitted
             smooth, size = q.step == SMOOTH, q.size * SMALL.of(q.unit)
             step = 3e-5 * size if smooth else q.step * max(abs(off[q.name]), 0.1 * size)
+            if not smooth and off[q.name] + step > q.high * SMALL.of(q.unit):
+                step = -step  # into the box
             vectors = np.tile(model.compiled().p, (2, 1))
             vectors[:, CATALOGUE.column(effect.name, q.name)] += (step, -step if smooth else 0.0)
             after, before = rows(vectors)

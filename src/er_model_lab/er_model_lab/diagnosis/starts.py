@@ -22,11 +22,11 @@ def starts(effect: Effect, problem: Problem) -> list[dict[str, float]]:
 
 
 def amplitudes(effect: Effect) -> list[int]:
-    """Places of the parameters that switch the effect on: those with a finite neutral value."""
+    """Places of the parameters that switch the effect on: those of a finite neutral value, refinements left out."""
     return [
         i
         for i, q in enumerate(effect.parameters)
-        if q.neutral is not None and np.isfinite(q.neutral)
+        if q.neutral is not None and np.isfinite(q.neutral) and not q.optional
     ]
 
 

@@ -24,7 +24,7 @@ WORKED = (
         x=0.01,
         v=0.1,
         u=0.3,
-        rate=0.1,  # beside 4 N the other losses, 6.2 N, let nothing follow: all of the stroke is void
+        rate=(11.204482076268573 - 4.0) / 50.0,
         force=6.0 + 11.204482076268573 - 0.75 * (11.204482076268573 - 4.0),
     ),
     # half of the field's 3 N in the way: (4 - 1.5) / 50 m/s follow; 5 + 3 N of the fluid, 3 / 4 of 4 N are missing

@@ -12,12 +12,10 @@ def relax(
     F_v: float, r: float, s_y: float, c_0: float, v: float, f_h: float, w: float
 ) -> tuple[float, float]:
     """Rate [1/s] at which the void fills by itself; drive [m/s]: the stroke less what follows at vapour pressure."""
-    side = 1.0 if F_v > 0.0 else -1.0
-    rest = side * (F_v - s_y * (f_h - c_0 * v))
-    growth = side * v - max(rest, 0.0) / (c_0 + LEAST_DAMPING)
-    return (
-        (r, growth) if w > 0.0 or (side * (f_h - F_v) > 0.0 and growth > 0.0) else (INSTANT, 0.0)
-    )
+    flow = c_0 * v + s_y * (f_h - c_0 * v)
+    excess = flow - F_v if F_v > 0.0 else F_v - flow
+    opens = w > 0.0 or (excess > 0.0 and (f_h > F_v if F_v > 0.0 else f_h < F_v))
+    return (r, excess / (c_0 + LEAST_DAMPING)) if opens else (INSTANT, 0.0)
 
 
 def limit(F_v: float, w_s: float, f_h: float, f_d: float, w: float) -> float:
@@ -38,7 +36,7 @@ EFFECT = Effect(
             -1e6,
             1e6,
             float("inf"),
-            (0.5, 0.8, -0.5, -0.8, 0.3, 0.15, -0.3, -0.15),
+            (0.5, 0.8, 0.3, 0.15, -0.5, -0.8, -0.3, -0.15),
             "force at vapour pressure; negative in compression",
             step=CONTACT,
         ),
@@ -68,7 +66,7 @@ EFFECT = Effect(
             0.0,
             1.0,
             1.0,
-            (1.0, 1.0, 1.0, 1.0, 0.2),
+            (1.0,),
             "share of the losses in the way of what follows",
             step=CONTACT,
             optional=True,
