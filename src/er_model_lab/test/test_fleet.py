@@ -576,6 +576,34 @@ def test_a_page_of_a_unit_is_drawn_once(tmp_path: Path, monkeypatch: pytest.Monk
             assert made == DRAWN
 
 
+def seen(job: UnitJob, asked: Asked) -> tuple[dict[str, Any], bytes]:
+    """A diagnosis of tests, with what its page shows."""
+    return {"verdict": "adequate"}, f"seen of {job.unit}".encode() if job.keeps else b""
+
+
+def shown(job: UnitJob, asked: Asked) -> bytes:
+    """A page of tests: what it was given to show."""
+    return job.seen
+
+
+def test_a_page_shows_what_its_diagnosis_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """While there is room for it; where the temporary disk is full it is found again."""
+    monkeypatch.setattr(runs, "unit", seen)
+    monkeypatch.setattr(runs, "page", shown)
+    with closing(Store(tmp_path / "f.results")) as store, ThreadPoolExecutor(1) as pool:
+        run = Run(store, ASKED, Engine(pool, 1), HERE, room=250)
+        store.add([Source(name, name) for name in "abc"])
+        for number, source in store.sources():
+            row = {"record": "r", "digest": source.path, "status": "used", "samples": 100}
+            store.place(number, source, [{**row, "seconds": 1.0}])
+        run.units()
+        assert run.pages("abc") == {"a": b"seen of a", "b": b"seen of b", "c": b""}
+        store._into_memory("full")
+        assert run.pages("abc") == dict.fromkeys("abc", b"")
+
+
 def test_what_a_recording_does_not_show_has_no_small_deviation(tmp_path: Path) -> None:
     """Without a duty neither the yield force nor its response time is there."""
     found = recording(

@@ -242,9 +242,11 @@ def test_ctrl_c_to_the_whole_command_keeps_all(
 def test_a_page_of_a_unit_shows_its_diagnosis(tmp_path: Path) -> None:
     path = record(tmp_path / "u.parquet", 5, seconds=5.0, friction=1.0)
     with closing(Store(tmp_path / "f.results")) as store, ThreadPoolExecutor(1) as pool:
-        run = Run(store, ASKED, Engine(pool, 1), HERE)
+        run = Run(store, ASKED, Engine(pool, 1), HERE, room=1000)
         store.add([Source(str(path), "u")])
         run.recordings()
+        run.units()
+        path.unlink()  # a second diagnosis would need it
         (page,) = run.pages(["u"]).values()
     assert page.startswith(b"<!DOCTYPE html>")
     assert b"Coulomb friction" in page

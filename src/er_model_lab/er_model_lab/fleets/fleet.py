@@ -29,6 +29,8 @@ from er_model_lab.work import STOPPED, Event, Progress, Work
 
 ENDED = (Lost, OtherCode)
 """What ends a run early: whoever did the work is gone, or is another by now."""
+SHOWN_SAMPLES = 5_000_000
+"""Samples of which a run keeps what pages show, some 300 MB; of further units it is found again for their page."""
 MOST_FAILED = 20
 """Recordings without a result that the JSON names; the table has all."""
 
@@ -81,7 +83,7 @@ def fleet(
         _engine(executor, cluster, workers, security) as engine,
     ):
         store.add(sources(given, by))
-        run = Run(store, asked, engine, work, resume)
+        run = Run(store, asked, engine, work, resume, SHOWN_SAMPLES if reports else 0)
         interrupted, error = _worked(run)
         work.wind_up()
         return _result(run, table, reports, error, interrupted=interrupted)

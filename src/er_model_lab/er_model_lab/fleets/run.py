@@ -6,7 +6,7 @@ import sqlite3
 import zlib
 from base64 import b64decode, b64encode
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import accumulate
 from typing import Any
 
@@ -29,7 +29,8 @@ Span = tuple[float, float, str]
 class Run:
     """A fleet under way.
 
-    resume: whether what an earlier run found is taken; lost: why results could not be kept; reused: how many were.
+    resume: whether what an earlier run found is taken; room: samples of which what a page shows is still kept, some 60
+    bytes each; lost: why results could not be kept; reused: how many were.
     """
 
     store: Store
@@ -37,6 +38,7 @@ class Run:
     engine: Engine
     work: Work
     resume: bool = False
+    room: int = 0
     lost: str = ""
     reused: int = 0
     _done: int = field(default=0, repr=False)
@@ -87,13 +89,15 @@ class Run:
                     self._entered(name, row, facts, len(names))
                     continue
                 keys[number] = name, key, facts
-                yield number, job
+                self.room -= job.samples
+                yield number, replace(job, keeps=self.room >= 0)
 
         def told(number: int, found: Any) -> None:
             name, key, facts = keys.pop(number)
-            row = (
-                {"verdict": "failed", "error": found.said} if isinstance(found, Failure) else found
-            )
+            failed = isinstance(found, Failure)
+            row, seen = ({"verdict": "failed", "error": found.said}, b"") if failed else found
+            if seen:
+                self.store.show(name, seen)
             if not isinstance(found, Failure) or found.kept:
                 self._keep(key, row)
             self._entered(name, row, facts, len(names))
@@ -117,7 +121,7 @@ class Run:
                     found[name] = zlib.decompress(b64decode(kept))
                     continue
                 keys[number] = name, key
-                yield number, job
+                yield number, replace(job, seen=self.store.shown(name))
 
         def told(number: int, page: Any) -> None:
             name, key = keys.pop(number)
@@ -202,6 +206,7 @@ class Run:
             name,
             tuple(dict.fromkeys(p["path"] for p in taken)),
             frozenset(p["digest"] for p in taken),
+            sum(p["samples"] for p in taken),
         )
         return (job if taken else None), facts
 

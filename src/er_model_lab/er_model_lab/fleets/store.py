@@ -35,6 +35,7 @@ CREATE TABLE {0}.part (
 CREATE INDEX {0}.part_source ON part (source); CREATE INDEX {0}.part_digest ON part (digest, source);
 CREATE INDEX {0}.part_unit ON part (unit, mileage, time, source);
 CREATE TABLE {0}.unit (unit TEXT PRIMARY KEY, row TEXT) WITHOUT ROWID;
+CREATE TABLE {0}.shown (unit TEXT PRIMARY KEY, seen BLOB);
 """
 """Tables of a run in a database of this name."""
 FIRST = """
@@ -215,6 +216,17 @@ class Store:
     def enter(self, unit: str, row: Mapping[str, Any]) -> None:
         """Enter the row of a unit into this run."""
         self._write(("INSERT OR REPLACE INTO unit VALUES (?, ?)", [(unit, json.dumps(row))]))
+
+    def show(self, unit: str, seen: bytes) -> None:
+        """Keep for this run what a page of a unit shows, while its disk has room."""
+        if not self.full:
+            with suppress(sqlite3.Error), self._whole():
+                self._db.execute("INSERT OR REPLACE INTO shown VALUES (?, ?)", (unit, seen))
+
+    def shown(self, unit: str) -> bytes:
+        """What a page of a unit shows; b"" where it was not kept."""
+        found = self._db.execute("SELECT seen FROM shown WHERE unit = ?", (unit,)).fetchone()
+        return b"" if found is None else bytes(found[0])
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """The rows of all units, by name."""

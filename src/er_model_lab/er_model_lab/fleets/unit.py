@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from tempfile import TemporaryDirectory
@@ -16,7 +18,7 @@ from er_records.record import Record
 
 from er_model_lab.fleets.asked import Asked
 from er_model_lab.fleets.places import Unreachable, local
-from er_model_lab.results.result import DiagnosisResult
+from er_model_lab.results.result import DiagnosisResult, Result
 from er_model_lab.results.values import clean, parameters
 from er_model_lab.verbs.diagnose import diagnose
 
@@ -26,11 +28,18 @@ MOST_SAMPLES = 2_000_000
 
 @dataclass(frozen=True)
 class UnitJob:
-    """A unit to diagnose: its recordings, and by their content the records in them that count."""
+    """A unit to diagnose: its recordings, and by their content the records in them that count.
+
+    samples: of all of them; keeps: whether what a page shows is wanted with the row; seen: that of the diagnosis, b""
+    where it was not kept.
+    """
 
     unit: str
     paths: tuple[str, ...]
     digests: frozenset[str]
+    samples: int = 0
+    keeps: bool = False
+    seen: bytes = b""
 
 
 def chosen(samples: Sequence[int], most: int) -> list[int]:
@@ -45,8 +54,11 @@ def chosen(samples: Sequence[int], most: int) -> list[int]:
     return [len(samples) - 1] if samples else []
 
 
-def unit(job: UnitJob, asked: Asked) -> dict[str, Any]:
-    """The row of a unit: verdict, effects, errors [N], values of the best model, what to record next."""
+def unit(job: UnitJob, asked: Asked) -> tuple[dict[str, Any], bytes]:
+    """The row of a unit: verdict, effects, errors [N], values of the best model, what to record next.
+
+    With it comes what `page` needs, b"" unless the job keeps it.
+    """
     result = diagnosed(job, asked)
     found = result.to_dict()
     row: dict[str, Any] = clean({
@@ -60,7 +72,7 @@ def unit(job: UnitJob, asked: Asked) -> dict[str, Any]:
         "next": found["next_plans"], "hints": found["coverage"]["hints"], "reasons": found["reasons"],
         "notes": found["notes"],
     })  # fmt: skip
-    return row
+    return row, zlib.compress(pickle.dumps(result.view)) if job.keeps else b""
 
 
 def diagnosed(job: UnitJob, asked: Asked) -> DiagnosisResult:
@@ -85,8 +97,9 @@ def values(found: DiagnosisResult) -> dict[str, list[Any]]:
 
 def page(job: UnitJob, asked: Asked) -> bytes:
     """The report of a unit's diagnosis as one page."""
+    result = Result(pickle.loads(zlib.decompress(job.seen))) if job.seen else diagnosed(job, asked)
     with TemporaryDirectory(prefix="er_fleet_") as folder:
-        return diagnosed(job, asked).report(folder).read_bytes()
+        return result.report(folder).read_bytes()
 
 
 def _data(job: UnitJob) -> Dataset:
