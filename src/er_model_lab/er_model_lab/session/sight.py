@@ -15,6 +15,7 @@ from er_records.dataset import Dataset
 from er_records.record import Record
 from numpy.typing import NDArray
 
+from er_model_lab.filtering import welch
 from er_model_lab.fitting.velocity_channel import KINEMATIC, on_fused
 from er_model_lab.level.damper import DamperLevel, opened
 from er_model_lab.output.report.samples import rms_map
@@ -240,12 +241,9 @@ def loops(
 
 def spectrum(sight: Sight, residual: Array, mask: Mask) -> Curve:
     """Frequency [Hz] and amplitude density [N/sqrt(Hz)] of what is left where it is selected."""
-    from scipy.signal import welch
-
     y = np.where(mask & np.isfinite(residual), residual, 0.0)
     share = float(np.mean(mask))
-    n = min(SEGMENT, y.size)
-    f, power = welch(y, 1.0 / sight.problem.motion.dt, nperseg=n)
+    f, power = welch(y, 1.0 / sight.problem.motion.dt, min(SEGMENT, y.size))
     return np.asarray(f[1:]), np.sqrt(np.asarray(power[1:]) / max(share, 1e-9))
 
 
