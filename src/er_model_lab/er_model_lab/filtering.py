@@ -8,7 +8,6 @@ from __future__ import annotations
 import numpy as np
 from er_models.model import Array
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dtbtrs
 
 
 def welch(y: Array, rate: float, length: int, *, linear: bool = False) -> tuple[Array, Array]:
@@ -58,6 +57,8 @@ def kaiser(down: float, width: float) -> tuple[int, float]:
 
 def fading(y: Array, keeps: float) -> Array:
     """Sums (..., n) of a channel and of `keeps` times the sum one sample before."""
+    from scipy.linalg.lapack import dtbtrs
+
     bands = np.ones((2, y.shape[-1]))
     bands[1] = -keeps
     sums, _ = dtbtrs(bands, y.T, uplo="L")
