@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -16,8 +15,8 @@ from typing import Any
 import pytest
 
 pytest.importorskip("nicegui", reason="the package nicegui is not installed")
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-BROWSER = next((path for name in BROWSERS if (path := shutil.which(name))), None)
+from er_studies.bench.browser import BROWSER
+
 ROOT = str(Path(__file__).parents[1])
 OPEN = ("-m", "er_model_lab.cli.app", "open", "--no-browser")
 PLAYED = (

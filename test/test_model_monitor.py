@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from time import monotonic
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -13,10 +14,15 @@ pytest.importorskip("rclpy")
 
 import rclpy
 from action_msgs.msg import GoalStatus
+from er_model_lab.nodes.model_monitor import Asked
 from er_models.files import load_model, save_model
+from er_ros_common.core_node import LATER
+from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.task import Future
 
 from er_common import quality, topics
 from er_damper_msgs.action import Diagnose
@@ -81,6 +87,34 @@ def seen(graph: Graph) -> Iterator[Seen]:
     rclpy.try_shutdown()
 
 
+@pytest.mark.parametrize(
+    ("done", "reason", "word", "stays"),
+    [
+        (True, "", "watcher goes over to it, too", False),
+        (
+            False,
+            f"gains are being made: {LATER}",
+            f"watcher: gains are being made: {LATER}",
+            False,
+        ),
+        (False, "no such file", "watcher keeps its model: no such file", True),
+    ],
+)
+def test_what_another_node_answers_is_said_as_it_is(
+    done: bool, reason: str, word: str, stays: bool
+) -> None:
+    answered: Future = Future()
+    answered.set_result(
+        SetParametersAtomically.Response(
+            result=SetParametersResult(successful=done, reason=reason)
+        )
+    )
+    client = SimpleNamespace(service_is_ready=lambda: True, call_async=lambda request: answered)
+    asked = Asked("watcher", client, "worn.yaml")
+    assert asked.look()
+    assert (asked.word, asked.stays) == (word, stays)
+
+
 @pytest.mark.slow
 @pytest.mark.alone
 def test_it_goes_on_beside_whatever_is_asked_of_it(
@@ -111,7 +145,7 @@ def test_it_goes_on_beside_whatever_is_asked_of_it(
     )
     for words in (
         "plant goes over to it, too", "nobody does not answer: it keeps its model",
-        f"nlpv_polytopic_observer keeps its model: {made}: it goes over when they are proved",
+        f"nlpv_polytopic_observer: {made}: it goes over when they are proved",
     ):  # fmt: skip
         monitor.wait_for(words)
     # the observer goes on meanwhile, and over to what it can take

@@ -32,11 +32,13 @@ if TYPE_CHECKING:
 
     from er_model_lab.session.live_desk import LiveDesk
 
+BEGINS = 60.0
+"""When something begins in the second drive [s]."""
 LATER: dict[str, tuple[str, dict[str, float]]] = {
-    "leak": ("oil_leakage", {"f": 0.75, "t_0": 60.0, "t_r": 5.0, "q": 0.0, "d": 0.5}),
-    "heat": ("self_heating", {"t_h": 60.0, "b_v": 3.0, "b_y": 3.0}),
+    "leak": ("oil_leakage", {"f": 0.75, "t_0": BEGINS, "t_r": 5.0, "q": 0.0, "d": 0.5}),
+    "heat": ("self_heating", {"t_h": 5.0, "b_v": 3.0, "b_y": 3.0}),
 }
-"""What begins in the second drive: the effect of the plant, and its values [SI]."""
+"""What begins then: the effect that the plant's damper gets, and its values [SI]."""
 LEARN = 15.0
 """Motion from which the monitor learns what the error of its model is like [s]."""
 FALLS = 0.9
@@ -140,9 +142,9 @@ def first(live: Live, desk: LiveDesk, console: Console) -> Act:
 
 def second(live: Live, desk: LiveDesk, console: Console) -> Act:
     """The same damper with its model in the monitor; something begins while it is driven."""
-    effect, values = LATER[live.later]
-    begins, before = values.get("t_0", 0.0), desk.heard.now
-    truth = truth_of(live).with_effect(effect, values)
+    from er_bringup.ros_ask import set_parameters
+
+    (effect, values), truth, before = LATER[live.later], truth_of(live), desk.heard.now
     with drive(live, desk, truth, "second", live.seed + 1):
         _wait(
             "another drive",
@@ -153,6 +155,9 @@ def second(live: Live, desk: LiveDesk, console: Console) -> Act:
         desk.give()
         _wait("the monitor", JOB, lambda: desk.heard.since > 0.0, desk)
         console.print("the monitor goes by the new model; something begins in this drive ...")
+        _wait("the middle of the drive", ALARM, lambda: desk.heard.now > BEGINS, desk)
+        changed = _sealed(live, truth.with_effect(effect, values), live.later)
+        set_parameters("/plant", damper_file=str(changed))
         _wait("an alarm", ALARM, lambda: desk.failing, desk)
         at, began = desk.heard.now, desk.heard.began()
         console.print(f"alarm after {at:.0f} s of driving; it began about {began:.0f} s")
@@ -160,7 +165,7 @@ def second(live: Live, desk: LiveDesk, console: Console) -> Act:
         error = desk.heard.error(COUNTED)
         desk.improve()
         after = _given(desk, console)
-    return Act(f"{effect}, later", "an alarm", error, after, at > begins)
+    return Act(f"{effect}, later", "an alarm", error, after, at > BEGINS)
 
 
 def _decided(desk: LiveDesk) -> bool:
@@ -205,11 +210,17 @@ def truth_of(live: Live) -> Model:
     return hide(given, choose(live.effect, live.seed), live.seed)
 
 
+def _sealed(live: Live, truth: Model, name: str) -> Path:
+    """The file of a damper that the plant alone is told."""
+    path = live.out / "sealed" / f"{name}.yaml"
+    save_model(replace(truth, name="hidden"), path)
+    return path
+
+
 @contextmanager
 def drive(live: Live, desk: LiveDesk, truth: Model, name: str, seed: int) -> Iterator[None]:
     """The graph, with this damper in its plant, for as long as the block takes; raises `ErError` where it failed."""
-    sealed, rules = live.out / "sealed" / f"{name}.yaml", live.out / "monitor.yaml"
-    save_model(replace(truth, name="hidden"), sealed)
+    sealed, rules = _sealed(live, truth, name), live.out / "monitor.yaml"
     rules.write_text(
         f"/**/model_monitor:\n  ros__parameters:\n    learn: {LEARN}\n", encoding="utf-8"
     )

@@ -13,20 +13,14 @@ from __future__ import annotations
 
 import argparse
 import sys
-from time import monotonic
 
-import rclpy
 from er_models.one_line import OneLine, end_with
 from er_ros_common.fault_port import SERVICE
 from er_ros_common.injection import Kind
-from rclpy.executors import SingleThreadedExecutor
 
 from er_bringup.doctor import namespace
+from er_bringup.ros_ask import asked
 from er_damper_msgs.srv import InjectFault
-from er_ros_common import environment
-
-ANSWER = 10.0
-"""Longest wait for the node and its answer [s]."""
 
 
 def parser() -> OneLine:
@@ -53,23 +47,10 @@ def parser() -> OneLine:
 
 def ask(name: str, request: InjectFault.Request) -> tuple[bool, str]:
     """Whether a node, by full name, does it, and what it says."""
-    environment.settle()
-    rclpy.init(args=[])
-    try:
-        node = rclpy.create_node("inject", enable_rosout=False)
-        executor = SingleThreadedExecutor()
-        executor.add_node(node)
-        client = node.create_client(InjectFault, SERVICE.replace("~", name))
-        until, answer = monotonic() + ANSWER, None
-        while monotonic() < until and not (answer is not None and answer.done()):
-            if answer is None and client.service_is_ready():
-                answer = client.call_async(request)
-            executor.spin_once(timeout_sec=0.05)
-        if answer is None or not answer.done():
-            return False, f"{name} does not answer: is it running?"
-        return bool(answer.result().accepted), str(answer.result().reason)
-    finally:
-        rclpy.try_shutdown()
+    answer = asked(InjectFault, SERVICE.replace("~", name), request)
+    if answer is None:
+        return False, f"{name} does not answer: is it running?"
+    return bool(answer.accepted), str(answer.reason)
 
 
 def main() -> None:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from er_model_lab.problem.prepare import resampled
 from er_records.record import Record
-from er_records.sampling import even
+from er_records.sampling import even, with_velocity
+from scipy.signal import savgol_filter
 
 
 def sine(t, f=1.3):
@@ -83,3 +84,11 @@ def test_rates_that_differ_by_half_a_percent_are_two_rates():
     record = Record("run", t, {"deflection": t})
     found = resampled(record, "deflection", 0.005)
     assert np.diff(found) == pytest.approx(0.005, abs=1e-9)
+
+
+@pytest.mark.parametrize("n", [7, 8, 300])
+def test_a_derived_velocity_is_the_slope_of_a_cubic_through_seven_samples(n):
+    x = np.random.default_rng(n).standard_normal(n).cumsum()
+    found = with_velocity(Record("run", np.arange(n) / 200.0, {"deflection": x}))
+    wanted = savgol_filter(x, 7, 3, deriv=1, delta=found.dt)
+    assert np.allclose(found.channels["deflection_velocity"], wanted, rtol=1e-9, atol=1e-9)

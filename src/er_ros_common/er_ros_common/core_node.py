@@ -25,6 +25,9 @@ from er_ros_common.managed import ManagedNode
 from er_ros_common.parameters import declare
 from er_ros_common.spin import Executable, run
 
+LATER = "it goes over when they are proved"
+"""Ends the refusal of parameters that a node still makes the gains for, and goes over to by itself."""
+
 
 class CoreNode(ManagedNode):
     """A program that is a core.

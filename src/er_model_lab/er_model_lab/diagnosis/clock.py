@@ -20,6 +20,7 @@ from er_models.prediction import predict
 
 from er_model_lab.diagnosis.candidates import Candidate, effect_size
 from er_model_lab.diagnosis.search import DOUBT, NEARLY, Round, passes
+from er_model_lab.filtering import fading
 from er_model_lab.problem.forward import Past
 from er_model_lab.problem.problem import Problem
 
@@ -101,11 +102,9 @@ def _undecided(best: Candidate, effect: Effect, past: Past, problem: Problem) ->
 
 def _clocks(model: Model, effect: Effect, past: Past) -> tuple[Array, Array]:
     """Time and heat (n,) [W]: what a wall has taken up since each record began, of the mean power and of the power."""
-    from scipy.signal import lfilter
-
     motion, rows = past
     constant = model.value(effect.name, slow(effect))
     power, keeps = np.abs(predict(model, motion) * motion.v), np.exp(-motion.dt / constant)
     records = [power[i:j] for i, j in pairwise(motion.starts)]
-    heat = np.concatenate([lfilter([1.0 - keeps], [1.0, -keeps], p) for p in records])
+    heat = np.concatenate([fading((1.0 - keeps) * p, keeps) for p in records])
     return power.mean() * (1.0 - np.exp(-motion.t[rows] / constant)), heat[rows]

@@ -19,6 +19,7 @@ from threadpoolctl import threadpool_limits
 from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.leftover_structure import bursts, filtered
 from er_model_lab.diagnosis.null import Null
+from er_model_lab.filtering import fading
 from er_model_lab.fitting.data_reach import within_learnt
 from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.problem.problem import Problem
@@ -89,10 +90,8 @@ def features(problem: Problem, force: Array) -> Array:
         return np.concatenate([np.full(k, y[0]), y[:-k]])
 
     def slow(y: Array, seconds: float) -> Array:
-        from scipy.signal import lfilter
-
         c = np.exp(-dt / seconds)
-        return np.asarray(lfilter([1.0 - c], [1.0, -c], y))
+        return fading((1.0 - c) * y, c)
 
     reversal = np.zeros(m.n)
     turns = np.flatnonzero(np.diff(np.sign(m.v)) != 0)

@@ -21,7 +21,6 @@ from er_records.in_memory import from_arrays
 
 from er_model_lab.monitor.learning import HEARD, TASK, Task
 from er_model_lab.results.result import DiagnosisResult
-from er_model_lab.verbs.improve import improve
 from er_model_lab.verbs.load import load
 from er_model_lab.work import STOPPED, Leader
 
@@ -35,6 +34,8 @@ def learn(task: Task, heard: Mapping[str, Array], cancel: Event, say: Any) -> di
     heard: channels by name (n,), and t; say: is told content for `Learning.told`. The result by the names of the
     action: verdict, effects, noise_floor, rmse_before, rmse_after, model, reason.
     """
+    from er_model_lab.verbs.improve import improve  # the page beside a graph learns elsewhere
+
     try:
         model = load_model(task.model)
         result = improve(_data(task, heard), model, progress=_progress(say), cancel=cancel)

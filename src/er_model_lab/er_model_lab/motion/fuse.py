@@ -24,6 +24,7 @@ import numpy as np
 from er_models.model import Array
 from numpy.typing import NDArray
 
+from er_model_lab.filtering import fading
 from er_model_lab.motion.chain import LAGGING, STATES, filtered, ramps, smoothed
 
 SHORTEST_LAG = 0.1
@@ -184,8 +185,6 @@ def fuse(ch: Channels, noise: Noise, spread: Array | None = None) -> Fused:
 
 def as_measured(fused: Fused, dt: float) -> Array:
     """What the channels would show of a fused motion without noise: x, lagging v, a, (n, 3)."""
-    from scipy.signal import lfilter
-
     lag = fused.noise.lag
     if lag <= SHORTEST_LAG * dt:
         return np.stack([fused.x, fused.v - lag * fused.a, fused.a], axis=1)
@@ -194,5 +193,5 @@ def as_measured(fused: Fused, dt: float) -> Array:
     jerk = np.diff(fused.a) / dt
     steps = to[0] * fused.v[:-1] + to[1] * fused.a[:-1] + to[2] * jerk
     start = fused.v[0] - lag * fused.a[0]
-    behind = lfilter([1.0], [1.0, -left], np.concatenate([[start], steps]))
+    behind = fading(np.concatenate([[start], steps]), left)
     return np.stack([fused.x, behind, fused.a], axis=1)

@@ -16,8 +16,9 @@ import numpy as np
 from er_common.program import Program
 from er_models.errors import ErError
 from er_models.model import Array
-from er_ros_common.core_node import CoreNode
+from er_ros_common.core_node import LATER, CoreNode
 from er_ros_common.health import Report
+from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
@@ -75,11 +76,11 @@ class Memory:
 class Asked:
     """Another node that is asked to go over to a model through its parameters.
 
-    word: what came of it, in a sentence, empty while that is not known; went: whether it has gone over.
+    word: what came of it, in a sentence, empty while that is not known; stays: whether it keeps its model.
     """
 
     def __init__(self, name: str, client: Client, model: str) -> None:
-        self.name, self.word, self.went = name, "", False
+        self.name, self.word, self.stays = name, "", False
         self._client, self._until = client, monotonic() + PATIENCE
         self._values, self._answer = wanted(name, str(Path(model).absolute())), None
 
@@ -92,14 +93,22 @@ class Asked:
             )
         if self._answer is not None and self._answer.done():
             result = self._answer.result().result
-            self.went = bool(result.successful)
-            how = "goes over to it, too" if self.went else f"keeps its model: {result.reason}"
+            how, self.stays = _said(result)
         elif monotonic() > self._until:
-            how = "does not answer: it keeps its model"
+            how, self.stays = " does not answer: it keeps its model", True
         else:
             return False
-        self.word = f"{self.name} {how}"
+        self.word = f"{self.name}{how}"
         return True
+
+
+def _said(result: SetParametersResult) -> tuple[str, bool]:
+    """What the answer of a node comes to, and whether its model stays."""
+    if result.successful:
+        return " goes over to it, too", False
+    if result.reason.endswith(LATER):
+        return f": {result.reason}", False
+    return f" keeps its model: {result.reason}", True
 
 
 def wanted(name: str, model: str) -> dict[str, Any]:
@@ -197,7 +206,7 @@ class MonitorNode(CoreNode):
         """Go on with what other nodes are asked, and say what came of it."""
         for each in self.asked:
             if not each.word and each.look():
-                (log.info if each.went else log.warning)(self, each.word)
+                (log.warning if each.stays else log.info)(self, each.word)
 
     def on_accepted(self, goal: ServerGoalHandle) -> None:
         """Begin to learn, or end it with the reason: a goal that ROS rejects could not say one."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from er_models.model import Array
 
+from er_model_lab.filtering import welch
 from er_model_lab.live.heard import PLACE, Heard
 from er_model_lab.output.report.samples import rms_map
 from er_model_lab.output.report.thin import min_max
@@ -106,9 +107,7 @@ def spectrum(heard: Heard, theme: Theme) -> Json:
     left = np.where(np.isfinite(left), left, 0.0)
     if left.size < 256 or not left.any():
         return plots.nothing_yet(theme, "spectrum", 300)
-    from scipy.signal import welch
-
-    f, power = welch(left, (left.size - 1) / (t[-1] - t[0]), nperseg=256)
+    f, power = welch(left, (left.size - 1) / (t[-1] - t[0]), 256)
     return plots.spectrum_of(theme, f[1:], np.sqrt(power[1:]))
 
 

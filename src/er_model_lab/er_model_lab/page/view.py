@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterable
 from functools import wraps
+from time import monotonic
 from typing import Any
 
 from er_models.errors import ErError
@@ -46,6 +47,8 @@ LIVE: dict[str, tuple[Callable[[Heard, plots.Theme], plots.Json], int]] = {
 """The same of a running graph, and every how many turns each is drawn anew."""
 TURN = 0.5
 """Time of a turn [s]."""
+FIRST, LATER = "force", 0.1
+"""The plot that follows a slider at once, and how much later the others do, which take a browser longer [s]."""
 AHEAD = '<script type="module">import("nicegui-plotly")</script>'
 """Has the browser fetch what draws the plots while it makes the rest of the page."""
 STYLE = """
@@ -73,7 +76,7 @@ class View:
 
     def __init__(self, desk: Desk) -> None:
         self.desk, self.theme = desk, plots.LIGHT
-        self.seen, self.told = -1, (-1, -1)
+        self.seen, self.told, self.since = -1, (-1, -1), 0.0
         self.plots: dict[str, ui.plotly] = {}
         self.live = desk if isinstance(desk, LiveDesk) else None
         self.turn, self.holding = 0, False
@@ -123,6 +126,9 @@ class View:
     def _tick(self) -> None:
         """The same with the panels, which need not follow every position of a slider."""
         self.look()
+        if self.since and monotonic() > self.since + LATER:
+            self.since = 0.0
+            self._draw(name for name in PLOTS if name != FIRST)
         now = self.desk.revision, self.desk.progress
         if self.told != now:
             self.told = now
@@ -131,7 +137,7 @@ class View:
                 panel.refresh()
 
     def draw(self) -> None:
-        """Redraw plots and numbers: all that follows a parameter while it is dragged."""
+        """Redraw curves and numbers, which follow a parameter while it is dragged; the other plots soon."""
         desk, errors = self.desk, self.desk.errors()
         self.error.text = (
             ("" if self.live else "no prediction yet") if errors is None
@@ -144,10 +150,13 @@ class View:
         self.fitted.set_enabled(
             desk.now.model is not None and desk.now.model is not desk.now.fitted
         )
-        if self.following is not None:
-            return
-        for name, (make, _) in PLOTS.items():
-            figure = make(desk, self.theme)
+        self._draw([FIRST])
+        self.since = self.since or monotonic()
+
+    def _draw(self, names: Iterable[str]) -> None:
+        """Redraw plots of what was opened."""
+        for name in names if self.following is None else ():
+            figure = PLOTS[name][0](self.desk, self.theme)
             if name == "force" and self.holding:
                 figure["layout"] |= plots.HOLDING
             self.plots[name].update_figure(figure)
@@ -351,7 +360,7 @@ class View:
         """Light or dark."""
         self.dark.value = dark
         self.theme = plots.DARK if dark else plots.LIGHT
-        self.seen, self.told = -1, (-1, -1)
+        self.seen, self.told, self.since = -1, (-1, -1), 0.0
 
     def _key(self, event: Any) -> None:
         """Keys beside those of the widgets."""

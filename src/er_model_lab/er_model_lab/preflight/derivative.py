@@ -22,6 +22,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from er_model_lab.filtering import cross, low_pass, welch
+
 Array = NDArray[np.float64]
 
 SEGMENT = 512
@@ -75,9 +77,7 @@ def _rates(y: Array, z: Array, dt: float) -> Iterator[tuple[Array, Array, float]
 @cache
 def _half_band() -> Array:
     """Taps of the filter before each halving of the rate: what would fold onto frequencies that count loses 60 dB."""
-    from scipy.signal import firwin
-
-    return np.asarray(firwin(19, 0.5, window=("kaiser", 6.0)))
+    return low_pass(19, 0.5, 6.0)
 
 
 def _halved(y: Array) -> Array:
@@ -102,14 +102,12 @@ def _at_rate(
     y: Array, z: Array, dt: float, order: int, highest: float, lowest: int, least: float
 ) -> Relation | None:
     """Relation at the rate the channels have, of lines from `lowest` on with a squared coherence above `least`."""
-    from scipy.signal import csd, welch
-
     length = _length(y.size)
     slope, z = _difference(y, order, dt), z[1:-1]
-    f, cross = csd(slope, z, 1.0 / dt, nperseg=length)
-    _, p_y = welch(slope, 1.0 / dt, nperseg=length)
-    _, p_z = welch(z, 1.0 / dt, nperseg=length)
-    coherence = np.abs(cross) ** 2 / np.maximum(p_y * p_z, 1e-300)
+    f, shared = cross(slope, z, 1.0 / dt, length)
+    _, p_y = welch(slope, 1.0 / dt, length)
+    _, p_z = welch(z, 1.0 / dt, length)
+    coherence = np.abs(shared) ** 2 / np.maximum(p_y * p_z, 1e-300)
     use = (np.arange(f.size) >= lowest) & (coherence > least) & (f < min(highest, 0.25 / dt))
     # lines that are coherent only by leakage of a slower tone say nothing
     if not use.any() or p_y[use].sum() < CARRIED * p_y.sum():
@@ -120,7 +118,7 @@ def _at_rate(
     # strong lines first: beside them, leakage of their neighbours counts for little
     weight = p_y[use] / variance
     size = np.sqrt(p_z[use] / p_y[use]) * _response(w * dt, order)
-    phase = np.angle(cross[use])
+    phase = np.angle(shared[use])
     sign, delay = _phase(w, phase, weight)
     share = weight / weight.sum()
     # half a period late or turned: of a few periods, nothing tells

@@ -10,6 +10,8 @@ from er_models.model import Array
 from er_records.missing_channels import ACCELEROMETERS
 from er_records.record import HELD, Record
 
+from er_model_lab.filtering import kaiser, low_pass, welch
+
 SPOKEN = ("damper_force", *ACCELEROMETERS)
 """Channels that a model must describe: their content decides."""
 ABOVE = 1e-4
@@ -26,9 +28,7 @@ WINDOW = 2.0
 
 def highest(y: Array, rate: float) -> float:
     """Frequency [Hz] above which `ABOVE` of the variance of a channel (n,) lies, white noise aside."""
-    from scipy.signal import welch
-
-    f, power = welch(y, rate, nperseg=min(y.size, round(WINDOW * rate)), detrend="linear")
+    f, power = welch(y, rate, min(y.size, round(WINDOW * rate)), linear=True)
     noise = float(np.median(power[f > 0.8 * f[-1]]))
     signal = np.maximum(power - 2.0 * noise, 0.0)
     tail = np.cumsum(signal[::-1])[::-1]
@@ -58,17 +58,15 @@ def _slower(record: Record, name: str, every: int) -> Array:
 
     Beyond its ends a channel goes on point-symmetrically, so that the filter bends neither a rest nor a steady motion.
     """
-    from scipy.signal import firwin, kaiserord
-
     y = record.bridged(name)
     if name in HELD:
         begins = np.arange(0, y.size, every)
         return np.add.reduceat(y, begins) / np.diff(begins, append=y.size)
     if not np.isfinite(y).all():
         return y[::every]
-    taps, beta = kaiserord(DOWN, (STOP - PASS) * 2.0 / every)
+    taps, beta = kaiser(DOWN, (STOP - PASS) * 2.0 / every)
     half = min(taps // 2, y.size - 1)
-    kernel = firwin(2 * half + 1, (PASS + STOP) / every, window=("kaiser", beta))
+    kernel = low_pass(2 * half + 1, (PASS + STOP) / every, beta)
     padded = np.pad(y, half, mode="reflect", reflect_type="odd")
     return np.asarray(np.convolve(padded, kernel, "valid")[::every])
 

@@ -14,6 +14,7 @@ from er_models.prediction import SUBSTEP, Motion, beginnings, predict, predict_m
 from er_models.scales import Scales
 from numpy.typing import NDArray
 
+from er_model_lab.filtering import fading
 from er_model_lab.problem.motion_error import Sensed, drawn
 
 Free = tuple[tuple[str, str], ...]
@@ -167,10 +168,8 @@ class DamperForward:
         self, residual: Array, size: float, colour: float, rng: np.random.Generator, m: int
     ) -> Array:
         """First-order autoregressive noise of the force."""
-        from scipy.signal import lfilter
-
         white = rng.standard_normal((m, residual.size)) * np.sqrt(1.0 - colour**2)
-        return np.asarray(size * lfilter([1.0], [1.0, -colour], white))
+        return size * fading(white, colour)
 
 
 @dataclass(frozen=True)

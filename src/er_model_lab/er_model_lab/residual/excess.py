@@ -14,6 +14,7 @@ import numpy as np
 from er_models.model import Array
 from numpy.typing import NDArray
 
+from er_model_lab.filtering import fading
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.region import Region, RegionTable
 
@@ -62,11 +63,9 @@ def region_tables(
 
 def quantities(problem: Problem, force: Array) -> list[tuple[str, str, Array]]:
     """Name, unit and values (n,) of what the error may depend on; force (n,): what the model predicts [N]."""
-    from scipy.signal import lfilter
-
     m = problem.motion
     rate = np.concatenate([[0.0], np.diff(m.u)]) / m.dt
-    recent = np.asarray(lfilter([1.0], [1.0, -np.exp(-m.dt / 0.05)], np.abs(rate) * m.dt))
+    recent = fading(np.abs(rate) * m.dt, np.exp(-m.dt / 0.05))
     work = np.concatenate(
         [np.cumsum(np.abs(force[i:j] * m.v[i:j])) * m.dt for i, j in _pairs(problem)]
     )

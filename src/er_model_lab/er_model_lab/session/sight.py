@@ -1,6 +1,7 @@
 """What is seen of data and a model: curves for a view, the map of what is left, loops, spectrum, worst places.
 
 A data set is opened once (fused, checked); then every model that differs in effects and values is predicted along it.
+What only that needs is imported where it is done, which is while the browser fetches the page.
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from er_models.model import Array, Model
@@ -15,17 +17,17 @@ from er_records.dataset import Dataset
 from er_records.record import Record
 from numpy.typing import NDArray
 
-from er_model_lab.fitting.velocity_channel import KINEMATIC, on_fused
-from er_model_lab.level.damper import DamperLevel, opened
+from er_model_lab.filtering import welch
 from er_model_lab.output.report.samples import rms_map
 from er_model_lab.output.report.thin import every, min_max
-from er_model_lab.preflight.check import Preflight, admitted
 from er_model_lab.preflight.finding import Finding
-from er_model_lab.problem.problem import Problem
-from er_model_lab.residual.errors import errors
 from er_model_lab.results.records import Errors
 from er_model_lab.session.steps import Stretch
 from er_model_lab.work import HERE, Work
+
+if TYPE_CHECKING:
+    from er_model_lab.preflight.check import Preflight
+    from er_model_lab.problem.problem import Problem
 
 Mask = NDArray[np.bool_]
 Curve = tuple[Array, Array]
@@ -111,10 +113,14 @@ class Sight:
 
     def predicted(self, model: Model) -> Array:
         """Force of the model (n,) [N]."""
+        from er_model_lab.fitting.velocity_channel import on_fused
+
         return self.problem.predict(on_fused(model))
 
     def errors(self, residual: Array) -> Errors:
         """Root mean square of what is left, learnt from and held out [N]."""
+        from er_model_lab.residual.errors import errors
+
         p = self.problem
         both = [errors(p, residual, mask).rmse for mask in (p.train, p.held_out)]
         return Errors(*(e if np.isfinite(e) else None for e in both))
@@ -131,6 +137,9 @@ def look(
         InputError: Data that are too short.
         MissingChannel: No force, or no motion.
     """
+    from er_model_lab.level.damper import DamperLevel, opened
+    from er_model_lab.preflight.check import admitted
+
     found, records = admitted(data.records, model, model.catalogue, anyway=True)
     usable = DamperLevel().usable(data.with_records(records))
     problem = opened(usable, model, work=work).problem
@@ -155,6 +164,8 @@ def _shifts(records: Sequence[Record], gap: float) -> dict[str, float]:
 
 
 def _undone(model: Model) -> tuple[tuple[str, float], ...]:
+    from er_model_lab.fitting.velocity_channel import KINEMATIC
+
     return tuple(
         (f"{name}.{p}", float(v))
         for name in KINEMATIC
@@ -240,12 +251,9 @@ def loops(
 
 def spectrum(sight: Sight, residual: Array, mask: Mask) -> Curve:
     """Frequency [Hz] and amplitude density [N/sqrt(Hz)] of what is left where it is selected."""
-    from scipy.signal import welch
-
     y = np.where(mask & np.isfinite(residual), residual, 0.0)
     share = float(np.mean(mask))
-    n = min(SEGMENT, y.size)
-    f, power = welch(y, 1.0 / sight.problem.motion.dt, nperseg=n)
+    f, power = welch(y, 1.0 / sight.problem.motion.dt, min(SEGMENT, y.size))
     return np.asarray(f[1:]), np.sqrt(np.asarray(power[1:]) / max(share, 1e-9))
 
 

@@ -18,6 +18,7 @@ from er_models.model import Array
 from er_models.scales import Scales
 from numpy.typing import NDArray
 
+from er_model_lab.filtering import fading
 from er_model_lab.problem.problem import Problem
 from er_model_lab.terms.learn import Learnt
 from er_model_lab.terms.regression import normal
@@ -149,11 +150,9 @@ def _signals(problem: Problem, lag: float) -> dict[str, Array]:
     m = problem.motion
     out = {"v": m.v, "x": m.x, "a": m.a, "u": m.u}
     if lag:
-        from scipy.signal import lfilter
-
         c, w = np.exp(-m.dt / lag), np.empty(m.n)
         for i, j in itertools.pairwise(m.starts.tolist()):
-            w[i:j] = lfilter([1.0 - c], [1.0, -c], m.v[i:j], zi=[c * m.v[i]])[0]
+            w[i:j] = m.v[i] + fading((1.0 - c) * (m.v[i:j] - m.v[i]), c)
         out["w"] = w
     units = units_of(problem.scales)
     return {name: y / units[name] for name, y in out.items()}

@@ -13,7 +13,7 @@ from typing import cast
 
 from er_common.program import Program
 from er_models.errors import ErError
-from er_ros_common.core_node import CoreNode
+from er_ros_common.core_node import LATER, CoreNode
 from rclpy.parameter import Parameter
 
 from er_observers.held import held
@@ -89,7 +89,7 @@ class ObserverNode(CoreNode):
         without = (
             f" without {', '.join(left_out)}, which its form cannot hold," if left_out else ""
         )
-        said = f"gains for {model.name}{without} are being made: it goes over when they are proved"
+        said = f"gains for {model.name}{without} are being made: {LATER}"
         log.info(self, said)
         return said
 

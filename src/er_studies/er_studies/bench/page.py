@@ -4,8 +4,8 @@
 
 Times are those of the thread that answers the browser. A slider: the model's prediction, the error, every figure, and
 their JSON, 60 s and 10 min at 200 Hz. Live: each second 200 rows are heard and the figures are drawn as often as the
-page draws them. A leak: 200 steps, half of them taken back, and ten memories of rows heard after one another. Exit
-status 1 where a target is missed.
+page draws them. A leak: 200 steps, half of them taken back, and ten memories of rows heard after one another. Where
+there are Chromium or Chrome and playwright, what a user waits for in a browser. Exit status 1 where a target is missed.
 """
 
 from __future__ import annotations
@@ -33,7 +33,9 @@ from er_models.model import Model
 from er_models.one_line import OneLine
 from er_models.shipped import file_of
 from er_records.record import Record
+from er_records.write import write_csv
 
+from er_studies.bench import browser
 from er_studies.bench.lab.data import record
 
 FIGURES = (plots.force, plots.residual_map, plots.force_loops, plots.residual_spectrum)
@@ -167,10 +169,27 @@ def measured(model: Model) -> list[Found]:
     return found
 
 
+def waited(model: Path) -> list[Found]:
+    """What a user waits for in a browser, in times of a yardstick taken before and behind; nothing without one."""
+    if not browser.found():
+        return []
+    with tempfile.TemporaryDirectory() as folder:
+        data = Path(folder) / "data.csv"
+        write_csv(record(load_model(model), 60.0), data)
+        before = browser.yardstick()
+        took = browser.waits(data, model)
+        unit = 0.5 * (before + browser.yardstick())
+    return [
+        Found(f"{says}: {took[says]:.3g} s", took[says] / unit, target, f"times {unit:.3g} s")
+        for says, target in browser.TARGETS.items()
+    ]
+
+
 def main() -> None:
     """Entry point of the command."""
     OneLine(prog="er bench page", description=(__doc__ or "").split("\n")[0]).parse_args()
-    found = measured(load_model(file_of("inove_guo", "dampers")))
+    model = file_of("inove_guo", "dampers")
+    found = [*measured(load_model(model)), *waited(model)]
     lines = ["| | found | target |", "|---|---|---|"]
     lines += [f"| {f.says} | {f.value:.3g} {f.unit} | {f.target:.3g} {f.unit} |" for f in found]
     sys.stdout.write("\n".join(lines) + "\n")

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from er_model_lab.filtering import welch
 from er_model_lab.output.report.figure import Axis, Figure, Level, Line, Mark, Panel
 from er_model_lab.output.report.palette import AFTER, BEFORE, FLOOR
 from er_model_lab.output.report.section import Section
@@ -44,13 +45,11 @@ def section(view: View) -> Section | None:
 
 def density(residuals: Sequence[Array], records: Sequence[RecordView]) -> tuple[Array, Array]:
     """Frequencies [Hz] and amplitude density [N/sqrt(Hz)], averaged over the records."""
-    from scipy.signal import welch
-
     rate = 1.0 / float(np.median(np.diff(records[0].t)))
     length = min(LENGTH, *(r.size for r in residuals))
     total, weight, f = np.zeros(length // 2 + 1), 0.0, np.zeros(0)
     for e in residuals:
-        f, power = welch(e, rate, nperseg=length)
+        f, power = welch(e, rate, length)
         total += power * e.size
         weight += e.size
     return np.asarray(f[1:]), np.sqrt(total[1:] / weight)

@@ -1,0 +1,29 @@
+"""What `./er bench page` sees in a browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from er_models.shipped import file_of
+from er_studies.bench import browser
+
+from test.sample import write_sample
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not browser.found(), reason="no browser, or nothing that drives it")
+def test_every_wait_of_a_user_is_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("PYTEST_CURRENT_TEST")  # else the page serves a test
+    data = write_sample(tmp_path / "run.csv", seed=1, seconds=9.0)
+    took = browser.waits(data, file_of("inove_guo", "dampers"))
+    assert list(took) == list(browser.TARGETS)
+    assert 0.0 < took["command to address"] < took["command to curves"] < browser.LONGEST
+    assert 0.0 < took["key on a slider to curves, p95"] < took["command to curves"]
+    assert 0.0 < took["click to the first ranked effect"] < browser.LONGEST
+
+
+def test_without_a_browser_it_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(browser, "BROWSER", None)
+    with pytest.raises(browser.InputError, match=r"chromium, .*playwright, found none"):
+        browser.waits(Path("data.csv"), Path("model.yaml"))
