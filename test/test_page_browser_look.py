@@ -124,7 +124,9 @@ def test_a_person_goes_the_whole_way(tmp_path: Path) -> None:
 
 def look(page: Any) -> None:
     """Click a tile of the map, then a worst place."""
-    page.wait_for_function(f"[...document.querySelectorAll('{PLOT}')].every(p => p.data.length > 0)")
+    page.wait_for_function(
+        f"[...document.querySelectorAll('{PLOT}')].every(p => p.data.length > 0)"
+    )
     page.wait_for_timeout(500)
     page.mouse.click(*page.locator(PLOT).nth(1).evaluate(WORST_TILE))
     page.wait_for_function(

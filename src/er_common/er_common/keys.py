@@ -26,7 +26,16 @@ KEYS: Final = {
     "typer": "python3-typer",
     "yaml": "python3-yaml",
 }
-PIP: Final = ("asammdf", "dask", "distributed", "fsspec", "nicegui", "nptdms", "pyarrow")
+PIP: Final = (
+    "asammdf",
+    "dask",
+    "distributed",
+    "fsspec",
+    "nicegui",
+    "nptdms",
+    "playwright",
+    "pyarrow",
+)
 """Modules for which rosdep has no key."""
 
 
