@@ -147,7 +147,7 @@ def test_the_result_holds_what_is_needed_to_run_and_to_judge(stops: Plan, tmp_pa
     assert result["moves"] == "wheel"
     first = result["programs"][0]
     assert set(first["separation"]) == {"gas_spring", "end_stop"}
-    ranks = [min(p["separation"].values()) for p in result["programs"]]
+    ranks = [round(min(p["separation"].values()), 2) for p in result["programs"]]
     assert ranks == sorted(ranks, reverse=True)
     share = result["measurements"]["end_stop"]
     assert share["interval"][0] < share["probability"] <= 1.0
