@@ -23,6 +23,7 @@ from er_model_lab.diagnosis.candidates import (
 from er_model_lab.diagnosis.determined import far, loose, unseen
 from er_model_lab.diagnosis.null import Null, simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule
+from er_model_lab.fitting.fit import standard_deviations
 from er_model_lab.problem.problem import Problem
 
 PAIRS_OF = 6
@@ -161,15 +162,22 @@ def paired_t(gains: Array) -> float:
     return float(gains.mean() / max(float(gains.std(ddof=1)) / np.sqrt(gains.size), 1e-300))
 
 
-def complexity(candidate: Candidate) -> tuple[int, int]:
-    """Parameters in use, and whether it is physics (1) or a sensor (0): fewer and sensor first."""
-    model = candidate.fit.model
-    inner = sum(
-        1
-        for (effect, _), bound in zip(candidate.fit.free, candidate.fit.at_bound, strict=True)
-        if effect in candidate.effects and not bound
-    )
-    return inner, 0 if model.catalogue[candidate.name].stage == "sensing" else 1
+def complexity(candidate: Candidate, problem: Problem) -> tuple[int, int]:
+    """Parameters in use, and whether it is physics (1) or a sensor (0): fewer and sensor first.
+
+    A refinement is in use where the data say that it is not neutral.
+    """
+    model, fitted = candidate.fit.model, candidate.fit
+    free = [(k, *place) for k, place in enumerate(fitted.free) if place[0] in candidate.effects]
+    used = [(k, model.catalogue[e].parameter(p), e) for k, e, p in free if not fitted.at_bound[k]]
+    if any(q.optional for _, q, _ in used):
+        sd = standard_deviations(fitted, problem)
+        used = [
+            (k, q, e)
+            for k, q, e in used
+            if not q.optional or abs(model.value(e, q.name) - (q.neutral or 0.0)) > DOUBT * sd[k]
+        ]
+    return len(used), 0 if model.catalogue[candidate.name].stage == "sensing" else 1
 
 
 def tied(
@@ -204,7 +212,7 @@ def tied(
         gap, gains = behind(other), block_gains(best, other, problem)
         doubtful = paired_t(gains) < (SURE if gap < limit else DOUBT) and not seldom(gains, limit)
         doubtful = doubtful and not (gap > FAR_BEYOND * limit and np.mean(gains > 0.0) >= HALF)
-        more = complexity(other)[0] - complexity(best)[0]
+        more = complexity(other, problem)[0] - complexity(best, problem)[0]
         spare = more <= 0 and gain > (FORM if more else TWIN) * size and gap < SPARE * limit
         if doubtful or spare or (problem.cycles and gap < limit):
             near.append(other)
@@ -216,7 +224,7 @@ def tied(
             c.name in unsure,
             far(c),
             behind(c) > FAR_BEYOND * limit,
-            *complexity(c),
+            *complexity(c, problem),
             disguised(c, near, problem),
         ),
     )
@@ -229,7 +237,7 @@ def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
     effects of as many parameters in use: neither is the simpler, unless bounds make the one the very same as the other.
     """
     alike = NESTED
-    if complexity(simple)[0] == complexity(rich)[0]:
+    if complexity(simple, problem)[0] == complexity(rich, problem)[0]:
         alike = SAME
         if len(simple.fit.free) >= len(rich.fit.free):
             return False
@@ -246,7 +254,8 @@ def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
 def disguised(rich: Candidate, others: list[Candidate], problem: Problem) -> bool:
     """Whether bounds make a form into a simpler one of these: Stribeck without breakaway is Coulomb friction."""
     return any(
-        complexity(other) == complexity(rich) and nested(other, rich, problem) for other in others
+        complexity(other, problem) == complexity(rich, problem) and nested(other, rich, problem)
+        for other in others
     )
 
 
