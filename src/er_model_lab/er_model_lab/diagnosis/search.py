@@ -199,7 +199,7 @@ def tied(
     which smooth what is predicted, a lag of 2 ms may meet a force that is 2 ms late a little better than the delay.
     """
     best = candidates[0]
-    size = effect_size(base, best)
+    size, (used, _) = effect_size(base, best), complexity(best, problem)
     near = [best]
 
     def behind(other: Candidate) -> float:
@@ -212,7 +212,7 @@ def tied(
         gap, gains = behind(other), block_gains(best, other, problem)
         doubtful = paired_t(gains) < (SURE if gap < limit else DOUBT) and not seldom(gains, limit)
         doubtful = doubtful and not (gap > FAR_BEYOND * limit and np.mean(gains > 0.0) >= HALF)
-        more = complexity(other, problem)[0] - complexity(best, problem)[0]
+        more = complexity(other, problem)[0] - used
         spare = more <= 0 and gain > (FORM if more else TWIN) * size and gap < SPARE * limit
         if doubtful or spare or (problem.cycles and gap < limit):
             near.append(other)
@@ -253,9 +253,9 @@ def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
 
 def disguised(rich: Candidate, others: list[Candidate], problem: Problem) -> bool:
     """Whether bounds make a form into a simpler one of these: Stribeck without breakaway is Coulomb friction."""
+    own = complexity(rich, problem)
     return any(
-        complexity(other, problem) == complexity(rich, problem) and nested(other, rich, problem)
-        for other in others
+        complexity(other, problem) == own and nested(other, rich, problem) for other in others
     )
 
 

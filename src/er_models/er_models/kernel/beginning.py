@@ -55,6 +55,18 @@ def way(reach, j):
     return -down, -up / down if down > 0.0 else 0.0
 
 
+@inner
+def slope(shown, q, left, share, shift, raw):
+    """Make of the run of state q from a share of its way what it adds to the run from where all settle, over the share.
+
+    shown (S + 1, n): runs, the last of them from there; left (n,): how much of the beginning shows.
+    """
+    settled = shown.shape[0] - 1
+    for k in range(shown.shape[1]):
+        shown[q, k] = (shown[q, k] - shown[settled, k]) * left[k] / share
+    late(shown[q], shift, raw)
+
+
 @once
 def slopes(
     on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, near, raw, path
@@ -85,9 +97,7 @@ def slopes(
             s, shown[many], reach, plain, 0.0, raw, path,
         )  # fmt: skip
     for q in range(many):
-        for k in range(rows):
-            shown[q, k] = (shown[q, k] - shown[many, k]) * left[q, k]
-        late(shown[q, :rows], shift, raw[:rows])
+        slope(shown[:, :rows], q, left[q], 1.0, shift, raw[:rows])
     return rows
 
 
@@ -112,9 +122,9 @@ def chords(
             on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, shown[q], reach, own, to * away,
             left[q], path,
         )  # fmt: skip
-        for k in range(n):
-            shown[q, k] = (shown[q, k] - shown[many, k]) * left[q, k] / to if k < seen else 0.0
-        late(shown[q], shift, raw)
+        for k in range(seen, n):
+            shown[q, k] = left[q, k] = 0.0
+        slope(shown, q, left[q], to, shift, raw)
         drawn[q], anew = to, True
     return anew
 
@@ -191,17 +201,15 @@ def begun_rows(
             )  # fmt: skip
             for row in range(rows):
                 error[row] = measured[i + row] - f_r[row]
-            told = products(error[:rows], weight[i:j], shown, unscored, sums)
-            shares(sums, near, share)
-            drawn[:] = 1.0
-            for _ in range(CHORDS):
-                if not chords(
+            told, drawn[:] = 0.0, 1.0
+            for redrawn in range(CHORDS + 1):
+                told = products(error[:rows], weight[i:j], shown, unscored, sums)
+                shares(sums, near, share)
+                if redrawn == CHORDS or not chords(
                     on, slots, links, at_rest, p, dt, x_r[:rows], v_r[:rows], a_r[:rows], u_r[:rows], theta_r[:rows],
                     clock, warm, s, reach, shift, shown[:, :rows], left, share, drawn, raw[:rows], path,
                 ):  # fmt: skip
                     break
-                told = products(error[:rows], weight[i:j], shown, unscored, sums)
-                shares(sums, near, share)
             spent[k] += told
             for q in range(many):
                 for row in range(rows):
