@@ -162,3 +162,23 @@ def test_a_field_that_stayed_from_before_the_record_is_found(before):
     assumed = predict(model, part) - whole
     assert np.abs(assumed).max() > 1.0
     assert np.std(found) < 0.2 * np.std(assumed)
+
+
+@pytest.mark.parametrize("stop", [300, 420, 555])
+def test_a_worn_joint_that_rests_in_its_gap_is_found_there(stop):
+    """Friction holds the damper wherever the motion ended; nothing shows of it until the joint closes."""
+    x, v, a, u = imposed(np.random.default_rng(0), 2400)
+    gate = np.clip(np.abs(np.arange(2400) - stop - 50) / 50.0 - 1.0, 0.0, 1.0) ** 3
+    x = x * gate
+    v, a = np.gradient(x, DT), np.gradient(np.gradient(x, DT), DT)
+    bare = load_model(GUO).without_effect("guo_yield").without_effect("response")
+    model = bare.with_effect("passive", {"k0": 2000.0, "c0": 300.0})
+    model = model.with_effect("coulomb_friction", {"F_c": 40.0, "v_0": 0.003})
+    model = model.with_effect("freeplay", {"b": 0.002, "q": 1e-6})
+    begun = stop + 50
+    whole = predict(model, motion(DT, x, v, u, a))[begun:]
+    part = motion(DT, x[begun:], v[begun:], u[begun:], a[begun:])
+    found = predict(model, part, Told(whole, np.full(part.n, 1e2), 60)) - whole
+    assumed = predict(model, part) - whole
+    assert np.abs(assumed).max() > 1.0
+    assert np.std(found) < 0.2 * np.std(assumed)

@@ -6,8 +6,9 @@ prior is normal about where it would have settled, with that way as its deviatio
 straight line. Its slope is how the force differs when the record is run again from the farther end, in steps of a
 whole sample, for as long as that shows: a few time constants of the state, or until a bound stops it in both runs.
 The shares of all ways that meet the measured force best are those of least squares. A state that is dragged along
-(`remanence`), or that meets a rigid contact (`freeplay`), follows no straight line: it is run again from where it was
-found to begin, and the slope is that of the chord to there, until both agree.
+(`remanence`), or that a contact or the friction behind a joint may catch anywhere (`freeplay`, `friction_with_play`),
+follows no straight line: it is run again from where it was found to begin, and the slope is that of the chord to there,
+until both agree. A gap has more than one valley, so that several beginnings are looked at first.
 
 Source: separable least squares, Golub and Pereyra 1973.
 
@@ -35,13 +36,16 @@ from er_models.kernel.imposed import (
     output_delay,
     predict,
 )
-from er_models.kernel.states import AT_ONCE, ROWS
+from er_models.kernel.states import AT_ONCE, CAUGHT, ROWS
 
 # --- below this line: compiled with the composed equations ---
 TURNS = 40
 """Turns through the states in which the shares of their ways are found, one after the other."""
 CHORDS = 4
 """How often the chord of a state that is no straight line is drawn again, at most."""
+LOOKS, HALVINGS = 4, 3
+"""Beginnings of such a state that are looked at first, from the far end of its reach to the near one, and how often
+both sides of the best one are looked at, each time half as far off."""
 MOVED = 0.02
 """Share of its way by which the beginning of a state must have moved for that."""
 
@@ -83,7 +87,12 @@ def slopes(
     for q in range(many):
         own, seen = slots[q], 0
         away, near[q] = way(reach, own)
-        if not at_rest[own] and away != 0.0:
+        if at_rest[own] == CAUGHT and near[q] < 0.0:
+            rows = max(rows, predict(
+                on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, shown[q], reach, own,
+                near[q] * away, left[q], path,
+            ))  # fmt: skip
+        if (at_rest[own] == 0 or at_rest[own] == CAUGHT) and away != 0.0:
             seen = predict(
                 on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, shown[q], reach, own, away,
                 left[q], path,
@@ -101,31 +110,85 @@ def slopes(
     return rows
 
 
+@inner
+def crooked(reach, at_rest, own):
+    """Whether the force follows no straight line: the state is dragged along, or a contact or friction catches it."""
+    return reach[FASTEST, own] >= AT_ONCE or at_rest[own] == CAUGHT
+
+
+@inner
+def missed(error, weight, shown, share, q):
+    """Weighted squares of what the shares leave, with the prior of that of state q."""
+    total = share[q] * share[q]
+    for k in range(error.shape[0]):
+        rest = error[k]
+        for other in range(share.shape[0]):
+            rest -= share[other] * shown[other, k]
+        total += weight[k] * rest * rest
+    return total
+
+
+@once
+def chord(
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, q, to, raw, path
+):  # fmt: skip
+    """Draw into `shown` the chord of state q to the share `to` of its way."""
+    n, n_sub = x.shape[0], 1 + 0 * x.shape[0]
+    away, _ = way(reach, slots[q])
+    seen = predict(
+        on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, shown[q], reach, slots[q],
+        to * away, left[q], path,
+    )  # fmt: skip
+    for k in range(seen, n):
+        shown[q, k] = left[q, k] = 0.0
+    slope(shown, q, left[q], to, shift, raw)
+
+
 @once
 def chords(
-    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, share, drawn, raw,
-    path,
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, near, share, drawn,
+    raw, path, error, weight, best, redrawn,
 ):  # fmt: skip
-    """Draw into `shown` the chord of each state that ever moves at once; whether any was drawn anew.
+    """Draw into `shown` the chord of each state that follows no straight line; whether any was drawn anew.
 
     share (S,): the shares of the ways that the chords go to; drawn (S,): those that they went to before. Motion: of the
-    rows that show; the last row of `shown` is the run from where all settle.
+    rows that show; the last row of `shown` is the run from where all settle. best (2, S): share of the run that left
+    least, and what that left. In the first turn a gap has a valley on each side, so that several shares are looked at;
+    after the last one a share that has not come to rest is that of the best run.
     """
-    many, n, anew = slots.shape[0], x.shape[0], False
-    n_sub = 1 + 0 * many
-    for q in range(many):
-        own, to = slots[q], share[q]
-        if reach[FASTEST, own] < AT_ONCE or abs(to) < MOVED or abs(to - drawn[q]) < MOVED:
+    anew = False
+    for q in range(slots.shape[0]):
+        if not crooked(reach, at_rest, slots[q]) or left[q, 0] == 0.0:
             continue
-        away, _ = way(reach, own)
-        seen = predict(
-            on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, shown[q], reach, own, to * away,
-            left[q], path,
-        )  # fmt: skip
-        for k in range(seen, n):
-            shown[q, k] = left[q, k] = 0.0
-        slope(shown, q, left[q], to, shift, raw)
-        drawn[q], anew = to, True
+        to, looks = share[q], 0
+        if redrawn == 0:
+            looks, share[q] = LOOKS + 2 * HALVINGS, 0.0
+            best[0, q], best[1, q] = 0.0, missed(error, weight, shown, share, q)
+        elif redrawn == CHORDS and abs(to - drawn[q]) >= MOVED:
+            share[q] = to = best[0, q]
+        for look in range(looks + 1):
+            apart = (1.0 - near[q]) / (LOOKS - 1)
+            if look < min(looks, LOOKS):
+                to = 1.0 - look * apart
+            elif look < looks:
+                side = 1.0 - 2.0 * ((look - LOOKS) % 2)
+                to = min(
+                    max(best[0, q] + side * apart * 0.5 ** ((look - LOOKS) // 2 + 1), near[q]), 1.0
+                )
+            elif looks > 0:
+                to = best[0, q]
+            share[q] = to
+            if abs(to) < MOVED or (abs(to - drawn[q]) < MOVED and looks == 0):
+                continue
+            if to != drawn[q]:
+                chord(
+                    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, q,
+                    to, raw, path,
+                )  # fmt: skip
+                drawn[q], anew = to, True
+            over = missed(error, weight, shown, share, q)
+            if over < best[1, q]:
+                best[0, q], best[1, q] = to, over
     return anew
 
 
@@ -176,7 +239,7 @@ def begun_rows(
     noted = NOTED + 0 * n
     s, reach = np.empty((ROWS, at_rest.shape[0])), np.empty((4, at_rest.shape[0]))
     shown, left, sums = np.empty((many + 1, n)), np.empty((many, n)), np.empty((many, many + 1))
-    near, share, drawn = np.empty(many), np.empty(many), np.empty(many)
+    near, share, drawn, best = np.empty(many), np.empty(many), np.empty(many), np.empty((2, many))
     raw, error = np.empty(n), np.empty(n)
     records, warm = starts.shape[0] - 1, np.empty(at_rest.shape[0])
     ends, path = np.empty((records, 2, at_rest.shape[0])), np.empty((2 * at_rest.shape[0], n))
@@ -205,9 +268,10 @@ def begun_rows(
             for redrawn in range(CHORDS + 1):
                 told = products(error[:rows], weight[i:j], shown, unscored, sums)
                 shares(sums, near, share)
-                if redrawn == CHORDS or not chords(
+                if not chords(
                     on, slots, links, at_rest, p, dt, x_r[:rows], v_r[:rows], a_r[:rows], u_r[:rows], theta_r[:rows],
-                    clock, warm, s, reach, shift, shown[:, :rows], left, share, drawn, raw[:rows], path,
+                    clock, warm, s, reach, shift, shown[:, :rows], left, near, share, drawn, raw[:rows], path,
+                    error[:rows], weight[i:j], best, redrawn,
                 ):  # fmt: skip
                     break
             spent[k] += told

@@ -6,12 +6,28 @@ The text below the marker is compiled together with the equations of a catalogue
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from er_models.kernel.elementary import exp
 from er_models.kernel.fast import entry, inline, inner, once
 from er_models.kernel.inputs import at, cubic, delayed, split
-from er_models.kernel.states import AT_ONCE, HOLD, ROWS, W0, G, R, W, keep, settle, solve, visit
+from er_models.kernel.states import (
+    AT_ONCE,
+    CAUGHT,
+    HEAT,
+    HOLD,
+    ROWS,
+    W0,
+    G,
+    R,
+    W,
+    keep,
+    settle,
+    solve,
+    visit,
+)
 
 
 def input_delay(on, p):  # type: ignore[no-untyped-def]
@@ -33,8 +49,6 @@ that one's end and the time since the first of them began [s]."""
 LEAST, MOST, SETTLED, FASTEST = range(4)
 """Rows of the reach of each state (4, n_states): ends of where it and its equilibria are, where it settled, and its
 largest rate [1/s]."""
-HEAT = 2
-"""Mark in `at_rest` of a state that goes on from one record to the next."""
 NOTED, PLAIN = -1, -2
 """In place of a state that is moved away from where it settles: the reach of each is noted, or nothing is."""
 
@@ -65,14 +79,14 @@ def stop(j, n_sub, turn, cut, u_now, u_next):
 
 
 @inner
-def reached(slots, s, slowest, reach):
+def reached(slots, at_rest, s, slowest, reach):
     """Widen the reach of each state by where it is and by its equilibrium, as far as that draws it within a record.
 
-    Where nothing draws it, it is where it may stay.
+    Where nothing draws it, it is where it may stay; so is what a contact or friction may keep far from what draws it.
     """
     for i in range(slots.shape[0]):
         j = slots[i]
-        free = s[G, j] == 0.0 and s[R, j] == 0.0
+        free = at_rest[j] == CAUGHT or (s[G, j] == 0.0 and s[R, j] == 0.0)
         goal = s[W, j] if free else s[G, j] / max(s[R, j], slowest)
         reach[LEAST, j] = min(reach[LEAST, j], s[W, j], goal)
         reach[MOST, j] = max(reach[MOST, j], s[W, j], goal)
@@ -115,8 +129,9 @@ def predict(
     two. own: a state that begins `away` from where it settles, followed for as long as that shows (`left` (n,), from 1
     to 0), or until it is where it was when `path` was noted: both came to the same bound, and where they began is
     forgotten. It fades as fast as the slower of both runs: a contact forgets, a gap that is open does not, nor does
-    what both drag along, each at an end of its band. `NOTED`: none, and the reach (4, n_states) and path
-    (2 n_states, n: states, then rates) of each state are noted; `PLAIN`: none.
+    what both drag along, each at an end of its band. What is `CAUGHT` fades as both runs come together: its rate leaves
+    out the friction. `NOTED`: none, and the reach (4, n_states) and path (2 n_states, n: states, then rates) of each
+    state are noted; `PLAIN`: none.
     """
     n, step = x.shape[0], dt / n_sub
     whole, cut = split(input_delay(on, p) / dt)
@@ -150,14 +165,18 @@ def predict(
         if m > k:
             force[m] = f_m
             if own == NOTED:
-                reached(slots, s, 1.0 / (n * dt), reach)
+                reached(slots, at_rest, s, 1.0 / (n * dt), reach)
                 for i in range(slots.shape[0]):
                     path[slots[i], m] = s[W, slots[i]]
                     path[slots[i] + s.shape[1], m] = s[R, slots[i]]
             if own < 0:
                 continue
-            slower = min(s[R, own], path[own + s.shape[1], m])
-            faded += dt * slower if slower < AT_ONCE else 0.0
+            if at_rest[own] == CAUGHT:
+                apart = abs((s[W, own] - path[own, m]) / away)
+                faded = max(faded, -math.log(apart)) if apart > 0.0 else FADED
+            else:
+                slower = min(s[R, own], path[own + s.shape[1], m])
+                faded += dt * slower if slower < AT_ONCE else 0.0
             if not faded < FADED or s[W, own] == path[own, m]:
                 return m
             left[m] = min(FADED - faded, 1.0)

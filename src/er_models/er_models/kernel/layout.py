@@ -12,18 +12,20 @@ from numpy.typing import NDArray
 from er_models.catalogue import Catalogue
 from er_models.kernel.mask import mask
 from er_models.kernel.order import (
+    caught,
     feeds_back,
     reads,
     reads_yield_early,
     turns_with_the_yield,
 )
+from er_models.kernel.states import CAUGHT
 
 
 class Layout(NamedTuple):
     """on: mask (`kernel.mask`); slots: states in use; links: those of them that feed back.
 
     at_rest (n_states,): 1 for a state that begins at zero, 2 where that is heat, which a record may have of the one
-    before it.
+    before it, 3 for one that a contact, or friction behind a joint, may catch anywhere.
     """
 
     on: NDArray[np.uint8]
@@ -67,7 +69,8 @@ def layout(
         if effect.has_state:
             slots.add(c.slots[effect.name])
             warms = effect.stage == "heat"
-            rest[c.slots[effect.name]] = (effect.initial == "zero") * (1 + warms)
+            settled = CAUGHT * caught(effect)
+            rest[c.slots[effect.name]] = 1 + warms if effect.initial == "zero" else settled
         if feeds_back(effect):
             links.add(c.slots[effect.name])
     return Layout(mask(c, used, terms), _sorted(slots), _sorted(links), rest)

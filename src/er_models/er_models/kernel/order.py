@@ -85,6 +85,11 @@ def feeds_back(effect: Effect) -> bool:
     return any("w" in arguments(effect.hooks[hook]) for hook in ("relax", *early))
 
 
+def caught(effect: Effect) -> bool:
+    """Whether a contact that gives way, or the friction behind a joint, may hold an effect's state anywhere."""
+    return "give" in effect.hooks or "f_r" in arguments(effect.hooks["relax"])
+
+
 def reads_yield_early(effects: Iterable[Effect]) -> bool:
     """Whether any effect reads the yield force f_y before it is brought forward."""
     return any(_reads_yield_early(effect) for effect in effects)

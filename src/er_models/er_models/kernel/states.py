@@ -51,6 +51,9 @@ SWEEPS = 9
 """How often the damper is swept to find where its states begin."""
 RESTING = -1.0
 """Marks a state that begins at zero, not in equilibrium."""
+ZERO, HEAT, CAUGHT = 1, 2, 3
+"""Marks in `at_rest` of a state that begins at zero, of one that goes on from one record to the next, and of one that
+settles, but may begin wherever a contact or friction catches it."""
 
 
 @inline
@@ -241,7 +244,7 @@ def settle(on, slots, links, at_rest, p, s, x, v, a, u, theta):
     for j in range(s.shape[1]):
         for i in range(ROWS):
             s[i, j] = 0.0
-        s[R0, j] = RESTING if at_rest[j] else 0.0
+        s[R0, j] = RESTING if at_rest[j] == ZERO or at_rest[j] == HEAT else 0.0
         s[Z, j] = math.nan
     f_m = 0.0
     for _ in range(SWEEPS):
