@@ -218,6 +218,8 @@ def test_a_planned_run_is_driven_when_asked_for_and_learnt_from_when_it_is_over(
     assert (desk.driving, len(learnt)) == (False, 1)
     assert [m.says for m in desk.heard.marks] == ["planned run", "run over"]
     assert desk.run.says(desk.heard.now) == "/plant has driven it; its own drive goes on"
+    words = live_plots.error(desk.heard, plots.LIGHT)["layout"]["annotations"]
+    assert [w["xanchor"] for w in words] == ["left", "right"], "none leaves the plot"
     desk.drive()
     graph.drive(1.5)
     desk.end_run()

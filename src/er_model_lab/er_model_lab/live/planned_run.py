@@ -56,9 +56,9 @@ def moves(program: Program, told: dict[str, Any]) -> list[str]:
         for name, unit in (("stroke", 1e3), ("velocity", 1.0), ("duty", 1.0))
     )
     road = np.abs(program.heights(times(program.duration, limits["dt"]))).max()
-    over = f"{GO_OVER:g} s before and behind it"
     return [
-        f"Road: up to {short(1e3 * road, 3)} mm to each side for {program.duration:g} s; it goes over within {over}.",
+        f"Road: up to {short(1e3 * road, 3)} mm to each side for {program.duration:g} s. It goes over from that of the "
+        f"drive, and back, within {GO_OVER:g} s.",
         f"Damper, as the planner expects it: up to {stroke} mm and {velocity} m/s.",
         f"Duty: the run's, up to {duty}; what a controller says does not act meanwhile.",
         "The node drives it ahead within the limits of its own rig first. A hardware bridge moves the road "
