@@ -114,6 +114,7 @@ def drive(page):
         page.get_by_role("tab", name="Live").click()
         look(1)
         page.get_by_role("button", name="Monitor: use this model").click()
+        page.mouse.move(0, 0)  # its words would stand before the switches
         page.get_by_text("monitor, with_friction_learnt_1").wait_for()
     look(8)
     moving(frames)

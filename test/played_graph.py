@@ -48,7 +48,7 @@ class PlayedGraph:
     ) -> None:
         self.rows, self.at = _driven(truth, seconds, seed), 0
         self.rules = Rules(blocks=round(learn / 0.25))
-        self.used, self.observers = list[str](), False
+        self.used, self.asked, self.observers = list[str](), list[str](), False
         self.told: Callable[[dict[str, Any]], None] = lambda _: None
         self._take(str(model))
         self.model = str(model)
@@ -72,6 +72,11 @@ class PlayedGraph:
             return
         self.used.append(model)
         self.told({"used": {"accepted": True, "reason": "", "model": model}})
+
+    def run(self, program: str) -> None:
+        """Say that the plant drives a program; the road stays what it is."""
+        self.asked.append(program)
+        self.told({"ran": {"accepted": True, "reason": "", "node": "/plant", "run": program}})
 
     def stop(self) -> None:
         """Nothing runs."""

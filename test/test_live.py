@@ -5,19 +5,23 @@ from __future__ import annotations
 import math
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from er_model_lab.live.coverage import DO, carries, coverage
 from er_model_lab.live.heard import Heard
 from er_model_lab.live.join import COLUMNS, GAP, WAIT, Join
+from er_model_lab.live.planned_run import moves
 from er_model_lab.page import live_plots, plots
 from er_model_lab.preflight.excitation import CELLS
 from er_model_lab.session.live_desk import LiveDesk
 from er_model_lab.session.script import script
 from er_model_lab.session.steps import Step
+from er_models.errors import InputError
 from er_models.files import load_model
 from er_models.model import Model
+from er_models.program import Program, load_program
 
 from test.played_graph import VEHICLE, PlayedGraph
 
@@ -180,6 +184,79 @@ def test_observers_of_the_namespace_are_those_that_say_a_force() -> None:
         ],
     )
     assert Listener.observers(SimpleNamespace(node=node)) == ["unified_observer"]
+
+
+def planned(seconds: float = 2.0) -> Any:
+    """What `plan` would have found."""
+    run = Program(
+        {"kind": "sine", "amplitude": 0.004, "frequency": 2.0}, {"kind": "constant", "level": 0.2}, seconds, 0
+    )  # fmt: skip
+    limits = {"stroke": 0.012, "velocity": 0.15, "duty": 0.3, "dt": 0.005}
+    used = {"stroke": 0.0091, "velocity": 0.1, "duty": 0.2}
+    told = {"limits": limits, "programs": [{"used": used}]}
+    return SimpleNamespace(program=run, view=SimpleNamespace(result=told))
+
+
+def test_a_planned_run_is_driven_when_asked_for_and_learnt_from_when_it_is_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    graph, learnt = PlayedGraph(load_model(VEHICLE), 12.0), list[float]()
+    desk = beside(graph, tmp_path)
+    monkeypatch.setattr(desk, "learn", lambda: learnt.append(desk.heard.now))
+    graph.drive(1.0)
+    desk.jobs.wait(60.0)
+    with pytest.raises(InputError, match="a run that was planned"):
+        desk.drive()
+    desk.planned, desk.by_itself = planned(), True
+    desk.drive()
+    assert load_program(graph.asked[0]).duty == {"kind": "constant", "level": 0.2}
+    graph.drive(2.0)
+    assert desk.driving
+    assert desk.run is not None
+    assert desk.run.says(desk.heard.now) == "/plant drives it: 1 of 2 s"
+    graph.drive(2.0)
+    assert (desk.driving, len(learnt)) == (False, 1)
+    assert [m.says for m in desk.heard.marks] == ["planned run", "run over"]
+    assert desk.run.says(desk.heard.now) == "/plant has driven it; its own drive goes on"
+    words = live_plots.error(desk.heard, plots.LIGHT)["layout"]["annotations"]
+    assert [w["xanchor"] for w in words] == ["left", "right"], "none leaves the plot"
+    desk.drive()
+    graph.drive(1.5)
+    desk.end_run()
+    assert graph.asked[1:] == [str(tmp_path / "heard" / "planned_2.yaml"), ""]
+    graph.drive(0.75)
+    assert desk.driving, "the road goes back"
+    graph.drive(0.5)
+    assert not desk.driving
+    desk.drive()
+    graph.told({"again": 1})
+    assert desk.run is None
+
+
+def test_a_run_that_nobody_drives_says_why(tmp_path: Path) -> None:
+    graph = PlayedGraph(load_model(VEHICLE), 2.0)
+    desk = beside(graph, tmp_path)
+    desk.planned = planned()
+    for node, says in (("/plant", "/plant: too far"), ("", "no node drives it: too far")):
+        monkey = {"accepted": False, "reason": "too far", "node": node, "run": "x"}
+        desk.drive()
+        graph.told({"ran": monkey})
+        assert not desk.driving
+        assert desk.run is not None
+        assert desk.run.says(0.0) == says
+
+
+def test_who_says_yes_is_told_what_moves_and_how_far() -> None:
+    given = planned()
+    said = " ".join(moves(given.program, given.view.result))
+    for words in (
+        "4.00 mm to each side for 2 s",
+        "9.10 of 12.0 mm",
+        "0.100 of 0.150 m/s",
+        "0.200 of 0.300",
+    ):
+        assert words in said
+    assert "road:=program" in said
 
 
 @pytest.mark.slow

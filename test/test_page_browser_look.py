@@ -95,6 +95,21 @@ def test_findings_lie_in_the_curves_and_dragging_holds_out(tmp_path: Path) -> No
 
 
 @pytest.mark.slow
+def test_what_a_browser_has_drawn_is_not_sent_again(tmp_path: Path) -> None:
+    """The curves come with the page, the other plots once they are drawn; then nothing until something changes."""
+    data, frames = write_sample(tmp_path / "run.csv", seed=1, seconds=9.0), list[str]()
+    with seen(str(data), "--model", "inove_guo", cwd=tmp_path) as page:
+        four = f"document.querySelectorAll('{PLOT} .main-svg').length >= 8"
+        page.wait_for_function(four)
+        page.on("websocket", lambda ws: ws.on("framereceived", lambda f: frames.append(str(f))))
+        page.reload()
+        page.wait_for_function(four)
+        page.wait_for_timeout(1500)
+        assert [sum(f.count(kind) for f in frames) for kind in ('"heatmap"', "N/√Hz")] == [1, 1]
+        assert not any("measured − model" in f for f in frames), "the curves are in the page"
+
+
+@pytest.mark.slow
 def test_a_person_goes_the_whole_way(tmp_path: Path) -> None:
     from playwright.sync_api import expect
 

@@ -11,7 +11,7 @@ pytest.importorskip("nicegui", reason="the package nicegui is not installed")
 START = "import er_model_lab.cli.app, er_model_lab.session.live_desk, er_model_lab.page.server"
 DEAR = {
     "scipy.signal", "scipy.stats", "scipy.optimize", "scipy.linalg", "scipy.spatial", "scipy.integrate", "scipy.io",
-    "pandas", "pyarrow", "matplotlib", "cvxpy", "dask", "sympy", "rclpy",
+    "pandas", "pyarrow", "matplotlib", "cvxpy", "dask", "sympy", "rclpy", "tornado", "aiohttp",
 }  # fmt: skip
 """What only work on data needs, or nothing of the page."""
 

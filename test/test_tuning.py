@@ -19,6 +19,7 @@ from er_common.program import Program
 from er_ftc_controller.programs import FTC, SKYHOOK
 from er_ftc_controller.settings import controller_of
 from er_models.files import load_model, save_model
+from er_models.interlude import Interlude
 from er_observers.programs import FAULT_ESTIMATOR, OBSERVERS
 from er_plant_sim.nodes.plant import PlantNode
 from er_plant_sim.rig import Rig, RigState
@@ -203,6 +204,38 @@ def test_the_plant_takes_another_damper_in_the_middle_of_its_drive(
         node.rig, node.state
     )  # what the damper remembers begins anew, and is soon the same
     assert np.allclose(back[400:], here[400:], rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("node", [Program("plant", "er_plant_sim", "")], indirect=True)
+def test_the_plant_takes_a_planned_run_in_the_middle_of_its_drive(
+    node: PlantNode, tmp_path: Path
+) -> None:
+    def run(name: str, amplitude: float, more: str = "") -> str:
+        path = tmp_path / name
+        path.write_text(
+            f"schema: er_program 1\nduration: 0.3\nduty: {{kind: constant, level: 0.2}}\n{more}"
+            f"road: {{kind: sine, amplitude: {amplitude}, frequency: 3.0}}\n"
+        )
+        return str(path)
+
+    node.state = node.state._replace(sim=node.state.sim._replace(tick=400))
+    rig = node.rig
+    assert "none.yaml" in put(node, planned_file=str(tmp_path / "none.yaml"))
+    assert "stroke: expected at most 0.012 m of deflection" in put(
+        node, planned_file=run("far", 0.03)
+    )
+    machine = run("machine", 0.001, "moves: damper\n")
+    assert "moves: expected wheel" in put(node, planned_file=machine)
+    assert node.rig is rig
+    assert put(node, planned_file=run("run", 0.002)) == ""
+    drive = node.rig.program
+    assert isinstance(drive, Interlude)
+    assert (drive.drive, drive.begin) == (rig.program, 401 * rig.dt)
+    assert "no run under way: empty ends it" in put(node, planned_file=run("more", 0.001))
+    node.state = node.state._replace(sim=node.state.sim._replace(tick=640))
+    assert put(node, planned_file="") == ""
+    assert node.rig.program.ends == pytest.approx(641 * rig.dt)  # type: ignore[union-attr]
+    assert node.report().values["duties limited"] == 0
 
 
 @pytest.mark.parametrize("node", [OBSERVERS["nlpv_polytopic"]], indirect=True)

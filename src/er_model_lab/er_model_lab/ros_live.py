@@ -19,9 +19,11 @@ import rclpy
 from er_common.topics import Topic
 from er_ros_common.spin import guarded
 from er_ros_common.stopping import Stopped
-from rcl_interfaces.srv import GetParameters
+from rcl_interfaces.srv import GetParameters, SetParametersAtomically
+from rclpy.client import Client
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
@@ -84,7 +86,8 @@ class Listener:
 
     def __init__(self, node: Node, asking: Node, say: Callable[[Word], None]) -> None:
         """node: whose subscriptions nobody spins; asking: whose services an executor answers."""
-        self.node, self.say = node, say
+        self.node, self.asking, self.say = node, asking, say
+        self.setters: dict[str, Client] = {}
         self.join, self.again, self.last, self.alone = Join(), 0, monotonic(), False
         self.ends = [(self._hear(topic), *READERS[topic]) for topic in READERS]
         status = topics.STATUS.name.replace("~", MONITOR.name)
@@ -136,7 +139,10 @@ class Listener:
         self.wishes.append((wish, monotonic() + PATIENCE))
 
     def _serve(self, wish: Word, until: float) -> None:
-        """Ask the monitor to go by a model; one that has just been started may take a while to be found."""
+        """Ask for what was wished; who has just been started may take a while to be found."""
+        if "run" in wish:
+            self._drive(wish, until)
+            return
         path = str(wish["use"])
         if not self.use.service_is_ready():
             if monotonic() < until:
@@ -150,6 +156,47 @@ class Listener:
             self.use, UseModel.Request(model=path, along=along),
             lambda a: {"used": {"accepted": a.accepted, "reason": a.reason, "model": path}},
         )  # fmt: skip
+
+    def _drive(self, wish: Word, until: float) -> None:
+        """Ask the node that applies the duty to drive a program in the middle of its drive."""
+        path, found = str(wish["run"]), self.drivers()
+        answer: Word = {
+            "accepted": False,
+            "run": path,
+            "node": found[0] if len(found) == 1 else "",
+        }
+        if not answer["node"]:
+            words = ", ".join(found) or "none"
+            answer["reason"] = (
+                f"expected one node that says {topics.PWM_APPLIED.name}, found {words}"
+            )
+            self.say({"ran": answer})
+            return
+        client = self._setter(found[0])
+        if not client.service_is_ready():
+            if monotonic() < until:
+                self.wishes.append((wish, until))
+                return
+            self.say({"ran": {**answer, "reason": "does not answer"}})
+            return
+        request = SetParametersAtomically.Request(
+            parameters=[Parameter("planned_file", value=path).to_parameter_msg()]
+        )
+        self._ask(
+            client, request,
+            lambda a: {"ran": {**answer, "accepted": a.result.successful, "reason": a.result.reason}},
+        )  # fmt: skip
+
+    def _setter(self, node: str) -> Client:
+        if node not in self.setters:
+            service = f"{node}/set_parameters_atomically"
+            self.setters[node] = self.asking.create_client(SetParametersAtomically, service)
+        return self.setters[node]
+
+    def drivers(self) -> list[str]:
+        """Full names of the nodes that say which duty acts: a plant, or what stands in its place."""
+        ends = self.node.get_publishers_info_by_topic(topics.PWM_APPLIED.name)
+        return sorted({f"{e.node_namespace.rstrip('/')}/{e.node_name}" for e in ends})
 
     def observers(self) -> list[str]:
         """The nodes of the namespace that say an estimated force."""

@@ -45,6 +45,8 @@ __all__ = [
 ]  # fmt: skip
 
 SCHEMA = "er_program 1"
+LONGEST = 120.0
+"""As much of a program is looked at before it is driven [s]."""
 PEAK_VELOCITY = Number(
     "peak_velocity", "m/s", 0.0, 1e-6, 100.0, "peak deflection velocity of the passive car"
 )

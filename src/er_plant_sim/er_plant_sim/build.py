@@ -10,14 +10,15 @@ from typing import Any
 from er_models.belonging import check_belonging
 from er_models.errors import InputError
 from er_models.files import load_model
+from er_models.interlude import begun, ended
 from er_models.model import Model
 from er_models.own import effects
 from er_models.program import SCHEMA, Program, load_program, parse_program
-from er_models.simulation import gone_over
+from er_models.simulation import gone_over, substeps
 
 from er_plant_sim.noise import Errors, Noise
 from er_plant_sim.rig import Rig, RigState
-from er_plant_sim.rig_parameters import for_this_run, gate, of_a_wheel, scaled
+from er_plant_sim.rig_parameters import for_this_run, gate, of_a_wheel, planned, scaled
 from er_plant_sim.settings import PlantParameters, SensorErrors, program_values
 from er_plant_sim.simulator import damper_replaced, simulator
 
@@ -30,13 +31,14 @@ def build(p: PlantParameters) -> Rig:
     """
     _consistent(p)
     model, dt = load_plant_model(p), 1.0 / p.rate
-    program = of_a_wheel(p, load_given_program(p))
+    program = of_a_wheel(p.program_file, load_given_program(p))
     noise = Noise(sensor_errors(p, "noise"), sensor_errors(p, "bias"), program.seed)
     # a road scaled to a peak velocity means the vehicle as it is known, not what is hidden in it
     known = load_model(p.model_file, effects(p.effects_from))
     program, heights = scaled(program, known, dt)
     programmed = p.duty_source == "program"
-    return Rig(simulator(model, dt, noise), gate(p, model), program, programmed, heights)
+    rig = Rig(simulator(model, dt, noise), gate(p, model), program, programmed, heights)
+    return with_planned(p, rig, 0) if p.planned_file else rig
 
 
 def with_damper(p: PlantParameters, rig: Rig, state: RigState) -> tuple[Rig, RigState]:
@@ -44,6 +46,17 @@ def with_damper(p: PlantParameters, rig: Rig, state: RigState) -> tuple[Rig, Rig
     made = simulator(load_plant_model(p), rig.dt, rig.sim.noise)
     car = gone_over(made.plant, state.sim.plant)
     return replace(rig, sim=made), RigState(state.sim._replace(plant=car), state.gate)
+
+
+def with_planned(p: PlantParameters, rig: Rig, tick: int) -> Rig:
+    """The rig whose drive has the planned run from a tick on, or without one ends it there; raises as `build`."""
+    t = tick * rig.dt
+    if not p.planned_file:
+        return replace(rig, program=ended(rig.program, t))
+    known = load_model(p.model_file, effects(p.effects_from))
+    run = planned(p, known, rig.sim.plant.model)
+    ahead = substeps(rig.dt) * tick + 1
+    return replace(rig, program=begun(rig.program, run, t), known=rig.known[:ahead])
 
 
 def load_plant_model(p: PlantParameters) -> Model:

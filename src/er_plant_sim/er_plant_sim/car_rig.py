@@ -81,7 +81,7 @@ def build(p: CarParameters) -> CarRig:
     if not p.program_file:
         raise InputError("parameters", "program_file", "a program file", "nothing")
     car = load_car(p.car_file, effects(p.effects_from))
-    program = for_this_run(p, of_a_wheel(p, load_program(p.program_file)))
+    program = for_this_run(p, of_a_wheel(p.program_file, load_program(p.program_file)))
     program, _ = scaled(program, car.corners[0], 1.0 / p.rate)
     one, constant = sensor_errors(p, "noise"), sensor_errors(p, "bias")
     noises = tuple(Noise(one, constant, program.seed + APART * i) for i in range(len(CORNERS)))

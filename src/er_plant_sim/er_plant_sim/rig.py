@@ -14,7 +14,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from er_models.program import Program, within
+from er_models.interlude import Drive, rules
+from er_models.program import within
 from er_models.simulation import substeps
 from numpy.typing import NDArray
 
@@ -30,7 +31,7 @@ BLOCK = 16
 
 @dataclass(frozen=True, eq=False)
 class Rig:
-    """Simulator, limits of the duty, and the program of road and duty (peak velocity resolved).
+    """Simulator, limits of the duty, and the drive: a program of road and duty (peak velocity resolved).
 
     programmed: the duty is that of the program; otherwise commands are waited for. known: road [m] of the first
     ticks, as `Program.ride` has it, where it was computed beforehand.
@@ -38,7 +39,7 @@ class Rig:
 
     sim: Simulator
     gate: Gate
-    program: Program
+    program: Drive
     programmed: bool
     known: Array = field(default_factory=lambda: np.empty(0))
 
@@ -90,7 +91,7 @@ def resumed(state: RigState) -> RigState:
 def decide(rig: Rig, state: RigState, *, conflict: bool = False) -> tuple[RigState, Applied]:
     """The duty from this tick until the next; conflict: several publishers command it."""
     t = time(rig, state)
-    if rig.programmed:
+    if rig.programmed or rules(rig.program, t):
         wanted = wanted_duty(rig, state.sim.tick)
         gate, applied = duty_gate.program(rig.gate, state.gate, t, wanted)
     else:

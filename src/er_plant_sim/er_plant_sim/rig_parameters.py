@@ -9,14 +9,12 @@ from er_common.common_parameters import FramedParameters, injection_allowed
 from er_common.parameter_table import REQUIRED, param, tuning
 from er_models.constants import SAMPLE_RATE
 from er_models.errors import InputError
+from er_models.interlude import check_run
 from er_models.model import Array, Model
-from er_models.program import Program, resolved
+from er_models.program import LONGEST, Program, load_program, resolved
 from er_models.seed import OF_A_PLANT
 
 from er_plant_sim.duty_gate import Gate
-
-LONGEST = 120.0
-"""As much of a program is looked at to scale its road to a peak velocity [s]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,6 +65,9 @@ class RigParameters(RunParameters):
     model_file: str = param(
         REQUIRED, text="model of the vehicle; the limits of the duty are in its section rig"
     )
+    planned_file: str = tuning(
+        "", text="program driven in the middle of the drive: its road and duty; empty ends it"
+    )
     wait_for: tuple[int, ...] = param(
         (0,) * 5,
         length=5,
@@ -111,8 +112,8 @@ def for_this_run(p: RunParameters, program: Program) -> Program:
     return program if p.seed < 0 else replace(program, seed=p.seed)
 
 
-def of_a_wheel(p: RunParameters, program: Program) -> Program:
-    """The program, if it is one that drives a car.
+def of_a_wheel(name: str, program: Program) -> Program:
+    """The program of a file, if it is one that drives a car.
 
     Raises:
         InputError: It moves something else.
@@ -120,7 +121,19 @@ def of_a_wheel(p: RunParameters, program: Program) -> Program:
     if program.moves == "wheel":
         return program
     expected = "wheel (a program for a test machine cannot drive a car)"
-    raise InputError(p.program_file, "moves", expected, program.moves)
+    raise InputError(name, "moves", expected, program.moves)
+
+
+def planned(p: RigParameters, known: Model, model: Model) -> Program:
+    """The run that the parameters name, its road scaled for the car as it is known, kept within the rig of `model`.
+
+    Raises:
+        InputError: It cannot be read, moves no car, has no end, or takes this one too far.
+    """
+    dt = 1.0 / p.rate
+    run, _ = scaled(of_a_wheel(p.planned_file, load_program(p.planned_file)), known, dt)
+    check_run(run, model, dt, p.planned_file)
+    return run
 
 
 def scaled(program: Program, model: Model, dt: float) -> tuple[Program, Array]:

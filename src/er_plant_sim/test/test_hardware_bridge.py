@@ -12,6 +12,7 @@ import pytest
 from er_common.parameter_table import build as checked
 from er_models.errors import InputError
 from er_models.files import load_model
+from er_models.interlude import GO_OVER
 from er_models.program import load_program
 from er_plant_sim.duty_gate import BURST, Command, Gate, Reason
 from er_plant_sim.hardware import bridge, clocks, device, frame, impair, parser
@@ -22,7 +23,7 @@ from er_plant_sim.hardware.device import Device, DeviceState
 from er_plant_sim.hardware.frame import Sample
 from er_plant_sim.hardware.impair import Wire, WireState
 from er_plant_sim.hardware.parser import ParserState
-from er_plant_sim.hardware.settings import BridgeParameters, build
+from er_plant_sim.hardware.settings import BridgeParameters, build, signals, with_planned
 from er_plant_sim.noise import PERFECT, Noise
 from er_plant_sim.rig import Rig
 from er_plant_sim.simulator import simulator
@@ -386,6 +387,44 @@ def test_a_program_whose_road_the_wire_cannot_carry_is_one_line(tmp_path: Path) 
     assert road(399) == pytest.approx(2.1)
     with pytest.raises(InputError, match=r"high.yaml: road: expected .*2.147 m.* found 3 m"):
         made(3.0, "program")
+
+
+@pytest.mark.parametrize("source", ["program", "device"])
+def test_a_planned_run_says_duty_and_road_for_as_long_as_it_takes(
+    source: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "run.yaml"
+    path.write_text(
+        "schema: er_program 1\nduration: 0.3\nduty: {kind: constant, level: 0.15}\n"
+        "road: {kind: sine, amplitude: 0.002, frequency: 5.0}\n"
+    )
+    p = checked(
+        BridgeParameters,
+        {
+            "model_file": str(CONFIG / "vehicles/inove_quarter_car.yaml"),
+            "calibration_file": str(CONFIG / "hardware/device_emulator.yaml"),
+            "program_file": str(CONFIG / "experiments/step.yaml"),
+            "planned_file": str(path),
+            "link": "udp:h:1",
+            "safe_duty": 0.1,
+            "road_source": source,
+        },
+        {},
+    )
+    drive = with_planned(p, build(p, Sources(1, 4)).drive, 40)
+    duty, road = signals(p, drive, 40)
+    world = World(host(duty=duty, road=road)).begin()
+    world.run(1.7)
+    ruled = [r for r in world.readings if r.applied.reason is Reason.PROGRAM]
+    first = 40 + round(GO_OVER / 0.005)
+    assert [r.seq for r in ruled] == list(range(first, first + 60))
+    assert {round(r.applied.duty, 3) for r in ruled} == {0.15}
+    others = [r for r in world.readings[50:] if r not in ruled]
+    assert {r.applied.reason for r in others} == {Reason.COMMAND}, "commands are taken meanwhile"
+    assert (world.host.gate.refused, road is None) == (0, source == "device")
+    if road is not None:
+        assert ruled[10].values[5].value == pytest.approx(0.002, abs=1e-5)
+        assert road(first + 60 + 200) == 0.01, "the drive goes on where it is by then"
 
 
 def test_a_wire_named_wrongly_is_one_line() -> None:

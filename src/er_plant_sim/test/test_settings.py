@@ -10,13 +10,25 @@ from er_common.parameter_table import build as checked
 from er_models.errors import InputError
 from er_models.program import load_program
 from er_models.simulation import substeps
-from er_plant_sim.build import build, load_given_program
+from er_plant_sim.build import build, load_given_program, with_planned
 from er_plant_sim.duty_gate import Command, Reason
-from er_plant_sim.rig import Rig, advance, decide, finished, receive, road, sense, start, time
+from er_plant_sim.rig import (
+    Rig,
+    RigState,
+    advance,
+    decide,
+    finished,
+    receive,
+    road,
+    sense,
+    start,
+    time,
+)
 from er_plant_sim.settings import table
 
 CONFIG = Path(__file__).parents[3] / "config"
 BASE = {"model_file": str(CONFIG / "vehicles/inove_quarter_car.yaml"), "safe_duty": 0.1}
+IDENTIFICATION = str(CONFIG / "experiments/identification.yaml")
 CHIRP = str(CONFIG / "experiments/chirp.yaml")
 
 
@@ -132,6 +144,46 @@ def test_a_damper_of_another_size_is_refused_with_its_numbers() -> None:
         rig(program_file=CHIRP, damper_file=monotube)
     car = str(CONFIG / "vehicles/small_car.yaml")
     assert rig(program_file=CHIRP, model_file=car, damper_file=monotube).dt == 0.005
+
+
+def test_a_planned_run_says_the_duty_within_the_rig_and_commands_do_before_and_after(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "run.yaml"
+    path.write_text(
+        "schema: er_program 1\nduration: 0.5\nduty: {kind: constant, level: 0.25}\n"
+        "road: {kind: sine, amplitude: 0.002, frequency: 2.0}\n"
+    )
+    p = parameters(program_file=IDENTIFICATION, duty_source="topic", planned_file=str(path))
+    plain = build(replace(p, planned_file=""))
+    made, said = with_planned(p, plain, 300), []
+    state = start(plain)
+    for k in range(1, 800):
+        rig_now = plain if k < 300 else made
+        command = Command(time(rig_now, state), k, 0.05, 2)
+        state = receive(rig_now, state, command, valid=True)
+        state, applied = decide(rig_now, state)
+        said.append((applied.reason, round(applied.duty, 3)))
+        state = advance(rig_now, state)
+    ruled = slice(499, 599)  # one second later, for half a second
+    assert set(said[ruled]) == {(Reason.PROGRAM, 0.25)}
+    assert {*said[:499], *said[599:]} == {(Reason.COMMAND, 0.05)}
+    heights = np.array([[road(r, k) for k in range(900)] for r in (plain, made)])
+    assert np.array_equal(*heights[:, :300])
+    assert np.allclose(*heights[:, 801:], rtol=0.0, atol=1e-15)  # as where a road is known
+    assert heights[1, 525] == pytest.approx(0.002, abs=1e-6)
+    back = with_planned(replace(p, planned_file=""), made, 520)
+    assert [decide(back, s)[1].reason for s in (jumped(state, 519), jumped(state, 520))] == [
+        Reason.PROGRAM,
+        Reason.COMMAND,
+    ]
+    assert build(p).program != plain.program, "given from the beginning it is driven first"
+
+
+def jumped(state: RigState, tick: int) -> RigState:
+    """The state with a fresh command, at another tick."""
+    gate = state.gate._replace(command=Command(0.005 * tick, tick, 0.05, 2))
+    return RigState(state.sim._replace(tick=tick), gate)
 
 
 def test_the_rig_ends_with_the_program() -> None:

@@ -1,8 +1,8 @@
 """The process that listens to the running graph, as its owner sees it: words come by themselves, wishes go to it.
 
 It is `er_model_lab.ros_live`. A word is a line of JSON: `rows` (`join.Row`), `again` (time began anew), `status` of the
-monitor, `used` (an answer to `use`), `alone` (nobody says a sample), `model` (file that the monitor began with). It
-ends when its standard input does.
+monitor, `used` and `ran` (answers to `use` and `run`), `alone` (nobody says a sample), `model` (file that the monitor
+began with). It ends when its standard input does.
 """
 
 from __future__ import annotations
@@ -33,6 +33,10 @@ class Link:
     def use(self, model: str, *, observers: bool = False) -> None:
         """Ask the monitor, and the observers there are, to go by a model's file; `used` is the monitor's answer."""
         self._say({"use": model, "observers": observers})
+
+    def run(self, program: str) -> None:
+        """Ask who drives to drive a program's file now, or with "" to end it; `ran` is the answer."""
+        self._say({"run": program})
 
     def stop(self) -> None:
         """End it."""

@@ -19,6 +19,8 @@ SETTLING = 1.0
 """Time after another model was taken up that is not judged [s]."""
 POINTS = 400
 """Points of a curve: what a screen shows of one that moves on."""
+LATE = 0.8
+"""Share of the course behind which words stand to the left of what they are said of."""
 WINDOW = 2.0
 """Time of a point of the error's course [s]."""
 
@@ -49,7 +51,9 @@ def error(heard: Heard, theme: Theme) -> Json:
         "xaxis": plots.axis_of(theme, "time [s]", range=[t[0], max(heard.now, t[0] + 20.0)]),
         "yaxis": plots.axis_of(theme, "rms [N]", range=[0.0, 1.15 * top]),
         "shapes": [_upright(m.t, theme) for m in heard.marks if m.t >= t[0]],
-        "annotations": [_word(m.t, m.says, theme) for m in heard.marks if m.t >= t[0]],
+        "annotations": [
+            _word(m.t, m.says, theme, late=m.t > t[0] + LATE * (heard.now - t[0])) for m in heard.marks if m.t >= t[0]
+        ],
     }  # fmt: skip
     data = [
         plots.line_of(begin, size, "live error", theme.model, 2.4),
@@ -121,9 +125,9 @@ def _upright(t: float, theme: Theme) -> Json:
     return {"type": "line", "x0": t, "x1": t, "y0": 0, "y1": 1, "yref": "paper", "line": line}
 
 
-def _word(t: float, says: str, theme: Theme) -> Json:
+def _word(t: float, says: str, theme: Theme, *, late: bool) -> Json:
     font = {"color": theme.marked, "size": 12}
     return {
-        "x": t, "y": 1, "yref": "paper", "text": says, "showarrow": False, "xanchor": "left", "yanchor": "top",
-        "font": font,
+        "x": t, "y": 1, "yref": "paper", "text": says, "showarrow": False, "yanchor": "top", "font": font,
+        "xanchor": "right" if late else "left",
     }  # fmt: skip

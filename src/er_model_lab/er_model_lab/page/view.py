@@ -47,8 +47,14 @@ LIVE: dict[str, tuple[Callable[[Heard, plots.Theme], plots.Json], int]] = {
 """The same of a running graph, and every how many turns each is drawn anew."""
 TURN = 0.5
 """Time of a turn [s]."""
-FIRST, LATER = "force", 0.1
-"""The plot that follows a slider at once, and how much later the others do, which take a browser longer [s]."""
+FIRST, REST = "force", 0.2
+"""The plot that follows a slider at once, and how long that rests until the others do, which take a browser longer [s].
+"""
+PATIENCE = 2.0
+"""How long a browser may draw the curves before it gets what is new all the same [s]."""
+HEIGHTS = {"error": 190, "force": 400}
+"""Of the places of plots, else `HEIGHT` [px]."""
+HEIGHT = 300
 AHEAD = '<script type="module">import("nicegui-plotly")</script>'
 """Has the browser fetch what draws the plots while it makes the rest of the page."""
 STYLE = """
@@ -76,7 +82,9 @@ class View:
 
     def __init__(self, desk: Desk) -> None:
         self.desk, self.theme = desk, plots.LIGHT
-        self.seen, self.told, self.since = -1, (-1, -1), 0.0
+        self.seen, self.since, self.until = -1, 0.0, 0.0
+        self.told: dict[str, tuple[int, int]] = {}
+        self.places: dict[str, tuple[ui.element, str]] = {}
         self.plots: dict[str, ui.plotly] = {}
         self.live = desk if isinstance(desk, LiveDesk) else None
         self.turn, self.holding = 0, False
@@ -91,6 +99,9 @@ class View:
                 self._panels()
             with ui.element("div").classes("views"):
                 self._views()
+        self.look()
+        self._tell()
+        self.tabs.on_value_change(self._tell)
         ui.keyboard(on_key=self._key)
         ui.timer(PERIOD, self._tick)
         if self.live is not None:
@@ -119,22 +130,39 @@ class View:
 
     def look(self) -> None:
         """Redraw the plots where the desk has changed since this browser saw it."""
-        if self.seen != self.desk.revision:
+        if self.seen != self.desk.revision and not self.drawing:
             self.seen = self.desk.revision
             self.draw()
 
-    def _tick(self) -> None:
-        """The same with the panels, which need not follow every position of a slider."""
+    @property
+    def drawing(self) -> bool:
+        """Whether the browser still draws the curves that it was sent last: it gets no more until it has."""
+        return monotonic() < self.until
+
+    def _drawn(self) -> None:
+        """It has."""
+        self.until = 0.0
         self.look()
-        if self.since and monotonic() > self.since + LATER:
-            self.since = 0.0
-            self._draw(name for name in PLOTS if name != FIRST)
-        now = self.desk.revision, self.desk.progress
-        if self.told != now:
-            self.told = now
+
+    def _tick(self) -> None:
+        """The same with the panel that is open, which need not follow every position of a slider."""
+        self.look()
+        if self.since and monotonic() > self.since + REST and not self.drawing:
+            self._others()
+        self._tell()
+
+    def _others(self) -> None:
+        """Redraw all plots but the first."""
+        self.since = 0.0
+        self._draw(name for name in PLOTS if name != FIRST)
+
+    def _tell(self) -> None:
+        """Show what has changed in the panel that is open: a browser renders what nobody sees, too."""
+        now, name = (self.desk.revision, self.desk.progress), str(self.tabs.value)
+        if self.told.get(name) != now:
+            self.told[name] = now
             self._offer()
-            for panel in self.panels:
-                panel.refresh()
+            self.panels[name].refresh()
 
     def draw(self) -> None:
         """Redraw curves and numbers, which follow a parameter while it is dragged; the other plots soon."""
@@ -151,7 +179,8 @@ class View:
             desk.now.model is not None and desk.now.model is not desk.now.fitted
         )
         self._draw([FIRST])
-        self.since = self.since or monotonic()
+        self.since = monotonic()
+        self.until = self.since + PATIENCE if FIRST in self.plots and not self.following else 0.0
 
     def _draw(self, names: Iterable[str]) -> None:
         """Redraw plots of what was opened."""
@@ -159,7 +188,29 @@ class View:
             figure = PLOTS[name][0](self.desk, self.theme)
             if name == "force" and self.holding:
                 figure["layout"] |= plots.HOLDING
+            self._put(name, figure)
+
+    def _put(self, name: str, figure: plots.Json) -> None:
+        """Show a figure; there is no plot before there are data: an empty one takes a browser as long to draw."""
+        if name in self.plots:
             self.plots[name].update_figure(figure)
+        elif figure["data"]:
+            place, words = self.places[name]
+            place.clear()
+            with place:
+                made = ui.plotly(figure).classes("w-full")
+            made.props(f'role="figure" aria-label="{words}"')
+            self.plots[name] = made
+            if name == FIRST:
+                made.on("plotly_afterplot", self._drawn, [])
+                made.on(
+                    "plotly_relayout",
+                    self._moved,
+                    ["xaxis.range[0]", "xaxis.range[1]", "xaxis.autorange"],
+                )
+                made.on("plotly_selected", self.safely(self._dragged), ["range"])
+            elif name == "map":
+                made.on("plotly_click", self._clicked, ["points"])
 
     @property
     def following(self) -> LiveDesk | None:
@@ -172,10 +223,11 @@ class View:
         self.turn += 1
         if desk is None:
             return
-        self.panels[0].refresh()
+        if self.tabs.value == "Live":
+            self.panels["Live"].refresh()
         for name, (make, every) in LIVE.items():
             if turn % every == 0 and (desk.follow or name == "error"):
-                self.plots[name].update_figure(make(desk.heard, self.theme))
+                self._put(name, make(desk.heard, self.theme))
 
     def follow(self, *, on: bool) -> None:
         """Show the running graph, or what was opened."""
@@ -208,14 +260,15 @@ class View:
             "Steps": StepsPanel,
             "Take": TakePanel,
         }
-        with ui.tabs().props("dense no-caps inline-label").classes("w-full") as tabs:
+        self.tabs = ui.tabs()
+        with self.tabs.props("dense no-caps inline-label").classes("w-full"):
             for name in makers:
                 ui.tab(name)
-        self.panels: list[Panel] = []
-        with ui.tab_panels(tabs, value=self._first(), keep_alive=False).classes("w-full"):
+        self.panels: dict[str, Panel] = {}
+        with ui.tab_panels(self.tabs, value=self._first(), keep_alive=False).classes("w-full"):
             for name, maker in makers.items():
                 with ui.tab_panel(name).classes("p-1"):
-                    self.panels.append(maker(self))
+                    self.panels[name] = maker(self)
 
     def _first(self) -> str:
         """The panel that is open at first."""
@@ -225,9 +278,7 @@ class View:
 
     def _views(self) -> None:
         if self.live is not None:
-            plot = ui.plotly(live_plots.error(self.live.heard, self.theme)).classes("w-full wide")
-            plot.props('role="figure" aria-label="Live error over the drive, and what happened"')
-            self.plots["error"] = plot
+            self._place("error", "Live error over the drive, and what happened")
         with ui.row().classes("wide items-center gap-1"):
             if self.live is not None:
                 ui.switch(
@@ -254,17 +305,15 @@ class View:
             _button("zoom_in", "Closer", lambda: self._zoom(0.5))
             _button("zoom_out", "Wider", lambda: self._zoom(2.0))
             _button("select_all", "Show all (Escape)", self.show_all)
-        for name, (make, words) in PLOTS.items():
-            plot = ui.plotly(make(self.desk, self.theme)).classes(
-                "w-full" + (" wide" if name == "force" else "")
-            )
-            plot.props(f'role="figure" aria-label="{words}"')
-            self.plots[name] = plot
-        self.plots["force"].on(
-            "plotly_relayout", self._moved, ["xaxis.range[0]", "xaxis.range[1]", "xaxis.autorange"]
-        )
-        self.plots["force"].on("plotly_selected", self.safely(self._dragged), ["range"])
-        self.plots["map"].on("plotly_click", self._clicked, ["points"])
+        for name, (_, words) in PLOTS.items():
+            self._place(name, words)
+
+    def _place(self, name: str, words: str) -> None:
+        """Where a plot comes as soon as there is something to draw; words: for who cannot see it."""
+        place = ui.element("div").classes("wide" if name in HEIGHTS else "")
+        with place.style(f"min-height: {HEIGHTS.get(name, HEIGHT)}px"):
+            ui.label("no data yet").classes("muted p-4")
+        self.places[name] = place, words
 
     def select(self, selection: Selection) -> None:
         """Show a selection everywhere."""
@@ -357,10 +406,12 @@ class View:
         self.shade(dark=self.theme is plots.LIGHT)
 
     def shade(self, *, dark: bool) -> None:
-        """Light or dark."""
+        """Light or dark; what is drawn so already stays."""
         self.dark.value = dark
-        self.theme = plots.DARK if dark else plots.LIGHT
-        self.seen, self.told, self.since = -1, (-1, -1), 0.0
+        theme = plots.DARK if dark else plots.LIGHT
+        if theme is not self.theme:
+            self.theme, self.seen = theme, -1
+            self.told.clear()
 
     def _key(self, event: Any) -> None:
         """Keys beside those of the widgets."""

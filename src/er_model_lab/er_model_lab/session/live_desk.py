@@ -5,12 +5,14 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from er_models.errors import ErError, InputError
 from er_models.model import Model
+from er_models.program import save_program
 from er_records.dataset import Dataset
 from er_records.in_memory import from_arrays
 from er_records.write import write_csv
@@ -18,6 +20,7 @@ from er_records.write import write_csv
 from er_model_lab.live.coverage import Shown, carries, coverage
 from er_model_lab.live.heard import MINUTES, Heard
 from er_model_lab.live.link import Link
+from er_model_lab.live.planned_run import PlannedRun
 from er_model_lab.monitor.learner import kept
 from er_model_lab.session.desk import Desk, loaded
 from er_model_lab.session.sight import Selection
@@ -47,7 +50,7 @@ class LiveDesk(Desk):
     heard: of the graph; shown: what the drive shows; status: of the monitor; running: its model; refused: why the last
     thing asked for was not done; gone: why nobody listens any more; alone: whether the graph is silent; follow: whether
     the plots show the graph, else what was learnt from; by_itself: whether it diagnoses when the data carry a verdict;
-    observers: whether those of the graph go over with the monitor.
+    observers: whether those of the graph go over with the monitor; run: the planned run that was asked for last.
     """
 
     def __init__(
@@ -62,8 +65,9 @@ class LiveDesk(Desk):
         self.running, self.refused, self.gone = "", "", ""
         self.follow = self.by_itself = True
         self.observers = False
+        self.run: PlannedRun | None = None
         self.alone = True
-        self._looked, self._next, self._number, self._given = 0.0, 0.0, 0, ""
+        self._looked, self._next, self._number, self._runs, self._given = 0.0, 0.0, 0, 0, ""
         self.link = connect(namespace, self.word)
         self.namespace = namespace
 
@@ -77,7 +81,10 @@ class LiveDesk(Desk):
             self.changed()
 
     def _on_rows(self, rows: list[Any]) -> None:
+        under_way = self.driving
         self.heard.add(rows)
+        if under_way and not self.driving:
+            self._driven()
         if self.heard.now - self._looked >= LOOK:
             self._looked = self.heard.now
             channels = self.heard.channels()
@@ -88,7 +95,7 @@ class LiveDesk(Desk):
     def _on_again(self, _: int) -> None:
         """Another drive."""
         self.heard.clear()
-        self.shown, self._looked, self._next = [], 0.0, 0.0
+        self.shown, self._looked, self._next, self.run = [], 0.0, 0.0, None
 
     def _on_status(self, status: dict[str, str]) -> None:
         before, self.status = self.status, status
@@ -111,6 +118,29 @@ class LiveDesk(Desk):
             self.heard.mark(self._given)
         self.changed()
 
+    def _on_ran(self, answer: dict[str, Any]) -> None:
+        """What came of a planned run, or of the wish to end it."""
+        run, node, reason = self.run, str(answer["node"]), str(answer["reason"])
+        if run is None:
+            return
+        if answer["run"]:
+            self.run = replace(run, node=node, reason=reason, begin=self.heard.now)
+            if self.run.accepted:
+                self.heard.mark("planned run")
+        elif not reason and run.under_way(self.heard.now):
+            driven = min(max(run.driven(self.heard.now), 0.0), run.program.duration)
+            self.run = replace(run, program=replace(run.program, duration=driven))
+        else:
+            self.refused = reason
+        self.changed()
+
+    def _driven(self) -> None:
+        """The run is over: what was heard until now has what it was planned for."""
+        self.heard.mark("run over")
+        self.changed()
+        if self.by_itself and not self.jobs.running and self.now.model is not None:
+            self.learn()
+
     def _on_alone(self, alone: bool) -> None:
         self.alone = alone
         self.changed()
@@ -123,6 +153,11 @@ class LiveDesk(Desk):
     def failing(self) -> bool:
         """Whether the monitor says that its model does not explain any more."""
         return self.status.get("mode") == FAILS
+
+    @property
+    def driving(self) -> bool:
+        """Whether the graph drives a planned run."""
+        return self.run is not None and self.run.under_way(self.heard.now)
 
     @property
     def since(self) -> float:
@@ -176,6 +211,27 @@ class LiveDesk(Desk):
     def give(self) -> None:
         """Have the monitor go by the model that is shown."""
         self.learnt(self.now.known)
+
+    def drive(self) -> None:
+        """Have the graph drive the planned run now, from a file of its own: `run` says what comes of it.
+
+        Raises:
+            InputError: Nothing was planned.
+        """
+        program = self.planned.program if self.planned is not None else None
+        if program is None:
+            raise InputError("run", "", "a run that was planned: diagnose, then plan", "none yet")
+        self._runs += 1
+        path = self.folder / f"planned_{self._runs}.yaml"
+        self.folder.mkdir(exist_ok=True)
+        save_program(program, path)
+        self.run = PlannedRun(program)
+        self.link.run(str(path.absolute()))
+        self.changed()
+
+    def end_run(self) -> None:
+        """Have the graph end it."""
+        self.link.run("")
 
     def shut(self) -> None:
         """Listen no more."""

@@ -46,8 +46,9 @@ class Bridge:
     certain: the clocks are aligned when the offset's standard deviation is below this [s]; asking: time
     between two questions for the time [ns]; unanswered: time without an answer after which the clocks are not
     aligned any more, as two that are 200 ppm apart are off by `certain` then [ns]; timely: a sample whose stamp
-    is farther from now is not believed [ns]; duty, road: of the program from a tick on [1], [m], or None;
-    key: what it shares with the device, empty on a wire without authentication.
+    is farther from now is not believed [ns]; duty, road: of the program from a tick on [1], [m], or None; the duty is
+    None, too, at a tick at which commands say it; key: what it shares with the device, empty on a wire without
+    authentication.
     """
 
     calibration: Calibration
@@ -55,7 +56,7 @@ class Bridge:
     period: int
     silence: float
     sources: Sources
-    duty: Callable[[int], float] | None = None
+    duty: Callable[[int], float | None] | None = None
     road: Callable[[int], float] | None = None
     certain: float = 1e-3
     asking: int = 100_000_000
@@ -178,7 +179,7 @@ def on_command(
 
     stamp: time of that sample as the command says [ns], None where it says none; the older of both counts.
     """
-    if p.duty is not None or not state.begun:
+    if not state.begun:
         return state, b""
     known = 0 < command.seq <= state.seq
     at = state.stamp - (state.seq - command.seq) * p.period if known else now
@@ -188,7 +189,7 @@ def on_command(
     before = state.gate
     gate = duty_gate.receive(state.gate, command, valid=valid, newest=state.seq)
     state = state._replace(gate=gate)
-    if state.gate.command is before.command:
+    if state.gate.command is before.command or _programmed(p, state) is not None:
         return state, b""
     return _decide(p, state, now)
 
@@ -344,8 +345,9 @@ def _applied(p: Bridge, state: BridgeState, sample: Sample) -> Applied:
 
 def _after_sample(p: Bridge, state: BridgeState, now: int) -> tuple[BridgeState, bytes]:
     """What the device is told after a sample: the program's duty, or the safe one where commands stay away."""
-    if p.duty is not None:
-        gate, applied = duty_gate.program(p.gate, state.gate, 1e-9 * now, p.duty(state.seq + 1))
+    wanted = _programmed(p, state)
+    if wanted is not None:
+        gate, applied = duty_gate.program(p.gate, state.gate, 1e-9 * now, wanted)
         state = state._replace(gate=gate, reason=applied.reason)
         return _told(p, state, applied.duty, p.sources.program)
     command = state.gate.command
@@ -353,6 +355,11 @@ def _after_sample(p: Bridge, state: BridgeState, now: int) -> tuple[BridgeState,
     if fresh:
         return (state, b"") if p.road is None else _decide(p, state, now)
     return _decide(p, state, now)
+
+
+def _programmed(p: Bridge, state: BridgeState) -> float | None:
+    """The program's duty from the next tick on; None where commands say it."""
+    return None if p.duty is None else p.duty(state.seq + 1)
 
 
 def _decide(p: Bridge, state: BridgeState, now: int) -> tuple[BridgeState, bytes]:

@@ -10,23 +10,26 @@ import numpy as np
 from er_common.parameter_table import REQUIRED, param, tuning
 from er_models.errors import InputError
 from er_models.files import load_model
+from er_models.interlude import Drive, Interlude, begun, ended
 from er_models.model import Array
 from er_models.own import effects
-from er_models.program import Program, load_program, times
+from er_models.program import LONGEST, Program, load_program, times
 
 from er_plant_sim.hardware import frame
 from er_plant_sim.hardware.bridge import Bridge, Sources
 from er_plant_sim.hardware.calibration import load_calibration
 from er_plant_sim.hardware.link import HOST_WIRES, Address
 from er_plant_sim.rig_parameters import (
-    LONGEST,
     RigParameters,
     for_this_run,
     gate,
     of_a_wheel,
+    planned,
     scaled,
 )
 
+STILL = {"kind": "flat"}
+"""The road of a drive whose device moves it."""
 BLOCK = 64
 """Ticks of a program that are computed at once."""
 
@@ -62,12 +65,12 @@ class BridgeParameters(RigParameters):
 
 @dataclass(frozen=True, eq=False)
 class Built:
-    """Bridge, its wire, digest of the model, and the ticks after which it ends (0: never)."""
+    """Bridge, its wire, digest of the model, and what is driven as far as a program says it."""
 
     bridge: Bridge
     address: Address
     model_id: str
-    ticks: int
+    drive: Drive
 
 
 def build(p: BridgeParameters, sources: Sources) -> Built:
@@ -81,12 +84,13 @@ def build(p: BridgeParameters, sources: Sources) -> Built:
     program = _program(p) if p.program_file else None
     if program is None and "program" in (p.duty_source, p.road_source):
         raise InputError("parameters", "program_file", "a program of the duty or road", "nothing")
-    duty = road = None
-    if program is not None:
-        if p.road_source == "program":
-            program = _reachable(p, *scaled(program, model, 1.0 / p.rate))
-            road = _signal(program, p.rate, Program.heights)
-        duty = _signal(program, p.rate, Program.duties) if p.duty_source == "program" else None
+    if program is None:
+        program = Program(STILL, {"kind": "constant"}, max(p.duration, 0.0), 0)
+    elif p.road_source == "program":
+        program = _reachable(p.program_file, *scaled(program, model, 1.0 / p.rate), 1.0 / p.rate)
+    else:
+        program = replace(program, road=STILL)
+    duty, road = signals(p, program)
     bridge = Bridge(
         calibration=load_calibration(p.calibration_file),
         gate=gate(p, model),
@@ -96,41 +100,60 @@ def build(p: BridgeParameters, sources: Sources) -> Built:
         duty=duty,
         road=road,
     )
-    duration = program.duration if program is not None else max(p.duration, 0.0)
-    return Built(bridge, address, model.digest(), round(duration * p.rate))
+    return Built(bridge, address, model.digest(), program)
+
+
+def with_planned(p: BridgeParameters, drive: Drive, seq: int) -> Drive:
+    """The drive with the planned run from a sample on, or without one ended there; raises as `build`."""
+    t = seq / p.rate
+    if not p.planned_file:
+        return ended(drive, t)
+    model = load_model(p.model_file, effects(p.effects_from))
+    run = planned(p, model, model)
+    if p.road_source == "program":
+        run = _reachable(p.planned_file, run, np.empty(0), 1.0 / p.rate)
+    return begun(drive, run, t)
 
 
 def _program(p: BridgeParameters) -> Program:
-    return for_this_run(p, of_a_wheel(p, load_program(p.program_file)))
+    return for_this_run(p, of_a_wheel(p.program_file, load_program(p.program_file)))
 
 
-def _reachable(p: BridgeParameters, program: Program, heights: Array) -> Program:
-    """The program, if the wire can carry its road; heights: those that are known [m], (n,).
+def _reachable(name: str, program: Program, heights: Array, dt: float) -> Program:
+    """The program of a file, if the wire can carry its road; heights: those that are known [m], (n,); dt: [s].
 
     Raises:
         InputError: It goes too high or too low, as far as it is looked at.
     """
     if not heights.size:
-        heights = program.heights(times(min(program.duration or LONGEST, LONGEST), 1.0 / p.rate))
+        heights = program.heights(times(min(program.duration or LONGEST, LONGEST), dt))
     peak, reach = float(np.abs(heights).max()), frame.ROAD_REACH * frame.ROAD_UNIT
     if peak <= reach:
         return program
     expected = f"heights within {reach:.3f} m: the wire carries no more"
-    raise InputError(p.program_file, "road", expected, f"{peak:.4g} m")
+    raise InputError(name, "road", expected, f"{peak:.4g} m")
 
 
-def _signal(
-    program: Program, rate: float, which: Callable[[Program, Array], Array]
-) -> Callable[[int], float]:
-    """Road or duty of a program from a tick on."""
-    unscaled = {k: v for k, v in program.road.items() if k != "peak_velocity"}
-    program = replace(program, road=unscaled)
+def signals(
+    p: BridgeParameters, drive: Drive, tick: int = 0
+) -> tuple[Callable[[int], float | None] | None, Callable[[int], float] | None]:
+    """Duty and road of a drive, as `Bridge` has them; tick: the first that is asked for."""
+    road = _signal(drive.heights, p.rate, tick) if p.road_source == "program" else None
+    if p.duty_source == "program":
+        return _signal(drive.duties, p.rate, tick), road
+    if not isinstance(drive, Interlude):
+        return None, road
+    wanted = _signal(drive.duties, p.rate, tick)
+    return lambda tick: wanted(tick) if drive.rules(tick / p.rate) else None, road
+
+
+def _signal(which: Callable[[Array], Array], rate: float, tick: int) -> Callable[[int], float]:
+    """Road or duty from a tick on."""
 
     @lru_cache(maxsize=4)
     def block(number: int) -> tuple[float, ...]:
         ticks = np.arange(number * BLOCK, (number + 1) * BLOCK, dtype=np.float64)
-        signal = which(program, np.asarray(ticks / rate, np.float64))
-        return tuple(signal.tolist())
+        return tuple(which(np.asarray(ticks / rate, np.float64)).tolist())
 
-    block(0)  # what is compiled or read at first use must not hold up the first sample
+    block(tick // BLOCK)  # what is compiled or read at first use must not hold up a sample
     return lambda tick: block(tick // BLOCK)[tick % BLOCK]

@@ -29,7 +29,7 @@ from er_plant_sim import ros_commands, ros_hardware
 from er_plant_sim.duty_gate import Reason
 from er_plant_sim.hardware import bridge, clocks, frame, key_file, seal
 from er_plant_sim.hardware.bridge import Reading
-from er_plant_sim.hardware.settings import BridgeParameters, build
+from er_plant_sim.hardware.settings import BridgeParameters, build, signals, with_planned
 from er_plant_sim.nodes.outlet import Outlet, spoilable
 from er_plant_sim.nodes.roll_call import Gathering
 from er_plant_sim.nodes.system_time import SystemTime
@@ -42,6 +42,8 @@ from er_ros_common import log
 CONFLICT = 0.1
 """Share of samples answered more than once that shows two controllers at work."""
 WATCH_PERIOD = 0.02
+AHEAD = 0.5
+"""How long after it was asked for a planned run begins [s]: it is looked at first, while the wire goes on."""
 
 
 class BridgeNode(ManagedNode):
@@ -55,20 +57,22 @@ class BridgeNode(ManagedNode):
     def configure(self) -> None:
         """Load the files and make the ends; the wire is opened when the node begins."""
         p, built = self.p, build(self.p, ros_hardware.SOURCES)
-        self.ticks, self.address = built.ticks, built.address
+        self.drive, self.address = built.drive, built.address
         key, note = key_file.key_of(p.key_file, built.address.kind)
         if note:
             exposed = not key and built.address.kind == "udp"
             (log.warning if exposed else log.info)(self, note)
         self.bridge = replace(built.bridge, key=key)
+        if p.planned_file:
+            self._go_over(p, 0)
         self.state = bridge.start(self.bridge, monotonic_ns(), seed=secrets.token_bytes(seal.SEED))
-        units = spoilable(programmed=self.bridge.duty is not None)
+        units = spoilable(programmed=p.duty_source == "program")
         self.port = FaultPort(self, units, enabled=p.enable_fault_injection, seed=0, rate=p.rate)
         self.out = Outlet(
             self, self.port, force_sd=p.noise_force, clock_rate=0.0, frame=p.frame_id
         )
         self.gathering = Gathering(self, self.out, p.wait_for, p.wait_for_nodes, p.start_timeout)
-        if self.bridge.duty is None:
+        if p.duty_source == "topic":
             self.subscribe(topics.PWM_COMMAND, self.on_command)
         self.commands = Commands()
         self.limits = self.stamp_limits()
@@ -80,11 +84,21 @@ class BridgeNode(ManagedNode):
     def tune(self, p: BridgeParameters) -> None:
         """Go on with other limits of the duty and another patience; the wire's thread sees both at once."""
         changed = tuned(p, self.bridge.gate)
+        if p.planned_file != self.p.planned_file:
+            self._go_over(p, self.state.seq + round(AHEAD * p.rate))
         with self.lock:
             self.bridge = replace(self.bridge, gate=changed, silence=p.silence)
         self.limits = StampLimits(stale=p.command_timeout)
         for each in self.incoming.values():
             each.limits = self.limits
+
+    def _go_over(self, p: BridgeParameters, seq: int) -> None:
+        """Drive the planned run from a sample on, or end it there; on a device that moves its road itself its duty."""
+        self.drive = with_planned(p, self.drive, seq)
+        duty, road = signals(p, self.drive, seq)
+        with self.lock:
+            self.bridge = replace(self.bridge, duty=duty, road=road)
+        log.info(self, f"planned run: {p.planned_file or 'ends'} from sample {seq} on")
 
     def stamp_limits(self) -> StampLimits:
         """A command is good for as long as it is held."""
@@ -171,7 +185,7 @@ class BridgeNode(ManagedNode):
             if not bridge.refusal(self.bridge, self.state) and self.gathering.complete():
                 with self.lock:
                     self.state = bridge.begin(self.state)
-        elif self.ticks and self.state.seq >= self.ticks and not self.over:
+        elif 0 < round(self.drive.duration * self.p.rate) <= self.state.seq and not self.over:
             self.over = True
             log.info(self, f"finished after {self.state.seq} ticks")
             signal.raise_signal(signal.SIGINT)

@@ -29,7 +29,7 @@ from er_common import topics
 from er_damper_msgs.msg import NodeStatus, PwmDuty
 from er_plant_sim import rig as plant
 from er_plant_sim import ros_commands
-from er_plant_sim.build import build, with_damper
+from er_plant_sim.build import build, with_damper, with_planned
 from er_plant_sim.duty_gate import Applied, Reason
 from er_plant_sim.loop_times import WARM_UP, LoopTimes
 from er_plant_sim.nodes.card import CARD
@@ -102,15 +102,19 @@ class PlantNode(ManagedNode):
         self.every(1.0, self.on_second)
 
     def tune(self, p: PlantParameters) -> None:
-        """Go on with other limits of the duty, or with another damper from the next sample on."""
+        """Go on with other limits of the duty, with another damper, or a planned run from the next sample on."""
+        rig, state, said = self.rig, self.state, []
+        number = state.sim.tick + 1
         if p.damper_file != self.p.damper_file:
-            self.rig, self.state = with_damper(p, self.rig, self.state)
-            self.health.model_id = self.rig.sim.plant.model.digest()
-            log.info(
-                self,
-                f"damper: {p.damper_file or p.model_file} from sample {self.state.sim.tick + 1} on",
-            )
-        self.rig = replace(self.rig, gate=tuned(p, self.rig.gate))
+            rig, state = with_damper(p, rig, state)
+            said.append(f"damper: {p.damper_file or p.model_file} from sample {number} on")
+        if p.planned_file != self.p.planned_file:
+            rig = with_planned(p, rig, number)
+            said.append(f"planned run: {p.planned_file or 'ends'} from sample {number} on")
+        self.rig, self.state = replace(rig, gate=tuned(p, rig.gate)), state
+        self.health.model_id = rig.sim.plant.model.digest()
+        for line in said:
+            log.info(self, line)
         self.limits = StampLimits(stale=p.command_timeout)
         for each in self.incoming.values():
             each.limits = self.limits

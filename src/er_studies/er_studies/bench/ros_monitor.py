@@ -1,31 +1,26 @@
 """What a model beside the damper costs: its own work, the process, and whether its answers are in time.
 
-    er bench monitor                     the core, then the graph for 60 s
+    er bench monitor                     the core, then the graph with each of what runs beside it for 60 s
     er bench monitor --seconds 0         the core alone
 
 The core is given the messages of a rough road one after another; its time is that of the thread, and the same messages
-go to the Skyhook controller's core: the plain loop. In the graph plant, controller, monitor and a node of plain rclpy
-with the monitor's ends, which computes nothing, run side by side. An answer is late where it is ready after the next
-sample was due. Exit status 1 where more than 1 in 1000 are.
+go to the Skyhook controller's core: the plain loop. What runs beside the graph is in `ros_beside`. A prediction is late
+where it is ready after the next sample was due. Exit status 1 where, with the monitor alone, more than 1 in 1000 are
+beyond those for which the controller was late, too, or where the live page takes too much of a core.
 """
 
 from __future__ import annotations
 
-import io
 import os
 import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
-from time import monotonic, sleep, thread_time_ns
+from time import thread_time_ns
 from typing import Any
 
 import numpy as np
-import rclpy
-from er_bringup.given import complete
-from er_bringup.graph import nodes
-from er_bringup.processes import Child, stop
-from er_bringup.up import argv, configuration
+from er_bringup.up import configuration
 from er_common.topics import ACCELERATION, DEFLECTION, FORCE, PWM_APPLIED, Topic
 from er_ftc_controller.programs import SKYHOOK
 from er_ftc_controller.ros_skyhook import SkyhookCore, SkyhookParameters
@@ -40,19 +35,14 @@ from er_models.program import load_program, resolve
 from er_models.simulation import simulate
 from er_plant_sim.programs import PLANT
 from er_ros_common.core import Core, When
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
 
-from er_common import topics
-from er_damper_msgs.msg import NodeStatus
-from er_ros_common import builders, qos
-from er_studies.bench.graph import Load, Usage, usage
-from er_studies.bench.ros import START
+from er_ros_common import builders
+from er_studies.bench import ros_beside as beside
+from er_studies.bench.ros_beside import LIVE, PAGE, PLAIN, Phase
 
 DT = 0.005
-PLAIN = "plain rclpy"
-LATE = 1e-3
-"""Most answers that may be late, as a share."""
+LATE, SHARE = 1e-3, 15.0
+"""Most predictions that may be late, as a share; most of a core that the live page may take [%]."""
 Sent = list[tuple[Topic, Any]]
 
 
@@ -122,67 +112,7 @@ def cores(seconds: float) -> list[Cost]:
     ]
 
 
-@dataclass(frozen=True)
-class Running:
-    """Load of each process, answers of the monitor and those that were late, and its longest step [ms]."""
-
-    loads: tuple[Load, ...]
-    answers: int
-    late: int
-    step: float
-
-
-def graph(seconds: float) -> Running:
-    """Plant, controller, monitor and the plain node for so long."""
-    given = complete({
-        "model_monitor": "true", "observers": "none", "program": "identification", "duration": "0",
-    })  # fmt: skip
-    out = io.StringIO()
-    children = [Child(s.executable, argv(s), out) for s in nodes(given, configuration())]
-    children.append(Child(PLAIN, [sys.executable, "-m", "er_studies.bench.ros_plain"], out))
-    rclpy.init(args=[])
-    node, executor = Node("bench", enable_rosout=False), SingleThreadedExecutor()
-    executor.add_node(node)
-    said: list[NodeStatus] = []
-    name = topics.STATUS.name.replace("~", MONITOR.name)
-    node.create_subscription(NodeStatus, name, said.append, qos.profile(topics.STATUS.subscriber))
-    try:
-        until = monotonic() + START
-        while not (said and said[-1].published):
-            executor.spin_once(timeout_sec=0.1)
-            if monotonic() > until:
-                raise ErError(f"the graph did not begin within {START:g} s")
-        sleep(2.0)
-        before, began, first = _usages(children), monotonic(), said[-1]
-        said.clear()
-        while monotonic() < began + seconds or not said:
-            executor.spin_once(timeout_sec=0.1)
-        after, elapsed, last = _usages(children), monotonic() - began, said[-1]
-    finally:
-        stop(children)
-        rclpy.try_shutdown()
-    loads = tuple(
-        Load(
-            c.label,
-            100.0 * (after[c.label].cpu - before[c.label].cpu) / elapsed,
-            after[c.label].memory / 1e6,
-        )
-        for c in children
-    )
-    late = last.deadline_misses - first.deadline_misses
-    step = 1e3 * max(s.step_time_max for s in said)
-    return Running(loads, (last.published - first.published) // 2, late, step)
-
-
-def _usages(children: Sequence[Child]) -> dict[str, Usage]:
-    found = {c.label: usage(c.process.pid) for c in children}
-    ended = [label for label, each in found.items() if each is None]
-    if ended:
-        raise ErError(f"{', '.join(ended)} ended")
-    return {label: each for label, each in found.items() if each is not None}
-
-
-def markdown(found: Sequence[Cost], running: Running | None) -> str:
+def markdown(found: Sequence[Cost], phases: dict[str, Phase]) -> str:
     """The figures as tables."""
     lines = [
         f"load average of the machine {os.getloadavg()[0]:.1f}, {os.cpu_count()} cores", "",
@@ -196,37 +126,45 @@ def markdown(found: Sequence[Cost], running: Running | None) -> str:
         "",
         f"- the monitor takes {found[0].mean / found[1].mean:.1f} times as long as the plain loop's core",
     ]
-    if running is not None:
-        lines += ["", "| process | CPU, % of a core | memory MB |", "|---|---|---|"]
-        lines += [f"| {x.name} | {x.cpu:.1f} | {x.memory:.0f} |" for x in running.loads]
-        by = {x.name: x.cpu for x in running.loads}
-        own = by[MONITOR.name]
-        lines += [
-            "",
+    if phases:
+        by = phases[MONITOR.name].parts
+        own, plain = by[MONITOR.name], phases[PLAIN].parts[PLAIN]
+        lines += ["", *beside.markdown(phases)]
+        lines.append(
             f"- the monitor's process takes {own / by[PLANT.name]:.2f} of the plant's, {own / by[SKYHOOK.name]:.2f} of "
-            f"the controller's, {own / by[PLAIN]:.2f} of {PLAIN} with the same ends: {own - by[PLAIN]:.1f} % more",
-            f"- {running.late} of {running.answers} answers were late, the longest step took {running.step:.1f} ms",
-        ]  # fmt: skip
+            f"the controller's, {own / plain:.2f} of {PLAIN} with the same ends: {own - plain:.1f} % more"
+        )  # fmt: skip
     return "\n".join(lines)
+
+
+def missed(phases: dict[str, Phase]) -> bool:
+    """Whether more predictions are late than of the controller's answers, or the live page takes too much."""
+    if not phases:
+        return False
+    page, watching = phases[PAGE], phases[MONITOR.name]
+    return watching.late - watching.late_loop > LATE or page.parts[LIVE] > SHARE
 
 
 def main() -> None:
     """Entry point of the command."""
     p = OneLine(prog="er bench monitor", description=(__doc__ or "").split("\n")[0])
     p.add_argument(
-        "--seconds", type=float, default=60.0, help="length of the run of the graph (60); 0: none"
+        "--seconds",
+        type=float,
+        default=60.0,
+        help="time with each of what runs beside the graph (60); 0: none",
     )
     o = p.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         os.environ["ROS_LOG_DIR"] = folder
         try:
             found = cores(20.0)
-            running = graph(o.seconds) if o.seconds else None
+            phases = beside.measured(o.seconds) if o.seconds else {}
         except ErError as error:
             sys.stderr.write(f"er bench monitor: {error}\n")
             sys.exit(error.exit_status)
-    sys.stdout.write(markdown(found, running) + "\n")
-    sys.exit(1 if running and running.late > LATE * running.answers else 0)
+    sys.stdout.write(markdown(found, phases) + "\n")
+    sys.exit(1 if missed(phases) else 0)
 
 
 if __name__ == "__main__":

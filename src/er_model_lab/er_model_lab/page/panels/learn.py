@@ -87,7 +87,7 @@ class LearnPanel:
                     self._result(desk.result)
             if desk.planned is not None:
                 with self.found:
-                    plan.show(desk.planned, self.host.theme)
+                    plan.show(desk.planned, self.host)
 
     def _add(self) -> None:
         if not self.effect.value:

@@ -26,6 +26,7 @@ class LivePanel:
         self.heard = ui.label().classes("numbers").props("role=status")
         self.monitor = ui.label().props("role=status aria-live=polite")
         self.error = helped(ui.label().classes("numbers text-lg"), "usual", "test of its limit")
+        self.run = ui.label().classes("text-sm numbers").props("role=status")
         heading("To drive next", "coverage")
         self.bar = ui.linear_progress(0.0, show_value=False).props(
             'aria-label="Share of what a verdict needs"'
@@ -59,6 +60,8 @@ class LivePanel:
         desk, running = self.desk, self.desk.jobs.running
         self.heard.text = self._heard()
         self.monitor.text, self.error.text = self._monitor(), self._error()
+        self.run.text = f"planned run: {desk.run.says(desk.heard.now)}" if desk.run else ""
+        self.run.set_visibility(desk.run is not None)
         self._gaps()
         job = desk.jobs.job
         ahead = f", {job.leaders[0].effect.replace('_', ' ')} ahead" if job and job.leaders else ""

@@ -9,13 +9,19 @@ from er_models.errors import ErError
 from er_models.model import Model
 from nicegui import ui
 
+from er_model_lab.live.planned_run import moves
 from er_model_lab.output.report.sections.programs import head, row, section
 from er_model_lab.output.text.units import percent
 from er_model_lab.output.text.verdict_text import verdict_sentence, verdict_title
 from er_model_lab.page import plots
 from er_model_lab.page.panels.help import helped
+from er_model_lab.page.panels.panel import Host
 from er_model_lab.planning.question import ask
 from er_model_lab.results.result import DiagnosisResult, PlanResult
+from er_model_lab.session.live_desk import LiveDesk
+
+LOOK = 0.5
+"""Time between two looks at a run that is driven [s]."""
 
 
 def rivals(result: DiagnosisResult, model: Model, effect: str) -> list[str]:
@@ -40,7 +46,7 @@ def offer(words: str, act: Callable[[], Any]) -> None:
     ui.button(words, on_click=act).props("outline dense no-caps align=left")
 
 
-def show(result: PlanResult, theme: plots.Theme) -> None:
+def show(result: PlanResult, host: Host) -> None:
     """What was planned: the verdict, the pieces, the table of programs, and road, motion and duty drawn."""
     ui.label(verdict_title(result.view)).classes("text-lg font-bold").props(
         "role=heading aria-level=2"
@@ -49,6 +55,8 @@ def show(result: PlanResult, theme: plots.Theme) -> None:
     ui.label("Take holds the run as a file for the rig, or for ./er up program:=run.yaml").classes(
         "muted"
     )
+    if isinstance(host.desk, LiveDesk) and result.program is not None:
+        _drive(host, host.desk, moves(result.program, dict(result.view.result)))
     told = result.view.result
     for program in told["programs"][:1]:
         for k, piece in enumerate(program["pieces"]):
@@ -66,8 +74,42 @@ def show(result: PlanResult, theme: plots.Theme) -> None:
     table([row(told, p) for p in told["programs"]], head(told))
     made = section(result.view)
     for figure in made.figures[:1] if made else ():
-        plot = ui.plotly(plots.of_report(figure, theme)).classes("w-full")
+        plot = ui.plotly(plots.of_report(figure, host.theme)).classes("w-full")
         plot.props(f'role="figure" aria-label="{figure.alt}"')
+
+
+def _drive(host: Host, desk: LiveDesk, words: list[str]) -> None:
+    """Buttons that have the running graph drive the run once it was said yes, and end it; what came of it."""
+
+    async def asked() -> None:
+        with ui.dialog() as dialog, ui.card():
+            ui.label("Drive this run in the running graph?").classes("text-lg").props(
+                "role=heading aria-level=2"
+            )
+            for line in words:
+                ui.label(line).classes("text-sm")
+            with ui.row():
+                ui.button("Drive it", on_click=lambda: dialog.submit(True)).props("no-caps")
+                ui.button("Cancel", on_click=lambda: dialog.submit(False)).props("flat no-caps")
+        agreed = await dialog
+        dialog.delete()
+        if agreed:
+            desk.drive()
+
+    with ui.row().classes("gap-1"):
+        go = ui.button("Drive it now in the running graph", on_click=host.safely(asked))
+        end = ui.button("End the run", on_click=host.safely(desk.end_run))
+    for button in (go, end):
+        button.props("dense no-caps outline")
+    said = ui.label().classes("text-sm numbers").props("role=status aria-live=polite")
+
+    def look() -> None:
+        go.set_enabled(not desk.driving)
+        end.set_visibility(desk.driving)
+        said.text = desk.run.says(desk.heard.now) if desk.run is not None else ""
+
+    look()
+    ui.timer(LOOK, look)
 
 
 def table(rows: list[list[str]], names: list[str]) -> None:
