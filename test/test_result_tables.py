@@ -7,6 +7,7 @@ from er_models.errors import InputError
 
 from test.conftest import ROOT
 from test.result_tables.__main__ import main, written
+from test.result_tables.given import given
 from test.result_tables.stored import DATA, Run, within
 from test.result_tables.tables import RUNS, TABLES
 
@@ -60,6 +61,18 @@ def test_tables_of_a_page_are_stored_where_a_command_writes_no_json(tmp_path, mo
     (tmp_path / "written.md").write_text("no table")
     with pytest.raises(InputError, match="what some wrote"):
         run.store(tmp_path / "written.md")
+
+
+def test_tables_that_a_command_gives_out_are_stored_in_their_order(tmp_path, monkeypatch):
+    monkeypatch.setattr("test.result_tables.stored.DATA", tmp_path)
+    (run, first), (same, second) = given("some", "some", "some.md", (), "one", "two").values()
+    tables = [{"head": [each], "rows": [[each.upper()]]} for each in "abc"]
+    (tmp_path / "written.json").write_text(json.dumps({"machine": "2 cores.", "tables": tables}))
+    run.store(tmp_path / "written.json")
+    values = same.stored()["values"]
+    assert {*values} == {"one", "two", "machine"}
+    assert first(values) == "| a |\n| --- |\n| A |\n"
+    assert second(values) == "| b |\n| --- |\n| B |\n\n2 cores.\n"
 
 
 def test_a_page_changed_by_hand_is_put_right(tmp_path):

@@ -7,8 +7,8 @@ from functools import partial
 from typing import Any
 
 from er_models.catalogue import CATALOGUE
+from er_studies.given_out import table
 
-from test.blind_score.tables import table
 from test.result_tables.stored import Run
 
 CODE = ("src/er_models/er_models", "src/er_records/er_records", "src/er_model_lab/er_model_lab")

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import typer
 from er_models.files import write_whole
@@ -11,6 +12,19 @@ from rich.console import Console
 
 Out = Annotated[Path | None, typer.Option(help="Write the tables here as well.")]
 Json = Annotated[Path | None, typer.Option("--json", help="Write the figures here.")]
+
+
+class Table(NamedTuple):
+    """Cells of a table under their head."""
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table in Markdown."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
 
 
 def say(text: str, out: Path | None = None) -> None:
