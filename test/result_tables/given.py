@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-from er_studies.given_out import table
+from er_studies.given_out import Table, markdown
 
 from test.result_tables.stored import Run
 
@@ -21,18 +21,16 @@ def given(
     *names: str,
     writes: str = "--json FILE",
 ) -> Tables:
-    """A run whose command writes these tables first: Markdown, or JSON with `tables` and perhaps a `machine`."""
+    """A run whose command gives out these tables first: as `tables` of its JSON, or as Markdown; "" is left out."""
 
     def keeps(written: Any) -> dict[str, Any]:
-        found = written["tables"] if isinstance(written, dict) else written
-        machine = {"machine": written["machine"]} if "machine" in written else {}
-        return {**dict(zip(names, found, strict=False)), **machine}
+        tables = written["tables"] if isinstance(written, dict) else written
+        return {each: made for each, made in zip(names, tables, strict=False) if each}
 
     run = Run(name, command, page, tuple(decides), keeps, writes)
-    return {each: (run, partial(shown, each, last=each == names[-1])) for each in names}
+    return {each: (run, partial(shown, each)) for each in names if each}
 
 
-def shown(name: str, values: dict[str, Any], *, last: bool = True) -> str:
-    """A table, and below the last one of a run the machine that it was measured on."""
-    machine = f"\n{values['machine']}\n" if last and "machine" in values else ""
-    return table(values[name]["head"], values[name]["rows"]) + machine
+def shown(name: str, values: dict[str, Any]) -> str:
+    """A table below its title."""
+    return markdown(Table(**values[name]))

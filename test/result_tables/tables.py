@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 from test.result_tables import (
     blind,
     control,
@@ -15,11 +12,17 @@ from test.result_tables import (
     observers,
     thesis,
 )
-from test.result_tables.stored import Run
+from test.result_tables.given import Tables
 
-TABLES: dict[str, tuple[Run, Callable[[Any], str]]] = {
-    name: made
-    for group in (blind, control, fleet, identify, measured, monitor, observers, thesis)
-    for name, made in group.TABLES.items()
-}
+GROUPS = (
+    blind,
+    control,
+    fleet,
+    identify,
+    measured,
+    monitor,
+    observers,
+    thesis,
+)
+TABLES: Tables = {name: made for group in GROUPS for name, made in group.TABLES.items()}
 RUNS = {run.name: run for run, _ in TABLES.values()}

@@ -126,7 +126,10 @@ def tables(found: Chapter1) -> list[Table]:
 
 def lines(found: Chapter1) -> list[str]:
     """The screen."""
-    return [STAND_IN, *(line for table in tables(found) for line in ("", *columns(*table)))]
+    return [
+        STAND_IN,
+        *(line for table in tables(found) for line in ("", *columns(table.head, table.rows))),
+    ]
 
 
 def columns(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:

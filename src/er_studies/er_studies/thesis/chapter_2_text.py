@@ -101,4 +101,6 @@ def tables(found: Chapter2) -> list[Table]:
 
 def lines(found: Chapter2) -> list[str]:
     """The screen."""
-    return [line for table in tables(found) for line in (*columns(*table), "")][:-1]
+    return [line for table in tables(found) for line in (*columns(table.head, table.rows), "")][
+        :-1
+    ]
