@@ -5,6 +5,7 @@ from __future__ import annotations
 from test.result_tables import (
     blind,
     control,
+    faults,
     fleet,
     identify,
     measured,
@@ -17,6 +18,7 @@ from test.result_tables.given import Tables
 GROUPS = (
     blind,
     control,
+    faults,
     fleet,
     identify,
     measured,
