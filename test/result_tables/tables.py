@@ -11,6 +11,7 @@ from test.result_tables import (
     measured,
     monitor,
     observers,
+    reliability,
     thesis,
 )
 from test.result_tables.given import Tables
@@ -24,6 +25,7 @@ GROUPS = (
     measured,
     monitor,
     observers,
+    reliability,
     thesis,
 )
 TABLES: Tables = {name: made for group in GROUPS for name, made in group.TABLES.items()}

@@ -16,12 +16,13 @@ RECORD, ADDITIONS = 60.0, 1_000_000
 
 
 def machine() -> Table:
-    """Cores, Python, and processor time of the loop of a prediction in C and of a million additions in Python."""
+    """Cores, Python and load; processor time of the loop of a prediction in C and of a million additions in Python."""
     runs: dict[str, Callable[[], object]] = {"Python": _add}
     if compiler():
         runs["C"] = partial(c_predict, damper(), drive(RECORD))
     found = {name: shown(seconds) for name, seconds in best(runs, 1.0).items()}
-    cores = f"{os.cpu_count()} cores, Python {platform.python_version()}"
+    load = f"load average {os.getloadavg()[0]:.1f}"
+    cores = f"{os.cpu_count()} cores, Python {platform.python_version()}, {load}"
     head = ("machine", "reference loop in C", "in Python")
     return Table(head, [(cores, found.get("C", "no compiler"), found["Python"])])
 
