@@ -12,6 +12,7 @@ from test.result_tables import (
     monitor,
     observers,
     reliability,
+    speed,
     thesis,
 )
 from test.result_tables.given import Tables
@@ -26,6 +27,7 @@ GROUPS = (
     monitor,
     observers,
     reliability,
+    speed,
     thesis,
 )
 TABLES: Tables = {name: made for group in GROUPS for name, made in group.TABLES.items()}

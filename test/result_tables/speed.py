@@ -1,0 +1,40 @@
+"""What prediction, observers and the wire cost."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from er_studies.given_out import table
+
+from test.result_tables.given import Tables, given
+from test.result_tables.observers import OBSERVERS
+
+MODELS = ("src/er_models/er_models", "src/er_studies/er_studies/bench/models")
+DEAR = 2.0
+"""Ratio from which on an effect is shown."""
+PARTS = ("prediction", "ride", "batch", "length", "number", "memory", "effects", "starting")
+STEPS = ("observers, duty that varies", "observers, duty that switches")
+
+
+def _bench(name: str, words: str, code: tuple[str, ...], *tables: str) -> Tables:
+    return given(
+        f"bench_{name}", f"bench {words}", "performance.md", code, *tables, writes="> FILE"
+    )
+
+
+def dear_effects(values: dict[str, Any]) -> str:
+    """Effects that a prediction feels."""
+    head, rows = values["effects"]["head"], values["effects"]["rows"]
+    return table(head[:3], [row[:3] for row in rows if float(row[2].split()[0]) >= DEAR])
+
+
+_COSTS = _bench("models", "models", MODELS, *PARTS, "machine of models")
+TABLES: Tables = {
+    **_COSTS,
+    "effects": (_COSTS["effects"][0], dear_effects),
+    **_bench("observers", "observers", OBSERVERS, *STEPS, "machine of observers"),
+    **_bench("jitter", "observers --jitter 20", OBSERVERS, *(f"{each}, jitter" for each in STEPS)),
+    **_bench(
+        "wire", "wire", ("src/er_plant_sim/er_plant_sim/hardware",), "wire", "machine of wire"
+    ),
+}
