@@ -1,4 +1,4 @@
-"""What prediction, observers and the wire cost."""
+"""What prediction, observers and the wire cost, and what demonstrations find."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from typing import Any
 from er_studies.given_out import table
 
 from test.result_tables.given import Tables, given
+from test.result_tables.measured import CODE as LAB
 from test.result_tables.observers import OBSERVERS
+from test.result_tables.reliability import GRAPH
 
 MODELS = ("src/er_models/er_models", "src/er_studies/er_studies/bench/models")
 DEAR = 2.0
@@ -36,5 +38,13 @@ TABLES: Tables = {
     **_bench("jitter", "observers --jitter 20", OBSERVERS, *(f"{each}, jitter" for each in STEPS)),
     **_bench(
         "wire", "wire", ("src/er_plant_sim/er_plant_sim/hardware",), "wire", "machine of wire"
+    ),
+    **given(
+        "demo",
+        "demo --repeat 10 --seed 1000",
+        "demo.md",
+        (*LAB, *GRAPH),
+        "demonstrations",
+        writes="> FILE",
     ),
 }
