@@ -33,7 +33,6 @@ def test_the_code_that_made_the_figures_is_the_code_that_is_here(name):
 
 TYPED = {
     "fleet.md": 2,
-    "lab_speed.md": 3,
     "page.md": 5,
     "peers.md": 1,
     "performance.md": 2,

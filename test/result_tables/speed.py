@@ -1,4 +1,4 @@
-"""What prediction, observers and the wire cost, and what demonstrations find."""
+"""What prediction, observers, the lab and the wire cost, and what demonstrations find."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ PARTS = ("prediction", "ride", "batch", "length", "number", "memory", "effects",
 STEPS = ("observers, duty that varies", "observers, duty that switches")
 
 
-def _bench(name: str, words: str, code: tuple[str, ...], *tables: str) -> Tables:
-    return given(
-        f"bench_{name}", f"bench {words}", "performance.md", code, *tables, writes="> FILE"
-    )
+def _bench(
+    name: str, words: str, code: tuple[str, ...], *tables: str, page: str = "performance.md"
+) -> Tables:
+    return given(f"bench_{name}", f"bench {words}", page, code, *tables, writes="> FILE")
 
 
 def dear_effects(values: dict[str, Any]) -> str:
@@ -47,4 +47,9 @@ TABLES: Tables = {
         "demonstrations",
         writes="> FILE",
     ),
-}
+    **_bench(
+        "lab", "lab minute length number --longest 120", LAB,
+        "minute", "lengths", "numbers", "machine of lab", page="lab_speed.md",
+    ),
+    **_bench("lab_page", "lab page", LAB, "page of my rig", "machine of my rig", page="lab_speed.md"),
+}  # fmt: skip
