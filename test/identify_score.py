@@ -21,8 +21,8 @@ from er_common.versions import versions
 from er_models.files import load_model
 from er_models.model import Model
 from er_records.dataset import Dataset
+from er_studies.given_out import table
 
-from test.blind_score.tables import table
 from test.identify_data import TRUTHS, Truth, program
 
 ROOT = Path(__file__).resolve().parents[1]

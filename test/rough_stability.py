@@ -18,11 +18,12 @@ import numpy as np
 from er_model_lab.verbs.load import load
 from er_records.dataset import Dataset
 from er_records.record import Record
+from er_studies.given_out import table
 
 from test.blind_score.answer import timed
 from test.blind_score.program import collect, finish, heading, parser_of, seeds_of
 from test.blind_score.rows import digest
-from test.blind_score.tables import table, wilson
+from test.blind_score.tables import wilson
 from test.rough.case import RoughError, make_case
 from test.rough.plan import KINDS, Asked, plan
 from test.rough_score.__main__ import DECIDES

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import subprocess
@@ -88,12 +89,21 @@ def test_of_many_one_in_twenty_may_fail(
         )
 
     monkeypatch.setattr(demo_module, "play", play)
-    monkeypatch.setattr(demo_module, "console", lambda: Console(quiet=True))
+    told = Console(file=io.StringIO(), width=40)
+    monkeypatch.setattr(demo_module, "console", lambda: told)
     words = ["er demo", "--repeat", str(times), "--seed", "1", "--out", str(tmp_path)]
     monkeypatch.setattr("sys.argv", words)
     with pytest.raises(SystemExit) as ended:
         demo_module.main()
     assert ended.value.code == status
+    lines = told.file.getvalue().splitlines()
+    assert lines[0].startswith("| seed | hidden | found |")
+    cells = "preload | preload | missing_effect | 0.500 | 0.150 | 0.150"
+    assert lines[2:4] == [
+        f"| 1 | {cells} | NO |",
+        f"| 11 | {cells} | {'yes' if failing == 1 else 'NO'} |",
+    ]
+    assert len(lines) == 2 + times + 1
 
 
 def test_a_place_that_cannot_be_written_to_is_one_line(

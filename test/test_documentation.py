@@ -69,8 +69,9 @@ SHORTER = {
     "control endurance --minutes 1": ("--minutes", "0.2"),
     "control car --seeds 3 --first 100": ("--seconds", "1"),
     "control robust": ("--seeds", "1"),
-    "study fault_statistics --number 200 --seed 1": ("--number", "1"),
-    "study fault_trials --number 50 --seed 2": ("--number", "1"),
+    "study fault_statistics --number 40 --seed 1": ("--number", "1"),
+    "study fault_trials --rivals --number 12 --seed 2": ("--number", "1"),
+    "study fault_trials --number 30 --seed 2": ("--number", "1"),
     "lab plan --model config/vehicles/inove_quarter_car.yaml --between gas_spring end_stop --out next.yaml"
     " --report plan": ("--duration", "10"),
     "lab plan --model config/dampers/inove_guo.yaml --reveal end_stop --vehicle"

@@ -21,6 +21,7 @@ from test.reliability.__main__ import DEFAULTS
 from test.reliability.bus import NAMES, SECOND, Bus, Heard
 from test.reliability.fuzz import fuzz, fuzz_plant
 from test.reliability.kill import killed
+from test.reliability.silence import once
 
 SAMPLE = topics.ACCELERATION.name
 CONTROLLERS = ("skyhook_controller", "ftc_controller")
@@ -60,6 +61,12 @@ def test_a_sensor_that_is_silent_r1(name: str) -> None:
     assert next(a.t for a in back if a.message.valid) - 2.5 <= 0.01
     # later than the 0.2 s aimed at, see docs/results/reliability.md: the doubt of a fresh start has to decay
     assert first(back, DamperForce.STATUS_OK) - 2.5 <= 0.35
+
+
+def test_without_the_deflection_an_observer_is_sure_again_later_r1() -> None:
+    late, wrong = once(NAMES[0], 0, 0.06, deflection=False)
+    assert 0.1 < late < 0.5
+    assert wrong < 1.0
 
 
 @pytest.mark.parametrize("name", NAMES)

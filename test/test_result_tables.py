@@ -1,12 +1,15 @@
 """Tables of the result pages are those of the figures that are stored; where other code made these, a test says so."""
 
 import json
+import re
+from collections import Counter
 
 import pytest
 from er_models.errors import InputError
 
 from test.conftest import ROOT
 from test.result_tables.__main__ import main, written
+from test.result_tables.given import given
 from test.result_tables.stored import DATA, Run, within
 from test.result_tables.tables import RUNS, TABLES
 
@@ -26,6 +29,28 @@ def test_the_code_that_made_the_figures_is_the_code_that_is_here(name):
     assert stored["command"] == run.command
     if stored["code"] != run.code:
         pytest.skip(f"docs/results/{run.page}: other code made its tables of `./er {run.command}`")
+
+
+TYPED = {
+    "fleet.md": 2,
+    "page.md": 5,
+    "peers.md": 1,
+    "performance.md": 2,
+    "reliability.md": 8,
+}
+"""Tables of figures that stand in a page as they were typed."""
+
+
+def test_tables_of_figures_are_made_not_typed():
+    """A table is one of figures where most cells behind its first column begin with a digit."""
+    found = Counter()
+    for page in DATA.parent.glob("*.md"):
+        text = page.read_text(encoding="utf-8")
+        rest = re.sub(r"<!-- table (.+?) -->\n.*?<!-- end of \1 -->\n", "", text, flags=re.S)
+        for lines in re.findall(r"(?:^\|.*\n)+", rest, re.M):
+            cells = [c.strip(" *") for row in lines.splitlines()[2:] for c in row.split("|")[2:-1]]
+            found[page.name] += 2 * sum(cell[:1].isdigit() for cell in cells) > len(cells)
+    assert +found == TYPED
 
 
 def test_the_fused_observer_is_not_behind():
@@ -60,6 +85,19 @@ def test_tables_of_a_page_are_stored_where_a_command_writes_no_json(tmp_path, mo
     (tmp_path / "written.md").write_text("no table")
     with pytest.raises(InputError, match="what some wrote"):
         run.store(tmp_path / "written.md")
+
+
+def test_tables_that_a_command_gives_out_are_stored_in_their_order(tmp_path, monkeypatch):
+    monkeypatch.setattr("test.result_tables.stored.DATA", tmp_path)
+    (run, first), (same, second) = given("some", "some", "some.md", (), "one", "two").values()
+    tables = [{"head": [each], "rows": [[each.upper()]]} for each in "abc"]
+    tables[1]["title"] = "seed 1"
+    (tmp_path / "written.json").write_text(json.dumps({"seed": 1, "tables": tables}))
+    run.store(tmp_path / "written.json")
+    values = same.stored()["values"]
+    assert {*values} == {"one", "two"}
+    assert first(values) == "| a |\n| --- |\n| A |\n"
+    assert second(values) == "seed 1\n\n| b |\n| --- |\n| B |\n"
 
 
 def test_a_page_changed_by_hand_is_put_right(tmp_path):

@@ -10,6 +10,7 @@ import ast
 import hashlib
 import json
 from collections.abc import Iterator, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ SAYS = frozenset((
 """Folders and files there that only report, or do another task."""
 
 
+@cache
 def _bare(source: str) -> str:
     """Source without comments and docstrings, written as one Python version writes it like another."""
     tree = ast.parse(source)

@@ -7,10 +7,11 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from er_studies.given_out import table
 
 from test.blind_score.cases import KINDS
 from test.blind_score.judge import Row, judged
-from test.blind_score.tables import table, wilson
+from test.blind_score.tables import wilson
 
 BEST = {"singles": "first", "pairs": "both", "complete": "right", "outside": "right"}
 """Judgement that leaves nothing to ask, by kind; a poor record leaves nothing to ask unless it is ``wrong``."""

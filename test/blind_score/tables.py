@@ -1,9 +1,8 @@
-"""What every score is told in: shares with Wilson intervals, and Markdown tables."""
+"""Shares with Wilson intervals."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
 
 
 def wilson(hits: int, n: int, z: float = 1.96) -> tuple[float, float]:
@@ -14,9 +13,3 @@ def wilson(hits: int, n: int, z: float = 1.96) -> tuple[float, float]:
     centre = (p + 0.5 * w) / (1.0 + w)
     half = z / (1.0 + w) * math.sqrt(p * (1.0 - p) / n + 0.25 * w / n)
     return max(centre - half, 0.0), min(centre + half, 1.0)
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A Markdown table."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"

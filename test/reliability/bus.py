@@ -60,10 +60,14 @@ def node_file(name: str) -> dict[str, Any]:
 
 
 @lru_cache(maxsize=16)
-def core(name: str) -> Core:
-    """The core of a node with the parameters of its file; it keeps nothing between messages."""
+def core(name: str, *, deflection: bool = True) -> Core:
+    """The core of a node with the parameters of its file; it keeps nothing between messages.
+
+    deflection: whether an observer uses that sensor.
+    """
     program, shell = CORES[name], entry(name)
-    given: dict[str, Any] = {} if program.kind == OBSERVER else node_file(name)
+    own = {"deflection": deflection} if program.kind == OBSERVER else node_file(name)
+    given: dict[str, Any] = dict(own)
     if program.model:
         given["model_file"] = VEHICLE
     if program.gains:
@@ -92,10 +96,11 @@ class Bus:
         *,
         seed: int = 1,
         duty_source: str = "topic",
+        deflection: bool = True,
     ) -> None:
         self.rig = _rig(seed, duty_source)
         self.rig_state = plant.start(self.rig)
-        self.cores = {name: core(name) for name in names}
+        self.cores = {name: core(name, deflection=deflection) for name in names}
         self.states = {name: each.start() for name, each in self.cores.items()}
         self.channels = {name: Channel() for name in UNITS}
         self.random, self.log = (

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from er_ros_common.injection import Kind
+from er_studies.given_out import table as markdown
 
 from er_common import topics
 from er_damper_msgs.msg import DamperForce, PwmDuty
@@ -117,8 +118,7 @@ def run(seconds: int) -> int:
         sys.stdout.write(f"{line}\n")
         sys.stdout.flush()
     invalid, stuck, safe = alarms(seconds)
-    sys.stdout.write(
-        f"\n{seconds} s without a fault: {invalid} estimates not valid, "
-        f"{stuck} samples refused as stuck, {safe} safe duties\n"
-    )
+    head = ("s without a fault", "estimates not valid", "samples refused as stuck", "safe duties")
+    counts = [str(n) for n in (seconds, invalid, stuck, safe)]
+    sys.stdout.write(f"\n{markdown(head, [counts])}")
     return int(bool(invalid or stuck or safe))

@@ -8,6 +8,8 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from er_studies.bench.machine import machine
+from er_studies.given_out import markdown
 
 from test.reliability.graph import running, well
 
@@ -39,5 +41,6 @@ def run(seconds: int, priority: int = 0) -> int:
     for name, ages in (("before", before), ("during", during), ("after", after)):
         p50, p99, most = (1e3 * float(np.percentile(ages, p)) for p in (50, 99, 100))
         sys.stdout.write(f"| {name} | {len(ages)} | {p50:.2f} | {p99:.2f} | {most:.2f} |\n")
+    sys.stdout.write(f"\n{markdown(machine())}")
     sys.stdout.write(f"well {back:.2f} s after the end\n")
     return int(not back <= 1.0)

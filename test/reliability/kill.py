@@ -10,6 +10,8 @@ from pathlib import Path
 from time import monotonic
 
 import numpy as np
+from er_studies.bench.machine import machine
+from er_studies.given_out import markdown
 
 from test.reliability.graph import NODES, arguments, running, well
 
@@ -58,4 +60,5 @@ def run(times: int) -> int:
     for name, each in found.items():
         p50, p95 = (float(np.percentile(each, p)) for p in (50, 95))
         sys.stdout.write(f"| {name} | {len(each)} | {p50:.2f} | {p95:.2f} | {max(each):.2f} |\n")
+    sys.stdout.write(f"\n{markdown(machine())}")
     return int(not all(math.isfinite(t) for each in found.values() for t in each))

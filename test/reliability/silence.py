@@ -6,6 +6,7 @@ import math
 import sys
 
 from er_ros_common.injection import Kind
+from er_studies.given_out import table as markdown
 
 from er_common import topics
 from er_damper_msgs.msg import DamperForce
@@ -19,22 +20,29 @@ AFTER = 10
 
 def run(drives: int) -> int:
     """Table over this many drives of each observer; 1 where an OK came late or too wrong, else 0."""
-    sys.stdout.write("| silence, s | sure after, s | force wrong by at most, N |\n|---|---|---|\n")
-    late = False
+    late, rows = False, []
     for silence in SILENCES:
-        found = [once(name, seed, silence) for name in NAMES for seed in range(drives)]
-        took, wrong = ([each[i] for each in found] for i in (0, 1))
-        late = late or not max(took) < math.inf
-        sys.stdout.write(
-            f"| {silence:g} | {min(took):.2f} to {max(took):.2f} | {max(wrong):.2f} |\n"
-        )
+        row = [f"{silence:g}"]
+        for deflection in (True, False):
+            found = [
+                once(name, seed, silence, deflection=deflection)
+                for name in NAMES
+                for seed in range(drives)
+            ]
+            took, wrong = ([each[i] for each in found] for i in (0, 1))
+            late = late or not max(took) < math.inf
+            row += [f"{min(took):.2f} to {max(took):.2f}", f"{max(wrong):.2f}"]
+        rows.append(row)
+    errors = "force wrong by at most, N"
+    head = ("silence, s", "sure after, s", errors, "without the deflection: sure after, s", errors)
+    sys.stdout.write(markdown(head, rows))
     return int(late)
 
 
-def once(name: str, seed: int, silence: float) -> tuple[float, float]:
+def once(name: str, seed: int, silence: float, *, deflection: bool) -> tuple[float, float]:
     """Time from the first sample after a silence to OK [s], and the largest error soon after [N]."""
     topic = f"force/{name.removesuffix('_observer')}"
-    bus = Bus((name, "skyhook_controller"), seed=seed)
+    bus = Bus((name, "skyhook_controller"), seed=seed, deflection=deflection)
     bus.run(2.0 + 0.13 * seed)
     gone = bus.log[topic][-1].t
     bus.inject(topics.ACCELERATION.name, Kind.OFF, duration=silence)

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from test.blind_score.tables import table
+from er_studies.given_out import table
+
 from test.identify_data import TRUTHS
 from test.identify_score import HEAD
 from test.result_tables.stored import Run

@@ -7,8 +7,9 @@ from functools import partial
 from typing import Any
 
 from er_models.catalogue import CATALOGUE
+from er_studies.given_out import table
 
-from test.blind_score.tables import table
+from test.result_tables.given import given
 from test.result_tables.stored import Run
 
 CODE = ("src/er_models/er_models", "src/er_records/er_records", "src/er_model_lab/er_model_lab")
@@ -57,4 +58,10 @@ def improved(run: Run, values: dict[str, Any]) -> str:
 
 TABLES: dict[str, tuple[Run, Callable[[Any], str]]] = {
     run.name: (run, partial(improved, run)) for run in (MTS, SHAKING, PISTON)
-}
+} | given(
+    "reach_piston",
+    "study reach piston --model piston1.yaml",
+    "measured.md",
+    CODE,
+    "reach of the piston",
+)

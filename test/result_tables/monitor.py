@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from test.blind_score.tables import table
+from er_studies.given_out import table
+
 from test.result_tables.stored import Run
 
 ALARMS = Run("alarms", "study alarms", "page.md", ("src/er_model_lab/er_model_lab/monitor",))

@@ -6,7 +6,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from test.blind_score.tables import table
+from er_studies.given_out import table
+
 from test.result_tables.stored import Run
 
 WORSE = 1.05

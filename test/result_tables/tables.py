@@ -2,15 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from test.result_tables import (
+    blind,
+    control,
+    faults,
+    fleet,
+    identify,
+    measured,
+    monitor,
+    observers,
+    reliability,
+    speed,
+    thesis,
+)
+from test.result_tables.given import Tables
 
-from test.result_tables import blind, control, fleet, identify, measured, monitor, observers
-from test.result_tables.stored import Run
-
-TABLES: dict[str, tuple[Run, Callable[[Any], str]]] = {
-    name: made
-    for group in (blind, control, fleet, identify, measured, monitor, observers)
-    for name, made in group.TABLES.items()
-}
+GROUPS = (
+    blind,
+    control,
+    faults,
+    fleet,
+    identify,
+    measured,
+    monitor,
+    observers,
+    reliability,
+    speed,
+    thesis,
+)
+TABLES: Tables = {name: made for group in GROUPS for name, made in group.TABLES.items()}
 RUNS = {run.name: run for run, _ in TABLES.values()}

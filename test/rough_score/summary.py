@@ -6,8 +6,9 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from er_studies.given_out import table
 
-from test.blind_score.tables import table, wilson
+from test.blind_score.tables import wilson
 from test.rough.plan import KINDS
 from test.rough_score.judge import GOOD, Row, certain_wrong, judged, poor
 

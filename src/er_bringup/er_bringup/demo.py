@@ -197,44 +197,23 @@ def show(v: Verdict, result: dict[str, Any], console: Console) -> None:
 
 
 def repeat(demo: Demo, times: int, console: Console) -> int:
-    """Many demonstrations with seeds in a row; returns how many failed."""
-    table = Table(title=f"{times} demonstrations from seed {demo.seed}")
-    for column in (
-        "seed",
-        "hidden",
-        "found",
-        "verdict",
-        "before [N]",
-        "after [N]",
-        "floor [N]",
-        "ok",
-    ):
-        table.add_column(column)
+    """Many demonstrations with seeds in a row, as a table in Markdown; returns how many failed."""
+
+    def say(*cells: str) -> None:
+        line = f"| {' | '.join(cells)} |"
+        console.print(line, soft_wrap=True, markup=False, highlight=False)
+
+    say("seed", "hidden", "found", "verdict", "before [N]", "after [N]", "floor [N]", "ok")
+    say(*["---"] * 8)
     failures = 0
     for k in range(times):
-        one = Demo(
-            demo.effect,
-            demo.seed + 10 * k,
-            demo.learn,
-            demo.check,
-            demo.out / f"{k:02d}",
-            demo.mode,
-        )
+        place = demo.out / f"{k:02d}"
+        one = Demo(demo.effect, demo.seed + 10 * k, demo.learn, demo.check, place, demo.mode)
         v = play(one, Console(quiet=True))
         failures += not v.success
-        row = (
-            f"{one.seed}",
-            v.hidden or "none",
-            " ".join(v.found) or "-",
-            v.verdict,
-            f"{v.before:.3f}",
-            f"{v.after:.3f}",
-            f"{v.floor:.3f}",
-            "yes" if v.success else "NO",
-        )
-        table.add_row(*row)
-        console.print(f"{k + 1}/{times}  " + "  ".join(row))
-    console.print(table)
+        errors = (f"{error:.3f}" for error in (v.before, v.after, v.floor))
+        names = v.hidden or "none", " ".join(v.found) or "-", v.verdict
+        say(f"{one.seed}", *names, *errors, "yes" if v.success else "NO")
     console.print(f"{times - failures} passed, {failures} failed")
     return failures
 

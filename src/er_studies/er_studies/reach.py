@@ -21,6 +21,7 @@ from er_model_lab.verbs.load import load, load_model
 from er_models.model import Array, Model
 from er_records.dataset import Dataset
 
+from er_studies.given_out import Json, Table, give
 from er_studies.programs import program_of, run
 
 PAST = (0.02, 0.04, 0.08)
@@ -108,12 +109,12 @@ def reach_command(
     hold_out: Annotated[
         list[Path] | None, typer.Option("--hold-out", help="Records that only score.")
     ] = None,
+    json_file: Json = None,
 ) -> None:
     """Say what held-out records leave to a model, to constants, and to trees with and without the force's past."""
     found = reach(load(*data), load_model(model), load(*hold_out) if hold_out else None)
-    typer.echo(f"{'known':45s} {'training [N]':>13s} {'held out [N]':>13s}")
-    for each in found:
-        typer.echo(f"{each.known:45s} {each.train:13.3g} {each.held_out:13.3g}")
+    rows = [(each.known, f"{each.train:.3g}", f"{each.held_out:.3g}") for each in found]
+    give([Table(("known", "training [N]", "held out [N]"), rows)], json_file)
 
 
 app = program_of(reach_command)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import os
 import runpy
 import sys
 
@@ -33,3 +35,19 @@ def test_hands_its_arguments_over(monkeypatch):
     monkeypatch.setattr("sys.argv", ["er bench", "models", "ride"])
     bench.main()
     assert (run, sys.argv) == (["er_studies.bench.models"], ["er bench models", "ride"])
+
+
+def test_the_machine_is_told_beside_what_was_measured(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(
+        "sys.argv",
+        ["er bench", "wire", "--frames", "100", "--turns", "1", "--json", str(tmp_path / "w")],
+    )
+    with pytest.raises(SystemExit) as stop:
+        bench.main()
+    assert stop.value.code == 0
+    wire, machine = json.loads((tmp_path / "w").read_text())["tables"]
+    assert [row[0] for row in wire["rows"]] == ["plain, CRC-32", "sealed, BLAKE2s"]
+    ((cores, _, python),) = machine["rows"]
+    assert cores.startswith(f"{os.cpu_count()} cores, Python 3.")
+    assert python.split()[1] in ("ms", "s")
+    assert f"| {cores} |" in capsys.readouterr().out

@@ -13,8 +13,8 @@ from er_models.model import Model
 from er_observers.faults import regression
 from er_observers.faults.rules import estimator
 from er_observers.faults.sample import Kind
-from er_studies.faults import bound, statistics_command
-from er_studies.faults.acceptance import faultless, faulty
+from er_studies.faults import bound, command, statistics_command
+from er_studies.faults.acceptance import Outcome, Quiet, faultless, faulty
 from er_studies.faults.statistics import (
     CLOSE,
     GROUPS,
@@ -64,6 +64,36 @@ def test_a_drive_is_judged_as_it_went(car: Model) -> None:
     assert (quiet.named, quiet.silent) == ((), ())
 
 
+def test_the_command_tells_what_was_found_and_what_was_not_noticed(
+    tmp_path, monkeypatch, capsys
+) -> None:
+    """Two drives of each fault and two of each hidden effect, judged as given."""
+    known = Outcome(
+        {"f1": 0.5}, {"f1": 0.2}, (1.0, 0.5, 0.9), Kind.NONE, math.inf, False, False, True
+    )
+    noticed = {"coulomb_friction": (("LEAKAGE",), ("LEAKAGE",), True), "preload": ((), (), True)}
+
+    def quiet(_p, _trial, _model, name=""):
+        named, silent, doubted = noticed.get(name, ((), (), False))
+        return Quiet(name, named, silent, doubted, (True, True, False))
+
+    monkeypatch.setattr(command, "faulty", lambda *_: known)
+    monkeypatch.setattr(command, "faultless", quiet)
+    command.fault_trials_command(number=20, seed=5, json_file=tmp_path / "tables.json")
+    faults, none, hidden = json.loads((tmp_path / "tables.json").read_text())["tables"]
+    row = ["f1", "0/20", "0/0", "100 %", "50 %", "0/20", "90 %", "0", "0", "never", "0", "20"]
+    assert [r[0] for r in faults["rows"]] == ["f1", "f2", "f3", "combined"]
+    assert faults["rows"][0] == row
+    assert faults["title"] == "20 drives each, seed 5, parameters within 0 %"
+    assert none["rows"][0][1] == "0 of 40 with a fault, 0 unexplained"
+    assert none["rows"][1] == ["standstill", "not excited: f1, f2"]
+    assert {tuple(r) for r in hidden["rows"]} == {
+        ("coulomb_friction", "2", "2", "2 (leakage)"),
+        ("preload", "2", "0", "0"),
+    }
+    assert "| f1 | 0/20 | 0/0 |" in capsys.readouterr().out
+
+
 SEED = 4711
 """Of drives that nothing was tuned on."""
 
@@ -111,7 +141,11 @@ def test_statistics_go_on_with_the_drives_that_a_file_holds(tmp_path, monkeypatc
     drives = read(json.loads(file.read_text())["drives"])
     assert drives == {group.name: [found._replace(wrong=[])] * 3}
     assert "Infinity" not in json.dumps(plain(drives))
-    ((head, rows),) = statistics_command.tables(drives)
+    (told,) = statistics_command.tables(drives)
+    head, rows = told.head, told.rows
+    assert json.loads(file.read_text())["tables"] == [
+        {"head": head, "rows": rows, "title": "seed 1"}
+    ]
     assert [row[head.index("number")] for row in rows] == ["3", "3"]
     assert rows[0][head.index("median s to name")] == "never"
     with pytest.raises(InputError, match="drives of seed 2"):

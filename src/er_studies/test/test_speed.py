@@ -164,6 +164,7 @@ def test_every_part_of_the_benchmark_runs(
         ]
     )
     found = json.loads((tmp_path / "all.json").read_text())
+    assert {*found.pop("machine")[0]} == {"machine", "reference loop in C", "in Python"}
     assert set(found) == set(parts)
     assert "SciPy, motion by cubics" in capsys.readouterr().out
     assert all(line["seconds"] > 0.0 for lines in found.values() for line in lines)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from er_model_lab.output.report.page import write_report
 from er_studies.thesis.chapter_2 import FINE, FORMS, Chapter2, chapter_2, departures, recorded
-from er_studies.thesis.chapter_2_text import lines, peaks, rates, result, ride, zeros
+from er_studies.thesis.chapter_2_text import HEAD_ZEROS, lines, peaks, rates, result, ride, zeros
 from er_studies.thesis.command import app
 from er_studies.thesis.report.chapter_2 import sections, view
 from typer.testing import CliRunner
@@ -75,6 +75,8 @@ def test_tables_say_what_was_found(found: Chapter2) -> None:
     data = json.loads(json.dumps(result(found), allow_nan=False))
     assert data["peaks"]["z_s"]["ours"][0]["hertz"] == pytest.approx(3.83, abs=0.01)
     assert max(data["departures"]["relative"].values()) < 2e-3
+    assert [tuple(row) for row in data["tables"][0]["rows"]] == peaks(found)
+    assert data["tables"][2] == {"head": [*HEAD_ZEROS], "rows": [[*row] for row in zeros(found)]}
     text = "\n".join(lines(found))
     assert "3.83" in text
     assert "-27.4" in text

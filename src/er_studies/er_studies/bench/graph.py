@@ -32,6 +32,9 @@ from er_plant_sim.programs import PLANT
 from numpy.typing import NDArray
 from rosbags.highlevel import AnyReader
 
+from er_studies import given_out
+from er_studies.bench.machine import machine
+
 WARM_UP = 1.0
 """Beginning of a run that does not count [s]."""
 PERCENTILES = (50.0, 99.0, 99.9, 100.0)
@@ -181,7 +184,8 @@ def main() -> None:
             sys.stderr.write(f"er bench graph: {error}\n")
             sys.exit(error.exit_status)
         found = flows(bag)
-    print(markdown(found, loads, options.seconds))  # noqa: T201  (what it is for)
+    given_out.say(markdown(found, loads, options.seconds) + "\n")
+    given_out.say(given_out.markdown(machine()))
     sys.exit(1 if any(f.lost for f in found) else 0)
 
 

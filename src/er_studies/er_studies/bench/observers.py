@@ -12,9 +12,9 @@ import typer
 from er_models.files import load_model
 from er_models.model import Array, Model
 from er_observers.running.runtime import Sample
-from rich.console import Console
-from rich.table import Table
 
+from er_studies.bench.machine import machine
+from er_studies.given_out import Json, Table, give
 from er_studies.observers.estimators import Estimator, estimators_of
 from er_studies.observers.scenarios.drive import drive
 from er_studies.observers.scenarios.files import choose_scenarios, load_scenarios
@@ -54,15 +54,13 @@ def measure(estimator: Estimator, samples: list[Sample]) -> Cost:
 def table(title: str, costs: list[Cost]) -> Table:
     """Costs for people; ratios of medians to the extended Kalman filter."""
     base = next((c for c in costs if "xtended" in c.title), costs[-1])
-    shown = Table(title=rf"one step, Python included \[us]: {title}")
-    shown.add_column("estimator")
-    for name in ("median", "99 %", "99.9 %", f"median / {base.title}", "kept [B]"):
-        shown.add_column(name, justify="right")
+    rows = []
     for c in costs:
         numbers = [f"{1e6 * v:.1f}" for v in np.percentile(c.seconds, [50, 99, 99.9])]
         ratio = float(np.median(c.seconds) / np.median(base.seconds))
-        shown.add_row(c.title, *numbers, f"{ratio:.2f}", str(c.kept))
-    return shown
+        rows.append((c.title, *numbers, f"{ratio:.2f}", str(c.kept)))
+    head = ("estimator", "median", "99 %", "99.9 %", f"median / {base.title}", "kept [B]")
+    return Table(head, rows, f"one step, Python included [us]: {title}")
 
 
 def samples_of(scenario: Scenario, car: Model, jitter: float) -> list[Sample]:
@@ -85,13 +83,14 @@ def main(
     ] = None,
     repeat: Annotated[int, typer.Option(min=1, help="Repetitions of each drive.")] = 5,
     jitter: Annotated[float, typer.Option(min=0.0, help="Jitter of the time stamps [us].")] = 0.0,
+    json_file: Json = None,
 ) -> None:
     """Time every step of the observers and their peers along drives.
 
     By default one whose duty switches between two values, and one whose duty changes with every sample.
     """
     car = load_model(config / "vehicles" / "inove_quarter_car.yaml")
-    known = load_scenarios(config / "scenarios")
+    known, tables = load_scenarios(config / "scenarios"), []
     for chosen in choose_scenarios(known, scenario or ["chapter_5_noise", "chapter_4_slow_duty"]):
         samples, estimators = (
             samples_of(chosen, car, 1e-6 * jitter),
@@ -102,7 +101,8 @@ def main(
             min(each, key=lambda run: float(np.median(run.seconds)))
             for each in zip(*runs, strict=True)
         ]
-        Console().print(table(chosen.name, best))
+        tables.append(table(chosen.name, best))
+    give([*tables, machine()], json_file)
 
 
 app = program_of(main)

@@ -37,7 +37,9 @@ from er_models.errors import ErError
 from er_models.one_line import OneLine
 from er_plant_sim.programs import PLANT
 
+from er_studies import given_out
 from er_studies.bench.graph import Load, Usage, usage
+from er_studies.bench.machine import machine
 from er_studies.bench.ros_transport import TRANSPORTS, UDP, take
 
 LAYOUTS = ("processes", "composed")
@@ -326,7 +328,8 @@ def main() -> None:
         except ErError as error:
             sys.stderr.write(f"er bench ros: {error}\n")
             sys.exit(error.exit_status)
-    sys.stdout.write(markdown(results, o.seconds, o.rate) + "\n")
+    here = given_out.markdown(machine())
+    sys.stdout.write(f"{markdown(results, o.seconds, o.rate)}\n\n{here}")
     sys.exit(1 if failed(results, o.rate) else 0)
 
 

@@ -17,9 +17,9 @@ from er_plant_sim.hardware.bridge import Bridge, BridgeState, Sources
 from er_plant_sim.hardware.calibration import Calibration, Channel
 from er_plant_sim.hardware.frame import Answer, Call, Hello, Sample, SyncReply
 from er_plant_sim.hardware.parser import ParserState
-from rich.console import Console
-from rich.table import Table
 
+from er_studies.bench.machine import machine
+from er_studies.given_out import Json, Table, give
 from er_studies.programs import program_of, run
 
 KEY = bytes(range(seal.KEY))
@@ -103,6 +103,7 @@ def _ticks(host: Ended, count: int) -> float:
 def main(
     frames: Annotated[int, typer.Option(help="frames a turn", min=100, max=900)] = 900,
     turns: Annotated[int, typer.Option(help="turns of either wire", min=1)] = 15,
+    json_file: Json = None,
 ) -> None:
     """Measure and show."""
     hosts = {"plain, CRC-32": ended(b""), "sealed, BLAKE2s": ended(KEY)}
@@ -115,16 +116,15 @@ def main(
         for name, each in costs.items()
     }
     plain = next(iter(middle.values()))
-    shown = Table(title=r"processor time \[us] and its ratio to the plain wire")
-    shown.add_column("wire")
-    for head in ("frame written", "frame read", "host's tick", "of a period"):
-        shown.add_column(head, justify="right")
+    rows = []
     for name, cost in middle.items():
         cells = [
             f"{1e6 * own:.1f} ({own / base:.2f})" for own, base in zip(cost, plain, strict=True)
         ]
-        shown.add_row(name, *cells, f"{1e11 * cost.tick / PERIOD:.2f} %")
-    Console().print(shown)
+        rows.append((name, *cells, f"{1e11 * cost.tick / PERIOD:.2f} %"))
+    head = ("wire", "frame written", "frame read", "host's tick", "of a period")
+    told = Table(head, rows, "processor time [us] and its ratio to the plain wire")
+    give([told, machine()], json_file)
 
 
 app = program_of(main)

@@ -16,7 +16,6 @@ from er_observers.faults.rules import Estimator
 from er_observers.faults.sample import Kind
 from rich.console import Console
 from rich.progress import track
-from rich.table import Table
 
 from er_studies.faults.acceptance import (
     EXCITED,
@@ -33,8 +32,13 @@ from er_studies.faults.acceptance import (
 from er_studies.faults.rivals import factors
 from er_studies.faults.synthesis.lost_force import design, solve
 from er_studies.faults.trials import Trial, drive, faults
+from er_studies.given_out import Json, Table, give, seconds
 from er_studies.programs import program_of, run
 
+_HEAD = (
+    "fault", "within limit", "once excited", "best, told", "not told", "named rightly", "at best", "named wrongly",
+    "kind open", "median s to name", "early", "unexplained",
+)  # fmt: skip
 RIVALS = ("ours", "horizon", "forgetting", "adaptive", "descriptor")
 
 
@@ -49,26 +53,20 @@ def fault_trials_command(
         typer.Option(min=0.0, max=0.2, help="Share by which parameters of faulty cars are off."),
     ] = 0.0,
     rivals: Annotated[bool, typer.Option(help="Compare with other estimators instead.")] = False,
+    json_file: Json = None,
 ) -> None:
     """Try the fault estimator on random closed-loop drives: faults, none, and effects that are no faults."""
     car = load_model(model)
-    p, console = ready(car), Console(width=160)
+    p = ready(car)
     if rivals:
-        console.print(_rival_table(p, car, seed, number))
+        give([_rival_table(p, car, seed, number)], json_file)
         return
-    console.print(_fault_table(p, car, seed, number, spread))
-    healthy = [
-        faultless(p, trial, car) for trial in _shown(list(healthy_trials(seed, 2 * number)))
-    ]
-    console.print(f"healthy, parameters within 5 %: {_quiet(healthy)}", highlight=False)
-    for name, trial in (
-        ("standstill", Trial(seed, still=True, duration=4.0)),
-        ("duty zero", Trial(seed * 1000 + 4, duty=0.0, duration=4.0, road="iso8608")),
-    ):
-        lost = faultless(p, trial, car).unexcited
-        said = [f for f, gone in zip(LIMITS, lost, strict=True) if gone]
-        console.print(f"{name}: not excited: {', '.join(said) or 'none'}", highlight=False)
-    console.print(_hidden_table(p, car, seed, max(1, number // 10)))
+    made = (
+        _fault_table(p, car, seed, number, spread),
+        _quiet_table(p, car, seed, number),
+        _hidden_table(p, car, seed, max(1, number // 10)),
+    )
+    give(made, json_file)
 
 
 def _shown(jobs: list[Any]) -> Iterator[Any]:
@@ -78,17 +76,13 @@ def _shown(jobs: list[Any]) -> Iterator[Any]:
 
 
 def _fault_table(p: Estimator, car: Model, seed: int, number: int, spread: float) -> Table:
-    title = f"{number} drives each, seed {seed}, parameters within {100.0 * spread:g} %"
-    table = Table(title=title, title_justify="left")
-    for head in ("fault", "within limit", "once excited", "best, told", "not told", "named rightly", "at best",
-                 "named wrongly", "kind open", "median s to name", "early", "unexplained"):  # fmt: skip
-        table.add_column(head, justify="left" if head == "fault" else "right")
+    rows = []
     for name in kinds():
-        found = [
-            faulty(p, trial, car) for trial in _shown(list(faults(name, seed, number, spread)))
-        ]
-        table.add_row(name, *_row(name, found))
-    return table
+        drives = _shown(list(faults(name, seed, number, spread)))
+        rows.append([name, *_row(name, [faulty(p, trial, car) for trial in drives])])
+    return Table(
+        _HEAD, rows, f"{number} drives each, seed {seed}, parameters within {100.0 * spread:g} %"
+    )
 
 
 def _row(name: str, found: Sequence[Outcome]) -> list[str]:
@@ -103,49 +97,58 @@ def _row(name: str, found: Sequence[Outcome]) -> list[str]:
         f"{sum(good)}/{len(found)}", f"{sum(excited)}/{len(excited)}", told, not_told,
         f"{sum(o.kind is right for o in found)}/{len(found)}", nameable,
         str(sum(o.wrong for o in found)), str(sum(o.kind is Kind.SOME for o in found)),
-        f"{np.median([o.named for o in found]):.1f}", str(sum(o.early for o in found)),
+        seconds([o.named for o in found]), str(sum(o.early for o in found)),
         str(sum(o.unexplained for o in found)),
     ]  # fmt: skip
 
 
-def _quiet(found: Sequence[Quiet]) -> str:
-    alarms = sum(bool(q.named) for q in found)
-    return (
-        f"{alarms} of {len(found)} with a fault, {sum(q.unexplained for q in found)} unexplained"
-    )
+def _quiet_table(p: Estimator, car: Model, seed: int, number: int) -> Table:
+    """Drives without a fault: with other parameters, and where nothing shows one."""
+    found = [faultless(p, trial, car) for trial in _shown(list(healthy_trials(seed, 2 * number)))]
+    alarms, doubts = sum(bool(q.named) for q in found), sum(q.unexplained for q in found)
+    said = f"{alarms} of {len(found)} with a fault, {doubts} unexplained"
+    rows = [("healthy, parameters within 5 %", said)]
+    for name, trial in (
+        ("standstill", Trial(seed, still=True, duration=4.0)),
+        ("duty zero", Trial(seed * 1000 + 4, duty=0.0, duration=4.0, road="iso8608")),
+    ):
+        lost = faultless(p, trial, car).unexcited
+        silent = [f for f, gone in zip(LIMITS, lost, strict=True) if gone]
+        rows.append((name, f"not excited: {', '.join(silent) or 'none'}"))
+    return Table(("no fault", "said"), rows)
 
 
 def _hidden_table(p: Estimator, car: Model, seed: int, number: int) -> Table:
-    title = f"hidden effects, {number} drives each: how many are called a fault, and how many in silence"
-    table = Table("effect", "unexplained", "fault named", "in silence", title=title)
+    """Effects that are no faults: how many are called one, and how many in silence."""
     found: dict[str, list[Quiet]] = {}
     for name, trial in _shown(list(hidden_trials(car, seed, number))):
         found.setdefault(name, []).append(faultless(p, trial, car, name))
+    rows = []
     for name, each in found.items():
         said = sorted({k.lower() for q in each for k in q.silent})
-        silent = sum(bool(q.silent) for q in each)
-        table.add_row(
-            name, str(sum(q.unexplained for q in each)), str(sum(bool(q.named) for q in each)),
-            f"{silent} ({', '.join(said)})" if silent else "0",
-        )  # fmt: skip
-    return table
+        doubts, named, silent = (
+            sum(bool(x) for x in column)
+            for column in zip(*((q.unexplained, q.named, q.silent) for q in each), strict=True)
+        )
+        if doubts or named:
+            words = f"{silent} ({', '.join(said)})" if silent else "0"
+            rows.append([name, str(doubts), str(named), words])
+    title = f"{number} drives of each of {len(found)} hidden effects, of which those below were noticed"
+    return Table(("effect", "unexplained", "fault named", "in silence"), rows, title)
 
 
 def _rival_table(p: Estimator, car: Model, seed: int, number: int) -> Table:
     """Median and 90th percentile of the error of the faulty factor, and of the others, 2 s and 5 s after the fault."""
-    table = Table(
-        title=f"{number} drives each, seed {seed}: median / 90 % error of the faulty factor, of the worst other one"
-    )
-    for head in ("fault", "estimator", "after 2 s", "after 5 s", "others, 5 s"):
-        table.add_column(head)
     problem = design(car, p.noise[:3], car.rig.get("duty_max", car.scales.duty))
     K = solve(problem).K
+    lines = []
     for name in LIMITS:
         records = [(t, drive(t, car)) for t in faults(name, seed, number)]
         for rival in RIVALS:
             rows = [_errors(t, factors(p, d.samples, rival, K), name) for t, d in _shown(records)]
-            table.add_row(name, rival, *(_spread(column) for column in zip(*rows, strict=True)))
-    return table
+            lines.append([name, rival, *(_spread(column) for column in zip(*rows, strict=True))])
+    head = ("fault", "estimator", "after 2 s", "after 5 s", "others, 5 s")
+    return Table(head, lines, f"{number} drives each, seed {seed}: median / 90 % error")
 
 
 def _errors(trial: Trial, found: Any, name: str) -> tuple[float, float, float]:

@@ -13,7 +13,6 @@ from er_models.errors import InputError
 from er_models.files import load_model, write_json
 from rich.console import Console
 from rich.progress import track
-from rich.table import Table
 
 from er_studies.faults.statistics import (
     CLOSE,
@@ -24,6 +23,7 @@ from er_studies.faults.statistics import (
     read,
     statistics,
 )
+from er_studies.given_out import Table, give, seconds
 from er_studies.programs import program_of, run
 
 _ROADS = ("iso8608", "round bumps", "sharp bumps", "tone", "chirp")
@@ -72,13 +72,8 @@ def fault_statistics_command(
         found[group.name].append(each)
         if done % KEPT == 0:
             write_json(json_file, {"seed": seed, "drives": plain(found)})
-    write_json(json_file, {"seed": seed, "drives": plain(found)})
-    terminal = Console(width=160)
-    for head, rows in tables(found):
-        table = Table(*head, title=f"seed {seed}")
-        for row in rows:
-            table.add_row(*row)
-        terminal.print(table)
+    titled = [each._replace(title=f"seed {seed}") for each in tables(found)]
+    give(titled, json_file, seed=seed, drives=plain(found))
 
 
 def _known(file: Path | None, seed: int, asked: Sequence[str]) -> dict[str, list[Found]]:
@@ -92,8 +87,8 @@ def _known(file: Path | None, seed: int, asked: Sequence[str]) -> dict[str, list
     return none | read(stored["drives"])
 
 
-def tables(found: Mapping[str, Sequence[Found]]) -> list[tuple[list[str], list[list[str]]]]:
-    """Heads and rows: of the drives without faults, and of those with; none where there is no drive."""
+def tables(found: Mapping[str, Sequence[Found]]) -> list[Table]:
+    """Of the drives without faults, and of those with; none where there is no drive."""
     made = []
     for faulty, head, cells in ((False, _QUIET_HEAD, _quiet), (True, _FAULTY_HEAD, _faulty)):
         rows = []
@@ -108,7 +103,7 @@ def tables(found: Mapping[str, Sequence[Found]]) -> list[tuple[list[str], list[l
                     name = group.name if road == "all" else ""
                     rows.append([name, road, str(len(some)), *cells(some)])
         if rows:
-            made.append((head, rows))
+            made.append(Table(head, rows))
     return made
 
 
@@ -120,10 +115,9 @@ def _quiet(some: Sequence[Found]) -> list[str]:
 
 
 def _faulty(some: Sequence[Found]) -> list[str]:
-    middle = float(np.median([f.named for f in some]))
     return [
         _count(some, [f.named <= IN_TIME for f in some]), _count(some, [f.error <= CLOSE for f in some]),
-        _count(some, [f.last_error <= CLOSE for f in some]), f"{middle:.1f}" if np.isfinite(middle) else "never",
+        _count(some, [f.last_error <= CLOSE for f in some]), seconds([f.named for f in some]),
         _count(some, [bool(f.wrong) for f in some]), _count(some, [f.doubted for f in some]),
     ]  # fmt: skip
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from er_model_lab.identification import Identified
 from er_model_lab.results.values import clean, parameters
 from er_models.model import Model
 
+from er_studies.given_out import Table
 from er_studies.thesis.chapter_1 import ADDED, LAWS, PUBLISHED, ROADS, Case, Chapter1
 
 STAND_IN = "The real damper is replaced by a simulated one that holds more than the models: compare orders, not digits."
@@ -22,10 +23,14 @@ KINDS = {
 """Ending of a model's name to what it is."""
 WAYS_HEAD = (
     "NRMSE by way of identification",
-    *(f"{law}, {road}" for road in ROADS.values() for law in LAWS),
+    *(f"{law.capitalize()}, {road}" for road in ROADS.values() for law in LAWS),
 )
 CASE_2_HEAD = ("rms error [N]", "static", "dynamic", "static, turning", "dynamic, turning")
-HEAD = ("NRMSE", *(f"{law}, {who}" for law in LAWS for who in ("thesis", "ours")), "truth itself")
+HEAD = (
+    "NRMSE",
+    *(f"{law.capitalize()}, {who}" for law in LAWS for who in ("thesis", "ours")),
+    "truth itself",
+)
 
 
 def table_1_5(found: Chapter1) -> list[tuple[str, ...]]:
@@ -45,7 +50,7 @@ def ways(found: Chapter1) -> list[tuple[str, ...]]:
         for end, words in KINDS.items()
     ]
     more = (cell for r in ROADS for cell in ("-", f"{found.validation[r].nrmse('guo_added'):.4f}"))
-    return [*rows, (f"all together, with {ADDED.replace('_', ' ')}", *more)]
+    return [*rows, (f"all together, with {ADDED.replace('_', ' ').capitalize()}", *more)]
 
 
 def static_against_dynamic(case: Case) -> list[tuple[str, ...]]:
@@ -57,7 +62,7 @@ def static_against_dynamic(case: Case) -> list[tuple[str, ...]]:
             for among in (None, case.turning)
             for end in ("_static", "")
         ]
-        rows.append((law, *(f"{e:.3f}" for e in errors)))
+        rows.append((law.capitalize(), *(f"{e:.3f}" for e in errors)))
     return rows
 
 
@@ -76,6 +81,7 @@ def result(found: Chapter1, seed: int) -> dict[str, Any]:
         "cases": {name: errors(case) for name, case in cases.items()},
         "parameters": {law: _parameters(i.model) for law, i in found.identified.items()},
         "response_time": {law: response_time(i) for law, i in found.identified.items()},
+        "tables": [table._asdict() for table in tables(found)],
     })  # fmt: skip
     return data
 
@@ -109,16 +115,24 @@ def _parameters(model: Model) -> Mapping[str, Any]:
     return {effect: parameters(model, effect) for effect in model.effects}
 
 
-def lines(found: Chapter1) -> list[str]:
-    """The screen: Table 1.5, what each step changes, static against dynamic."""
+def tables(found: Chapter1) -> list[Table]:
+    """Table 1.5, what each step changes, static against dynamic."""
     return [
-        STAND_IN, "", *columns(HEAD, table_1_5(found)),
-        "", *columns(WAYS_HEAD, ways(found)),
-        "", *columns(CASE_2_HEAD, static_against_dynamic(found.tests)),
-    ]  # fmt: skip
+        Table(HEAD, table_1_5(found)),
+        Table(WAYS_HEAD, ways(found)),
+        Table(CASE_2_HEAD, static_against_dynamic(found.tests)),
+    ]
 
 
-def columns(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
+def lines(found: Chapter1) -> list[str]:
+    """The screen."""
+    return [
+        STAND_IN,
+        *(line for table in tables(found) for line in ("", *columns(table.head, table.rows))),
+    ]
+
+
+def columns(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     """A table as lines of text: the first column to the left, the others to the right."""
     widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
     return [

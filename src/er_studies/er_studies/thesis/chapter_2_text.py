@@ -10,6 +10,7 @@ from er_models.forms.passive import OUTPUTS
 from er_models.forms.ride import SIGNALS
 from er_models.forms.sensing import Sensing
 
+from er_studies.given_out import Table
 from er_studies.thesis.chapter_1_text import columns
 from er_studies.thesis.chapter_2 import PUBLISHED, Chapter2, departures
 
@@ -84,14 +85,22 @@ def result(found: Chapter2) -> dict[str, Any]:
             {"velocities": s.velocities, "unknowns": list(s.unknowns), "sensors": list(s.sensors), "zeros": rates(s)}
             for s in found.systems
         ],
+        "tables": [table._asdict() for table in tables(found)],
     })  # fmt: skip
     return data
 
 
+def tables(found: Chapter2) -> list[Table]:
+    """Peaks, departures of the forms, zeros."""
+    return [
+        Table(HEAD_PEAKS, peaks(found)),
+        Table(HEAD_RIDE, ride(found)),
+        Table(HEAD_ZEROS, zeros(found)),
+    ]
+
+
 def lines(found: Chapter2) -> list[str]:
     """The screen."""
-    return [
-        *columns(HEAD_PEAKS, peaks(found)), "",
-        *columns(HEAD_RIDE, ride(found)), "",
-        *columns(HEAD_ZEROS, zeros(found)),
-    ]  # fmt: skip
+    return [line for table in tables(found) for line in (*columns(table.head, table.rows), "")][
+        :-1
+    ]

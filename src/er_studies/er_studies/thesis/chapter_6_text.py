@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from er_model_lab.results.values import clean
 
+from er_studies.given_out import Table
 from er_studies.thesis.chapter_1_text import columns
 from er_studies.thesis.chapter_6 import LEAK, SEQUENCES, Chapter6
 
@@ -52,6 +53,7 @@ def result(found: Chapter6) -> dict[str, Any]:
             "healthy": [float(healthy.low.min()), float(healthy.high.max())],
             "leaking": [float(leaking.low.min()), float(leaking.high.max())],
         },
+        "tables": [Table(HEAD, rows(found))._asdict()],
     })  # fmt: skip
     return data
 

@@ -18,6 +18,7 @@ from er_models.one_line import OneLine
 from er_studies.bench.fleet.cluster import simulated
 from er_studies.bench.fleet.data import fleet
 from er_studies.bench.fleet.measure import Line, client, compared, costs, recorded
+from er_studies.bench.machine import machine
 
 PARTS = {
     "workers": "a plain loop, one and two workers: time and memory",
@@ -57,6 +58,8 @@ def main(arguments: list[str] | None = None) -> None:
         }
         for name in given.parts or PARTS:
             found[name] = _printed(f"{name}: {PARTS[name]}", rows[name]())
+    here = machine()
+    found["machine"] = _printed("machine", [dict(zip(here.head, here.rows[0], strict=True))])
     if given.json:
         given.json.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
 

@@ -10,9 +10,11 @@ from pathlib import Path
 
 from er_models.one_line import OneLine
 
+from er_studies import given_out
 from er_studies.bench.lab.measure import LENGTHS, Line, length, minute, number
 from er_studies.bench.lab.page import page
 from er_studies.bench.lab.picture import picture
+from er_studies.bench.machine import machine
 
 PARTS: dict[str, Callable[[Path], list[Line]]] = {
     "minute": minute,
@@ -52,8 +54,11 @@ def main(arguments: list[str] | None = None) -> None:
         found[name] = parts[name](given.model)
         sys.stdout.write(f"## {name}\n\n{table(found[name])}\n")
         sys.stdout.flush()
+    here = machine()
+    sys.stdout.write(f"## machine\n\n{given_out.markdown(here)}")
     if given.json:
         text = {name: [asdict(line) for line in lines] for name, lines in found.items()}
+        text["machine"] = [dict(zip(here.head, here.rows[0], strict=True))]
         given.json.write_text(json.dumps(text, indent=1) + "\n", encoding="utf-8")
     if given.plot:
         picture(found["length"], found["number"], given.plot)
@@ -67,14 +72,12 @@ def _up_to(longest: float) -> Callable[[Path], list[Line]]:
 def table(lines: list[Line]) -> str:
     """Lines as a Markdown table."""
     rows = [
-        "| what | wall time | processor time | peak memory so far | found |",
-        "|---|---|---|---|---|",
-    ]
-    rows += [
-        f"| {x.what} | {x.wall:.1f} s | {x.processor:.1f} s | {x.memory:.2f} GB | {x.found} |"
+        (x.what, f"{x.wall:.1f} s", f"{x.processor:.1f} s", f"{x.memory:.2f} GB", x.found)
         for x in lines
     ]
-    return "\n".join(rows) + "\n"
+    return given_out.table(
+        ("what", "wall time", "processor time", "peak memory so far", "found"), rows
+    )
 
 
 if __name__ == "__main__":

@@ -9,6 +9,8 @@ from pathlib import Path
 
 from er_models.one_line import OneLine
 
+from er_studies import given_out
+from er_studies.bench.machine import machine
 from er_studies.bench.models.cases import TINY, Size
 from er_studies.bench.models.measure import PARTS
 from er_studies.bench.models.picture import picture
@@ -37,8 +39,11 @@ def main(arguments: list[str] | None = None) -> None:
         found[name] = PARTS[name](size)
         sys.stdout.write(f"## {name}\n\n{table(found[name])}\n")
         sys.stdout.flush()
+    here = machine()
+    sys.stdout.write(f"## machine\n\n{given_out.markdown(here)}")
     if given.json:
         text = {name: [asdict(line) for line in lines] for name, lines in found.items()}
+        text["machine"] = [dict(zip(here.head, here.rows[0], strict=True))]
         given.json.write_text(json.dumps(text, indent=1) + "\n", encoding="utf-8")
     if given.plot:
         picture(found["length"], found["number"], given.plot)

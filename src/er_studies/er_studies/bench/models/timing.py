@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from er_studies import given_out
+
 
 @dataclass(frozen=True)
 class Line:
@@ -46,9 +48,8 @@ def best(
 
 def table(lines: list[Line]) -> str:
     """Lines as a Markdown table."""
-    rows = ["| what | time | ratio | remark |", "|---|---|---|---|"]
-    rows += [f"| {x.what} | {_time(x.seconds)} | {_ratio(x)} | {x.remark} |" for x in lines]
-    return "\n".join(rows) + "\n"
+    rows = [(x.what, shown(x.seconds), _ratio(x), x.remark) for x in lines]
+    return given_out.table(("what", "time", "ratio", "remark"), rows)
 
 
 def _ratio(line: Line) -> str:
@@ -56,7 +57,7 @@ def _ratio(line: Line) -> str:
     return "" if line.ratio is None else f"{line.ratio:.3g} times {line.against}"
 
 
-def _time(seconds: float) -> str:
+def shown(seconds: float) -> str:
     """A time with its unit."""
     units = (("s", 1.0), ("ms", 1e-3), ("us", 1e-6))
     unit, size = next((u for u in units if seconds >= u[1]), units[-1])
