@@ -17,7 +17,7 @@ WORKED = (
             "asymmetric_damping": {"c_a": 20.0},
             "position_dependent_damping": {"c_x": 1e5, "b_x": 0.0},
             "field_viscosity": {"c_u": 100.0},
-            "field_stiffness": {"k_u": 1000.0},
+            "field_stiffness": {"k_u": 1000.0, "b_u": 0.0},
             "preload": {"F_0": 2.0},
         },
         w=3e-3,
