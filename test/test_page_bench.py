@@ -20,6 +20,9 @@ def test_every_wait_of_a_user_is_taken(tmp_path: Path, monkeypatch: pytest.Monke
     assert list(took) == list(browser.TARGETS)
     assert 0.0 < took["command to address"] < took["command to curves"] < browser.LONGEST
     assert 0.0 < took["key on a slider to curves, p95"] < took["command to curves"]
+    assert 0.0 < took["processor time of the browser for a key"] < 1.0
+    drawn = took["processor time of the browser for the curves"]
+    assert took["processor time of the browser for a key"] < drawn < took["command to curves"]
     assert 0.0 < took["click to the first ranked effect"] < browser.LONGEST
 
 

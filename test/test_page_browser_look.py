@@ -18,6 +18,12 @@ from test.page_help import PATIENCE, seen
 from test.sample import write_sample
 
 PLOT = ".js-plotly-plot"
+STYLED = """() => {
+  window.styled = [];
+  const seen = new MutationObserver((all) => all.forEach((one) => window.styled.push(one.target.nodeName)));
+  for (const each of [document.body, ...document.querySelectorAll("meta")]) seen.observe(each, {attributes: true});
+}"""
+"""Notes what would have a browser style every element anew."""
 WORST_TILE = """e => {
   const {x, y, z} = e.data[0], {xaxis, yaxis} = e._fullLayout;
   const box = e.querySelector('.nsewdrag').getBoundingClientRect();
@@ -107,6 +113,11 @@ def test_what_a_browser_has_drawn_is_not_sent_again(tmp_path: Path) -> None:
         page.wait_for_timeout(1500)
         assert [sum(f.count(kind) for f in frames) for kind in ('"heatmap"', "N/√Hz")] == [1, 1]
         assert not any("measured − model" in f for f in frames), "the curves are in the page"
+        page.evaluate(STYLED)
+        page.locator('[data-parameter="passive.c0"] [tabindex="0"]').press("ArrowRight")
+        page.wait_for_timeout(1500)
+        assert any("measured − model" in f for f in frames)
+        assert page.evaluate("window.styled") == [], "the whole page is not styled anew"
 
 
 @pytest.mark.slow

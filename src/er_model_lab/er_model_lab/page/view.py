@@ -47,7 +47,7 @@ LIVE: dict[str, tuple[Callable[[Heard, plots.Theme], plots.Json], int]] = {
 """The same of a running graph, and every how many turns each is drawn anew."""
 TURN = 0.5
 """Time of a turn [s]."""
-FIRST, REST = "force", 0.2
+FIRST, REST = "force", 0.3
 """The plot that follows a slider at once, and how long that rests until the others do, which take a browser longer [s].
 """
 PATIENCE = 2.0
@@ -88,7 +88,6 @@ class View:
         self.plots: dict[str, ui.plotly] = {}
         self.live = desk if isinstance(desk, LiveDesk) else None
         self.turn, self.holding = 0, False
-        self.dark = ui.dark_mode(None)
         ui.add_css(STYLE + HELP)
         ui.add_head_html(AHEAD)
         described()
@@ -407,7 +406,8 @@ class View:
 
     def shade(self, *, dark: bool) -> None:
         """Light or dark; what is drawn so already stays."""
-        self.dark.value = dark
+        # an element for it would have the browser style the whole page anew with every update
+        ui.run_javascript(f"setDark({str(dark).lower()})")
         theme = plots.DARK if dark else plots.LIGHT
         if theme is not self.theme:
             self.theme, self.seen = theme, -1
