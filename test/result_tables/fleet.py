@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from er_studies.given_out import table
 
 from test.fleet_score import TARGETS
+from test.result_tables.given import Tables, given
 from test.result_tables.stored import Run
 
 SCORE = Run(
@@ -43,4 +43,14 @@ def _wanted(low: float, high: float) -> str:
     return f"at most {100 * high:g} %" if low == 0.0 else f"{100 * low:g} to {100 * high:g} %"
 
 
-TABLES: dict[str, tuple[Run, Callable[[Any], str]]] = {"fleet": (SCORE, score)}
+TABLES: Tables = {
+    "fleet": (SCORE, score),
+    **given(
+        "bench_cluster",
+        "bench fleet cluster --units 3 --clusters 1000 3000",
+        "fleet.md",
+        (*SCORE.decides, "src/er_studies/er_studies/bench/fleet"),
+        "fleet cluster",
+        writes="> FILE",
+    ),
+}

@@ -9,6 +9,7 @@ import sys
 
 import pytest
 from er_studies.bench import __main__ as bench
+from er_studies.bench import wire
 
 
 @pytest.mark.parametrize("given", [[], ["-h"]])
@@ -37,16 +38,10 @@ def test_hands_its_arguments_over(monkeypatch):
     assert (run, sys.argv) == (["er_studies.bench.models"], ["er bench models", "ride"])
 
 
-def test_the_machine_is_told_beside_what_was_measured(monkeypatch, capsys, tmp_path):
-    monkeypatch.setattr(
-        "sys.argv",
-        ["er bench", "wire", "--frames", "100", "--turns", "1", "--json", str(tmp_path / "w")],
-    )
-    with pytest.raises(SystemExit) as stop:
-        bench.main()
-    assert stop.value.code == 0
-    wire, machine = json.loads((tmp_path / "w").read_text())["tables"]
-    assert [row[0] for row in wire["rows"]] == ["plain, CRC-32", "sealed, BLAKE2s"]
+def test_the_machine_is_told_beside_what_was_measured(capsys, tmp_path):
+    wire.main(frames=100, turns=1, json_file=tmp_path / "w")
+    costs, machine = json.loads((tmp_path / "w").read_text())["tables"]
+    assert [row[0] for row in costs["rows"]] == ["plain, CRC-32", "sealed, BLAKE2s"]
     ((cores, _, python),) = machine["rows"]
     assert cores.startswith(f"{os.cpu_count()} cores, Python 3.")
     assert python.split()[1] in ("ms", "s")
