@@ -336,7 +336,7 @@ def layout_of(theme: Theme, height: int) -> Json:
     return {
         "height": height, "margin": {"l": 54, "r": 12, "t": 28, "b": 40}, "paper_bgcolor": "rgba(0,0,0,0)",
         "plot_bgcolor": "rgba(0,0,0,0)", "font": {"color": theme.ink, "size": 12}, "uirevision": "kept",
-        "legend": {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"}, "showlegend": True,
+        "legend": {"orientation": "h", "x": 0, "y": 1, "yref": "container", "yanchor": "top"}, "showlegend": True,
     }  # fmt: skip
 
 

@@ -63,6 +63,7 @@ STYLE = """
 .lab .views { display: grid; grid-template-columns: repeat(3, minmax(0, 1fr)); gap: 8px; }
 .lab .views .wide { grid-column: 1 / -1; }
 .numbers { font-variant-numeric: tabular-nums; }
+.finding .q-btn__content { text-align: left; font-weight: 400; }
 .muted { color: #55606e; } .body--dark .muted { color: #b3bcc8; }
 .body--dark .text-primary { --q-primary: #7db8ea; } .body--dark .text-accent { --q-accent: #e79cc6; }
 .fail { color: #a33f00; } .body--dark .fail { color: #ff9a6a; }

@@ -112,11 +112,14 @@ class DataPanel:
     def _findings(self) -> None:
         self.findings.clear()
         found = [] if self.desk.sight is None else list(self.desk.sight.preflight.findings)
+        alike: dict[tuple[object, ...], list[Finding]] = {}
+        for f in (f for f in found if f.level in FINDINGS):
+            own = f.record if f.spans else ""  # places of their own are shown one by one
+            alike.setdefault((f.level, f.check, f.channel, f.found, own), []).append(f)
         with self.findings:
-            for f in (f for f in found if f.level in FINDINGS):
-                text = f"{f.level}: {f.channel or f.check} of {f.record}: {f.found}".replace(
-                    "_", " "
-                )
+            for f, *more in alike.values():
+                where = f"{len(more) + 1} records" if more else f.record
+                text = f"{f.level}: {f.channel or f.check} of {where}: {f.found}".replace("_", " ")
                 self._finding(f, text)
                 if f.remedy:
                     ui.label(f.remedy).classes("text-xs muted pl-4")
@@ -133,7 +136,7 @@ class DataPanel:
         turn = cycle(places)
         go = self.host.safely(lambda: self._show(Selection(seconds=next(turn))))
         ui.button(text, on_click=go).props("flat dense no-caps align=left color=none").classes(
-            f"{look} w-full text-left"
+            f"{look} finding w-full"
         ).tooltip(f"show it, and the next of {len(places)}" if len(places) > 1 else "show it")
 
     def _worst(self) -> None:

@@ -28,6 +28,6 @@ EFFECT = Effect(
         rivals=("field_viscosity", "gas_spring"),
     ),
     source="Choi and Han 2003; pre-yield modulus of the electrorheological fluid. Horvath and Szalai 2015: the "
-    "structure of the chains, which carries the modulus, forms in the response time of the shear stress. Parthasarathy and Klingenberg 1996: "
-    "the modulus falls with the strain",
+    "structure of the chains, which carries the modulus, forms in the response time of the shear stress. Parthasarathy "
+    "and Klingenberg 1996: the modulus falls with the strain",
 )
