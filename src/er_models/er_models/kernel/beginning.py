@@ -128,6 +128,17 @@ def missed(error, weight, shown, share, q):
     return total
 
 
+@inner
+def aim(look, near, best):
+    """Share that is looked at: from the far end to the near one, then about the best one, half as far off each time."""
+    if look < LOOKS:
+        return 1.0 - (1.0 - near) * look / (LOOKS - 1)
+    if look >= LOOKS + 2 * HALVINGS:
+        return best
+    off = (1.0 - near) / (LOOKS - 1) * 0.5 ** ((look - LOOKS) // 2 + 1)
+    return min(max(best + off * (1.0 - 2.0 * ((look - LOOKS) % 2)), near), 1.0)
+
+
 @once
 def chord(
     on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, q, to, raw, path
@@ -153,30 +164,24 @@ def chords(
 
     share (S,): the shares of the ways that the chords go to; drawn (S,): those that they went to before. Motion: of the
     rows that show; the last row of `shown` is the run from where all settle. best (2, S): share of the run that left
-    least, and what that left. In the first turn a gap has a valley on each side, so that several shares are looked at;
-    after the last one a share that has not come to rest is that of the best run.
+    least, and what that left. A gap has a valley on each side: of what is `CAUGHT` several shares are looked at first,
+    and after the last turn a share that has not come to rest is that of the best run.
     """
     anew = False
     for q in range(slots.shape[0]):
         if not crooked(reach, at_rest, slots[q]) or left[q, 0] == 0.0:
             continue
-        to, looks = share[q], 0
-        if redrawn == 0:
+        catches, to, looks = at_rest[slots[q]] == CAUGHT, share[q], 0
+        if redrawn == CHORDS and not catches:
+            continue
+        if redrawn == 0 and catches:
             looks, share[q] = LOOKS + 2 * HALVINGS, 0.0
             best[0, q], best[1, q] = 0.0, missed(error, weight, shown, share, q)
         elif redrawn == CHORDS and abs(to - drawn[q]) >= MOVED:
             share[q] = to = best[0, q]
         for look in range(looks + 1):
-            apart = (1.0 - near[q]) / (LOOKS - 1)
-            if look < min(looks, LOOKS):
-                to = 1.0 - look * apart
-            elif look < looks:
-                side = 1.0 - 2.0 * ((look - LOOKS) % 2)
-                to = min(
-                    max(best[0, q] + side * apart * 0.5 ** ((look - LOOKS) // 2 + 1), near[q]), 1.0
-                )
-            elif looks > 0:
-                to = best[0, q]
+            if looks > 0:
+                to = aim(look, near[q], best[0, q])
             share[q] = to
             if abs(to) < MOVED or (abs(to - drawn[q]) < MOVED and looks == 0):
                 continue
@@ -186,9 +191,10 @@ def chords(
                     to, raw, path,
                 )  # fmt: skip
                 drawn[q], anew = to, True
-            over = missed(error, weight, shown, share, q)
-            if over < best[1, q]:
-                best[0, q], best[1, q] = to, over
+            if catches:
+                over = missed(error, weight, shown, share, q)
+                if over < best[1, q]:
+                    best[0, q], best[1, q] = to, over
     return anew
 
 
