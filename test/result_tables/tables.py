@@ -18,17 +18,7 @@ from test.result_tables import (
 from test.result_tables.given import Tables
 
 GROUPS = (
-    blind,
-    control,
-    faults,
-    fleet,
-    identify,
-    measured,
-    monitor,
-    observers,
-    reliability,
-    speed,
-    thesis,
-)
+    blind, control, faults, fleet, identify, measured, monitor, observers, reliability, speed, thesis,
+)  # fmt: skip
 TABLES: Tables = {name: made for group in GROUPS for name, made in group.TABLES.items()}
 RUNS = {run.name: run for run, _ in TABLES.values()}
