@@ -57,6 +57,17 @@ def test_a_neutral_value_at_its_bound_is_determined():
     assert loose(play, problem) == ()
 
 
+def test_a_refinement_at_its_bound_is_determined():
+    """A void that takes the pressure at once, as that of vapour does: an answer, not an impossible value."""
+    hidden = {"F_v": 8.0, "r": 0.0, "w_s": 2e-4, "s_y": 0.0, "n_g": 30.0}
+    model, problem = problem_of("cavitation", hidden, seconds=12.0)
+    found = refit(baseline(model, problem), model.catalogue["cavitation"], problem, max_iter=30)
+    assert found.fit.model.value("cavitation", "F_v") == pytest.approx(8.0, rel=0.1)
+    at = found.fit.free.index(("cavitation", "n_g"))
+    edge = replace(found.fit, at_bound=found.fit.at_bound | (np.arange(len(found.fit.free)) == at))
+    assert loose(replace(found, fit=edge), problem) == ()
+
+
 def test_a_zero_of_the_sensor_and_a_preload_are_one_where_a_spring_is_all_they_act_on():
     model, problem = problem_of("preload", {"F_0": 0.6}, seconds=8.0)
     passive = replace(problem, motion=replace(problem.motion, u=np.zeros(problem.motion.n)))

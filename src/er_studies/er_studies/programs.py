@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import runpy
+import signal
 import sys
 from collections.abc import Callable, Mapping
 
@@ -10,11 +11,15 @@ import typer
 from er_common.usage import OneLineCommand
 from er_models.errors import ErError
 
+INTERRUPTED = 130
+"""Exit status after Ctrl-C, and after SIGTERM."""
+
 
 def hand_over(command: str, parts: Mapping[str, str], text: str) -> None:
     """Run the part that the first argument names; ends the program without one.
 
-    command: as it is typed; parts: name to module; text: what there is, for whoever names nothing.
+    command: as it is typed; parts: name to module; text: what there is, for whoever names nothing. SIGTERM does what
+    Ctrl-C does: a part ends the processes that it began.
     """
     name = sys.argv[1] if len(sys.argv) > 1 else ""
     if name in ("", "-h", "--help"):
@@ -24,7 +29,12 @@ def hand_over(command: str, parts: Mapping[str, str], text: str) -> None:
         sys.stderr.write(f"{command}: expected one of {', '.join(parts)}, found '{name}'\n")
         sys.exit(2)
     sys.argv = [f"{command} {name}", *sys.argv[2:]]
-    runpy.run_module(parts[name], run_name="__main__")
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        runpy.run_module(parts[name], run_name="__main__")
+    except KeyboardInterrupt:
+        sys.stderr.write(f"{sys.argv[0]}: interrupted\n")
+        sys.exit(INTERRUPTED)
 
 
 def program_of(command: Callable[..., None]) -> typer.Typer:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import runpy
+import signal
+import subprocess
 import sys
 
 import pytest
@@ -36,6 +38,22 @@ def test_hands_its_arguments_over(monkeypatch):
     monkeypatch.setattr("sys.argv", ["er bench", "models", "ride"])
     bench.main()
     assert (run, sys.argv) == (["er_studies.bench.models"], ["er bench models", "ride"])
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_part_that_is_stopped_ends_what_it_began(number, tmp_path):
+    (tmp_path / "part.py").write_text(
+        "import time\nprint('began', flush=True)\ntry:\n    time.sleep(60)\nfinally:\n    print('ended', flush=True)\n"
+    )
+    code = "from er_studies.programs import hand_over; hand_over('er bench', {'part': 'part'}, '')"
+    program = subprocess.Popen(
+        [sys.executable, "-c", code, "part"],
+        cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert program.stdout.readline() == "began\n"
+    program.send_signal(number)
+    assert program.communicate(timeout=30) == ("ended\n", "er bench part: interrupted\n")
+    assert program.returncode == 130
 
 
 def test_the_machine_is_told_beside_what_was_measured(capsys, tmp_path):

@@ -16,7 +16,7 @@ from er_models.model import Array, Model
 from er_models.prediction import motion, predict
 from numpy.typing import NDArray
 
-from er_model_lab.diagnosis.restarts import awakened, restarts, terms
+from er_model_lab.diagnosis.restarts import awakened, handed_over, restarts, terms
 from er_model_lab.diagnosis.size_scan import profiled, scanned
 from er_model_lab.diagnosis.starts import amplitudes, gaps, is_gap, is_limit, scaled, starts
 from er_model_lab.fitting.fit import (
@@ -233,16 +233,18 @@ def _fitted_with(
     if seen.gain**2 < NOTHING * left and amplitudes(effect) and not is_gap(effect):
         max_iter = 0
 
-    known = base.fit.jacobian
-
-    def begun(values: Values) -> Fit:
-        grown = base.fit.model.with_effect(effect.name, values)
+    def begun(grown: Model, known: Array | None = base.fit.jacobian) -> Fit:
         return fit(grown, problem, known=known, target=target, max_iter=max_iter, sketch=sketch)
 
+    def grown(values: Values) -> Model:
+        return base.fit.model.with_effect(effect.name, values)
+
     many = STARTS if sketch else 1 if amplitudes(effect) else 2
-    fits = [begun(values) for values in (*also, *seen.points[:many])]
+    models = [grown(values) for values in (*also, *seen.points[:many])]
+    fits = [begun(m) for m in models]
+    fits += [begun(m, None) for m in handed_over(base.fit.model, effect, problem)]
     fits = [f for f in fits if np.isfinite(f.mse(problem.train))]
-    fits = fits or [begun(starts(effect, problem)[0])]
+    fits = fits or [begun(grown(starts(effect, problem)[0]))]
     fitted = min(fits, key=lambda f: f.mse(problem.train))
     return (scanned(fitted, effect, problem) if is_limit(effect) else fitted), seen
 

@@ -23,7 +23,7 @@ def far(candidate: Candidate) -> bool:
     """Whether a strength of the effect added last lies in the outer half of its bounds."""
     model, name = candidate.fit.model, candidate.name
     for q in model.catalogue[name].parameters:
-        if q.neutral is None:
+        if q.neutral is None or q.optional:
             continue
         low, high = model.bounds(name, q.name)
         off = model.value(name, q.name) - q.neutral
@@ -48,7 +48,8 @@ def loose(best: Candidate, problem: Problem) -> tuple[str, ...]:
     """Effects of a model whose values the data do not determine.
 
     A strength stands at a bound other than doing nothing, or none of them is clear of that. Values of form, which are
-    nothing at no value, may stand at a bound, and are taken as they are: that a void never refills is an answer.
+    nothing at no value, and refinements may stand at a bound, and are taken as they are: that a void never refills, or
+    takes the pressure at once, is an answer.
     """
     if not best.effects:
         return ()
@@ -57,7 +58,7 @@ def loose(best: Candidate, problem: Problem) -> tuple[str, ...]:
         (name, q.name): q.neutral
         for name in best.effects
         for q in model.catalogue[name].parameters
-        if q.neutral is not None
+        if q.neutral is not None and not q.optional
     }
     form = np.array([e in best.effects and (e, p) not in strength for e, p in fitted.free])
     given = replace(fitted, at_bound=fitted.at_bound | form)

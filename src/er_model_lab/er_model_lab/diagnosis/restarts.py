@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from er_models.effect import Effect, arguments
 from er_models.model import Model
 
-from er_model_lab.diagnosis.starts import starts
+from er_model_lab.diagnosis.starts import amplitudes, is_gap, starts
 from er_model_lab.fitting.fit import Fit, fit
 from er_model_lab.problem.forward import free_parameters
 from er_model_lab.problem.problem import Problem
@@ -17,6 +18,9 @@ from er_model_lab.problem.problem import Problem
 MOST_RESTARTS = 16
 UNMOVED = 1e-4
 """Change of a prediction, over what is left, up to which a parameter does not move it."""
+LESS = (1.0, 0.3)
+"""Shares of its strength with which an effect goes on whose play another one takes over: alone it did the work of both.
+"""
 
 
 def terms(model: Model) -> list[str]:
@@ -32,6 +36,31 @@ def restarts(model: Model, problem: Problem, names: Sequence[str]) -> list[Model
         replace(model, effects={**model.effects, **dict(zip(grids, values, strict=True))})
         for values in combinations
     ]
+
+
+def handed_over(model: Model, effect: Effect, problem: Problem) -> list[Model]:
+    """The model with one effect more that takes over the play which another one has; empty where there is none.
+
+    A play in series with a friction is first met by an effect that has a play of its own. Where all of the damper is
+    behind it a fit does not get from one to the other: the closer the one, the worse the sum of both.
+    """
+    if not (is_gap(effect) and "bound" in effect.hooks):
+        return []
+    gap, first, found = effect.parameters[0].name, starts(effect, problem)[0], list[Model]()
+    for name, values in model.effects.items():
+        hook = model.catalogue[name].hooks.get("bound")
+        if hook is None:
+            continue
+        (own,), strong = arguments(hook), amplitudes(model.catalogue[name])
+        grown = model.with_effect(effect.name, {**first, gap: values[own]})
+        for share in LESS:
+            less = {
+                q: share * values[q]
+                for k, q in enumerate(model.catalogue[name].names)
+                if k in strong
+            }
+            found.append(grown.with_effect(name, {**values, **less, own: 0.0}))
+    return found
 
 
 def awakened(fitted: Fit, problem: Problem, look: int, max_iter: int) -> Fit:

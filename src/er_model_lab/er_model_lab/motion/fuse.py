@@ -29,6 +29,8 @@ from er_model_lab.motion.chain import LAGGING, STATES, filtered, ramps, smoothed
 
 SHORTEST_LAG = 0.1
 """Lag of the velocity channel that deserves a state of its own, in samples; a straight line serves below."""
+EDGE, LONG = 10, 20
+"""Samples of an end of a record, and how many times as long it is at least for them to be left out."""
 STANDSTILL = 0.02
 """Power of the velocity, as a share of its most, below which a part of a record tells nothing of its motion."""
 
@@ -101,12 +103,21 @@ class Channels:
         return replace(self, has=(self.has & has).astype(np.uint8))
 
     def telling(self, n: int) -> Channels:
-        """The first n samples; where they hold hardly any of the motion, the n that hold most."""
-        y = self.z[:, 1] if self.has[1] else np.diff(self.z[:, 0], append=self.z[-1:, 0])
+        """The first n samples; where they hold hardly any of the motion, the n that hold most.
+
+        Ends tell nothing: a filter may have bent all channels there, and what shows in one of them only is a lag.
+        """
+        few = EDGE if len(self.z) > LONG * EDGE else 0
+        inner = self._between(few, len(self.z) - few)
+        y = inner.z[:, 1] if self.has[1] else np.diff(inner.z[:, 0], append=inner.z[-1:, 0])
         begins = range(0, max(y.size - n, 0) + 1, max(n // 2, 1))
         power = np.array([np.var(y[i : i + n]) for i in begins])
         i = 0 if power[0] >= STANDSTILL * power.max() else begins[int(np.argmax(power))]
-        rows = slice(i, i + n)
+        return inner._between(i, i + n)
+
+    def _between(self, i: int, j: int) -> Channels:
+        """Samples i to j."""
+        rows = slice(i, j)
         return replace(self, z=self.z[rows], activity=self.activity[rows], lost=self.lost[rows])
 
 

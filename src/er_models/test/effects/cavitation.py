@@ -38,6 +38,16 @@ WORKED = (
         rate=0.05,
         force=6.0,
     ),
+    # the pressure falls faster than that of gas: 1 - 1 / 2.5^2 of the newton is missing
+    Rate(
+        {"F_v": 4.0, "r": 2.0, "w_s": 1e-3, "n_g": 2.0},
+        PASSIVE,
+        w=3e-3,
+        x=0.01,
+        v=0.1,
+        rate=0.014,
+        force=5.16,
+    ),
     # closing in compression: 1 N where -4 N would be held: -5 / 50 m/s
     Rate(
         {"F_v": -4.0, "r": 0.0, "w_s": 1e-3},

@@ -2,8 +2,11 @@
 
 The stroke back closes it, or it fills by itself: with r = 0 all of it is lost motion, with r far above the
 frequencies of the motion nothing is, and the force is only cut off. What follows the piston meets the losses of the
-fluid beyond c_0 by a share s_y: all of them where it comes through the field, none through a foot valve.
+fluid beyond c_0 by a share s_y: all of them where it comes through the field, none through a foot valve. The pressure
+falls as that of a gas that is there when the void closes: slowly where n_g = 1, at once where vapour condenses.
 """
+
+from math import exp, log
 
 from er_models.effect import CONTACT, INSTANT, LEAST_DAMPING, Effect, Param, Signature
 
@@ -18,9 +21,9 @@ def relax(
     return (r, excess / (c_0 + LEAST_DAMPING)) if opens else (INSTANT, 0.0)
 
 
-def limit(F_v: float, w_s: float, f_h: float, f_d: float, w: float) -> float:
+def limit(F_v: float, w_s: float, n_g: float, f_h: float, f_d: float, w: float) -> float:
     """Force [N]: with a void w the fluid pushes with F_v instead of f_h; springs and friction act as ever."""
-    return f_d + (F_v - f_h) * w / (w + w_s) if w > 0.0 else f_d
+    return f_d + (F_v - f_h) * (1.0 - exp(-n_g * log(1.0 + w / (n_g * w_s)))) if w > 0.0 else f_d
 
 
 EFFECT = Effect(
@@ -57,7 +60,7 @@ EFFECT = Effect(
             0.1,
             None,
             (2e-3,),
-            "void at which half of the limit acts",
+            "void over which the force is cut off: half of it with n_g = 1",
             step=CONTACT,
         ),
         Param(
@@ -68,6 +71,17 @@ EFFECT = Effect(
             1.0,
             (1.0,),
             "share of the losses in the way of what follows",
+            step=CONTACT,
+            optional=True,
+        ),
+        Param(
+            "n_g",
+            "1",
+            1.0,
+            30.0,
+            1.0,
+            (1.0,),
+            "exponent of the pressure in the void: 1 of gas at one temperature, more of vapour",
             step=CONTACT,
             optional=True,
         ),

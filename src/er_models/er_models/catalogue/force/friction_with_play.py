@@ -37,7 +37,7 @@ EFFECT = Effect(
         Param("F_h", "N", 0.0, 3.0, 0.0, (0.2,), "level without field"),
         Param("F_u", "N/duty", -3.0, 10.0, 0.0, (0.0, 0.2), "level per duty"),
         Param("z_y", "m", 0.002, 1.0, None, (0.03, 0.12), "elastic deflection"),
-        Param("b", "m", 0.02, 0.5, None, (0.03, 0.12), "half the play", step=CONTACT),
+        Param("b", "m", 0.0, 0.5, None, (0.03, 0.12), "half the play", step=CONTACT),
     ),
     hooks={"relax": relax, "bound": bound, "give": give, "force": force},
     signature=Signature(
