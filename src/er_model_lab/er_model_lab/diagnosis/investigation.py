@@ -44,6 +44,8 @@ BEYOND_DOUBT = 1.5
 """Size, over what chance gives, of a further effect that no longer needs to explain most of what is left, and of
 one that is kept beside others: they may stand for what the form of a rightly named effect lacks."""
 
+MISSED = 1.5
+"""How many times as much is left without effects that are not needed from which on others are looked for once more."""
 PART_OF = 0.5
 """Share of what an effect explains alone below which, beside one that explains as much, it may be but another form."""
 
@@ -127,10 +129,18 @@ def one_effect(model: Model, problem: Problem, effect: str | None, seed: int) ->
 def _searched(
     best: Candidate, rounds: list[Round], floor: Floor, problem: Problem, seed: int, rule: Rule
 ) -> tuple[Candidate, Floor, tuple[tuple[str, ...], ...], Round | None]:  # fmt: skip
-    """Further effects beside the first, those still needed, ties, and the round none was taken of; `rounds` grows."""
+    """Further effects beside the first, those still needed, ties, and the round none was taken of; `rounds` grows.
+
+    What is taken out by the threshold of the first round, and leaves much more, is made good by whatever does it best.
+    """
     best, floor, further = _grow(best, rounds, floor, problem, seed, rule)
     if len(best.effects) > 1:
-        best = _standing(prune(best, problem, BEYOND_DOUBT * rounds[0].threshold), rounds[0])
+        kept = _standing(prune(best, problem, BEYOND_DOUBT * rounds[0].threshold), rounds[0])
+        if kept.effects and kept.mse > MISSED**2 * best.mse:
+            # what was taken before all others were there did much, but something else may do it better
+            best, floor, further = _grow(kept, rounds, floor, problem, seed, rule)
+        else:
+            best = kept
     ties = _alternatives(best, rounds)
     if len(best.effects) > 1:
         best, ties = swapped(best, rounds, problem)

@@ -414,8 +414,8 @@ def swapped(
 
 
 def taken_in(rounds: list[Round]) -> list[tuple[str, Round]]:
-    """Effects that were taken, each with its round."""
-    return [(step.taken.name, step) for step in rounds if step.taken is not None]
+    """Effects that were taken, each with its round: the last, where one was taken out and again."""
+    return list({s.taken.name: (s.taken.name, s) for s in rounds if s.taken is not None}.values())
 
 
 def _paired(best: Candidate, rounds: list[Round]) -> list[tuple[str, Round]]:

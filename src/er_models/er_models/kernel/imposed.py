@@ -49,6 +49,8 @@ that one's end and the time since the first of them began [s]."""
 LEAST, MOST, SETTLED, FASTEST = range(4)
 """Rows of the reach of each state (4, n_states): ends of where it and its equilibria are, where it settled, and its
 largest rate [1/s]."""
+ASIDE = 1e6
+"""Where a state is put to see what drags it back, in its own unit: beyond whatever it can be."""
 NOTED, PLAIN = -1, -2
 """In place of a state that is moved away from where it settles: the reach of each is noted, or nothing is."""
 
@@ -94,6 +96,28 @@ def reached(slots, at_rest, s, slowest, reach):
 
 
 @once
+def dragged(on, slots, links, at_rest, p, s, reach, clock, x, v, a, u, theta):
+    """Widen the reach of each state that is dragged along to both ends of the band in which nothing drags it.
+
+    It settles at one of them; what was before the record may have left it anywhere between.
+    """
+    for i in range(slots.shape[0]):
+        j = slots[i]
+        if at_rest[j] != 0:
+            continue
+        settled = s[W0, j]
+        for aside in (-ASIDE, ASIDE):
+            s[W0, j] = s[W, j] = aside
+            visit(on, links, p, s, 0.0, HOLD, x, v, a, u, clock, theta)
+            if s[R, j] >= AT_ONCE:
+                reach[LEAST, j] = min(reach[LEAST, j], s[W, j])
+                reach[MOST, j] = max(reach[MOST, j], s[W, j])
+        s[W0, j] = s[W, j] = settled
+    visit(on, links, p, s, 0.0, HOLD, x, v, a, u, clock, theta)
+    keep(slots, s)
+
+
+@once
 def start(on, slots, links, at_rest, p, s, reach, own, away, clock, warm, x, v, a, u, theta):
     """Settle every state, then move one of them away from there, or note where they settled; measured force [N].
 
@@ -116,6 +140,7 @@ def start(on, slots, links, at_rest, p, s, reach, own, away, clock, warm, x, v, 
             for i in range(FASTEST):
                 reach[i, j] = s[W, j]
             reach[FASTEST, j] = 0.0
+        dragged(on, slots, links, at_rest, p, s, reach, clock, x, v, a, u, theta)
     return f_m
 
 

@@ -60,7 +60,7 @@ EFFECT = Effect(
             0.1,
             None,
             (2e-3,),
-            "void over which the force is cut off: half of it with n_g = 1",
+            "void over which the force is cut off",
             step=CONTACT,
         ),
         Param(
@@ -81,7 +81,7 @@ EFFECT = Effect(
             30.0,
             1.0,
             (1.0,),
-            "exponent of the pressure in the void: 1 of gas at one temperature, more of vapour",
+            "exponent of the void's pressure: gas 1, vapour more",
             step=CONTACT,
             optional=True,
         ),
