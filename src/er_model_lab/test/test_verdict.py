@@ -143,3 +143,26 @@ def test_several_effects_that_leave_much_may_stand_for_one(effects, left, said):
     best = seen(mse=left**2, effects=("a", "b")[:effects])
     found = evidence(best, None, floor, 0.0, 1.0, (), SimpleNamespace(blocking=()), (), Rule())
     assert found.too_many == said
+
+
+@pytest.mark.parametrize(("left", "again"), [(1.9, False), (9.0, True)])
+def test_what_pruning_loses_is_looked_for_once_more(left, again, monkeypatch):
+    """Mean square left of 1 by three effects and of so much by two: half as much error again is looked into."""
+    grown = [seen("c", 1.0, ("a", "b", "c")), seen("d", 0.9, ("b", "c", "d"))]
+    kept, begun = seen("c", left, ("b", "c")), []
+
+    def grow(best, *_):
+        begun.append(best.effects)
+        return grown[len(begun) - 1], "floor", None
+
+    monkeypatch.setattr(investigation, "_grow", grow)
+    monkeypatch.setattr(investigation, "prune", lambda *_: kept)
+    monkeypatch.setattr(investigation, "swapped", lambda best, *_: (best, ()))
+    monkeypatch.setattr(investigation, "plain", lambda best, *_: (best, ()))
+    for name in ("_alternatives", "halves", "clock_ties"):
+        monkeypatch.setattr(investigation, name, lambda *_: ())
+    rounds = [SimpleNamespace(threshold=1.0)]
+    first = seen("a", 4.0, ("a",))
+    best, *_ = investigation._searched(first, rounds, "floor", None, 0, Rule())
+    assert begun == [("a",), ("b", "c")][: 1 + again]
+    assert best.effects == (("b", "c", "d") if again else ("b", "c"))

@@ -18,8 +18,9 @@ ABOVE = 1e-4
 """Share of a channel's variance, noise aside, that may lie above the frequency that counts as its highest."""
 TIMES = 5.0
 """Samples for each period of that frequency."""
-LEAST, MOST = 200.0, 500.0
-"""A rate [Hz] that is always kept, and one that is always enough: a jump of the force has no highest frequency."""
+LEAST, MOST, SHARP = 200.0, 500.0, 1000.0
+"""A rate [Hz] that is always kept; one that is enough, for a jump of the force has no highest frequency; and one for
+jumps that stand so far above the noise that the filter would lose more of them than there is noise."""
 PASS, STOP, DOWN = 0.25, 0.75, 45.0
 """Ends of what the filter lets pass and of what it stops, as shares of the new rate; how far it stops that [dB]."""
 WINDOW = 2.0
@@ -28,11 +29,22 @@ WINDOW = 2.0
 
 def highest(y: Array, rate: float) -> float:
     """Frequency [Hz] above which `ABOVE` of the variance of a channel (n,) lies, white noise aside."""
-    f, power = welch(y, rate, min(y.size, round(WINDOW * rate)), linear=True)
-    noise = float(np.median(power[f > 0.8 * f[-1]]))
-    signal = np.maximum(power - 2.0 * noise, 0.0)
+    f, signal, _ = _spectrum(y, rate)
     tail = np.cumsum(signal[::-1])[::-1]
     return float(f[np.argmax(tail <= ABOVE * tail[0])]) if tail[0] > 0.0 else 0.0
+
+
+def loses(y: Array, rate: float, slower: float) -> bool:
+    """Whether a channel (n,) at a slower rate [Hz] would lack more of its content than it has white noise there."""
+    f, signal, noise = _spectrum(y, rate)
+    return float(signal[f > 0.5 * slower].sum()) > noise * np.count_nonzero(f <= 0.5 * slower)
+
+
+def _spectrum(y: Array, rate: float) -> tuple[Array, Array, float]:
+    """Frequencies (m,) [Hz] of a channel (n,), its power there, white noise aside (m,), and the noise."""
+    f, power = welch(y, rate, min(y.size, round(WINDOW * rate)), linear=True)
+    noise = float(np.median(power[f > 0.8 * f[-1]]))
+    return f, np.maximum(power - 2.0 * noise, 0.0), noise
 
 
 @lru_cache(maxsize=4)
@@ -43,12 +55,13 @@ def at_needed_rate(record: Record) -> Record:
     if not spoken or rate < 2.0 * LEAST or len(record) < WINDOW * rate:
         return record
     top = max(highest(y, rate) for y in spoken)
-    every = int(rate / min(max(TIMES * top, LEAST), MOST) + 1e-6)
+    most = SHARP if TIMES * top > MOST and any(loses(y, rate, MOST) for y in spoken) else MOST
+    every = int(rate / min(max(TIMES * top, LEAST), most) + 1e-6)
     if every < 2:
         return record
     channels = {name: _slower(record, name, every) for name in record.channels}
     wild = record.wild and {name: _any(mask, every) for name, mask in record.wild.items()}
-    told = f"its content ends at {top:.3g} Hz" if TIMES * top <= MOST else "that is enough"
+    told = f"its content ends at {top:.3g} Hz" if TIMES * top <= most else "that is enough"
     note = f"{rate:.4g} Hz are filtered to {rate / every:.4g} Hz: {told}"
     return replace(record, t=record.t[::every], channels=channels, wild=wild).noted(note)
 
