@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_model_lab.diagnosis.candidates import baseline, effect_size, refit
-from er_model_lab.fitting.fit import cross_validated, fit
+from er_model_lab.fitting.fit import _leaving_out, cross_validated, fit
 from er_model_lab.problem.held_out import FOLDS
 from er_models.files import load_model
 from lab_help import FORCE_NOISE, GUO, problem_of
@@ -33,6 +33,17 @@ def test_an_effect_that_jumps_is_not_lost_by_a_straight_line(effect, values, see
     found = refit(base, model.catalogue[effect], problem)
     assert found.fit.mse(problem.train) < 0.8 * base.fit.mse(problem.train)
     assert found.mse == pytest.approx(found.fit.mse(problem.train), rel=0.1)
+
+
+def test_a_refinement_stays_as_it_is_where_a_block_is_left_out():
+    """A void that opens a few times tells its shape nowhere else, and would be held against the cavitation."""
+    model, problem = problem_of("cavitation", {"F_v": -10.0, "s_y": 0.7, "n_g": 3.0}, seed=1)
+    found = refit(baseline(model, problem), model.catalogue["cavitation"], problem)
+    moves = dict(
+        zip(found.fit.free, np.abs(_leaving_out(found.fit, problem)).max(axis=0), strict=True)
+    )
+    assert moves["cavitation", "F_v"] > 0.0
+    assert moves["cavitation", "n_g"] == moves["cavitation", "s_y"] == 0.0
 
 
 def test_left_out_blocks_never_gain_more_than_the_fit():

@@ -392,8 +392,13 @@ def cross_validated(
 
 
 def _leaving_out(fitted: Fit, problem: Problem) -> Array:
-    """Change of the scaled parameters (blocks, p) when a block is left out."""
-    inner = ~fitted.at_bound
+    """Change of the scaled parameters (blocks, p) when a block is left out.
+
+    Refinements stay as they are: what they lack where they are left out would be held against the effect.
+    """
+    catalogue = fitted.model.catalogue
+    refined = np.array([catalogue[e].parameter(q).optional for e, q in fitted.free], bool)
+    inner = ~fitted.at_bound & ~refined
     j_all, train = fitted.jacobian[:, inner], problem.train
     h = j_all[train].T @ j_all[train]
     ridge = 1e-10 * np.trace(h) / max(h.shape[0], 1) * np.eye(h.shape[0])

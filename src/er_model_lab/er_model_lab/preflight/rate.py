@@ -37,7 +37,7 @@ def highest(y: Array, rate: float) -> float:
 def loses(y: Array, rate: float, slower: float) -> bool:
     """Whether a channel (n,) at a slower rate [Hz] would lack more of its content than it has white noise there."""
     f, signal, noise = _spectrum(y, rate)
-    return float(signal[f > 0.5 * slower].sum()) > noise * np.count_nonzero(f <= 0.5 * slower)
+    return bool(signal[f > 0.5 * slower].sum() > noise * np.count_nonzero(f <= 0.5 * slower))
 
 
 def _spectrum(y: Array, rate: float) -> tuple[Array, Array, float]:
