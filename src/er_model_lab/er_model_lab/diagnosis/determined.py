@@ -23,7 +23,7 @@ def far(candidate: Candidate) -> bool:
     """Whether a strength of the effect added last lies in the outer half of its bounds."""
     model, name = candidate.fit.model, candidate.name
     for q in model.catalogue[name].parameters:
-        if q.neutral is None or q.optional:
+        if q.neutral is None:
             continue
         low, high = model.bounds(name, q.name)
         off = model.value(name, q.name) - q.neutral

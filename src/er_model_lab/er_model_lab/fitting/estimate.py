@@ -234,17 +234,18 @@ def settled(fitted: Fit, given: Model, problem: Problem) -> Fit:
 def _untold(
     fitted: Fit, given: Model, problem: Problem, refused: set[tuple[str, str]]
 ) -> tuple[str, str] | None:
-    """The value of the given model that the data tell least of, along the direction that they tell least of."""
+    """The value of the given model that the data tell least of, along all directions that they hardly tell."""
     inner, wide = np.flatnonzero(~fitted.at_bound), widths(fitted)
     if not inner.size:
         return None
     noise = max(fitted.mse(problem.train), 1e-300)
     j = fitted.jacobian[problem.train][:, inner] * wide[inner]
     told, directions = np.linalg.eigh(j.T @ j / noise)
-    if told[0] > 1.0 / UNTOLD**2:
+    untold = directions[:, told <= 1.0 / UNTOLD**2]
+    if not untold.size:
         return None
     known = [fitted.free[k] not in refused and fitted.free[k][0] in given.effects for k in inner]
-    shares = np.abs(directions[:, 0]) * known
+    shares = np.linalg.norm(untold, axis=1) * known
     k = int(np.argmax(shares))
     return fitted.free[inner[k]] if shares[k] > PART else None
 

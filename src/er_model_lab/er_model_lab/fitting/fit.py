@@ -373,8 +373,9 @@ def cross_validated(
 
     One Gauss-Newton step from the full fit leaves a block out: (H - H_b) d = g - g_b. Where the straight line
     of that step would rather be a jump (a gap that closes, a void that collapses), the model itself predicts
-    the block, from as much of the step as lowers the error of the other blocks; straight: the line is believed. Where a
-    record's states begin is told by its own samples: the error is raised by what each such number gains by chance.
+    the block, from as much of the step as lowers the error of the other blocks. Refinements stay as they are then: the
+    few blocks that show them would be held against the effect. straight: the line is believed. Where a record's states
+    begin is told by its own samples: the error is raised by what each such number gains by chance.
     """
     steps = _leaving_out(fitted, problem)
     r, j = fitted.residual.copy(), fitted.jacobian
@@ -384,21 +385,18 @@ def cross_validated(
         r[rows] = fitted.residual[rows] - j[rows] @ steps[b]
     train = problem.train
     if not straight and np.mean(r[train] ** 2) > DOUBTFUL * fitted.mse(train):
-        r = _truly_left_out(fitted, problem, steps)
+        r = _truly_left_out(fitted, problem, _leaving_out(fitted, problem, refined=False))
     told, n = problem.forward.beginnings(problem, fitted.model), int(train.sum())
     r[train] *= np.sqrt((n + told) / max(n - told, 1.0))
     losses = [float(np.mean(r[problem.fold == b] ** 2)) for b in blocks]
     return r, np.array(losses)
 
 
-def _leaving_out(fitted: Fit, problem: Problem) -> Array:
-    """Change of the scaled parameters (blocks, p) when a block is left out.
-
-    Refinements stay as they are: what they lack where they are left out would be held against the effect.
-    """
+def _leaving_out(fitted: Fit, problem: Problem, *, refined: bool = True) -> Array:
+    """Change of the scaled parameters (blocks, p) when a block is left out; refined: of refinements, too."""
     catalogue = fitted.model.catalogue
-    refined = np.array([catalogue[e].parameter(q).optional for e, q in fitted.free], bool)
-    inner = ~fitted.at_bound & ~refined
+    form = [catalogue[e].parameter(q).optional for e, q in fitted.free]
+    inner = ~fitted.at_bound & (refined | ~np.array(form, bool))
     j_all, train = fitted.jacobian[:, inner], problem.train
     h = j_all[train].T @ j_all[train]
     ridge = 1e-10 * np.trace(h) / max(h.shape[0], 1) * np.eye(h.shape[0])

@@ -103,17 +103,17 @@ class Channels:
         return replace(self, has=(self.has & has).astype(np.uint8))
 
     def telling(self, n: int) -> Channels:
-        """The first n samples; where they hold hardly any of the motion, the n that hold most.
-
-        Ends tell nothing: a filter may have bent all channels there, and what shows in one of them only is a lag.
-        """
-        few = EDGE if len(self.z) > LONG * EDGE else 0
-        inner = self._between(few, len(self.z) - few)
-        y = inner.z[:, 1] if self.has[1] else np.diff(inner.z[:, 0], append=inner.z[-1:, 0])
+        """The first n samples; where they hold hardly any of the motion, the n that hold most."""
+        y = self.z[:, 1] if self.has[1] else np.diff(self.z[:, 0], append=self.z[-1:, 0])
         begins = range(0, max(y.size - n, 0) + 1, max(n // 2, 1))
         power = np.array([np.var(y[i : i + n]) for i in begins])
         i = 0 if power[0] >= STANDSTILL * power.max() else begins[int(np.argmax(power))]
-        return inner._between(i, i + n)
+        return self._between(i, i + n)
+
+    def inside(self) -> Channels:
+        """The same without its ends, where a filter may have bent all channels: what shows in one only is no lag."""
+        few = EDGE if len(self.z) > LONG * EDGE else 0
+        return self._between(few, len(self.z) - few)
 
     def _between(self, i: int, j: int) -> Channels:
         """Samples i to j."""

@@ -249,6 +249,7 @@ def _lag_evidence(channels: Channels) -> tuple[float, float]:
     The deflection decides where there is one: what an accelerometer does between two samples is a guess,
     and a wrong guess looks like a lag. Without it, a lag below a fifth of a sample is not believed.
     """
+    channels = channels.inside()
     if channels.has[0] and channels.has[1]:
         without = channels.only(WITHOUT_A)
         found = estimate_lag(without, estimate_noise(without))
