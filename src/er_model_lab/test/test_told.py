@@ -140,6 +140,19 @@ def test_what_chance_reaches_in_the_first_round_is_told_by_an_effect_that_was_no
     assert limit(view) == FIRST
 
 
+def test_what_is_left_of_a_model_stands_before_what_was_taken_beside_it(search):
+    """The first round took something that was taken out again: its second effect was there before the third."""
+    model, problem, base, alone, both = search
+    floor = Floor(0.99 * np.sqrt(both.mse), 0.0, 0.0, 0.0, 0.0, {}, (0.0, 0.0, 0.0))
+    rounds = [round_of(base, alone, alone[2], FIRST), second(search)[1]]
+    told = steps(Study(asked(model, problem), judge(base, both, rounds, floor, problem, ())))
+    assert [s["added"] for s in told] == [None, *NAMES[:2]]
+    errors = [s["rmse_train"] for s in told]
+    assert errors == sorted(errors, reverse=True)
+    assert "evidence" not in told[1]
+    assert "evidence" in told[2]
+
+
 def test_the_steps_of_a_pass_are_told_on_the_data_of_a_later_one(search):
     """Of long data a later pass may have more stretches: one fall is of one data set."""
     model, problem, base, alone, both = search

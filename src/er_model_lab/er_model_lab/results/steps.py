@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -65,14 +66,22 @@ def steps(study: Study, on: Problem | None = None) -> list[dict[str, Any]]:
     out: list[dict[str, Any]] = [entry(None, base)]
     if study.opened.lag:
         out.append(entry("velocity_lag", found.rounds[0].base))
+    named = {s["added"] for s in out}
+
+    def rest(candidate: Candidate) -> None:
+        """Name the effects of a candidate that no entry names yet: no round took them as they are now."""
+        left = [e for e in candidate.effects if e not in named]
+        if left:
+            out.append(entry(" + ".join(left), candidate))
+            named.update(left)
+
     for step in found.rounds:
         taken = step.taken
         if taken is not None and set(taken.effects) <= set(found.effects):
+            rest(step.base)
             out.append(entry(taken.name, taken) | _evidence(step, taken, problem))
-    named = {s["added"] for s in out}
-    left = [e for e in found.effects if e not in named]
-    if left:
-        out.append(entry(" + ".join(left), found.best))
+            named.add(taken.name)
+    rest(replace(found.best, effects=found.effects))
     tried = found.rounds[0].candidates
     if len(out) == 1 and len(tried) == 1:
         # one effect was asked for: it is in the model, whether it helps or not
