@@ -10,9 +10,7 @@ from collections.abc import Callable, Mapping
 import typer
 from er_common.usage import OneLineCommand
 from er_models.errors import ErError
-
-INTERRUPTED = 130
-"""Exit status after Ctrl-C, and after SIGTERM."""
+from er_models.one_line import INTERRUPTED
 
 
 def hand_over(command: str, parts: Mapping[str, str], text: str) -> None:

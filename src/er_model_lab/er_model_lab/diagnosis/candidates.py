@@ -240,8 +240,7 @@ def _fitted_with(
         return base.fit.model.with_effect(effect.name, values)
 
     many = STARTS if sketch else 1 if amplitudes(effect) else 2
-    models = [grown(values) for values in (*also, *seen.points[:many])]
-    fits = [begun(m) for m in models]
+    fits = [begun(grown(values)) for values in (*also, *seen.points[:many])]
     fits += [begun(m, None) for m in handed_over(base.fit.model, effect, problem)]
     fits = [f for f in fits if np.isfinite(f.mse(problem.train))]
     fits = fits or [begun(grown(starts(effect, problem)[0]))]

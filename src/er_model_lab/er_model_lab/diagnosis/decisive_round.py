@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.investigation import Diagnosis
-from er_model_lab.diagnosis.search import Round, close
+from er_model_lab.diagnosis.search import Round, close, taken_in
 
 
 def told(found: Diagnosis) -> list[tuple[Candidate, Round]]:
@@ -32,8 +32,11 @@ def deciding(name: str, found: Diagnosis) -> Round | None:
     alike = {name, *(n for group in found.alternatives if name in group for n in group)}
     if name not in found.effects and len(alike) == 1:
         return None
-    taken = {s.taken.name: s for s in found.rounds if s.taken is not None}
-    tried = {k: s for k, s in taken.items() if any(c.name == name for c in s.candidates)}
+    tried = {
+        k: s
+        for k, s in taken_in(found.rounds).items()
+        if any(c.name == name for c in s.candidates)
+    }
     for other in (name, *sorted(alike)):
         if other in tried:
             return tried[other]

@@ -45,7 +45,7 @@ BEYOND_DOUBT = 1.5
 one that is kept beside others: they may stand for what the form of a rightly named effect lacks."""
 
 MISSED = 1.5
-"""How many times as much is left without effects that are not needed from which on others are looked for once more."""
+"""Error without the effects that pruning took out, over that with them, from which on others are looked for."""
 PART_OF = 0.5
 """Share of what an effect explains alone below which, beside one that explains as much, it may be but another form."""
 
@@ -131,7 +131,7 @@ def _searched(
 ) -> tuple[Candidate, Floor, tuple[tuple[str, ...], ...], Round | None]:  # fmt: skip
     """Further effects beside the first, those still needed, ties, and the round none was taken of; `rounds` grows.
 
-    What is taken out by the threshold of the first round, and leaves much more, is made good by whatever does it best.
+    The threshold of the first round takes effects out. Where that leaves much more, the search goes on without them.
     """
     best, floor, further = _grow(best, rounds, floor, problem, seed, rule)
     if len(best.effects) > 1:
@@ -158,7 +158,7 @@ def halves(
     Each alone explained nearly the same, so that what the second explains beside the first is little of that.
     """
     found = []
-    for (first, step), (second, later) in itertools.combinations(taken_in(rounds), 2):
+    for (first, step), (second, later) in itertools.combinations(taken_in(rounds).items(), 2):
         assert later.taken is not None
         if not {first, second} <= set(best.effects) or second not in close(step):
             continue

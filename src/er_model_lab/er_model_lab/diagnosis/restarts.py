@@ -41,8 +41,8 @@ def restarts(model: Model, problem: Problem, names: Sequence[str]) -> list[Model
 def handed_over(model: Model, effect: Effect, problem: Problem) -> list[Model]:
     """The model with one effect more that takes over the play which another one has; empty where there is none.
 
-    A play in series with a friction is first met by an effect that has a play of its own. Where all of the damper is
-    behind it a fit does not get from one to the other: the closer the one, the worse the sum of both.
+    A friction behind a gap is first met by an effect that has a play of its own. Where all of the damper is behind the
+    gap, a fit does not get from the one to the other.
     """
     if not (is_gap(effect) and "bound" in effect.hooks):
         return []
@@ -51,14 +51,11 @@ def handed_over(model: Model, effect: Effect, problem: Problem) -> list[Model]:
         hook = model.catalogue[name].hooks.get("bound")
         if hook is None:
             continue
-        (own,), strong = arguments(hook), amplitudes(model.catalogue[name])
+        (own,), held = arguments(hook), model.catalogue[name]
         grown = model.with_effect(effect.name, {**first, gap: values[own]})
+        strong = {held.names[k]: values[held.names[k]] for k in amplitudes(held)}
         for share in LESS:
-            less = {
-                q: share * values[q]
-                for k, q in enumerate(model.catalogue[name].names)
-                if k in strong
-            }
+            less = {q: share * value for q, value in strong.items()}
             found.append(grown.with_effect(name, {**values, **less, own: 0.0}))
     return found
 

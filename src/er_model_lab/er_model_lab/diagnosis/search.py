@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -397,7 +398,7 @@ def swapped(
     counts is the tie in the whole model. What came as one of a pair is exchanged for what pairs were tried of.
     """
     groups = []
-    for name, step in [*taken_in(rounds), *_paired(best, rounds)]:
+    for name, step in [*taken_in(rounds).items(), *_paired(best, rounds)]:
         if name not in best.effects:
             continue
         others = [n for n in _near(name, step, best) if n not in best.effects]
@@ -413,14 +414,14 @@ def swapped(
     return best, tuple(g for g in groups if len(g) > 1)
 
 
-def taken_in(rounds: list[Round]) -> list[tuple[str, Round]]:
-    """Effects that were taken, each with its round: the last, where one was taken out and again."""
-    return list({s.taken.name: (s.taken.name, s) for s in rounds if s.taken is not None}.values())
+def taken_in(rounds: Iterable[Round]) -> dict[str, Round]:
+    """Effects that were taken, each with its round: the last one, where it was taken out and taken again."""
+    return {step.taken.name: step for step in rounds if step.taken is not None}
 
 
 def _paired(best: Candidate, rounds: list[Round]) -> list[tuple[str, Round]]:
     """Effects of a model that no round took: those of a pair, with the round whose singles the pairs are of."""
-    alone = {name for name, _ in taken_in(rounds)}
+    alone = taken_in(rounds)
     return [(name, rounds[0]) for name in best.effects if name not in alone]
 
 

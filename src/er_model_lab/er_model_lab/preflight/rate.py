@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -27,24 +27,33 @@ WINDOW = 2.0
 """Length of the pieces that a spectrum is averaged over [s]."""
 
 
-def highest(y: Array, rate: float) -> float:
-    """Frequency [Hz] above which `ABOVE` of the variance of a channel (n,) lies, white noise aside."""
-    f, signal, _ = _spectrum(y, rate)
+@dataclass(frozen=True)
+class Spectrum:
+    """Frequencies (m,) [Hz] of a channel, its power there, white noise aside (m,), and the power of the noise."""
+
+    f: Array
+    signal: Array
+    noise: float
+
+
+def spectrum(y: Array, rate: float) -> Spectrum:
+    """Of a channel (n,) at a rate [Hz]."""
+    f, power = welch(y, rate, min(y.size, round(WINDOW * rate)), linear=True)
+    noise = float(np.median(power[f > 0.8 * f[-1]]))
+    return Spectrum(f, np.maximum(power - 2.0 * noise, 0.0), noise)
+
+
+def highest(of: Spectrum) -> float:
+    """Frequency [Hz] above which `ABOVE` of the variance of a channel lies, white noise aside."""
+    f, signal = of.f, of.signal
     tail = np.cumsum(signal[::-1])[::-1]
     return float(f[np.argmax(tail <= ABOVE * tail[0])]) if tail[0] > 0.0 else 0.0
 
 
-def loses(y: Array, rate: float, slower: float) -> bool:
-    """Whether a channel (n,) at a slower rate [Hz] would lack more of its content than it has white noise there."""
-    f, signal, noise = _spectrum(y, rate)
-    return bool(signal[f > 0.5 * slower].sum() > noise * np.count_nonzero(f <= 0.5 * slower))
-
-
-def _spectrum(y: Array, rate: float) -> tuple[Array, Array, float]:
-    """Frequencies (m,) [Hz] of a channel (n,), its power there, white noise aside (m,), and the noise."""
-    f, power = welch(y, rate, min(y.size, round(WINDOW * rate)), linear=True)
-    noise = float(np.median(power[f > 0.8 * f[-1]]))
-    return f, np.maximum(power - 2.0 * noise, 0.0), noise
+def loses(of: Spectrum, slower: float) -> bool:
+    """Whether a channel at a slower rate [Hz] would lack more of its content than it has white noise there."""
+    gone = of.f > 0.5 * slower
+    return bool(of.signal[gone].sum() > of.noise * np.count_nonzero(~gone))
 
 
 @lru_cache(maxsize=4)
@@ -54,8 +63,9 @@ def at_needed_rate(record: Record) -> Record:
     rate = 1.0 / record.dt
     if not spoken or rate < 2.0 * LEAST or len(record) < WINDOW * rate:
         return record
-    top = max(highest(y, rate) for y in spoken)
-    most = SHARP if TIMES * top > MOST and any(loses(y, rate, MOST) for y in spoken) else MOST
+    seen = [spectrum(y, rate) for y in spoken]
+    top = max(map(highest, seen))
+    most = SHARP if TIMES * top > MOST and any(loses(of, MOST) for of in seen) else MOST
     every = int(rate / min(max(TIMES * top, LEAST), most) + 1e-6)
     if every < 2:
         return record

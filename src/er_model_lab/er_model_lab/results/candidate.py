@@ -12,7 +12,7 @@ from er_model_lab.diagnosis.candidates import Candidate, effect_size
 from er_model_lab.diagnosis.decisive_round import told
 from er_model_lab.diagnosis.evidence import shares
 from er_model_lab.diagnosis.investigation import Diagnosis
-from er_model_lab.diagnosis.search import Round, close
+from er_model_lab.diagnosis.search import Round, close, taken_in
 from er_model_lab.fitting.fit import with_deviations
 from er_model_lab.level.study import Study
 from er_model_lab.problem.problem import Problem
@@ -104,10 +104,8 @@ def _status(candidate: Candidate, found: Diagnosis) -> tuple[str, list[str]]:
 
 def _others(candidate: Candidate, found: Diagnosis) -> list[str]:
     """What would do nearly as well as an effect that these data name without certainty."""
-    for step in found.rounds:
-        if step.taken is not None and step.taken.name == candidate.name:
-            return [name for name in close(step) if name != candidate.name]
-    return []
+    step = taken_in(found.rounds).get(candidate.name)
+    return [name for name in close(step) if name != candidate.name] if step else []
 
 
 def _absorbed(candidate: Candidate) -> bool:

@@ -6,8 +6,6 @@ fluid beyond c_0 by a share s_y: all of them where it comes through the field, n
 falls as that of a gas that is there when the void closes: slowly where n_g = 1, at once where vapour condenses.
 """
 
-from math import exp, log
-
 from er_models.effect import CONTACT, INSTANT, LEAST_DAMPING, Effect, Param, Signature
 
 
@@ -23,7 +21,7 @@ def relax(
 
 def limit(F_v: float, w_s: float, n_g: float, f_h: float, f_d: float, w: float) -> float:
     """Force [N]: with a void w the fluid pushes with F_v instead of f_h; springs and friction act as ever."""
-    return f_d + (F_v - f_h) * (1.0 - exp(-n_g * log(1.0 + w / (n_g * w_s)))) if w > 0.0 else f_d
+    return f_d + (F_v - f_h) * (1.0 - (1.0 + w / (n_g * w_s)) ** -n_g) if w > 0.0 else f_d
 
 
 EFFECT = Effect(
