@@ -185,3 +185,21 @@ def test_a_worn_joint_that_rests_in_its_gap_is_found_there(stop):
     assumed = predict(model, part) - whole
     assert np.abs(assumed).max() > 1.0
     assert np.std(found) < 0.2 * np.std(assumed)
+
+
+@pytest.mark.parametrize("steep", [500.0, 5000.0])
+@pytest.mark.parametrize("beside", [{}, {"remanence": {"r": 0.23, "s": 0.8}}])
+def test_where_a_beginning_is_looked_for_the_prediction_keeps_its_numbers(steep, beside):
+    """Looks far aside end beyond all measure where a joint feels a damping far above the fluid's, and where a field
+    that stayed makes it negative; nothing of that may reach what is predicted."""
+    x, v, a, u = imposed(np.random.default_rng(4), 800)
+    u = np.where(np.arange(800) < 300, 0.0, 0.9)  # nothing of the field yet, where it begins
+    model = load_model(GUO).with_effect("field_viscosity", {"c_u": steep})
+    model = model.with_effect("freeplay", {"b": 2.5e-4, "q": 1e-8})
+    for name, values in beside.items():
+        model = model.with_effect(name, values)
+    along = motion(DT, x, v, u, a)
+    assumed = predict(model, along)
+    assert np.isfinite(assumed).all()
+    found = predict(model, along, Told(assumed, np.full(along.n, 1e2), 60))
+    assert found == pytest.approx(assumed, abs=0.05 * np.abs(assumed).max())

@@ -4,8 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.diagnosis.candidates import baseline, effect_size, refit
-from er_model_lab.fitting.fit import _leaving_out, cross_validated, fit
+from er_model_lab.diagnosis.candidates import baseline, cross_judged, effect_size, predicted, refit
+from er_model_lab.fitting.fit import (
+    _leaving_out,
+    cross_validated,
+    fit,
+    standard_deviations,
+    with_deviations,
+)
 from er_model_lab.problem.held_out import FOLDS
 from er_models.files import load_model
 from lab_help import FORCE_NOISE, GUO, problem_of
@@ -78,3 +84,18 @@ def test_cavitation_is_also_a_force_that_is_only_cut_off(corner):
     found = refit(base, model.catalogue["cavitation"], problem)
     assert np.sqrt(base.fit.mse(problem.train)) > 1.2 * noise
     assert np.sqrt(found.fit.mse(problem.train)) < 1.04 * noise
+
+
+def test_a_model_that_predicts_no_numbers_is_no_candidate_and_stops_nothing():
+    """In its gap a joint runs away before a damping that is negative in compression."""
+    model, problem = problem_of(None, {}, seconds=24.0)
+    wild = model.with_effect("asymmetric_damping", {"c_a": 500.0 * model.value("passive", "c0")})
+    wild = wild.with_effect("freeplay", {"b": 1e-3, "q": 1e-6})
+    away = cross_judged(("freeplay",), fit(wild, problem, max_iter=5), problem)
+    assert not np.isfinite(away.fit.residual).all()
+    assert (away.mse, away.seen) == (np.inf, np.inf)
+    assert np.isinf(standard_deviations(away.fit, problem)).all()
+    assert with_deviations(away.fit, problem).deviations
+    base = baseline(model, problem)
+    assert predicted([away, base]) == [base]
+    assert predicted([away]) == [away]

@@ -19,6 +19,8 @@ Rows = Callable[[Array], Array]
 """Outputs (m, n) at points (m, p), for instance `predict_many`."""
 LEAST = 0.1
 """A step is a share of the value, or of this much of the parameter's size where the value is smaller."""
+BEYOND_MEASURE = 1e100
+"""A derivative as large is none: sums of the squares of larger ones are no numbers."""
 
 
 def steps(parameters: Sequence[Param], values: Array, share: float | None = None) -> Array:
@@ -35,8 +37,10 @@ def steps(parameters: Sequence[Param], values: Array, share: float | None = None
 def quotients(rows: Rows, at: Array, step: Array, here: Array, first: int = 0) -> Array:
     """Derivatives (n, p - first) of rows by the coordinates of a point at (p,), from the first one on.
 
-    here (n,): outputs at the point; zero where the model gives no number.
+    here (n,): outputs at the point; zero where the model gives no number, or one beyond measure.
     """
     points = (at + np.diag(step))[first:]
     exact = (points - at)[:, first:].diagonal()
-    return np.nan_to_num((rows(points) - here).T / exact)
+    with np.errstate(invalid="ignore", over="ignore"):
+        change = (rows(points) - here).T / exact
+    return np.where(np.abs(change) < BEYOND_MEASURE, change, 0.0)

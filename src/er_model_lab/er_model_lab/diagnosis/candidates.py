@@ -25,6 +25,7 @@ from er_model_lab.fitting.fit import (
     about,
     cross_validated,
     fit,
+    mean_square,
     part_of,
     practised,
 )
@@ -277,7 +278,7 @@ def cross_judged(
 ) -> Candidate:
     """A fitted model with its cross-validation, where `straight` in a straight line whatever that is worth."""
     residual, losses = cross_validated(fitted, problem, straight=straight)
-    mse = float(np.mean(residual[problem.train] ** 2))
+    mse = mean_square(residual[problem.train])
     seen = fitted.mse(problem.train)
     return Candidate(effects, fitted, residual, losses, mse, seen, kept, reach)
 
@@ -294,7 +295,9 @@ def refit_all(
     if few:
         known = {c.name: [c.fit.model.effects[c.name]] for c in before}
         return _refit_many(base, problem, few, [(name, known.get(name, [])) for name in tried])
-    found = problem.each(_refitted, tried, base, stage=TRYING, best=partial(leaders, base))
+    found = predicted(
+        problem.each(_refitted, tried, base, stage=TRYING, best=partial(leaders, base))
+    )
     found.sort(key=lambda c: c.mse)
     return _ended(base, found, problem)
 
@@ -311,9 +314,15 @@ def _refit_many(
     begun = _by_gain(near.each(_gone_on, looked, stage=TRYING), part, rows)
     jobs = [(b, able and place < FINALISTS) for place, (b, able) in enumerate(begun)]
     near, best = about(base.fit, problem, ROUGH), partial(leaders, base)
-    found = [_beside(c, known) for c in near.each(_judged, jobs, base, stage=FINISHING, best=best)]
+    judged = near.each(_judged, jobs, base, stage=FINISHING, best=best)
+    found = predicted([_beside(c, known) for c in judged])
     found.sort(key=lambda c: max(c.mse, c.seen))
     return _ended(base, found, problem)
+
+
+def predicted(found: list[Candidate]) -> list[Candidate]:
+    """Those whose prediction is a number: a free joint before a negative damping runs away, whatever its values."""
+    return [c for c in found if np.isfinite(c.mse)] or found
 
 
 def _by_gain(

@@ -65,7 +65,7 @@ class Fit:
 
     def mse(self, mask: NDArray[np.bool_]) -> float:
         """Mean squared residual over a mask [N2]."""
-        return _mean_square(self.residual[mask])
+        return mean_square(self.residual[mask])
 
 
 class Box:
@@ -198,13 +198,14 @@ def _ended(
 
 def _cost(f: Array, problem: Problem) -> float:
     """Mean square [N2] that a prediction (n,) leaves of the training samples."""
-    return _mean_square((problem.force - f)[problem.train])
+    return mean_square((problem.force - f)[problem.train])
 
 
-def _mean_square(left: Array) -> float:
-    """Mean square of what is left (n,); infinite where that is beyond all measure."""
+def mean_square(left: Array) -> float:
+    """Mean square of what is left (n,); infinite where that is beyond all measure, or no number."""
     with np.errstate(over="ignore"):
-        return float(np.mean(left**2))
+        size = float(np.mean(left**2))
+    return size if np.isfinite(size) else np.inf
 
 
 def _leg(
@@ -438,8 +439,10 @@ def covariance(fitted: Fit, problem: Problem, wide: Array | None = None) -> Arra
     """Covariance (p, p) of the parameters [SI], robust to correlated errors: sandwich over one-second blocks.
 
     Values that make up for each other wholly (a share and the width of a play between two levels) are known no better
-    than before the data: to `wide` (p,), scaled, or `widths`.
+    than before the data: to `wide` (p,), scaled, or `widths`. NaN where the model predicts no numbers.
     """
+    if not np.isfinite(fitted.mse(problem.train)):
+        return np.full((fitted.theta.size,) * 2, np.nan)
     train = np.flatnonzero(problem.train)
     inner = np.flatnonzero(~fitted.at_bound)
     j, r = fitted.jacobian[train][:, inner], fitted.residual[train]

@@ -39,6 +39,8 @@ from er_models.kernel.imposed import (
 from er_models.kernel.states import AT_ONCE, CAUGHT, ROWS
 
 # --- below this line: compiled with the composed equations ---
+BEYOND_MEASURE = 1e100
+"""A force [N] as large is none: sums of the squares of larger ones are no numbers."""
 TURNS = 40
 """Turns through the states in which the shares of their ways are found, one after the other."""
 CHORDS = 4
@@ -63,11 +65,16 @@ def way(reach, j):
 def slope(shown, q, left, share, shift, raw):
     """Make of the run of state q from a share of its way what it adds to the run from where all settle, over the share.
 
-    shown (S + 1, n): runs, the last of them from there; left (n,): how much of the beginning shows.
+    shown (S + 1, n): runs, the last of them from there; left (n,): how much of the beginning shows. A run that grows
+    beyond measure (a negative field makes a damping negative) tells nothing.
     """
-    settled = shown.shape[0] - 1
-    for k in range(shown.shape[1]):
+    settled, n, told = shown.shape[0] - 1, shown.shape[1], True
+    for k in range(n):
         shown[q, k] = (shown[q, k] - shown[settled, k]) * left[k] / share
+        told = told and abs(shown[q, k]) < BEYOND_MEASURE
+    if not told:
+        for k in range(n):
+            shown[q, k] = left[k] = 0.0
     late(shown[q], shift, raw)
 
 

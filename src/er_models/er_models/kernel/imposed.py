@@ -16,13 +16,17 @@ from er_models.kernel.inputs import at, cubic, delayed, split
 from er_models.kernel.states import (
     AT_ONCE,
     CAUGHT,
+    DECAY,
     HEAT,
     HOLD,
+    ONE,
     ROWS,
+    SLOPE,
     W0,
     G,
     R,
     W,
+    Z,
     keep,
     settle,
     solve,
@@ -99,8 +103,11 @@ def reached(slots, at_rest, s, slowest, reach):
 def dragged(on, slots, links, at_rest, p, s, reach, clock, x, v, a, u, theta):
     """Widen the reach of each state that is dragged along to both ends of the band in which nothing drags it.
 
-    It settles at one of them; what was before the record may have left it anywhere between.
+    It settles at one of them; what was before the record may have left it anywhere between. Neither where the other
+    states are nor what their search has learnt stays of these looks, which may end beyond all measure.
     """
+    for j in range(s.shape[1]):
+        s[DECAY, j], s[ONE, j], s[Z, j] = s[W, j], s[SLOPE, j], math.nan
     for i in range(slots.shape[0]):
         j = slots[i]
         if at_rest[j] != 0:
@@ -109,10 +116,12 @@ def dragged(on, slots, links, at_rest, p, s, reach, clock, x, v, a, u, theta):
         for aside in (-ASIDE, ASIDE):
             s[W0, j] = s[W, j] = aside
             visit(on, links, p, s, 0.0, HOLD, x, v, a, u, clock, theta)
-            if s[R, j] >= AT_ONCE:
+            if s[R, j] >= AT_ONCE and abs(s[W, j]) < ASIDE:
                 reach[LEAST, j] = min(reach[LEAST, j], s[W, j])
                 reach[MOST, j] = max(reach[MOST, j], s[W, j])
-        s[W0, j] = s[W, j] = settled
+            for other in range(s.shape[1]):
+                s[W, other], s[SLOPE, other] = s[DECAY, other], s[ONE, other]
+        s[W0, j] = settled
     visit(on, links, p, s, 0.0, HOLD, x, v, a, u, clock, theta)
     keep(slots, s)
 
