@@ -167,6 +167,19 @@ def test_a_field_that_stayed_from_before_the_record_is_found(before, later):
     assert np.std(found) < 0.2 * np.std(assumed)
 
 
+def test_an_offset_of_a_record_of_one_duty_is_no_field_that_stayed():
+    """Runs of a steady current differ by whatever an offset may stand for; what drags the field never moves there."""
+    x, v, a, _ = imposed(np.random.default_rng(5), 1600)
+    model = load_model(GUO).with_effect("remanence", {"r": 0.1, "s": 0.7})
+    rng = np.random.default_rng(1)
+    steady = motion(DT, x, v, 0.25 + 1e-4 * rng.standard_normal(1600), a)
+    told = predict(load_model(GUO), motion(DT, x, v, np.full(1600, 0.3), a))
+    assumed = predict(model, steady)
+    assert np.abs(told - assumed).max() > 1.0
+    found = predict(model, steady, Told(told, np.full(1600, 1e4), 60))
+    assert found == pytest.approx(assumed, abs=1e-2)
+
+
 @pytest.mark.parametrize("stop", [300, 420, 555])
 def test_a_worn_joint_that_rests_in_its_gap_is_found_there(stop):
     """Friction holds the damper wherever the motion ended; nothing shows of it until the joint closes."""

@@ -87,12 +87,11 @@ def test_cavitation_is_also_a_force_that_is_only_cut_off(corner):
 
 
 def test_a_model_that_predicts_no_numbers_is_no_candidate_and_stops_nothing():
-    """In its gap a joint runs away before a damping that is negative in compression."""
-    model, problem = problem_of(None, {}, seconds=24.0)
-    wild = model.with_effect("asymmetric_damping", {"c_a": 500.0 * model.value("passive", "c0")})
-    wild = wild.with_effect("freeplay", {"b": 1e-3, "q": 1e-6})
-    away = cross_judged(("freeplay",), fit(wild, problem, max_iter=5), problem)
-    assert not np.isfinite(away.fit.residual).all()
+    """What grows beyond measure on one run takes nothing from the others: it is told by no number, and left out."""
+    model, problem = problem_of(None, {}, seconds=8.0)
+    fitted = fit(model.with_effect("coulomb_friction"), problem, max_iter=1)
+    nothing = np.where(np.arange(fitted.residual.size) < 900, fitted.residual, np.nan)
+    away = cross_judged(("coulomb_friction",), replace(fitted, residual=nothing), problem)
     assert (away.mse, away.seen) == (np.inf, np.inf)
     assert np.isinf(standard_deviations(away.fit, problem)).all()
     assert with_deviations(away.fit, problem).deviations

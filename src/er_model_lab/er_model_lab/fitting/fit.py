@@ -441,7 +441,7 @@ def covariance(fitted: Fit, problem: Problem, wide: Array | None = None) -> Arra
     Values that make up for each other wholly (a share and the width of a play between two levels) are known no better
     than before the data: to `wide` (p,), scaled, or `widths`. NaN where the model predicts no numbers.
     """
-    if not np.isfinite(fitted.mse(problem.train)):
+    if not np.isfinite(mean_square(fitted.residual[problem.train])):
         return np.full((fitted.theta.size,) * 2, np.nan)
     train = np.flatnonzero(problem.train)
     inner = np.flatnonzero(~fitted.at_bound)

@@ -36,7 +36,7 @@ from er_models.kernel.imposed import (
     output_delay,
     predict,
 )
-from er_models.kernel.states import AT_ONCE, CAUGHT, ROWS
+from er_models.kernel.states import AT_ONCE, CAUGHT, ROWS, W
 
 # --- below this line: compiled with the composed equations ---
 BEYOND_MEASURE = 1e100
@@ -48,6 +48,8 @@ CHORDS = 4
 LOOKS, HALVINGS = 4, 3
 """Beginnings of such a state that are looked at first, from the far end of its reach to the near one, and how often
 both sides of the best one are looked at, each time half as far off."""
+STILL = 0.05
+"""Share of its way below which a state that is dragged along is not moved by a record."""
 MOVED = 0.02
 """Share of its way by which the beginning of a state must have moved for that."""
 
@@ -78,6 +80,21 @@ def slope(shown, q, left, share, shift, raw):
     late(shown[q], shift, raw)
 
 
+@inner
+def lies(own, at_rest, s, reach, away, path, n):
+    """Whether a state that is dragged along lies still in a record of n rows, from where it settles and from far away.
+
+    s: at the end of the run from there. All that its beginning shows then is an offset, which may have any cause.
+    """
+    if at_rest[own] != 0 or reach[FASTEST, own] < AT_ONCE:
+        return False
+    low = high = path[own, n - 1]
+    for k in range(1, n):
+        low, high = min(low, path[own, k]), max(high, path[own, k])
+    most = max(high - low, abs(s[W, own] - (reach[SETTLED, own] + away)))
+    return most < STILL * abs(away)
+
+
 @once
 def slopes(
     on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, near, raw, path
@@ -104,6 +121,8 @@ def slopes(
                 on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, shown[q], reach, own, away,
                 left[q], path,
             )  # fmt: skip
+        if seen > 0 and lies(own, at_rest, s, reach, away, path, n):
+            seen = 0
         for k in range(seen, n):
             shown[q, k] = left[q, k] = 0.0
         rows = max(rows, seen)

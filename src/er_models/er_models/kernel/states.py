@@ -45,6 +45,8 @@ PASSES = 40
 """Looks at the damper after which the search gives up: a jump in an equation has no better answer."""
 PATIENCE = 6
 """Looks after which every other trial halves the bracket."""
+FARTHEST = 1e50
+"""Beyond this a state is no number."""
 CLOSE = 1e-10
 """Relative error of a state that feeds back."""
 SWEEPS = 9
@@ -189,10 +191,14 @@ def refined(links, s, k, force):
     """Whether every state that feeds back agrees with what follows from it; if not, the next trial is set.
 
     The rest of the force, the last state, is a difference: it is known as well as the force itself [N], no better.
+    Trials that lead beyond measure are no side of a bracket: the search begins anew, halfway back to where they were.
     """
     worst = 0.0
     for i in range(links.shape[0]):
         j = links[i]
+        if not abs(s[W, j]) < FARTHEST:
+            again(links, s)
+            return False
         size = abs(s[W, j]) + abs(s[W0, j])
         if j == s.shape[1] - 1:
             size += abs(force)
@@ -202,6 +208,16 @@ def refined(links, s, k, force):
     for i in range(links.shape[0]):
         next_trial(s, links[i], k >= PATIENCE and k % 2 == 0)
     return False
+
+
+@inner
+def again(links, s):
+    """Begin the search anew, nearer to where the states were before the step."""
+    for i in range(links.shape[0]):
+        j = links[i]
+        s[W, j] = 0.5 * (s[W0, j] + s[TRY, j])
+        s[SLOPE, j] = 0.0
+    begin(links, s)
 
 
 @inner
