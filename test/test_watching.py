@@ -146,7 +146,7 @@ def test_a_sensor_that_says_no_number_or_is_not_valid_is_named(
         """One of the two in turn: the queue of a sensor holds the newest message only."""
         now, k = other.get_clock().now().nanoseconds, next(seqs)
         message = builders.suspension_acceleration(builders.Tick(now, k), 0.0, 0.0)
-        message.unsprung, message.valid = (math.nan, True) if k % 2 else (0.0, False)
+        message.unsprung, message.valid = math.nan, bool(k % 2)
         end.publish(message)
         return end.get_subscription_count() > 0
 

@@ -441,20 +441,21 @@ def covariance(fitted: Fit, problem: Problem, wide: Array | None = None) -> Arra
     Values that make up for each other wholly (a share and the width of a play between two levels) are known no better
     than before the data: to `wide` (p,), scaled, or `widths`. NaN where the model predicts no numbers.
     """
-    if not np.isfinite(mean_square(fitted.residual[problem.train])):
-        return np.full((fitted.theta.size,) * 2, np.nan)
     train = np.flatnonzero(problem.train)
     inner = np.flatnonzero(~fitted.at_bound)
     j, r = fitted.jacobian[train][:, inner], fitted.residual[train]
+    left = mean_square(r)
+    if not np.isfinite(left):
+        return np.full((fitted.theta.size,) * 2, np.nan)
     wide = widths(fitted) if wide is None else wide
-    before = np.diag(float(np.mean(r**2)) / wide[inner] ** 2)
+    before = np.diag(left / wide[inner] ** 2)
     inverse = np.linalg.pinv(j.T @ j + before, rcond=1e-15)
     length = problem.second
     blocks = train // length
     edges = np.flatnonzero(np.diff(blocks)) + 1
     scores = np.add.reduceat(j * r[:, None], np.concatenate([[0], edges]), axis=0)
     m = scores.shape[0]
-    meat = scores.T @ scores * (m / max(m - inner.size, 1)) + before * float(np.mean(r**2))
+    meat = scores.T @ scores * (m / max(m - inner.size, 1)) + before * left
     out = np.full((fitted.theta.size,) * 2, np.nan)
     out[np.ix_(inner, inner)] = (
         inverse @ meat @ inverse * np.outer(fitted.scale[inner], fitted.scale[inner])
